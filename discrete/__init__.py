@@ -1,0 +1,1 @@
+"""The exact model: discrete elastic rods on a discrete shell."""

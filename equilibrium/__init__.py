@@ -1,0 +1,1 @@
+"""Sparse factorisation and Newton, shared by the exact model and the shell."""

@@ -1,0 +1,1 @@
+"""Room of the homogenised shell on scikit-fem: it knows fields, not stars."""

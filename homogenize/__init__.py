@@ -1,0 +1,1 @@
+"""Room of the unit cells and of the law of the sheet."""

@@ -1,0 +1,75 @@
+"""The layout of a design: stars, arms, border and pins in print coordinates (mm on the stretched fabric)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class PinSet:
+    """Places of the sheet held in space, all in the same way.
+
+    Attributes
+    ----------
+    points : (P, 2) mm, isolated printed points (corners of the border included).
+    edges : border edges held along their whole length; edge `i` runs from `border[i]` to `border[i + 1]`.
+    fixed : which of x, y, z are held; the others are free to slide.
+    scale : x and y are held at `scale` times the printed place (about the origin of the print), z at 0.
+    offset_mm : added to the place given by `scale`.
+    target_mm : (P, 3) places in space, one a point; takes the place of `scale` and `offset_mm`.
+    """
+
+    points: Floats
+    edges: tuple[int, ...]
+    fixed: tuple[bool, bool, bool]
+    scale: float = 1.0
+    offset_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    target_mm: Floats | None = None
+
+    def places(self, printed: Floats) -> Floats:
+        """Where the printed points (n, 2) are held, (n, 3) mm; only the components in `fixed` count."""
+        if self.target_mm is not None:
+            # one target a point: printed points come from the mesh in the order of `points`
+            return np.asarray(self.target_mm, dtype=float)
+        flat = np.column_stack([self.scale * printed, np.zeros(len(printed))])
+        return flat + np.asarray(self.offset_mm)
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What is printed, and where the sheet is held.
+
+    Attributes
+    ----------
+    border : (B, 2) mm, simple polygon, counterclockwise, not closed.
+    centres : (S, 2) mm, star centres; stars without arms (length 0, removed) are not listed.
+    arm_star : (A,) the star of each arm; the arms of a star follow each other counterclockwise.
+    arm_tip : (A, 2) mm, tip of each arm, after cutting at the border.
+    arm_thickness, arm_width : (A, 2) mm, at the star's centre and at the tip, linear between.
+    neighbours : (N, 2) pairs of stars at the lattice's nearest distance.
+    pins : how the sheet is held; empty for a free sheet.
+    lattice_vectors : (2, 2) mm, rows; star centres are integer combinations of the rows plus `lattice_origin`.
+    lattice_origin : (2,) mm.
+    """
+
+    border: Floats
+    centres: Floats
+    arm_star: Ints
+    arm_tip: Floats
+    arm_thickness: Floats
+    arm_width: Floats
+    neighbours: Ints
+    pins: tuple[PinSet, ...]
+    lattice_vectors: Floats
+    lattice_origin: Floats
+
+    @property
+    def arm_length(self) -> Floats:
+        """(A,) mm."""
+        return np.linalg.norm(self.arm_tip - self.centres[self.arm_star], axis=1)
