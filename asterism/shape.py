@@ -1,0 +1,106 @@
+"""A sheet in space: where every printed point has gone, and what is known about it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from asterism.point_location import locate
+from asterism.pose import principal_axes, upright_rotation
+from asterism.surface_fields import triangle_areas, triangle_normals
+from pattern.layout import Floats, Ints
+
+
+@dataclass(frozen=True)
+class Shape:
+    """The result of a simulation, exact or homogenised.
+
+    Attributes
+    ----------
+    printed : (V, 2) mm, where each vertex was printed, on the stretched fabric.
+    positions : (V, 3) mm, where it is in space.
+    triangles : (T, 3), counterclockwise in print, so that normals point to the plastic side.
+    star : (V,) the number of the star whose centre is this vertex, -1 elsewhere.
+    rods : one array of vertices an arm, from the star's centre to the tip.
+    star_vertices : (S,) the vertex at each star's centre.
+    point_fields : arrays (V,) or (V, 3) by name; three columns are a vector in space and turn with the sheet.
+    cell_fields : arrays (T,) or (T, m) by name.
+    rod_fields : arrays (R,) by name over the edges of all rods, in the order of `rod_edges`;
+        `thickness_mm`, `width_mm`, `arm` and `star` among them.
+    summary : the numbers of `summary.json`.
+    """
+
+    printed: Floats
+    positions: Floats
+    triangles: Ints
+    star: Ints
+    rods: tuple[Ints, ...]
+    star_vertices: Ints
+    point_fields: Mapping[str, np.ndarray] = field(default_factory=dict)
+    cell_fields: Mapping[str, np.ndarray] = field(default_factory=dict)
+    rod_fields: Mapping[str, np.ndarray] = field(default_factory=dict)
+    summary: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def rod_edges(self) -> Ints:
+        """(R, 2) vertices at the ends of every rod edge, rod by rod, from centre to tip."""
+        edges = [np.column_stack([path[:-1], path[1:]]) for path in self.rods]
+        return np.concatenate(edges) if edges else np.empty((0, 2), dtype=np.int64)
+
+    @property
+    def edges_of_rod(self) -> Ints:
+        """(R,) the rod of each edge of `rod_edges`."""
+        return np.repeat(np.arange(len(self.rods)), [len(path) - 1 for path in self.rods])
+
+    @property
+    def height_mm(self) -> float:
+        """Extent along z. A free sheet has no up: ask its `aligned()` copy."""
+        return float(np.ptp(self.positions[:, 2]))
+
+    @property
+    def extent_mm(self) -> tuple[float, float, float]:
+        """Sizes along the principal axes, the largest first; the same however the sheet lies in space."""
+        along = self.positions @ principal_axes(self.positions, self._weights())[0].T
+        first, second, third = sorted(np.ptp(along, axis=0), reverse=True)
+        return float(first), float(second), float(third)
+
+    def at(self, printed_points: Floats) -> Floats:
+        """Where printed points are in space.
+
+        Parameters
+        ----------
+        printed_points : (n, 2) mm, on the printed sheet.
+
+        Returns
+        -------
+        (n, 3) mm, linear within each triangle.
+
+        Raises
+        ------
+        ValueError
+            If a point is off the sheet.
+        """
+        points = np.atleast_2d(np.asarray(printed_points, dtype=float))
+        triangle, weights = locate(self.printed, self.triangles, points)
+        return np.einsum("nk,nki->ni", weights, self.positions[self.triangles[triangle]])
+
+    def aligned(self) -> Shape:
+        """A centred copy, its principal axes along x, y and z, the largest first, the plastic side up."""
+        weights = self._weights()
+        plastic_side = triangle_normals(self.positions, self.triangles).sum(axis=0)
+        rotation = upright_rotation(self.printed, self.positions, weights, plastic_side)
+        turned = {
+            name: values @ rotation.T if values.ndim == 2 and values.shape[1] == 3 else values
+            for name, values in self.point_fields.items()
+        }
+        moved = (self.positions - weights @ self.positions) @ rotation.T
+        return replace(self, positions=moved, point_fields=turned)
+
+    def _weights(self) -> Floats:
+        """(V,) share of the printed sheet that each vertex stands for; adds up to 1."""
+        third = np.repeat(triangle_areas(self.printed, self.triangles) / 3, 3)
+        areas = np.bincount(self.triangles.ravel(), weights=third, minlength=len(self.printed))
+        return areas / areas.sum()

@@ -1,0 +1,163 @@
+"""Areas, normals, curvatures and strains of a triangulated sheet in space."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import coo_array
+
+from pattern.layout import Floats, Ints
+
+
+def triangle_normals(positions: Floats, triangles: Ints) -> Floats:
+    """(T, 3) mm^2, normals towards the plastic side, each as long as twice its triangle's area."""
+    a, b, c = (positions[triangles[:, k]] for k in range(3))
+    return np.cross(b - a, c - a)
+
+
+def triangle_areas(positions: Floats, triangles: Ints) -> Floats:
+    """(T,) mm^2; `positions` may be (V, 2) or (V, 3)."""
+    solid = positions if positions.shape[1] == 3 else np.column_stack([positions, np.zeros(len(positions))])
+    return np.linalg.norm(triangle_normals(solid, triangles), axis=1) / 2
+
+
+def vertex_normals(positions: Floats, triangles: Ints) -> Floats:
+    """(V, 3) unit normals on the plastic side: mean of the triangles around, weighted by area."""
+    normals = _gather(triangles, np.repeat(triangle_normals(positions, triangles), 3, axis=0), len(positions))
+    # a vertex where the sheet is folded onto itself has no normal; any unit vector serves
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    return np.where(length > 0, normals / np.where(length > 0, length, 1.0), [0.0, 0.0, 1.0])
+
+
+def border_of(triangles: Ints, count: int) -> np.ndarray:
+    """(count,) bool, vertices on the outline: on an edge that belongs to one triangle only."""
+    edges = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    unique, uses = np.unique(edges, axis=0, return_counts=True)
+    on_border = np.zeros(count, dtype=bool)
+    on_border[unique[uses == 1].ravel()] = True
+    return on_border
+
+
+def vertex_areas(positions: Floats, triangles: Ints) -> Floats:
+    """(V,) mm^2, the part of the sheet that belongs to each vertex; the parts add up to the whole sheet.
+
+    Voronoi cells, replaced by halves and quarters in obtuse triangles.
+
+    References
+    ----------
+    Meyer, Desbrun, Schroeder and Barr, Discrete differential-geometry operators for triangulated
+    2-manifolds, 2003, section 3.3.
+    """
+    area = triangle_areas(positions, triangles)[:, None]
+    cotangents, squares = _cotangents(positions, triangles)
+    # the cell of corner k has a share of the two edges that meet there, opposite to the other two corners
+    share = (cotangents * squares) / 8
+    voronoi = share.sum(axis=1, keepdims=True) - share
+    obtuse = cotangents < 0
+    halves = np.where(obtuse, area / 2, area / 4)
+    return _gather(triangles, np.where(obtuse.any(axis=1, keepdims=True), halves, voronoi).ravel(), len(positions))
+
+
+def gaussian_curvature(positions: Floats, triangles: Ints) -> Floats:
+    """(V,) 1/mm^2, 2 pi less the angles around a vertex, over its area; NaN on the border."""
+    cotangents, _ = _cotangents(positions, triangles)
+    angles = np.arctan2(1.0, cotangents)
+    defect = 2 * np.pi - _gather(triangles, angles.ravel(), len(positions))
+    return _per_area(defect, positions, triangles)
+
+
+def mean_curvature(positions: Floats, triangles: Ints) -> Floats:
+    """(V,) 1/mm, mean of the principal curvatures by the cotangent formula; NaN on the border.
+
+    Positive where the plastic side is convex: 1/R on a sphere whose outside is the plastic side.
+    """
+    count = len(positions)
+    cotangents, _ = _cotangents(positions, triangles)
+    i, j = triangles[:, [1, 2, 0]].ravel(), triangles[:, [2, 0, 1]].ravel()
+    weights = coo_array((cotangents.ravel() / 2, (i, j)), shape=(count, count)).tocsr()
+    weights = weights + weights.T
+    laplacian = weights @ positions - weights.sum(axis=1)[:, None] * positions
+    along_normal = -np.einsum("vi,vi->v", laplacian, vertex_normals(positions, triangles))
+    return _per_area(along_normal / 2, positions, triangles)
+
+
+def principal_strains(flat: Floats, positions: Floats, triangles: Ints) -> Floats:
+    """Principal stretches less one of the map from a flat sheet into space.
+
+    Parameters
+    ----------
+    flat : (V, 2) mm, the sheet that counts as unstrained: as printed, or `rest_places(printed, stretch)`.
+    positions : (V, 3) mm.
+    triangles : (T, 3).
+
+    Returns
+    -------
+    (T, 2), the larger first: singular values of the deformation gradient, less one.
+    """
+    metric = np.einsum("tia,tib->tab", *([_deformation_gradients(flat, positions, triangles)] * 2))
+    half_trace = (metric[:, 0, 0] + metric[:, 1, 1]) / 2
+    radius = np.hypot((metric[:, 0, 0] - metric[:, 1, 1]) / 2, metric[:, 0, 1])
+    squares = np.column_stack([half_trace + radius, half_trace - radius])
+    return np.sqrt(np.maximum(squares, 0.0)) - 1
+
+
+def rest_places(printed: Floats, stretch: float | tuple[float, float]) -> Floats:
+    """(V, 2) mm, the fabric before it was stretched: printed places over the stretch of each direction."""
+    return printed / np.broadcast_to(np.asarray(stretch, dtype=float), (2,))
+
+
+def point_fields(positions: Floats, triangles: Ints) -> dict[str, Floats]:
+    """Fields of the sheet per vertex, for reports and exports."""
+    return {
+        "normal": vertex_normals(positions, triangles),
+        "mean_curvature_per_mm": mean_curvature(positions, triangles),
+        "gaussian_curvature_per_mm2": gaussian_curvature(positions, triangles),
+    }
+
+
+def cell_fields(
+    printed: Floats, positions: Floats, triangles: Ints, stretch: float | tuple[float, float]
+) -> dict[str, Floats]:
+    """Strains per triangle from the sheet as printed and from the fabric at rest, for reports and exports."""
+    from_print = principal_strains(printed, positions, triangles)
+    from_rest = principal_strains(rest_places(printed, stretch), positions, triangles)
+    return {
+        "strain_from_print_max": from_print[:, 0],
+        "strain_from_print_min": from_print[:, 1],
+        "strain_from_rest_max": from_rest[:, 0],
+        "strain_from_rest_min": from_rest[:, 1],
+    }
+
+
+def _deformation_gradients(flat: Floats, positions: Floats, triangles: Ints) -> Floats:
+    """(T, 3, 2), edges in space times the inverse of the flat edges."""
+    flat_edges = np.stack([flat[triangles[:, k]] - flat[triangles[:, 0]] for k in (1, 2)], axis=-1)
+    edges = np.stack([positions[triangles[:, k]] - positions[triangles[:, 0]] for k in (1, 2)], axis=-1)
+    return edges @ np.linalg.inv(flat_edges)
+
+
+def _cotangents(positions: Floats, triangles: Ints) -> tuple[Floats, Floats]:
+    """(T, 3) cotangent at each corner and (T, 3) mm^2 square of the edge opposite to it."""
+    corners = positions[triangles]
+    next_edge = np.roll(corners, -1, axis=1) - corners
+    last_edge = np.roll(corners, -2, axis=1) - corners
+    twice_area = np.linalg.norm(triangle_normals(positions, triangles), axis=1)[:, None]
+    # a triangle squeezed to a line would divide by zero: its corner angles are 0 and pi, cotangents large
+    tiny = np.finfo(float).tiny + 1e-12 * np.einsum("tki,tki->tk", next_edge, next_edge)
+    cotangents = np.einsum("tki,tki->tk", next_edge, last_edge) / np.maximum(twice_area, tiny)
+    opposite = np.roll(next_edge, -1, axis=1)
+    return cotangents, np.einsum("tki,tki->tk", opposite, opposite)
+
+
+def _per_area(values: Floats, positions: Floats, triangles: Ints) -> Floats:
+    """(V,) values over the area of each vertex; NaN on the border and where the sheet has collapsed."""
+    area = vertex_areas(positions, triangles)
+    defined = ~border_of(triangles, len(positions)) & (area > 0)
+    return np.divide(values, area, out=np.full(len(positions), np.nan), where=defined)
+
+
+def _gather(triangles: Ints, per_corner: Floats, count: int) -> Floats:
+    """Sum over the corners at each vertex of values (3 T,) or (3 T, m) listed triangle by triangle."""
+    corners = triangles.ravel()
+    if per_corner.ndim == 1:
+        return np.bincount(corners, weights=per_corner, minlength=count)
+    return np.column_stack([np.bincount(corners, weights=column, minlength=count) for column in per_corner.T])
