@@ -157,7 +157,6 @@ def _per_area(values: Floats, positions: Floats, triangles: Ints) -> Floats:
 
 def _gather(triangles: Ints, per_corner: Floats, count: int) -> Floats:
     """Sum over the corners at each vertex of values (3 T,) or (3 T, m) listed triangle by triangle."""
-    corners = triangles.ravel()
-    if per_corner.ndim == 1:
-        return np.bincount(corners, weights=per_corner, minlength=count)
-    return np.column_stack([np.bincount(corners, weights=column, minlength=count) for column in per_corner.T])
+    gathered = np.zeros((count, *per_corner.shape[1:]))
+    np.add.at(gathered, triangles.ravel(), per_corner)
+    return gathered
