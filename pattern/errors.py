@@ -1,0 +1,104 @@
+"""One line for every mistake in a design: the file, the field, its value and what is allowed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+_NOTHING: Any = object()
+_LONGEST_VALUE = 60
+
+
+class DesignError(ValueError):
+    """A design that cannot be printed or read; `str` is one line.
+
+    Parameters
+    ----------
+    field : dotted, e.g. `stars.length_mm` or `pins[0].scale`; empty for the file as a whole.
+    allowed : what would be right, or what is wrong.
+    value : what was found there; left out if there is nothing to show.
+    file : where the design was read from, if it was.
+    """
+
+    def __init__(self, field: str, allowed: str, value: Any = _NOTHING, file: str | Path | None = None):
+        self.field, self.allowed, self.value, self.file = field, allowed, value, file
+        place = field if value is _NOTHING else f"{field} = {_short(value)}"
+        super().__init__(_one_line(": ".join(part for part in (str(file or ""), place, allowed) if part)))
+
+    def within(self, file: str | Path) -> DesignError:
+        """The same mistake, with its file named."""
+        return DesignError(self.field, self.allowed, self.value, file)
+
+
+def from_validation(error: ValidationError, file: str | Path | None = None) -> DesignError:
+    """The first of pydantic's complaints in our words."""
+    first = error.errors(include_url=False)[0]
+    context = first.get("ctx", {})
+    field = _dotted(first["loc"], context.get("key"))
+    if first["type"] == "missing":
+        return DesignError(field, "is missing", file=file)
+    if isinstance(cause := context.get("error"), DesignError):
+        inner = ".".join(part for part in (field, cause.field) if part)
+        return DesignError(inner, cause.allowed, cause.value, file)
+    value = context.get("value", first["input"])
+    return DesignError(field, _allowed(first["type"], context, first["msg"]), value, file)
+
+
+def _allowed(kind: str, context: dict[str, Any], message: str) -> str:
+    match kind:
+        case "float_type" | "float_parsing":
+            return "must be a number"
+        case "int_type" | "int_from_float" | "int_parsing" | "int_parsing_size":
+            return "must be a whole number"
+        case "bool_type" | "bool_parsing":
+            return "must be true or false"
+        case "string_type":
+            return "must be a text"
+        case "finite_number":
+            return "must be a finite number"
+        case "greater_than_equal":
+            return f"must be at least {context['ge']:g}"
+        case "greater_than":
+            return f"must be greater than {context['gt']:g}"
+        case "less_than_equal":
+            return f"must be at most {context['le']:g}"
+        case "less_than":
+            return f"must be less than {context['lt']:g}"
+        case "literal_error":
+            return f"must be {context['expected']}"
+        case "too_short":
+            return f"must have at least {context['min_length']} entries"
+        case "too_long":
+            return f"must have at most {context['max_length']} entries"
+        case "tuple_type" | "list_type":
+            return "must be a list"
+        case "model_type" | "dict_type" | "model_attributes_type":
+            return "must be a table of keys and values"
+        case _:
+            return message.removeprefix("Value error, ")
+
+
+def _dotted(location: tuple[int | str, ...], key: str | None) -> str:
+    """`stars.override[2].at_mm`; the branches of a union (written `kind:name`) are ours, not the user's."""
+    field = ""
+    for part in (*location, *([key] if key is not None else [])):
+        if isinstance(part, int):
+            field += f"[{part}]"
+        elif ":" not in part or part == key:
+            field += f".{part}" if field else part
+    return field
+
+
+def _short(value: Any) -> str:
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):  # integers of thousands of digits, lists that contain themselves
+        text = f"a {type(value).__name__}"
+    return text if len(text) <= _LONGEST_VALUE else f"{text[: _LONGEST_VALUE - 3]}..."
+
+
+def _one_line(text: str) -> str:
+    # a file or key may be named anything, and the terminal must show one line all the same
+    return "".join(c if c.isprintable() else " " for c in text)

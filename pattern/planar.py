@@ -1,0 +1,57 @@
+"""Plane geometry of polygons, segments and triangles, for many of them at once."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pattern.layout import Floats, Ints
+
+
+def cross(a: Floats, b: Floats) -> Floats:
+    """z component of the cross product of the vectors in the last axis."""
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+
+
+def polygon_area(polygon: Floats) -> float:
+    """Signed area of a polygon (n, 2): positive if counterclockwise."""
+    return float(cross(polygon, np.roll(polygon, -1, axis=0)).sum() / 2)
+
+
+def triangle_areas(points: Floats, triangles: Ints) -> Floats:
+    """Signed areas (T,) of triangles: positive if counterclockwise."""
+    a, b, c = points[triangles].swapaxes(0, 1)
+    return cross(b - a, c - a) / 2
+
+
+def triangle_angles(points: Floats, triangles: Ints) -> Floats:
+    """Angles (T, 3) in degrees at the corners of triangles."""
+    corner = points[triangles]
+    u = np.roll(corner, -1, axis=1) - corner
+    v = np.roll(corner, 1, axis=1) - corner
+    return np.degrees(np.arctan2(np.abs(cross(u, v)), (u * v).sum(axis=-1)))
+
+
+def inside(points: Floats, polygon: Floats) -> NDArray[np.bool_]:
+    """Which points (n, 2) lie in a simple polygon; either answer for points on its outline."""
+    x, y = points.T
+    result = np.zeros(len(points), dtype=bool)
+    for (ax, ay), (bx, by) in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
+        if ay != by:
+            result ^= ((ay > y) != (by > y)) & (x < ax + (y - ay) * (bx - ax) / (by - ay))
+    return result
+
+
+def distance_to_segment(points: Floats, a: Floats, b: Floats) -> Floats:
+    """Distance of points to segments a-b; the three arrays (..., 2) broadcast."""
+    along = b - a
+    t = ((points - a) * along).sum(axis=-1) / np.maximum((along**2).sum(axis=-1), np.finfo(float).tiny)
+    return np.linalg.norm(points - a - np.clip(t, 0, 1)[..., None] * along, axis=-1)
+
+
+def distance_to_outline(points: Floats, polygon: Floats) -> Floats:
+    """Distance (n,) of points to the outline of a polygon."""
+    result = np.full(len(points), np.inf)
+    for a, b in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
+        result = np.minimum(result, distance_to_segment(points, a, b))
+    return result

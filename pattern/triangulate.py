@@ -1,0 +1,189 @@
+"""The one guarded call of the `triangle` package, whose C code ends the process on input it does not like."""
+
+from __future__ import annotations
+
+import numpy as np
+import triangle
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial import cKDTree
+
+from pattern.errors import MeshError
+from pattern.layout import Floats, Ints
+from pattern.planar import cross, distance_to_segment, triangle_areas
+
+# closer than this, relative to the extent of the input, points count as one and segments as touching
+TOLERANCE = 1e-8
+MAX_TRIANGLES = 2_000_000
+MAX_ANGLE_DEG = 33.0
+
+
+def triangulate(
+    points: ArrayLike,
+    segments: ArrayLike,
+    *,
+    min_angle_deg: float | None = None,
+    max_area: float | None = None,
+    holes: ArrayLike = (),
+) -> tuple[Floats, Ints]:
+    """Constrained Delaunay triangulation of the region that closed loops of segments enclose.
+
+    Segments are never split. Refinement adds points inside only, so that the angle asked for is reached where the
+    segments permit it.
+
+    Parameters
+    ----------
+    points : (n, 2), distinct, none on a segment it does not end.
+    segments : (m, 2) indices of points; they may meet at points only.
+    min_angle_deg : smallest angle to aim for, at most 33.
+    max_area : largest area of a triangle, in units of `points` squared.
+    holes : (h, 2), one point in each hole.
+
+    Returns
+    -------
+    points : (N, 2), N >= n; the first n are those given, bit for bit.
+    triangles : (T, 3), counterclockwise.
+
+    Raises
+    ------
+    MeshError : where the input is not such a set of points and segments, or the mesh would be too large.
+    """
+    p, s, h = _arrays(points, segments, holes)
+    centre = (p.min(axis=0) + p.max(axis=0)) / 2
+    scale = float(np.ptp(p, axis=0).max())
+    if not scale > 1e-9 * float(np.abs(p).max()):
+        raise MeshError("the points to triangulate coincide, or lie too far from the origin to tell apart")
+    # Triangle's exact arithmetic is only exact far from overflow and underflow
+    unit = (p - centre) / scale
+    _check_geometry(unit, s)
+    options, room = _options(unit, min_angle_deg, None if max_area is None else max_area / scale**2)
+    data = {"vertices": unit, "segments": s.astype(np.int32)}
+    if len(h):
+        data["holes"] = (h - centre) / scale
+    result = triangle.triangulate(data, options)
+    mesh, triangles = np.asarray(result["vertices"]), np.asarray(result.get("triangles", ()), dtype=np.int64)
+    if room and len(mesh) - len(p) >= room:
+        raise MeshError(f"the mesh would need more than {room} points: use a longer edge")
+    _check_result(mesh, triangles.reshape(-1, 3), s, len(p))
+    return np.concatenate([p, mesh[len(p) :] * scale + centre]), triangles
+
+
+def _arrays(points: ArrayLike, segments: ArrayLike, holes: ArrayLike) -> tuple[Floats, Ints, Floats]:
+    """The input as arrays of the right shape, finite and with indices in range."""
+    try:
+        p = np.array(points, dtype=float)
+        s = np.array(segments)
+        h = np.array(holes, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise MeshError(f"points, segments and holes must be arrays of numbers: {error}") from None
+    if p.ndim != 2 or p.shape[1] != 2 or len(p) < 3:
+        raise MeshError(f"points must be at least three pairs, got an array of shape {p.shape}")
+    if s.ndim != 2 or s.shape[1] != 2 or len(s) < 3 or s.dtype.kind not in "iu":
+        raise MeshError(f"segments must be at least three pairs of whole numbers, got shape {s.shape}")
+    if h.size and (h.ndim != 2 or h.shape[1] != 2):
+        raise MeshError(f"holes must be pairs, got an array of shape {h.shape}")
+    if not (np.isfinite(p).all() and np.isfinite(h).all()):
+        raise MeshError("points and holes must be finite")
+    if not (1e-100 < np.abs(p).max() < 1e100):
+        raise MeshError("points must be of an ordinary size")
+    if s.min() < 0 or s.max() >= len(p):
+        raise MeshError(f"segments must name points 0 to {len(p) - 1}, got {s.min()} to {s.max()}")
+    return p, s.astype(np.int64), h.reshape(-1, 2)
+
+
+def _check_geometry(p: Floats, s: Ints) -> None:
+    """Distinct points, segments that meet at points only and leave no free region without an outline."""
+    if cKDTree(p).query_pairs(TOLERANCE):
+        i, j = min(cKDTree(p).query_pairs(TOLERANCE))
+        raise MeshError(f"points {i} and {j} are the same")
+    spread = np.linalg.svd(p - p.mean(axis=0), compute_uv=False)
+    if spread[1] < TOLERANCE * spread[0]:
+        raise MeshError("the points lie on one line")
+    ordered = np.sort(s, axis=1)
+    if (s[:, 0] == s[:, 1]).any():
+        raise MeshError(f"segment {np.argmax(s[:, 0] == s[:, 1])} has no length")
+    if len(np.unique(ordered, axis=0)) < len(s):
+        raise MeshError("a segment is given twice")
+    on, owner, first, second = _close_pairs(p, s)
+    apart = (s[owner] != on[:, None]).all(axis=1)
+    on, owner = on[apart], owner[apart]
+    touching = distance_to_segment(p[on], p[s[owner, 0]], p[s[owner, 1]]) < TOLERANCE
+    if touching.any():
+        k = np.argmax(touching)
+        raise MeshError(f"point {on[k]} lies on segment {owner[k]} between its ends")
+    a, b, c, d = p[s[first, 0]], p[s[first, 1]], p[s[second, 0]], p[s[second, 1]]
+    crossing = (cross(b - a, c - a) * cross(b - a, d - a) < 0) & (cross(d - c, a - c) * cross(d - c, b - c) < 0)
+    # segments with a common end cannot cross: each has the other's end beside it only by rounding
+    crossing &= (s[first][:, :, None] != s[second][:, None, :]).all(axis=(1, 2))
+    if crossing.any():
+        k = np.argmax(crossing)
+        raise MeshError(f"segments {first[k]} and {second[k]} cross")
+
+
+def _close_pairs(p: Floats, s: Ints) -> tuple[Ints, Ints, Ints, Ints]:
+    """Pairs (point, segment) and (segment, segment) that are close enough to touch."""
+    a, b = p[s[:, 0]], p[s[:, 1]]
+    length = np.linalg.norm(b - a, axis=1)
+    # pieces of at most this length: their middles tell which segments are near, long ones included
+    step = max(float(np.median(length)), float(length.mean()) / 4)
+    pieces = np.ceil(length / step).astype(np.int64)
+    owner = np.repeat(np.arange(len(s)), pieces)
+    rank = np.arange(len(owner)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+    middle = a[owner] + ((rank + 0.5) / pieces[owner])[:, None] * (b - a)[owner]
+    tree, reach = cKDTree(middle), 0.5 * step + TOLERANCE
+    if tree.count_neighbors(tree, 2 * reach) > 50_000_000:
+        raise MeshError("too many segments in one place")
+    pairs = owner[tree.query_pairs(2 * reach, output_type="ndarray")]
+    pairs = np.unique(np.sort(pairs, axis=1)[pairs[:, 0] != pairs[:, 1]], axis=0)
+    near = cKDTree(p).sparse_distance_matrix(tree, reach, output_type="coo_matrix")
+    return near.row.astype(np.int64), owner[near.col], pairs[:, 0], pairs[:, 1]
+
+
+def _options(p: Floats, min_angle_deg: float | None, max_area: float | None) -> tuple[str, int]:
+    """Triangle's switches, and how many points it may add (0: it adds none)."""
+    if min_angle_deg is None and max_area is None:
+        return "p", 0
+    expected = 20.0 * len(p)
+    options = "pYY"
+    if min_angle_deg is not None:
+        if not 0 <= min_angle_deg <= MAX_ANGLE_DEG:
+            raise MeshError(f"the smallest angle must be 0 to {MAX_ANGLE_DEG:g} degrees, got {min_angle_deg}")
+        options += f"q{min_angle_deg:.6f}"
+    if max_area is not None:
+        if not 0 < max_area < np.inf:
+            raise MeshError(f"the largest area must be positive, got {max_area}")
+        expected += 2 * np.prod(np.ptp(p, axis=0)) / max_area
+        options += f"a{max_area:.20f}"
+    if expected > MAX_TRIANGLES:
+        raise MeshError(f"about {expected:.2g} triangles would be needed, more than {MAX_TRIANGLES}: use a longer edge")
+    room = int(expected)
+    return f"{options}S{room}", room
+
+
+def _check_result(p: Floats, t: Ints, s: Ints, given: int) -> None:
+    """Triangles turn counterclockwise, use every point, contain every segment, and end at segments only."""
+    if not len(t):
+        raise MeshError("the segments enclose nothing")
+    if not np.isfinite(p).all() or triangle_areas(p, t).min() <= 0:
+        raise MeshError("a triangle has no area")
+    used = np.zeros(len(p), dtype=bool)
+    used[t] = True
+    if not used.all():
+        k = np.argmin(used)
+        raise MeshError(f"point {k} lies outside what the segments enclose" if k < given else "the mesh has a stray point")
+    edges, count = _edges(t, len(p))
+    codes = _codes(s, len(p))
+    if not np.isin(codes, edges).all():
+        raise MeshError(f"segment {np.argmin(np.isin(codes, edges))} lies outside what the segments enclose")
+    if not np.isin(edges[count == 1], codes).all() or count.max() > 2:
+        raise MeshError("the mesh does not end at the segments")
+
+
+def _codes(pairs: Ints, n: int) -> Ints:
+    """One number for every unordered pair of indices below n."""
+    low, high = np.sort(pairs, axis=1).T
+    return low * n + high
+
+
+def _edges(t: Ints, n: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Codes of the edges of triangles, and how many triangles have each."""
+    return np.unique(_codes(np.concatenate([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]]), n), return_counts=True)
