@@ -102,3 +102,7 @@ def _short(value: Any) -> str:
 def _one_line(text: str) -> str:
     # a file or key may be named anything, and the terminal must show one line all the same
     return "".join(c if c.isprintable() else " " for c in text)
+
+
+class MeshError(ValueError):
+    """The layout cannot be meshed as asked; the message is one line."""

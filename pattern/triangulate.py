@@ -169,7 +169,9 @@ def _check_result(p: Floats, t: Ints, s: Ints, given: int) -> None:
     used[t] = True
     if not used.all():
         k = np.argmin(used)
-        raise MeshError(f"point {k} lies outside what the segments enclose" if k < given else "the mesh has a stray point")
+        raise MeshError(
+            f"point {k} lies outside what the segments enclose" if k < given else "the mesh has a stray point"
+        )
     edges, count = _edges(t, len(p))
     codes = _codes(s, len(p))
     if not np.isin(codes, edges).all():

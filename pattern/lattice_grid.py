@@ -1,0 +1,133 @@
+"""The triangular grid that refines the lattice of the stars, so that arms along lattice directions lie on its lines."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array, csr_array, diags_array
+from scipy.sparse.linalg import splu
+
+from pattern.errors import MeshError
+from pattern.layout import Floats, Ints, Layout
+from pattern.planar import cross
+
+# the six directions of the grid in its own coordinates, counterclockwise
+DIRECTIONS = np.array([[1, 0], [0, 1], [-1, 1], [-1, 0], [0, -1], [1, -1]])
+# how far from a grid line counts as on it, in lattice distances
+ON_LINE = 1e-6
+
+
+@dataclass(frozen=True)
+class LatticeGrid:
+    """Points `origin + ij @ basis / k` for whole numbers ij, each lattice triangle cut into k^2.
+
+    Attributes
+    ----------
+    origin : (2,) mm.
+    basis : (2, 2) mm, rows: lattice vectors at most 90 degrees apart, the second to the left of the first.
+    k : grid edges between neighbouring lattice points.
+    """
+
+    origin: Floats
+    basis: Floats
+    k: int
+
+    @classmethod
+    def of(cls, layout: Layout, edge_mm: float) -> LatticeGrid:
+        """The grid of a layout whose edges are closest to `edge_mm`."""
+        a, b = np.asarray(layout.lattice_vectors, dtype=float)
+        if a @ b < -1e-9 * (a @ a):
+            b = a + b
+        if np.linalg.det([a, b]) < 0:
+            a, b = b, a
+        k = max(round(float(np.sqrt((a @ a + b @ b) / 2)) / edge_mm), 2)
+        return cls(np.asarray(layout.lattice_origin, dtype=float), np.array([a, b]), k)
+
+    @property
+    def edge_mm(self) -> float:
+        """Length of a grid edge (mean of the two axes)."""
+        return float(np.linalg.norm(self.basis, axis=1).mean() / self.k)
+
+    def lattice_coordinates(self, vectors: Floats) -> Floats:
+        """Vectors (n, 2) in mm as multiples of the lattice vectors."""
+        return vectors @ np.linalg.inv(self.basis)
+
+    def place(self, ij: Ints) -> Floats:
+        """Where grid points (n, 2) are, mm."""
+        return self.origin + ij @ self.basis / self.k
+
+    def centres(self, layout: Layout) -> Ints:
+        """Grid points (S, 2) of the stars."""
+        where = self.lattice_coordinates(layout.centres - self.origin)
+        off = np.abs(where - np.rint(where)).max(axis=1, initial=0)
+        if (off > ON_LINE).any():
+            raise MeshError(f"star {np.argmax(off > ON_LINE)} is not at a point of the lattice")
+        return np.rint(where).astype(np.int64) * self.k
+
+    def directions(self, layout: Layout) -> Ints:
+        """Grid direction (A, 2) along which each arm points."""
+        step = DIRECTIONS @ self.basis
+        unit = step / np.linalg.norm(step, axis=1, keepdims=True)
+        arm = layout.arm_tip - layout.centres[layout.arm_star]
+        best = np.argmax(arm @ unit.T, axis=1)
+        off = np.abs(cross(arm, unit[best])) > ON_LINE * np.linalg.norm(self.basis[0])
+        if off.any():
+            raise MeshError(f"arm {np.argmax(off)} does not lie on a line of the lattice")
+        return DIRECTIONS[best]
+
+    def window(self, low: Floats, high: Floats) -> Ints:
+        """Grid points (n, 2) in the box from `low` to `high` (2,) in mm and a little around it, sorted."""
+        corners = np.array([[x, y] for x in (low[0], high[0]) for y in (low[1], high[1])])
+        span = self.lattice_coordinates(corners - self.origin) * self.k
+        (i0, j0), (i1, j1) = np.floor(span.min(axis=0)).astype(int), np.ceil(span.max(axis=0)).astype(int)
+        ij = np.stack(np.meshgrid(np.arange(i0, i1 + 1), np.arange(j0, j1 + 1), indexing="ij"), axis=-1).reshape(-1, 2)
+        where = self.place(ij)
+        return ij[((where >= low - self.edge_mm) & (where <= high + self.edge_mm)).all(axis=1)]
+
+
+class GridPatch:
+    """Some points of a grid, the triangles and edges between them, and the way back from grid coordinates."""
+
+    def __init__(self, grid: LatticeGrid, ij: Ints) -> None:
+        self.grid, self.ij = grid, ij
+        self.low = ij.min(axis=0) - 1
+        self.table = np.full(np.ptp(ij, axis=0) + 3, -1, dtype=np.int64)
+        self.table[tuple((ij - self.low).T)] = np.arange(len(ij))
+
+    def index(self, ij: Ints) -> Ints:
+        """Number of each grid point (..., 2) in the patch, -1 for those outside."""
+        shifted = ij - self.low
+        known = ((shifted >= 0) & (shifted < self.table.shape)).all(axis=-1)
+        shifted = np.where(known[..., None], shifted, 0)
+        return np.where(known, self.table[shifted[..., 0], shifted[..., 1]], -1)
+
+    def triangles(self) -> Ints:
+        """Triangles (T, 3), counterclockwise, all of whose corners are in the patch."""
+        corners = np.concatenate(
+            [np.stack([self.index(self.ij + DIRECTIONS[q]) for q in pair], axis=1) for pair in ((0, 1), (1, 2))]
+        )
+        own = np.tile(np.arange(len(self.ij)), 2)
+        return np.column_stack([own, corners])[(corners >= 0).all(axis=1)]
+
+    def edges(self) -> Ints:
+        """Pairs (E, 2) of neighbouring grid points in the patch."""
+        ends = np.concatenate([self.index(self.ij + step) for step in DIRECTIONS[:3]])
+        own = np.tile(np.arange(len(self.ij)), 3)
+        return np.column_stack([own, ends])[ends >= 0]
+
+    def harmonic(self, known: NDArray[np.bool_], values: Floats) -> Floats:
+        """Values (n, 2), given at `known` points, continued to the others so that each is its neighbours' mean."""
+        n = len(self.ij)
+        edges = self.edges()
+        adjacent = coo_array((np.ones(len(edges)), edges.T), shape=(n, n)).tocsr()
+        adjacent = csr_array(adjacent + adjacent.T)
+        free = np.flatnonzero(~known)
+        result = np.where(known[:, None], values, 0.0)
+        if len(free):
+            laplacian = diags_array(adjacent.sum(axis=1), format="csr") - adjacent
+            rows = csr_array(laplacian)[free]
+            factor = splu(rows[:, free].tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+            result[free] = factor.solve(-(rows @ result))
+        return result

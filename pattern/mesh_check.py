@@ -1,0 +1,30 @@
+"""What every mesh of a sheet must fulfil, checked before it is handed out."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pattern.errors import MeshError
+from pattern.layout import Layout
+from pattern.mesh import Mesh
+from pattern.planar import polygon_area, triangle_angles, triangle_areas
+
+
+def checked(mesh: Mesh, layout: Layout, smallest_angle_deg: float) -> Mesh:
+    """The mesh itself, if its triangles fill the sheet, are not too flat, and the arms run along their edges."""
+    areas = triangle_areas(mesh.points, mesh.triangles)
+    total = polygon_area(layout.border)
+    if areas.min() <= 0 or abs(areas.sum() - total) > 1e-6 * total:
+        raise MeshError("the mesh does not fill the sheet without overlaps")
+    angle = float(triangle_angles(mesh.points, mesh.triangles).min())
+    if angle < smallest_angle_deg:
+        raise MeshError(f"the mesh has an angle of {angle:.1f} degrees, below {smallest_angle_deg:g}")
+    n = len(mesh.points)
+    t = mesh.triangles
+    edges = np.sort(np.concatenate([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]]), axis=1)
+    rods = np.concatenate([np.zeros((0, 2), dtype=np.int64), *(np.column_stack([r[:-1], r[1:]]) for r in mesh.rods)])
+    off = ~np.isin(np.sort(rods, axis=1) @ [n, 1], edges @ [n, 1])
+    if off.any():
+        x, y = mesh.points[rods[np.argmax(off), 0]]
+        raise MeshError(f"the arm at ({x:.2f}, {y:.2f}) mm is not on edges of the mesh")
+    return mesh

@@ -1,0 +1,50 @@
+"""The vertices of a mesh at which the sheet is held."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from pattern.errors import MeshError
+from pattern.layout import Floats, Ints, Layout, PinSet
+from pattern.planar import distance_to_outline, distance_to_segment, inside
+
+# places this close, in mm, are one
+SAME_PLACE_MM = 1e-5
+
+
+def pin_points(layout: Layout) -> Floats:
+    """All isolated pin points (P, 2) of a layout in mm; those off the sheet are refused."""
+    points = np.concatenate([np.zeros((0, 2)), *(_points(pin) for pin in layout.pins)])
+    on_border = distance_to_outline(points, layout.border) <= SAME_PLACE_MM
+    off = ~(on_border | inside(points, layout.border))
+    if off.any():
+        x, y = points[np.argmax(off)]
+        raise MeshError(f"the pin at ({x:g}, {y:g}) mm is not on the sheet")
+    return points
+
+
+def pin_vertices(layout: Layout, points: Floats, border_vertices: Ints) -> tuple[Ints, ...]:
+    """Vertices of each pin set: those at its points, in their order, then those on its border edges."""
+    tree = cKDTree(points)
+    result = []
+    for pin in layout.pins:
+        distance, at = tree.query(_points(pin))
+        if (distance > SAME_PLACE_MM).any():
+            x, y = _points(pin)[np.argmax(distance)]
+            raise MeshError(f"no mesh vertex at the pin at ({x:g}, {y:g}) mm")
+        held = [np.asarray(at, dtype=np.int64)]
+        for edge in pin.edges:
+            a, b = layout.border[edge], layout.border[(edge + 1) % len(layout.border)]
+            on = distance_to_segment(points[border_vertices], a, b) <= SAME_PLACE_MM
+            held.append(border_vertices[on])
+        vertices = np.concatenate(held)
+        _, first = np.unique(vertices, return_index=True)
+        # points keep their order and number: targets go with them
+        keep = np.union1d(first, np.arange(len(at)))
+        result.append(vertices[keep])
+    return tuple(result)
+
+
+def _points(pin: PinSet) -> Floats:
+    return np.asarray(pin.points, dtype=float).reshape(-1, 2)
