@@ -1,0 +1,170 @@
+"""Writing results so that they appear complete or not at all."""
+
+from __future__ import annotations
+
+import errno
+import os
+import secrets
+import shutil
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from types import FrameType
+
+# Whoever finds this file in a directory finds all the others, from the same run.
+LAST = "summary.json"
+
+REASONS = {
+    errno.ENOSPC: "the disk is full",
+    errno.EDQUOT: "the disk quota is used up",
+    errno.EFBIG: "the file would be larger than allowed",
+    errno.EACCES: "no permission to write there",
+    errno.EPERM: "no permission to write there",
+    errno.EROFS: "the disk is read-only",
+    errno.ENOTDIR: "a file is in the way",
+    errno.EEXIST: "a file is in the way",
+    errno.EISDIR: "a folder is in the way",
+    errno.ENAMETOOLONG: "the name is too long",
+}
+
+
+class OutputError(Exception):
+    """Results cannot be written; the message is one line that says where and why."""
+
+
+@contextmanager
+def staged(directory: str | Path) -> Iterator[Path]:
+    """Collect files in a hidden folder, and move them into `directory` together at the end.
+
+    The folder lies on the same disk as `directory`, which is made if it is missing. If the block ends with an
+    exception or is interrupted, nothing is left behind and earlier results in `directory` stay as they were.
+
+    Yields
+    ------
+    The folder to write into. Files only, no folders.
+
+    Raises
+    ------
+    OutputError
+        If anything cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> target = Path(tempfile.mkdtemp()) / "star"
+    >>> with staged(target) as folder:
+    ...     _ = (folder / "summary.json").write_text("{}")
+    >>> [file.name for file in target.iterdir()]
+    ['summary.json']
+    """
+    directory = Path(directory)
+    # inside an existing directory the disk is certainly the same; a missing one appears by a single renaming
+    beside = directory if directory.exists() else directory.parent
+    staging = beside / f".asterism-{secrets.token_hex(4)}"
+    made = [parent for parent in (beside, *beside.parents) if not parent.exists()]
+    try:
+        staging.mkdir(parents=True)
+        yield staging
+        with _signals_held():
+            _publish(staging, directory)
+    except OSError as error:
+        raise OutputError(_sentence(error, directory)) from error
+    finally:
+        shutil.rmtree(staging, ignore_errors=True)
+        for parent in made:
+            # those that hold results now are not empty, and stay
+            with suppress(OSError):
+                parent.rmdir()
+
+
+def check_writable(directory: str | Path) -> None:
+    """Raise OutputError now if results could not be written into `directory` later; leaves no trace."""
+    with suppress(_Rehearsal), staged(directory) as folder:
+        (folder / LAST).write_text("{}")
+        raise _Rehearsal
+
+
+def write_file(path: str | Path, content: str | bytes) -> None:
+    """Write one file, complete or not at all; text as UTF-8."""
+    path = Path(path)
+    with staged(path.parent) as folder:
+        (folder / path.name).write_bytes(content.encode() if isinstance(content, str) else content)
+
+
+class _Rehearsal(Exception):
+    """Ends a staged block without publishing."""
+
+
+def _publish(staging: Path, directory: Path) -> None:
+    """Move every file of `staging` into `directory`, or none."""
+    names = sorted((file.name for file in staging.iterdir()), key=lambda name: (name == LAST, name))
+    for name in names:
+        _flush(staging / name)
+    if not directory.exists():
+        os.rename(staging, directory)
+        return
+    previous = staging / ".previous"
+    previous.mkdir()
+    for name in names:
+        if (directory / name).is_dir():
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(directory / name))
+        if (directory / name).exists():
+            _keep(directory / name, previous / name)
+    moved: list[str] = []
+    try:
+        for name in names:
+            moved.append(name)
+            os.replace(staging / name, directory / name)
+    except BaseException:
+        for name in moved:
+            if (previous / name).exists():
+                os.replace(previous / name, directory / name)
+            elif not (staging / name).exists():
+                (directory / name).unlink(missing_ok=True)
+        raise
+
+
+def _keep(file: Path, copy: Path) -> None:
+    """A second name for a file where the disk can do that, else a copy."""
+    try:
+        os.link(file, copy)
+    except OSError:
+        shutil.copy2(file, copy)
+
+
+def _flush(file: Path) -> None:
+    """Onto the disk: some file systems only notice here that they are full."""
+    with open(file, "rb+") as stream:
+        os.fsync(stream.fileno())
+
+
+@contextmanager
+def _signals_held() -> Iterator[None]:
+    """Deliver Ctrl-C and a request to end after the block: it takes milliseconds and must not be cut in two."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    arrived: list[int] = []
+
+    def note(number: int, frame: FrameType | None) -> None:
+        arrived.append(number)
+
+    before = {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        for held in arrived:
+            signal.raise_signal(held)
+
+
+def _sentence(error: OSError, directory: Path) -> str:
+    """One line: what could not be written, and why."""
+    where = Path(error.filename) if error.filename else directory
+    if any(part.startswith(".asterism-") for part in where.parts):
+        where = directory
+    reason = REASONS.get(error.errno or 0, (error.strerror or str(error)).lower())
+    return f"cannot write {where}: {reason}"

@@ -1,0 +1,184 @@
+"""Results appear complete or not at all, whatever happens while they are written."""
+
+from __future__ import annotations
+
+import errno
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from asterism.files import OutputError, check_writable, staged, write_file
+
+NAMES = ["rods.vtu", "shape.png", "shape.vtu", "summary.json"]
+
+
+def write(directory: Path, content: str) -> None:
+    with staged(directory) as folder:
+        for name in NAMES:
+            (folder / name).write_text(content)
+
+
+def contents(directory: Path) -> dict[str, str]:
+    """Every file below a directory, hidden ones too."""
+    return {str(f.relative_to(directory)): f.read_text() for f in directory.rglob("*") if f.is_file()}
+
+
+def whole(content: str) -> dict[str, str]:
+    return dict.fromkeys(NAMES, content)
+
+
+def failing_at(call: int, error: BaseException, name: str) -> Callable[..., None]:
+    """A stand-in for a function of `os` that raises in one of its calls."""
+    original, calls = getattr(os, name), iter(range(1, 1000))
+
+    def stand_in(*args: object) -> None:
+        if next(calls) == call:
+            raise error
+        original(*args)
+
+    return stand_in
+
+
+def test_files_appear_in_a_new_directory(tmp_path: Path) -> None:
+    write(tmp_path / "a" / "b", "new")
+    assert contents(tmp_path / "a" / "b") == whole("new")
+
+
+def test_files_replace_earlier_ones_and_leave_others(tmp_path: Path) -> None:
+    write(tmp_path, "old")
+    (tmp_path / "notes.txt").write_text("mine")
+    write(tmp_path, "new")
+    assert contents(tmp_path) == whole("new") | {"notes.txt": "mine"}
+
+
+def test_new_directories_have_ordinary_permissions(tmp_path: Path) -> None:
+    write(tmp_path / "results", "new")
+    (tmp_path / "ordinary").mkdir()
+    assert (tmp_path / "results").stat().st_mode == (tmp_path / "ordinary").stat().st_mode
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt(), ValueError("no"), MemoryError()])
+def test_an_exception_while_writing_leaves_nothing(tmp_path: Path, error: BaseException) -> None:
+    write(tmp_path / "old", "old")
+    for target in (tmp_path / "old", tmp_path / "new" / "deep"):
+        with pytest.raises(type(error)), staged(target) as folder:
+            (folder / "shape.vtu").write_text("half")
+            raise error
+    assert contents(tmp_path / "old") == whole("old")
+    assert [p.name for p in tmp_path.iterdir()] == ["old"]
+
+
+@pytest.mark.parametrize("call", [1, 2, 3, 4])
+def test_a_full_disk_leaves_the_earlier_results(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: int) -> None:
+    write(tmp_path, "old")
+    for name in ("fsync", "replace"):
+        full = OSError(errno.ENOSPC, "No space left on device")
+        with monkeypatch.context() as patch:
+            patch.setattr(os, name, failing_at(call, full, name))
+            with pytest.raises(OutputError, match=r"^cannot write .*: the disk is full$"):
+                write(tmp_path, "new")
+        assert contents(tmp_path) == whole("old")
+
+
+def test_files_without_an_earlier_one_are_taken_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "notes.txt").write_text("mine")
+    full = OSError(errno.ENOSPC, "No space left on device")
+    monkeypatch.setattr(os, "replace", failing_at(3, full, "replace"))
+    with pytest.raises(OutputError):
+        write(tmp_path, "new")
+    assert contents(tmp_path) == {"notes.txt": "mine"}
+
+
+def test_disks_without_hard_links_do_as_well(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def no_link(*args: object) -> None:
+        raise OSError(errno.EPERM, "Operation not permitted")
+
+    monkeypatch.setattr(os, "link", no_link)
+    write(tmp_path, "old")
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "replace", failing_at(4, OSError(errno.EIO, "Input/output error"), "replace"))
+        with pytest.raises(OutputError, match="input/output error"):
+            write(tmp_path, "new")
+    assert contents(tmp_path) == whole("old")
+
+
+def test_ctrl_c_waits_until_the_files_have_moved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write(tmp_path, "old")
+    original = os.replace
+
+    def interrupted(*args: str) -> None:
+        signal.raise_signal(signal.SIGINT)
+        original(*args)
+
+    monkeypatch.setattr(os, "replace", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        write(tmp_path, "new")
+    assert contents(tmp_path) == whole("new")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no limits on file sizes")
+def test_a_real_failing_write(tmp_path: Path) -> None:
+    """A process that may not write large files, as on a disk that fills up."""
+    write(tmp_path / "old", "old")
+    program = (
+        "import resource; from asterism.files import staged, OutputError\n"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000))\n"
+        "try:\n"
+        "    with staged('old') as folder: (folder / 'shape.vtu').write_bytes(bytes(100_000))\n"
+        "except OutputError as error: print(error)\n"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", program],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])},
+        capture_output=True,
+        text=True,
+    )
+    assert run.stdout.strip() == "cannot write old: the file would be larger than allowed", run.stderr
+    assert contents(tmp_path) == {f"old/{name}": "old" for name in NAMES}
+
+
+def test_things_in_the_way_are_named(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("mine")
+    for target in (tmp_path / "file", tmp_path / "file" / "deep" / "er"):
+        with pytest.raises(OutputError, match=r"^cannot write .*file.*: a file is in the way$"):
+            check_writable(target)
+    (tmp_path / "results" / "shape.vtu").mkdir(parents=True)
+    with pytest.raises(OutputError, match=r"shape\.vtu: a folder is in the way$"):
+        write(tmp_path / "results", "new")
+    assert contents(tmp_path) == {"file": "mine"}
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write everywhere")
+def test_a_directory_without_permission_is_named(tmp_path: Path) -> None:
+    tmp_path.chmod(0o500)
+    with pytest.raises(OutputError, match=r"no permission to write there$"):
+        check_writable(tmp_path / "results")
+    tmp_path.chmod(0o700)
+
+
+def test_no_permission_is_said_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(self: Path, *args: object, **kwargs: object) -> None:
+        raise PermissionError(errno.EACCES, "Permission denied", str(self))
+
+    monkeypatch.setattr(Path, "mkdir", refuse)
+    with pytest.raises(OutputError, match=r"results: no permission to write there$"):
+        check_writable(tmp_path / "results")
+
+
+def test_checking_leaves_no_trace(tmp_path: Path) -> None:
+    check_writable(tmp_path / "a" / "b")
+    check_writable(tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_single_file_is_written_whole(tmp_path: Path) -> None:
+    write_file(tmp_path / "designs" / "star.toml", 'name = "été"\n')
+    write_file(tmp_path / "designs" / "star.toml", 'name = "été 2"\n')
+    assert (tmp_path / "designs" / "star.toml").read_bytes().decode() == 'name = "été 2"\n'
+    assert [p.name for p in (tmp_path / "designs").iterdir()] == ["star.toml"]
