@@ -1,0 +1,150 @@
+"""Bending of the fabric: the hinge energy of the paper (Tamstorf and Grinspun 2013, rest angle zero).
+
+`W = c (2 tan(theta/2))^2`, `c = k_B 3 |e|^2/(A1 + A2)`, `k_B = E h^3/(24 (1 - nu^2))`, no further 1/2.
+Positive theta: the two triangles fold towards their normals.
+
+Derivatives: a triangle (x0, x1, p) with unit normal n, edge direction t = (x1 - x0)/|e|, in-plane conormal
+m = n x t, height h and foot fraction s turns about the edge by `d(phi) = n . dq / h` with
+`dq = dp - (1 - s) dx0 - s dx1`; the second variation follows by differentiating n, h and s. The part of it
+that is not symmetric (the turning of the edge's own frame) cancels between the two triangles.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from discrete.elements import Array, Elements
+from discrete.kernel import cross, dot, formula, loop, point, scaled, sub
+
+
+@formula
+def _flap(x0, x1, p):  # type: ignore[no-untyped-def]
+    """Unit normal, edge direction, conormal, edge length, height and foot fraction of a triangle."""
+    e, d = sub(x1, x0), sub(p, x0)
+    normal = cross(e, d)
+    length, twice = np.sqrt(dot(e, e)), np.sqrt(dot(normal, normal))
+    n, t = scaled(1.0 / twice, normal), scaled(1.0 / length, e)
+    return n, t, cross(n, t), length, twice / length, dot(d, t) / length
+
+
+@formula
+def _tangent(n_a, n_b, t):  # type: ignore[no-untyped-def]
+    """tan(theta/2) from the unit normals on both sides of the edge with direction t."""
+    return dot(cross(n_b, n_a), t) / (1.0 + dot(n_a, n_b))
+
+
+@formula
+def hinge_energy(q, p):  # type: ignore[no-untyped-def]
+    """Energy of the hinge (x0, x1; x2 left of the edge, x3 right of it); p = (c,)."""
+    x0, x1, x2, x3 = point(q, 0), point(q, 1), point(q, 2), point(q, 3)
+    n_a, t, _, _, _, _ = _flap(x0, x1, x2)
+    n_b, _, _, _, _, _ = _flap(x1, x0, x3)
+    tangent = _tangent(n_a, n_b, t)
+    return 4.0 * p[0] * tangent * tangent
+
+
+@formula
+def hinge_gradient(q, p, g):  # type: ignore[no-untyped-def]
+    """dW/dtheta times the gradient of theta: the normals over the heights, shared out by the feet."""
+    x0, x1, x2, x3 = point(q, 0), point(q, 1), point(q, 2), point(q, 3)
+    n_a, t, _, _, h_a, s_a = _flap(x0, x1, x2)
+    n_b, _, _, _, h_b, s_b = _flap(x1, x0, x3)
+    tangent = _tangent(n_a, n_b, t)
+    force = 4.0 * p[0] * tangent * (1.0 + tangent * tangent)
+    for k in range(3):
+        a, b = force * n_a[k] / h_a, force * n_b[k] / h_b
+        g[k] = -(1.0 - s_a) * a - s_b * b
+        g[3 + k] = -s_a * a - (1.0 - s_b) * b
+        g[6 + k] = a
+        g[9 + k] = b
+
+
+@formula
+def hinge_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
+    """W'' grad theta grad theta^T + (1 - blend) W' hess theta; only the second can be indefinite."""
+    x0, x1, x2, x3 = point(q, 0), point(q, 1), point(q, 2), point(q, 3)
+    n_a, t, m_a, length, h_a, s_a = _flap(x0, x1, x2)
+    n_b, t_b, m_b, _, h_b, s_b = _flap(x1, x0, x3)
+    tangent = _tangent(n_a, n_b, t)
+    square = tangent * tangent
+    stiffness = 2.0 * p[0] * (1.0 + square) * (1.0 + 3.0 * square)
+    force = (1.0 - blend) * 4.0 * p[0] * tangent * (1.0 + square)
+    # weights of the four vertices in dq and de of each triangle
+    q_a = (-(1.0 - s_a), -s_a, 1.0, 0.0)
+    q_b = (-s_b, -(1.0 - s_b), 0.0, 1.0)
+    e_a = (-1.0, 1.0, 0.0, 0.0)
+    for i in range(4):
+        for k in range(i + 1):
+            turn_a = -force * (q_a[i] * q_a[k] / (h_a * h_a) + 0.5 * e_a[i] * e_a[k] / (length * length))
+            turn_b = -force * (q_b[i] * q_b[k] / (h_b * h_b) + 0.5 * e_a[i] * e_a[k] / (length * length))
+            # in the right triangle the edge runs backwards, and so does its direction t_b
+            slide_a, slide_b = -force / (h_a * length), force / (h_b * length)
+            for r in range(3):
+                for c in range(3):
+                    grad_i = q_a[i] * n_a[r] / h_a + q_b[i] * n_b[r] / h_b
+                    grad_k = q_a[k] * n_a[c] / h_a + q_b[k] * n_b[c] / h_b
+                    h[3 * i + r, 3 * k + c] = (
+                        stiffness * grad_i * grad_k
+                        + turn_a * (n_a[r] * m_a[c] + m_a[r] * n_a[c])
+                        + turn_b * (n_b[r] * m_b[c] + m_b[r] * n_b[c])
+                        + slide_a * (e_a[i] * q_a[k] * n_a[r] * t[c] + q_a[i] * e_a[k] * t[r] * n_a[c])
+                        + slide_b * (e_a[i] * q_b[k] * n_b[r] * t_b[c] + q_b[i] * e_a[k] * t_b[r] * n_b[c])
+                    )
+
+
+@loop
+def _sweep(configuration, inputs, params, order, blend, energy, gradient, hessian):  # type: ignore[no-untyped-def]
+    q, h = np.empty(12), np.zeros((12, 12))
+    for e in range(inputs.shape[0]):
+        for i in range(12):
+            q[i] = configuration[inputs[e, i]]
+        if order == 0:
+            energy[e] = hinge_energy(q, params[e])
+        elif order == 1:
+            hinge_gradient(q, params[e], gradient[e])
+        else:
+            hinge_hessian(q, params[e], blend, h)
+            k = 0
+            for i in range(12):
+                for j in range(i + 1):
+                    hessian[e, k] = h[i, j]
+                    k += 1
+
+
+class Hinges(Elements):
+    """Interior edges of the fabric.
+
+    Parameters
+    ----------
+    hinges : (H, 4) vertices: the edge, then the apex on its left and the apex on its right.
+    coefficient : (H,) N mm.
+    """
+
+    formulas = (hinge_energy, hinge_gradient, hinge_hessian)
+    sweep = staticmethod(_sweep)
+
+    def __init__(self, hinges: Array, coefficient: Array, compiled: bool = True) -> None:
+        dofs = (3 * hinges[:, :, None] + np.arange(3)).reshape(len(hinges), 12)
+        super().__init__(dofs, dofs, np.asarray(coefficient, dtype=float)[:, None], compiled)
+
+
+def interior_edges(triangles: Array) -> Array:
+    """(H, 4) hinges of a mesh of counterclockwise triangles, in the order of their edges' vertices."""
+    start = triangles.ravel()
+    end = np.roll(triangles, -1, axis=1).ravel()
+    apex = np.roll(triangles, -2, axis=1).ravel()
+    key = np.minimum(start, end).astype(np.int64) * (int(triangles.max()) + 1) + np.maximum(start, end)
+    order = np.argsort(key, kind="stable")
+    pair = np.flatnonzero(key[order][1:] == key[order][:-1])
+    one, other = order[pair], order[pair + 1]
+    return np.column_stack([start[one], end[one], apex[one], apex[other]])
+
+
+def paper_coefficients(hinges: Array, rest: Array, thickness: float, modulus: float, poisson: float) -> Array:
+    """(H,) `k_B 3 |e|^2/(A1 + A2)`: it does not change with the size of the rest shape (rest: (V, 2) mm)."""
+    x0, x1, x2, x3 = (rest[hinges[:, i]] for i in range(4))
+    e, a, b = x1 - x0, x2 - x0, x3 - x0
+    areas = 0.5 * (
+        np.abs(e[:, 0] * a[:, 1] - e[:, 1] * a[:, 0]) + np.abs(e[:, 0] * b[:, 1] - e[:, 1] * b[:, 0])
+    )
+    return modulus * thickness**3 / (24.0 * (1.0 - poisson**2)) * 3.0 * np.einsum("ij,ij->i", e, e) / areas

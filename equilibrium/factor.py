@@ -1,0 +1,165 @@
+"""One small interface to sparse factorisations of symmetric matrices.
+
+A backend keeps what depends on the pattern alone between factorisations, and says whether the matrix was positive
+definite: a Newton step needs to know, and some solvers accept an indefinite matrix silently.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+from typing import Protocol
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.linalg import splu
+
+from equilibrium.sparse_pattern import Floats, SparsePattern
+
+
+class Factor(Protocol):
+    """A factorisation that reuses its pattern."""
+
+    name: str
+
+    def factorise(self, data: Floats) -> bool:
+        """Factorise the matrix with these lower-triangle entries; False if it is not positive definite."""
+
+    def solve(self, b: Floats) -> Floats:
+        """Solve with the last positive definite matrix, b (size,) or (size, k)."""
+
+    def close(self) -> None:
+        """Give the memory back."""
+
+
+class PardisoFactor:
+    """MKL PARDISO through pypardiso: Cholesky, stopped by the first pivot that is not positive."""
+
+    name = "pardiso"
+
+    def __init__(self, pattern: SparsePattern) -> None:
+        from pypardiso import PyPardisoSolver
+
+        self._solver = PyPardisoSolver(mtype=2)
+        # the lower triangle by columns is the upper triangle by rows, which is what PARDISO reads
+        self._matrix = sp.csr_matrix(
+            (np.ones(pattern.nnz), pattern.indices, pattern.indptr), shape=(pattern.size, pattern.size)
+        )
+        self._solver.set_iparm(1, 1)
+        self._solver.set_iparm(2, 2)  # nested dissection
+        self._solver.set_iparm(8, 0)
+        self._solver.set_iparm(24, 1)  # two-level factorisation: the parallel one
+        self._call(11, np.zeros(pattern.size))
+
+    def _call(self, phase: int, b: Floats) -> Floats:
+        self._solver.set_phase(phase)
+        return self._solver._call_pardiso(self._matrix, b)
+
+    def factorise(self, data: Floats) -> bool:
+        from pypardiso.pardiso_wrapper import PyPardisoError
+
+        if not np.isfinite(data).all():
+            return False
+        self._matrix.data = np.ascontiguousarray(data)
+        try:
+            self._call(22, np.zeros(self._matrix.shape[0]))
+        except PyPardisoError as error:
+            if error.value == -4:
+                return False
+            raise
+        return True
+
+    def solve(self, b: Floats) -> Floats:
+        return self._call(33, np.asfortranarray(b, dtype=float))
+
+    def close(self) -> None:
+        self._solver.free_memory(everything=True)
+
+
+class CholmodFactor:
+    """CHOLMOD through scikit-sparse, if the user has it (GPL, not a dependency)."""
+
+    name = "cholmod"
+
+    def __init__(self, pattern: SparsePattern) -> None:
+        from sksparse.cholmod import analyze
+
+        self._pattern = pattern
+        structure = pattern.lower(np.ones(pattern.nnz))
+        structure.data[pattern.diagonal] = pattern.size
+        self._factor = analyze(structure, mode="supernodal")
+
+    def factorise(self, data: Floats) -> bool:
+        from sksparse.cholmod import CholmodNotPositiveDefiniteError
+
+        try:
+            self._factor.cholesky_inplace(self._pattern.lower(data))
+        except CholmodNotPositiveDefiniteError:
+            return False
+        return True
+
+    def solve(self, b: Floats) -> Floats:
+        return self._factor(b)
+
+    def close(self) -> None:
+        del self._factor
+
+
+class SuperLUFactor:
+    """SuperLU from scipy in its symmetric mode: everywhere, slower, and the ordering is not reused.
+
+    Without row exchanges the factors are L D L^T, and the signs of D are the inertia.
+    """
+
+    name = "superlu"
+
+    def __init__(self, pattern: SparsePattern) -> None:
+        self._pattern = pattern
+
+    def factorise(self, data: Floats) -> bool:
+        if not np.isfinite(data).all():
+            return False
+        low = self._pattern.lower(data)
+        full = (low + sp.tril(low, -1).T).tocsc()
+        try:
+            lu = splu(full, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        except RuntimeError:  # exactly singular
+            return False
+        if not np.array_equal(lu.perm_r, lu.perm_c) or lu.U.diagonal().min() <= 0.0:
+            return False
+        self._lu = lu
+        return True
+
+    def solve(self, b: Floats) -> Floats:
+        return self._lu.solve(np.asarray(b, dtype=float))
+
+    def close(self) -> None:
+        self._lu = None
+
+
+BACKENDS = {"pardiso": PardisoFactor, "cholmod": CholmodFactor, "superlu": SuperLUFactor}
+_MODULES = {"pardiso": "pypardiso", "cholmod": "sksparse", "superlu": "scipy"}
+
+
+def available() -> list[str]:
+    """Names of the backends that are installed, fastest first."""
+    return [name for name, module in _MODULES.items() if importlib.util.find_spec(module)]
+
+
+def make_factor(pattern: SparsePattern, backend: str = "auto") -> Factor:
+    """A factorisation for this pattern.
+
+    Raises
+    ------
+    ValueError
+        if the backend is unknown or not installed.
+    """
+    if backend != "auto":
+        if backend not in available():
+            raise ValueError(f"backend: {backend!r} is not available; installed here: {', '.join(available())}")
+        return BACKENDS[backend](pattern)
+    for name in available():
+        try:
+            return BACKENDS[name](pattern)
+        except (ImportError, OSError):  # a package without its shared library
+            continue
+    raise ValueError("backend: no sparse factorisation is installed")

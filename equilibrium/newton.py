@@ -1,0 +1,208 @@
+"""Newton's method for the minimum of an energy, with two ways of handling an indefinite Hessian.
+
+`blended` (default): `(1 - b) H + b H_psd`, b as small as the factorisation allows, and steps along the problem's own
+path (which may turn what a straight step would stretch). `shifted`: `H + tau I` and straight steps, as in the paper
+(Nocedal and Wright 2006, section 3.4).
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Literal, Protocol
+
+import numpy as np
+
+from equilibrium.factor import Factor
+from equilibrium.sparse_pattern import Floats, SparsePattern
+
+State = Any
+Method = Literal["blended", "shifted"]
+
+
+class Problem(Protocol):
+    """An energy over states that Newton can walk on."""
+
+    @property
+    def pattern(self) -> SparsePattern: ...
+
+    def energy(self, state: State) -> float: ...
+
+    def gradient(self, state: State) -> Floats:
+        """(size,) over the free dofs."""
+
+    def hessian(self, state: State, blend: float) -> Floats:
+        """(nnz,) in the pattern; blend 0 is exact, 1 positive semidefinite."""
+
+    def path(self, state: State, direction: Floats, straight: bool) -> tuple[Callable[[float], State], float]:
+        """Curve of states that leaves `state` in `direction`, and the largest step along it."""
+
+
+@dataclass(frozen=True)
+class Iteration:
+    """What one iteration reports."""
+
+    number: int
+    energy: float
+    gradient_norm: float
+    blend: float
+    step: float
+
+
+@dataclass
+class Minimum:
+    """Where Newton stopped, and the evidence.
+
+    `definite`: the exact Hessian (plus `shift`) at the last state was positive definite.
+    """
+
+    state: State
+    energy: float
+    gradient_norm: float
+    converged: bool
+    definite: bool
+    iterations: int
+    factorisations: int
+    seconds: dict[str, float] = field(default_factory=dict)
+    history: list[Iteration] = field(default_factory=list)
+
+
+class Clock:
+    """Seconds by named part."""
+
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+
+    def __call__(self, part: str, function: Callable[..., Any], *args: Any) -> Any:
+        start = time.perf_counter()
+        try:
+            return function(*args)
+        finally:
+            self.seconds[part] = self.seconds.get(part, 0.0) + time.perf_counter() - start
+
+
+def minimise(
+    problem: Problem,
+    state: State,
+    factor: Factor,
+    tolerance: float,
+    max_iterations: int = 300,
+    method: Method = "blended",
+    shift: float = 1e-9,
+    report: Callable[[Iteration], None] | None = None,
+) -> Minimum:
+    """Minimise the problem's energy from `state` until the gradient's 2-norm is below `tolerance`.
+
+    `shift` is added to the diagonal of every matrix: it makes rigid motions harmless.
+    """
+    clock = Clock()
+    history: list[Iteration] = []
+    energy = problem.energy(state)
+    gradient = clock("gradient", problem.gradient, state)
+    norm = float(np.linalg.norm(gradient))
+    regularise = _Regularisation(problem, factor, method, shift, clock)
+    step = 0.0
+    stuck = False
+    for number in range(max_iterations + 1):
+        history.append(Iteration(number, energy, norm, regularise.amount, step))
+        if report:
+            report(history[-1])
+        if norm <= tolerance or stuck or number == max_iterations or not np.isfinite(norm):
+            break
+        regularise.factorise(state)
+        direction = -clock("solve", factor.solve, gradient)
+        path, longest = problem.path(state, direction, method == "shifted")
+        slope = float(gradient @ direction)
+        found = clock("line search", _line_search, problem, path, energy, slope, norm, min(1.0, longest))
+        if found is None:
+            stuck = not regularise.harden()
+            continue
+        state, energy, step = found
+        gradient = clock("gradient", problem.gradient, state)
+        norm = float(np.linalg.norm(gradient))
+        regularise.relax()
+    definite = regularise.exact(state)
+    return Minimum(
+        state,
+        energy,
+        norm,
+        norm <= tolerance,
+        definite,
+        len(history) - 1,
+        regularise.count,
+        clock.seconds,
+        history,
+    )
+
+
+class _Regularisation:
+    """Makes the matrix positive definite by as little as the factorisation accepts."""
+
+    def __init__(self, problem: Problem, factor: Factor, method: Method, shift: float, clock: Clock) -> None:
+        self.problem, self.factor, self.method, self.shift, self.clock = problem, factor, method, shift, clock
+        self.amount = 0.0
+        self.floor = 0.0
+        self.count = 0
+
+    def factorise(self, state: State) -> None:
+        exact = self._matrix(state, 0.0) if self.method == "shifted" else None
+        while True:
+            if exact is not None:
+                data = exact.copy()
+                data[self.problem.pattern.diagonal] += self.amount
+            else:
+                data = self._matrix(state, min(self.amount, 1.0))
+                if self.amount > 1.0:  # semidefinite is not yet definite
+                    data[self.problem.pattern.diagonal] += 1e-6 * self.amount * data[self.problem.pattern.diagonal].max()
+            if self._accepts(data):
+                return
+            self.amount = max(10.0 * self.amount, 1e-3)
+
+    def exact(self, state: State) -> bool:
+        """Factorise the Hessian itself, for the certificate."""
+        return self._accepts(self._matrix(state, 0.0))
+
+    def relax(self) -> None:
+        self.amount = 0.1 * self.amount if self.amount > 1e-3 else 0.0
+
+    def harden(self) -> bool:
+        """After a failed line search: a more convex model, while there is one."""
+        if self.amount >= 1.0:
+            return False
+        self.amount = max(10.0 * self.amount, 1e-2)
+        return True
+
+    def _matrix(self, state: State, blend: float) -> Floats:
+        data = self.clock("hessian", self.problem.hessian, state, blend)
+        data[self.problem.pattern.diagonal] += self.shift
+        return data
+
+    def _accepts(self, data: Floats) -> bool:
+        self.count += 1
+        return bool(self.clock("factorisation", self.factor.factorise, data))
+
+
+def _line_search(
+    problem: Problem, path: Callable[[float], State], energy: float, slope: float, norm: float, longest: float
+) -> tuple[State, float, float] | None:
+    """Backtrack until the energy falls enough (Armijo); None if it does not for any step worth taking.
+
+    Where the promised decrease drowns in the energy's own rounding, a smaller gradient decides.
+    """
+    a = longest
+    rounding = 1e-13 * abs(energy)
+    while a > 1e-8:
+        state = path(a)
+        trial = problem.energy(state)
+        if np.isfinite(trial):
+            if trial <= energy + 1e-4 * a * slope:
+                return state, trial, a
+            if abs(a * slope) < 1e3 * rounding and trial <= energy + 1e3 * rounding:
+                if np.linalg.norm(problem.gradient(state)) < norm:
+                    return state, trial, a
+        # parabola through the value and slope at 0 and the value at a, kept within a tenth and a half
+        curvature = trial - energy - a * slope
+        best = -0.5 * slope * a * a / curvature if np.isfinite(curvature) and curvature > 0.0 else 0.1 * a
+        a = min(max(best, 0.1 * a), 0.5 * a)
+    return None
