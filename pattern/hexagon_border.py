@@ -73,9 +73,9 @@ class HexagonBorder:
         for pin in layout.pins:
             points = np.asarray(pin.points, dtype=float).reshape(-1, 2)
             for point in points[distance_to_outline(points, layout.border) <= tolerance]:
-                along = self._along(point)
-                if not any(abs(along - t) < 1e-5 for t in taken.values()):
-                    self._take(taken, round(along) % len(self.ring), along)
+                at = self._along(point)
+                if not any(abs(at - t) < 1e-5 for t in taken.values()):
+                    self._take(taken, round(at) % len(self.ring), at)
         ordered = sorted(taken)
         stations, along = np.array([*ordered, len(self.ring)]), np.array([*(taken[k] for k in ordered), len(self.ring)])
         if (np.diff(along) <= 0).any():

@@ -50,9 +50,8 @@ def _hexagon_mesh(layout: Layout, grid: LatticeGrid, hexagon: HexagonBorder) -> 
 
     stations = arm_stations(layout, grid, border)
     patch = hexagon.patch(grid)
-    known, places = prescribed(patch, stations)
     ring = patch.index(hexagon.ring)
-    known[ring], places[ring] = True, outline
+    known, places = prescribed(patch, ring, outline, stations)
     points = moved(patch, known, places, pin_points(layout))
     first = int(np.argmin(np.linalg.norm(points[ring] - layout.border[0], axis=1)))
     border_vertices = np.roll(ring, -first)
@@ -68,10 +67,11 @@ def _hexagon_mesh(layout: Layout, grid: LatticeGrid, hexagon: HexagonBorder) -> 
     return checked(mesh, layout, SMALLEST_ANGLE)
 
 
-def prescribed(patch: GridPatch, stations: Stations) -> tuple[NDArray[np.bool_], Floats]:
-    """Which points of the patch have their place from arms and gaps (n,), and all places (n, 2) in mm."""
+def prescribed(patch: GridPatch, ring: Ints, outline: Floats, stations: Stations) -> tuple[NDArray[np.bool_], Floats]:
+    """Which points of the patch have their place from the outline, arms and gaps (n,), and all places (n, 2) in mm."""
     at = patch.index(stations.ij)
     known, places = np.zeros(len(patch.ij), dtype=bool), patch.grid.place(patch.ij)
+    known[ring], places[ring] = True, outline
     known[at[at >= 0]] = True
     places[at[at >= 0]] = stations.places[at >= 0]
     if np.abs(places[at] - stations.places)[at >= 0].max(initial=0) > ON_LINE * patch.grid.edge_mm * patch.grid.k:

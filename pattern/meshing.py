@@ -1,0 +1,34 @@
+"""The mesh of a layout: aligned with the lattice wherever that is possible, else constrained Delaunay."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from pattern.errors import MeshError
+from pattern.layout import Ints, Layout
+from pattern.mesh import Mesh
+from pattern.mesh_aligned import aligned_mesh
+from pattern.mesh_delaunay import delaunay_mesh
+
+Kind = Literal["auto", "aligned", "delaunay"]
+
+
+def mesh_layout(layout: Layout, edge_mm: float, kind: Kind = "auto", seed: int = 0) -> Mesh:
+    """Mesh the sheet with edges of about `edge_mm`; "auto" prefers the aligned mesh (`seed` is the Delaunay one's)."""
+    if kind not in ("auto", "aligned", "delaunay"):
+        raise MeshError(f"the mesh kind must be auto, aligned or delaunay, got {kind!r}")
+    if kind != "delaunay":
+        try:
+            return aligned_mesh(layout, edge_mm)
+        except MeshError:
+            if kind == "aligned":
+                raise
+    return delaunay_mesh(layout, edge_mm, seed)
+
+
+def star_of_vertex(layout: Layout, mesh: Mesh) -> Ints:
+    """The nearest star (V,) of every vertex."""
+    return np.asarray(cKDTree(layout.centres).query(mesh.points)[1], dtype=np.int64)
