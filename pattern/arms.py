@@ -1,0 +1,68 @@
+"""Arms on the sheet: cut at the outline, and clear of each other."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+
+from pattern.errors import DesignError
+from pattern.layout import Floats, Ints
+
+
+def cut(centres: Floats, tips: Floats, corners: Floats, margin: float) -> tuple[Floats, Ints]:
+    """Tips pulled back to stay `margin` (mm) inside the outline, and which arms were too long.
+
+    Parameters
+    ----------
+    centres, tips : (A, 2) mm, both ends of every arm.
+    corners : (B, 2) mm, outline of the sheet.
+    """
+    inner = shapely.polygons(corners).buffer(-margin, join_style="mitre", mitre_limit=10)
+    arms = shapely.linestrings(np.stack([centres, tips], axis=1))
+    shapely.prepare(inner)
+    # a tip exactly at the margin is inside
+    long = np.flatnonzero(~shapely.covers(inner.buffer(1e-9 * margin), arms))
+    tips = tips.copy()
+    for arm in long:
+        tips[arm] = _first_exit(arms[arm], centres[arm], inner)
+    return tips, long
+
+
+def _first_exit(arm: shapely.LineString, centre: Floats, inner: shapely.Geometry) -> Floats:
+    """End of the stretch of the arm that starts at its centre; the sheet may come back further out."""
+    for part in shapely.get_parts(shapely.intersection(arm, inner)):
+        ends = shapely.get_coordinates(part)
+        distance = np.linalg.norm(ends - centre, axis=1)
+        if len(ends) and distance.min() < 1e-9:
+            return ends[distance.argmax()]
+    return centre
+
+
+def check_clear(centres: Floats, tips: Floats, star: Ints, width: Floats, meeting: float) -> None:
+    """Refuse arms of different stars that cross, or that are so close that they print as one.
+
+    Ends that meet within `meeting` (mm) are joined on purpose and are fine.
+
+    Parameters
+    ----------
+    centres, tips : (A, 2) mm; star : (A,); width : (A, 2) mm at the centre and at the tip.
+    """
+    arms = shapely.linestrings(np.stack([centres, tips], axis=1))
+    tree = shapely.STRtree(arms)
+    first, second = tree.query(arms, predicate="dwithin", distance=float(width.max()))
+    keep = (first < second) & (star[first] != star[second])
+    first, second = first[keep], second[keep]
+
+    ends = np.stack([centres, tips], axis=1)
+    gap = np.linalg.norm(ends[first][:, :, None] - ends[second][:, None], axis=-1).reshape(-1, 4)
+    joined = gap.min(axis=1) <= meeting if len(gap) else np.zeros(0, dtype=bool)
+    shared = shapely.length(shapely.intersection(arms[first], arms[second]))
+    distance = shapely.distance(arms[first], arms[second])
+    clearance = (width[first].max(axis=1) + width[second].max(axis=1)) / 2
+    bad = np.flatnonzero(np.where(joined, shared > meeting, distance < clearance))
+    if len(bad) == 0:
+        return
+    i, j = first[bad[0]], second[bad[0]]
+    here, there = (f"[{x:.2f}, {y:.2f}]" for x, y in (centres[i], centres[j]))
+    what = "overlap" if distance[bad[0]] == 0 else f"are {distance[bad[0]]:.3f} mm apart and would print as one"
+    raise DesignError("stars", f"arms of the stars at {here} and {there} {what}; shorten or turn them")

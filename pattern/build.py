@@ -1,0 +1,94 @@
+"""From a design to its layout: stars, arms, border and pins in mm."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import shapely
+
+from pattern.arms import check_clear, cut
+from pattern.border import outline, star_cells
+from pattern.errors import DesignError
+from pattern.layout import Floats, Layout
+from pattern.pins import check_agreement, pin_set
+from pattern.stars import SHORTEST_ARM_MM, sizes
+
+if TYPE_CHECKING:
+    from pattern.design import Design
+
+MOST_VERTICES = 400_000
+_MEETING = 1e-6  # of the spacing: ends of arms that are the same point but for rounding
+
+
+def layout(design: Design) -> Layout:
+    """What the design prints and where it is held; `DesignError` if it cannot be printed."""
+    lattice = design.lattice
+    corners = outline(design.border, lattice)
+    _check_mesh(design.mesh.edge_mm, lattice.spacing_mm, corners)
+
+    cells = star_cells(design.border, lattice, corners)
+    if len(cells) == 0:
+        raise DesignError("border", "must have room for at least one star")
+    centres = lattice.place(cells)
+    directions = lattice.arm_directions
+    size = sizes(design.stars, centres, lattice.spacing_mm, directions)
+
+    star, arm = (index.ravel() for index in np.indices((len(cells), lattice.arms)))
+    tips = centres[star] + size.length[star, None] * directions[arm]
+    printed = size.length[star] >= SHORTEST_ARM_MM
+    star, arm, tips = star[printed], arm[printed], tips[printed]
+    thickness, width = size.thickness[star, arm], size.width[star, arm]
+
+    full, (tips, too_long) = tips, cut(centres[star], tips, corners, design.border.tip_margin_mm)
+    if len(too_long) and design.border.overhang == "refuse":
+        x, y = centres[star[too_long[0]]]
+        raise DesignError(
+            "border.overhang",
+            f"lets no arm leave the sheet (keeping {design.border.tip_margin_mm:g} mm), but one of star "
+            f"{star[too_long[0]]} at [{x:.2f}, {y:.2f}] does",
+            design.border.overhang,
+        )
+    left = np.linalg.norm(tips - centres[star], axis=1) / np.linalg.norm(full - centres[star], axis=1)
+    thickness, width = (_shortened(ends, left) for ends in (thickness, width))
+    long_enough = left * size.length[star] >= SHORTEST_ARM_MM
+    star, tips, thickness, width = (part[long_enough] for part in (star, tips, thickness, width))
+    if len(star) == 0:
+        raise DesignError("stars", f"must have at least one arm of {SHORTEST_ARM_MM:g} mm on the sheet")
+    check_clear(centres[star], tips, star, width, _MEETING * lattice.spacing_mm)
+
+    kept, star = np.unique(star, return_inverse=True)
+    pins = tuple(pin_set(pin, corners, f"pins[{k}]") for k, pin in enumerate(design.pins))
+    check_agreement(pins, corners)
+    return Layout(
+        border=corners,
+        centres=centres[kept],
+        arm_star=star,
+        arm_tip=tips,
+        arm_thickness=thickness,
+        arm_width=width,
+        neighbours=lattice.neighbours(cells[kept]),
+        pins=pins,
+        lattice_vectors=lattice.vectors,
+        lattice_origin=np.asarray(lattice.origin_mm),
+    )
+
+
+def _shortened(ends: Floats, left: Floats) -> Floats:
+    """(A, 2) sizes at both ends of arms of which the fraction `left` remains."""
+    return np.column_stack([ends[:, 0], ends[:, 0] + left * (ends[:, 1] - ends[:, 0])])
+
+
+def _check_mesh(edge: float, spacing: float, corners: Floats) -> None:
+    if edge > spacing:
+        raise DesignError("mesh.edge_mm", f"must be at most the spacing of the stars, {spacing:g}", edge)
+    # equilateral triangles of this edge have half a vertex each
+    area = float(shapely.area(shapely.polygons(corners)))
+    vertices = area / (np.sqrt(0.75) * edge**2)
+    if vertices > MOST_VERTICES:
+        allowed = np.ceil(100 * edge * np.sqrt(vertices / MOST_VERTICES)) / 100
+        raise DesignError(
+            "mesh.edge_mm",
+            f"makes about {vertices:.0f} vertices, at most {MOST_VERTICES} are allowed: use {allowed:g} or more",
+            edge,
+        )

@@ -1,0 +1,114 @@
+"""The design: everything a user decides about a sheet, in one file that can be read and edited."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Literal, Self
+
+import numpy as np
+from pydantic import Field, ValidationError, field_validator, model_validator
+
+from pattern.border import Border
+from pattern.build import layout
+from pattern.errors import DesignError, from_validation
+from pattern.files import read_table, write_table
+from pattern.lattice import Lattice
+from pattern.materials import Fabric, Plastic
+from pattern.pins import Pins
+from pattern.section import Flag, Number, Place, Section, Text, Whole
+from pattern.stars import Stars
+
+
+class Gravity(Section):
+    """Weight of fabric and plastic; it needs the fabric's real modulus, not only the ratio."""
+
+    on: Flag = False
+    direction: Place = (0.0, 0.0, -1.0)
+    acceleration_m_s2: Number = Field(9.81, ge=0, le=100)
+
+    @field_validator("direction")
+    @classmethod
+    def _points_somewhere(cls, direction: Place) -> Place:
+        if not 1e-6 <= np.linalg.norm(direction) <= 1e6:
+            raise DesignError("", "must point somewhere, e.g. [0, 0, -1]", direction)
+        return direction
+
+
+class MeshChoice(Section):
+    """How the sheet is cut into triangles: length of their edges, kind of mesh, seed of its irregularity."""
+
+    edge_mm: Number = Field(2.0, ge=0.2, le=500)
+    kind: Literal["auto", "aligned", "delaunay"] = "auto"
+    seed: Whole = Field(0, ge=0, lt=2**32)
+
+
+class Solver(Section):
+    """Where the search for the shape starts: all stars bumped towards the plastic, or flat with noise."""
+
+    start: Literal["bump", "flat"] = "bump"
+    seed: Whole = Field(0, ge=0, lt=2**32)
+
+
+class Design(Section):
+    """A sheet of plastic stars on stretched fabric; lengths in mm on the stretched fabric, moduli in MPa."""
+
+    name: Text = Field("design", min_length=1, max_length=100)
+    units: Text = "mm"
+    fabric: Fabric = Fabric()
+    plastic: Plastic = Plastic()
+    lattice: Lattice = Lattice()
+    stars: Stars
+    border: Border
+    pins: tuple[Pins, ...] = Field((), max_length=1000)
+    gravity: Gravity = Gravity()
+    mesh: MeshChoice = MeshChoice()
+    solver: Solver = Solver()
+
+    @field_validator("name")
+    @classmethod
+    def _one_line(cls, name: str) -> str:
+        if not name.isprintable():
+            raise DesignError("", "must be one line of printable characters", name)
+        return name
+
+    @field_validator("units")
+    @classmethod
+    def _millimetres(cls, units: str) -> str:
+        if units != "mm":
+            raise DesignError("", 'must be "mm": write all lengths in millimetres', units)
+        return units
+
+    @model_validator(mode="after")
+    def _weighs_what_it_weighs(self) -> Self:
+        if self.gravity.on and "modulus_mpa" not in self.fabric.model_fields_set:
+            raise DesignError("fabric.modulus_mpa", "must be given with gravity on: the default is a ratio's scale")
+        return self
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any], folder: str | Path = ".", file: str | Path | None = None) -> Design:
+        """A design from plain data, with pictures looked for in `folder`; `layout` checks its geometry."""
+        try:
+            return cls.model_validate(data, context={"folder": Path(folder)})
+        except ValidationError as error:
+            raise from_validation(error, file) from None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data, complete with defaults, fit for JSON and TOML; `from_dict` makes the same design of it."""
+        return self.model_dump(mode="json", by_alias=True, exclude_none=True)
+
+
+def load_design(path: str | Path) -> Design:
+    """A design from a TOML or JSON file that `layout` accepts; `DesignError` names file and field otherwise."""
+    path = Path(path)
+    design = Design.from_dict(read_table(path), path.parent, path)
+    try:
+        layout(design)
+    except DesignError as error:
+        raise error.within(path) from None
+    return design
+
+
+def save_design(design: Design, path: str | Path) -> None:
+    """Write a design to a TOML or JSON file, complete with defaults."""
+    write_table(design.to_dict(), Path(path))

@@ -1,0 +1,139 @@
+"""How the sheet is held in space."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import numpy as np
+import shapely
+from pydantic import Field, model_validator
+
+from pattern.errors import DesignError
+from pattern.layout import Floats, PinSet
+from pattern.section import Number, Place, Point, Section, Whole
+
+
+class Pins(Section):
+    """Places of the sheet, all held in the same way.
+
+    Which, one of: `where` = "border" or "corners" (all of them), `points_mm`, or the numbers of `edges` or
+    `corners` (counterclockwise; edge i runs from corner i to corner i + 1; corner 0 of a hexagon is at
+    30 deg, of a rectangle at the lower left).
+
+    How: where it was printed, at `scale` times that place about the origin, moved by `offset_mm`, from the
+    height z = 0; or at `target_mm`. `slide` leaves it free along "z", or in the ground "plane".
+    """
+
+    where: Literal["border", "corners"] | None = None
+    points_mm: tuple[Point, ...] | None = Field(None, min_length=1, max_length=10000)
+    edges: tuple[Whole, ...] | None = Field(None, min_length=1, max_length=1000)
+    corners: tuple[Whole, ...] | None = Field(None, min_length=1, max_length=1000)
+    scale: Number = Field(1.0, gt=0, le=10)
+    offset_mm: Place = (0.0, 0.0, 0.0)
+    target_mm: tuple[Place, ...] | None = None
+    slide: Literal["z", "plane"] | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _one_target(cls, data: Any) -> Any:
+        """A single place may be written without the outer list."""
+        match data:
+            case {"target_mm": [float() | int(), *_] as place}:
+                return {**data, "target_mm": [place]}
+        return data
+
+    @model_validator(mode="after")
+    def _one_place_one_way(self) -> Pins:
+        given = [key for key in ("where", "points_mm", "edges", "corners") if getattr(self, key) is not None]
+        if len(given) != 1:
+            raise DesignError("", "must have one of where, points_mm, edges and corners", ", ".join(given) or "nothing")
+        if self.target_mm is not None:
+            if self.where == "border" or self.edges is not None:
+                raise DesignError(
+                    "target_mm", "goes with points or corners; edges take scale or offset_mm", self.target_mm
+                )
+            if self.scale != 1 or any(self.offset_mm):
+                raise DesignError("target_mm", "stands alone, without scale and offset_mm", self.target_mm)
+        far = [*self.offset_mm, *(c for place in self.target_mm or () for c in place)]
+        if max(map(abs, far)) > 1e4:
+            raise DesignError(
+                "target_mm" if self.target_mm else "offset_mm", "must be within 10000 mm", max(far, key=abs)
+            )
+        return self
+
+
+_FIXED = {None: (True, True, True), "z": (True, True, False), "plane": (False, False, True)}
+
+
+def pin_set(pins: Pins, corners: Floats, name: str) -> PinSet:
+    """The pin set on the outline `corners` (B, 2)."""
+    count = len(corners)
+    points: Floats = np.empty((0, 2))
+    edges: tuple[int, ...] = ()
+    if pins.where == "border":
+        edges = tuple(range(count))
+    elif pins.edges is not None:
+        edges = _numbers(pins.edges, count, f"{name}.edges")
+    elif pins.points_mm is not None:
+        points = np.asarray(pins.points_mm)
+    else:
+        chosen = pins.corners if pins.corners is not None else tuple(range(count))
+        points = corners[list(_numbers(chosen, count, f"{name}.corners"))]
+    _check_points(points, corners, f"{name}.points_mm")
+    target = None
+    if pins.target_mm is not None:
+        target = np.asarray(pins.target_mm)
+        if len(target) != len(points):
+            raise DesignError(f"{name}.target_mm", f"must have {len(points)} places, one a point", pins.target_mm)
+    return PinSet(points, edges, _FIXED[pins.slide], pins.scale, pins.offset_mm, target)
+
+
+def check_agreement(sets: tuple[PinSet, ...], corners: Floats) -> None:
+    """Refuse a place held twice; edges of two sets may share a corner that both hold in the same way."""
+    near = 1e-6 * float(np.ptp(corners, axis=0).max())
+    lines = shapely.linestrings(np.stack([corners, np.roll(corners, -1, axis=0)], axis=1))
+    for j, new in enumerate(sets):
+        points = shapely.points(new.points)
+        for k in range(1, len(points)):
+            if (shapely.distance(points[:k], points[k]) <= near).any():
+                raise DesignError(f"pins[{j}]", "must not hold the same place twice", _pair(new.points[k]))
+        for i, old in enumerate(sets[:j]):
+            allowed = f"must not hold what pins[{i}] holds already"
+            if edge := set(new.edges) & set(old.edges):
+                raise DesignError(f"pins[{j}]", allowed, f"edge {min(edge)}")
+            held = [*lines[list(old.edges)], *shapely.points(old.points)]
+            for point, place in zip(points, new.points, strict=True):
+                if (shapely.distance(held, point) <= near).any():
+                    raise DesignError(f"pins[{j}]", allowed, _pair(place))
+            for point, place in zip(shapely.points(old.points), old.points, strict=True):
+                if (shapely.distance(lines[list(new.edges)], point) <= near).any():
+                    raise DesignError(f"pins[{j}]", allowed, _pair(place))
+            common = corners[sorted(_ends(new, len(corners)) & _ends(old, len(corners)))]
+            same = new.fixed == old.fixed and np.allclose(new.places(common), old.places(common), atol=near)
+            if len(common) and not same:
+                raise DesignError(f"pins[{j}]", f"must hold the corner as pins[{i}] does", _pair(common[0]))
+
+
+def _ends(pins: PinSet, count: int) -> set[int]:
+    return {corner % count for edge in pins.edges for corner in (edge, edge + 1)}
+
+
+def _numbers(numbers: tuple[int, ...], count: int, field: str) -> tuple[int, ...]:
+    for k, number in enumerate(numbers):
+        if not 0 <= number < count:
+            raise DesignError(f"{field}[{k}]", f"must be from 0 to {count - 1}", number)
+        if number in numbers[:k]:
+            raise DesignError(f"{field}[{k}]", "must not be listed twice", number)
+    return numbers
+
+
+def _check_points(points: Floats, corners: Floats, field: str) -> None:
+    near = 1e-6 * float(np.ptp(corners, axis=0).max())
+    away = shapely.distance(shapely.polygons(corners), shapely.points(points)) > near
+    if away.any():
+        k = int(away.argmax())
+        raise DesignError(f"{field}[{k}]", "must be on the sheet", _pair(points[k]))
+
+
+def _pair(point: Floats) -> list[float]:
+    return [round(float(c), 4) for c in point]

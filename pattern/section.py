@@ -1,0 +1,48 @@
+"""What every table of the design file has in common: known keys only, frozen, numbers that are numbers."""
+
+from __future__ import annotations
+
+import difflib
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Discriminator, Strict, Tag, model_validator
+from pydantic_core import PydanticCustomError
+
+# strict: neither a bool nor a text passes for a number
+Number = Annotated[float, Strict()]
+Whole = Annotated[int, Strict()]
+Flag = Annotated[bool, Strict()]
+Text = Annotated[str, Strict()]
+Point = tuple[Number, Number]
+Place = tuple[Number, Number, Number]
+
+
+class Section(BaseModel):
+    """A table of the design file."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _only_known_keys(cls, data: Any) -> Any:
+        known = [field.alias or name for name, field in cls.model_fields.items()]
+        for key in data if isinstance(data, dict) else ():
+            if key not in known:
+                near = difflib.get_close_matches(str(key), known, n=1)
+                hint = f"did you mean {near[0]}?" if near else f"known here: {', '.join(known)}"
+                raise PydanticCustomError(
+                    "unknown_key",
+                    "unknown key, {hint}",
+                    {"hint": hint, "key": str(key), "value": data[key]},
+                )
+        return data
+
+
+def _is_list(value: Any) -> str:
+    return "entry:many" if isinstance(value, list | tuple) else "entry:one"
+
+
+# a number, or one for x and one for y
+NumberOrPair = Annotated[
+    Annotated[Number, Tag("entry:one")] | Annotated[Point, Tag("entry:many")], Discriminator(_is_list)
+]
