@@ -158,7 +158,6 @@ class Model:
         net = self.network
         span = self.parts["rod_stretch"].params[net.stencil_edges, 1].sum(axis=1)
         self.parts["rod_bending"].params[:, 2] = 0.5 * kappa[net.stencil_edges].mean(axis=1) * span
-        self._reconstruction = None
 
     def flat_state(self) -> State:
         """The print as it lies: flat, plastic up, held vertices at their places for the present release."""
@@ -167,10 +166,11 @@ class Model:
         return self.moved_pins(State(positions, directors))
 
     def moved_pins(self, state: State) -> State:
-        """The state with its held components where the present release puts them."""
-        places = self.constraints.places(self.release)
-        positions = np.where(self.constraints.held, places, state.positions)
-        return carried(state, self.network.edges, positions, np.zeros(len(self.network.edges)))
+        """The state with its held components where the present release puts them, and the rest moved along."""
+        held, places = self.constraints.held, self.constraints.places(self.release)
+        if not held.any() or np.array_equal(state.positions[held], places[held]):
+            return state
+        return self.reconstruction.moved(state, np.where(held, places, state.positions))
 
     # -- energy and derivatives -------------------------------------------------------------------------------
 
@@ -217,9 +217,14 @@ class Model:
         move, turn = full[: 3 * self.n_vertices].reshape(-1, 3), full[3 * self.n_vertices :]
         if straight:
             return (lambda a: carried(state, self.network.edges, state.positions + a * move, a * turn)), 1.0
+        return self.reconstruction.path(state, move, turn)
+
+    @property
+    def reconstruction(self) -> Reconstruction:
+        """Positions from gradients; made when first asked for."""
         if self._reconstruction is None:
             self._reconstruction = Reconstruction(self)
-        return self._reconstruction.path(state, move, turn)
+        return self._reconstruction
 
     def rigid_modes(self, state: State) -> Array:
         """(free, k) orthonormal rigid motions that the pins leave free."""

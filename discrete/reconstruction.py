@@ -26,13 +26,13 @@ LARGEST_TURN = 1.0  # rad in one step
 
 
 class Reconstruction:
-    """Positions from deformation gradients, for one model at one release."""
+    """Positions from deformation gradients, for one model; the release it was made at only scales its measures."""
 
     def __init__(self, model: Model) -> None:
         self._triangles, self._edges = model.mesh.triangles, model.network.edges
         params = model.parts["membrane"].params
-        self._b = params[:, :6].reshape(-1, 3, 2)
-        self._weight = params[:, 6]
+        self._b = params[:, :6].reshape(-1, 3, 2).copy()
+        self._weight = params[:, 6].copy()
         ea, length = model.parts["rod_stretch"].params.T
         self._edge_weight = ea / length
         self._held = model.constraints.held
@@ -83,6 +83,13 @@ class Reconstruction:
             if not self._held[:, axes[0]].any():
                 out[:, axes] += mean[axes] - out[:, axes].mean(axis=0)
         return out
+
+    def moved(self, state: State, guess: Array) -> State:
+        """The state with its held components as in `guess` (V, 3), everything else deformed as little as possible."""
+        f = np.einsum("tic,tik->tck", state.positions[self._triangles], self._b)
+        e = state.positions[self._edges[:, 1]] - state.positions[self._edges[:, 0]]
+        positions = self.solve(f, e, guess, state.positions.mean(axis=0))
+        return carried(state, self._edges, positions, np.zeros(len(e)))
 
     def path(self, state: State, move: Array, turn: Array) -> tuple[Callable[[float], State], float]:
         """Curve of states with slope `move` (V, 3), `turn` (R,), and the longest step along it."""

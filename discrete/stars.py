@@ -1,0 +1,39 @@
+"""Which way every star bumps."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from discrete.elements import Array
+from discrete.model import Model
+from discrete.state import State, carried
+
+
+def bump_heights(model: Model, state: State) -> Array:
+    """(S,) mm, height of each star's centre over the mean of its tips, along its plastic normal; 0 without arms.
+
+    Positive: the star bumps to the plastic side (up).
+    """
+    network, mesh, stars = model.network, model.mesh, model.layout.arm_star
+    n_stars = len(model.layout.centres)
+    normal = np.zeros((n_stars, 3))
+    np.add.at(normal, stars[network.rod], state.directors)
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    normal = normal / np.where(length > 0.0, length, 1.0)
+    tips = np.zeros((n_stars, 3))
+    np.add.at(tips, stars, state.positions[[rod[-1] for rod in mesh.rods]])
+    arms = np.bincount(stars, minlength=n_stars)[:, None]
+    centre = state.positions[mesh.star_vertices]
+    drop = np.where(arms > 0, centre - tips / np.maximum(arms, 1), 0.0)
+    return (drop * normal).sum(axis=1)
+
+
+def bumped(model: Model, state: State, height: float) -> State:
+    """The state with a smooth bump of `height` mm at every star, towards +z, pinned components left alone."""
+    distance, _ = cKDTree(model.layout.centres).query(model.mesh.points)
+    spacing = np.linalg.norm(model.layout.lattice_vectors, axis=1).min()
+    lift = height * np.exp(-((distance / (0.35 * spacing)) ** 2))
+    positions = state.positions.copy()
+    positions[:, 2] += np.where(model.constraints.held[:, 2], 0.0, lift)
+    return carried(state, model.network.edges, positions, np.zeros(len(model.network.edges)))
