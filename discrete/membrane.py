@@ -98,10 +98,7 @@ def membrane_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
             for r in range(3):
                 for c in range(3):
                     h[3 * i + r, 3 * k + c] = (
-                        a_prime * gi[r] * gk[c]
-                        - a * gk[r] * gi[c]
-                        + normal * n[r] * n[c]
-                        + spin * vi[r] * vk[c]
+                        a_prime * gi[r] * gk[c] - a * gk[r] * gi[c] + normal * n[r] * n[c] + spin * vi[r] * vk[c]
                     )
                 h[3 * i + r, 3 * k + r] += identity
 

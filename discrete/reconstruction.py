@@ -16,7 +16,7 @@ import numpy as np
 
 from discrete.elements import Array
 from discrete.state import State, carried, tangents
-from equilibrium.factor import make_factor
+from equilibrium.factor import Factor, make_factor
 from equilibrium.sparse_pattern import SparsePattern
 
 if TYPE_CHECKING:
@@ -38,16 +38,15 @@ class Reconstruction:
         self._held = model.constraints.held
         self._components = self._factorise(model.n_vertices)
 
-    def _factorise(self, n: int) -> list[tuple[Array, Array, object, SparsePattern, Array]]:
+    def _factorise(self, n: int) -> list[tuple[Array, Array, Factor, SparsePattern, Array]]:
         """One Laplacian for each different set of held vertices among x, y and z."""
         i, j = np.tril_indices(3)
         triangle = np.einsum("t,tik,tjk->tij", self._weight, self._b, self._b)[:, i, j]
         edge = self._edge_weight[:, None] * np.array([1.0, -1.0, 1.0])
-        self._laplacian = None
         groups: dict[bytes, list[int]] = {}
         for c in range(3):
             groups.setdefault(self._held[:, c].tobytes(), []).append(c)
-        out = []
+        out: list[tuple[Array, Array, Factor, SparsePattern, Array]] = []
         everything = SparsePattern([self._triangles, self._edges], n, np.arange(n))
         whole = everything.assemble([triangle, edge])
         for axes in groups.values():
@@ -79,7 +78,7 @@ class Reconstruction:
         for axes, free, factor, everything, whole in self._components:
             start = guess[:, axes]
             residual = rhs[:, axes] - everything.product(whole, start)
-            out[np.ix_(free, axes)] += factor.solve(residual[free])  # type: ignore[attr-defined]
+            out[np.ix_(free, axes)] += factor.solve(residual[free])
             if not self._held[:, axes[0]].any():
                 out[:, axes] += mean[axes] - out[:, axes].mean(axis=0)
         return out

@@ -9,7 +9,7 @@ from discrete.state import State, tangents
 
 
 def rigid_modes(state: State, edges: Array, held: Array, free: Array) -> Array:
-    """(free, k) orthonormal infinitesimal rigid motions that move no held component (k from 0 to 6).
+    """(free, k) orthonormal infinitesimal rigid motions that move no held dof (k from 0 to 6).
 
     Turning the body by `w` turns an edge with tangent t by `w . t` beyond what parallel transport does.
     """
@@ -21,7 +21,7 @@ def rigid_modes(state: State, edges: Array, held: Array, free: Array) -> Array:
         modes[: 3 * n, i] = np.tile(axis, n)
         modes[: 3 * n, 3 + i] = np.cross(axis, x).ravel() / 10.0
         modes[3 * n :, 3 + i] = t @ axis / 10.0
-    blocked = modes[: 3 * n][held.ravel()]
+    blocked = modes[held]
     if len(blocked):
         _, size, rows = np.linalg.svd(blocked, full_matrices=True)
         rank = int((size > 1e-8 * max(size[0], 1.0)).sum())

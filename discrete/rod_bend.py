@@ -85,12 +85,8 @@ def _curvature_bow(te, tf, le, lf, chi, u0, u1, v0, v1, p, scale, h):  # type: i
                 - k / chi * (one - tf[r] * tf[c])
                 + 0.25 * (kb[r] * u1[c] + u1[r] * kb[c])
             ) * (scale / (lf * lf))
-            ef = (tt - a[r] * t[c] + t[r] * b[c] - k / chi * (one + te[r] * tf[c]) - spin[r][c]) * (
-                scale / (le * lf)
-            )
-            fe = (tt - a[c] * t[r] + t[c] * b[r] - k / chi * (one + te[c] * tf[r]) - spin[c][r]) * (
-                scale / (le * lf)
-            )
+            ef = (tt - a[r] * t[c] + t[r] * b[c] - k / chi * (one + te[r] * tf[c]) - spin[r][c]) * (scale / (le * lf))
+            fe = (tt - a[c] * t[r] + t[c] * b[r] - k / chi * (one + te[c] * tf[r]) - spin[c][r]) * (scale / (le * lf))
             # x0 enters e with -1, x1 enters e with +1 and f with -1, x2 enters f with +1
             h[r, c] += ee
             h[3 + r, c] += fe - ee

@@ -57,11 +57,11 @@ def smallest_eigenvalue(
     start = project(np.random.default_rng(seed).standard_normal(size))
     operator = LinearOperator((size, size), matvec=inverse, dtype=float)
     if size - modes.shape[1] < 3:
-        values, vectors = np.linalg.eigh(_dense(pattern, data, modes))
+        _, vectors = np.linalg.eigh(_dense(pattern, data, modes))
         vector = vectors[:, 0]
     else:
         try:
-            values, vectors = eigsh(operator, k=1, which="LA", v0=start, tol=1e-9, maxiter=400)
+            _, vectors = eigsh(operator, k=1, which="LA", v0=start, tol=1e-9, maxiter=400)
         except ArpackNoConvergence as stopped:  # the residual below says how good it is
             vectors = stopped.eigenvectors if len(stopped.eigenvalues) else start[:, None]
         vector = project(vectors[:, 0])

@@ -154,7 +154,9 @@ class _Regularisation:
             else:
                 data = self._matrix(state, min(self.amount, 1.0))
                 if self.amount > 1.0:  # semidefinite is not yet definite
-                    data[self.problem.pattern.diagonal] += 1e-6 * self.amount * data[self.problem.pattern.diagonal].max()
+                    data[self.problem.pattern.diagonal] += (
+                        1e-6 * self.amount * data[self.problem.pattern.diagonal].max()
+                    )
             if self._accepts(data):
                 return
             self.amount = max(10.0 * self.amount, 1e-3)
@@ -198,9 +200,9 @@ def _line_search(
         if np.isfinite(trial):
             if trial <= energy + 1e-4 * a * slope:
                 return state, trial, a
-            if abs(a * slope) < 1e3 * rounding and trial <= energy + 1e3 * rounding:
-                if np.linalg.norm(problem.gradient(state)) < norm:
-                    return state, trial, a
+            drowned = abs(a * slope) < 1e3 * rounding and trial <= energy + 1e3 * rounding
+            if drowned and np.linalg.norm(problem.gradient(state)) < norm:
+                return state, trial, a
         # parabola through the value and slope at 0 and the value at a, kept within a tenth and a half
         curvature = trial - energy - a * slope
         best = -0.5 * slope * a * a / curvature if np.isfinite(curvature) and curvature > 0.0 else 0.1 * a

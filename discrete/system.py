@@ -1,0 +1,85 @@
+"""A sum of energies over positions and directors, with some dofs held: what Newton walks on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from discrete.elements import Array, Elements
+from discrete.rigid import rigid_modes
+from discrete.state import State, carried
+from equilibrium.sparse_pattern import SparsePattern
+
+
+class System:
+    """Energies and dead loads of a set of vertices and rod edges.
+
+    Parameters
+    ----------
+    parts : the energies by name.
+    n_vertices : V.
+    edges : (R, 2) vertices of the rod edges; their twists are dofs 3 V .. 3 V + R.
+    held : (3 V + R,) bool, dofs that do not move.
+    load : (3 V,) N, dead load; none by default.
+
+    Attributes
+    ----------
+    free : indices of the dofs that move.
+    pattern : of the Hessian over them.
+    """
+
+    def __init__(
+        self, parts: dict[str, Elements], n_vertices: int, edges: Array, held: Array, load: Array | None = None
+    ) -> None:
+        self.parts, self.n_vertices, self.edges, self.held = parts, n_vertices, edges, held
+        self.n_dofs = len(held)
+        self.load = np.zeros(3 * n_vertices) if load is None else load
+        self.free = np.flatnonzero(~held)
+        self.pattern = SparsePattern([part.dofs for part in parts.values()], self.n_dofs, self.free)
+
+    def energies(self, state: State) -> dict[str, float]:
+        """N mm, by part; the potential of the dead load is called gravity."""
+        packed = state.packed
+        with np.errstate(all="ignore"):  # a collapsed triangle is an infinite energy, not a warning
+            out = {name: float(part.energies(packed).sum()) for name, part in self.parts.items()}
+        if self.load.any():
+            out["gravity"] = -float(self.load @ state.positions.ravel())
+        return out
+
+    def energy(self, state: State) -> float:
+        """N mm; not finite where the fabric has collapsed."""
+        return sum(self.energies(state).values())
+
+    def full_gradient(self, state: State) -> Array:
+        """(3 V + R,) N and N mm over all dofs; at held ones it is the reaction of what holds them."""
+        packed = state.packed
+        total = np.zeros(self.n_dofs)
+        for part in self.parts.values():
+            total += np.bincount(part.dofs.ravel(), part.gradients(packed).ravel(), self.n_dofs)
+        total[: 3 * self.n_vertices] -= self.load
+        return total
+
+    def gradient(self, state: State) -> Array:
+        """(free,) N and N mm."""
+        return self.full_gradient(state)[self.free]
+
+    def hessian(self, state: State, blend: float) -> Array:
+        """(nnz,) entries of the lower triangle in `pattern`; see `Elements.hessians` for `blend`."""
+        packed = state.packed
+        return self.pattern.assemble([part.hessians(packed, blend) for part in self.parts.values()])
+
+    def spread(self, direction: Array) -> tuple[Array, Array]:
+        """Moves (V, 3) and turns (R,) of a vector over the free dofs."""
+        full = np.zeros(self.n_dofs)
+        full[self.free] = direction
+        return full[: 3 * self.n_vertices].reshape(-1, 3), full[3 * self.n_vertices :]
+
+    def path(self, state: State, direction: Array, straight: bool) -> tuple[Callable[[float], State], float]:
+        """Curve of states leaving `state` in `direction` (free,), and the longest step along it."""
+        move, turn = self.spread(direction)
+        return (lambda a: carried(state, self.edges, state.positions + a * move, a * turn)), 1.0
+
+    def rigid_modes(self, state: State) -> Array:
+        """(free, k) orthonormal rigid motions that what is held leaves free."""
+        return rigid_modes(state, self.edges, self.held, self.free)
