@@ -62,14 +62,14 @@ class HexagonBorder:
 
     def places(self, layout: Layout, grid: LatticeGrid) -> Floats:
         """Places (6 rows, 2) of the ring: evenly spaced between corners, tips and pins on the border."""
-        taken = {q * self.rows: float(q * self.rows) for q in range(6)}
+        taken: dict[int, float] = {q * self.rows: float(q * self.rows) for q in range(6)}
         tolerance = ON_LINE * grid.edge_mm * grid.k
         tips = np.flatnonzero(distance_to_outline(layout.arm_tip, layout.border) <= tolerance)
         starts, steps = grid.centres(layout)[layout.arm_star], grid.directions(layout)
         number = {(*ij,): k for k, ij in enumerate(self.ring.tolist())}
         for arm in tips:
-            at = number[(*(starts[arm] + self.exit(starts[arm], steps[arm]) * steps[arm]).tolist(),)]
-            self._take(taken, at, self._along(layout.arm_tip[arm]))
+            station = number[(*(starts[arm] + self.exit(starts[arm], steps[arm]) * steps[arm]).tolist(),)]
+            self._take(taken, station, self._along(layout.arm_tip[arm]))
         for pin in layout.pins:
             points = np.asarray(pin.points, dtype=float).reshape(-1, 2)
             for point in points[distance_to_outline(points, layout.border) <= tolerance]:

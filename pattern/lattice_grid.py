@@ -17,6 +17,8 @@ from pattern.planar import cross
 DIRECTIONS = np.array([[1, 0], [0, 1], [-1, 1], [-1, 0], [0, -1], [1, -1]])
 # how far from a grid line counts as on it, in lattice distances
 ON_LINE = 1e-6
+# weight that keeps what is connected to no known point where it is; too small to matter elsewhere
+HOLD = 1e-9
 
 
 @dataclass(frozen=True)
@@ -126,7 +128,7 @@ class GridPatch:
         free = np.flatnonzero(~known)
         result = np.where(known[:, None], values, 0.0)
         if len(free):
-            laplacian = diags_array(adjacent.sum(axis=1), format="csr") - adjacent
+            laplacian = diags_array(adjacent.sum(axis=1) + HOLD, format="csr") - adjacent
             rows = csr_array(laplacian)[free]
             factor = splu(rows[:, free].tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
             result[free] = factor.solve(-(rows @ result))

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
-from pattern.arm_stations import Stations, arm_stations
+from pattern.arm_stations import arm_stations
 from pattern.errors import MeshError
+from pattern.grid_motion import moved, prescribed
 from pattern.hexagon_border import HexagonBorder
-from pattern.lattice_grid import ON_LINE, GridPatch, LatticeGrid
+from pattern.lattice_grid import LatticeGrid
 from pattern.layout import Floats, Ints, Layout
 from pattern.mesh import Mesh
 from pattern.mesh_check import checked
-from pattern.pin_vertices import SAME_PLACE_MM, pin_points, pin_vertices
+from pattern.mesh_cut import cut_mesh
+from pattern.pin_vertices import pin_points, pin_vertices
 
 # flatter triangles than this (degrees) are left to the Delaunay mesh, which refines where it is narrow
 SMALLEST_ANGLE = 15.0
@@ -34,9 +34,13 @@ def aligned_mesh(layout: Layout, edge_mm: float) -> Mesh:
         raise MeshError(f"the mesh edge must be positive, got {edge_mm}")
     grid = LatticeGrid.of(layout, edge_mm)
     hexagon = HexagonBorder.of(layout, grid)
-    if hexagon is None:
-        raise MeshError("border not supported yet")
-    return _hexagon_mesh(layout, grid, hexagon)
+    if hexagon is not None:
+        try:
+            return checked(_hexagon_mesh(layout, grid, hexagon), layout, SMALLEST_ANGLE)
+        except MeshError:
+            # tips close to the border: only a border with points of its own has room for them
+            pass
+    return checked(cut_mesh(layout, grid), layout, SMALLEST_ANGLE)
 
 
 def _hexagon_mesh(layout: Layout, grid: LatticeGrid, hexagon: HexagonBorder) -> Mesh:
@@ -51,11 +55,11 @@ def _hexagon_mesh(layout: Layout, grid: LatticeGrid, hexagon: HexagonBorder) -> 
     stations = arm_stations(layout, grid, border)
     patch = hexagon.patch(grid)
     ring = patch.index(hexagon.ring)
-    known, places = prescribed(patch, ring, outline, stations)
+    known, places = prescribed(patch, stations, ring, outline)
     points = moved(patch, known, places, pin_points(layout))
     first = int(np.argmin(np.linalg.norm(points[ring] - layout.border[0], axis=1)))
     border_vertices = np.roll(ring, -first)
-    mesh = Mesh(
+    return Mesh(
         points=points,
         triangles=patch.triangles(),
         rods=tuple(patch.index(arm) for arm in stations.arms),
@@ -64,34 +68,3 @@ def _hexagon_mesh(layout: Layout, grid: LatticeGrid, hexagon: HexagonBorder) -> 
         pin_vertices=pin_vertices(layout, points, border_vertices),
         kind="aligned",
     )
-    return checked(mesh, layout, SMALLEST_ANGLE)
-
-
-def prescribed(patch: GridPatch, ring: Ints, outline: Floats, stations: Stations) -> tuple[NDArray[np.bool_], Floats]:
-    """Which points of the patch have their place from the outline, arms and gaps (n,), and all places (n, 2) in mm."""
-    at = patch.index(stations.ij)
-    known, places = np.zeros(len(patch.ij), dtype=bool), patch.grid.place(patch.ij)
-    known[ring], places[ring] = True, outline
-    known[at[at >= 0]] = True
-    places[at[at >= 0]] = stations.places[at >= 0]
-    if np.abs(places[at] - stations.places)[at >= 0].max(initial=0) > ON_LINE * patch.grid.edge_mm * patch.grid.k:
-        raise MeshError("arms want the same grid points")
-    return known, places
-
-
-def moved(patch: GridPatch, known: NDArray[np.bool_], places: Floats, pins: Floats) -> Floats:
-    """Places (n, 2) of all grid points of a patch: the known ones, one on each pin, and the others smoothly between."""
-    natural = patch.grid.place(patch.ij)
-    points = natural + patch.harmonic(known, places - natural)
-    distance = cKDTree(points[known]).query(pins)[0]
-    missing = pins[distance > SAME_PLACE_MM]
-    if not len(missing):
-        return points
-    known, places = known.copy(), places.copy()
-    for pin in missing:
-        away = np.where(known, np.inf, np.linalg.norm(points - pin, axis=1))
-        nearest = int(np.argmin(away))
-        if away[nearest] > patch.grid.edge_mm:
-            raise MeshError(f"no free grid point near the pin at ({pin[0]:g}, {pin[1]:g}) mm")
-        known[nearest], places[nearest] = True, pin
-    return natural + patch.harmonic(known, places - natural)

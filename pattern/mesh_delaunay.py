@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,7 +57,9 @@ def delaunay_mesh(layout: Layout, edge_mm: float, seed: int = 0) -> Mesh:
     pins, tolerance = pin_points(layout), _tolerance(layout)
     length = layout.arm_length
     frame = _Frame(
-        outline_points(layout.border, edge_mm, np.concatenate([layout.arm_tip, pins]), tolerance),
+        outline_points(
+            layout.border, edge_mm, np.concatenate([layout.arm_tip, layout.centres, pins]), tolerance, np.zeros((0, 2))
+        ),
         length / np.maximum(np.rint(length / edge_mm), 2),
     )
     best, best_angle = None, -1.0
@@ -103,8 +106,7 @@ def _arm_points(layout: Layout, arm: int, step: float, pins: Floats) -> Floats:
     stops = np.concatenate([centre[None], between[np.argsort(between @ (tip - centre))], tip[None]])
     stops, _ = _merged(stops, tolerance)
     pieces = [
-        np.linspace(a, b, max(round(float(np.linalg.norm(b - a)) / step), 1) + 1)[:-1]
-        for a, b in zip(stops[:-1], stops[1:], strict=True)
+        np.linspace(a, b, max(round(float(np.linalg.norm(b - a)) / step), 1) + 1)[:-1] for a, b in pairwise(stops)
     ]
     return np.concatenate([*pieces, tip[None]])
 

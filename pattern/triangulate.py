@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+import shapely
 import triangle
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
 from pattern.errors import MeshError
 from pattern.layout import Floats, Ints
-from pattern.planar import cross, distance_to_segment, triangle_areas
+from pattern.planar import triangle_areas
 
 # closer than this, relative to the extent of the input, points count as one and segments as touching
 TOLERANCE = 1e-8
@@ -103,39 +104,19 @@ def _check_geometry(p: Floats, s: Ints) -> None:
         raise MeshError(f"segment {np.argmax(s[:, 0] == s[:, 1])} has no length")
     if len(np.unique(ordered, axis=0)) < len(s):
         raise MeshError("a segment is given twice")
-    on, owner, first, second = _close_pairs(p, s)
-    apart = (s[owner] != on[:, None]).all(axis=1)
-    on, owner = on[apart], owner[apart]
-    touching = distance_to_segment(p[on], p[s[owner, 0]], p[s[owner, 1]]) < TOLERANCE
-    if touching.any():
-        k = np.argmax(touching)
+    lines = shapely.linestrings(p[s])
+    tree = shapely.STRtree(lines)
+    on, owner = tree.query(shapely.points(p), predicate="dwithin", distance=TOLERANCE)
+    touching = np.flatnonzero((s[owner] != on[:, None]).all(axis=1))
+    if len(touching):
+        k = touching[0]
         raise MeshError(f"point {on[k]} lies on segment {owner[k]} between its ends")
-    a, b, c, d = p[s[first, 0]], p[s[first, 1]], p[s[second, 0]], p[s[second, 1]]
-    crossing = (cross(b - a, c - a) * cross(b - a, d - a) < 0) & (cross(d - c, a - c) * cross(d - c, b - c) < 0)
+    first, second = tree.query(lines, predicate="crosses")
     # segments with a common end cannot cross: each has the other's end beside it only by rounding
-    crossing &= (s[first][:, :, None] != s[second][:, None, :]).all(axis=(1, 2))
-    if crossing.any():
-        k = np.argmax(crossing)
+    crossing = np.flatnonzero((s[first][:, :, None] != s[second][:, None, :]).all(axis=(1, 2)))
+    if len(crossing):
+        k = crossing[0]
         raise MeshError(f"segments {first[k]} and {second[k]} cross")
-
-
-def _close_pairs(p: Floats, s: Ints) -> tuple[Ints, Ints, Ints, Ints]:
-    """Pairs (point, segment) and (segment, segment) that are close enough to touch."""
-    a, b = p[s[:, 0]], p[s[:, 1]]
-    length = np.linalg.norm(b - a, axis=1)
-    # pieces of at most this length: their middles tell which segments are near, long ones included
-    step = max(float(np.median(length)), float(length.mean()) / 4)
-    pieces = np.ceil(length / step).astype(np.int64)
-    owner = np.repeat(np.arange(len(s)), pieces)
-    rank = np.arange(len(owner)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
-    middle = a[owner] + ((rank + 0.5) / pieces[owner])[:, None] * (b - a)[owner]
-    tree, reach = cKDTree(middle), 0.5 * step + TOLERANCE
-    if tree.count_neighbors(tree, 2 * reach) > 50_000_000:
-        raise MeshError("too many segments in one place")
-    pairs = owner[tree.query_pairs(2 * reach, output_type="ndarray")]
-    pairs = np.unique(np.sort(pairs, axis=1)[pairs[:, 0] != pairs[:, 1]], axis=0)
-    near = cKDTree(p).sparse_distance_matrix(tree, reach, output_type="coo_matrix")
-    return near.row.astype(np.int64), owner[near.col], pairs[:, 0], pairs[:, 1]
 
 
 def _options(p: Floats, min_angle_deg: float | None, max_area: float | None) -> tuple[str, int]:

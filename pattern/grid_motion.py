@@ -1,0 +1,53 @@
+"""Moving the points of a lattice grid: some to given places, the others smoothly with them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from pattern.arm_stations import Stations
+from pattern.errors import MeshError
+from pattern.lattice_grid import ON_LINE, GridPatch
+from pattern.layout import Floats, Ints
+from pattern.pin_vertices import SAME_PLACE_MM
+
+NOTHING = np.zeros(0, dtype=np.int64)
+NOWHERE = np.zeros((0, 2))
+
+
+def prescribed(
+    patch: GridPatch, stations: Stations, ring: Ints = NOTHING, outline: Floats = NOWHERE
+) -> tuple[NDArray[np.bool_], Floats]:
+    """Which points of a patch have their place from arms, gaps and outline (n,), and all places (n, 2) in mm.
+
+    Parameters
+    ----------
+    ring, outline : points of the patch (m,) on the border, and their places (m, 2) in mm.
+    """
+    at = patch.index(stations.ij)
+    known, places = np.zeros(len(patch.ij), dtype=bool), patch.grid.place(patch.ij)
+    known[ring], places[ring] = True, outline
+    known[at[at >= 0]] = True
+    places[at[at >= 0]] = stations.places[at >= 0]
+    if np.abs(places[at] - stations.places)[at >= 0].max(initial=0) > ON_LINE * patch.grid.edge_mm * patch.grid.k:
+        raise MeshError("arms want the same grid points")
+    return known, places
+
+
+def moved(patch: GridPatch, known: NDArray[np.bool_], places: Floats, pins: Floats) -> Floats:
+    """Places (n, 2) of all grid points of a patch: the known ones, one on each pin, and the others smoothly between."""
+    natural = patch.grid.place(patch.ij)
+    points = natural + patch.harmonic(known, places - natural)
+    distance = cKDTree(points[known]).query(pins)[0]
+    missing = pins[distance > SAME_PLACE_MM]
+    if not len(missing):
+        return points
+    known, places = known.copy(), places.copy()
+    for pin in missing:
+        away = np.where(known, np.inf, np.linalg.norm(points - pin, axis=1))
+        nearest = int(np.argmin(away))
+        if away[nearest] > patch.grid.edge_mm:
+            raise MeshError(f"no free grid point near the pin at ({pin[0]:g}, {pin[1]:g}) mm")
+        known[nearest], places[nearest] = True, pin
+    return natural + patch.harmonic(known, places - natural)

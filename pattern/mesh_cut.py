@@ -1,0 +1,102 @@
+"""The lattice grid cut along any border: equilateral inside, fitted to evenly spaced border points in a strip."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from pattern.arm_stations import Border, arm_stations
+from pattern.errors import MeshError
+from pattern.grid_motion import moved, prescribed
+from pattern.lattice_grid import ON_LINE, GridPatch, LatticeGrid
+from pattern.layout import Floats, Ints, Layout
+from pattern.mesh import Mesh
+from pattern.outline import outline_points
+from pattern.pin_vertices import pin_points, pin_vertices
+from pattern.planar import distance_to_outline, inside, mean_circumcentres, triangle_angles
+from pattern.triangulate import triangulate
+
+# all in grid edges: grid points stay this far from the border, arms at least so far or end on it,
+# and points this near to the border are smoothed
+MARGIN, ARM_MARGIN, STRIP = 0.6, 0.1, 2.6
+SMOOTHINGS = 8
+REFINE = 25.0
+
+
+def cut_mesh(layout: Layout, grid: LatticeGrid) -> Mesh:
+    """The grid with its points moved onto arms and pins, cut off at the border and triangulated with it."""
+    tolerance = ON_LINE * grid.edge_mm * grid.k
+    pins = pin_points(layout)
+    patch = _patch_around(layout, grid)
+    stations = arm_stations(layout, grid, _ends_on_border(layout, grid, tolerance))
+    known, places = prescribed(patch, stations)
+    points = moved(patch, known, places, pins[distance_to_outline(pins, layout.border) > tolerance])
+
+    arms = [patch.index(arm) for arm in stations.arms]
+    fixed = np.zeros(len(points), dtype=bool)
+    fixed[np.concatenate([patch.index(grid.centres(layout)), *arms])] = True
+    away, at_pin = cKDTree(points).query(pins)
+    fixed[at_pin[away <= tolerance]] = True
+    distance = distance_to_outline(points, layout.border)
+    on_border = fixed & (distance <= tolerance)
+    clear = inside(points, layout.border) & (distance >= ARM_MARGIN * grid.edge_mm)
+    if (fixed & ~on_border & ~clear).any():
+        raise MeshError("an arm or a pin is closer to the border than a mesh edge allows")
+    wanted = np.concatenate([layout.arm_tip, layout.centres, pins])
+    outline = outline_points(layout.border, grid.edge_mm, wanted, tolerance, points[fixed & ~on_border])
+    keep = (inside(points, layout.border) & (distance > MARGIN * grid.edge_mm)) | fixed & ~on_border
+    vertex = np.full(len(points), -1)
+    vertex[keep] = np.arange(keep.sum()) + len(outline)
+    vertex[on_border] = cKDTree(outline).query(points[on_border])[1]
+    rods = tuple(vertex[arm] for arm in arms)
+    border = np.arange(len(outline))
+    segments = np.concatenate(
+        [np.column_stack([border, np.roll(border, -1)]), *(np.column_stack([r[:-1], r[1:]]) for r in rods)]
+    )
+    still = np.concatenate([np.ones(len(outline), dtype=bool), fixed[keep] | (distance[keep] > STRIP * grid.edge_mm)])
+    points, triangles = _smoothed(np.concatenate([outline, points[keep]]), segments, still)
+    return Mesh(
+        points=points,
+        triangles=triangles,
+        rods=rods,
+        star_vertices=vertex[patch.index(grid.centres(layout))],
+        border_vertices=border,
+        pin_vertices=pin_vertices(layout, points, border),
+        kind="aligned",
+    )
+
+
+def _patch_around(layout: Layout, grid: LatticeGrid) -> GridPatch:
+    """Grid points on the sheet, and enough around it for every arm and for moves across the border."""
+    ij = grid.window(layout.border.min(axis=0), layout.border.max(axis=0))
+    places = grid.place(ij)
+    near = inside(places, layout.border) | (distance_to_outline(places, layout.border) < 2 * grid.edge_mm)
+    return GridPatch(grid, ij[near])
+
+
+def _ends_on_border(layout: Layout, grid: LatticeGrid, tolerance: float) -> Border:
+    """For arms that end on the border: their number of edges and their tip."""
+    starts, steps = grid.centres(layout)[layout.arm_star], grid.directions(layout)
+    on = distance_to_outline(layout.arm_tip, layout.border) <= tolerance
+    count = np.maximum(np.rint(layout.arm_length / np.linalg.norm(steps @ grid.basis, axis=1) * grid.k), 1)
+    ends = {
+        (*starts[arm].tolist(), *steps[arm].tolist()): (int(count[arm]), layout.arm_tip[arm])
+        for arm in np.flatnonzero(on)
+    }
+    return lambda start, step: ends.get((*start.tolist(), *step.tolist()))
+
+
+def _smoothed(points: Floats, segments: Ints, still: NDArray[np.bool_]) -> tuple[Floats, Ints]:
+    """Triangulate, and move the points that are not still to where their triangles are best, a few times."""
+    given = still
+    points, triangles = triangulate(points, segments, min_angle_deg=REFINE)
+    still = np.concatenate([given, np.zeros(len(points) - len(given), dtype=bool)])
+    best, best_angle = (points, triangles), triangle_angles(points, triangles).min()
+    for _ in range(SMOOTHINGS):
+        points = np.where(still[:, None], points, mean_circumcentres(points, triangles))
+        points, triangles = triangulate(points, segments)
+        angle = triangle_angles(points, triangles).min()
+        if angle > best_angle:
+            best, best_angle = (points, triangles), angle
+    return best
