@@ -17,6 +17,8 @@ TOLERANCE = 1e-8
 MAX_TRIANGLES = 2_000_000
 MAX_ANGLE_DEG = 33.0
 
+Lines = NDArray[np.object_]
+
 
 def triangulate(
     points: ArrayLike,
@@ -55,16 +57,18 @@ def triangulate(
         raise MeshError("the points to triangulate coincide, or lie too far from the origin to tell apart")
     # Triangle's exact arithmetic is only exact far from overflow and underflow
     unit = (p - centre) / scale
-    _check_geometry(unit, s)
+    holes_at = (h - centre) / scale
+    lines = _check_geometry(unit, s)
+    area = _check_region(unit, s, lines, holes_at)
     options, room = _options(unit, min_angle_deg, None if max_area is None else max_area / scale**2)
     data = {"vertices": unit, "segments": s.astype(np.int32)}
     if len(h):
-        data["holes"] = (h - centre) / scale
+        data["holes"] = holes_at
     result = triangle.triangulate(data, options)
     mesh, triangles = np.asarray(result["vertices"]), np.asarray(result.get("triangles", ()), dtype=np.int64)
     if room and len(mesh) - len(p) >= room:
         raise MeshError(f"the mesh would need more than {room} points: use a longer edge")
-    _check_result(mesh, triangles.reshape(-1, 3), s, len(p))
+    _check_result(mesh, triangles.reshape(-1, 3), s, area)
     return np.concatenate([p, mesh[len(p) :] * scale + centre]), triangles
 
 
@@ -91,8 +95,8 @@ def _arrays(points: ArrayLike, segments: ArrayLike, holes: ArrayLike) -> tuple[F
     return p, s.astype(np.int64), h.reshape(-1, 2)
 
 
-def _check_geometry(p: Floats, s: Ints) -> None:
-    """Distinct points, segments that meet at points only and leave no free region without an outline."""
+def _check_geometry(p: Floats, s: Ints) -> Lines:
+    """The segments as lines, if the points are distinct and the segments meet at points only."""
     if cKDTree(p).query_pairs(TOLERANCE):
         i, j = min(cKDTree(p).query_pairs(TOLERANCE))
         raise MeshError(f"points {i} and {j} are the same")
@@ -117,6 +121,30 @@ def _check_geometry(p: Floats, s: Ints) -> None:
     if len(crossing):
         k = crossing[0]
         raise MeshError(f"segments {first[k]} and {second[k]} cross")
+    return lines
+
+
+def _check_region(p: Floats, s: Ints, lines: Lines, holes: Floats) -> float:
+    """The area that the segments enclose without the holes, if all points and segments are in it."""
+    faces = shapely.get_parts(shapely.polygonize(lines))
+    tree = shapely.STRtree(faces)
+    if len(holes):
+        at = shapely.points(holes)
+        inside, face = tree.query(at, predicate="within")
+        beside = shapely.STRtree(lines).query(at, predicate="dwithin", distance=TOLERANCE)[0]
+        bad = np.isin(np.arange(len(holes)), inside, invert=True) | np.isin(np.arange(len(holes)), beside)
+        if bad.any():
+            raise MeshError(f"hole {np.argmax(bad)} is not inside a loop of segments")
+        faces = np.delete(faces, face)
+        tree = shapely.STRtree(faces)
+    if not len(faces):
+        raise MeshError("the segments enclose nothing")
+    for what, shapes in (("point", shapely.points(p)), ("segment", shapely.line_interpolate_point(lines, 0.5, True))):
+        covered = tree.query(shapes, predicate="dwithin", distance=TOLERANCE)[0]
+        out = np.isin(np.arange(len(shapes)), covered, invert=True)
+        if out.any():
+            raise MeshError(f"{what} {np.argmax(out)} lies outside what the segments enclose")
+    return float(shapely.area(faces).sum())
 
 
 def _options(p: Floats, min_angle_deg: float | None, max_area: float | None) -> tuple[str, int]:
@@ -140,25 +168,18 @@ def _options(p: Floats, min_angle_deg: float | None, max_area: float | None) -> 
     return f"{options}S{room}", room
 
 
-def _check_result(p: Floats, t: Ints, s: Ints, given: int) -> None:
-    """Triangles turn counterclockwise, use every point, contain every segment, and end at segments only."""
-    if not len(t):
-        raise MeshError("the segments enclose nothing")
-    if not np.isfinite(p).all() or triangle_areas(p, t).min() <= 0:
-        raise MeshError("a triangle has no area")
-    used = np.zeros(len(p), dtype=bool)
-    used[t] = True
-    if not used.all():
-        k = np.argmin(used)
-        raise MeshError(
-            f"point {k} lies outside what the segments enclose" if k < given else "the mesh has a stray point"
-        )
+def _check_result(p: Floats, t: Ints, s: Ints, area: float) -> None:
+    """Triangles turn counterclockwise, fill the area, use every point, contain every segment and end at segments."""
+    areas = triangle_areas(p, t) if len(t) else np.zeros(1)
+    if not np.isfinite(p).all() or areas.min() <= 0 or abs(areas.sum() - area) > 1e-9 + 1e-6 * area:
+        raise MeshError("the mesh does not fill what the segments enclose")
     edges, count = _edges(t, len(p))
     codes = _codes(s, len(p))
-    if not np.isin(codes, edges).all():
-        raise MeshError(f"segment {np.argmin(np.isin(codes, edges))} lies outside what the segments enclose")
-    if not np.isin(edges[count == 1], codes).all() or count.max() > 2:
-        raise MeshError("the mesh does not end at the segments")
+    used = np.bincount(t.ravel(), minlength=len(p)) > 0
+    if not (
+        used.all() and np.isin(codes, edges).all() and np.isin(edges[count == 1], codes).all() and count.max() <= 2
+    ):
+        raise MeshError("the mesh does not follow the segments")
 
 
 def _codes(pairs: Ints, n: int) -> Ints:
