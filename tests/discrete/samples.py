@@ -1,0 +1,144 @@
+"""Elements of every energy at random states and at strongly bent ones; no two elements share a dof."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from discrete.elements import Array, Elements
+from discrete.hinges import Hinges
+from discrete.membrane import Membrane
+from discrete.rod_bend import RodBend
+from discrete.rod_stretch import RodStretch
+from discrete.rod_twist import RodTwist
+from discrete.rods import RodNetwork, stencil_inputs
+from discrete.state import State, carried
+
+COUNT = 40
+
+
+@dataclass(frozen=True)
+class Sample:
+    """Elements, a state, and the rod edges whose directors are part of it."""
+
+    elements: Elements
+    state: State
+    edges: Array
+
+    def moved(self, steps: Array) -> Array:
+        """Packed configuration after each element's own dofs moved by steps (E, n); complex steps pass through."""
+        full = np.zeros(self.state.positions.size + len(self.edges), dtype=steps.dtype)
+        full[self.elements.dofs] = steps
+        move, turn = np.split(full, [self.state.positions.size])
+        return carried(self.state, self.edges, self.state.positions + move.reshape(-1, 3), turn).packed
+
+
+def rotation(rng: np.random.Generator) -> Array:
+    """Random proper rotation matrix."""
+    q, r = np.linalg.qr(rng.normal(size=(3, 3)))
+    q = q * np.sign(np.diag(r))
+    return q if np.linalg.det(q) > 0.0 else -q
+
+
+def membrane(rng: np.random.Generator, bent: bool, incompressible: bool = False) -> Sample:
+    """Triangles strained at random; `bent`: turned by more than 90 degrees and squeezed to a third."""
+    triangles = np.arange(3 * COUNT).reshape(COUNT, 3)
+    rest = np.tile([[0.0, 0.0], [1.3, 0.1], [0.3, 1.1]], (COUNT, 1)) + 0.2 * rng.normal(size=(3 * COUNT, 2))
+    flat = np.column_stack([rest, np.zeros(len(rest))])
+    if bent:
+        turn = np.diag([1.0, -1.0, -1.0]) @ rotation(rng)
+        positions = flat * [0.4, 0.8, 1.0] @ turn.T + 0.05 * rng.normal(size=flat.shape)
+    else:
+        positions = 1.2 * flat + 0.15 * rng.normal(size=flat.shape)
+    elements = Membrane(triangles, rest, 0.8, 7.0, 0.3, incompressible)
+    return Sample(elements, State(positions, np.zeros((0, 3))), np.zeros((0, 2), dtype=int))
+
+
+def incompressible_membrane(rng: np.random.Generator, bent: bool) -> Sample:
+    """The other law of the membrane."""
+    return membrane(rng, bent, incompressible=True)
+
+
+def hinges(rng: np.random.Generator, bent: bool) -> Sample:
+    """Pairs of triangles; `bent`: folded by 90 to 160 degrees to either side."""
+    angle = rng.choice([-1.0, 1.0], COUNT) * (rng.uniform(1.8, 2.8, COUNT) if bent else rng.uniform(0.0, 1.0, COUNT))
+    zero = np.zeros(COUNT)
+    right = np.column_stack([0.6 + zero, -0.9 * np.cos(angle), 0.9 * np.sin(angle)])
+    points = np.stack([np.tile(p, (COUNT, 1)) for p in ([0, 0, 0], [1, 0, 0], [0.4, 0.8, 0])] + [right], axis=1)
+    points = (points + 0.05 * rng.normal(size=points.shape)) @ rotation(rng).T
+    elements = Hinges(np.arange(4 * COUNT).reshape(COUNT, 4), rng.uniform(0.5, 1.0, COUNT))
+    return Sample(elements, State(points.reshape(-1, 3), np.zeros((0, 3))), np.zeros((0, 2), dtype=int))
+
+
+def rod_stretch(rng: np.random.Generator, bent: bool) -> Sample:
+    """Rod edges of random length; `bent` has no meaning for one edge."""
+    edges = np.arange(2 * COUNT).reshape(COUNT, 2)
+    dofs = (3 * edges[:, :, None] + np.arange(3)).reshape(COUNT, 6)
+    params = np.column_stack([rng.uniform(1, 2, COUNT), rng.uniform(0.5, 2, COUNT)])
+    state = State(rng.normal(size=(2 * COUNT, 3)), np.zeros((0, 3)))
+    return Sample(RodStretch(dofs, dofs, params), state, np.zeros((0, 2), dtype=int))
+
+
+def _stencils(rng: np.random.Generator, bent: bool) -> tuple[RodNetwork, State]:
+    """Pairs of edges, some run backwards; `bent`: turned by 90 to 150 degrees and twisted by as much."""
+    angle = rng.uniform(1.6, 2.6, COUNT) if bent else rng.uniform(0.0, 1.0, COUNT)
+    twist = rng.choice([-1.0, 1.0], COUNT) * (rng.uniform(1.6, 2.6, COUNT) if bent else rng.uniform(0.0, 1.0, COUNT))
+    l0, l1 = rng.uniform(0.5, 2.0, (2, COUNT))
+    zero = np.zeros(COUNT)
+    points = np.stack(
+        [
+            np.column_stack([-l0, zero, zero]),
+            np.zeros((COUNT, 3)),
+            np.column_stack([l1 * np.cos(angle), l1 * np.sin(angle), zero]),
+        ],
+        axis=1,
+    )
+    # directors at any angle about the first edge; the second is the first one carried along, then twisted
+    first = rng.uniform(0.0, 2.0 * np.pi, COUNT)
+
+    def director(along: Array, azimuth: Array) -> Array:
+        across = np.column_stack([-np.sin(along), np.cos(along), zero])
+        return np.cos(azimuth)[:, None] * across + np.sin(azimuth)[:, None] * np.array([0.0, 0.0, 1.0])
+
+    directors = np.stack([director(zero, first), director(angle, first + twist)], axis=1)
+    turned = rotation(rng)
+    signs = rng.choice([-1.0, 1.0], (COUNT, 2))
+    vertices = np.arange(3 * COUNT).reshape(COUNT, 3)
+    forward = np.stack([vertices[:, :2], vertices[:, 1:]], axis=1)
+    edges = np.where(signs[:, :, None] > 0.0, forward, forward[:, :, ::-1]).reshape(-1, 2)
+    network = RodNetwork(
+        edges,
+        np.repeat(np.arange(COUNT), 2),
+        np.full(2 * COUNT, 0.5),
+        vertices,
+        np.arange(2 * COUNT).reshape(COUNT, 2),
+        signs,
+        np.ones(COUNT),
+    )
+    return network, State(points.reshape(-1, 3) @ turned.T, directors.reshape(-1, 3) @ turned.T)
+
+
+def rod_bend(rng: np.random.Generator, bent: bool) -> Sample:
+    """Stencils with rest curvatures of their own."""
+    network, state = _stencils(rng, bent)
+    params = np.column_stack([rng.uniform(1, 2, (COUNT, 2)), 0.3 * rng.normal(size=(COUNT, 2)), network.signs])
+    return Sample(RodBend(*stencil_inputs(network, len(state.positions)), params), state, network.edges)
+
+
+def rod_twist(rng: np.random.Generator, bent: bool) -> Sample:
+    """Stencils that twist."""
+    network, state = _stencils(rng, bent)
+    params = np.column_stack([rng.uniform(1, 2, COUNT), network.signs])
+    return Sample(RodTwist(*stencil_inputs(network, len(state.positions)), params), state, network.edges)
+
+
+SAMPLES: dict[str, Callable[[np.random.Generator, bool], Sample]] = {
+    "membrane": membrane,
+    "incompressible membrane": incompressible_membrane,
+    "hinges": hinges,
+    "rod stretch": rod_stretch,
+    "rod bend": rod_bend,
+    "rod twist": rod_twist,
+}

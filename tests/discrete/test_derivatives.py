@@ -1,0 +1,141 @@
+"""V1: gradients and Hessians of every energy, at random states and at states bent by more than 90 degrees.
+
+Both come from complex steps through the plain numpy path, which have no truncation error: the tolerance is rounding.
+For rods the derivative of the gradient is not symmetric away from equilibrium (transporting a director around a loop
+turns it); the Hessian is its symmetric part (Bergou et al. 2010).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from discrete.elements import Array
+from discrete.state import tangents
+from tests.discrete.samples import COUNT, SAMPLES, Sample
+
+STEP = 1e-30
+PLACES = pytest.mark.parametrize("bent", [False, True], ids=["random", "bent"])
+ENERGIES = pytest.mark.parametrize("name", SAMPLES)
+
+
+def make(name: str, bent: bool) -> Sample:
+    return SAMPLES[name](np.random.default_rng(7), bent)
+
+
+def full(packed: Array, n: int) -> Array:
+    """Symmetric matrices (E, n, n) of packed lower triangles."""
+    out = np.zeros((len(packed), n, n), dtype=packed.dtype)
+    rows, columns = np.tril_indices(n)
+    out[:, rows, columns] = packed
+    out[:, columns, rows] = packed
+    return out
+
+
+def relative(value: Array, reference: Array) -> float:
+    """Largest error of any element over the largest entry of that element."""
+    axes = tuple(range(1, reference.ndim))
+    scale = np.abs(reference).max(axis=axes)
+    return float((np.abs(value - reference).max(axis=axes) / scale).max())
+
+
+def complex_steps(sample: Sample, n: int, function) -> Array:
+    """(E, ..., n) derivatives of `function` of the configuration by every dof of each element."""
+    columns = []
+    for i in range(n):
+        step = np.zeros((COUNT, n), dtype=complex)
+        step[:, i] = 1j * STEP
+        columns.append(function(sample.moved(step)).imag / STEP)
+    return np.stack(columns, axis=-1)
+
+
+@ENERGIES
+@PLACES
+def test_gradient(name, bent):
+    sample = make(name, bent)
+    n = sample.elements.n
+    expected = complex_steps(sample, n, sample.elements.energies)
+    assert relative(sample.elements.gradients(sample.state.packed), expected) < 1e-11
+
+
+@ENERGIES
+@PLACES
+def test_hessian(name, bent):
+    sample = make(name, bent)
+    n = sample.elements.n
+    derivative = complex_steps(sample, n, sample.elements.gradients)
+    expected = 0.5 * (derivative + derivative.swapaxes(1, 2))
+    assert relative(full(sample.elements.hessians(sample.state.packed), n), expected) < 1e-11
+    if not name.startswith("rod"):
+        # no directors, no holonomy: the derivative itself is symmetric
+        assert relative(derivative, expected) < 1e-11
+
+
+@ENERGIES
+@PLACES
+def test_hessian_is_the_slope_of_the_gradient_in_real_arithmetic(name, bent):
+    """The same by central differences of the compiled gradient, which never sees a complex number."""
+    sample = make(name, bent)
+    n, step = sample.elements.n, 1e-5
+    columns = []
+    for i in range(n):
+        d = np.zeros((COUNT, n))
+        d[:, i] = step
+        ahead, behind = (sample.elements.gradients(sample.moved(side * d)) for side in (1.0, -1.0))
+        columns.append((ahead - behind) / (2.0 * step))
+    derivative = np.stack(columns, axis=-1)
+    expected = 0.5 * (derivative + derivative.swapaxes(1, 2))
+    assert relative(full(sample.elements.hessians(sample.state.packed), n), expected) < 1e-6
+
+
+@ENERGIES
+@PLACES
+@pytest.mark.parametrize("blend", [0.0, 0.3, 1.0])
+def test_compiled_and_plain_paths_agree(name, bent, blend):
+    sample = make(name, bent)
+    assert sample.elements.compiled, "numba is a dependency"
+    packed = sample.state.packed
+    compiled = [sample.elements.energies(packed), sample.elements.gradients(packed)]
+    compiled.append(sample.elements.hessians(packed, blend))
+    sample.elements.compiled = False
+    plain = [sample.elements.energies(packed), sample.elements.gradients(packed)]
+    plain.append(sample.elements.hessians(packed, blend))
+    for one, other in zip(compiled, plain, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-12, atol=1e-12 * np.abs(other).max())
+
+
+@ENERGIES
+@PLACES
+def test_blend_goes_from_exact_to_semidefinite(name, bent):
+    """Linear in between, so a small blend is a small change; somewhere the exact Hessian is indefinite."""
+    sample = make(name, bent)
+    n, packed = sample.elements.n, sample.state.packed
+    exact, convex = (full(sample.elements.hessians(packed, blend), n) for blend in (0.0, 1.0))
+    scale = np.abs(exact).max(axis=(1, 2))
+    assert (np.linalg.eigvalsh(convex)[:, 0] > -1e-12 * scale).all()
+    assert (np.linalg.eigvalsh(exact)[:, 0] < -1e-4 * scale).any()
+    between = full(sample.elements.hessians(packed, 0.25), n)
+    assert relative(between, 0.75 * exact + 0.25 * convex) < 1e-12
+
+
+def test_blend_keeps_a_definite_membrane_as_it_is():
+    """In tension there is nothing to take out: the blended Hessian is the exact one."""
+    sample = make("membrane", False)
+    grown = sample.state.packed * 1.6
+    exact, convex = (full(sample.elements.hessians(grown, blend), 9) for blend in (0.0, 1.0))
+    stable = np.linalg.eigvalsh(exact)[:, 0] > -1e-12 * np.abs(exact).max(axis=(1, 2))
+    assert stable.sum() > COUNT // 2
+    assert relative(convex[stable], exact[stable]) < 1e-12
+
+
+def test_bent_samples_are_bent():
+    """The strong states are what they are said to be: more than 90 degrees of bending, folding and twist."""
+    bend = make("rod bend", True)
+    t = tangents(bend.state.positions, bend.edges).reshape(COUNT, 2, 3) * bend.elements.params[:, 4:, None]
+    assert ((t[:, 0] * t[:, 1]).sum(axis=1) < 0.0).all()
+    twist = make("rod twist", True)
+    angle = np.sqrt(twist.elements.energies(twist.state.packed) / twist.elements.params[:, 0])
+    assert (angle > np.pi / 2).all()
+    fold = make("hinges", True)
+    tangent = np.sqrt(fold.elements.energies(fold.state.packed) / fold.elements.params[:, 0]) / 2.0
+    assert (tangent > 1.0).all()
