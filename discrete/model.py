@@ -18,6 +18,7 @@ from discrete.rod_twist import RodTwist
 from discrete.rods import RodNetwork, bend_params, rod_network, stencil_inputs, stretch_params, twist_params
 from discrete.state import State
 from discrete.system import System
+from pattern.errors import DesignError
 from pattern.layout import Layout
 from pattern.materials import rest_curvature
 from pattern.mesh import Mesh
@@ -147,7 +148,7 @@ def _fabric(design: Design, mesh: Mesh, compiled: bool) -> dict[str, Elements]:
         "membrane": Membrane(mesh.triangles, mesh.points, *sheet, fabric.model == "incompressible", compiled)
     }
     if fabric.bending == "consistent":
-        raise ValueError('fabric.bending: "consistent" is not available; use "paper" or "none"')
+        raise DesignError("fabric.bending", 'must be "paper" or "none": this version has no other', fabric.bending)
     if fabric.bending == "paper":
         hinges = interior_edges(mesh.triangles)
         parts["hinges"] = Hinges(hinges, paper_coefficients(hinges, mesh.points, *sheet), compiled)

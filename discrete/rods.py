@@ -48,8 +48,14 @@ def rod_network(paths: tuple[Array, ...], junction: Array, printed: Array) -> Ro
     the N (N - 1)/2 pairs bends and twists with weight 1/(N - 1). Three arms have the paper's weight 1/2 (section 3.2),
     two make one straight rod.
     """
-    edges, rod, middle, vertices, pairs, signs, weight = [], [], [], [], [], [], []
-    first = []
+    edges: list[tuple[int, int]] = []
+    rod: list[int] = []
+    middle: list[float] = []
+    vertices: list[tuple[int, int, int]] = []
+    pairs: list[tuple[int, int]] = []
+    signs: list[tuple[float, float]] = []
+    weight: list[float] = []
+    first: list[int] = []
     for r, path in enumerate(paths):
         start = len(edges)
         first.append(start)

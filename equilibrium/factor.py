@@ -7,6 +7,7 @@ definite: a Newton step needs to know, and some solvers accept an indefinite mat
 from __future__ import annotations
 
 import importlib.util
+from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
@@ -14,6 +15,10 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
 from equilibrium.sparse_pattern import Floats, SparsePattern
+
+
+class BackendError(ValueError):
+    """The factorisation asked for is not installed; one line."""
 
 
 class Factor(Protocol):
@@ -136,7 +141,11 @@ class SuperLUFactor:
         self._lu = None
 
 
-BACKENDS = {"pardiso": PardisoFactor, "cholmod": CholmodFactor, "superlu": SuperLUFactor}
+BACKENDS: dict[str, Callable[[SparsePattern], Factor]] = {
+    "pardiso": PardisoFactor,
+    "cholmod": CholmodFactor,
+    "superlu": SuperLUFactor,
+}
 _MODULES = {"pardiso": "pypardiso", "cholmod": "sksparse", "superlu": "scipy"}
 
 
@@ -150,16 +159,21 @@ def make_factor(pattern: SparsePattern, backend: str = "auto") -> Factor:
 
     Raises
     ------
-    ValueError
-        if the backend is unknown or not installed.
+    BackendError
+        The backend is unknown or not installed.
     """
+    check_backend(backend)
     if backend != "auto":
-        if backend not in available():
-            raise ValueError(f"backend: {backend!r} is not available; installed here: {', '.join(available())}")
         return BACKENDS[backend](pattern)
     for name in available():
         try:
             return BACKENDS[name](pattern)
         except (ImportError, OSError):  # a package without its shared library
             continue
-    raise ValueError("backend: no sparse factorisation is installed")
+    raise BackendError("backend: no sparse factorisation is installed")
+
+
+def check_backend(backend: str) -> None:
+    """Raise BackendError if this backend cannot be used here."""
+    if backend != "auto" and backend not in available():
+        raise BackendError(f"backend: {backend!r} is not available; use auto or {' or '.join(available())}")

@@ -46,7 +46,8 @@ class SparsePattern:
         i, j = np.tril_indices(dofs.shape[1])
         a, b = dofs[:, i], dofs[:, j]
         key = np.minimum(a, b) * self.size + np.maximum(a, b)
-        return np.where((a < 0) | (b < 0), self.size * self.size, key).ravel()
+        key[(a < 0) | (b < 0)] = self.size * self.size
+        return np.ravel(key)
 
     @property
     def nnz(self) -> int:

@@ -1,0 +1,150 @@
+"""The command line. Every mistake is one line on standard error and exit status 2; no answer is status 1."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from asterism import __version__
+
+app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+
+# what the option parser raises for a wrong command line; some versions of typer bring their own click
+_UsageError: type[Exception] = typer.BadParameter.__mro__[1]
+
+
+@app.callback(invoke_without_command=True)
+def _root(
+    context: typer.Context,
+    version: Annotated[bool, typer.Option("--version", help="Print the version and stop.")] = False,
+) -> None:
+    """The shape of plastic stars printed on stretched fabric."""
+    if version:
+        typer.echo(__version__)
+    elif context.invoked_subcommand is None:
+        typer.echo(context.get_help())
+
+
+@app.command()
+def new(
+    name: Annotated[str | None, typer.Argument(help="A design of the gallery; none: list them.")] = None,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="The file to write (NAME.toml).")] = None,
+) -> None:
+    """Write a design of the gallery to a file, to be looked at and changed."""
+    from asterism.files import write_file
+    from pattern import gallery
+
+    if name is None:
+        typer.echo("\n".join(gallery.names()))
+        return
+    if name not in gallery.names():
+        raise _Mistake(f"NAME: {name!r} is not in the gallery; there are {', '.join(gallery.names())}")
+    path = output or Path(f"{name}.toml")
+    if path.suffix != ".toml":
+        raise _Mistake(f"--output: {str(path)!r} must end with .toml")
+    if path.exists():
+        raise _Mistake(f"--output: {str(path)!r} exists already and is left as it is; choose another name")
+    write_file(path, gallery.path(name).read_text(encoding="utf-8"))
+    typer.echo(f"{path}: now run  asterism simulate {path}")
+
+
+@app.command()
+def simulate(
+    design: Annotated[Path, typer.Argument(help="The design file (.toml or .json).")],
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Directory of the results (design's name).")
+    ] = None,
+    edge: Annotated[float | None, typer.Option(help="Edge length of the mesh in mm, in place of the design's.")] = None,
+    start: Annotated[str | None, typer.Option(help="bump or flat, in place of the design's.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Seed of the start's noise, in place of the design's.")] = None,
+    fabric_bending: Annotated[str | None, typer.Option(help="paper or none, in place of the design's.")] = None,
+    backend: Annotated[str, typer.Option(help="Sparse factorisation: auto, pardiso, cholmod or superlu.")] = "auto",
+) -> None:
+    """The exact model: the shape of a design, certified to be an equilibrium.
+
+    Writes summary.json, shape.vtu, rods.vtu and shape.png. Exit status 1 if what was found is not an equilibrium.
+    """
+    from asterism.files import check_writable
+    from asterism.overrides import changed
+    from asterism.progress import Progress
+    from asterism.results import write_results
+    from asterism.simulate import simulate as run
+    from pattern.design import load_design
+
+    plan = changed(
+        load_design(design),
+        {
+            "--edge": ("mesh.edge_mm", edge),
+            "--start": ("solver.start", start),
+            "--seed": ("solver.seed", seed),
+            "--fabric-bending": ("fabric.bending", fabric_bending),
+        },
+    )
+    directory = output or design.with_suffix("")
+    check_writable(directory)
+    progress = Progress()
+    try:
+        shape = run(plan, backend, progress.report, progress.say)
+    finally:
+        progress.close()
+    files = write_results(shape, directory)
+    _table(dict(shape.summary))
+    typer.echo(f"{directory}: {', '.join(files)}")
+    if not shape.summary["is_minimum"]:
+        print("asterism: not an equilibrium: " + _why(dict(shape.summary)), file=sys.stderr)
+        raise typer.Exit(1)
+
+
+def _table(s: dict[str, Any]) -> None:
+    extent = " x ".join(f"{size:.1f}" for size in s["extent_mm"])
+    rows = {
+        "stars": f"{s['stars_up']} of {s['stars_total']} up",
+        "height": f"{s['height_mm']:.2f} mm",
+        "extent": f"{extent} mm",
+        "contraction": "-" if s["contraction"] is None else f"{s['contraction']:.4f}",
+        "energy": f"{s['energy_n_mm']:.4f} N mm",
+        "gradient": f"{s['gradient_norm']:.1e} N",
+        "smallest eigenvalue": f"{s['smallest_eigenvalue']:.3e} N/mm",
+        "equilibrium": "stable" if s["is_minimum"] else "no",
+        "mesh": f"{s['vertices']} vertices, {s['mesh']}",
+        "work": f"{s['iterations']} iterations, {s['factorisations']} factorisations, {s['wall_s']:.1f} s",
+    }
+    for name, value in rows.items():
+        typer.echo(f"  {name:<20} {value}")
+
+
+def _why(s: dict[str, Any]) -> str:
+    if not s["converged"]:
+        return f"gradient {s['gradient_norm']:.1e} N is above {s['gradient_tolerance']:.1e} N"
+    return f"smallest eigenvalue {s['smallest_eigenvalue']:.1e} N/mm is not positive"
+
+
+class _Mistake(Exception):
+    """What the user typed cannot be done; one line."""
+
+
+def main() -> None:
+    """Run the command line; exits with 0 done, 1 no answer, 2 wrong input, 130 interrupted."""
+    from asterism.files import OutputError
+    from equilibrium.factor import BackendError
+    from pattern.errors import DesignError, MeshError
+
+    try:
+        status = app(standalone_mode=False)
+    except _UsageError as error:
+        _stop(error.format_message(), 2)  # type: ignore[attr-defined]
+    except (DesignError, MeshError, OutputError, BackendError, _Mistake) as error:
+        _stop(str(error), 2)
+    except (KeyboardInterrupt, typer.Abort):
+        _stop("interrupted; nothing was written", 130)
+    except MemoryError:
+        _stop("not enough memory: a larger mesh.edge_mm needs less", 1)
+    sys.exit(status if isinstance(status, int) else 0)
+
+
+def _stop(line: str, status: int) -> None:
+    print("asterism: " + " ".join(line.split()), file=sys.stderr)
+    sys.exit(status)

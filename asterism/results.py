@@ -1,0 +1,40 @@
+"""The files of a result: summary.json, shape.vtu, rods.vtu, shape.png."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+from asterism.export_vtu import write_rods_vtu, write_shape_vtu
+from asterism.files import LAST, staged
+from asterism.picture import draw
+from asterism.shape import Shape
+
+
+def write_results(shape: Shape, directory: str | Path) -> list[str]:
+    """Write the files of a shape into a directory, all or none; returns their names.
+
+    Raises
+    ------
+    OutputError
+        They cannot be written there.
+    """
+    with staged(directory) as folder:
+        write_shape_vtu(shape, folder / "shape.vtu")
+        write_rods_vtu(shape, folder / "rods.vtu")
+        draw(shape, shape.summary["design"]["name"], folder / "shape.png")
+        (folder / LAST).write_text(json.dumps(_plain(dict(shape.summary)), indent=2, allow_nan=False) + "\n")
+        return sorted(file.name for file in folder.iterdir())
+
+
+def _plain(value: Any) -> Any:
+    """JSON has no infinity and no not-a-number: both become null."""
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

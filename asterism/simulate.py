@@ -1,0 +1,150 @@
+"""The exact shape of a design: layout, mesh, model, equilibrium, and the numbers that go with it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from asterism import __version__
+from asterism.shape import Shape
+from asterism.surface_fields import cell_fields, point_fields
+from discrete.model import Model
+from discrete.rods import curvatures
+from discrete.solve import Equilibrium, Report, relax
+from equilibrium.factor import check_backend
+from pattern.build import layout
+from pattern.design import Design
+from pattern.meshing import mesh_layout
+
+Say = Callable[[str], None]
+
+
+def simulate(
+    design: Design,
+    backend: str = "auto",
+    report: Report | None = None,
+    say: Say | None = None,
+) -> Shape:
+    """Equilibrium of the exact model.
+
+    Parameters
+    ----------
+    design : from `load_design`, `new` or `Design.from_dict`.
+    backend : sparse factorisation: `auto`, `pardiso`, `cholmod` or `superlu`.
+    report : called with the stage's name and an `Iteration` after every iteration.
+    say : called with a line of text when something begins.
+
+    Returns
+    -------
+    The shape; `summary` says whether it is a minimum and holds the whole design. A free sheet lies with its
+    principal axes along x, y and z.
+
+    Raises
+    ------
+    DesignError, MeshError
+        The design cannot be printed, or its sheet not meshed.
+    BackendError
+        The factorisation is not installed.
+    """
+    check_backend(backend)
+    tell = say or (lambda text: None)
+    start = time.perf_counter()
+    plan = layout(design)
+    mesh = mesh_layout(plan, design.mesh.edge_mm, design.mesh.kind, design.mesh.seed)
+    tell(f"{len(plan.centres)} stars on {len(mesh.triangles)} triangles ({mesh.kind} mesh)")
+    meshed = time.perf_counter()
+    model = Model(design, plan, mesh)
+    built = time.perf_counter()
+    tell(f"minimising the energy over {len(model.free)} degrees of freedom")
+    found = relax(model, design.solver.start, seed=design.solver.seed, backend=backend, report=report)
+    seconds = {"mesh": meshed - start, "model": built - meshed, **found.seconds}
+    return _shape(model, found, seconds, time.perf_counter() - start)
+
+
+def _shape(model: Model, found: Equilibrium, seconds: dict[str, float], wall: float) -> Shape:
+    mesh, positions = model.mesh, found.state.positions
+    star = np.full(len(mesh.points), -1, dtype=np.int64)
+    star[mesh.star_vertices] = np.arange(len(mesh.star_vertices))
+    shape = Shape(
+        printed=mesh.points,
+        positions=positions,
+        triangles=mesh.triangles,
+        star=star,
+        rods=mesh.rods,
+        star_vertices=mesh.star_vertices,
+        rod_fields=_rod_fields(model, found),
+    )
+    if not model.held.any():
+        shape = shape.aligned()
+    stretch = model.design.fabric.stretch_xy
+    fields = point_fields(shape.positions, shape.triangles)
+    strains = cell_fields(shape.printed, shape.positions, shape.triangles, stretch)
+    summary = _summary(model, found, shape, seconds, wall)
+    return Shape(**{**vars(shape), "point_fields": fields, "cell_fields": strains, "summary": summary})
+
+
+def _rod_fields(model: Model, found: Equilibrium) -> dict[str, np.ndarray]:
+    net = model.network
+    bend = np.zeros(len(net.edges))
+    touched = np.zeros(len(net.edges))
+    curvature = curvatures(net, found.state.positions, found.state.directors, model.mesh.points)
+    # an edge shows the mean of the stencils along its own arm; those across a junction belong to two arms
+    own = net.signs[:, 0] > 0
+    np.add.at(bend, net.stencil_edges[own], curvature[own, None])
+    np.add.at(touched, net.stencil_edges[own], 1.0)
+    return {
+        "arm": net.rod,
+        "star": model.layout.arm_star[net.rod],
+        "thickness_mm": model.edge_thickness,
+        "width_mm": model.edge_width,
+        "curvature_per_mm": np.divide(bend, touched, out=np.full(len(bend), np.nan), where=touched > 0),
+    }
+
+
+def _summary(model: Model, found: Equilibrium, shape: Shape, seconds: dict[str, float], wall: float) -> dict[str, Any]:
+    return {
+        "converged": found.converged,
+        "is_minimum": found.is_minimum,
+        "smallest_eigenvalue": found.smallest_eigenvalue,
+        "eigenvalue_error": found.eigenvalue_error,
+        "gradient_norm": found.gradient_norm,
+        "gradient_tolerance": found.tolerance,
+        "energy_n_mm": found.energy,
+        "energy_parts_n_mm": found.energies,
+        **found.energies,
+        "stars_total": len(model.layout.centres),
+        "stars_up": found.stars_up,
+        "stars_down": [int(i) for i in np.flatnonzero(found.bumps <= 0.0)],
+        "vertices": model.n_vertices,
+        "triangles": len(model.mesh.triangles),
+        "dofs": len(model.free),
+        "mesh": model.mesh.kind,
+        "edge_mm": model.design.mesh.edge_mm,
+        "fabric_bending": model.design.fabric.bending,
+        "iterations": found.iterations,
+        "factorisations": found.factorisations,
+        "saddles_left": found.saddles_left,
+        "wall_s": wall,
+        "wall_s_by_stage": seconds,
+        "height_mm": shape.height_mm,
+        "extent_mm": list(shape.extent_mm),
+        "contraction": _contraction(model, shape),
+        "backend": found.backend,
+        "version": __version__,
+        "design": model.design.to_dict(),
+    }
+
+
+def _contraction(model: Model, shape: Shape) -> float | None:
+    """Mean distance of neighbouring star centres over the printed one; None for a star alone."""
+    pairs = model.layout.neighbours
+    if len(pairs) == 0:
+        return None
+    centres = shape.positions[shape.star_vertices]
+    now = np.linalg.norm(centres[pairs[:, 0]] - centres[pairs[:, 1]], axis=1)
+    printed = model.layout.centres
+    before = np.linalg.norm(printed[pairs[:, 0]] - printed[pairs[:, 1]], axis=1)
+    return float(now.mean() / before.mean())
