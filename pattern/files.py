@@ -37,13 +37,22 @@ def read_table(path: Path) -> dict[str, Any]:
     if not text.strip():
         raise wrong("is empty")
     try:
-        table = tomllib.loads(text) if suffix == ".toml" else json.loads(text)
+        table = tomllib.loads(text) if suffix == ".toml" else json.loads(text, object_pairs_hook=_once)
     except RecursionError:
         raise wrong("is nested too deeply") from None
     except ValueError as error:  # syntax errors of both formats, with their line
         raise wrong(f"is not {suffix[1:].upper()}: {error}") from None
     if not isinstance(table, dict):
         raise wrong("must hold a table of keys and values")
+    return table
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """A JSON object whose keys are all different, as TOML demands too."""
+    table = dict(pairs)
+    if len(table) < len(pairs):
+        keys = [key for key, _ in pairs]
+        raise ValueError(f"the key {next(key for key in keys if keys.count(key) > 1)!r} is there twice")
     return table
 
 

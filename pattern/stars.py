@@ -93,9 +93,13 @@ def sizes(stars: Stars, centres: Floats, spacing: float, arm_directions: Floats)
     width = sample(stars.width_mm, at.reshape(-1, 2)).reshape(at.shape[:-1])
     values = {"length_mm": length, "thickness_mm": thickness, "width_mm": width}
     limits = {"length_mm": (0.0, spacing), "thickness_mm": THICKNESS_MM, "width_mm": WIDTH_MM}
+    changed: set[int] = set()
     for number, change in enumerate(stars.override):
         name = f"stars.override[{number}]"
         star = _find(change, centres, spacing, name)
+        if star in changed:
+            raise DesignError(name, f"changes star {star} again: write its changes in one entry")
+        changed.add(star)
         for key in values:
             if (value := getattr(change, key)) is not None:
                 _check(f"{name}.{key}", np.array([value]), limits[key], centres[[star]], [star])
@@ -136,7 +140,7 @@ def _check(
     low, high = limits
     slack = 1e-6 * high  # a spacing written with seven digits
     fine = (values >= low) & (values <= high + slack)
-    bad = np.flatnonzero(~fine.reshape(len(values), -1).all(axis=1))
+    bad = np.flatnonzero(~fine.all(axis=tuple(range(1, fine.ndim))))
     if len(bad) == 0:
         return
     star, (x, y) = bad[0], centres[bad[0]]

@@ -1,0 +1,244 @@
+"""Whatever is wrong with a design ends as one line that names the place."""
+
+import copy
+import json
+
+import pytest
+
+from pattern.build import layout
+from pattern.design import Design, load_design
+from pattern.errors import DesignError
+
+GOOD = {"stars": {"length_mm": 10.0}, "border": {"rings": 1}}
+RADIAL = {"profile": "radial", "from": 10, "to": 4, "over_mm": 50}
+SQUARE = {"rectangle_mm": [100, 100]}
+DELETE = object()
+
+
+def changed(*changes):
+    """The good design with values put at dotted places."""
+    design = copy.deepcopy(GOOD)
+    for place, value in changes:
+        *tables, key = place.split(".")
+        table = design
+        for name in tables:
+            table = table.setdefault(name, {})
+        if value is DELETE:
+            del table[key]
+        else:
+            table[key] = value
+    return design
+
+
+# what is changed; the field the message must name; words it must hold
+BAD = [
+    ([("stars.length_mm", "long")], "stars.length_mm", "number"),
+    ([("stars.length_mm", True)], "stars.length_mm", "number"),
+    ([("stars.length_mm", 25)], "stars.length_mm", "from 0 to 17.3205 at star 0"),
+    ([("stars.length_mm", -1)], "stars.length_mm", "from 0"),
+    ([("stars.length_mm", float("nan"))], "stars.length_mm", "finite"),
+    ([("stars.length_mm", 10**400)], "stars.length_mm", "number"),
+    ([("stars.length_mm", [10])], "stars.length_mm", "number"),
+    ([("stars.length_mm", None), ("stars.length_fraction", 1.5)], "stars.length_fraction", "from 0 to 1"),
+    ([("stars.length_fraction", 0.5)], "stars", "one of length_mm and length_fraction"),
+    ([("stars.length_mm", DELETE)], "stars", "one of length_mm and length_fraction"),
+    ([("stars.length_mm", 0)], "stars", "at least one arm"),
+    ([("stars.length_mm", 0.5)], "stars", "at least one arm"),
+    ([("stars.length_mm", 17)], "stars", "apart and would print as one"),
+    ([("stars.lenght_mm", 3)], "stars.lenght_mm", "did you mean length_mm?"),
+    ([("stars.thickness_mm", 0.01)], "stars.thickness_mm", "from 0.05 to 5"),
+    ([("stars.thickness_mm", 6)], "stars.thickness_mm", "from 0.05 to 5"),
+    ([("stars.thickness_mm", {**RADIAL, "to": -4})], "stars.thickness_mm", "star"),
+    ([("stars.width_mm", 0)], "stars.width_mm", "from 0.1 to 10"),
+    ([("stars.width_mm", 11)], "stars.width_mm", "from 0.1 to 10"),
+    ([("stars.vary_along_arms", 1)], "stars.vary_along_arms", "true or false"),
+    ([("stars.length_mm", {})], "stars.length_mm", "profile"),
+    ([("stars.length_mm", {"profile": "conic"})], "stars.length_mm.profile", "radial, linear, axis, table"),
+    ([("stars.length_mm", {"profile": "radial", "from": 1, "to": 2})], "stars.length_mm.over_mm", "missing"),
+    ([("stars.length_mm", {**RADIAL, "over_mm": 0})], "stars.length_mm.over_mm", "greater than 0"),
+    ([("stars.length_mm", {**RADIAL, "from": "x"})], "stars.length_mm.from", "number"),
+    ([("stars.length_mm", {**RADIAL, "start": 1})], "stars.length_mm.start", "unknown"),
+    ([("stars.length_mm", {**RADIAL, "power": -1})], "stars.length_mm.power", "greater"),
+    ([("stars.length_mm", {**RADIAL, "centre_mm": [1]})], "stars.length_mm.centre_mm[1]", "missing"),
+    (
+        [("stars.length_mm", {"profile": "linear", "from": 1, "to": 2, "start_mm": [0, 0], "end_mm": [0, 0]})],
+        "stars.length_mm.end_mm",
+        "differ",
+    ),
+    (
+        [("stars.length_mm", {"profile": "axis", "axis": "z", "from": 1, "to": 2, "over_mm": 9})],
+        "stars.length_mm.axis",
+        "'x' or 'y'",
+    ),
+    (
+        [("stars.length_mm", {"profile": "table", "distance_mm": [0, 0], "values": [1, 2]})],
+        "stars.length_mm.distance_mm",
+        "increase",
+    ),
+    (
+        [("stars.length_mm", {"profile": "table", "distance_mm": [0, 1], "values": [1, 2, 3]})],
+        "stars.length_mm.values",
+        "2 entries",
+    ),
+    (
+        [("stars.length_mm", {"profile": "table", "distance_mm": [0], "values": [1]})],
+        "stars.length_mm.distance_mm",
+        "at least 2",
+    ),
+    ([("stars.length_mm", {"formula": "import os"})], "stars.length_mm.formula", "not a formula"),
+    ([("stars.length_mm", {"formula": "q + 1"})], "stars.length_mm.formula", "unknown name q"),
+    ([("stars.length_mm", {"formula": "1/x"})], "stars.length_mm", "inf"),
+    ([("stars.length_mm", {"formula": "log(x - 1000)"})], "stars.length_mm", "nan"),
+    ([("stars.length_mm", {"formula": 7})], "stars.length_mm.formula", "text"),
+    (
+        [("stars.length_mm", {"image": "none.png", "low": 1, "high": 2, "extent_mm": [9, 9]})],
+        "stars.length_mm.image",
+        "no such file",
+    ),
+    (
+        [
+            (
+                "stars.length_mm",
+                {"image": "a", "low": 1, "high": 2, "extent_mm": [9, 9], "pixels": [2, 2], "grey": "eJwDAA=="},
+            )
+        ],
+        "stars.length_mm.grey",
+        "pixels",
+    ),
+    ([("stars.override", [{"star": 7, "remove": True}])], "stars.override[0].star", "at most 6"),
+    ([("stars.override", [{"star": -1, "remove": True}])], "stars.override[0].star", "at least 0"),
+    ([("stars.override", [{"star": 1.5, "remove": True}])], "stars.override[0].star", "whole number"),
+    ([("stars.override", [{"star": 1}])], "stars.override[0]", "change a size or remove"),
+    ([("stars.override", [{"remove": True}])], "stars.override[0]", "one of star and at_mm"),
+    ([("stars.override", [{"at_mm": [5, 5], "remove": True}])], "stars.override[0].at_mm", "nearest is at"),
+    ([("stars.override", [{"star": 0, "length_mm": 30}])], "stars.override[0].length_mm", "from 0 to 17.3205"),
+    ([("stars.override", [{"star": 0, "remove": True}] * 2)], "stars.override[1]", "changes star 0 again"),
+    ([("stars.override", {"star": 0})], "stars.override", "list"),
+    ([("border.rings", DELETE)], "border", "one of rings, rectangle_mm and polygon_mm"),
+    ([("border.rectangle_mm", [100, 100])], "border", "one of"),
+    ([("border.rings", 41)], "border.rings", "at most 40"),
+    ([("border.rings", -1)], "border.rings", "at least 0"),
+    ([("border.rings", "3")], "border.rings", "whole number"),
+    ([("border.star_margin_mm", 5)], "border.star_margin_mm", "not with rings"),
+    ([("border.overhang", "ignore")], "border.overhang", "'cut' or 'refuse'"),
+    ([("border", {"rectangle_mm": [100, -5]})], "border.rectangle_mm", "from 1 to 5000"),
+    ([("border", {"rectangle_mm": [100]})], "border.rectangle_mm[1]", "missing"),
+    ([("border", {"rectangle_mm": [5, 5]})], "border", "room for at least one star"),
+    ([("border", {"rectangle_mm": [2000, 2000]}), ("mesh.edge_mm", 10)], "border", "at most 5000 stars"),
+    ([("border", {"rectangle_mm": [5000, 5000]}), ("lattice.spacing_mm", 8)], "mesh.edge_mm", "vertices"),
+    ([("border", {**SQUARE, "star_margin_mm": 1, "tip_margin_mm": 2})], "border.star_margin_mm", "exceed"),
+    ([("border", {"polygon_mm": [[0, 0], [50, 0]]})], "border.polygon_mm", "at least 3"),
+    ([("border", {"polygon_mm": [[0, 0], [90, 90], [90, 0], [0, 90]]})], "border.polygon_mm", "cross"),
+    ([("border", {"polygon_mm": [[0, 0], [90, 0], [0, 90], [0, 0]]})], "border.polygon_mm", "repeat"),
+    ([("border", {"polygon_mm": [[0, 0], [90, 0], [180, 0]]})], "border.polygon_mm", "cross or touch"),
+    ([("border", {"polygon_mm": [[0, 0], [90, 0], [0, 9e9]]})], "border.polygon_mm", "within 5000"),
+    ([("border", {"polygon_mm": [[0, 0], [90, 0], [0, float("inf")]]})], "border.polygon_mm[2][1]", "finite"),
+    ([("border", 3)], "border", "table"),
+    ([("border", DELETE)], "border", "missing"),
+    ([("lattice.spacing_mm", 0)], "lattice.spacing_mm", "at least 1"),
+    ([("lattice.arms", 2)], "lattice.arms", "at least 3"),
+    ([("lattice.arms", 9)], "lattice.arms", "at most 8"),
+    ([("lattice.arms", 3.0)], "lattice.arms", "whole number"),
+    ([("lattice.kind", "hexagonal")], "lattice.kind", "'triangular', 'square' or 'custom'"),
+    ([("lattice.kind", "square")], "border.rings", "triangular"),
+    ([("lattice.origin_mm", [1, 0])], "lattice.origin_mm", "[0, 0]"),
+    ([("lattice.kind", "custom")], "lattice.vectors_mm", "custom"),
+    ([("lattice", {"kind": "custom", "vectors_mm": [[9, 0], [18, 0]]})], "lattice.vectors_mm", "line"),
+    ([("lattice", {"kind": "custom", "vectors_mm": [[0.1, 0], [0, 99]]})], "lattice.vectors_mm", "1 mm between"),
+    ([("fabric.stretch", 0.9)], "fabric.stretch", "from 1 to 3"),
+    ([("fabric.stretch", [1.3, 3.5])], "fabric.stretch", "from 1 to 3"),
+    ([("fabric.stretch", [1.3, "x"])], "fabric.stretch[1]", "number"),
+    ([("fabric.stretch", [1.3, 1.3, 1.3])], "fabric.stretch", "at most 2"),
+    ([("fabric.poisson", 0.5)], "fabric.poisson", "at most 0.49"),
+    ([("fabric.thickness_mm", 0)], "fabric.thickness_mm", "at least"),
+    ([("fabric.model", "hooke")], "fabric.model", "'neo-hookean' or 'incompressible'"),
+    ([("fabric.bending", None)], "fabric.bending", "'paper', 'consistent' or 'none'"),
+    ([("plastic.modulus_ratio", -3)], "plastic.modulus_ratio", "at least 1"),
+    ([("plastic.rest_curvature", "eq1")], "plastic.rest_curvature", "'paper'"),
+    ([("plastic.kappa_bar_per_mm", "0")], "plastic.kappa_bar_per_mm", "number"),
+    ([("pins", {"where": "border"})], "pins", "list"),
+    ([("pins", [{}])], "pins[0]", "one of where"),
+    ([("pins", [{"where": "centre"}])], "pins[0].where", "'border' or 'corners'"),
+    ([("pins", [{"where": "border", "edges": [0]}])], "pins[0]", "one of where"),
+    ([("pins", [{"points_mm": [[500, 0]]}])], "pins[0].points_mm[0]", "on the sheet"),
+    ([("pins", [{"points_mm": []}])], "pins[0].points_mm", "at least 1"),
+    ([("pins", [{"points_mm": [[1, 1], [1, 1]]}])], "pins[0]", "same place twice"),
+    ([("pins", [{"edges": [6]}])], "pins[0].edges[0]", "from 0 to 5"),
+    ([("pins", [{"corners": [0, 0]}])], "pins[0].corners[1]", "twice"),
+    ([("pins", [{"where": "border"}, {"where": "corners"}])], "pins[1]", "holds already"),
+    ([("pins", [{"where": "corners"}, {"edges": [2]}])], "pins[1]", "holds already"),
+    ([("pins", [{"edges": [1, 2]}, {"edges": [2, 3]}])], "pins[1]", "edge 2"),
+    ([("pins", [{"edges": [1]}, {"edges": [2], "scale": 0.5}])], "pins[1]", "as pins[0] does"),
+    ([("pins", [{"where": "border", "scale": 0}])], "pins[0].scale", "greater than 0"),
+    ([("pins", [{"where": "border", "target_mm": [0, 0, 0]}])], "pins[0].target_mm", "points or corners"),
+    ([("pins", [{"where": "corners", "target_mm": [0, 0, 0]}])], "pins[0].target_mm", "6 places"),
+    ([("pins", [{"corners": [0], "target_mm": [0, 0, 0], "scale": 2}])], "pins[0].target_mm", "alone"),
+    ([("pins", [{"corners": [0], "offset_mm": [0, 0, 1e9]}])], "pins[0].offset_mm", "within 10000"),
+    ([("pins", [{"corners": [0], "slide": "x"}])], "pins[0].slide", "'z' or 'plane'"),
+    ([("gravity.on", True)], "fabric.modulus_mpa", "gravity"),
+    ([("gravity.direction", [0, 0, 0])], "gravity.direction", "somewhere"),
+    ([("gravity.direction", [0, -1])], "gravity.direction[2]", "missing"),
+    ([("mesh.edge_mm", 0.1)], "mesh.edge_mm", "at least 0.2"),
+    ([("mesh.edge_mm", 30)], "mesh.edge_mm", "spacing"),
+    ([("border.rings", 30), ("mesh.edge_mm", 0.5)], "mesh.edge_mm", "or more"),
+    ([("mesh.kind", "quad")], "mesh.kind", "'auto'"),
+    ([("mesh.seed", -1)], "mesh.seed", "at least 0"),
+    ([("solver.start", "up")], "solver.start", "'bump' or 'flat'"),
+    ([("units", "inch")], "units", '"mm"'),
+    ([("units", 1)], "units", "text"),
+    ([("name", "")], "name", "at least 1"),
+    ([("name", "two\nlines")], "name", "one line"),
+    ([("fabrik", {})], "fabrik", "did you mean fabric?"),
+    ([("zzz", {})], "zzz", "known here: name, units"),
+]
+
+
+@pytest.mark.parametrize(("changes", "field", "words"), BAD, ids=lambda value: str(value)[:50])
+def test_bad_design(changes, field, words):
+    with pytest.raises(DesignError) as caught:
+        layout(Design.from_dict(changed(*changes)))
+    assert caught.value.field == field
+    assert words in str(caught.value)
+    assert str(caught.value).isprintable() and len(str(caught.value)) < 400
+
+
+BAD_FILES = [
+    ("a.toml", None, "No such file"),
+    ("a.txt", "", "must end in .toml or .json"),
+    ("a.toml", "", "is empty"),
+    ("a.json", " \n ", "is empty"),
+    ("a.toml", b"name = '\xff'", "is not UTF-8"),
+    ("a.toml", "name = 'a'\nname\n", "line 2"),
+    ("a.toml", "name = 'a'\nname = 'b'\n", "line 2"),
+    ("a.json", "{\n 'a'", "line 2"),
+    ("a.json", '{"name": "a", "name": "b"}', "'name' is there twice"),
+    ("a.json", "[]", "must hold a table"),
+    ("a.json", "{}", "stars: is missing"),
+    ("a.json", "[" * 100_000, "nested too deeply"),
+    ("a.toml", "a = " + "[" * 100_000, "nested too deeply"),
+    ("a.toml", "mesh = " + "9" * 5000, "is not TOML"),
+    ("a.toml", "#" * 10_000_001, "larger than 10 MB"),
+    ("a.json", json.dumps({**GOOD, "mesh": {"edge_mm": 40}}), "mesh.edge_mm = 40.0: must be at most"),
+    ("a.json", '{"stars": {"length_mm": NaN}, "border": {"rings": 1}}', "stars.length_mm = nan: must be a finite"),
+]
+
+
+@pytest.mark.parametrize(("name", "content", "words"), BAD_FILES, ids=lambda value: str(value)[:30])
+def test_bad_file(tmp_path, name, content, words):
+    path = tmp_path / name
+    if content is not None:
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    with pytest.raises(DesignError) as caught:
+        load_design(path)
+    assert str(caught.value).startswith(f"{path}: ") and words in str(caught.value)
+    assert str(caught.value).isprintable()
+
+
+def test_folder_is_not_a_file(tmp_path):
+    (tmp_path / "a.toml").mkdir()
+    with pytest.raises(DesignError, match="is a folder"):
+        load_design(tmp_path / "a.toml")
+
+
+def test_good_design_is_good():
+    assert len(layout(Design.from_dict(GOOD)).centres) == 7

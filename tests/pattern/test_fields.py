@@ -1,0 +1,85 @@
+"""Sizing fields at single points."""
+
+import numpy as np
+import pytest
+from PIL import Image
+from pydantic import TypeAdapter
+
+from pattern.design import Design, load_design, save_design
+from pattern.errors import DesignError
+from pattern.fields import SizingField, sample
+
+POINTS = np.array([[0.0, 0.0], [5.0, 0.0], [0.0, -10.0], [30.0, 40.0]])
+
+
+@pytest.mark.parametrize(
+    ("field", "expected"),
+    [
+        (7, [7, 7, 7, 7]),
+        ({"profile": "radial", "from": 10, "to": 4, "over_mm": 20}, [10, 8.5, 7, 4]),
+        ({"profile": "radial", "from": 10, "to": 4, "over_mm": 20, "power": 2}, [10, 10 - 6 / 16, 8.5, 4]),
+        (
+            {"profile": "radial", "from": 10, "to": 4, "over_mm": 20, "centre_mm": [5, 0]},
+            [8.5, 10, 10 - 6 * 125**0.5 / 20, 4],
+        ),
+        ({"profile": "linear", "from": 1, "to": 2, "start_mm": [0, 0], "end_mm": [0, -20]}, [1, 1, 1.5, 1]),
+        ({"profile": "axis", "axis": "y", "from": 1, "to": 3, "over_mm": 20}, [1, 1, 2, 3]),
+        ({"profile": "axis", "axis": "x", "from": 1, "to": 3, "over_mm": 10, "centre_mm": [5, 9]}, [2, 1, 2, 3]),
+        ({"profile": "table", "distance_mm": [5, 10, 20], "values": [1, 2, 9]}, [1, 1, 2, 9]),
+        ({"formula": "x + y"}, [0, 5, -10, 70]),
+    ],
+)
+def test_values(field, expected):
+    read = TypeAdapter(SizingField).validate_python(field)
+    np.testing.assert_allclose(sample(read, POINTS), expected, atol=1e-12)
+
+
+def test_smooth_table_keeps_its_values_and_does_not_overshoot():
+    table = {"profile": "table", "distance_mm": [0, 10, 20, 30], "values": [10, 10, 4, 4], "smooth": True}
+    at = np.column_stack([np.linspace(0, 40, 81), np.zeros(81)])
+    values = sample(TypeAdapter(SizingField).validate_python(table), at)
+    np.testing.assert_allclose(values[[0, 20, 40, 60, 80]], [10, 10, 4, 4, 4])
+    assert values.max() <= 10 and values.min() >= 4 and np.all(np.diff(values) <= 1e-12)
+
+
+@pytest.fixture
+def picture(tmp_path):
+    """Left half black, right half white, the lower half of the right column grey."""
+    grey = np.zeros((20, 40), dtype=np.uint8)
+    grey[:, 20:] = 255
+    grey[10:, 20:] = 51
+    Image.fromarray(grey).save(tmp_path / "map.png")
+    return tmp_path
+
+
+def _with_picture(**more):
+    field = {"image": "map.png", "low": 4, "high": 9, "extent_mm": [80, 40], **more}
+    return {"name": "p", "stars": {"length_mm": field}, "border": {"rings": 1}}
+
+
+def test_picture_is_bilinear_and_upright(picture):
+    field = Design.from_dict(_with_picture(), picture).stars.length_mm
+    at = np.array([[-30, 5], [30, 10], [30, -10], [0, 10], [1000, 1000.0]])
+    np.testing.assert_allclose(sample(field, at), [4, 9, 5, 6.5, 9])
+
+
+def test_picture_stays_with_the_design(picture):
+    design = Design.from_dict(_with_picture(), picture)
+    save_design(design, picture / "design.toml")
+    (picture / "map.png").unlink()
+    assert load_design(picture / "design.toml") == design
+
+
+@pytest.mark.parametrize("content", [None, b"", b"not a picture", b"\x89PNG\r\n\x1a\n garbage"])
+def test_picture_that_cannot_be_read(tmp_path, content):
+    if content is not None:
+        (tmp_path / "map.png").write_bytes(content)
+    with pytest.raises(DesignError, match=r"stars\.length_mm\.image = 'map.png'"):
+        Design.from_dict(_with_picture(), tmp_path)
+
+
+def test_large_picture_is_scaled_down(tmp_path):
+    Image.new("RGBA", (1000, 400), (0, 0, 0, 0)).save(tmp_path / "map.png")
+    field = Design.from_dict(_with_picture(), tmp_path).stars.length_mm
+    assert field.pixels == (256, 102)
+    assert sample(field, np.zeros((1, 2))) == pytest.approx(9)  # transparent is paper

@@ -1,0 +1,60 @@
+"""The gallery holds the paper's figures, each of which can be laid out and printed."""
+
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from pattern import gallery
+from pattern.build import layout
+from pattern.design import load_design, save_design
+
+FRAME_MM = 260
+
+
+def test_figures_are_there():
+    wanted = {"star", "roof", "tube", "tunnel", "u-shape", "doubly-curved", "dome", "bell", "cone"}
+    wanted |= {f"fig5-{x}" for x in ("full", "no-fabric-bending", "no-rest-curvature")}
+    wanted |= {f"fig8-{q}-{way}" for q in "hl" for way in ("decreasing", "uniform", "increasing")}
+    assert wanted <= set(gallery.names())
+
+
+@pytest.mark.parametrize("name", gallery.names())
+def test_design(name, tmp_path):
+    design = gallery.load(name)
+    assert design.name == name and design.mesh.edge_mm == 2.0
+    assert gallery.path(name).read_text(encoding="utf-8").startswith("# ")
+    sheet = layout(design)
+    assert np.ptp(sheet.border, axis=0).max() <= FRAME_MM
+    for suffix in ("toml", "json"):
+        save_design(design, tmp_path / f"again.{suffix}")
+        again = load_design(tmp_path / f"again.{suffix}")
+        assert again == design and again.to_dict() == design.to_dict()
+        for key, value in vars(layout(again)).items():
+            if isinstance(value, np.ndarray):
+                np.testing.assert_array_equal(value, getattr(sheet, key))
+
+
+def test_values_of_figure_8():
+    sheet = layout(gallery.load("fig8-h-decreasing"))
+    assert sheet.arm_thickness.max() == 0.6 and sheet.arm_thickness.min() == pytest.approx(0.2)
+    sheet = layout(gallery.load("fig8-l-increasing"))
+    assert sheet.arm_length.min() == pytest.approx(4) and sheet.arm_length.max() == pytest.approx(10, abs=1e-5)
+
+
+def test_unknown_name():
+    with pytest.raises(KeyError, match="tube"):
+        gallery.load("tub")
+
+
+def test_loading_starts_fast():
+    """Nothing slow is imported to read a design; the limit is far above what it takes (0.25 s)."""
+    start = time.perf_counter()
+    check = (
+        "import sys; from pattern import gallery; gallery.load('dome'); "
+        "assert not {'scipy', 'numba', 'matplotlib', 'PIL'} & set(sys.modules)"
+    )
+    subprocess.run([sys.executable, "-c", check], check=True)
+    assert time.perf_counter() - start < 5

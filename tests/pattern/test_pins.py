@@ -1,0 +1,54 @@
+"""Pins: which places of the sheet are held, and where."""
+
+import numpy as np
+import pytest
+
+from pattern.build import layout
+from pattern.design import Design
+
+
+def pins(*tables, border=None):
+    design = {"stars": {"length_mm": 10}, "border": border or {"rectangle_mm": [100, 60]}, "pins": list(tables)}
+    return layout(Design.from_dict(design)).pins
+
+
+def test_free_sheet():
+    assert pins() == ()
+
+
+def test_border_scaled():
+    (held,) = pins({"where": "border", "scale": 0.74}, border={"rings": 3})
+    assert held.edges == tuple(range(6)) and len(held.points) == 0 and held.fixed == (True, True, True)
+    np.testing.assert_allclose(held.places(np.array([[10.0, -20.0]])), [[7.4, -14.8, 0]])
+
+
+def test_some_corners_moved():
+    (held,) = pins({"corners": [0, 2], "offset_mm": [1, 2, 3]})
+    np.testing.assert_allclose(held.points, [[-50, -30], [50, 30]])
+    np.testing.assert_allclose(held.places(held.points), [[-49, -28, 3], [51, 32, 3]])
+
+
+def test_all_corners():
+    (held,) = pins({"where": "corners"}, border={"rings": 1})
+    assert len(held.points) == 6
+
+
+@pytest.mark.parametrize("target", [[1, 2, 3], [[1, 2, 3]]])
+def test_target(target):
+    (held,) = pins({"points_mm": [[10, 5]], "target_mm": target})
+    np.testing.assert_allclose(held.places(held.points), [[1, 2, 3]])
+
+
+@pytest.mark.parametrize(("slide", "fixed"), [("z", (True, True, False)), ("plane", (False, False, True))])
+def test_slides(slide, fixed):
+    (held,) = pins({"edges": [1], "slide": slide})
+    assert held.edges == (1,) and held.fixed == fixed
+
+
+def test_neighbouring_edges_may_share_a_corner_they_agree_on():
+    assert len(pins({"edges": [0], "scale": 0.8}, {"edges": [1], "scale": 0.8})) == 2
+
+
+def test_fixed_in_place_on_the_outline_and_inside():
+    (held,) = pins({"points_mm": [[50, 12], [0, 0]]})
+    np.testing.assert_allclose(held.places(held.points), [[50, 12, 0], [0, 0, 0]])
