@@ -1,0 +1,107 @@
+"""The rooms of the house: who may import whom, and what is not found in any of them."""
+
+from __future__ import annotations
+
+import ast
+import re
+import sys
+import tomllib
+from collections.abc import Iterator
+from importlib.metadata import packages_distributions
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+MAY_IMPORT = {
+    "pattern": set(),
+    "equilibrium": set(),
+    "discrete": {"equilibrium", "pattern"},
+    "fem": {"equilibrium"},
+    "homogenize": {"discrete", "pattern"},
+    "asterism": {"homogenize", "fem", "discrete", "equilibrium", "pattern"},
+}
+ENGINES = [name for name in MAY_IMPORT if name != "asterism"]
+
+SOURCES = [file for package in MAY_IMPORT for file in sorted((ROOT / package).rglob("*.py"))]
+# everything that people write and read; pieced together, so that this file does not find itself
+TEXTS = [
+    file
+    for place, kinds in (
+        (".", ("*.md", "*.toml", "LICENSE")),
+        (".ci", ("*",)),
+        ("docs", ("**/*.md",)),
+        ("benchmarks", ("**/*.py", "**/*.md")),
+        ("tests", ("**/*.py",)),
+        *((package, ("**/*.py", "**/*.toml")) for package in MAY_IMPORT),
+    )
+    for kind in kinds
+    for file in sorted((ROOT / place).glob(kind))
+    if file.is_file()
+]
+UNFINISHED = re.compile(r"\b(" + "|".join(["TO" + "DO", "FIX" + "ME", "X" * 3]) + r")\b")
+MACHINE_PATH = re.compile(r"(?<![\w.~])(/(home|Users|root|work|mnt)/\w|[A-Z]:\\\\?Users)")
+
+
+def name(file: Path) -> str:
+    return str(file.relative_to(ROOT))
+
+
+def imports(file: Path) -> Iterator[str]:
+    """Full names of the modules that a file imports anywhere, also within functions."""
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{name(file)}: relative import; name the package"
+            yield node.module or ""
+
+
+def roots(file: Path) -> set[str]:
+    return {module.split(".")[0] for module in imports(file)}
+
+
+def test_there_is_something_to_check() -> None:
+    assert {file.relative_to(ROOT).parts[0] for file in SOURCES} == set(MAY_IMPORT)
+    assert len(TEXTS) > len(SOURCES)
+
+
+@pytest.mark.parametrize("file", SOURCES, ids=name)
+def test_imports_go_down_only(file: Path) -> None:
+    package = file.relative_to(ROOT).parts[0]
+    ours = roots(file) & set(MAY_IMPORT) - {package}
+    assert ours <= MAY_IMPORT[package], f"{package} may not import {sorted(ours - MAY_IMPORT[package])}"
+    assert "tests" not in roots(file)
+
+
+@pytest.mark.parametrize("file", SOURCES, ids=name)
+def test_every_package_used_is_declared(file: Path) -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    required = project["dependencies"] + [r for group in project["optional-dependencies"].values() for r in group]
+    declared = {re.split(r"[^\w.-]", requirement)[0].lower().replace("_", "-") for requirement in required}
+    # optional, so perhaps not installed here; and a package that always comes with another
+    known = {"sksparse": ["scikit-sparse"], "pydantic_core": ["pydantic"]}
+    homes: dict[str, list[str]] = {**packages_distributions(), **known}
+    for module in roots(file) - set(MAY_IMPORT) - sys.stdlib_module_names:
+        packages = {package.lower().replace("_", "-") for package in homes.get(module, [module])}
+        assert packages & declared, f"{module} is not among the dependencies of pyproject.toml"
+
+
+def test_triangle_is_called_in_its_guarded_file_only() -> None:
+    users = {name(file) for file in SOURCES if "triangle" in roots(file)}
+    assert users <= {"pattern/triangulate.py"}
+
+
+@pytest.mark.parametrize("file", [f for f in SOURCES if f.relative_to(ROOT).parts[0] in ENGINES], ids=name)
+def test_engines_print_nothing(file: Path) -> None:
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        called = node.func if isinstance(node, ast.Call) else None
+        assert not (isinstance(called, ast.Name) and called.id == "print"), f"{name(file)}:{called.lineno} prints"
+
+
+@pytest.mark.parametrize("file", TEXTS, ids=name)
+def test_texts_are_finished_and_know_no_machine(file: Path) -> None:
+    for number, line in enumerate(file.read_text(encoding="utf-8").splitlines(), start=1):
+        assert not UNFINISHED.search(line), f"{name(file)}:{number} is unfinished: {line.strip()}"
+        assert not MACHINE_PATH.search(line), f"{name(file)}:{number} names a path of one machine: {line.strip()}"

@@ -1,0 +1,84 @@
+"""The documentation's commands are those that are tested, its designs load, its links lead somewhere."""
+
+from __future__ import annotations
+
+import re
+import runpy
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from pattern import gallery
+from pattern.design import load_design
+
+ROOT = Path(__file__).parents[1]
+PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").rglob("*.md"))]
+TEXT = {page: page.read_text(encoding="utf-8") for page in PAGES}
+
+LINKS = [(page, link) for page in PAGES for link in re.findall(r"\]\(([^)\s]+)\)", TEXT[page])]
+DESIGNS = [(page, block) for page in PAGES for block in re.findall(r"```toml\n(.*?)```", TEXT[page], re.DOTALL)]
+
+command = runpy.run_path(str(ROOT / ".ci" / "readme.py"))["command"]
+
+
+def steps(name: str) -> list[list[str]]:
+    """The commands of a line of the README, word by word."""
+    return [shlex.split(step) for step in command(name).split("&&")]
+
+
+def anchors(page: Path) -> set[str]:
+    """Names that a link may point to: headings as GitHub spells them."""
+    headings = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+@pytest.mark.parametrize("name", ["run", "test"])
+def test_commands_start_from_nothing_and_install(name: str) -> None:
+    first, second, *_ = steps(name)
+    assert first == ["python3", "-m", "venv", ".venv"]
+    assert second[:2] == [".venv/bin/pip", "install"]
+    assert second[2:] == (["."] if name == "run" else [".[test]"])
+
+
+def test_the_main_job_runs_a_design_of_the_gallery() -> None:
+    new, simulate = steps("run")[2:]
+    assert new[:2] == [".venv/bin/asterism", "new"]
+    assert new[2] in gallery.names()
+    assert simulate[:2] == [".venv/bin/asterism", "simulate"]
+    assert simulate[2] == new[new.index("-o") + 1]
+
+
+def test_the_checks_run_what_the_readme_says() -> None:
+    script = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
+    for name in ("run", "test"):
+        assert f"{name}=$(python3 .ci/readme.py {name})" in script
+        assert f'-c "${name}"' in script
+    said = subprocess.run(
+        [sys.executable, str(ROOT / ".ci" / "readme.py"), "run"], capture_output=True, text=True, check=True
+    )
+    assert said.stdout.strip() in TEXT[ROOT / "README.md"]
+
+
+@pytest.mark.parametrize("name", re.findall(r"`asterism new ([\w-]+)`", TEXT[ROOT / "README.md"]))
+def test_designs_named_are_in_the_gallery(name: str) -> None:
+    assert name in gallery.names()
+
+
+@pytest.mark.parametrize(("page", "link"), LINKS, ids=[f"{page.name}-{link}" for page, link in LINKS])
+def test_links_lead_somewhere(page: Path, link: str) -> None:
+    if re.match(r"(https?|mailto):", link):
+        return
+    path, _, anchor = link.partition("#")
+    target = page.parent / path if path else page
+    assert target.exists(), f"{page.name} links to {link}, which does not exist"
+    assert not anchor or anchor in anchors(target), f"{target.name} has no heading {anchor}"
+
+
+@pytest.mark.parametrize(("page", "block"), DESIGNS, ids=[f"{page.name}-{i}" for i, (page, _) in enumerate(DESIGNS)])
+def test_designs_in_the_text_load(page: Path, block: str, tmp_path: Path) -> None:
+    file = tmp_path / "design.toml"
+    file.write_text(block, encoding="utf-8")
+    load_design(file)
