@@ -1,0 +1,42 @@
+"""The reference of the design file is complete, and its examples work."""
+
+import re
+import tomllib
+from pathlib import Path
+from typing import get_args
+
+import pytest
+from pydantic import BaseModel
+
+from pattern import fields
+from pattern.build import layout
+from pattern.design import Design
+from pattern.image import Picture
+from pattern.stars import Override
+
+TEXT = (Path(__file__).parents[2] / "docs" / "design-file.md").read_text(encoding="utf-8")
+WHOLE, OVERRIDE, FIELDS = re.findall(r"```toml\n(.*?)```", TEXT, re.DOTALL)
+
+
+def test_example():
+    assert len(layout(Design.from_dict(tomllib.loads(WHOLE))).centres) == 37
+    changed = layout(Design.from_dict(tomllib.loads(WHOLE.replace("[border]", OVERRIDE + "[border]"))))
+    assert changed.arm_length.min() == pytest.approx(4, abs=1e-3)
+
+
+@pytest.mark.parametrize("line", [line for line in FIELDS.splitlines() if "image" not in line])
+def test_field_examples(line):
+    layout(Design.from_dict({"stars": tomllib.loads(line), "border": {"rings": 2}}))
+
+
+def _sections(model: type[BaseModel]) -> list[type[BaseModel]]:
+    inner = [t for f in model.model_fields.values() for t in (f.annotation, *get_args(f.annotation))]
+    return [model] + [s for t in inner if isinstance(t, type) and issubclass(t, BaseModel) for s in _sections(t)]
+
+
+def test_every_key_is_documented():
+    profiles = [fields.Radial, fields.Linear, fields.Axis, fields.Table, fields.Formula, Picture]
+    sections = [*_sections(Design), Override, *profiles]
+    assert len(sections) >= 17
+    keys = {field.alias or key for model in sections for key, field in model.model_fields.items()}
+    assert {key for key in keys if not re.search(rf"\b{key}\b", TEXT)} == set()
