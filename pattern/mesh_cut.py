@@ -17,11 +17,12 @@ from pattern.pin_vertices import pin_points, pin_vertices
 from pattern.planar import distance_to_outline, inside, mean_circumcentres, triangle_angles
 from pattern.triangulate import triangulate
 
-# all in grid edges: grid points stay this far from the border, arms at least so far or end on it,
-# and points this near to the border are smoothed
-MARGIN, ARM_MARGIN, STRIP = 0.6, 0.1, 2.6
-SMOOTHINGS = 8
-REFINE = 25.0
+# distances to the border, in grid edges: free grid points keep the first, arms and pins the second unless they
+# are on it, and points nearer than the third are smoothed, so many times
+MARGIN, ARM_MARGIN, STRIP = 0.7, 0.1, 2.6
+SMOOTHINGS = 4
+# points are added at flatter triangles (degrees): beside tips that end close to the border
+REFINE_DEG = 28.0
 
 
 def cut_mesh(layout: Layout, grid: LatticeGrid) -> Mesh:
@@ -34,6 +35,8 @@ def cut_mesh(layout: Layout, grid: LatticeGrid) -> Mesh:
     points = moved(patch, known, places, pins[distance_to_outline(pins, layout.border) > tolerance])
 
     arms = [patch.index(arm) for arm in stations.arms]
+    if any(arm.min() < 0 for arm in arms):
+        raise MeshError("an arm leaves the sheet")
     fixed = np.zeros(len(points), dtype=bool)
     fixed[np.concatenate([patch.index(grid.centres(layout)), *arms])] = True
     away, at_pin = cKDTree(points).query(pins)
@@ -89,9 +92,8 @@ def _ends_on_border(layout: Layout, grid: LatticeGrid, tolerance: float) -> Bord
 
 def _smoothed(points: Floats, segments: Ints, still: NDArray[np.bool_]) -> tuple[Floats, Ints]:
     """Triangulate, and move the points that are not still to where their triangles are best, a few times."""
-    given = still
-    points, triangles = triangulate(points, segments, min_angle_deg=REFINE)
-    still = np.concatenate([given, np.zeros(len(points) - len(given), dtype=bool)])
+    points, triangles = triangulate(points, segments, min_angle_deg=REFINE_DEG)
+    still = np.pad(still, (0, len(points) - len(still)))
     best, best_angle = (points, triangles), triangle_angles(points, triangles).min()
     for _ in range(SMOOTHINGS):
         points = np.where(still[:, None], points, mean_circumcentres(points, triangles))

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from pattern.errors import MeshError
+from pattern.lattice_grid import LatticeGrid
 from pattern.layout import Ints, Layout
 from pattern.mesh import Mesh
 from pattern.mesh_aligned import aligned_mesh
@@ -27,6 +28,17 @@ def mesh_layout(layout: Layout, edge_mm: float, kind: Kind = "auto", seed: int =
             if kind == "aligned":
                 raise
     return delaunay_mesh(layout, edge_mm, seed)
+
+
+def can_align(layout: Layout) -> bool:
+    """Whether stars and arms lie on the lattice, so that there is an aligned mesh once the edge is short enough."""
+    grid = LatticeGrid.of(layout, np.inf)
+    try:
+        grid.centres(layout)
+        grid.directions(layout)
+    except MeshError:
+        return False
+    return True
 
 
 def star_of_vertex(layout: Layout, mesh: Mesh) -> Ints:

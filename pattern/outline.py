@@ -11,7 +11,7 @@ from pattern.layout import Floats
 from pattern.planar import distance_to_segment
 
 # the spacing shrinks towards points beside the border, to this part of the wished one at the least
-FINEST = 0.125
+FINEST = 0.2
 
 
 def outline_points(border: Floats, edge_mm: float, wanted: Floats, tolerance: float, beside: Floats) -> Floats:

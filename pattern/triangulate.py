@@ -110,7 +110,7 @@ def _check_geometry(p: Floats, s: Ints) -> Lines:
         raise MeshError("a segment is given twice")
     lines = shapely.linestrings(p[s])
     tree = shapely.STRtree(lines)
-    on, owner = tree.query(shapely.points(p), predicate="dwithin", distance=TOLERANCE)
+    owner, on = shapely.STRtree(shapely.points(p)).query(lines, predicate="dwithin", distance=TOLERANCE)
     touching = np.flatnonzero((s[owner] != on[:, None]).all(axis=1))
     if len(touching):
         k = touching[0]
@@ -127,23 +127,27 @@ def _check_geometry(p: Floats, s: Ints) -> Lines:
 def _check_region(p: Floats, s: Ints, lines: Lines, holes: Floats) -> float:
     """The area that the segments enclose without the holes, if all points and segments are in it."""
     faces = shapely.get_parts(shapely.polygonize(lines))
-    tree = shapely.STRtree(faces)
     if len(holes):
         at = shapely.points(holes)
-        inside, face = tree.query(at, predicate="within")
+        inside, face = shapely.STRtree(faces).query(at, predicate="within")
         beside = shapely.STRtree(lines).query(at, predicate="dwithin", distance=TOLERANCE)[0]
         bad = np.isin(np.arange(len(holes)), inside, invert=True) | np.isin(np.arange(len(holes)), beside)
         if bad.any():
             raise MeshError(f"hole {np.argmax(bad)} is not inside a loop of segments")
         faces = np.delete(faces, face)
-        tree = shapely.STRtree(faces)
     if not len(faces):
         raise MeshError("the segments enclose nothing")
-    for what, shapes in (("point", shapely.points(p)), ("segment", shapely.line_interpolate_point(lines, 0.5, True))):
-        covered = tree.query(shapes, predicate="dwithin", distance=TOLERANCE)[0]
-        out = np.isin(np.arange(len(shapes)), covered, invert=True)
-        if out.any():
-            raise MeshError(f"{what} {np.argmax(out)} lies outside what the segments enclose")
+    middles = shapely.line_interpolate_point(lines, 0.5, normalized=True)
+    out = np.ones(len(s), dtype=bool)
+    out[shapely.STRtree(middles).query(faces, predicate="dwithin", distance=TOLERANCE)[1]] = False
+    if out.any():
+        raise MeshError(f"segment {np.argmax(out)} lies outside what the segments enclose")
+    free = np.ones(len(p), dtype=bool)
+    free[s] = False
+    loose = np.flatnonzero(free)
+    free[loose[shapely.STRtree(shapely.points(p[free])).query(faces, predicate="contains")[1]]] = False
+    if free.any():
+        raise MeshError(f"point {np.argmax(free)} lies outside what the segments enclose")
     return float(shapely.area(faces).sum())
 
 
