@@ -31,9 +31,9 @@ class Progress:
             self._stream.write(self._last + "\n")
             self._stream.flush()
         self._stage = stage
-        name = f"released {stage}" if stage.endswith("%") else stage
+        name = f"{stage} released" if stage.endswith("%") else stage
         self._last = (
-            f"  {name:<18} iteration {iteration.number:<4} energy {iteration.energy:.4f} N mm   "
+            f"  {name:<32} iteration {iteration.number:<4} energy {iteration.energy:.4f} N mm   "
             f"gradient {iteration.gradient_norm:.1e} N   {time.perf_counter() - self._start:.1f} s"
         )
         if self._live:

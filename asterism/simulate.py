@@ -11,9 +11,10 @@ import numpy as np
 from asterism import __version__
 from asterism.shape import Shape
 from asterism.surface_fields import cell_fields, point_fields
+from discrete.levels import Level, find_equilibrium
 from discrete.model import Model
 from discrete.rods import curvatures
-from discrete.solve import Equilibrium, Report, relax
+from discrete.solve import Equilibrium, Report
 from equilibrium.factor import check_backend
 from pattern.build import layout
 from pattern.design import Design
@@ -59,12 +60,13 @@ def simulate(
     model = Model(design, plan, mesh)
     built = time.perf_counter()
     tell(f"minimising the energy over {len(model.free)} degrees of freedom")
-    found = relax(model, design.solver.start, seed=design.solver.seed, backend=backend, report=report)
+    solver = design.solver
+    found, levels = find_equilibrium(model, solver.start, seed=solver.seed, backend=backend, report=report)
     seconds = {"mesh": meshed - start, "model": built - meshed, **found.seconds}
-    return _shape(model, found, seconds, time.perf_counter() - start)
+    return _shape(model, found, levels, seconds, time.perf_counter() - start)
 
 
-def _shape(model: Model, found: Equilibrium, seconds: dict[str, float], wall: float) -> Shape:
+def _shape(model: Model, found: Equilibrium, levels: list[Level], seconds: dict[str, float], wall: float) -> Shape:
     mesh, positions = model.mesh, found.state.positions
     star = np.full(len(mesh.points), -1, dtype=np.int64)
     star[mesh.star_vertices] = np.arange(len(mesh.star_vertices))
@@ -82,7 +84,7 @@ def _shape(model: Model, found: Equilibrium, seconds: dict[str, float], wall: fl
     stretch = model.design.fabric.stretch_xy
     fields = point_fields(shape.positions, shape.triangles)
     strains = cell_fields(shape.printed, shape.positions, shape.triangles, stretch)
-    summary = _summary(model, found, shape, seconds, wall)
+    summary = _summary(model, found, shape, seconds, wall) | {"levels": [vars(level) for level in levels]}
     return Shape(**{**vars(shape), "point_fields": fields, "cell_fields": strains, "summary": summary})
 
 

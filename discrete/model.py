@@ -42,7 +42,7 @@ class Model(System):
     """
 
     def __init__(self, design: Design, layout: Layout, mesh: Mesh, compiled: bool = True) -> None:
-        self.design, self.layout, self.mesh = design, layout, mesh
+        self.design, self.layout, self.mesh, self.compiled = design, layout, mesh, compiled
         self.network = rod_network(mesh.rods, layout.arm_star, mesh.points)
         self.edge_thickness = _along(self.network, layout.arm_thickness)
         self.edge_width = _along(self.network, layout.arm_width)

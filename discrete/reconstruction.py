@@ -90,6 +90,11 @@ class Reconstruction:
         positions = self.solve(f, e, guess, state.positions.mean(axis=0))
         return carried(state, self._edges, positions, np.zeros(len(e)))
 
+    def fitted(self, positions: Array, edge_target: Array) -> Array:
+        """(V, 3) positions with the gradients of the given ones, but rod edges like `edge_target` (R, 3)."""
+        f = np.einsum("tic,tik->tck", positions[self._triangles], self._b)
+        return self.solve(f, edge_target, positions, positions.mean(axis=0))
+
     def path(self, state: State, move: Array, turn: Array) -> tuple[Callable[[float], State], float]:
         """Curve of states with slope `move` (V, 3), `turn` (R,), and the longest step along it."""
         f = np.einsum("tic,tik->tck", state.positions[self._triangles], self._b)

@@ -21,6 +21,10 @@ State = Any
 Method = Literal["blended", "shifted"]
 
 
+# a refused matrix costs as much as an accepted one: the blend, which ends at 1, goes there in three strides
+RAISE = {"blended": 30.0, "shifted": 10.0}
+
+
 class Problem(Protocol):
     """An energy over states that Newton can walk on."""
 
@@ -142,31 +146,40 @@ class _Regularisation:
     def __init__(self, problem: Problem, factor: Factor, method: Method, shift: float, clock: Clock) -> None:
         self.problem, self.factor, self.method, self.shift, self.clock = problem, factor, method, shift, clock
         self.amount = 0.0
-        self.floor = 0.0
+        self.raised = False
         self.count = 0
 
     def factorise(self, state: State) -> None:
-        exact = self._matrix(state, 0.0) if self.method == "shifted" else None
+        """Factorise a positive definite matrix close to the Hessian."""
+        diagonal = self.problem.pattern.diagonal
+        exact, convex = self._hessian(state, 0.0), None
+        self.raised = False
         while True:
-            if exact is not None:
+            if self.method == "shifted":
                 data = exact.copy()
-                data[self.problem.pattern.diagonal] += self.amount
+                data[diagonal] += self.amount
+            elif self.amount == 0.0:
+                data = exact
             else:
-                data = self._matrix(state, min(self.amount, 1.0))
+                if convex is None:
+                    convex = self._hessian(state, 1.0)
+                blend = min(self.amount, 1.0)
+                data = (1.0 - blend) * exact + blend * convex
                 if self.amount > 1.0:  # semidefinite is not yet definite
-                    data[self.problem.pattern.diagonal] += (
-                        1e-6 * self.amount * data[self.problem.pattern.diagonal].max()
-                    )
+                    data[diagonal] += 1e-6 * self.amount * data[diagonal].max()
             if self._accepts(data):
                 return
-            self.amount = max(10.0 * self.amount, 1e-3)
+            self.raised = True
+            self.amount = max(RAISE[self.method] * self.amount, 1e-3)
 
     def exact(self, state: State) -> bool:
         """Factorise the Hessian itself, for the certificate."""
-        return self._accepts(self._matrix(state, 0.0))
+        return self._accepts(self._hessian(state, 0.0))
 
     def relax(self) -> None:
-        self.amount = 0.1 * self.amount if self.amount > 1e-3 else 0.0
+        """After a good step: trust the Hessian more, unless it was refused just now."""
+        if not self.raised:
+            self.amount = 0.1 * self.amount if self.amount > 1e-3 else 0.0
 
     def harden(self) -> bool:
         """After a failed line search: a more convex model, while there is one."""
@@ -175,7 +188,7 @@ class _Regularisation:
         self.amount = max(10.0 * self.amount, 1e-2)
         return True
 
-    def _matrix(self, state: State, blend: float) -> Floats:
+    def _hessian(self, state: State, blend: float) -> Floats:
         data = self.clock("hessian", self.problem.hessian, state, blend)
         data[self.problem.pattern.diagonal] += self.shift
         return data

@@ -46,8 +46,8 @@ class SparsePattern:
         i, j = np.tril_indices(dofs.shape[1])
         a, b = dofs[:, i], dofs[:, j]
         key = np.minimum(a, b) * self.size + np.maximum(a, b)
-        key[(a < 0) | (b < 0)] = self.size * self.size
-        return np.ravel(key)
+        key[(a < 0) | (b < 0)] = self.size**2
+        return np.asarray(key, dtype=np.int64).ravel()
 
     @property
     def nnz(self) -> int:

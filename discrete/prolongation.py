@@ -1,0 +1,46 @@
+"""A state of one mesh carried to another mesh of the same sheet."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.interpolate import CloughTocher2DInterpolator, NearestNDInterpolator
+
+from discrete.elements import Array
+from discrete.model import Model
+from discrete.state import State, tangents
+
+
+def prolonged(coarse: Model, state: State, fine: Model) -> State:
+    """The fine model's state closest to a smooth surface through the coarse one, its arms at their printed length.
+
+    A piecewise linear surface has kinks that the fine hinges would have to undo; a C1 interpolation has none. It
+    still shortens the arms where they bend, so the positions are put together again from its gradients, with every
+    rod edge as long as printed.
+    """
+    points = fine.mesh.points
+    smooth = CloughTocher2DInterpolator(coarse.mesh.points, state.positions, rescale=True)(points)
+    outside = np.isnan(smooth).any(axis=1)
+    if outside.any():
+        nearest = NearestNDInterpolator(coarse.mesh.points, state.positions - _lifted(coarse.mesh.points))
+        smooth[outside] = nearest(points[outside]) + _lifted(points[outside])
+    held = fine.constraints.held
+    smooth = np.where(held, fine.constraints.places(fine.release), smooth)
+    length = fine.parts["rod_stretch"].params[:, 1:]
+    positions = fine.reconstruction.fitted(smooth, length * tangents(smooth, fine.edges))
+    return State(positions, _plastic_normals(fine, positions))
+
+
+def _lifted(points: Array) -> Array:
+    return np.column_stack([points, np.zeros(len(points))])
+
+
+def _plastic_normals(model: Model, positions: Array) -> Array:
+    """(R, 3) mean normal of the sheet along every rod edge, orthogonal to it."""
+    corner = positions[model.mesh.triangles]
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    at_vertex = np.zeros_like(positions)
+    np.add.at(at_vertex, model.mesh.triangles, normal[:, None, :])
+    t = tangents(positions, model.edges)
+    d = at_vertex[model.edges].sum(axis=1)
+    d -= (d * t).sum(axis=1, keepdims=True) * t
+    return d / np.linalg.norm(d, axis=1, keepdims=True)
