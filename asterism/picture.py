@@ -42,7 +42,8 @@ def draw(shape: Shape, title: str, path_or_file: str | Path | IO[bytes], *, as_h
     _perspective(canvas, thing, (low + high) / 2, float(np.linalg.norm(high - low)))
     _to_scale(figure, canvas, thing, (low + high) / 2)
     figure.figimage(canvas, origin="lower")
-    _text(figure, MARGIN, HEIGHT - 72, title, size=15, weight="bold", color=INK)
+    # a long name is set smaller rather than cut
+    _text(figure, MARGIN, HEIGHT - 72, title, size=15 * min(1.0, 70 / max(len(title), 1)), weight="bold", color=INK)
     _text(figure, MARGIN, HEIGHT - 112, caption(shape), size=8.5, color=PALE)
     figure.savefig(path_or_file, format="png", dpi=DPI)
 

@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from PIL import Image
 
 from pattern import gallery
 from pattern.design import load_design
@@ -33,6 +34,17 @@ def anchors(page: Path) -> set[str]:
     """Names that a link may point to: headings as GitHub spells them."""
     headings = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+def whole_designs(block: str) -> list[str]:
+    """A block with a name is a design; tables without one are part of a design; lines are ways to write a size."""
+    if re.search("^name = ", block, re.MULTILINE):
+        return [block]
+    border = "[border]\nrings = 3\n"
+    if re.search(r"^\[", block, re.MULTILINE):
+        stars = "" if "[stars]" in block else "[stars]\nlength_mm = 10.0\n"
+        return [stars + ("" if "[border]" in block else border) + block]
+    return [f"{border}[stars]\n{line}\n" for line in block.splitlines()]
 
 
 @pytest.mark.parametrize("name", ["run", "test"])
@@ -79,6 +91,8 @@ def test_links_lead_somewhere(page: Path, link: str) -> None:
 
 @pytest.mark.parametrize(("page", "block"), DESIGNS, ids=[f"{page.name}-{i}" for i, (page, _) in enumerate(DESIGNS)])
 def test_designs_in_the_text_load(page: Path, block: str, tmp_path: Path) -> None:
-    file = tmp_path / "design.toml"
-    file.write_text(block, encoding="utf-8")
-    load_design(file)
+    Image.new("L", (4, 3)).save(tmp_path / "sizes.png")
+    for text in whole_designs(block):
+        file = tmp_path / "design.toml"
+        file.write_text(text, encoding="utf-8")
+        load_design(file)

@@ -88,6 +88,10 @@ def test_names_are_printed_as_they_are() -> None:
     image_of(sheets.sheet(sheets.flat, edge=10.0), title=r"$\frac{ été #1 %s")
 
 
+def test_long_names_stay_on_the_picture() -> None:
+    assert np.allclose(image_of(sheets.sheet(sheets.flat, edge=10.0), title="long name " * 20)[:, -20:], 1)
+
+
 def test_no_display_and_no_shared_state() -> None:
     program = (
         "import io, sys\n"
