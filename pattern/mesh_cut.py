@@ -17,10 +17,14 @@ from pattern.pin_vertices import pin_points, pin_vertices
 from pattern.planar import distance_to_outline, inside, mean_circumcentres, triangle_angles
 from pattern.triangulate import triangulate
 
-# distances to the border, in grid edges: free grid points keep the first, arms and pins the second unless they
-# are on it, and points nearer than the third are smoothed, so many times
-MARGIN, ARM_MARGIN, STRIP = 0.7, 0.1, 2.6
-SMOOTHINGS = 4
+# distances to the border, in grid edges: free grid points keep this far from it,
+MARGIN = 0.7
+# arms and pins so far, unless they are on it,
+ARM_MARGIN = 0.1
+# arms with tips nearer than this get edges of half the length,
+HALVED = 0.3
+# and points nearer than this are smoothed, so many times
+STRIP, SMOOTHINGS = 2.6, 4
 # points are added at flatter triangles (degrees): beside tips that end close to the border
 REFINE_DEG = 28.0
 
@@ -37,6 +41,7 @@ def cut_mesh(layout: Layout, grid: LatticeGrid) -> Mesh:
     arms = [patch.index(arm) for arm in stations.arms]
     if any(arm.min() < 0 for arm in arms):
         raise MeshError("an arm leaves the sheet")
+    points, arms = _halved(points, arms, layout, grid.edge_mm)
     fixed = np.zeros(len(points), dtype=bool)
     fixed[np.concatenate([patch.index(grid.centres(layout)), *arms])] = True
     away, at_pin = cKDTree(points).query(pins)
@@ -88,6 +93,17 @@ def _ends_on_border(layout: Layout, grid: LatticeGrid, tolerance: float) -> Bord
         for arm in np.flatnonzero(on)
     }
     return lambda start, step: ends.get((*start.tolist(), *step.tolist()))
+
+
+def _halved(points: Floats, arms: list[Ints], layout: Layout, edge_mm: float) -> tuple[Floats, list[Ints]]:
+    """Halve the edges of arms that end just inside the border, where triangles must be small; points are added."""
+    gap = distance_to_outline(layout.arm_tip, layout.border)
+    arms = list(arms)
+    for arm in np.flatnonzero((gap > ON_LINE * edge_mm) & (gap < HALVED * edge_mm)):
+        start, end = arms[arm][:-1], arms[arm][1:]
+        arms[arm] = np.append(np.column_stack([start, len(points) + np.arange(len(start))]).ravel(), end[-1])
+        points = np.concatenate([points, (points[start] + points[end]) / 2])
+    return points, arms
 
 
 def _smoothed(points: Floats, segments: Ints, still: NDArray[np.bool_]) -> tuple[Floats, Ints]:

@@ -11,8 +11,7 @@ from pattern.layout import Floats
 from pattern.planar import distance_to_segment
 
 # the spacing shrinks towards points beside the border, to this part of the wished one at the least
-FINEST = 0.2
-GROWTH = 1.0
+FINEST = 0.3
 
 
 def outline_points(border: Floats, edge_mm: float, wanted: Floats, tolerance: float, beside: Floats) -> Floats:
@@ -46,8 +45,8 @@ def _spread(start: Floats, end: Floats, edge_mm: float, near: cKDTree) -> Floats
     length = float(np.linalg.norm(end - start))
     samples = np.linspace(0, 1, max(int(np.ceil(16 * length / edge_mm)), 1) + 1)
     size = near.query(start + ((samples[1:] + samples[:-1]) / 2)[:, None] * (end - start))[0]
-    steps = np.cumsum(np.diff(samples) * length / np.clip(GROWTH * size, FINEST * edge_mm, edge_mm))
+    steps = np.cumsum(np.diff(samples) * length / np.clip(size, FINEST * edge_mm, edge_mm))
     n = max(round(float(steps[-1])), 1)
-    if GROWTH * size.min() >= edge_mm:
+    if size.min() >= edge_mm:
         return np.arange(n + 1) / n
     return np.interp(np.arange(n + 1) / n * steps[-1], np.concatenate([[0.0], steps]), samples)
