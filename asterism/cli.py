@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from pathlib import Path
 from typing import Annotated, Any
@@ -45,9 +46,10 @@ def new(
     path = output or Path(f"{name}.toml")
     if path.suffix != ".toml":
         raise _Mistake(f"--output: {str(path)!r} must end with .toml")
-    if path.exists():
+    content = gallery.path(name).read_bytes()
+    if path.exists() and not (path.is_file() and path.read_bytes() == content):
         raise _Mistake(f"--output: {str(path)!r} exists already and is left as it is; choose another name")
-    write_file(path, gallery.path(name).read_text(encoding="utf-8"))
+    write_file(path, content)
     typer.echo(f"{path}: now run  asterism simulate {path}")
 
 
@@ -132,6 +134,8 @@ def main() -> None:
     from equilibrium.factor import BackendError
     from pattern.errors import DesignError, MeshError
 
+    # a polite request to end is an interruption like Ctrl-C
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         status = app(standalone_mode=False)
     except _UsageError as error:

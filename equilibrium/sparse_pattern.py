@@ -47,7 +47,7 @@ class SparsePattern:
         a, b = dofs[:, i], dofs[:, j]
         key = np.minimum(a, b) * self.size + np.maximum(a, b)
         key[(a < 0) | (b < 0)] = self.size**2
-        return np.asarray(key, dtype=np.int64).ravel()
+        return key.ravel()
 
     @property
     def nnz(self) -> int:
@@ -57,7 +57,8 @@ class SparsePattern:
     def assemble(self, element_values: Sequence[Floats]) -> Floats:
         """(nnz,) sum of the packed lower triangles (E, n (n + 1) / 2), in the order of the constructor."""
         values = np.concatenate([v.ravel() for v in element_values])
-        return np.bincount(self._slots, weights=values, minlength=self.nnz + 1)[: self.nnz]
+        summed: Floats = np.bincount(self._slots, weights=values, minlength=self.nnz + 1)  # type: ignore[assignment]
+        return summed[: self.nnz]
 
     def lower(self, data: Floats) -> sp.csc_matrix:
         """The lower triangle as a sparse matrix."""

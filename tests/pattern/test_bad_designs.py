@@ -12,7 +12,7 @@ from pattern.errors import DesignError
 GOOD = {"stars": {"length_mm": 10.0}, "border": {"rings": 1}}
 RADIAL = {"profile": "radial", "from": 10, "to": 4, "over_mm": 50}
 SQUARE = {"rectangle_mm": [100, 100]}
-DELETE = object()
+DELETE = b"take it out"  # no design has bytes in it; equal in every test process
 
 
 def changed(*changes):
@@ -23,7 +23,7 @@ def changed(*changes):
         table = design
         for name in tables:
             table = table.setdefault(name, {})
-        if value is DELETE:
+        if value == DELETE:
             del table[key]
         else:
             table[key] = value

@@ -1,0 +1,112 @@
+"""The command line as a user meets it: exit status, one line for a mistake, nothing half-written."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+SMALL = """
+[stars]
+length_mm = 10.0
+thickness_mm = 0.4
+width_mm = 1.2
+[border]
+rings = 0
+[mesh]
+edge_mm = 4.0
+"""
+
+
+def run(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "asterism", *words]
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=300)
+
+
+def mistake(result: subprocess.CompletedProcess[str]) -> str:
+    """The one line of a refused command."""
+    assert result.returncode == 2, result.stderr
+    assert "Traceback" not in result.stderr
+    lines = result.stderr.strip().splitlines()
+    assert len(lines) == 1 and lines[0].startswith("asterism: "), result.stderr
+    return lines[0]
+
+
+def test_new_lists_and_writes(tmp_path: Path) -> None:
+    assert "tube" in run("new", cwd=tmp_path).stdout.split()
+    assert run("new", "tube", cwd=tmp_path).returncode == 0
+    assert run("new", "tube", cwd=tmp_path).returncode == 0  # nothing is lost by writing the same again
+    (tmp_path / "tube.toml").write_text("mine")
+    assert "exists" in mistake(run("new", "tube", cwd=tmp_path))
+    assert (tmp_path / "tube.toml").read_text() == "mine"
+    assert "gallery" in mistake(run("new", "spaceship", "-o", "x.toml", cwd=tmp_path))
+    assert ".toml" in mistake(run("new", "tube", "-o", "x.png", cwd=tmp_path))
+
+
+def test_simulate_writes_results_and_a_table(tmp_path: Path) -> None:
+    (tmp_path / "d.toml").write_text(SMALL)
+    result = run("simulate", "d.toml", "-o", "out", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert "stable" in result.stdout and "released" in result.stderr
+    files = sorted(file.name for file in (tmp_path / "out").iterdir())
+    assert files == ["rods.vtu", "shape.png", "shape.vtu", "summary.json"]
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["is_minimum"]
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["simulate"], "design"),
+        (["simulate", "none.toml"], "none.toml"),
+        (["simulate", "d.toml", "--edge", "-1"], "--edge"),
+        (["simulate", "d.toml", "--edge", "nan"], "--edge"),
+        (["simulate", "d.toml", "--edge", "two"], "--edge"),
+        (["simulate", "d.toml", "--start", "sideways"], "--start"),
+        (["simulate", "d.toml", "--seed", "-3"], "--seed"),
+        (["simulate", "d.toml", "--fabric-bending", "soft"], "--fabric-bending"),
+        (["simulate", "d.toml", "--backend", "magic"], "backend"),
+        (["simulate", "d.toml", "-o", "d.toml"], "d.toml"),
+        (["simulate", "d.toml", "--colour", "red"], "--colour"),
+        (["simulat", "d.toml"], "simulat"),
+    ],
+)
+def test_mistakes_are_one_line(words: list[str], expected: str, tmp_path: Path) -> None:
+    (tmp_path / "d.toml").write_text(SMALL)
+    assert expected in mistake(run(*words, cwd=tmp_path))
+    assert [file.name for file in tmp_path.iterdir()] == ["d.toml"]
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_interrupt_leaves_nothing(number: int, tmp_path: Path) -> None:
+    (tmp_path / "d.toml").write_text(SMALL.replace("rings = 0", "rings = 3").replace("4.0", "1.5"))
+    command = [sys.executable, "-m", "asterism", "simulate", "d.toml", "-o", "out"]
+    with open(tmp_path / "errors", "w") as errors:
+        process = subprocess.Popen(command, cwd=tmp_path, stderr=errors)
+    while "iteration" not in (tmp_path / "errors").read_text():
+        time.sleep(0.05)
+        assert process.poll() is None
+    process.send_signal(number)
+    assert process.wait(timeout=60) == 130
+    assert (tmp_path / "errors").read_text().splitlines()[-1] == "asterism: interrupted; nothing was written"
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["d.toml", "errors"]
+
+
+def test_no_equilibrium_is_status_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A state that is not converged is written, said to be none, and ends with status 1."""
+    import discrete.levels
+    from asterism import cli
+
+    find = discrete.levels.find_equilibrium
+    monkeypatch.setattr("asterism.simulate.find_equilibrium", lambda *a, **k: find(*a, **k, max_iterations=1))
+    (tmp_path / "d.toml").write_text(SMALL)
+    monkeypatch.setattr(sys, "argv", ["asterism", "simulate", str(tmp_path / "d.toml"), "-o", str(tmp_path / "out")])
+    with pytest.raises(SystemExit) as stopped:
+        cli.main()
+    assert stopped.value.code == 1
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert not summary["converged"] and not summary["is_minimum"]

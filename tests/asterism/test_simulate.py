@@ -1,0 +1,113 @@
+"""simulate: the numbers of the summary, and what they are made from."""
+
+from __future__ import annotations
+
+import json
+
+import meshio
+import numpy as np
+import pytest
+
+import asterism
+from asterism.results import write_results
+from asterism.simulate import simulate
+from pattern import gallery
+from pattern.design import Design
+
+KEYS = [
+    "converged",
+    "is_minimum",
+    "smallest_eigenvalue",
+    "gradient_norm",
+    "energy_n_mm",
+    "membrane",
+    "hinges",
+    "rod_bending",
+    "rod_stretch",
+    "rod_twist",
+    "stars_total",
+    "stars_up",
+    "vertices",
+    "dofs",
+    "triangles",
+    "iterations",
+    "factorisations",
+    "wall_s",
+    "wall_s_by_stage",
+    "height_mm",
+    "extent_mm",
+    "contraction",
+    "backend",
+    "version",
+    "design",
+]
+
+
+def small(name: str = "tube", **sections: dict) -> Design:
+    data = gallery.load(name).to_dict()
+    data["border"] = {"rings": 1}
+    data["mesh"] = {"edge_mm": 3.0}
+    return Design.from_dict(data | sections)
+
+
+@pytest.fixture(scope="module")
+def shape() -> asterism.Shape:
+    return simulate(small())
+
+
+def test_summary_is_complete(shape: asterism.Shape) -> None:
+    s = shape.summary
+    assert set(KEYS) <= set(s)
+    assert s["converged"] and s["is_minimum"]
+    parts = [s[name] for name in ("membrane", "hinges", "rod_bending", "rod_stretch", "rod_twist")]
+    assert sum(parts) == pytest.approx(s["energy_n_mm"])
+    assert s["stars_total"] == 7 and s["stars_up"] == 7
+    assert s["vertices"] == len(shape.positions) and s["triangles"] == len(shape.triangles)
+    assert 1 / 1.35 < s["contraction"] < 1.0
+    assert list(s["extent_mm"]) == sorted(s["extent_mm"], reverse=True)
+
+
+def test_a_free_sheet_lies_on_its_principal_axes(shape: asterism.Shape) -> None:
+    assert shape.height_mm == pytest.approx(shape.extent_mm[2], rel=0.05)
+    assert np.abs(shape.positions.mean(axis=0)).max() < 1.0
+
+
+def test_the_summary_design_makes_the_same_shape(shape: asterism.Shape) -> None:
+    again = simulate(Design.from_dict(dict(shape.summary["design"])))
+    np.testing.assert_allclose(again.positions, shape.positions, atol=1e-6)
+
+
+def test_files_hold_what_the_shape_says(shape: asterism.Shape, tmp_path) -> None:  # type: ignore[no-untyped-def]
+    assert write_results(shape, tmp_path / "out") == ["rods.vtu", "shape.png", "shape.vtu", "summary.json"]
+    sheet = meshio.read(tmp_path / "out" / "shape.vtu")
+    np.testing.assert_allclose(sheet.points, shape.positions)
+    np.testing.assert_allclose(sheet.point_data["printed_mm"][:, :2], shape.printed)
+    centres = np.flatnonzero(sheet.point_data["star"] >= 0)
+    assert sorted(sheet.point_data["star"][centres]) == list(range(7))
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["energy_n_mm"] == pytest.approx(shape.summary["energy_n_mm"])
+    assert Design.from_dict(summary["design"]) == Design.from_dict(dict(shape.summary["design"]))
+
+
+def test_pinned_sheets_stay_where_the_pins_hold_them() -> None:
+    design = small("dome")
+    shape = simulate(design)
+    rim = np.isclose(np.linalg.norm(shape.printed, axis=1), np.linalg.norm(shape.printed, axis=1).max())
+    np.testing.assert_allclose(shape.positions[rim, :2], 0.74 * shape.printed[rim], atol=1e-12)
+    np.testing.assert_allclose(shape.positions[rim, 2], 0.0, atol=1e-12)
+
+
+def test_weight_pulls_a_pinned_sheet_down() -> None:
+    fabric = {"modulus_mpa": 1.0}
+    corners = [{"where": "corners", "scale": 0.8}]
+    light = simulate(small(fabric=fabric, pins=corners))
+    heavy = simulate(small(fabric=fabric, pins=corners, gravity={"on": True, "acceleration_m_s2": 50.0}))
+    assert heavy.positions[:, 2].mean() < light.positions[:, 2].mean() - 0.1
+    assert heavy.summary["gravity"] != 0.0
+
+
+def test_backends_agree() -> None:
+    from equilibrium.factor import available
+
+    energies = [simulate(small(), backend=name).summary["energy_n_mm"] for name in available()]
+    np.testing.assert_allclose(energies, energies[0], rtol=1e-9)
