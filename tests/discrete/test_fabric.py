@@ -9,7 +9,6 @@ from scipy.spatial import Delaunay
 from discrete.elements import Array
 from discrete.hinges import Hinges, interior_edges, paper_coefficients
 from discrete.membrane import Membrane
-from discrete.rod_stretch import RodStretch
 from discrete.state import State
 from discrete.system import System
 from equilibrium.factor import make_factor
@@ -258,7 +257,7 @@ def test_paper_bending_knows_no_poisson_ratio():
 
 
 def test_sheet_bent_round_a_circle():
-    """Large angles: a prism of faces that keep their size has c (2 tan(theta/2))^2 at each of its folds, and no more."""
+    """Large angles: a prism of undeformed faces has c (2 tan(theta/2))^2 at each of its folds, and no more."""
     points, triangles = equilateral(2.0)
     edges = interior_edges(triangles)
     elements = Hinges(edges, paper_coefficients(edges, points, THICKNESS, MODULUS, POISSON))
