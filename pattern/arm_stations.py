@@ -21,10 +21,12 @@ class Stations:
 
     Attributes
     ----------
+    centres : (S, 2) grid points of the stars.
     arms : one (n + 1, 2) array of grid points an arm, from the star's centre to the tip.
     ij, places : (P, 2) grid points, and their places in mm; a point may occur more than once.
     """
 
+    centres: Ints
     arms: tuple[Ints, ...]
     ij: Ints
     places: Floats
@@ -59,7 +61,8 @@ def arm_stations(layout: Layout, grid: LatticeGrid, border: Border) -> Stations:
     links = _links(layout, grid, border)
     ends = {(*link.start, *link.step): arm for arm, link in enumerate(links)}
     tolerance = ON_LINE * grid.edge_mm * grid.k
-    ij, places = [grid.centres(layout)], [layout.centres]
+    centres = grid.centres(layout)
+    ij, places = [centres], [layout.centres]
     for arm, link in enumerate(links):
         centre, tip = layout.centres[layout.arm_star[arm]], layout.arm_tip[arm]
         last, end = link.count, link.end
@@ -81,7 +84,7 @@ def arm_stations(layout: Layout, grid: LatticeGrid, border: Border) -> Stations:
         if squeezed < SMALLEST_EDGE * grid.edge_mm:
             raise MeshError(f"arm {arm} leaves too little room for a mesh edge at its tip")
     arms = tuple(link.points(0, link.taken) for link in links)
-    return Stations(arms, np.concatenate(ij), np.concatenate(places))
+    return Stations(centres, arms, np.concatenate(ij), np.concatenate(places))
 
 
 def _links(layout: Layout, grid: LatticeGrid, border: Border) -> list[_Link]:

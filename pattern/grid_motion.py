@@ -18,8 +18,8 @@ NOWHERE = np.zeros((0, 2))
 
 def prescribed(
     patch: GridPatch, stations: Stations, ring: Ints = NOTHING, outline: Floats = NOWHERE
-) -> tuple[NDArray[np.bool_], Floats]:
-    """Which points of a patch have their place from arms, gaps and outline (n,), and all places (n, 2) in mm.
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_], Floats]:
+    """Which points of a patch are on arms or the outline (n,), which have a place (gaps too), and all places (n, 2).
 
     Parameters
     ----------
@@ -32,22 +32,31 @@ def prescribed(
     places[at[at >= 0]] = stations.places[at >= 0]
     if np.abs(places[at] - stations.places)[at >= 0].max(initial=0) > ON_LINE * patch.grid.edge_mm * patch.grid.k:
         raise MeshError("arms want the same grid points")
-    return known, places
+    taken = np.zeros_like(known)
+    taken[ring] = True
+    printed = patch.index(np.concatenate([stations.centres, *stations.arms]))
+    if printed.min(initial=0) < 0:
+        raise MeshError("a star or an arm leaves the sheet")
+    taken[printed] = True
+    return taken, known, places
 
 
-def moved(patch: GridPatch, known: NDArray[np.bool_], places: Floats, pins: Floats) -> Floats:
-    """Places (n, 2) of all grid points of a patch: the known ones, one on each pin, and the others smoothly between."""
+def moved(patch: GridPatch, taken: NDArray[np.bool_], known: NDArray[np.bool_], places: Floats, pins: Floats) -> Floats:
+    """Places (n, 2) of all grid points of a patch: the known ones, one on each pin, and the others smoothly between.
+
+    Pins (P, 2) get the nearest points that are not taken.
+    """
     natural = patch.grid.place(patch.ij)
     points = natural + patch.harmonic(known, places - natural)
-    distance = cKDTree(points[known]).query(pins)[0]
+    distance = cKDTree(points[taken]).query(pins)[0]
     missing = pins[distance > SAME_PLACE_MM]
     if not len(missing):
         return points
-    known, places = known.copy(), places.copy()
+    taken, known, places = taken.copy(), known.copy(), places.copy()
     for pin in missing:
-        away = np.where(known, np.inf, np.linalg.norm(points - pin, axis=1))
+        away = np.where(taken, np.inf, np.linalg.norm(points - pin, axis=1))
         nearest = int(np.argmin(away))
         if away[nearest] > patch.grid.edge_mm:
             raise MeshError(f"no free grid point near the pin at ({pin[0]:g}, {pin[1]:g}) mm")
-        known[nearest], places[nearest] = True, pin
+        taken[nearest], known[nearest], places[nearest] = True, True, pin
     return natural + patch.harmonic(known, places - natural)

@@ -11,12 +11,14 @@ from pattern.hexagon_border import HexagonBorder
 from pattern.lattice_grid import LatticeGrid
 from pattern.layout import Floats, Ints, Layout
 from pattern.mesh import Mesh
-from pattern.mesh_check import checked
+from pattern.mesh_check import check_edge, checked
 from pattern.mesh_cut import cut_mesh
 from pattern.pin_vertices import pin_points, pin_vertices
 
 # flatter triangles than this (degrees) are left to the Delaunay mesh, which refines where it is narrow
 SMALLEST_ANGLE = 15.0
+# below this the grid's own connectivity gives way to a triangulation that adds points where they are missing
+WELL_SHAPED = 22.0
 
 
 def aligned_mesh(layout: Layout, edge_mm: float) -> Mesh:
@@ -30,15 +32,14 @@ def aligned_mesh(layout: Layout, edge_mm: float) -> Mesh:
     ------
     MeshError : where arms do not lie on lattice lines, or moving grid points would flatten triangles.
     """
-    if not (np.isfinite(edge_mm) and edge_mm > 0):
-        raise MeshError(f"the mesh edge must be positive, got {edge_mm}")
+    check_edge(layout, edge_mm)
     grid = LatticeGrid.of(layout, edge_mm)
     hexagon = HexagonBorder.of(layout, grid)
     if hexagon is not None:
         try:
-            return checked(_hexagon_mesh(layout, grid, hexagon), layout, SMALLEST_ANGLE)
+            return checked(_hexagon_mesh(layout, grid, hexagon), layout, WELL_SHAPED)
         except MeshError:
-            # tips close to the border: only a border with points of its own has room for them
+            # tips close to the border, pins between grid points: they need points of their own
             pass
     return checked(cut_mesh(layout, grid), layout, SMALLEST_ANGLE)
 
@@ -55,15 +56,15 @@ def _hexagon_mesh(layout: Layout, grid: LatticeGrid, hexagon: HexagonBorder) -> 
     stations = arm_stations(layout, grid, border)
     patch = hexagon.patch(grid)
     ring = patch.index(hexagon.ring)
-    known, places = prescribed(patch, stations, ring, outline)
-    points = moved(patch, known, places, pin_points(layout))
+    taken, known, places = prescribed(patch, stations, ring, outline)
+    points = moved(patch, taken, known, places, pin_points(layout))
     first = int(np.argmin(np.linalg.norm(points[ring] - layout.border[0], axis=1)))
     border_vertices = np.roll(ring, -first)
     return Mesh(
         points=points,
         triangles=patch.triangles(),
         rods=tuple(patch.index(arm) for arm in stations.arms),
-        star_vertices=patch.index(grid.centres(layout)),
+        star_vertices=patch.index(stations.centres),
         border_vertices=border_vertices,
         pin_vertices=pin_vertices(layout, points, border_vertices),
         kind="aligned",

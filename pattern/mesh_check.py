@@ -9,6 +9,20 @@ from pattern.layout import Layout
 from pattern.mesh import Mesh
 from pattern.planar import polygon_area, triangle_angles, triangle_areas
 
+MOST_TRIANGLES = 2_000_000
+
+
+def check_edge(layout: Layout, edge_mm: float) -> None:
+    """Refuse an edge that is not a length, or that makes more triangles than memory holds."""
+    if not (np.isfinite(edge_mm) and edge_mm > 0):
+        raise MeshError(f"the mesh edge must be positive, got {edge_mm}")
+    # equilateral triangles
+    expected = abs(polygon_area(layout.border)) / (np.sqrt(3) / 4 * float(edge_mm) ** 2)
+    if not expected <= MOST_TRIANGLES:
+        raise MeshError(
+            f"edges of {edge_mm:g} mm make about {expected:.2g} triangles, more than {MOST_TRIANGLES}: use longer ones"
+        )
+
 
 def checked(mesh: Mesh, layout: Layout, smallest_angle_deg: float) -> Mesh:
     """The mesh itself, if its triangles fill the sheet, are not too flat, and the arms run along their edges."""

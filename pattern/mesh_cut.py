@@ -35,15 +35,13 @@ def cut_mesh(layout: Layout, grid: LatticeGrid) -> Mesh:
     pins = pin_points(layout)
     patch = _patch_around(layout, grid)
     stations = arm_stations(layout, grid, _ends_on_border(layout, grid, tolerance))
-    known, places = prescribed(patch, stations)
-    points = moved(patch, known, places, pins[distance_to_outline(pins, layout.border) > tolerance])
+    taken, known, places = prescribed(patch, stations)
+    points = moved(patch, taken, known, places, pins[distance_to_outline(pins, layout.border) > tolerance])
 
     arms = [patch.index(arm) for arm in stations.arms]
-    if any(arm.min() < 0 for arm in arms):
-        raise MeshError("an arm leaves the sheet")
     points, arms = _halved(points, arms, layout, grid.edge_mm)
     fixed = np.zeros(len(points), dtype=bool)
-    fixed[np.concatenate([patch.index(grid.centres(layout)), *arms])] = True
+    fixed[np.concatenate([patch.index(stations.centres), *arms])] = True
     away, at_pin = cKDTree(points).query(pins)
     fixed[at_pin[away <= tolerance]] = True
     distance = distance_to_outline(points, layout.border)
@@ -68,7 +66,7 @@ def cut_mesh(layout: Layout, grid: LatticeGrid) -> Mesh:
         points=points,
         triangles=triangles,
         rods=rods,
-        star_vertices=vertex[patch.index(grid.centres(layout))],
+        star_vertices=vertex[patch.index(stations.centres)],
         border_vertices=border,
         pin_vertices=pin_vertices(layout, points, border),
         kind="aligned",

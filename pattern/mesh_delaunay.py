@@ -14,10 +14,10 @@ from scipy.spatial import cKDTree
 from pattern.errors import MeshError
 from pattern.layout import Floats, Ints, Layout
 from pattern.mesh import Mesh
-from pattern.mesh_check import checked
+from pattern.mesh_check import check_edge, checked
 from pattern.outline import outline_points
 from pattern.pin_vertices import pin_points, pin_vertices
-from pattern.planar import distance_to_outline, distance_to_segment, inside, polygon_area, triangle_angles
+from pattern.planar import distance_to_outline, distance_to_segment, inside, triangle_angles
 from pattern.triangulate import triangulate
 
 MIN_ANGLE_DEG = 30.0
@@ -47,13 +47,7 @@ def delaunay_mesh(layout: Layout, edge_mm: float, seed: int = 0) -> Mesh:
         other arms or to the border.
     seed : another seed gives another mesh of the same quality, to see how much a result depends on the mesh.
     """
-    if not (np.isfinite(edge_mm) and edge_mm > 0):
-        raise MeshError(f"the mesh edge must be positive, got {edge_mm}")
-    if not len(layout.centres) and not len(layout.border):
-        raise MeshError("nothing to mesh")
-    expected = 2.5 * abs(polygon_area(layout.border)) / edge_mm**2
-    if expected > 2_000_000:
-        raise MeshError(f"about {expected:.2g} triangles would be needed: use a longer edge than {edge_mm:g} mm")
+    check_edge(layout, edge_mm)
     pins, tolerance = pin_points(layout), _tolerance(layout)
     length = layout.arm_length
     frame = _Frame(

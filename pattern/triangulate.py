@@ -30,8 +30,8 @@ def triangulate(
 ) -> tuple[Floats, Ints]:
     """Constrained Delaunay triangulation of the region that closed loops of segments enclose.
 
-    Segments are never split. Refinement adds points inside only, so that the angle asked for is reached where the
-    segments permit it.
+    Segments are never split. Refinement adds points inside only, so that triangles at the segments may miss the
+    angle and the area asked for.
 
     Parameters
     ----------

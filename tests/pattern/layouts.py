@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from pattern.layout import Floats, Layout, PinSet
+from pattern.planar import distance_to_outline, inside
 
 D = 10 * np.sqrt(3)
 THREE = (-90.0, 30.0, 150.0)
@@ -31,15 +33,15 @@ def lattice_points(reach: int, vectors: Floats) -> Floats:
 
 
 def layout(
-    border: Floats,
-    centres: Floats,
+    border: ArrayLike,
+    centres: ArrayLike,
     length: float | Floats = 10.0,
     directions: Sequence[float] = THREE,
     pins: tuple[PinSet, ...] = (),
-    vectors: Floats | None = None,
+    vectors: ArrayLike | None = None,
 ) -> Layout:
     """Stars at `centres`, with arms of one length, or one a star, in the given directions (degrees)."""
-    centres = np.asarray(centres, dtype=float)
+    centres = np.asarray(centres, dtype=float).reshape(-1, 2)
     vectors = D * unit([30.0, 90.0]) if vectors is None else np.asarray(vectors, dtype=float)
     star = np.repeat(np.arange(len(centres)), len(directions))
     lengths = np.broadcast_to(length, (len(centres),))[star]
@@ -73,6 +75,27 @@ def rings(
     return layout(hexagon(n), centres[away < (n + 0.1) * 15], length, directions, pins)
 
 
-def pin(points: object = (), edges: tuple[int, ...] = ()) -> PinSet:
+def pin(points: ArrayLike = (), edges: tuple[int, ...] = ()) -> PinSet:
     """Points and border edges held fixed."""
     return PinSet(np.asarray(points, dtype=float).reshape(-1, 2), edges, (True, True, True))
+
+
+def stars_on(
+    border: Floats,
+    length: float,
+    directions: Sequence[float] = THREE,
+    margin: float = 0.0,
+    pins: tuple[PinSet, ...] = (),
+) -> Layout:
+    """Stars wherever whole stars fit on a sheet, `margin` mm from its outline."""
+    centres = lattice_points(6, D * unit([30.0, 90.0]))
+    ends = [centres, *(centres + length * direction for direction in unit(directions))]
+    fits = np.all([inside(e, border) & (distance_to_outline(e, border) > margin) for e in ends], axis=0)
+    return layout(border, centres[fits], length, directions, pins)
+
+
+# with a reentrant corner; with no two sides parallel; with many short sides
+L_SHAPE = np.array([[-45, -45], [45, -45], [45, 0], [0, 0], [0, 45], [-45, 45]], dtype=float)
+SLANTED = np.array([[-50, -35], [50, -30], [40, 40], [-45, 35]], dtype=float)
+ROUND = 45 * unit([6.0 * q for q in range(60)])
+RECTANGLE = np.array([[-40, -32], [40, -32], [40, 32], [-40, 32]], dtype=float)
