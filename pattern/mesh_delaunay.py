@@ -135,7 +135,8 @@ def _scattered(layout: Layout, points: Floats, edge_mm: float, seed: int) -> Flo
     clear = cKDTree(points).query(scattered)[0] > 1.5 * edge_mm
     clear &= inside(scattered, layout.border) & (distance_to_outline(scattered, layout.border) > edge_mm)
     scattered = scattered[clear]
-    return scattered[np.triu(np.linalg.norm(scattered[:, None] - scattered, axis=2) < edge_mm, 1).sum(axis=0) == 0]
+    close = cKDTree(scattered).query_pairs(edge_mm, output_type="ndarray")
+    return np.delete(scattered, np.unique(close[:, 1]), axis=0)
 
 
 def _tolerance(layout: Layout) -> float:
