@@ -17,7 +17,7 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from asterism.results import write_results
     from asterism.shape import Shape
-    from asterism.simulate import simulate
+    from asterism.simulation import simulate
     from pattern.design import Design, load_design, save_design
     from pattern.gallery import load as new
 
@@ -28,7 +28,7 @@ _HOMES = {
     "load_design": ("pattern.design", "load_design"),
     "new": ("pattern.gallery", "load"),
     "save_design": ("pattern.design", "save_design"),
-    "simulate": ("asterism.simulate", "simulate"),
+    "simulate": ("asterism.simulation", "simulate"),
     "write_results": ("asterism.results", "write_results"),
 }
 __all__ = ["Design", "Shape", "__version__", "load_design", "new", "save_design", "simulate", "write_results"]

@@ -73,7 +73,7 @@ def simulate(
     from asterism.overrides import changed
     from asterism.progress import Progress
     from asterism.results import write_results
-    from asterism.simulate import simulate as run
+    from asterism.simulation import simulate as run
     from pattern.design import load_design
 
     plan = changed(
@@ -143,9 +143,11 @@ def main() -> None:
     except (DesignError, MeshError, OutputError, BackendError, _Mistake) as error:
         _stop(str(error), 2)
     except (KeyboardInterrupt, typer.Abort):
-        _stop("interrupted; nothing was written", 130)
+        status = 130
     except MemoryError:
         _stop("not enough memory: a larger mesh.edge_mm needs less", 1)
+    if status == 130:
+        _stop("interrupted; nothing was written", 130)
     sys.exit(status if isinstance(status, int) else 0)
 
 

@@ -82,11 +82,10 @@ def _coarser(model: Model) -> list[Model]:
     """Coarser models of the same design, the coarsest first; none for small ones."""
     ratio = model.n_vertices / COARSE_VERTICES
     steps = int(np.ceil(np.log(ratio) / np.log(LARGEST_RATIO))) if ratio > 2.0 else 0
-    spacing = float(np.linalg.norm(model.layout.lattice_vectors, axis=1).min())
     edge = model.design.mesh.edge_mm
     models: list[Model] = []
     for step in range(steps, 0, -1):
-        coarse_edge = min(edge * np.sqrt(ratio) ** (step / steps), spacing / 4.0)
+        coarse_edge = min(edge * np.sqrt(ratio) ** (step / steps), model.spacing / 4.0)
         try:
             mesh = mesh_layout(model.layout, coarse_edge, model.design.mesh.kind, model.design.mesh.seed)
         except MeshError:  # arms may be too short for a coarse mesh: start on a finer one

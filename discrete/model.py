@@ -110,6 +110,11 @@ class Model(System):
         self.parts["rod_bending"].params[:, 2] = 0.5 * kappa[net.stencil_edges].mean(axis=1) * span
         self.load = release * self._weight
 
+    @property
+    def spacing(self) -> float:
+        """mm, nearest distance of two stars of the lattice."""
+        return float(np.linalg.norm(self.layout.lattice_vectors, axis=1).min())
+
     def flat_state(self) -> State:
         """The print as it lies: flat, plastic up, held vertices at their places for the present release."""
         directors = np.tile([0.0, 0.0, 1.0], (len(self.edges), 1))

@@ -7,6 +7,7 @@ from scipy.interpolate import CloughTocher2DInterpolator, NearestNDInterpolator
 
 from discrete.elements import Array
 from discrete.model import Model
+from discrete.stars import vertex_normals
 from discrete.state import State, tangents
 
 
@@ -36,11 +37,7 @@ def _lifted(points: Array) -> Array:
 
 def _plastic_normals(model: Model, positions: Array) -> Array:
     """(R, 3) mean normal of the sheet along every rod edge, orthogonal to it."""
-    corner = positions[model.mesh.triangles]
-    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    at_vertex = np.zeros_like(positions)
-    np.add.at(at_vertex, model.mesh.triangles, normal[:, None, :])
     t = tangents(positions, model.edges)
-    d = at_vertex[model.edges].sum(axis=1)
+    d = vertex_normals(positions, model.mesh.triangles)[model.edges].sum(axis=1)
     d -= (d * t).sum(axis=1, keepdims=True) * t
     return d / np.linalg.norm(d, axis=1, keepdims=True)

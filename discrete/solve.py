@@ -21,6 +21,7 @@ Start = Literal["bump", "flat"]
 Report = Callable[[str, Iteration], None]
 
 BUMP_MM = 2.0
+FLAT_MM = 0.2
 NOISE_MM = 1e-3
 RELEASES = tuple(np.linspace(0.03, 1.0, 10))
 
@@ -89,8 +90,8 @@ def relax(
 
     Parameters
     ----------
-    start : `bump`: every star starts 2 mm up, the branch that printing on the plastic side favours; `flat`: as printed;
-        or a state, which is minimised at full release.
+    start : `bump`: every star starts 2 mm up, the branch that printing on the plastic side favours, and is bumped again
+        between the steps while it is still flat; `flat`: as printed; or a state, minimised at full release.
     releases : steps of the continuation; the last must be 1.
     seed : of the noise (a thousandth of a mm) that takes an exactly symmetric start off its symmetry.
     backend : sparse factorisation, see `equilibrium.factor`.
@@ -110,6 +111,8 @@ def relax(
             last = release == releases[-1]
             model.set_release(release)
             state = model.moved_pins(state)
+            if start == "bump" and not last:
+                state = _kept_up(model, state)
             stage = "equilibrium" if last else "release"
             goal = tolerance if last else 1e-4 * force_scale(model)
             result = clock.run(
@@ -126,8 +129,7 @@ def relax(
 def force_scale(model: Model) -> float:
     """N: modulus times fabric thickness times star spacing."""
     fabric = model.design.fabric
-    spacing = float(np.linalg.norm(model.layout.lattice_vectors, axis=1).min())
-    return float(fabric.modulus_mpa * fabric.thickness_mm * spacing)
+    return float(fabric.modulus_mpa * fabric.thickness_mm * model.spacing)
 
 
 def _first_state(model: Model, start: Start, release: float, seed: int) -> State:
@@ -138,6 +140,11 @@ def _first_state(model: Model, start: Start, release: float, seed: int) -> State
     noise = NOISE_MM * np.random.default_rng(seed).standard_normal(state.positions.shape)
     positions = state.positions + np.where(model.constraints.held, 0.0, noise)
     return carried(state, model.network.edges, positions, np.zeros(len(model.network.edges)))
+
+
+def _kept_up(model: Model, state: State) -> State:
+    """Early in the release a star is nearly flat and goes where rounding sends it: bump those that are not up."""
+    return bumped(model, state, BUMP_MM, np.flatnonzero(bump_heights(model, state) < FLAT_MM))
 
 
 def _minimise(

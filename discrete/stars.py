@@ -29,11 +29,25 @@ def bump_heights(model: Model, state: State) -> Array:
     return (drop * normal).sum(axis=1)
 
 
-def bumped(model: Model, state: State, height: float) -> State:
-    """The state with a smooth bump of `height` mm at every star, towards +z, pinned components left alone."""
-    distance, _ = cKDTree(model.layout.centres).query(model.mesh.points)
-    spacing = np.linalg.norm(model.layout.lattice_vectors, axis=1).min()
-    lift = height * np.exp(-((distance / (0.35 * spacing)) ** 2))
-    positions = state.positions.copy()
-    positions[:, 2] += np.where(model.constraints.held[:, 2], 0.0, lift)
-    return carried(state, model.network.edges, positions, np.zeros(len(model.network.edges)))
+def bumped(model: Model, state: State, height: float, stars: Array | None = None) -> State:
+    """The state with a smooth bump of `height` mm at every star (or those in `stars`, indices) to the plastic side.
+
+    Held components stay where they are.
+    """
+    chosen = np.arange(len(model.layout.centres)) if stars is None else stars
+    if len(chosen) == 0:
+        return state
+    distance, _ = cKDTree(model.layout.centres[chosen]).query(model.mesh.points)
+    lift = height * np.exp(-((distance / (0.35 * model.spacing)) ** 2))
+    positions = state.positions + lift[:, None] * vertex_normals(state.positions, model.mesh.triangles)
+    positions = np.where(model.constraints.held, state.positions, positions)
+    return carried(state, model.edges, positions, np.zeros(len(model.edges)))
+
+
+def vertex_normals(positions: Array, triangles: Array) -> Array:
+    """(V, 3) unit normals on the plastic side, triangles weighted by area."""
+    corner = positions[triangles]
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    total = np.zeros_like(positions)
+    np.add.at(total, triangles, normal[:, None, :])
+    return total / np.linalg.norm(total, axis=1, keepdims=True)

@@ -102,7 +102,7 @@ def test_no_equilibrium_is_status_one(tmp_path: Path, monkeypatch: pytest.Monkey
     from asterism import cli
 
     find = discrete.levels.find_equilibrium
-    monkeypatch.setattr("asterism.simulate.find_equilibrium", lambda *a, **k: find(*a, **k, max_iterations=1))
+    monkeypatch.setattr("asterism.simulation.find_equilibrium", lambda *a, **k: find(*a, **k, max_iterations=1))
     (tmp_path / "d.toml").write_text(SMALL)
     monkeypatch.setattr(sys, "argv", ["asterism", "simulate", str(tmp_path / "d.toml"), "-o", str(tmp_path / "out")])
     with pytest.raises(SystemExit) as stopped:

@@ -10,7 +10,7 @@ import pytest
 
 import asterism
 from asterism.results import write_results
-from asterism.simulate import simulate
+from asterism.simulation import simulate
 from pattern import gallery
 from pattern.design import Design
 

@@ -1,0 +1,71 @@
+"""Every design of the gallery by the exact model: numbers, seconds, and a picture each.
+
+python -m benchmarks.gallery [NAME ...]
+"""
+
+from __future__ import annotations
+
+import sys
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+from PIL import Image
+
+from asterism.files import write_file
+from asterism.picture import draw
+from asterism.shape import Shape
+from asterism.simulation import simulate
+from benchmarks.report import markdown, write_report
+from pattern import gallery
+
+PICTURES = Path(__file__).parent.parent / "docs" / "pictures"
+HEADER = [
+    "design", "stars up", "vertices", "energy N mm", "height mm", "extent mm", "contraction", "smallest eigenvalue N/mm",
+    "iterations", "factorisations", "seconds",
+]  # fmt: skip
+
+
+def main(names: list[str]) -> None:
+    rows: list[dict[str, Any]] = []
+    for name in names or gallery.names():
+        shape = simulate(gallery.load(name))
+        rows.append({key: value for key, value in shape.summary.items() if key != "design"} | {"name": name})
+        picture(shape, name)
+        print("  ".join(row(rows[-1])), flush=True)
+        if not shape.summary["is_minimum"]:
+            print(f"{name}: NOT A MINIMUM", flush=True)
+    if not names:
+        write_report("gallery", rows, markdown(HEADER, [row(r) for r in rows]))
+
+
+def row(r: dict[str, Any]) -> list[str]:
+    """One line of the table."""
+    verdict = f"{r['smallest_eigenvalue']:.1e}" if r["is_minimum"] else "no minimum"
+    return [
+        r["name"],
+        f"{r['stars_up']}/{r['stars_total']}",
+        str(r["vertices"]),
+        f"{r['energy_n_mm']:.2f}",
+        f"{r['height_mm']:.1f}",
+        " x ".join(f"{size:.0f}" for size in r["extent_mm"]),
+        "-" if r["contraction"] is None else f"{r['contraction']:.3f}",
+        verdict,
+        str(r["iterations"]),
+        str(r["factorisations"]),
+        f"{r['wall_s']:.1f}",
+    ]
+
+
+def picture(shape: Shape, name: str) -> None:
+    """docs/pictures/NAME.png, small enough for a page."""
+    large, small = BytesIO(), BytesIO()
+    draw(shape, name, large)
+    image = Image.open(large).convert("RGB")
+    image.thumbnail((1000, 1000))
+    image.quantize(128).save(small, "PNG", optimize=True)
+    write_file(PICTURES / f"{name}.png", small.getvalue())
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
