@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from discrete.elements import Array, Elements
-from discrete.kernel import cross, dot, formula, loop, point, scaled, sub
+from discrete.kernel import combine, cross, dot, formula, loop, point, scaled, sub
 
 
 @formula
@@ -69,26 +69,31 @@ def hinge_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
     square = tangent * tangent
     stiffness = 2.0 * p[0] * (1.0 + square) * (1.0 + 3.0 * square)
     force = (1.0 - blend) * 4.0 * p[0] * tangent * (1.0 + square)
-    # weights of the four vertices in dq and de of each triangle
+    # weights of the four vertices in dq and de of each triangle; in the right one the edge runs backwards
     q_a = (-(1.0 - s_a), -s_a, 1.0, 0.0)
     q_b = (-s_b, -(1.0 - s_b), 0.0, 1.0)
-    e_a = (-1.0, 1.0, 0.0, 0.0)
+    e = (-1.0, 1.0, 0.0, 0.0)
+    slide_a, slide_b = -force / (h_a * length), force / (h_b * length)
+    swing_a, swing_b, turn = -force / (h_a * h_a), -force / (h_b * h_b), -0.5 * force / (length * length)
     for i in range(4):
+        grad_i = combine(stiffness * q_a[i] / h_a, n_a, stiffness * q_b[i] / h_b, n_b)
         for k in range(i + 1):
-            turn_a = -force * (q_a[i] * q_a[k] / (h_a * h_a) + 0.5 * e_a[i] * e_a[k] / (length * length))
-            turn_b = -force * (q_b[i] * q_b[k] / (h_b * h_b) + 0.5 * e_a[i] * e_a[k] / (length * length))
-            # in the right triangle the edge runs backwards, and so does its direction t_b
-            slide_a, slide_b = -force / (h_a * length), force / (h_b * length)
+            grad_k = combine(q_a[k] / h_a, n_a, q_b[k] / h_b, n_b)
+            both = turn * e[i] * e[k]
+            # each triangle adds n (x) right + left (x) n
+            lift_a, lift_b = swing_a * q_a[i] * q_a[k] + both, swing_b * q_b[i] * q_b[k] + both
+            right_a = combine(lift_a, m_a, slide_a * e[i] * q_a[k], t)
+            left_a = combine(lift_a, m_a, slide_a * q_a[i] * e[k], t)
+            right_b = combine(lift_b, m_b, slide_b * e[i] * q_b[k], t_b)
+            left_b = combine(lift_b, m_b, slide_b * q_b[i] * e[k], t_b)
             for r in range(3):
                 for c in range(3):
-                    grad_i = q_a[i] * n_a[r] / h_a + q_b[i] * n_b[r] / h_b
-                    grad_k = q_a[k] * n_a[c] / h_a + q_b[k] * n_b[c] / h_b
                     h[3 * i + r, 3 * k + c] = (
-                        stiffness * grad_i * grad_k
-                        + turn_a * (n_a[r] * m_a[c] + m_a[r] * n_a[c])
-                        + turn_b * (n_b[r] * m_b[c] + m_b[r] * n_b[c])
-                        + slide_a * (e_a[i] * q_a[k] * n_a[r] * t[c] + q_a[i] * e_a[k] * t[r] * n_a[c])
-                        + slide_b * (e_a[i] * q_b[k] * n_b[r] * t_b[c] + q_b[i] * e_a[k] * t_b[r] * n_b[c])
+                        grad_i[r] * grad_k[c]
+                        + n_a[r] * right_a[c]
+                        + left_a[r] * n_a[c]
+                        + n_b[r] * right_b[c]
+                        + left_b[r] * n_b[c]
                     )
 
 

@@ -8,29 +8,9 @@ complex numbers, which the derivative tests use.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from equilibrium.compiled import HAVE_NUMBA, formula, loop
 
-try:
-    from numba import njit
-    from numba.extending import register_jitable
-
-    HAVE_NUMBA = True
-except ImportError:  # numba lags behind new Pythons: everything still runs, slower
-    HAVE_NUMBA = False
-
-
-def formula(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Mark a function of one element: callable from Python as it is, and from compiled loops."""
-    return register_jitable(function) if HAVE_NUMBA else function
-
-
-def loop(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile a loop over elements; the machine code is kept on disk between runs."""
-    return njit(cache=True, nogil=True, error_model="numpy")(function) if HAVE_NUMBA else function
-
-
-Vector = tuple[Any, Any, Any]
+__all__ = ["HAVE_NUMBA", "combine", "cross", "dot", "formula", "loop", "point", "scaled", "sub"]
 
 
 @formula

@@ -1,29 +1,45 @@
-"""Rigid motions of a state."""
+"""Rigid motions of a state, and dofs that stop them."""
 
 from __future__ import annotations
 
 import numpy as np
+from scipy.linalg import qr
 
 from discrete.elements import Array
 from discrete.state import State, tangents
 
 
-def rigid_modes(state: State, edges: Array, held: Array, free: Array) -> Array:
-    """(free, k) orthonormal infinitesimal rigid motions that move no held dof (k from 0 to 6).
+def rigid_motions(state: State, edges: Array, held: Array, free: Array) -> Array:
+    """(free, k) infinitesimal rigid motions, independent, that move no held dof (k from 0 to 6).
 
     Turning the body by `w` turns an edge with tangent t by `w . t` beyond what parallel transport does.
     """
     n = len(state.positions)
     x = state.positions - state.positions.mean(axis=0)
+    size = np.sqrt((x**2).sum(axis=1).mean()) + 1e-30  # turns and shifts of about the same length
     modes = np.zeros((3 * n + len(edges), 6))
     t = tangents(state.positions, edges)
     for i, axis in enumerate(np.eye(3)):
         modes[: 3 * n, i] = np.tile(axis, n)
-        modes[: 3 * n, 3 + i] = np.cross(axis, x).ravel() / 10.0
-        modes[3 * n :, 3 + i] = t @ axis / 10.0
+        modes[: 3 * n, 3 + i] = np.cross(axis, x).ravel() / size
+        modes[3 * n :, 3 + i] = t @ axis / size
     blocked = modes[held]
     if len(blocked):
-        _, size, rows = np.linalg.svd(blocked, full_matrices=True)
-        rank = int((size > 1e-8 * max(size[0], 1.0)).sum())
-        modes = modes @ rows[rank:].T
-    return np.linalg.qr(modes[free])[0]
+        gram = blocked.T @ blocked
+        values, vectors = np.linalg.eigh(gram)
+        modes = modes @ vectors[:, values < 1e-12 * len(blocked)]
+    return modes[free]
+
+
+def rigid_modes(state: State, edges: Array, held: Array, free: Array) -> Array:
+    """(free, k) the same, orthonormal."""
+    return np.linalg.qr(rigid_motions(state, edges, held, free))[0]
+
+
+def isostatic_support(state: State, edges: Array, held: Array, free: Array) -> Array:
+    """(k,) free dofs that, held, leave no rigid motion and cause no stress (3-2-1 for a free sheet)."""
+    motions = rigid_motions(state, edges, held, free)
+    if motions.shape[1] == 0:
+        return np.empty(0, dtype=np.int64)
+    _, pivots = qr(motions.T, mode="r", pivoting=True, check_finite=False)
+    return np.asarray(pivots[: motions.shape[1]])

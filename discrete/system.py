@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from discrete.elements import Array, Elements
-from discrete.rigid import rigid_modes
+from discrete.rigid import isostatic_support, rigid_modes
 from discrete.state import State, carried
 from equilibrium.sparse_pattern import SparsePattern
 
@@ -83,3 +83,7 @@ class System:
     def rigid_modes(self, state: State) -> Array:
         """(free, k) orthonormal rigid motions that what is held leaves free."""
         return rigid_modes(state, self.edges, self.held, self.free)
+
+    def support(self, state: State) -> Array:
+        """(k,) positions among the free dofs of an isostatic support; empty if what is held suffices."""
+        return isostatic_support(state, self.edges, self.held, self.free)

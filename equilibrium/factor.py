@@ -6,9 +6,11 @@ definite: a Newton step needs to know, and some solvers accept an indefinite mat
 
 from __future__ import annotations
 
+import copy
+import functools
 import importlib.util
 from collections.abc import Callable
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 import scipy.sparse as sp
@@ -36,15 +38,23 @@ class Factor(Protocol):
         """Give the memory back."""
 
 
+@functools.cache
+def _pardiso_library() -> Any:
+    """A solver that is never used itself: looking for MKL's library on the disk takes a tenth of a second."""
+    from pypardiso import PyPardisoSolver
+
+    return PyPardisoSolver(mtype=2)
+
+
 class PardisoFactor:
     """MKL PARDISO through pypardiso: Cholesky, stopped by the first pivot that is not positive."""
 
     name = "pardiso"
 
     def __init__(self, pattern: SparsePattern) -> None:
-        from pypardiso import PyPardisoSolver
-
-        self._solver = PyPardisoSolver(mtype=2)
+        self._solver = copy.copy(_pardiso_library())
+        self._solver.pt = np.zeros_like(self._solver.pt)
+        self._solver.iparm = np.zeros_like(self._solver.iparm)
         # the lower triangle by columns is the upper triangle by rows, which is what PARDISO reads
         self._matrix = sp.csr_matrix(
             (np.ones(pattern.nnz), pattern.indices, pattern.indptr), shape=(pattern.size, pattern.size)

@@ -15,7 +15,7 @@ from typing import Any, Literal, Protocol
 import numpy as np
 
 from equilibrium.factor import Factor
-from equilibrium.sparse_pattern import Floats, SparsePattern
+from equilibrium.sparse_pattern import Floats, Ints, SparsePattern
 
 State = Any
 Method = Literal["blended", "shifted"]
@@ -23,6 +23,7 @@ Method = Literal["blended", "shifted"]
 
 # a refused matrix costs as much as an accepted one: the blend, which ends at 1, goes there in three strides
 RAISE = {"blended": 30.0, "shifted": 10.0}
+STOP = 1e3  # stiffness of a support over the largest diagonal entry
 
 
 class Problem(Protocol):
@@ -38,6 +39,9 @@ class Problem(Protocol):
 
     def hessian(self, state: State, blend: float) -> Floats:
         """(nnz,) in the pattern; blend 0 is exact, 1 positive semidefinite."""
+
+    def support(self, state: State) -> Ints:
+        """Free dofs that, held, stop the rigid motions that nothing else stops, and cause no forces."""
 
     def path(self, state: State, direction: Floats, straight: bool) -> tuple[Callable[[float], State], float]:
         """Curve of states that leaves `state` in `direction`, and the largest step along it."""
@@ -58,7 +62,7 @@ class Iteration:
 class Minimum:
     """Where Newton stopped, and the evidence.
 
-    `definite`: the exact Hessian (plus `shift`) at the last state was positive definite.
+    `definite`: the exact Hessian (plus `shift`) at the last state, on its support, was positive definite.
     """
 
     state: State
@@ -98,7 +102,7 @@ def minimise(
 ) -> Minimum:
     """Minimise the problem's energy from `state` until the gradient's 2-norm is below `tolerance`.
 
-    `shift` is added to the diagonal of every matrix: it makes rigid motions harmless.
+    `shift` is added to the diagonal of every matrix.
     """
     clock = Clock()
     history: list[Iteration] = []
@@ -148,10 +152,12 @@ class _Regularisation:
         self.amount = 0.0
         self.raised = False
         self.count = 0
+        self.support: Ints = np.empty(0, dtype=np.int64)
 
     def factorise(self, state: State) -> None:
         """Factorise a positive definite matrix close to the Hessian."""
         diagonal = self.problem.pattern.diagonal
+        self.support = self.clock("support", self.problem.support, state)
         exact, convex = self._hessian(state, 0.0), None
         self.raised = False
         while True:
@@ -174,6 +180,7 @@ class _Regularisation:
 
     def exact(self, state: State) -> bool:
         """Factorise the Hessian itself, for the certificate."""
+        self.support = self.clock("support", self.problem.support, state)
         return self._accepts(self._hessian(state, 0.0))
 
     def relax(self) -> None:
@@ -190,7 +197,10 @@ class _Regularisation:
 
     def _hessian(self, state: State, blend: float) -> Floats:
         data = self.clock("hessian", self.problem.hessian, state, blend)
-        data[self.problem.pattern.diagonal] += self.shift
+        diagonal = self.problem.pattern.diagonal
+        data[diagonal] += self.shift
+        # rigid motions cost nothing, so stopping them changes a step by a rigid motion and the inertia by their zeros
+        data[diagonal[self.support]] += STOP * data[diagonal].max()
         return data
 
     def _accepts(self, data: Floats) -> bool:

@@ -8,6 +8,8 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from equilibrium.compiled import HAVE_NUMBA, loop
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 
@@ -56,9 +58,17 @@ class SparsePattern:
 
     def assemble(self, element_values: Sequence[Floats]) -> Floats:
         """(nnz,) sum of the packed lower triangles (E, n (n + 1) / 2), in the order of the constructor."""
-        values = np.concatenate([v.ravel() for v in element_values])
-        summed: Floats = np.bincount(self._slots, weights=values, minlength=self.nnz + 1)  # type: ignore[assignment]
-        return summed[: self.nnz]
+        data = np.zeros(self.nnz + 1)
+        start = 0
+        for values in element_values:
+            flat = np.ascontiguousarray(values).ravel()
+            slots = self._slots[start : start + len(flat)]
+            if HAVE_NUMBA:
+                _scatter(flat, slots, data)
+            else:
+                data += np.bincount(slots, weights=flat, minlength=len(data))
+            start += len(flat)
+        return data[:-1]
 
     def lower(self, data: Floats) -> sp.csc_matrix:
         """The lower triangle as a sparse matrix."""
@@ -69,3 +79,9 @@ class SparsePattern:
         low = self.lower(data)
         diagonal = data[self.diagonal]
         return low @ x + low.T @ x - (diagonal * x.T).T
+
+
+@loop
+def _scatter(values, slots, data):  # type: ignore[no-untyped-def]
+    for i in range(values.size):
+        data[slots[i]] += values[i]
