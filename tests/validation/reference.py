@@ -1,0 +1,212 @@
+"""The reference data of an independent C++ implementation: its meshes and states, and its conventions for rods.
+
+See `tests/data/reference/README.md`. Positions in mm, energies in N mm.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from discrete.elements import Array, Elements
+from discrete.hinges import Hinges, interior_edges, paper_coefficients
+from discrete.membrane import Membrane
+from discrete.model import Model
+from discrete.rod_bend import RodBend
+from discrete.rod_twist import RodTwist
+from discrete.rods import RodNetwork, bend_params, rod_network, stencil_inputs, stencil_length
+from discrete.state import State, tangents
+from pattern.design import Design
+from pattern.layout import Layout
+from pattern.mesh import Mesh
+
+FOLDER = Path(__file__).parent.parent / "data" / "reference"
+SPACING = 10.0 * np.sqrt(3.0)
+
+
+def load(name: str) -> dict[str, Array]:
+    """Arrays of a file."""
+    with np.load(FOLDER / f"{name}.npz") as file:
+        return dict(file)
+
+
+def counterclockwise(points: Array, triangles: Array) -> Array:
+    """Triangles (T, 3) of the flat sheet, turned around where they are clockwise."""
+    e1, e2 = (points[triangles[:, i]] - points[triangles[:, 0]] for i in (1, 2))
+    out = triangles.astype(np.int64)
+    clockwise = e1[:, 0] * e2[:, 1] - e1[:, 1] * e2[:, 0] < 0.0
+    out[clockwise] = out[clockwise][:, ::-1]
+    return out
+
+
+def fabric(data: dict[str, Array]) -> dict[str, Elements]:
+    """Membrane and hinges as the model has them."""
+    points = data["vertices_flat"][:, :2]
+    triangles = counterclockwise(points, data["triangles"])
+    sheet = float(data["h2"]), float(data["E2"]), float(data["nu"])
+    hinges = interior_edges(triangles)
+    return {
+        "membrane": Membrane(triangles, points / float(data["s"]), *sheet),
+        "hinge": Hinges(hinges, paper_coefficients(hinges, points, *sheet)),
+    }
+
+
+class ReferenceStretch(Elements):
+    """`c l/8 (|e|^2/l^2 - 1)^2`; params (N, 2): c (N), printed length l (mm)."""
+
+    def __init__(self, dofs: Array, params: Array) -> None:
+        super().__init__(dofs, dofs, params, compiled=False)
+        self.formulas = (_stretch_energy, _stretch_gradient, _stretch_hessian)
+
+
+def _edge(q: Array, p: Array) -> tuple[Array, Array]:
+    e = q[3:] - q[:3]
+    return e, (e * e).sum(axis=0) / p[1] ** 2 - 1.0
+
+
+def _stretch_energy(q: Array, p: Array) -> Array:
+    return p[0] * p[1] / 8.0 * _edge(q, p)[1] ** 2
+
+
+def _stretch_gradient(q: Array, p: Array, g: Array) -> None:
+    e, strain = _edge(q, p)
+    g[3:] = p[0] / (2.0 * p[1]) * strain * e
+    g[:3] = -g[3:]
+
+
+def _stretch_hessian(q: Array, p: Array, blend: float, h: Array) -> None:
+    e, strain = _edge(q, p)
+    scale = p[0] / (2.0 * p[1])
+    for r in range(3):
+        for c in range(3):
+            block = scale * (2.0 * e[r] * e[c] / p[1] ** 2 + (strain if r == c else 0.0))
+            h[r, c], h[3 + r, 3 + c] = block, block
+            h[3 + r, c], h[r, 3 + c] = -block, -block
+
+
+def rods(network: RodNetwork, points: Array, modulus: float, width: Array, thickness: Array, rest: Array) -> dict:
+    """The three energies of rods as the reference has them.
+
+    Half the bending stiffness of the continuum; the mean of the two bending stiffnesses in place of GJ; a Green strain
+    that every stencil adds to both of its edges, with the cross-section of the first rod in all arms and the mean one,
+    in full, at junctions; stiffnesses from mean width and thickness, not their means, at junctions.
+
+    Parameters
+    ----------
+    width, thickness : (R,) mm, of every edge.
+    rest : (S,) integrated rest curvatures about the width.
+    """
+    inputs, dofs = stencil_inputs(network, len(points))
+    w, h = (values[network.stencil_edges].mean(axis=1) for values in (width, thickness))
+    span = stencil_length(network, points)
+    half = 0.5 * network.weight / span
+    about_width, in_plane = (modulus * a for a in (w * h**3 / 12.0, h * w**3 / 12.0))
+    turn = bend_params(network, points, modulus, width, thickness, np.zeros(len(width)))[:, 3]
+    bend = np.column_stack([about_width * half, in_plane * half, rest, turn, network.signs])
+    twist = np.column_stack([0.5 * (about_width + in_plane) * half, network.signs])
+    junction = network.weight < 1.0
+    area = np.where(junction, w * h, width[0] * thickness[0])
+    stiffness = np.zeros(len(width))
+    np.add.at(stiffness, network.stencil_edges, modulus * area[:, None])
+    length = np.linalg.norm(points[network.edges[:, 1]] - points[network.edges[:, 0]], axis=1)
+    edge_dofs = (3 * network.edges[:, :, None] + np.arange(3)).reshape(-1, 6)
+    return {
+        "rod_bending": RodBend(inputs, dofs, bend),
+        "rod_twist": RodTwist(inputs, dofs, twist),
+        "rod_stretch": ReferenceStretch(edge_dofs, np.column_stack([stiffness, length])),
+    }
+
+
+def paths(data: dict[str, Array]) -> tuple[Array, ...]:
+    """Vertex path of every rod."""
+    return tuple(path[path >= 0] for path in data["rods"])
+
+
+def design(**plastic: Any) -> Design:
+    """A design with the materials of the reference (they are the defaults); its stars and border are not used."""
+    return Design.from_dict({"stars": {"length_mm": 10}, "border": {"rings": 0}, "plastic": plastic})
+
+
+def model(data: dict[str, Array]) -> Model:
+    """The exact model on the reference's mesh."""
+    points, rod_paths = data["vertices_flat"][:, :2], paths(data)
+    centres, star = np.unique([path[0] for path in rod_paths], return_inverse=True)
+    layout = Layout(
+        border=data["border"],
+        centres=points[centres],
+        arm_star=star,
+        arm_tip=points[[path[-1] for path in rod_paths]],
+        arm_thickness=np.repeat(data["rod_h"][:, None], 2, axis=1),
+        arm_width=np.repeat(data["rod_w"][:, None], 2, axis=1),
+        neighbours=np.zeros((0, 2), dtype=np.int64),
+        pins=(),
+        lattice_vectors=SPACING * np.array([[np.sqrt(0.75), 0.5], [0.0, 1.0]]),
+        lattice_origin=np.zeros(2),
+    )
+    triangles = counterclockwise(points, data["triangles"])
+    mesh = Mesh(points, triangles, rod_paths, centres, data["boundary"], (), "delaunay")
+    return Model(design(), layout, mesh)
+
+
+def final_state(model: Model, data: dict[str, Array]) -> State:
+    """The reference's equilibrium; directors from the surface, since arms hardly twist against it."""
+    positions = data["final_positions"]
+    corner = positions[model.mesh.triangles]
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    around = np.zeros_like(positions)
+    np.add.at(around, model.mesh.triangles, normal[:, None, :])
+    edges = model.edges
+    directors = around[edges[:, 0]] + around[edges[:, 1]]
+    t = tangents(positions, edges)
+    directors -= (directors * t).sum(axis=1, keepdims=True) * t
+    return State(positions.copy(), directors / np.linalg.norm(directors, axis=1, keepdims=True))
+
+
+@dataclass(frozen=True)
+class RandomState:
+    """The state of a file of derivatives, seen from our side: rods along their paths, directors along the plastic.
+
+    `sign`: -1 for edges that run from a higher to a lower vertex; the reference turns those the other way round.
+    """
+
+    network: RodNetwork
+    state: State
+    sign: Array
+
+
+def random_state(data: dict[str, Array]) -> RandomState:
+    """Positions and directors from `X` and the frames."""
+    points = data["vertices_flat"][:, :2]
+    n = len(points)
+    ends = paths(data)
+    # the file's order of stencils: arms rod by rod, then the pairs of `rod_connections`
+    stencils, edges = data["stencils"], np.concatenate([np.column_stack([p[:-1], p[1:]]) for p in ends])
+    own = stencils[:, 3:] - 3 * n
+    forward = edges[own, 0] == stencils[:, :2]
+    rod = np.repeat(np.arange(len(ends)), [len(p) - 1 for p in ends])
+    arm = rod[own[:, 0]] == rod[own[:, 1]]
+    network = RodNetwork(
+        edges,
+        rod,
+        np.zeros(len(edges)),
+        stencils[:, :3],
+        own,
+        np.where(forward, 1.0, -1.0),
+        np.where(arm, 1.0, 0.5),
+    )
+    sign = np.where(edges[:, 0] < edges[:, 1], 1.0, -1.0)
+    angle = (sign * data["X"][3 * n :])[:, None]
+    directors = np.cos(angle) * data["ref_d1"] + np.sin(angle) * data["ref_d2"]
+    return RandomState(network, State(data["X"][: 3 * n].reshape(-1, 3), directors), sign)
+
+
+def equilibrium_rods(model: Model, data: dict[str, Array], modulus: float) -> dict[str, Elements]:
+    """The reference's rods for one of its equilibria."""
+    network = rod_network(paths(data), model.layout.arm_star, model.mesh.points)
+    rest = 0.5 * data["rod_kappa"][network.rod][network.stencil_edges].mean(axis=1)
+    width, thickness = data["rod_w"][network.rod], data["rod_h"][network.rod]
+    rest = rest * stencil_length(network, model.mesh.points)
+    return rods(network, model.mesh.points, modulus, width, thickness, rest)
