@@ -146,3 +146,30 @@ def test_equilibrium_with_the_references_rods(name):
     for value, part in [(energies["membrane"], "membrane"), (energies["hinges"], "hinge"), (rod, "rod")]:
         assert value == pytest.approx(float(data[f"E_{part}"]), rel=1e-6)
     assert energies["rod_stretch"] == pytest.approx(float(data["E_rod_stretch"]), rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["star1", "stars7", "stars7_thin"])
+def test_equilibrium_from_the_print(name):
+    """The project's own start finds the same minimum."""
+    data = reference.load(name)
+    found = relax(reference.model(data))
+    assert found.is_minimum
+    assert distance(found.state.positions, data["final_positions"]) < 2e-3
+
+
+@pytest.mark.slow
+def test_37_stars_from_the_print():
+    """The same shape rolled about one of the three equivalent axes: compared star by star, turned with the lattice."""
+    data = reference.load("stars37")
+    model = reference.model(data)
+    found = relax(model)
+    assert found.is_minimum and found.stars_up == 37
+    assert found.energy == pytest.approx(float(data["E_total"]), rel=5e-3)
+    centre = model.mesh.star_vertices
+    printed, ours, theirs = model.mesh.points[centre], found.state.positions[centre], data["final_positions"][centre]
+    apart = []
+    for turn in np.radians([0.0, 120.0, 240.0]):
+        image = printed @ np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+        other = np.linalg.norm(image[:, None] - printed, axis=2).argmin(axis=1)
+        apart.append(distance(ours, theirs[other]))
+    assert min(apart) < 1e-2
