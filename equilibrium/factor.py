@@ -62,7 +62,8 @@ class PardisoFactor:
         self._solver.set_iparm(1, 1)
         self._solver.set_iparm(2, 2)  # nested dissection
         self._solver.set_iparm(8, 0)
-        self._solver.set_iparm(24, 1)  # two-level factorisation: the parallel one
+        # the two-level factorisation is a few percent faster and misses negative pivots of unconnected dofs
+        self._solver.set_iparm(24, 0)
         self._call(11, np.zeros(pattern.size))
 
     def _call(self, phase: int, b: Floats) -> Floats:
