@@ -21,4 +21,4 @@ def formula(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def loop(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a loop over elements; the machine code is kept on disk between runs."""
-    return njit(cache=True, nogil=True)(function) if HAVE_NUMBA else function
+    return njit(cache=True, nogil=True, error_model="numpy")(function) if HAVE_NUMBA else function
