@@ -21,8 +21,8 @@ from pattern import gallery
 
 PICTURES = Path(__file__).parent.parent / "docs" / "pictures"
 HEADER = [
-    "design", "stars up", "vertices", "energy N mm", "height mm", "extent mm", "contraction", "smallest eigenvalue N/mm",
-    "iterations", "factorisations", "seconds",
+    "design", "stars up", "vertices", "energy N mm", "height mm", "extent mm", "contraction",
+    "smallest eigenvalue N/mm", "iterations", "factorisations", "seconds",
 ]  # fmt: skip
 
 

@@ -21,7 +21,8 @@ Start = Literal["bump", "flat"]
 Report = Callable[[str, Iteration], None]
 
 BUMP_MM = 2.0
-FLAT_MM = 0.2
+FLAT_MM = 0.1
+NUDGE_MM = 0.5
 NOISE_MM = 1e-3
 RELEASES = tuple(np.linspace(0.03, 1.0, 10))
 
@@ -90,7 +91,7 @@ def relax(
 
     Parameters
     ----------
-    start : `bump`: every star starts 2 mm up, the branch that printing on the plastic side favours, and is bumped again
+    start : `bump`: every star starts 2 mm up, the branch that printing on the plastic side favours, and is nudged
         between the steps while it is still flat; `flat`: as printed; or a state, minimised at full release.
     releases : steps of the continuation; the last must be 1.
     seed : of the noise (a thousandth of a mm) that takes an exactly symmetric start off its symmetry.
@@ -144,7 +145,7 @@ def _first_state(model: Model, start: Start, release: float, seed: int) -> State
 
 def _kept_up(model: Model, state: State) -> State:
     """Early in the release a star is nearly flat and goes where rounding sends it: bump those that are not up."""
-    return bumped(model, state, BUMP_MM, np.flatnonzero(bump_heights(model, state) < FLAT_MM))
+    return bumped(model, state, NUDGE_MM, np.flatnonzero(bump_heights(model, state) < FLAT_MM))
 
 
 def _minimise(

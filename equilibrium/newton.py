@@ -23,6 +23,7 @@ Method = Literal["blended", "shifted"]
 
 # a refused matrix costs as much as an accepted one: the blend, which ends at 1, goes there in three strides
 RAISE = {"blended": 30.0, "shifted": 10.0}
+LEAST = 1e-3  # stiffness added where the convex model has none, over the median diagonal entry
 STOP = 1e3  # stiffness of a support over the largest diagonal entry
 
 
@@ -169,10 +170,12 @@ class _Regularisation:
             else:
                 if convex is None:
                     convex = self._hessian(state, 1.0)
+                    # semidefinite is not definite: slack fabric without bending has directions of no stiffness
+                    convex[diagonal] += LEAST * np.median(exact[diagonal])
                 blend = min(self.amount, 1.0)
                 data = (1.0 - blend) * exact + blend * convex
-                if self.amount > 1.0:  # semidefinite is not yet definite
-                    data[diagonal] += 1e-6 * self.amount * data[diagonal].max()
+                if self.amount > 1.0:
+                    data[diagonal] += LEAST * self.amount * np.median(exact[diagonal])
             if self._accepts(data):
                 return
             self.raised = True
