@@ -160,6 +160,8 @@ class _Regularisation:
         diagonal = self.problem.pattern.diagonal
         self.support = self.clock("support", self.problem.support, state)
         exact, convex = self._hessian(state, 0.0), None
+        # under compression most of the diagonal can be negative
+        least = LEAST * float(np.median(np.abs(exact[diagonal])))
         self.raised = False
         while True:
             if self.method == "shifted":
@@ -171,11 +173,11 @@ class _Regularisation:
                 if convex is None:
                     convex = self._hessian(state, 1.0)
                     # semidefinite is not definite: slack fabric without bending has directions of no stiffness
-                    convex[diagonal] += LEAST * np.median(exact[diagonal])
+                    convex[diagonal] += least
                 blend = min(self.amount, 1.0)
                 data = (1.0 - blend) * exact + blend * convex
                 if self.amount > 1.0:
-                    data[diagonal] += LEAST * self.amount * np.median(exact[diagonal])
+                    data[diagonal] += least * self.amount
             if self._accepts(data):
                 return
             self.raised = True
@@ -193,7 +195,7 @@ class _Regularisation:
 
     def harden(self) -> bool:
         """After a failed line search: a more convex model, while there is one."""
-        if self.amount >= 1.0:
+        if self.amount >= (1.0 if self.method == "blended" else 1e12):
             return False
         self.amount = max(10.0 * self.amount, 1e-2)
         return True
