@@ -34,10 +34,14 @@ def smallest_eigenvalue(
 ) -> Eigenpair:
     """Smallest eigenvalue of a symmetric matrix on the complement of `modes` (size, k), orthonormal.
 
+    Raises FloatingPointError for a matrix that is not finite.
+
     Lanczos with the inverse of `H + shift I`; the shift grows until that is positive definite, so that no eigenvalue
     can lie below what is found. Both `H` and the modes are used as they are: for modes that `H` does not quite map to
     zero the value is that of the projected matrix.
     """
+    if not np.isfinite(data).all():
+        raise FloatingPointError("the Hessian is not finite")
     factorisations = 0
     while True:
         shifted = data.copy()

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 try:
-    from numba import njit
+    from numba import config, njit
     from numba.extending import register_jitable
 
     HAVE_NUMBA = True
@@ -20,5 +22,30 @@ def formula(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def loop(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile a loop over elements; the machine code is kept on disk between runs."""
-    return njit(cache=True, nogil=True, error_model="numpy")(function) if HAVE_NUMBA else function
+    """Compile a loop over elements; the machine code is kept on disk between runs.
+
+    numba looks at the file of the loop alone to see whether its machine code is stale. The formulas of a loop may be in
+    other files, so it is kept in a folder whose name changes with all of them.
+    """
+    if not HAVE_NUMBA:
+        return function
+    folder = Path(function.__code__.co_filename).parent / "__pycache__" / f"formulas-{_digest(function)}"
+    usual = config.CACHE_DIR
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        config.CACHE_DIR = str(folder)
+    except OSError:  # installed where only an administrator may write: numba finds another place
+        pass
+    try:
+        # numpy's error model: a division by zero in a collapsed triangle is an infinite energy, as it is without numba
+        return njit(cache=True, nogil=True, error_model="numpy")(function)
+    finally:
+        config.CACHE_DIR = usual
+
+
+def _digest(function: Callable[..., Any]) -> str:
+    """Of every file with formulas that the function's package may use."""
+    package = Path(function.__code__.co_filename).parent
+    files = sorted({*package.glob("*.py"), *Path(__file__).parent.glob("*.py")})
+    texts = [text for file in files if b"@formula" in (text := file.read_bytes()) or file == Path(__file__)]
+    return hashlib.sha256(b"".join(texts)).hexdigest()[:12]

@@ -32,7 +32,7 @@ class Factor(Protocol):
         """Factorise the matrix with these lower-triangle entries; False if it is not positive definite."""
 
     def solve(self, b: Floats) -> Floats:
-        """Solve with the last positive definite matrix, b (size,) or (size, k)."""
+        """Solve with the matrix just accepted, b (size,) or (size, k); meaningless after a refused one."""
 
     def close(self) -> None:
         """Give the memory back."""
@@ -107,6 +107,8 @@ class CholmodFactor:
     def factorise(self, data: Floats) -> bool:
         from sksparse.cholmod import CholmodNotPositiveDefiniteError
 
+        if not np.isfinite(data).all():
+            return False
         try:
             self._factor.cholesky_inplace(self._pattern.lower(data))
         except CholmodNotPositiveDefiniteError:

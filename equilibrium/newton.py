@@ -108,6 +108,7 @@ def minimise(
     clock = Clock()
     history: list[Iteration] = []
     energy = problem.energy(state)
+    largest = abs(energy)  # terms that cancel at the end keep the rounding of their beginning
     gradient = clock("gradient", problem.gradient, state)
     norm = float(np.linalg.norm(gradient))
     regularise = _Regularisation(problem, factor, method, shift, clock)
@@ -123,11 +124,12 @@ def minimise(
         direction = -clock("solve", factor.solve, gradient)
         path, longest = problem.path(state, direction, method == "shifted")
         slope = float(gradient @ direction)
-        found = clock("line search", _line_search, problem, path, energy, slope, norm, min(1.0, longest))
+        found = clock("line search", _line_search, problem, path, energy, largest, slope, norm, min(1.0, longest))
         if found is None:
             stuck = not regularise.harden()
             continue
         state, energy, step = found
+        largest = max(largest, abs(energy))
         gradient = clock("gradient", problem.gradient, state)
         norm = float(np.linalg.norm(gradient))
         regularise.relax()
@@ -180,6 +182,8 @@ class _Regularisation:
                     data[diagonal] += least * self.amount
             if self._accepts(data):
                 return
+            if not np.isfinite(data).all():
+                raise FloatingPointError("the Hessian is not finite")
             self.raised = True
             self.amount = max(RAISE[self.method] * self.amount, 1e-3)
 
@@ -214,14 +218,21 @@ class _Regularisation:
 
 
 def _line_search(
-    problem: Problem, path: Callable[[float], State], energy: float, slope: float, norm: float, longest: float
+    problem: Problem,
+    path: Callable[[float], State],
+    energy: float,
+    largest: float,
+    slope: float,
+    norm: float,
+    longest: float,
 ) -> tuple[State, float, float] | None:
     """Backtrack until the energy falls enough (Armijo); None if it does not for any step worth taking.
 
-    Where the promised decrease drowns in the energy's own rounding, a smaller gradient decides.
+    Where the promised decrease drowns in the rounding of the energy, or of the largest one before it (its terms may
+    cancel now), a smaller gradient decides.
     """
     a = longest
-    rounding = 1e-13 * abs(energy)
+    rounding = max(1e-13 * abs(energy), 1e-16 * largest)
     while a > 1e-8:
         state = path(a)
         trial = problem.energy(state)
