@@ -7,9 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from discrete.contact_model import ContactModel
+from discrete.contact_prolongation import prolonged_apart
 from discrete.model import Model
 from discrete.prolongation import prolonged
 from discrete.solve import Equilibrium, Report, Start, relax
+from discrete.state import State
 from equilibrium.newton import Iteration, Method
 from pattern.errors import MeshError
 from pattern.meshing import mesh_layout
@@ -47,14 +50,14 @@ def find_equilibrium(
     for level in [*_coarser(model), model]:
         begun = time.perf_counter()
         if previous is None or found is None:
-            state: Start | object = start
+            state: Start | State = start
         else:
-            state = prolonged(previous, found.state, level)
+            state = _carried(previous, found.state, level, start)
         prepared = time.perf_counter() - begun
         name = f"{level.n_vertices} vertices"
         found = relax(
             level,
-            state,  # type: ignore[arg-type]
+            state,
             seed=seed,
             backend=backend,
             method=method,
@@ -78,6 +81,13 @@ def find_equilibrium(
     return whole, levels
 
 
+def _carried(coarse: Model, state: State, fine: Model, start: Start) -> State | Start:
+    """The state on a finer mesh; where its parts cannot be kept apart there, that mesh starts from the print."""
+    if isinstance(fine, ContactModel):
+        return prolonged_apart(coarse, state, fine) or start
+    return prolonged(coarse, state, fine)
+
+
 def _coarser(model: Model) -> list[Model]:
     """Coarser models of the same design, the coarsest first; none for small ones."""
     ratio = model.n_vertices / COARSE_VERTICES
@@ -91,7 +101,7 @@ def _coarser(model: Model) -> list[Model]:
         except MeshError:  # arms may be too short for a coarse mesh: start on a finer one
             continue
         if len(mesh.points) < 0.6 * model.n_vertices:
-            models.append(Model(model.design, model.layout, mesh, model.compiled))
+            models.append(type(model)(model.design, model.layout, mesh, model.compiled))
     return models
 
 

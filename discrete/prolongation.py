@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
-from scipy.interpolate import CloughTocher2DInterpolator, NearestNDInterpolator
+from scipy.interpolate import CloughTocher2DInterpolator, LinearNDInterpolator, NearestNDInterpolator
 
 from discrete.elements import Array
 from discrete.model import Model
@@ -18,17 +20,27 @@ def prolonged(coarse: Model, state: State, fine: Model) -> State:
     still shortens the arms where they bend, so the positions are put together again from its gradients, with every
     rod edge as long as printed.
     """
+    smooth = _interpolated(coarse, state, fine, CloughTocher2DInterpolator)
+    length = fine.parts["rod_stretch"].params[:, 1:]
+    positions = fine.reconstruction.fitted(smooth, length * tangents(smooth, fine.edges))
+    return State(positions, _plastic_normals(fine, positions))
+
+
+def flatly_prolonged(coarse: Model, state: State, fine: Model) -> State:
+    """The fine model's state on the coarse triangles themselves: parts that were apart stay apart, about."""
+    positions = _interpolated(coarse, state, fine, LinearNDInterpolator)
+    return State(positions, _plastic_normals(fine, positions))
+
+
+def _interpolated(coarse: Model, state: State, fine: Model, interpolator: Any) -> Array:
     points = fine.mesh.points
-    smooth = CloughTocher2DInterpolator(coarse.mesh.points, state.positions, rescale=True)(points)
+    smooth = interpolator(coarse.mesh.points, state.positions, rescale=True)(points)
     outside = np.isnan(smooth).any(axis=1)
     if outside.any():
         nearest = NearestNDInterpolator(coarse.mesh.points, state.positions - _lifted(coarse.mesh.points))
         smooth[outside] = nearest(points[outside]) + _lifted(points[outside])
     held = fine.constraints.held
-    smooth = np.where(held, fine.constraints.places(fine.release), smooth)
-    length = fine.parts["rod_stretch"].params[:, 1:]
-    positions = fine.reconstruction.fitted(smooth, length * tangents(smooth, fine.edges))
-    return State(positions, _plastic_normals(fine, positions))
+    return np.where(held, fine.constraints.places(fine.release), smooth)
 
 
 def _lifted(points: Array) -> Array:

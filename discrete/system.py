@@ -9,6 +9,7 @@ import numpy as np
 from discrete.elements import Array, Elements
 from discrete.rigid import isostatic_support, rigid_modes
 from discrete.state import State, carried
+from equilibrium.factor import Factor, make_factor
 from equilibrium.sparse_pattern import SparsePattern
 
 
@@ -83,6 +84,14 @@ class System:
     def rigid_modes(self, state: State) -> Array:
         """(free, k) orthonormal rigid motions that what is held leaves free."""
         return rigid_modes(state, self.edges, self.held, self.free)
+
+    def factor(self, backend: str = "auto") -> Factor:
+        """A factorisation for the Hessians of this system."""
+        return make_factor(self.pattern, backend)
+
+    def towards(self, state: State, target: State) -> State:
+        """The target, or the last state on the way to it if something is in the way; here nothing is."""
+        return target
 
     def support(self, state: State) -> Array:
         """(k,) positions among the free dofs of an isostatic support; empty if what is held suffices."""

@@ -31,7 +31,8 @@ class Problem(Protocol):
     """An energy over states that Newton can walk on."""
 
     @property
-    def pattern(self) -> SparsePattern: ...
+    def pattern(self) -> SparsePattern:
+        """That of the last Hessian; another object where it has changed, and then the factor has to follow."""
 
     def energy(self, state: State) -> float: ...
 
@@ -159,9 +160,9 @@ class _Regularisation:
 
     def factorise(self, state: State) -> None:
         """Factorise a positive definite matrix close to the Hessian."""
-        diagonal = self.problem.pattern.diagonal
         self.support = self.clock("support", self.problem.support, state)
         exact, convex = self._hessian(state, 0.0), None
+        diagonal = self.problem.pattern.diagonal  # the pattern may change with the state, so it is asked for after
         # under compression most of the diagonal can be negative
         least = LEAST * float(np.median(np.abs(exact[diagonal])))
         self.raised = False
