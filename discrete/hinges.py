@@ -3,6 +3,9 @@
 `W = c (2 tan(theta/2))^2`, `c = k_B 3 |e|^2/(A1 + A2)`, `k_B = E h^3/(24 (1 - nu^2))`, no further 1/2.
 Positive theta: the two triangles fold towards their normals.
 
+A second coefficient f adds `f (2 tan(theta/2))^4`. Alone it makes folds expensive and costs nothing in the limit of a
+fine mesh, where the angles of a smooth sheet go to zero: see `fold_coefficients`.
+
 Derivatives: a triangle (x0, x1, p) with unit normal n, edge direction t = (x1 - x0)/|e|, in-plane conormal
 m = n x t, height h and foot fraction s turns about the edge by `d(phi) = n . dq / h` with
 `dq = dp - (1 - s) dx0 - s dx1`; the second variation follows by differentiating n, h and s. The part of it
@@ -34,13 +37,23 @@ def _tangent(n_a, n_b, t):  # type: ignore[no-untyped-def]
 
 
 @formula
+def _law(p, tangent):  # type: ignore[no-untyped-def]
+    """dW/dtheta and d2W/dtheta2 from tan(theta/2)."""
+    square = tangent * tangent
+    slope = (1.0 + square) * tangent * (4.0 * p[0] + 32.0 * p[1] * square)
+    bend = 2.0 * (1.0 + square) * (p[0] * (1.0 + 3.0 * square) + 8.0 * p[1] * square * (3.0 + 5.0 * square))
+    return slope, bend
+
+
+@formula
 def hinge_energy(q, p):  # type: ignore[no-untyped-def]
-    """Energy of the hinge (x0, x1; x2 left of the edge, x3 right of it); p = (c,)."""
+    """Energy of the hinge (x0, x1; x2 left of the edge, x3 right of it); p = (c, f)."""
     x0, x1, x2, x3 = point(q, 0), point(q, 1), point(q, 2), point(q, 3)
     n_a, t, _, _, _, _ = _flap(x0, x1, x2)
     n_b, _, _, _, _, _ = _flap(x1, x0, x3)
     tangent = _tangent(n_a, n_b, t)
-    return 4.0 * p[0] * tangent * tangent
+    square = 4.0 * tangent * tangent
+    return square * (p[0] + p[1] * square)
 
 
 @formula
@@ -49,8 +62,7 @@ def hinge_gradient(q, p, g):  # type: ignore[no-untyped-def]
     x0, x1, x2, x3 = point(q, 0), point(q, 1), point(q, 2), point(q, 3)
     n_a, t, _, _, h_a, s_a = _flap(x0, x1, x2)
     n_b, _, _, _, h_b, s_b = _flap(x1, x0, x3)
-    tangent = _tangent(n_a, n_b, t)
-    force = 4.0 * p[0] * tangent * (1.0 + tangent * tangent)
+    force, _ = _law(p, _tangent(n_a, n_b, t))
     for k in range(3):
         a, b = force * n_a[k] / h_a, force * n_b[k] / h_b
         g[k] = -(1.0 - s_a) * a - s_b * b
@@ -65,10 +77,8 @@ def hinge_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
     x0, x1, x2, x3 = point(q, 0), point(q, 1), point(q, 2), point(q, 3)
     n_a, t, m_a, length, h_a, s_a = _flap(x0, x1, x2)
     n_b, t_b, m_b, _, h_b, s_b = _flap(x1, x0, x3)
-    tangent = _tangent(n_a, n_b, t)
-    square = tangent * tangent
-    stiffness = 2.0 * p[0] * (1.0 + square) * (1.0 + 3.0 * square)
-    force = (1.0 - blend) * 4.0 * p[0] * tangent * (1.0 + square)
+    slope, stiffness = _law(p, _tangent(n_a, n_b, t))
+    force = (1.0 - blend) * slope
     # weights of the four vertices in dq and de of each triangle; in the right one the edge runs backwards
     q_a = (-(1.0 - s_a), -s_a, 1.0, 0.0)
     q_b = (-s_b, -(1.0 - s_b), 0.0, 1.0)
@@ -122,15 +132,19 @@ class Hinges(Elements):
     Parameters
     ----------
     hinges : (H, 4) vertices: the edge, then the apex on its left and the apex on its right.
-    coefficient : (H,) N mm.
+    coefficient : (H,) N mm, c.
+    fold : (H,) N mm, f; none by default.
     """
 
     formulas = (hinge_energy, hinge_gradient, hinge_hessian)
     sweep = staticmethod(_sweep)
 
-    def __init__(self, hinges: Array, coefficient: Array, compiled: bool = True) -> None:
+    def __init__(
+        self, hinges: Array, coefficient: Array | float, compiled: bool = True, fold: Array | float = 0.0
+    ) -> None:
         dofs = (3 * hinges[:, :, None] + np.arange(3)).reshape(len(hinges), 12)
-        super().__init__(dofs, dofs, np.asarray(coefficient, dtype=float)[:, None], compiled)
+        params = np.column_stack(np.broadcast_arrays(coefficient, fold, hinges[:, 0])[:2])
+        super().__init__(dofs, dofs, params, compiled)
 
 
 def interior_edges(triangles: Array) -> Array:
@@ -151,3 +165,13 @@ def paper_coefficients(hinges: Array, rest: Array, thickness: float, modulus: fl
     e, a, b = x1 - x0, x2 - x0, x3 - x0
     areas = 0.5 * (np.abs(e[:, 0] * a[:, 1] - e[:, 1] * a[:, 0]) + np.abs(e[:, 0] * b[:, 1] - e[:, 1] * b[:, 0]))
     return modulus * thickness**3 / (24.0 * (1.0 - poisson**2)) * 3.0 * np.einsum("ij,ij->i", e, e) / areas
+
+
+def fold_coefficients(hinges: Array, rest: Array, thickness: float, modulus: float, poisson: float) -> Array:
+    """(H,) the fourth-order term that the plate's patches need, `k_B |e|^2/(A1 + A2)/2`.
+
+    A patch measures heights, `sin(theta)` in place of `2 tan(theta/2)`, and would let a fold beyond 90 degrees get
+    cheaper again. The squares of the two differ by theta^4/2 to leading order; this is that difference, of the hinges that
+    are as stiff as the plate for a cylinder (a third of the paper's).
+    """
+    return paper_coefficients(hinges, rest, thickness, modulus, poisson) / 6.0

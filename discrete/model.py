@@ -9,8 +9,9 @@ import numpy as np
 
 from discrete.constraints import pin_constraints
 from discrete.elements import Array, Elements
-from discrete.hinges import Hinges, interior_edges, paper_coefficients
+from discrete.hinges import Hinges, fold_coefficients, interior_edges, paper_coefficients
 from discrete.membrane import Membrane, membrane_params
+from discrete.plate import Plate
 from discrete.reconstruction import Reconstruction
 from discrete.rod_bend import RodBend
 from discrete.rod_stretch import RodStretch
@@ -18,7 +19,6 @@ from discrete.rod_twist import RodTwist
 from discrete.rods import RodNetwork, bend_params, rod_network, stencil_inputs, stretch_params, twist_params
 from discrete.state import State
 from discrete.system import System
-from pattern.errors import DesignError
 from pattern.layout import Layout
 from pattern.materials import rest_curvature
 from pattern.mesh import Mesh
@@ -37,8 +37,9 @@ class Model(System):
 
     Attributes
     ----------
-    parts : membrane, hinges (if the fabric bends), rod_bending, rod_stretch, rod_twist.
+    parts : membrane; hinges, or plate and folds, if the fabric bends; rod_bending, rod_stretch, rod_twist.
     release : 0 is the stretched print, 1 the released design; see `set_release`.
+    progress : how much of their way the pins have gone; that of the release, but for pins that take hold after it.
     """
 
     def __init__(self, design: Design, layout: Layout, mesh: Mesh, compiled: bool = True) -> None:
@@ -90,7 +91,7 @@ class Model(System):
 
     def set_release(self, release: float) -> None:
         """Release the fabric from stretch 1 (0) to the design's stretch (1); pins and gravity go along."""
-        self.release = release
+        self.release = self.progress = release
         fabric = self.design.fabric
         sx, sy = (1.0 + release * (s - 1.0) for s in fabric.stretch_xy)
         self.parts["membrane"].params[:] = membrane_params(
@@ -101,6 +102,9 @@ class Model(System):
             fabric.poisson,
             fabric.model == "incompressible",
         )
+        plate = self.parts.get("plate")
+        if isinstance(plate, Plate):
+            plate.set_rest_area(1.0 / (sx * sy))
         net = self.network
         step = self.mesh.points[net.edges[:, 1]] - self.mesh.points[net.edges[:, 0]]
         length = np.linalg.norm(step, axis=1)
@@ -116,13 +120,13 @@ class Model(System):
         return float(np.linalg.norm(self.layout.lattice_vectors, axis=1).min())
 
     def flat_state(self) -> State:
-        """The print as it lies: flat, plastic up, held vertices at their places for the present release."""
+        """The print as it lies: flat, plastic up, held vertices at their places for the present progress."""
         directors = np.tile([0.0, 0.0, 1.0], (len(self.edges), 1))
         return self.moved_pins(State(self.constraints.printed.copy(), directors))
 
     def moved_pins(self, state: State) -> State:
-        """The state with its held components where the present release puts them, and the rest moved along."""
-        held, places = self.constraints.held, self.constraints.places(self.release)
+        """The state with its held components where the present progress puts them, and the rest moved along."""
+        held, places = self.constraints.held, self.constraints.places(self.progress)
         if not held.any() or np.array_equal(state.positions[held], places[held]):
             return state
         return self.reconstruction.moved(state, np.where(held, places, state.positions))
@@ -152,9 +156,11 @@ def _fabric(design: Design, mesh: Mesh, compiled: bool) -> dict[str, Elements]:
     parts: dict[str, Elements] = {
         "membrane": Membrane(mesh.triangles, mesh.points, *sheet, fabric.model == "incompressible", compiled)
     }
-    if fabric.bending == "consistent":
-        raise DesignError("fabric.bending", 'must be "paper" or "none": this version has no other', fabric.bending)
-    if fabric.bending == "paper":
+    if fabric.bending != "none":
         hinges = interior_edges(mesh.triangles)
+    if fabric.bending == "consistent":
+        parts["plate"] = Plate(mesh.triangles, mesh.points, *sheet, compiled=compiled)
+        parts["folds"] = Hinges(hinges, 0.0, compiled, fold_coefficients(hinges, mesh.points, *sheet))
+    if fabric.bending == "paper":
         parts["hinges"] = Hinges(hinges, paper_coefficients(hinges, mesh.points, *sheet), compiled)
     return parts

@@ -10,6 +10,7 @@ import numpy as np
 from discrete.elements import Array, Elements
 from discrete.hinges import Hinges
 from discrete.membrane import Membrane
+from discrete.plate import Plate
 from discrete.rod_bend import RodBend
 from discrete.rod_stretch import RodStretch
 from discrete.rod_twist import RodTwist
@@ -70,6 +71,33 @@ def hinges(rng: np.random.Generator, bent: bool) -> Sample:
     points = (points + 0.05 * rng.normal(size=points.shape)) @ rotation(rng).T
     elements = Hinges(np.arange(4 * COUNT).reshape(COUNT, 4), rng.uniform(0.5, 1.0, COUNT))
     return Sample(elements, State(points.reshape(-1, 3), np.zeros((0, 3))), np.zeros((0, 2), dtype=int))
+
+
+def folds(rng: np.random.Generator, bent: bool) -> Sample:
+    """Hinges with a fourth-order term, some of them with nothing else."""
+    sample = hinges(rng, bent)
+    sample.elements.params[:] = rng.uniform(0.5, 1.0, (COUNT, 2)) * rng.integers(0, 2, (COUNT, 1)) ** [1, 0]
+    return sample
+
+
+def plate(rng: np.random.Generator, bent: bool) -> Sample:
+    """Patches of six vertices, stretched by a third; `bent`: their outer triangles folded by 90 to 130 degrees."""
+    corners = np.array([[0.0, 0.0], [1.0, 0.0], [0.5, 0.8], [1.5, 0.8], [-0.5, 0.8], [0.5, -0.8]])
+    around = np.array([[0, 1, 2], [1, 3, 2], [2, 4, 0], [0, 5, 1]])
+    rest = np.tile(corners, (COUNT, 1)) + 0.08 * rng.normal(size=(6 * COUNT, 2))
+    patch = 6 * np.arange(COUNT)[:, None, None]
+    triangles = (patch + around).transpose(1, 0, 2).reshape(-1, 3)
+    elements = Plate(triangles, rest, 0.8, 7.0, 0.3)
+    # only the patch of each middle triangle
+    elements.inputs, elements.dofs = elements.inputs[:COUNT].copy(), elements.dofs[:COUNT].copy()
+    elements.params = elements.params[:COUNT].copy()
+    flat = np.column_stack([1.3 * rest, np.zeros(len(rest))]).reshape(COUNT, 6, 3)
+    if bent:
+        middle = flat[:, :3].mean(axis=1, keepdims=True)
+        flat[:, 3:] = flat[:, 3:] - 1.1 * (flat[:, 3:] - middle)
+        flat[:, 3:, 2] = rng.uniform(0.7, 1.0, (COUNT, 3)) * rng.choice([-1.0, 1.0], (COUNT, 3))
+    positions = (flat.reshape(-1, 3) + 0.1 * rng.normal(size=(6 * COUNT, 3))) @ rotation(rng).T
+    return Sample(elements, State(positions, np.zeros((0, 3))), np.zeros((0, 2), dtype=int))
 
 
 def rod_stretch(rng: np.random.Generator, bent: bool) -> Sample:
@@ -138,6 +166,8 @@ SAMPLES: dict[str, Callable[[np.random.Generator, bool], Sample]] = {
     "membrane": membrane,
     "incompressible membrane": incompressible_membrane,
     "hinges": hinges,
+    "folds": folds,
+    "plate": plate,
     "rod stretch": rod_stretch,
     "rod bend": rod_bend,
     "rod twist": rod_twist,
