@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from asterism.point_location import locate
-from asterism.pose import principal_axes, upright_rotation
+from asterism.pose import upright_rotation
 from asterism.surface_fields import triangle_areas, triangle_normals
 from pattern.layout import Floats, Ints
 
@@ -62,9 +62,8 @@ class Shape:
 
     @property
     def extent_mm(self) -> tuple[float, float, float]:
-        """Sizes along the principal axes, the largest first; the same however the sheet lies in space."""
-        along = self.positions @ principal_axes(self.positions, self._weights())[0].T
-        first, second, third = sorted(np.ptp(along, axis=0), reverse=True)
+        """Sizes along the axes of `aligned()`, the largest first; the same however the sheet lies in space."""
+        first, second, third = sorted(np.ptp(self.positions @ self._upright().T, axis=0), reverse=True)
         return float(first), float(second), float(third)
 
     def at(self, printed_points: Floats) -> Floats:
@@ -89,15 +88,18 @@ class Shape:
 
     def aligned(self) -> Shape:
         """A centred copy, its principal axes along x, y and z, the largest first, the plastic side up."""
-        weights = self._weights()
-        plastic_side = triangle_normals(self.positions, self.triangles).sum(axis=0)
-        rotation = upright_rotation(self.printed, self.positions, weights, plastic_side)
+        rotation, weights = self._upright(), self._weights()
         turned = {
             name: values @ rotation.T if values.ndim == 2 and values.shape[1] == 3 else values
             for name, values in self.point_fields.items()
         }
         moved = (self.positions - weights @ self.positions) @ rotation.T
         return replace(self, positions=moved, point_fields=turned)
+
+    def _upright(self) -> Floats:
+        """(3, 3) rotation to the principal axes."""
+        plastic_side = triangle_normals(self.positions, self.triangles).sum(axis=0)
+        return upright_rotation(self.printed, self.positions, self._weights(), plastic_side)
 
     def _weights(self) -> Floats:
         """(V,) share of the printed sheet that each vertex stands for; adds up to 1."""

@@ -30,17 +30,17 @@ def loop(function: Callable[..., Any]) -> Callable[..., Any]:
     if not HAVE_NUMBA:
         return function
     folder = Path(function.__code__.co_filename).parent / "__pycache__" / f"formulas-{_digest(function)}"
-    usual = config.CACHE_DIR
+    usual = config.CACHE_DIR  # type: ignore[attr-defined]
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        config.CACHE_DIR = str(folder)
+        config.CACHE_DIR = str(folder)  # type: ignore[attr-defined]
     except OSError:  # installed where only an administrator may write: numba finds another place
         pass
     try:
         # numpy's error model: a division by zero in a collapsed triangle is an infinite energy, as it is without numba
         return njit(cache=True, nogil=True, error_model="numpy")(function)
     finally:
-        config.CACHE_DIR = usual
+        config.CACHE_DIR = usual  # type: ignore[attr-defined]
 
 
 def _digest(function: Callable[..., Any]) -> str:
