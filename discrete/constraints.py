@@ -18,17 +18,17 @@ class Constraints:
     Attributes
     ----------
     held : (V, 3) bool.
-    printed : (V, 3) mm, places before release.
-    target : (V, 3) mm, places after release (where held).
+    printed : (V, 3) mm, places before release (of pins that take hold after it: when they do).
+    target : (V, 3) mm, places at the end (where held).
     """
 
     held: Array
     printed: Array
     target: Array
 
-    def places(self, release: float) -> Array:
+    def places(self, progress: float) -> Array:
         """(V, 3) mm; held components move straight from the printed place to the target."""
-        return self.printed + release * (self.target - self.printed)
+        return self.printed + progress * (self.target - self.printed)
 
 
 def pin_constraints(layout: Layout, mesh: Mesh) -> Constraints:

@@ -29,16 +29,16 @@ def bump_heights(model: Model, state: State) -> Array:
     return (drop * normal).sum(axis=1)
 
 
-def bumped(model: Model, state: State, height: float, stars: Array | None = None) -> State:
-    """The state with a smooth bump of `height` mm at every star (or those in `stars`, indices) to the plastic side.
+def bumped(model: Model, state: State, heights: Array) -> State:
+    """The state with a smooth bump at every star, `heights` (S,) mm to the plastic side; 0 leaves a star alone.
 
     Held components stay where they are.
     """
-    chosen = np.arange(len(model.layout.centres)) if stars is None else stars
+    chosen = np.flatnonzero(heights)
     if len(chosen) == 0:
         return state
-    distance, _ = cKDTree(model.layout.centres[chosen]).query(model.mesh.points)
-    lift = height * np.exp(-((distance / (0.35 * model.spacing)) ** 2))
+    distance, nearest = cKDTree(model.layout.centres[chosen]).query(model.mesh.points)
+    lift = heights[chosen][nearest] * np.exp(-((distance / (0.35 * model.spacing)) ** 2))
     positions = state.positions + lift[:, None] * vertex_normals(state.positions, model.mesh.triangles)
     positions = np.where(model.constraints.held, state.positions, positions)
     return carried(state, model.edges, positions, np.zeros(len(model.edges)))

@@ -71,6 +71,7 @@ def layout(design: Design) -> Layout:
         pins=pins,
         lattice_vectors=lattice.vectors,
         lattice_origin=np.asarray(lattice.origin_mm),
+        star_branch=size.branch[kept],
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ class PinSet:
     scale : x and y are held at `scale` times the printed place (about the origin of the print), z at 0.
     offset_mm : added to the place given by `scale`.
     target_mm : (P, 3) places in space, one a point; takes the place of `scale` and `offset_mm`.
+    step : 0 holds the sheet during its release; 1, 2, ... take hold of the released sheet, in this order.
     """
 
     points: Floats
@@ -31,6 +32,7 @@ class PinSet:
     scale: float = 1.0
     offset_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
     target_mm: Floats | None = None
+    step: int = 0
 
     def places(self, printed: Floats) -> Floats:
         """Where the printed points (n, 2) are held, (n, 3) mm; only the components in `fixed` count."""
@@ -56,6 +58,7 @@ class Layout:
     pins : how the sheet is held; empty for a free sheet.
     lattice_vectors : (2, 2) mm, rows; star centres are integer combinations of the rows plus `lattice_origin`.
     lattice_origin : (2,) mm.
+    star_branch : (S,) side to which each star starts: 1 up, to the plastic's side (the default), -1 down, 0 neither.
     """
 
     border: Floats
@@ -68,6 +71,16 @@ class Layout:
     pins: tuple[PinSet, ...]
     lattice_vectors: Floats
     lattice_origin: Floats
+    star_branch: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+
+    def __post_init__(self) -> None:
+        if len(self.star_branch) == 0:
+            object.__setattr__(self, "star_branch", np.ones(len(self.centres), dtype=np.int64))
+
+    @property
+    def pin_steps(self) -> tuple[int, ...]:
+        """Steps in which the sheet is held: 0, its release, then those of later pins in order."""
+        return tuple(sorted({0, *(pin.step for pin in self.pins)}))
 
     @property
     def arm_length(self) -> Floats:

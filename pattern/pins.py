@@ -22,6 +22,8 @@ class Pins(Section):
 
     How: where it was printed, at `scale` times that place about the origin, moved by `offset_mm`, from the
     height z = 0; or at `target_mm`. `slide` leaves it free along "z", or in the ground "plane".
+
+    When: `step` 0 holds the sheet while it is released; steps 1, 2, ... move the released sheet to its pins, in order.
     """
 
     where: Literal["border", "corners"] | None = None
@@ -32,6 +34,7 @@ class Pins(Section):
     offset_mm: Place = (0.0, 0.0, 0.0)
     target_mm: tuple[Place, ...] | None = None
     slide: Literal["z", "plane"] | None = None
+    step: Whole = Field(0, ge=0, le=100)
 
     @model_validator(mode="before")
     @classmethod
@@ -85,7 +88,7 @@ def pin_set(pins: Pins, corners: Floats, name: str) -> PinSet:
         target = np.asarray(pins.target_mm)
         if len(target) != len(points):
             raise DesignError(f"{name}.target_mm", f"must have {len(points)} places, one a point", pins.target_mm)
-    return PinSet(points, edges, _FIXED[pins.slide], pins.scale, pins.offset_mm, target)
+    return PinSet(points, edges, _FIXED[pins.slide], pins.scale, pins.offset_mm, target, pins.step)
 
 
 def check_agreement(sets: tuple[PinSet, ...], corners: Floats) -> None:

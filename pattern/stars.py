@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -17,6 +18,8 @@ THICKNESS_MM = (0.05, 5.0)
 WIDTH_MM = (0.1, 10.0)
 # shorter arms are dots that jump off the fabric
 SHORTEST_ARM_MM = 1.0
+Branch = Literal["up", "down", "free"]
+_SIGN = {"up": 1, "down": -1, "free": 0}
 
 
 class Override(Section):
@@ -27,15 +30,16 @@ class Override(Section):
     length_mm: Number | None = None
     thickness_mm: Number | None = None
     width_mm: Number | None = None
+    branch: Branch | None = None
     remove: Flag = False
 
     @model_validator(mode="after")
     def _changes_one_star(self) -> Override:
         if (self.star is None) == (self.at_mm is None):
             raise DesignError("", "must have one of star and at_mm")
-        sizes = [self.length_mm, self.thickness_mm, self.width_mm]
-        if self.remove == any(size is not None for size in sizes):
-            raise DesignError("", "must either change a size or remove the star")
+        changes = [self.length_mm, self.thickness_mm, self.width_mm, self.branch]
+        if self.remove == any(change is not None for change in changes):
+            raise DesignError("", "must either change a size or remove the star, or set its branch")
         return self
 
 
@@ -47,6 +51,7 @@ class Stars(Section):
     length_mm, length_fraction : length of the arms in mm or as a fraction of the lattice's spacing; one of them.
     thickness_mm, width_mm : cross-section of the arms.
     vary_along_arms : take thickness and width at the arm's tip from the field too, not only at the centre.
+    branch : the side to which the stars start: `up` is the plastic's, `free` starts them flat.
     override : single stars changed.
     """
 
@@ -55,6 +60,7 @@ class Stars(Section):
     thickness_mm: SizingField = 0.3
     width_mm: SizingField = 1.2
     vary_along_arms: Flag = False
+    branch: Branch = "up"
     override: tuple[Override, ...] = ()
 
     @model_validator(mode="after")
@@ -72,11 +78,13 @@ class Sizes:
     ----------
     length : (S,) mm.
     thickness, width : (S, arms, 2) mm, at the centre and at the tip of each arm.
+    branch : (S,) 1 for stars that start up, -1 down, 0 free.
     """
 
     length: Floats
     thickness: Floats
     width: Floats
+    branch: Ints
 
 
 def sizes(stars: Stars, centres: Floats, spacing: float, arm_directions: Floats) -> Sizes:
@@ -93,6 +101,7 @@ def sizes(stars: Stars, centres: Floats, spacing: float, arm_directions: Floats)
     width = sample(stars.width_mm, at.reshape(-1, 2)).reshape(at.shape[:-1])
     values = {"length_mm": length, "thickness_mm": thickness, "width_mm": width}
     limits = {"length_mm": (0.0, spacing), "thickness_mm": THICKNESS_MM, "width_mm": WIDTH_MM}
+    branch = np.full(len(centres), _SIGN[stars.branch], dtype=np.int64)
     changed: set[int] = set()
     for number, change in enumerate(stars.override):
         name = f"stars.override[{number}]"
@@ -104,6 +113,8 @@ def sizes(stars: Stars, centres: Floats, spacing: float, arm_directions: Floats)
             if (value := getattr(change, key)) is not None:
                 _check(f"{name}.{key}", np.array([value]), limits[key], centres[[star]], [star])
                 values[key][star] = value
+        if change.branch is not None:
+            branch[star] = _SIGN[change.branch]
         if change.remove:
             length[star] = 0.0
 
@@ -112,7 +123,7 @@ def sizes(stars: Stars, centres: Floats, spacing: float, arm_directions: Floats)
     printed = np.flatnonzero(length > 0)
     for key in ("thickness_mm", "width_mm"):
         _check(f"stars.{key}", values[key][printed], limits[key], centres[printed], printed)
-    return Sizes(np.minimum(length, spacing), thickness, width)
+    return Sizes(np.minimum(length, spacing), thickness, width, branch)
 
 
 def _find(change: Override, centres: Floats, spacing: float, name: str) -> int:

@@ -1,0 +1,64 @@
+"""Pins that take hold of the sheet after its release."""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import replace
+
+import numpy as np
+
+from discrete.elements import Array
+from discrete.model import Model
+from discrete.state import State
+
+WEAK = 1e-6  # weight of the rest of the sheet where the pins leave a turn undecided
+
+
+def held_until(model: Model, step: int) -> Model:
+    """The model with the pins of the steps up to this one only; itself if all pins hold from the print on."""
+    if model.layout.pin_steps == (0,):
+        return model
+    kept = [i for i, pin in enumerate(model.layout.pins) if pin.step <= step]
+    if len(kept) == len(model.layout.pins):
+        return copy.copy(model)  # its constraints will be its own
+    layout = replace(model.layout, pins=tuple(model.layout.pins[i] for i in kept))
+    mesh = replace(model.mesh, pin_vertices=tuple(model.mesh.pin_vertices[i] for i in kept))
+    return type(model)(model.design, layout, mesh, model.compiled)
+
+
+def taken(model: Model, state: State, was_free: bool) -> State:
+    """The state as the model's pins take hold of it: from here they move to their places (`model.progress`).
+
+    A sheet that was free is first laid where its pins are nearest to their places.
+    """
+    model.set_release(1.0)
+    if was_free:
+        state = _laid(model, state)
+    held, target = model.constraints.held, model.constraints.target
+    start = np.where(held, state.positions, model.constraints.printed)
+    model.constraints = replace(model.constraints, printed=start, target=target)
+    model.progress = 0.0
+    return state
+
+
+def _laid(model: Model, state: State) -> State:
+    """Rigid motion that brings the held components closest to their targets (Kabsch), plastic up if they allow it."""
+    components = model.constraints.held.sum(axis=1)
+    most = components == components.max()
+    weight = np.where(most, 1.0 / most.sum(), WEAK / model.n_vertices)
+    rotation, shift = rigid_fit(state.positions, model.constraints.target, weight)
+    return State(state.positions @ rotation.T + shift, state.directors @ rotation.T)
+
+
+def rigid_fit(points: Array, targets: Array, weight: Array | None = None) -> tuple[Array, Array]:
+    """Rotation (3, 3), proper, and shift (3,) that bring points (n, 3) closest to targets: `x @ rotation.T + shift`.
+
+    Kabsch 1976, least squares with weights (n,).
+    """
+    w = np.full(len(points), 1.0) if weight is None else weight
+    w = w / w.sum()
+    centre, goal = w @ points, w @ targets
+    u, _, vt = np.linalg.svd((w[:, None] * (points - centre)).T @ (targets - goal))
+    u[:, -1] *= np.sign(np.linalg.det(u @ vt))
+    rotation = (u @ vt).T
+    return rotation, goal - rotation @ centre

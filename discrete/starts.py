@@ -1,0 +1,144 @@
+"""Where the search for a minimum starts: bumps, a bend, noise, and how suddenly the fabric is let go."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from discrete.elements import Array
+from discrete.model import Model
+from discrete.stars import bump_heights, bumped
+from discrete.state import State, carried
+
+Bend = Literal["none", "roll", "dome", "saddle"]
+
+BUMP_MM = 2.0
+FLAT_MM = 0.1
+NUDGE_MM = 0.5
+NOISE_MM = 1e-3
+RELEASES = tuple(np.linspace(0.03, 1.0, 10))
+SUDDEN = (1.0,)
+HASTY = (0.3, 1.0)
+
+
+@dataclass(frozen=True)
+class Beginning:
+    """One way to start.
+
+    Attributes
+    ----------
+    name : for people.
+    bumps : every star starts as a bump to the side of its branch; otherwise flat.
+    branch : 1 up, -1 down, 0 free, for each star; None: as the layout prescribes.
+    bend : shape of the whole sheet: nothing, rolled about an axis, a dome or a saddle.
+    axis_deg : direction in print coordinates of the roll's axis, or of the saddle's ridge.
+    sag_mm : how far the edge lies below (saddle: below and above) the middle.
+    noise_mm, seed : standard deviation of the noise at every vertex.
+    releases : steps of the continuation; the last is 1.
+    """
+
+    name: str = "default"
+    bumps: bool = True
+    branch: tuple[int, ...] | None = None
+    bend: Bend = "none"
+    axis_deg: float = 0.0
+    sag_mm: float = 0.0
+    noise_mm: float = NOISE_MM
+    seed: int = 0
+    releases: tuple[float, ...] = RELEASES
+
+    def branches(self, model: Model) -> Array:
+        """(S,) 1 up, -1 down, 0 free."""
+        if not self.bumps:
+            return np.zeros(len(model.layout.centres), dtype=np.int64)
+        return model.layout.star_branch if self.branch is None else np.asarray(self.branch)
+
+    def state(self, model: Model) -> State:
+        """The state to start from, for the model's present release."""
+        state = model.flat_state()
+        held = model.constraints.held
+        if self.bend != "none":
+            bent = _bent(model.mesh.points, self.bend, np.radians(self.axis_deg), self.sag_mm)
+            state = _moved(model, state, np.where(held, state.positions, bent))
+        state = bumped(model, state, BUMP_MM * self.branches(model))
+        noise = self.noise_mm * np.random.default_rng(self.seed).standard_normal(state.positions.shape)
+        return _moved(model, state, state.positions + np.where(held, 0.0, noise))
+
+    def kept(self, model: Model, state: State) -> State:
+        """Early in the release a star is nearly flat and goes where rounding sends it: bump those off their branch."""
+        branch = self.branches(model)
+        flat = branch * bump_heights(model, state) < FLAT_MM
+        return model.towards(state, bumped(model, state, np.where(flat, NUDGE_MM * branch, 0.0)))
+
+
+def beginnings(n_stars: int, count: int, bumps: bool = True, seed: int = 0) -> list[Beginning]:
+    """The first `count` of a fixed sequence of starts, the default one first.
+
+    The gentle release ends in the same minimum from nearly everywhere: most of the others let the fabric go at once,
+    or in two steps, from a bent sheet.
+    """
+    rng = np.random.default_rng([seed, n_stars])
+    out = [Beginning(bumps=bumps, seed=seed)]
+    for k in range(count - 1):
+        cycle, kind = divmod(k, 9)
+        one = _different(kind, cycle, n_stars, rng)
+        out.append(replace(one, seed=seed + 1 + k))
+    return out
+
+
+def _different(kind: int, cycle: int, n_stars: int, rng: np.random.Generator) -> Beginning:
+    releases = SUDDEN if cycle % 2 == 0 else HASTY
+    # 0, 90, 45, 135, ... deg, a finer fan in every cycle
+    angle = 180.0 * _van_der_corput(2 * cycle + kind % 2)
+    sag = (20.0, 5.0, 12.0)[cycle % 3]
+    match kind:
+        case 0 | 1:
+            return Beginning(f"roll at {angle:.0f} deg", bend="roll", axis_deg=angle, sag_mm=sag, releases=releases)
+        case 2:
+            return Beginning("dome", bend="dome", sag_mm=sag, releases=releases)
+        case 3:
+            return Beginning(f"saddle at {angle:.0f} deg", bend="saddle", axis_deg=angle, sag_mm=sag, releases=releases)
+        case 4:
+            return Beginning("sudden", releases=releases)
+        case 5:
+            return Beginning("flat, sudden", bumps=False, releases=releases)
+        case 6:
+            return Beginning("strong noise, gentle", noise_mm=0.3)
+        case 7:
+            pattern = tuple(int(b) for b in rng.choice([1, -1], n_stars, p=[0.8, 0.2]))
+            return Beginning("random stars down", branch=pattern)
+        case _:
+            return Beginning(
+                f"tight roll at {angle:.0f} deg", bend="roll", axis_deg=angle, sag_mm=2 * sag, releases=HASTY
+            )
+
+
+def _bent(points: Array, bend: Bend, axis: float, sag: float) -> Array:
+    """(V, 3) mm, the print (V, 2) laid on a cylinder, or on a quadric that sags by `sag` at its farthest point."""
+    along = points @ [np.cos(axis), np.sin(axis)]
+    across = points @ [-np.sin(axis), np.cos(axis)]
+    size = float(np.linalg.norm(points, axis=1).max())
+    if bend == "roll":
+        # half the angle of the arc: its sag is size tan(turn / 2) for the arc's length, about size turn / 2
+        turn = min(2.0 * sag / size, 2.5)
+        u, z = size / turn * np.sin(across * turn / size), size / turn * (np.cos(across * turn / size) - 1.0)
+        x = along * np.cos(axis) - u * np.sin(axis)
+        y = along * np.sin(axis) + u * np.cos(axis)
+        return np.column_stack([x, y, z])
+    z = across**2 + along**2 if bend == "dome" else across**2 - along**2
+    return np.column_stack([points, -sag / size**2 * z])
+
+
+def _moved(model: Model, state: State, positions: Array) -> State:
+    return carried(state, model.edges, positions, np.zeros(len(model.edges)))
+
+
+def _van_der_corput(n: int) -> float:
+    """0, 1/2, 1/4, 3/4, 1/8, ...: evenly spread at every length."""
+    value, step = 0.0, 0.5
+    while n:
+        value += step * (n & 1)
+        n, step = n >> 1, 0.5 * step
+    return value

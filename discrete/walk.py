@@ -1,0 +1,153 @@
+"""The way to an equilibrium: release, later pins, kicks where stability is lost, certificate."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import closing
+
+import numpy as np
+
+from discrete.effort import Effort, PathStep
+from discrete.evidence import Equilibrium
+from discrete.model import Model
+from discrete.pin_steps import held_until, taken
+from discrete.saddle import left, lowest_mode
+from discrete.stars import bump_heights
+from discrete.starts import Beginning
+from discrete.state import State
+from equilibrium.certificate import Eigenpair
+from equilibrium.factor import Factor
+from equilibrium.newton import Iteration, Method, Minimum, minimise
+
+Report = Callable[[str, Iteration], None]
+
+TOLERANCE, LOOSE = 1e-8, 1e-4  # of the force scale: at the end, and on the way there
+CLEARLY = 1e-7  # of modulus times thickness: an eigenvalue below minus this is negative at the loose tolerance too
+KICKS = 5
+PIN_MOVES = 5  # parts of the way of pins that take hold after release
+
+
+def force_scale(model: Model) -> float:
+    """N: modulus times fabric thickness times star spacing."""
+    fabric = model.design.fabric
+    return float(fabric.modulus_mpa * fabric.thickness_mm * model.spacing)
+
+
+class Walk:
+    """Minimises step by step and keeps count; parameters as in `discrete.solve.relax`."""
+
+    def __init__(self, backend: str, method: Method, max_iterations: int, report: Report | None, seed: int) -> None:
+        self.backend, self.method, self.max_iterations = backend, method, max_iterations
+        self.report, self.seed = report, seed
+        self.effort = Effort()
+
+    def along(self, model: Model, start: Beginning) -> Equilibrium:
+        """Release the fabric, then let the later pins take hold, one step after the other."""
+        *earlier, last = model.layout.pin_steps
+        model.set_release(1.0)
+        present: Model = model
+        state: State | None = None
+        for step in (*earlier, last):
+            was_free = not present.held.any()
+            present = held_until(model, step)
+            with self._factor(present) as factor:
+                if state is None:
+                    state = self._released(present, start, factor)
+                else:
+                    state = self._pinned(present, taken(present, state, was_free), step, factor)
+                if step == last:
+                    return self._certified(present, state, factor)
+        raise AssertionError("a layout has at least one step")
+
+    def from_state(self, model: Model, state: State) -> Equilibrium:
+        """Minimise where the model is now."""
+        with self._factor(model) as factor:
+            return self._certified(model, state, factor)
+
+    def _released(self, model: Model, start: Beginning, factor: Factor) -> State:
+        model.set_release(start.releases[0])
+        state = start.state(model)
+        for release in start.releases:
+            model.set_release(release)
+            state = model.moved_pins(state)
+            if release < 1.0:
+                state = start.kept(model, state)
+            state = self._followed(model, state, 0, factor, f"{100 * release:.0f} %")
+        return state
+
+    def _pinned(self, model: Model, state: State, step: int, factor: Factor) -> State:
+        for way in np.linspace(0.0, 1.0, PIN_MOVES + 1)[1:]:
+            model.progress = float(way)
+            state = model.moved_pins(state)
+            state = self._followed(model, state, step, factor, f"pins of step {step}, {100 * way:.0f} %")
+        return state
+
+    def _followed(self, model: Model, state: State, step: int, factor: Factor, name: str) -> State:
+        """Loosely minimise; where the path has lost its stability, kick it to the side and minimise again."""
+        fabric = model.design.fabric
+        clear = CLEARLY * fabric.modulus_mpa * fabric.thickness_mm
+        result = self._minimised(model, state, LOOSE, factor, "release", name)
+        iterations, kicks = result.iterations, 0
+        # the flag also falls for rigid motions, which cost nothing only where all forces vanish
+        while kicks < KICKS and not result.definite and np.isfinite(result.energy):
+            pair = self._lowest(model, result.state, factor, "stability")
+            if pair.value > -clear - pair.error:
+                break
+            kicks += 1
+            away = left(model, result.state, pair)
+            result = self._minimised(model, away, LOOSE, factor, "release", f"{name}, to the side")
+            iterations += result.iterations
+        here = (step, model.release, model.progress, model.n_vertices)
+        self.effort.path.append(PathStep(*here, result.energy, iterations, kicks))
+        return result.state
+
+    def _certified(self, model: Model, state: State, factor: Factor) -> Equilibrium:
+        """Minimise tightly, find the smallest eigenvalue, and while it is negative leave along its mode."""
+        result = self._minimised(model, state, TOLERANCE, factor, "equilibrium", "equilibrium")
+        iterations, saddles = result.iterations, 0
+        while True:
+            pair = self._lowest(model, result.state, factor, "certificate")
+            if not result.converged or pair.value > -pair.error or saddles == KICKS:
+                break
+            saddles += 1
+            away = left(model, result.state, pair)
+            result = self._minimised(model, away, TOLERANCE, factor, "saddle", "leaving a saddle")
+            iterations += result.iterations
+        here = (model.layout.pin_steps[-1], model.release, model.progress, model.n_vertices)
+        self.effort.path.append(PathStep(*here, result.energy, iterations, saddles))
+        return Equilibrium(
+            result.state,
+            model.energies(result.state),
+            result.gradient_norm,
+            TOLERANCE * force_scale(model),
+            pair.value,
+            pair.error,
+            bump_heights(model, result.state),
+            self.effort.iterations,
+            self.effort.factorisations,
+            saddles,
+            factor.name,
+            self.effort.seconds,
+            tuple(self.effort.path),
+        )
+
+    def _factor(self, model: Model) -> closing[Factor]:
+        return closing(self.effort.run("analysis", model.factor, self.backend))
+
+    def _lowest(self, model: Model, state: State, factor: Factor, stage: str) -> Eigenpair:
+        pair = self.effort.run(stage, lowest_mode, model, state, factor, self.seed)
+        self.effort.factorisations += pair.factorisations
+        return pair
+
+    def _minimised(
+        self, model: Model, state: State, tolerance: float, factor: Factor, stage: str, name: str
+    ) -> Minimum:
+        """Newton's method on the clock of a stage; `tolerance` is a part of the force scale."""
+        report = self.report
+        tell = (lambda iteration: report(name, iteration)) if report else None
+        goal = tolerance * force_scale(model)
+        result = self.effort.run(
+            stage, lambda: minimise(model, state, factor, goal, self.max_iterations, self.method, report=tell)
+        )
+        self.effort.add(result)
+        return result
