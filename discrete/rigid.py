@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import qr
 
 from discrete.elements import Array
 from discrete.state import State, tangents
@@ -38,8 +37,15 @@ def rigid_modes(state: State, edges: Array, held: Array, free: Array) -> Array:
 
 def isostatic_support(state: State, edges: Array, held: Array, free: Array) -> Array:
     """(k,) free dofs that, held, leave no rigid motion and cause no stress (3-2-1 for a free sheet)."""
-    motions = rigid_motions(state, edges, held, free)
-    if motions.shape[1] == 0:
-        return np.empty(0, dtype=np.int64)
-    _, pivots = qr(motions.T, mode="r", pivoting=True, check_finite=False)
-    return np.asarray(pivots[: motions.shape[1]])
+    return independent_dofs(rigid_motions(state, edges, held, free))
+
+
+def independent_dofs(motions: Array) -> Array:
+    """(k,) rows of motions (free, k) in which they differ the most: holding these stops all of them."""
+    left = motions.copy()
+    chosen = np.empty(motions.shape[1], dtype=np.int64)
+    for k in range(len(chosen)):  # Gram-Schmidt on the rows, the longest first
+        chosen[k] = np.argmax((left**2).sum(axis=1))
+        along = left[chosen[k]] / np.linalg.norm(left[chosen[k]])
+        left -= np.outer(left @ along, along)
+    return chosen
