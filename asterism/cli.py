@@ -63,7 +63,7 @@ def simulate(
     start: Annotated[str | None, typer.Option(help="bump or flat, in place of the design's.")] = None,
     seed: Annotated[int | None, typer.Option(help="Seed of the start's noise, in place of the design's.")] = None,
     fabric_bending: Annotated[str | None, typer.Option(help="paper or none, in place of the design's.")] = None,
-    backend: Annotated[str, typer.Option(help="Sparse factorisation: auto, pardiso, cholmod or superlu.")] = "auto",
+    backend: Annotated[str, typer.Option(help="Linear solver: auto, pardiso, cholmod, superlu or amg.")] = "auto",
 ) -> None:
     """The exact model: the shape of a design, certified to be an equilibrium.
 

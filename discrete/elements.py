@@ -48,7 +48,7 @@ class Elements:
         if not self._runs_compiled(configuration):
             return np.asarray(self.formulas[0](*self._columns(configuration)))
         out = np.empty(len(self))
-        self._sweep(configuration, 0, 0.0, out, _NONE, _NONE)
+        self._sweep(configuration, 0, out, _NONE, _NONE)
         return out
 
     def gradients(self, configuration: Array) -> Array:
@@ -58,22 +58,23 @@ class Elements:
             self.formulas[1](*self._columns(configuration), g)
             return np.ascontiguousarray(g.T)
         out = np.zeros((len(self), self.n))
-        self._sweep(configuration, 1, 0.0, _NONE[0], out, _NONE)
+        self._sweep(configuration, 1, _NONE[0], out, _NONE)
         return out
 
-    def hessians(self, configuration: Array, blend: float = 0.0) -> Array:
-        """(E, n (n + 1) / 2) lower triangles, row by row, of the element Hessians.
+    def hessians(self, configuration: Array, blend: float = 0.0, rows: slice = slice(None)) -> Array:
+        """(E, n (n + 1) / 2) lower triangles, row by row, of the element Hessians; of all elements or some rows.
 
         `blend` takes out that part of what can make them indefinite: 0 is the exact Hessian,
         1 is positive semidefinite.
         """
+        inputs, params = self.inputs[rows], self.params[rows]
         if not self._runs_compiled(configuration):
-            h = np.zeros((self.n, self.n, len(self)), dtype=configuration.dtype)
-            self.formulas[2](*self._columns(configuration), blend, h)
-            rows, columns = np.tril_indices(self.n)
-            return np.ascontiguousarray(h[rows, columns].T)
-        out = np.empty((len(self), self.n * (self.n + 1) // 2))
-        self._sweep(configuration, 2, blend, _NONE[0], _NONE, out)
+            h = np.zeros((self.n, self.n, len(inputs)), dtype=configuration.dtype)
+            self.formulas[2](configuration[inputs.T], params.T, blend, h)
+            i, j = np.tril_indices(self.n)
+            return np.ascontiguousarray(h[i, j].T)
+        out = np.empty((len(inputs), self.n * (self.n + 1) // 2))
+        type(self).sweep(configuration, inputs, params, 2, blend, _NONE[0], _NONE, out)
         return out
 
     def _runs_compiled(self, configuration: Array) -> bool:
@@ -82,8 +83,8 @@ class Elements:
     def _columns(self, configuration: Array) -> tuple[Array, Array]:
         return configuration[self.inputs.T], self.params.T
 
-    def _sweep(self, configuration: Array, order: int, blend: float, *out: Array) -> None:
-        type(self).sweep(configuration, self.inputs, self.params, order, blend, *out)
+    def _sweep(self, configuration: Array, order: int, *out: Array) -> None:
+        type(self).sweep(configuration, self.inputs, self.params, order, 0.0, *out)
 
 
 _NONE = np.empty((1, 1))

@@ -7,10 +7,12 @@ from collections.abc import Callable
 import numpy as np
 
 from discrete.elements import Array, Elements
-from discrete.rigid import isostatic_support, rigid_modes
+from discrete.rigid import isostatic_support, rigid_modes, rigid_motions
 from discrete.state import State, carried
 from equilibrium.factor import Factor, make_factor
 from equilibrium.sparse_pattern import SparsePattern
+
+PIECE = 8192  # elements whose Hessians are in memory, and in the processor's cache, at a time
 
 
 class System:
@@ -68,7 +70,11 @@ class System:
     def hessian(self, state: State, blend: float) -> Array:
         """(nnz,) entries of the lower triangle in `pattern`; see `Elements.hessians` for `blend`."""
         packed = state.packed
-        return self.pattern.assemble([part.hessians(packed, blend) for part in self.parts.values()])
+        return self.pattern.assemble(
+            part.hessians(packed, blend, slice(start, start + PIECE))
+            for part in self.parts.values()
+            for start in range(0, len(part), PIECE)
+        )
 
     def spread(self, direction: Array) -> tuple[Array, Array]:
         """Moves (V, 3) and turns (R,) of a vector over the free dofs."""
@@ -92,6 +98,16 @@ class System:
     def towards(self, state: State, target: State) -> State:
         """The target, or the last state on the way to it if something is in the way; here nothing is."""
         return target
+
+    def near_nullspace(self, state: State) -> tuple[Array, Array]:
+        """What multigrid coarsens: the vertex of every free dof (free,) and the six rigid motions (free, 6).
+
+        A twist goes with the first vertex of its rod edge. What is held is ignored: away from it the motions still
+        cost nearly nothing.
+        """
+        vertex = np.concatenate([np.repeat(np.arange(self.n_vertices), 3), self.edges[:, 0]])[self.free]
+        nodes = np.unique(vertex, return_inverse=True)[1]
+        return nodes, rigid_motions(state, self.edges, np.zeros_like(self.held), self.free)
 
     def support(self, state: State) -> Array:
         """(k,) positions among the free dofs of an isostatic support; empty if what is held suffices."""

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
+from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh, lobpcg
 
-from equilibrium.factor import Factor
+from equilibrium.factor import Factor, Iterative
 from equilibrium.sparse_pattern import Floats, SparsePattern
+
+MANY = 3000  # unknowns from which an iterative solver does not factorise
+BLOCK = 4  # vectors iterated together: sheets with symmetries have double eigenvalues
 
 
 @dataclass(frozen=True)
@@ -47,7 +51,7 @@ def smallest_eigenvalue(
         shifted = data.copy()
         shifted[pattern.diagonal] += shift
         factorisations += 1
-        if factor.factorise(shifted):
+        if factor.factorise(shifted) and (not isinstance(factor, Iterative) or factor.proves_definite()):
             break
         shift *= 10.0
 
@@ -60,7 +64,9 @@ def smallest_eigenvalue(
     size = pattern.size
     start = project(np.random.default_rng(seed).standard_normal(size))
     operator = LinearOperator((size, size), matvec=inverse, dtype=float)
-    if size - modes.shape[1] < 3:
+    if isinstance(factor, Iterative) and size > MANY:
+        vector = _preconditioned(pattern, data, factor, modes, start)
+    elif size - modes.shape[1] < 3:
         _, vectors = np.linalg.eigh(_dense(pattern, data, modes))
         vector = vectors[:, 0]
     else:
@@ -73,6 +79,35 @@ def smallest_eigenvalue(
     image = project(pattern.product(data, vector))
     value = float(vector @ image)
     return Eigenpair(value, vector, float(np.linalg.norm(image - value * vector)), factorisations)
+
+
+def _preconditioned(pattern: SparsePattern, data: Floats, factor: Iterative, modes: Floats, start: Floats) -> Floats:
+    """(size,) the lowest mode by LOBPCG (Knyazev 2001): a step preconditions where one of Lanczos would solve."""
+    size = pattern.size
+    block = np.column_stack([start, np.random.default_rng(1).standard_normal((size, BLOCK - 1))])
+    low, diagonal = pattern.lower(data), data[pattern.diagonal]
+    upper = low.T
+
+    def times(v: Floats) -> Floats:
+        return low @ v + upper @ v - (diagonal * v.T).T
+
+    def nearly_solved(v: Floats) -> Floats:
+        columns = v.reshape(size, -1).T
+        return np.column_stack([factor.precondition(np.ascontiguousarray(column)) for column in columns])
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # not converged: the residual says how good it is
+        _, vectors = lobpcg(
+            LinearOperator((size, size), matvec=times, matmat=times, dtype=float),
+            block,
+            M=LinearOperator((size, size), matvec=nearly_solved, matmat=nearly_solved, dtype=float),
+            Y=modes if modes.shape[1] else None,
+            largest=False,
+            tol=1e-9,
+            maxiter=300,
+        )
+    vector = vectors[:, 0]
+    return vector - modes @ (modes.T @ vector)
 
 
 def _dense(pattern: SparsePattern, data: Floats, modes: Floats) -> Floats:

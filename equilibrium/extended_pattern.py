@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -34,7 +34,7 @@ class ExtendedPattern(SparsePattern):
         places = np.minimum(np.searchsorted(self._all, keys), self.nnz - 1)
         return bool((self._all[places] == keys).all())
 
-    def assemble(self, element_values: Sequence[Floats]) -> Floats:
+    def assemble(self, element_values: Iterable[Floats]) -> Floats:
         """(nnz,) sum of the element matrices of the fixed pattern."""
         data = np.zeros(self.nnz)
         data[self._places] = self._base.assemble(element_values)

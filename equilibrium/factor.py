@@ -10,13 +10,17 @@ import copy
 import functools
 import importlib.util
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
-from equilibrium.sparse_pattern import Floats, SparsePattern
+from equilibrium.sparse_pattern import Floats, Ints, SparsePattern
+
+# entries of a triangle below which a second thread waits more than it works; one thread also adds in one order, so that
+# small problems give the same digits on every run
+FEW = 1_000_000
 
 
 class BackendError(ValueError):
@@ -38,6 +42,26 @@ class Factor(Protocol):
         """Give the memory back."""
 
 
+@runtime_checkable
+class Iterative(Factor, Protocol):
+    """What stands in for a factorisation by iterating: it has to be asked for a proof, and told what it coarsens."""
+
+    def near_nullspace(self, nodes: Ints, modes: Floats) -> None:
+        """Nodes (size,) whose unknowns stay together, and modes (size, k) that the matrices nearly map to zero."""
+
+    def solve(self, b: Floats, tolerance: float = ...) -> Floats:
+        """To this relative residual; raises NotPositiveDefinite on meeting negative curvature."""
+
+    def proves_definite(self) -> bool:
+        """True only if the last matrix is known to be positive definite; `factorise` says what it has not refuted."""
+
+    def product(self, v: Floats) -> Floats:
+        """Last matrix times v (size,)."""
+
+    def precondition(self, b: Floats) -> Floats:
+        """Positive definite approximation of the inverse times b (size,)."""
+
+
 @functools.cache
 def _pardiso_library() -> Any:
     """A solver that is never used itself: looking for MKL's library on the disk takes a tenth of a second."""
@@ -52,6 +76,7 @@ class PardisoFactor:
     name = "pardiso"
 
     def __init__(self, pattern: SparsePattern) -> None:
+        self._threads = 1 if pattern.nnz < FEW else 0
         self._solver = copy.copy(_pardiso_library())
         self._solver.pt = np.zeros_like(self._solver.pt)
         self._solver.iparm = np.zeros_like(self._solver.iparm)
@@ -68,7 +93,13 @@ class PardisoFactor:
 
     def _call(self, phase: int, b: Floats) -> Floats:
         self._solver.set_phase(phase)
-        return self._solver._call_pardiso(self._matrix, b)
+        # of this Python thread alone; 0 is what the user has set, for all calls the same
+        threads = self._solver.libmkl.MKL_Set_Num_Threads_Local
+        before = threads(self._threads)
+        try:
+            return self._solver._call_pardiso(self._matrix, b)
+        finally:
+            threads(before)
 
     def factorise(self, data: Floats) -> bool:
         from pypardiso.pardiso_wrapper import PyPardisoError
@@ -154,16 +185,23 @@ class SuperLUFactor:
         self._lu = None
 
 
+def _multigrid(pattern: SparsePattern) -> Factor:
+    from equilibrium.multigrid import MultigridFactor
+
+    return MultigridFactor(pattern)
+
+
 BACKENDS: dict[str, Callable[[SparsePattern], Factor]] = {
     "pardiso": PardisoFactor,
     "cholmod": CholmodFactor,
     "superlu": SuperLUFactor,
+    "amg": _multigrid,
 }
-_MODULES = {"pardiso": "pypardiso", "cholmod": "sksparse", "superlu": "scipy"}
+_MODULES = {"pardiso": "pypardiso", "cholmod": "sksparse", "superlu": "scipy", "amg": "pyamg"}
 
 
 def available() -> list[str]:
-    """Names of the backends that are installed, fastest first."""
+    """Names of the backends that are installed: factorisations, fastest first, then multigrid."""
     return [name for name, module in _MODULES.items() if importlib.util.find_spec(module)]
 
 

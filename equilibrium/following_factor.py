@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from equilibrium.factor import make_factor
+from equilibrium.factor import BackendError, make_factor
 from equilibrium.sparse_pattern import Floats, SparsePattern
 
 
@@ -21,10 +21,17 @@ class FollowingFactor:
     Parameters
     ----------
     problem : its `pattern` is that of the data to come.
-    backend : see `equilibrium.factor`.
+    backend : see `equilibrium.factor`; one that factorises.
+
+    Raises
+    ------
+    BackendError
+        The backend iterates: its coarse level would have to be told about the new entries.
     """
 
     def __init__(self, problem: HasPattern, backend: str = "auto") -> None:
+        if backend == "amg":
+            raise BackendError("backend: 'amg' cannot follow contact, whose pairs change; use auto")
         self._problem, self._backend = problem, backend
         self._pattern = problem.pattern
         self._factor = make_factor(self._pattern, backend)

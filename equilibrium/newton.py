@@ -10,11 +10,12 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, Protocol, runtime_checkable
 
 import numpy as np
 
-from equilibrium.factor import Factor
+from equilibrium.conjugate import NotPositiveDefinite
+from equilibrium.factor import Factor, Iterative
 from equilibrium.sparse_pattern import Floats, Ints, SparsePattern
 
 State = Any
@@ -24,6 +25,7 @@ Method = Literal["blended", "shifted"]
 # a refused matrix costs as much as an accepted one: the blend, which ends at 1, goes there in three strides
 RAISE = {"blended": 30.0, "shifted": 10.0}
 LEAST = 1e-3  # stiffness added where the convex model has none, over the median diagonal entry
+FORCING = 1e-2  # largest relative residual of an iterative solve
 STOP = 1e3  # stiffness of a support over the largest diagonal entry
 
 
@@ -49,6 +51,14 @@ class Problem(Protocol):
         """Curve of states that leaves `state` in `direction`, and the largest step along it."""
 
 
+@runtime_checkable
+class Coarsened(Protocol):
+    """A problem that knows what its Hessian nearly maps to zero."""
+
+    def near_nullspace(self, state: State) -> tuple[Ints, Floats]:
+        """Nodes (size,) and modes (size, k) for `Iterative.near_nullspace`."""
+
+
 @dataclass(frozen=True)
 class Iteration:
     """What one iteration reports."""
@@ -64,7 +74,8 @@ class Iteration:
 class Minimum:
     """Where Newton stopped, and the evidence.
 
-    `definite`: the exact Hessian (plus `shift`) at the last state, on its support, was positive definite.
+    `definite`: the exact Hessian (plus `shift`) at the last state, on its support, is positive definite; False too
+    if that was not asked for.
     """
 
     state: State
@@ -101,10 +112,13 @@ def minimise(
     method: Method = "blended",
     shift: float = 1e-9,
     report: Callable[[Iteration], None] | None = None,
+    blend: float = 0.0,
+    verdict: bool = True,
 ) -> Minimum:
     """Minimise the problem's energy from `state` until the gradient's 2-norm is below `tolerance`.
 
-    `shift` is added to the diagonal of every matrix.
+    `shift` is added to the diagonal of every matrix. `blend` is the first one tried: one that is accepted saves the
+    factorisations of those below it. Without `verdict` the last state is not factorised, and `definite` is False.
     """
     clock = Clock()
     history: list[Iteration] = []
@@ -112,7 +126,7 @@ def minimise(
     largest = abs(energy)  # terms that cancel at the end keep the rounding of their beginning
     gradient = clock("gradient", problem.gradient, state)
     norm = float(np.linalg.norm(gradient))
-    regularise = _Regularisation(problem, factor, method, shift, clock)
+    regularise = _Regularisation(problem, factor, method, shift, clock, blend)
     step = 0.0
     stuck = False
     for number in range(max_iterations + 1):
@@ -121,8 +135,7 @@ def minimise(
             report(history[-1])
         if norm <= tolerance or stuck or number == max_iterations or not np.isfinite(norm):
             break
-        regularise.factorise(state)
-        direction = -clock("solve", factor.solve, gradient)
+        direction = regularise.direction(state, gradient)
         path, longest = problem.path(state, direction, method == "shifted")
         slope = float(gradient @ direction)
         found = clock("line search", _line_search, problem, path, energy, largest, slope, norm, min(1.0, longest))
@@ -134,7 +147,7 @@ def minimise(
         gradient = clock("gradient", problem.gradient, state)
         norm = float(np.linalg.norm(gradient))
         regularise.relax()
-    definite = regularise.exact(state)
+    definite = verdict and regularise.exact(state)
     return Minimum(
         state,
         energy,
@@ -151,15 +164,20 @@ def minimise(
 class _Regularisation:
     """Makes the matrix positive definite by as little as the factorisation accepts."""
 
-    def __init__(self, problem: Problem, factor: Factor, method: Method, shift: float, clock: Clock) -> None:
+    def __init__(
+        self, problem: Problem, factor: Factor, method: Method, shift: float, clock: Clock, blend: float
+    ) -> None:
         self.problem, self.factor, self.method, self.shift, self.clock = problem, factor, method, shift, clock
-        self.amount = 0.0
+        self.amount = blend
         self.raised = False
         self.count = 0
+        self.norm = 0.0  # of the last gradient solved for
         self.support: Ints = np.empty(0, dtype=np.int64)
 
-    def factorise(self, state: State) -> None:
-        """Factorise a positive definite matrix close to the Hessian."""
+    def direction(self, state: State, gradient: Floats) -> Floats:
+        """(size,) the step that a positive definite matrix close to the Hessian gives."""
+        if isinstance(self.factor, Iterative) and isinstance(self.problem, Coarsened):
+            self.factor.near_nullspace(*self.problem.near_nullspace(state))
         self.support = self.clock("support", self.problem.support, state)
         exact, convex = self._hessian(state, 0.0), None
         diagonal = self.problem.pattern.diagonal  # the pattern may change with the state, so it is asked for after
@@ -182,7 +200,10 @@ class _Regularisation:
                 if self.amount > 1.0:
                     data[diagonal] += least * self.amount
             if self._accepts(data):
-                return
+                try:
+                    return -self.clock("solve", self._solve, gradient)
+                except NotPositiveDefinite:
+                    pass
             if not np.isfinite(data).all():
                 raise FloatingPointError("the Hessian is not finite")
             self.raised = True
@@ -191,7 +212,8 @@ class _Regularisation:
     def exact(self, state: State) -> bool:
         """Factorise the Hessian itself, for the certificate."""
         self.support = self.clock("support", self.problem.support, state)
-        return self._accepts(self._hessian(state, 0.0))
+        accepted = self._accepts(self._hessian(state, 0.0))
+        return accepted and (not isinstance(self.factor, Iterative) or self.factor.proves_definite())
 
     def relax(self) -> None:
         """After a good step: trust the Hessian more, unless it was refused just now."""
@@ -212,6 +234,15 @@ class _Regularisation:
         # rigid motions cost nothing, so stopping them changes a step by a rigid motion and the inertia by their zeros
         data[diagonal[self.support]] += STOP * data[diagonal].max()
         return data
+
+    def _solve(self, gradient: Floats) -> Floats:
+        if not isinstance(self.factor, Iterative):
+            return self.factor.solve(gradient)
+        # inexact at first, and exact enough for quadratic convergence (Eisenstat and Walker 1996, choice 2)
+        norm = float(np.linalg.norm(gradient))
+        forcing = min(FORCING, 0.9 * (norm / self.norm) ** 2) if self.norm > 0.0 else FORCING
+        self.norm = norm
+        return self.factor.solve(gradient, max(forcing, 1e-10))
 
     def _accepts(self, data: Floats) -> bool:
         self.count += 1

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 import scipy.sparse as sp
@@ -12,6 +12,8 @@ from equilibrium.compiled import HAVE_NUMBA, loop
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
+
+PIECE = 1 << 22  # entries looked at together while a pattern is made: some tens of MB
 
 
 class SparsePattern:
@@ -32,32 +34,50 @@ class SparsePattern:
     def __init__(self, element_dofs: Sequence[Ints], n_dofs: int, free: Ints) -> None:
         self.free = np.asarray(free)
         self.size = len(self.free)
-        reduced = np.full(n_dofs, -1, dtype=np.int64)
+        reduced = np.full(n_dofs, -1, dtype=np.int32)
         reduced[self.free] = np.arange(self.size)
-        keys = [self._keys(reduced[dofs]) for dofs in element_dofs]
-        diagonal = np.arange(self.size) * (self.size + 1)
-        outside = self.size * self.size  # the slot of entries with a fixed dof, dropped after summing
-        unique, slots = np.unique(np.concatenate([*keys, diagonal, [outside]]), return_inverse=True)
-        self._slots = slots[: -self.size - 1].astype(np.int32)
-        unique = unique[:-1]
-        self.indices = (unique % self.size).astype(np.int32)
-        self.indptr = np.searchsorted(unique, np.arange(self.size + 1) * self.size).astype(np.int32)
+        structure = sp.identity(self.size, dtype=bool, format="csc")
+        for low, high in _pairs(element_dofs, reduced):
+            inside = low >= 0
+            pairs = (np.ones(int(inside.sum()), dtype=bool), (high[inside], low[inside]))
+            structure = structure + sp.coo_matrix(pairs, shape=structure.shape).tocsc()
+        structure.sort_indices()
+        self.indices, self.indptr = structure.indices.astype(np.int32), structure.indptr.astype(np.int32)
         self.diagonal = self.indptr[:-1]
+        # entries with a held dof have a slot of their own at the end, dropped after summing
+        found = [self._slots_at(low, high) for low, high in _pairs(element_dofs, reduced)]
+        self._slots = np.concatenate([*found, np.empty(0, dtype=np.int32)])
 
-    def _keys(self, dofs: Ints) -> Ints:
-        i, j = np.tril_indices(dofs.shape[1])
-        a, b = dofs[:, i], dofs[:, j]
-        key = np.minimum(a, b) * self.size + np.maximum(a, b)
-        key[(a < 0) | (b < 0)] = self.size**2
-        return key.ravel()
+    @classmethod
+    def of_lower(cls, low: sp.csc_matrix) -> SparsePattern:
+        """The pattern of a given lower triangle, its indices sorted and its diagonal full."""
+        size = low.shape[0]
+        pattern = cls([], size, np.arange(size))
+        pattern.indices, pattern.indptr = low.indices, low.indptr
+        pattern.diagonal = pattern.indptr[:-1]
+        return pattern
+
+    def _slots_at(self, low: Ints, high: Ints) -> Ints:
+        """Slots of the entries in columns `low` (-1: none) and rows `high`."""
+        slots = np.empty(len(low), dtype=np.int32)
+        if HAVE_NUMBA:
+            _search(low, high, self.indptr, self.indices, slots)
+        else:
+            column = np.repeat(np.arange(self.size), np.diff(self.indptr))
+            slots[:] = np.searchsorted(column * self.size + self.indices, low.astype(np.int64) * self.size + high)
+            slots[low < 0] = self.nnz
+        return slots
 
     @property
     def nnz(self) -> int:
         """Entries of the lower triangle."""
         return len(self.indices)
 
-    def assemble(self, element_values: Sequence[Floats]) -> Floats:
-        """(nnz,) sum of the packed lower triangles (E, n (n + 1) / 2), in the order of the constructor."""
+    def assemble(self, element_values: Iterable[Floats]) -> Floats:
+        """(nnz,) sum of the packed lower triangles (E, n (n + 1) / 2), in the order of the constructor.
+
+        The elements of a kind may come in several pieces, so that they need not exist all at once.
+        """
         data = np.zeros(self.nnz + 1)
         start = 0
         for values in element_values:
@@ -79,6 +99,35 @@ class SparsePattern:
         low = self.lower(data)
         diagonal = data[self.diagonal]
         return low @ x + low.T @ x - (diagonal * x.T).T
+
+
+def _pairs(element_dofs: Sequence[Ints], reduced: Ints) -> Iterator[tuple[Ints, Ints]]:
+    """Columns and rows (free numbers, -1 for both if one is held) of all entries in the elements' lower triangles."""
+    for dofs in element_dofs:
+        i, j = np.tril_indices(dofs.shape[1])
+        step = max(PIECE // max(len(i), 1), 1)
+        for start in range(0, len(dofs), step):
+            number = reduced[dofs[start : start + step]]
+            a, b = number[:, i].ravel(), number[:, j].ravel()
+            low, high = np.minimum(a, b), np.maximum(a, b)
+            high[low < 0] = -1
+            yield low, high
+
+
+@loop
+def _search(low, high, indptr, indices, slots):  # type: ignore[no-untyped-def]
+    for k in range(low.size):
+        if low[k] < 0:
+            slots[k] = indices.size
+            continue
+        a, b = indptr[low[k]], indptr[low[k] + 1]
+        while b - a > 1:
+            middle = (a + b) // 2
+            if indices[middle] <= high[k]:
+                a = middle
+            else:
+                b = middle
+        slots[k] = a
 
 
 @loop

@@ -55,7 +55,7 @@ def factor(request: pytest.FixtureRequest) -> Iterator[Factor]:
 
 
 def test_something_fast_is_installed():
-    assert available()[-1] == "superlu"
+    assert "superlu" in available()
     assert make_factor(PATTERN).name == available()[0]
 
 
