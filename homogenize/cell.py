@@ -1,0 +1,199 @@
+"""One star (or n x m of them) of an endless sheet: flat with free lattice vectors, or a tube of given angles."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from discrete.elements import Array
+from discrete.hinges import Hinges, paper_coefficients
+from discrete.model import Model
+from discrete.rigid import independent_dofs
+from discrete.state import State, carried, tangents
+from discrete.system import System
+from homogenize.images import ImageElements, Images
+from homogenize.torus import STEPS, Torus, torus_mesh
+from pattern.design import Design
+from pattern.layout import Layout
+from pattern.mesh import Mesh
+
+
+class Cell(System):
+    """The exact model's energies on a periodic cell.
+
+    Positions are the V base points and two rows of macroscopic variables: flat, the images of the cell vectors A1 and
+    A2; on a tube (axis x, plastic outside, angles in printed coordinates turned by `angle`), the axial shifts.
+
+    Parameters
+    ----------
+    design : materials, lattice, and the star: constant sizes.
+    edge_mm : of the mesh.
+    repeat : stars along A1 and A2.
+    angle : rad, direction in the print that the tube bends along is y turned by this.
+    """
+
+    def __init__(self, design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1), angle: float = 0.0) -> None:
+        self.design, self.angle = design, angle
+        cos, sin = np.cos(angle), np.sin(angle)
+        self.turn = np.array([[cos, sin], [-sin, cos]])  # print to cell coordinates
+        self.torus = _star_torus(design, edge_mm, repeat)
+        self.printed = self.torus.points @ self.turn.T
+        self.cell_vectors = self.torus.cell_vectors @ self.turn.T
+        self.model = _unfolded_model(design, self.torus, self.printed)
+        self.curvature: float | None = None
+        self._be(_flat_images(self.torus))
+
+    def _be(self, images: Images) -> None:
+        """Take on other images: the same elements, hung up differently."""
+        self.images = images
+        rows = images.n_base + 2
+        held = np.zeros(3 * rows + len(self.model.edges), dtype=bool)
+        centre = 3 * int(self.torus.star_vertices[0])
+        if self.curvature is None:
+            held[centre : centre + 3] = True
+        else:
+            held[centre : centre + 2] = True
+            held[3 * images.n_base : 3 * rows] = [False, True, True] * 2
+        parts = {name: ImageElements(part, images) for name, part in self.model.parts.items() if len(part)}
+        super().__init__(parts, rows, self.model.edges, held)  # type: ignore[arg-type]
+
+    @property
+    def area(self) -> float:
+        """mm^2, printed."""
+        return self.torus.area
+
+    def set_release(self, release: float) -> None:
+        """Release the fabric from stretch 1 (0) to the design's (1)."""
+        self.model.set_release(release)
+
+    def flat(self) -> None:
+        """Flat-periodic images: `x(X + A_m) = x(X) + a_m`."""
+        self.curvature = None
+        self._be(_flat_images(self.torus))
+
+    def tube(self, curvature: float) -> None:
+        """Objective images `x(X + A_m) = R(phi_m) x(X) + tau_m e`, `phi_m = curvature (y . A_m)`, 1/mm of the print."""
+        self.curvature = curvature
+        torus, axial = self.torus, np.diag([1.0, 0.0, 0.0])
+        self._be(Images(torus.base, self._turns(curvature)[0], torus.image, axial, torus.n_base))
+
+    def _turns(self, curvature: float) -> tuple[Array, Array]:
+        """(U, 3, 3) rotations of the images about the axis, and their derivative by the curvature."""
+        along = self.torus.image @ self.cell_vectors[:, 1]
+        cos, sin, zero = np.cos(curvature * along), np.sin(curvature * along), np.zeros(len(along))
+        one = np.ones(len(along))
+        turn = np.array([[one, zero, zero], [zero, cos, sin], [zero, -sin, cos]]).transpose(2, 0, 1)
+        rate = np.array([[zero, zero, zero], [zero, -sin, cos], [zero, -cos, -sin]]).transpose(2, 0, 1)
+        return turn, along[:, None, None] * rate
+
+    def printed_state(self) -> State:
+        """The print: flat, macroscopic rows at the cell vectors."""
+        base = np.pad(self.printed[: self.torus.n_base], ((0, 0), (0, 1)))
+        macro = np.pad(self.cell_vectors, ((0, 0), (0, 1)))
+        return State(np.vstack([base, macro]), np.tile([0.0, 0.0, 1.0], (len(self.edges), 1)))
+
+    def unfolded(self, state: State) -> State:
+        """The same state on the unfolded mesh."""
+        return State(self.images.unfold(state.positions), state.directors)
+
+    def path(self, state: State, direction: Array, straight: bool = True) -> tuple[Callable[[float], State], float]:
+        """Straight steps, directors carried along the unfolded rod edges."""
+        move, turn = self.spread(direction)
+
+        def at(a: float) -> State:
+            positions = state.positions + a * move
+            whole = carried(self.unfolded(state), self.edges, self.images.unfold(positions), a * turn)
+            return State(positions, whole.directors)
+
+        fastest = float(np.sqrt((move[: self.torus.n_base] ** 2).sum(axis=1).max()))
+        return at, self._longest_move / max(fastest, 1e-30)
+
+    @property
+    def _longest_move(self) -> float:
+        """mm, of any point in one step: a tenth of the cell."""
+        return 0.1 * float(np.linalg.norm(self.torus.cell_vectors, axis=1).min())
+
+    def rigid_motions(self, state: State) -> Array:
+        """(free, k) motions without energy that nothing holds: turns of a flat cell about its held star."""
+        if self.curvature is not None:
+            return np.empty((len(self.free), 0))
+        centre = state.positions[self.torus.star_vertices[0]]
+        x = state.positions.copy()
+        x[: self.torus.n_base] -= centre
+        t = tangents(self.images.unfold(state.positions), self.edges)
+        motions = [np.concatenate([np.cross(axis, x).ravel(), t @ axis]) for axis in np.eye(3)]
+        return np.array(motions).T[self.free] / np.abs(x).max()
+
+    def rigid_modes(self, state: State) -> Array:
+        """(free, k) orthonormal."""
+        return np.linalg.qr(self.rigid_motions(state))[0]
+
+    def support(self, state: State) -> Array:
+        """(k,) free dofs that, held, leave no rigid motion."""
+        return independent_dofs(self.rigid_motions(state))
+
+    def moment(self, state: State) -> float:
+        """N, dE/dk per printed area at fixed state: at equilibrium, the bending moment conjugate to the curvature."""
+        if self.curvature is None:
+            raise ValueError("a flat cell has no curvature to change")
+        rate = self._turns(self.curvature)[1]
+        moved = np.einsum("uij,uj->ui", rate, state.positions[self.images.base])
+        packed = self.unfolded(state).packed
+        force = np.zeros(3 * len(self.images.base))
+        for part in self.model.parts.values():
+            gradients = part.gradients(packed)
+            own = part.dofs < len(force)
+            force += np.bincount(part.dofs[own], gradients[own], len(force))
+        return float(force @ moved.ravel()) / self.area
+
+
+def _star_torus(design: Design, edge_mm: float, repeat: tuple[int, int]) -> Torus:
+    lattice, vectors = design.lattice, np.asarray(design.lattice.vectors)
+    along = STEPS @ vectors
+    along = along / np.linalg.norm(along, axis=1, keepdims=True)
+    match = np.asarray(lattice.arm_directions) @ along.T
+    if not (match.max(axis=1) > 1.0 - 1e-9).all():
+        raise ValueError("the arms do not lie on lattice lines: a cell needs them there")
+    length = _constant(design, "length_mm")
+    if length == 0.0:
+        return torus_mesh(vectors, np.empty(0, dtype=np.int64), np.empty(0), edge_mm, repeat)
+    return torus_mesh(vectors, match.argmax(axis=1), np.full(lattice.arms, length), edge_mm, repeat)
+
+
+def _constant(design: Design, name: str) -> float:
+    value = getattr(design.stars, name)
+    if not isinstance(value, int | float):
+        raise ValueError(f"stars.{name} must be a number in a cell: all its stars are equal")
+    return float(value)
+
+
+def _unfolded_model(design: Design, torus: Torus, printed: Array) -> Model:
+    """The exact model on the unfolded points, its hinges those of the closed mesh."""
+    centres = printed[torus.star_vertices]
+    tips = printed[[rod[-1] for rod in torus.rods]]
+    ends = np.ones((len(tips), 2))
+    layout = Layout(
+        border=np.empty((0, 2)),
+        centres=centres,
+        arm_star=torus.arm_star,
+        arm_tip=tips,
+        arm_thickness=_constant(design, "thickness_mm") * ends,
+        arm_width=_constant(design, "width_mm") * ends,
+        neighbours=np.empty((0, 2), dtype=np.int64),
+        pins=(),
+        lattice_vectors=np.asarray(design.lattice.vectors),
+        lattice_origin=np.zeros(2),
+    )
+    mesh = Mesh(printed, torus.triangles, torus.rods, torus.star_vertices, np.empty(0, dtype=np.int64), (), "aligned")
+    model = Model(design, layout, mesh)
+    if design.fabric.bending == "paper":
+        fabric = design.fabric
+        sheet = (fabric.thickness_mm, fabric.modulus_mpa, fabric.poisson)
+        model.parts["hinges"] = Hinges(torus.hinges, paper_coefficients(torus.hinges, printed, *sheet))
+    return model
+
+
+def _flat_images(torus: Torus) -> Images:
+    turn = np.broadcast_to(np.eye(3), (len(torus.base), 3, 3))
+    return Images(torus.base, turn, torus.image, np.eye(3), torus.n_base)

@@ -1,0 +1,201 @@
+"""The mesh of a unit cell: a grid that refines the lattice, closed to a torus, with arms on its lines.
+
+The cell is the parallelogram of the lattice vectors A1, A2, or n x m of them. Grid point (i, j) lies at
+`i A1/k + j A2/k`; indices are taken modulo the cell, and what was taken off says by which lattice vectors the point is
+an image. Stars sit at the corners of the single cells; their arms run along A1, A2 or A2 - A1, either way, and may
+leave the cell.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.linalg import spsolve
+
+from pattern.layout import Floats, Ints
+
+# grid steps along which edges run, in the order of their angle
+STEPS = np.array([[1, 0], [0, 1], [-1, 1], [-1, 0], [0, -1], [1, -1]])
+
+
+@dataclass(frozen=True)
+class Torus:
+    """A periodic mesh, unfolded: points that elements use, each an image of a base point.
+
+    Attributes
+    ----------
+    points : (U, 2) mm, print coordinates of the unfolded points; the first `n_base` are the base points.
+    base : (U,) the base point of each.
+    image : (U, 2) how many cell vectors A1 and A2 lie between them.
+    triangles : (T, 3) counterclockwise, one of each class of images.
+    hinges : (H, 4) edge, left apex and right apex, one of each class.
+    rods : vertex paths of the arms from the star's centre, each star in one piece.
+    star_vertices : (S,).
+    cell_vectors : (2, 2) mm, rows.
+    """
+
+    points: Floats
+    base: Ints
+    image: Ints
+    triangles: Ints
+    hinges: Ints
+    rods: tuple[Ints, ...]
+    arm_star: Ints
+    star_vertices: Ints
+    cell_vectors: Floats
+    n_base: int
+
+    @property
+    def area(self) -> float:
+        """mm^2, of the printed cell."""
+        (a, b), (c, d) = self.cell_vectors
+        return abs(a * d - b * c)
+
+
+def torus_mesh(
+    lattice_vectors: Floats, directions: Ints, lengths: Floats, edge_mm: float, repeat: tuple[int, int] = (1, 1)
+) -> Torus:
+    """Mesh of `repeat` cells with equal stars.
+
+    Parameters
+    ----------
+    lattice_vectors : (2, 2) mm, rows.
+    directions : (N,) of the arms, indices into `STEPS`.
+    lengths : (N,) mm, up to the distance to the next star in that direction.
+    edge_mm : of the grid, about.
+
+    Raises
+    ------
+    ValueError
+        Arms from both ends of a link overlap.
+    """
+    spacing = np.linalg.norm(STEPS @ lattice_vectors, axis=1)
+    k = max(3, round(float(spacing.min()) / edge_mm))
+    n, m = repeat[0] * k, repeat[1] * k
+    links = _links(directions, lengths, spacing, k)
+    numbering = _Numbering(n, m)
+    i, j = (index.ravel() for index in np.indices((n, m)))
+    step = lattice_vectors / k
+    moved = (np.column_stack([i, j]) @ step) + _displacement(n, m, k, lattice_vectors, links)
+
+    def at(di: Ints, dj: Ints) -> Ints:
+        return numbering(i + di, j + dj)
+
+    lower = np.column_stack([at(0, 0), at(1, 0), at(0, 1)])
+    upper = np.column_stack([at(1, 0), at(1, 1), at(0, 1)])
+    hinges = np.concatenate(
+        [
+            np.column_stack([at(0, 0), at(1, 0), at(0, 1), at(1, -1)]),
+            np.column_stack([at(0, 0), at(0, 1), at(-1, 1), at(1, 0)]),
+            np.column_stack([at(1, 0), at(0, 1), at(0, 0), at(1, 1)]),
+        ]
+    )
+    stars = [(a * k, b * k) for a in range(repeat[0]) for b in range(repeat[1])]
+    rods, owner = [], []
+    for number, (si, sj) in enumerate(stars):
+        for direction in directions:
+            along = np.arange(links.segments[direction] + 1)
+            di, dj = STEPS[direction]
+            rods.append(numbering(si + along * di, sj + along * dj))
+            owner.append(number)
+    centres = np.array([int(numbering(np.array([a]), np.array([b]))[0]) for a, b in stars])
+    base, image = numbering.unfolded()
+    cell = lattice_vectors * np.array(repeat)[:, None]
+    return Torus(
+        points=moved[base] + image @ cell,
+        base=base,
+        image=image,
+        triangles=np.concatenate([lower, upper]),
+        hinges=hinges,
+        rods=tuple(rods),
+        arm_star=np.array(owner),
+        star_vertices=centres,
+        cell_vectors=cell,
+        n_base=n * m,
+    )
+
+
+@dataclass(frozen=True)
+class _Links:
+    """Where the grid points of the links from a star to its six neighbours are.
+
+    `segments` (6,) of the arm in each direction, 0 without one; `fractions` (6, k + 1) of the way to the neighbour.
+    """
+
+    segments: Ints
+    fractions: Floats
+
+
+def _links(directions: Ints, lengths: Floats, spacing: Floats, k: int) -> _Links:
+    segments = np.zeros(6, dtype=np.int64)
+    reach = np.zeros(6)
+    for direction, length in zip(directions, lengths, strict=True):
+        reach[direction] = length / spacing[direction]
+        longest = k if reach[direction] > 1.0 - 1e-9 else k - 1
+        segments[direction] = min(max(round(reach[direction] * k), 1), longest)
+    fractions = np.empty((6, k + 1))
+    for direction in range(6):
+        back = (direction + 3) % 6
+        near, far = segments[direction], segments[back]
+        if near + far > k or reach[direction] + reach[back] > 1.0 + 1e-9:
+            raise ValueError("arms of neighbouring stars overlap")
+        known = [0, near, k - far, k]
+        place = [0.0, reach[direction], 1.0 - reach[back], 1.0]
+        where = np.unique(known, return_index=True)[1]
+        fractions[direction] = np.interp(np.arange(k + 1), np.array(known)[where], np.array(place)[where])
+    return _Links(segments, fractions)
+
+
+def _displacement(n: int, m: int, k: int, lattice_vectors: Floats, links: _Links) -> Floats:
+    """(n m, 2) mm: points on links go where the arms want them, all others follow harmonically."""
+    size = n * m
+    i, j = (index.ravel() for index in np.indices((n, m)))
+    number = np.arange(size).reshape(n, m)
+    shift, known = np.zeros((size, 2)), np.zeros(size, dtype=bool)
+    for direction in range(3):
+        di, dj = STEPS[direction]
+        for a in range(0, n, k):
+            for b in range(0, m, k):
+                along = np.arange(k + 1)
+                points = number[(a + along * di) % n, (b + along * dj) % m]
+                off = links.fractions[direction] - along / k
+                shift[points] = off[:, None] * (STEPS[direction] @ lattice_vectors)
+                known[points] = True
+    if not known.all():
+        rows = np.repeat(np.arange(size), 6)
+        columns = np.column_stack([number[(i + di) % n, (j + dj) % m] for di, dj in STEPS]).ravel()
+        graph = sp.csr_matrix((np.ones(6 * size), (rows, columns)), shape=(size, size))
+        laplacian = (sp.diags(np.asarray(graph.sum(axis=1)).ravel()) - graph).tocsc()
+        free = ~known
+        rhs = -laplacian[free][:, known] @ shift[known]
+        shift[free] = np.reshape(spsolve(laplacian[free][:, free].tocsc(), rhs), (-1, 2))
+    return shift
+
+
+class _Numbering:
+    """Numbers of unfolded points: base points first, images as they are asked for."""
+
+    def __init__(self, n: int, m: int) -> None:
+        self._n, self._m = n, m
+        self._images: dict[tuple[int, int, int], int] = {}
+
+    def __call__(self, i: Ints, j: Ints) -> Ints:
+        i, j = np.asarray(i), np.asarray(j)
+        point = (i % self._n) * self._m + j % self._m
+        out = np.empty(len(point), dtype=np.int64)
+        for place, (p, a, b) in enumerate(zip(point, i // self._n, j // self._m, strict=True)):
+            if a == 0 and b == 0:
+                out[place] = p
+            else:
+                key = (int(p), int(a), int(b))
+                out[place] = self._images.setdefault(key, self._n * self._m + len(self._images))
+        return out
+
+    def unfolded(self) -> tuple[Ints, Ints]:
+        """Base point (U,) and image (U, 2) of all points numbered so far."""
+        own = np.arange(self._n * self._m)
+        images = np.array(list(self._images), dtype=np.int64).reshape(-1, 3)
+        base = np.concatenate([own, images[:, 0]])
+        return base, np.concatenate([np.zeros((len(own), 2), dtype=np.int64), images[:, 1:]])
