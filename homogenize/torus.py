@@ -80,7 +80,7 @@ def torus_mesh(
     step = lattice_vectors / k
     moved = (np.column_stack([i, j]) @ step) + _displacement(n, m, k, lattice_vectors, links)
 
-    def at(di: Ints, dj: Ints) -> Ints:
+    def at(di: int, dj: int) -> Ints:
         return numbering(i + di, j + dj)
 
     lower = np.column_stack([at(0, 0), at(1, 0), at(0, 1)])
