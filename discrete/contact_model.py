@@ -11,7 +11,7 @@ from discrete.elements import Array
 from discrete.model import Model
 from discrete.state import State, carried
 from equilibrium.extended_pattern import ExtendedPattern, entry_keys
-from equilibrium.factor import Factor
+from equilibrium.factor import BackendError, Factor
 from equilibrium.following_factor import FollowingFactor
 from pattern.design import Design
 from pattern.errors import DesignError
@@ -42,7 +42,15 @@ class ContactModel(Model):
         self._reduced[self.free] = np.arange(len(self.free))
 
     def factor(self, backend: str = "auto") -> Factor:
-        """A factorisation that follows the pattern."""
+        """A factorisation that follows the pattern.
+
+        Raises
+        ------
+        BackendError
+            The backend is multigrid, which knows one pattern only.
+        """
+        if backend == "amg":
+            raise BackendError("backend: 'amg' does not work with contact; use auto, pardiso, cholmod or superlu")
         return FollowingFactor(self, backend)
 
     def energies(self, state: State) -> dict[str, float]:

@@ -44,10 +44,14 @@ class MeshChoice(Section):
 
 
 class Solver(Section):
-    """Where the search for the shape starts: all stars bumped towards the plastic, or flat with noise."""
+    """Where the search for the shape starts: all stars bumped towards the plastic, or flat with noise.
+
+    And whether the sheet may pass through itself on its way, and in the end.
+    """
 
     start: Literal["bump", "flat"] = "bump"
     seed: Whole = Field(0, ge=0, lt=2**32)
+    contact: Flag = False
 
 
 class Design(Section):
