@@ -171,7 +171,7 @@ def fold_coefficients(hinges: Array, rest: Array, thickness: float, modulus: flo
     """(H,) the fourth-order term that the plate's patches need, `k_B |e|^2/(A1 + A2)/2`.
 
     A patch measures heights, `sin(theta)` in place of `2 tan(theta/2)`, and would let a fold beyond 90 degrees get
-    cheaper again. The squares of the two differ by theta^4/2 to leading order; this is that difference, of the hinges that
-    are as stiff as the plate for a cylinder (a third of the paper's).
+    cheaper again. The squares of the two differ by theta^4/2 to leading order; this is that difference, of the hinges
+    that are as stiff as the plate for a cylinder (a third of the paper's).
     """
     return paper_coefficients(hinges, rest, thickness, modulus, poisson) / 6.0

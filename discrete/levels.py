@@ -3,17 +3,23 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
 from discrete.contact_model import ContactModel
 from discrete.contact_prolongation import prolonged_apart
+from discrete.elements import Array
+from discrete.evidence import Equilibrium
 from discrete.model import Model
 from discrete.prolongation import prolonged
-from discrete.solve import Equilibrium, Report, Start, relax
+from discrete.solve import Start, relax
 from discrete.state import State
-from equilibrium.newton import Iteration, Method
+from discrete.walk import Report
+from equilibrium.newton import Method
 from pattern.errors import MeshError
 from pattern.meshing import mesh_layout
 
@@ -23,12 +29,20 @@ LARGEST_RATIO = 12.0  # of vertices between two levels
 
 @dataclass(frozen=True)
 class Level:
-    """What one mesh cost."""
+    """What one mesh cost, and the shape found on it: `printed` (V, 2) and `positions` (V, 3) of its vertices, mm."""
 
     vertices: int
     iterations: int
     factorisations: int
     seconds: dict[str, float]
+    printed: Array = field(repr=False)
+    positions: Array = field(repr=False)
+
+    @property
+    def cost(self) -> dict[str, Any]:
+        """All but the shape, for the summary."""
+        names = ("vertices", "iterations", "factorisations", "seconds")
+        return {name: getattr(self, name) for name in names}
 
 
 def find_equilibrium(
@@ -44,30 +58,32 @@ def find_equilibrium(
 
     Iterations, factorisations and seconds of the result are those of all levels together.
     """
-    found: Equilibrium | None = None
-    previous: Model | None = None
-    levels: list[Level] = []
-    for level in [*_coarser(model), model]:
+    models = [*coarser(model), model]
+    tell = _named(report, models[0] if len(models) > 1 else None)
+    found = relax(models[0], start, None, seed, backend, method, max_iterations, tell)
+    return carried_up(models, found, start, seed, backend, method, max_iterations, report)
+
+
+def carried_up(
+    models: Sequence[Model],
+    found: Equilibrium,
+    start: Start,
+    seed: int,
+    backend: str,
+    method: Method,
+    max_iterations: int,
+    report: Report | None,
+) -> tuple[Equilibrium, list[Level]]:
+    """The equilibrium of the last model, from one of the first model through those between."""
+    levels = [_level(models[0], found, found.seconds)]
+    path = found.path
+    for previous, level in pairwise(models):
         begun = time.perf_counter()
-        if previous is None or found is None:
-            state: Start | State = start
-        else:
-            state = _carried(previous, found.state, level, start)
+        state = _carried(previous, found.state, level, start)
         prepared = time.perf_counter() - begun
-        name = f"{level.n_vertices} vertices"
-        found = relax(
-            level,
-            state,
-            seed=seed,
-            backend=backend,
-            method=method,
-            max_iterations=max_iterations,
-            report=_named(report, name if level is not model or previous is not None else ""),
-        )
-        seconds = {"prolongation": prepared, **found.seconds} if previous is not None else found.seconds
-        levels.append(Level(level.n_vertices, found.iterations, found.factorisations, seconds))
-        previous = level
-    assert found is not None
+        found = relax(level, state, None, seed, backend, method, max_iterations, _named(report, level))
+        path += found.path
+        levels.append(_level(level, found, {"prolongation": prepared, **found.seconds}))
     stages: dict[str, float] = {}
     for one in levels:
         for stage, spent in one.seconds.items():
@@ -77,8 +93,14 @@ def find_equilibrium(
         iterations=sum(one.iterations for one in levels),
         factorisations=sum(one.factorisations for one in levels),
         seconds=stages,
+        path=path,
     )
     return whole, levels
+
+
+def _level(model: Model, found: Equilibrium, seconds: dict[str, float]) -> Level:
+    work = found.iterations, found.factorisations
+    return Level(model.n_vertices, *work, seconds, model.mesh.points, found.state.positions)
 
 
 def _carried(coarse: Model, state: State, fine: Model, start: Start) -> State | Start:
@@ -88,7 +110,7 @@ def _carried(coarse: Model, state: State, fine: Model, start: Start) -> State | 
     return prolonged(coarse, state, fine)
 
 
-def _coarser(model: Model) -> list[Model]:
+def coarser(model: Model) -> list[Model]:
     """Coarser models of the same design, the coarsest first; none for small ones."""
     ratio = model.n_vertices / COARSE_VERTICES
     steps = int(np.ceil(np.log(ratio) / np.log(LARGEST_RATIO))) if ratio > 2.0 else 0
@@ -105,11 +127,8 @@ def _coarser(model: Model) -> list[Model]:
     return models
 
 
-def _named(report: Report | None, level: str) -> Report | None:
-    if report is None or not level:
+def _named(report: Report | None, model: Model | None) -> Report | None:
+    """The report with the mesh named, where there are several."""
+    if report is None or model is None:
         return report
-
-    def tell(stage: str, iteration: Iteration) -> None:
-        report(f"{level}, {stage}", iteration)
-
-    return tell
+    return lambda stage, iteration: report(f"{model.n_vertices} vertices, {stage}", iteration)

@@ -1,10 +1,11 @@
 """The six vertices around each triangle, and the quadratic through them.
 
-Quadratics that vanish at the triangle's own vertices are spanned by the products `l1 l2, l2 l0, l0 l1` of its barycentric
-coordinates. What three more vertices have above the plane of the triangle therefore gives the second derivatives, by
-the inverse of the 3 x 3 matrix of those products at the three. The three are the apexes of the neighbours. Where one is
-missing (border), or where all six lie close to a conic and the inverse is large, they are chosen among all vertices
-around: the three with the least sum of squared second derivatives for unit heights. Quadratics stay exact everywhere.
+Quadratics that vanish at the triangle's own vertices are spanned by the products `l1 l2, l2 l0, l0 l1` of its
+barycentric coordinates. What three more vertices have above the plane of the triangle therefore gives the second
+derivatives, by the inverse of the 3 x 3 matrix of those products at the three. The three are the apexes of the
+neighbours. Where one is missing (border), or where all six lie close to a conic and the inverse is large, they are
+chosen among all vertices around: the three with the least sum of squared second derivatives for unit heights.
+Quadratics stay exact everywhere.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import numpy as np
 
 from discrete.elements import Array
 from discrete.hinges import interior_edges
+from pattern.errors import MeshError
 
 # of the second derivatives for unit heights, squared, times the area squared; equilateral triangles have 1
 LARGEST_GAIN = 4.0
@@ -48,11 +50,15 @@ def patches(triangles: Array, points: Array) -> Patches:
     gain[(others < 0).any(axis=1)] = np.inf
     around = _around(triangles)
     for t in np.flatnonzero(~(gain < LARGEST_GAIN)):
-        trios = _trios(triangles[t], others[t], around, bool(np.isinf(gain[t])))
-        one = np.full(len(trios), t)
-        choice, gains = _second(points, triangles[one], first[one], products[one], area[one], trios)
-        best = int(np.argmin(gains))
-        others[t], second[t] = trios[best], choice[best]
+        for trios in _trios(triangles[t], others[t], around):
+            one = np.full(len(trios), t)
+            choice, gains = _second(points, triangles[one], first[one], products[one], area[one], trios)
+            if len(trios) and np.isfinite(gains).any():
+                best = int(np.argmin(gains))
+                others[t], second[t] = trios[best], choice[best]
+                break
+        else:
+            raise MeshError("consistent bending needs six vertices around every triangle: mesh.edge_mm must be smaller")
     # a height is measured from the triangle's own plane
     own = -np.einsum("tqa,tqj->tja", second, _barycentric(points, triangles, first, others))
     return Patches(np.column_stack([triangles, others]), first, np.concatenate([own, second], axis=1), area)
@@ -107,12 +113,16 @@ def _apexes(triangles: Array) -> Array:
     key = (start.astype(np.int64) * size + end).ravel()
     order = np.argsort(key)
     hinges = interior_edges(triangles).astype(np.int64)
-    out = np.full(triangles.size, -1, dtype=np.int64)
+    sides = np.full(triangles.size, -1, dtype=np.int64)
     # the apex on the left is in the triangle that runs along the edge as it is given
     for one, other, apex in ((0, 1, 3), (1, 0, 2)):
         side = order[np.searchsorted(key[order], hinges[:, one] * size + hinges[:, other])]
-        out[side] = hinges[:, apex]
-    return out.reshape(triangles.shape)
+        sides[side] = hinges[:, apex]
+    out = sides.reshape(triangles.shape)
+    # around a vertex of three triangles two sides share an apex
+    out[:, 1:][out[:, 1:] == out[:, :1]] = -1
+    out[out[:, 2] == out[:, 1], 2] = -1
+    return out
 
 
 def _around(triangles: Array) -> list[set[int]]:
@@ -125,14 +135,20 @@ def _around(triangles: Array) -> list[set[int]]:
     return around
 
 
-def _trios(own: Array, apexes: Array, around: list[set[int]], border: bool) -> Array:
-    """(n, 3) candidates for the other three vertices; at the border the apexes that exist are kept."""
+def _trios(own: Array, apexes: Array, around: list[set[int]]) -> list[Array]:
+    """Candidates (n, 3) for the other three vertices, in the order in which they are tried.
+
+    At the border the apexes that exist are kept if that is possible; six vertices near a conic are all chosen anew.
+    """
     mine = set(own.tolist())
     near = set().union(*(around[v] for v in mine)) - mine
-    while len(near) < 4:  # a corner of the sheet
-        wider = set().union(*(around[v] for v in near)) | near
-        if wider - mine == near:
-            break
-        near = wider - mine
-    kept = [int(v) for v in apexes if v >= 0] if border and len(near) > 4 else []
-    return np.array([kept + list(more) for more in combinations(sorted(near - set(kept)), 3 - len(kept))])
+    # corners of the sheet have few vertices around
+    while len(near) < 4 and not set().union(*(around[v] for v in near)) <= near | mine:
+        near |= set().union(*(around[v] for v in near)) - mine
+    existing = {int(v) for v in apexes if v >= 0}
+    choices = [existing, set()] if len(existing) < 3 else [set()]
+    out = []
+    for kept in choices:
+        more = combinations(sorted(near - kept), 3 - len(kept))
+        out.append(np.array([[*sorted(kept), *some] for some in more], dtype=np.int64).reshape(-1, 3))
+    return out
