@@ -62,12 +62,22 @@ def simulate(
     edge: Annotated[float | None, typer.Option(help="Edge length of the mesh in mm, in place of the design's.")] = None,
     start: Annotated[str | None, typer.Option(help="bump or flat, in place of the design's.")] = None,
     seed: Annotated[int | None, typer.Option(help="Seed of the start's noise, in place of the design's.")] = None,
-    fabric_bending: Annotated[str | None, typer.Option(help="paper or none, in place of the design's.")] = None,
+    starts: Annotated[
+        int, typer.Option(min=1, max=1000, help="Starts to look for other minima; the lowest found is the result.")
+    ] = 1,
+    fabric_bending: Annotated[
+        str | None, typer.Option(help="paper, consistent or none, in place of the design's.")
+    ] = None,
+    contact: Annotated[
+        bool | None,
+        typer.Option("--contact/--no-contact", help="Keep the sheet from passing through itself (needs ipctk)."),
+    ] = None,
     backend: Annotated[str, typer.Option(help="Linear solver: auto, pardiso, cholmod, superlu or amg.")] = "auto",
 ) -> None:
     """The exact model: the shape of a design, certified to be an equilibrium.
 
-    Writes summary.json, shape.vtu, rods.vtu and shape.png. Exit status 1 if what was found is not an equilibrium.
+    Writes summary.json, shape.vtu, rods.vtu and shape.png, and minimum-2.vtu, minimum-2.png, ... if --starts has found
+    other minima. Exit status 1 if what was found is not an equilibrium.
     """
     from asterism.files import check_writable
     from asterism.overrides import changed
@@ -83,18 +93,22 @@ def simulate(
             "--start": ("solver.start", start),
             "--seed": ("solver.seed", seed),
             "--fabric-bending": ("fabric.bending", fabric_bending),
+            "--contact": ("solver.contact", contact),
         },
     )
     directory = output or design.with_suffix("")
     check_writable(directory)
     progress = Progress()
     try:
-        shape = run(plan, backend, progress.report, progress.say)
+        shape = run(plan, backend, progress.report, progress.say, starts)
     finally:
         progress.close()
     files = write_results(shape, directory)
     _table(dict(shape.summary))
     typer.echo(f"{directory}: {', '.join(files)}")
+    if through := shape.summary["self_intersections"]:
+        advice = "" if plan.solver.contact else "; --contact keeps it apart"
+        print(f"asterism: the sheet passes through itself ({through} pairs of triangles){advice}", file=sys.stderr)
     if not shape.summary["is_minimum"]:
         print("asterism: not an equilibrium: " + _why(dict(shape.summary)), file=sys.stderr)
         raise typer.Exit(1)
@@ -102,6 +116,7 @@ def simulate(
 
 def _table(s: dict[str, Any]) -> None:
     extent = " x ".join(f"{size:.1f}" for size in s["extent_mm"])
+    error = s["mesh_error_percent"]
     rows = {
         "stars": f"{s['stars_up']} of {s['stars_total']} up",
         "height": f"{s['height_mm']:.2f} mm",
@@ -112,10 +127,19 @@ def _table(s: dict[str, Any]) -> None:
         "smallest eigenvalue": f"{s['smallest_eigenvalue']:.3e} N/mm",
         "equilibrium": "stable" if s["is_minimum"] else "no",
         "mesh": f"{s['vertices']} vertices, {s['mesh']}",
+        "mesh error": "-" if error is None else f"about {error:.1f} % of the diameter",
         "work": f"{s['iterations']} iterations, {s['factorisations']} factorisations, {s['wall_s']:.1f} s",
     }
+    if s["starts"] > 1:
+        rows |= {f"minimum {number}": _minimum(m) for number, m in enumerate(s["minima"], 1)}
     for name, value in rows.items():
         typer.echo(f"  {name:<20} {value}")
+
+
+def _minimum(m: dict[str, Any]) -> str:
+    axis = "" if m["roll_axis_deg"] is None else f", rolled about {m['roll_axis_deg']:.0f} deg"
+    away = f"{m['distance_percent']:.1f} % away, " if m["distance_percent"] else ""
+    return f"{m['energy_n_mm']:.4f} N mm, {m['stars_up']} up{axis}; {away}{m['starts']} starts"
 
 
 def _why(s: dict[str, Any]) -> str:

@@ -1,4 +1,4 @@
-"""The files of a result: summary.json, shape.vtu, rods.vtu, shape.png."""
+"""The files of a result: summary.json, shape.vtu, rods.vtu, shape.png, and a pair for every further minimum."""
 
 from __future__ import annotations
 
@@ -25,6 +25,9 @@ def write_results(shape: Shape, directory: str | Path) -> list[str]:
         write_shape_vtu(shape, folder / "shape.vtu")
         write_rods_vtu(shape, folder / "rods.vtu")
         draw(shape, shape.summary["design"]["name"], folder / "shape.png")
+        for number, other in enumerate(shape.others, 2):
+            write_shape_vtu(other, folder / f"minimum-{number}.vtu")
+            draw(other, f"{shape.summary['design']['name']}, minimum {number}", folder / f"minimum-{number}.png")
         (folder / LAST).write_text(json.dumps(_plain(dict(shape.summary)), indent=2, allow_nan=False) + "\n")
         return sorted(file.name for file in folder.iterdir())
 

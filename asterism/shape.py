@@ -31,6 +31,7 @@ class Shape:
     rod_fields : arrays (R,) by name over the edges of all rods, in the order of `rod_edges`;
         `thickness_mm`, `width_mm`, `arm` and `star` among them.
     summary : the numbers of `summary.json`.
+    others : further minima of the same design, where they were looked for.
     """
 
     printed: Floats
@@ -43,6 +44,7 @@ class Shape:
     cell_fields: Mapping[str, np.ndarray] = field(default_factory=dict)
     rod_fields: Mapping[str, np.ndarray] = field(default_factory=dict)
     summary: Mapping[str, Any] = field(default_factory=dict)
+    others: tuple[Shape, ...] = ()
 
     @property
     def rod_edges(self) -> Ints:

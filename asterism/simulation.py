@@ -4,17 +4,26 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from asterism import __version__
+from asterism.mesh_error import mesh_error_percent
+from asterism.minima import many_minima, one_minimum
+from asterism.self_intersections import self_intersections
 from asterism.shape import Shape
 from asterism.surface_fields import cell_fields, point_fields
+from discrete.branches import find_minima
+from discrete.contact import ipc_toolkit
+from discrete.contact_model import ContactModel
+from discrete.evidence import Equilibrium
 from discrete.levels import Level, find_equilibrium
+from discrete.likeness import roll_axis_deg
 from discrete.model import Model
 from discrete.rods import curvatures
-from discrete.solve import Equilibrium, Report
+from discrete.walk import Report
 from equilibrium.factor import check_backend
 from pattern.build import layout
 from pattern.design import Design
@@ -28,15 +37,18 @@ def simulate(
     backend: str = "auto",
     report: Report | None = None,
     say: Say | None = None,
+    starts: int = 1,
 ) -> Shape:
     """Equilibrium of the exact model.
 
     Parameters
     ----------
     design : from `load_design`, `new` or `Design.from_dict`.
-    backend : sparse factorisation: `auto`, `pardiso`, `cholmod` or `superlu`.
+    backend : linear solver: `auto`, `pardiso`, `cholmod`, `superlu`, or `amg` (multigrid, for little memory).
     report : called with the stage's name and an `Iteration` after every iteration.
     say : called with a line of text when something begins.
+    starts : more than one: as many different starts are tried, and the lowest minimum found is the result; the others
+        are in its `others`, and compared in the summary's `minima`.
 
     Returns
     -------
@@ -51,22 +63,41 @@ def simulate(
         The factorisation is not installed.
     """
     check_backend(backend)
+    if design.solver.contact:
+        ipc_toolkit()  # before anything else takes time
     tell = say or (lambda text: None)
     start = time.perf_counter()
     plan = layout(design)
     mesh = mesh_layout(plan, design.mesh.edge_mm, design.mesh.kind, design.mesh.seed)
     tell(f"{len(plan.centres)} stars on {len(mesh.triangles)} triangles ({mesh.kind} mesh)")
     meshed = time.perf_counter()
-    model = Model(design, plan, mesh)
+    model = (ContactModel if design.solver.contact else Model)(design, plan, mesh)
     built = time.perf_counter()
     tell(f"minimising the energy over {len(model.free)} degrees of freedom")
     solver = design.solver
-    found, levels = find_equilibrium(model, solver.start, seed=solver.seed, backend=backend, report=report)
-    seconds = {"mesh": meshed - start, "model": built - meshed, **found.seconds}
-    return _shape(model, found, levels, seconds, time.perf_counter() - start)
+    before = {"mesh": meshed - start, "model": built - meshed}
+    if starts == 1:
+        found, levels = find_equilibrium(model, solver.start, seed=solver.seed, backend=backend, report=report)
+        minima = one_minimum(model, found)
+        return _shape(model, found, levels, before | found.seconds, time.perf_counter() - start, minima)
+    all_found = find_minima(model, starts, solver.start, seed=solver.seed, backend=backend, report=report)
+    minima = many_minima(all_found, starts)
+    spent = time.perf_counter() - start
+    best, *others = (
+        _shape(model, branch.found, list(branch.levels), before | branch.found.seconds, spent, minima)
+        for branch in all_found.fine
+    )
+    return replace(best, others=tuple(others))
 
 
-def _shape(model: Model, found: Equilibrium, levels: list[Level], seconds: dict[str, float], wall: float) -> Shape:
+def _shape(
+    model: Model,
+    found: Equilibrium,
+    levels: list[Level],
+    seconds: dict[str, float],
+    wall: float,
+    minima: dict[str, Any],
+) -> Shape:
     mesh, positions = model.mesh, found.state.positions
     star = np.full(len(mesh.points), -1, dtype=np.int64)
     star[mesh.star_vertices] = np.arange(len(mesh.star_vertices))
@@ -84,7 +115,12 @@ def _shape(model: Model, found: Equilibrium, levels: list[Level], seconds: dict[
     stretch = model.design.fabric.stretch_xy
     fields = point_fields(shape.positions, shape.triangles)
     strains = cell_fields(shape.printed, shape.positions, shape.triangles, stretch)
-    summary = _summary(model, found, shape, seconds, wall) | {"levels": [vars(level) for level in levels]}
+    summary = _summary(model, found, shape, seconds, wall) | {
+        "mesh_error_percent": _mesh_error(shape, levels),
+        "levels": [level.cost for level in levels],
+        **minima,
+        "path": [vars(step) for step in found.path],
+    }
     return Shape(**{**vars(shape), "point_fields": fields, "cell_fields": strains, "summary": summary})
 
 
@@ -120,15 +156,21 @@ def _summary(model: Model, found: Equilibrium, shape: Shape, seconds: dict[str, 
         "stars_total": len(model.layout.centres),
         "stars_up": found.stars_up,
         "stars_down": [int(i) for i in np.flatnonzero(found.bumps <= 0.0)],
+        "stars_off_branch": _off_branch(model, found),
+        "roll_axis_deg": roll_axis_deg(model, found.state),
         "vertices": model.n_vertices,
         "triangles": len(model.mesh.triangles),
         "dofs": len(model.free),
         "mesh": model.mesh.kind,
         "edge_mm": model.design.mesh.edge_mm,
+        "self_intersections": self_intersections(shape.positions, shape.triangles),
+        "self_contact": _contact(model, found),
         "fabric_bending": model.design.fabric.bending,
+        "fabric_bending_n_mm": sum(found.energies.get(part, 0.0) for part in ("hinges", "plate", "folds")),
         "iterations": found.iterations,
         "factorisations": found.factorisations,
         "saddles_left": found.saddles_left,
+        "instabilities_passed": found.instabilities_passed,
         "wall_s": wall,
         "wall_s_by_stage": seconds,
         "height_mm": shape.height_mm,
@@ -138,6 +180,35 @@ def _summary(model: Model, found: Equilibrium, shape: Shape, seconds: dict[str, 
         "version": __version__,
         "design": model.design.to_dict(),
     }
+
+
+def _mesh_error(shape: Shape, levels: list[Level]) -> float | None:
+    """In % of the diameter; None if only one mesh was solved."""
+    if len(levels) < 2:
+        return None
+    return mesh_error_percent(shape, levels[-2].printed, levels[-2].positions)
+
+
+def _contact(model: Model, found: Equilibrium) -> dict[str, Any] | None:
+    """Where contact begins, how near parts may come, and how near they are; None if they may pass through each other.
+
+    Without any contact the least distance is not known, and null.
+    """
+    if not isinstance(model, ContactModel):
+        return None
+    pairs, least = model.contact.touching(found.state.positions)
+    return {
+        "begins_at_mm": model.contact.distance,
+        "closest_possible_mm": model.contact.closest,
+        "least_distance_mm": least if pairs else None,
+        "pairs": pairs,
+    }
+
+
+def _off_branch(model: Model, found: Equilibrium) -> list[int]:
+    """Stars that did not keep the side to which their branch sent them; from a flat start none is sent."""
+    sent = model.layout.star_branch if model.design.solver.start == "bump" else 0
+    return [int(i) for i in np.flatnonzero(found.bumps * sent < 0.0)]
 
 
 def _contraction(model: Model, shape: Shape) -> float | None:

@@ -67,10 +67,17 @@ class Beginning:
         return _moved(model, state, state.positions + np.where(held, 0.0, noise))
 
     def kept(self, model: Model, state: State) -> State:
-        """Early in the release a star is nearly flat and goes where rounding sends it: bump those off their branch."""
-        branch = self.branches(model)
-        flat = branch * bump_heights(model, state) < FLAT_MM
-        return model.towards(state, bumped(model, state, np.where(flat, NUDGE_MM * branch, 0.0)))
+        """The state with the stars that are off their branch put back on it.
+
+        Early in the release a star is nearly flat and goes where rounding sends it: a nudge is enough. Down is no
+        minimum before the star is bent enough: there it is turned inside out again in every step, until it stays.
+        """
+        branch, height = self.branches(model), bump_heights(model, state)
+        lift = np.where(branch * height < FLAT_MM, NUDGE_MM * branch, 0.0)
+        lift = np.where((branch < 0) & (height > -FLAT_MM), -np.abs(height) - BUMP_MM, lift)
+        if self.releases[-1] == model.release:
+            lift = np.minimum(lift, 0.0)
+        return model.towards(state, bumped(model, state, lift))
 
 
 def beginnings(n_stars: int, count: int, bumps: bool = True, seed: int = 0) -> list[Beginning]:

@@ -23,6 +23,7 @@ Report = Callable[[str, Iteration], None]
 
 TOLERANCE, LOOSE = 1e-8, 1e-4  # of the force scale: at the end, and on the way there
 CLEARLY = 1e-7  # of modulus times thickness: an eigenvalue below minus this is negative at the loose tolerance too
+CARRIED = 1.0  # first blend at a state that comes from another mesh: smaller ones would be refused
 KICKS = 5
 PIN_MOVES = 5  # parts of the way of pins that take hold after release
 
@@ -62,7 +63,7 @@ class Walk:
     def from_state(self, model: Model, state: State) -> Equilibrium:
         """Minimise where the model is now."""
         with self._factor(model) as factor:
-            return self._certified(model, state, factor)
+            return self._certified(model, state, factor, CARRIED)
 
     def _released(self, model: Model, start: Beginning, factor: Factor) -> State:
         model.set_release(start.releases[0])
@@ -70,8 +71,7 @@ class Walk:
         for release in start.releases:
             model.set_release(release)
             state = model.moved_pins(state)
-            if release < 1.0:
-                state = start.kept(model, state)
+            state = start.kept(model, state)
             state = self._followed(model, state, 0, factor, f"{100 * release:.0f} %")
         return state
 
@@ -101,9 +101,9 @@ class Walk:
         self.effort.path.append(PathStep(*here, result.energy, iterations, kicks))
         return result.state
 
-    def _certified(self, model: Model, state: State, factor: Factor) -> Equilibrium:
+    def _certified(self, model: Model, state: State, factor: Factor, blend: float = 0.0) -> Equilibrium:
         """Minimise tightly, find the smallest eigenvalue, and while it is negative leave along its mode."""
-        result = self._minimised(model, state, TOLERANCE, factor, "equilibrium", "equilibrium")
+        result = self._minimised(model, state, TOLERANCE, factor, "equilibrium", "equilibrium", blend)
         iterations, saddles = result.iterations, 0
         while True:
             pair = self._lowest(model, result.state, factor, "certificate")
@@ -140,14 +140,32 @@ class Walk:
         return pair
 
     def _minimised(
-        self, model: Model, state: State, tolerance: float, factor: Factor, stage: str, name: str
+        self,
+        model: Model,
+        state: State,
+        tolerance: float,
+        factor: Factor,
+        stage: str,
+        name: str,
+        blend: float = 0.0,
     ) -> Minimum:
         """Newton's method on the clock of a stage; `tolerance` is a part of the force scale."""
         report = self.report
         tell = (lambda iteration: report(name, iteration)) if report else None
         goal = tolerance * force_scale(model)
         result = self.effort.run(
-            stage, lambda: minimise(model, state, factor, goal, self.max_iterations, self.method, report=tell)
+            stage,
+            lambda: minimise(
+                model,
+                state,
+                factor,
+                goal,
+                self.max_iterations,
+                self.method,
+                report=tell,
+                blend=blend,
+                verdict=stage == "release",  # elsewhere the certificate follows
+            ),
         )
         self.effort.add(result)
         return result

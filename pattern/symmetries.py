@@ -29,8 +29,8 @@ class Symmetry:
     Notes
     -----
     If `x(p)` is an equilibrium, so is the shape `x'(p) = Q x(turn p + shift)`, with Q any proper rotation if `turn` is
-    one. A mirrored print has its plastic on the wrong side, so there Q must be improper: the shape is reflected in space
-    too, which no energy notices.
+    one. A mirrored print has its plastic on the wrong side, so there Q must be improper: the shape is reflected in
+    space too, which no energy notices.
     """
 
     turn: Floats

@@ -1,0 +1,150 @@
+"""Minima of a design from many starts: found on the coarse mesh, told apart, the best carried to the fine mesh."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from discrete.elements import Array
+from discrete.evidence import Equilibrium
+from discrete.levels import Level, carried_up, coarser
+from discrete.likeness import diameter, distances, roll_axis_deg
+from discrete.model import Model
+from discrete.solve import Start, relax
+from discrete.starts import beginnings
+from discrete.walk import Report
+from equilibrium.newton import Method
+from pattern.symmetries import Symmetry, symmetries
+
+SAME_PERCENT = 0.5  # of the diameter: minima nearer than this are one
+CARRIED = 6  # minima that are solved on the fine mesh
+
+
+@dataclass(frozen=True)
+class Branch:
+    """A minimum and how it was found.
+
+    Attributes
+    ----------
+    found : on the mesh of `model`.
+    starts : names of the starts that ended here, the first of them first.
+    default : the default start did.
+    levels : what the finer meshes cost; empty before they were solved.
+    """
+
+    found: Equilibrium
+    model: Model
+    starts: tuple[str, ...]
+    default: bool
+    levels: tuple[Level, ...] = ()
+
+    @property
+    def centres(self) -> Array:
+        """(S, 3) mm."""
+        return self.found.state.positions[self.model.mesh.star_vertices]
+
+    @property
+    def roll_axis_deg(self) -> float | None:
+        """Axis of the rolled sheet in print coordinates."""
+        return roll_axis_deg(self.model, self.found.state)
+
+    @property
+    def keeps_prescribed(self) -> bool:
+        """Stars prescribed down are down; up is the default and prescribes nothing."""
+        return bool((self.found.bumps[self.model.layout.star_branch < 0] < 0.0).all())
+
+
+@dataclass(frozen=True)
+class Minima:
+    """All that many starts have found.
+
+    Attributes
+    ----------
+    fine : distinct minima on the fine mesh; the first is the result, the others follow by energy.
+    coarse : distinct minima of the exploration, by energy; `carried` of them were solved on the fine mesh.
+    lost : starts that ended in no minimum.
+    symmetries : of the design, for `distance_percent`.
+    """
+
+    fine: list[Branch]
+    coarse: list[Branch]
+    carried: list[bool]
+    lost: int
+    symmetries: list[Symmetry]
+
+    def distance_percent(self, first: Branch, second: Branch) -> float:
+        """Rms distance of the star centres over the diameter, modulo rigid motions and symmetries."""
+        return _percent(first, second, self.symmetries)[0]
+
+
+def find_minima(
+    model: Model,
+    starts: int,
+    start: Start = "bump",
+    seed: int = 0,
+    backend: str = "auto",
+    method: Method = "blended",
+    max_iterations: int = 500,
+    report: Report | None = None,
+) -> Minima:
+    """Distinct minima from a fixed sequence of starts, the default one first; other arguments as in `relax`.
+
+    The result is the lowest minimum whose stars keep the sides that were prescribed, where there is one.
+    """
+    models = [*coarser(model), model]
+    same = symmetries(model.design, model.layout)
+    found: list[Branch] = []
+    lost = 0
+    for number, one in enumerate(beginnings(len(model.layout.centres), starts, start == "bump", seed)):
+        tell = _named(report, f"start {number + 1} of {starts}")
+        end = relax(models[0], one, None, seed, backend, method, max_iterations, tell)
+        if end.is_minimum or number == 0:
+            found.append(Branch(end, models[0], (one.name,), number == 0))
+        else:
+            lost += 1
+    coarse = distinct(found, same)
+    carried = [branch.default or i < CARRIED for i, branch in enumerate(_best_first(coarse))]
+    fine = []
+    for number, branch in enumerate(b for b, kept in zip(_best_first(coarse), carried, strict=True) if kept):
+        tell = _named(report, f"minimum {number + 1}")
+        end, levels = carried_up(models, branch.found, start, seed, backend, method, max_iterations, tell)
+        fine.append(replace(branch, found=end, model=model, levels=tuple(levels)))
+    certain = [b for b in fine if b.found.is_minimum] or fine
+    return Minima(_best_first(distinct(certain, same)), _best_first(coarse), carried, lost, same)
+
+
+def distinct(branches: list[Branch], same: list[Symmetry]) -> list[Branch]:
+    """One of each minimum, the lowest of those that are nearer than SAME_PERCENT with the same stars up."""
+    groups: list[list[Branch]] = []
+    for branch in sorted(branches, key=lambda b: b.found.energy):
+        for group in groups:
+            percent, alike = _percent(group[0], branch, same)
+            if alike and percent < SAME_PERCENT:
+                group.append(branch)
+                break
+        else:
+            groups.append([branch])
+    return [
+        replace(group[0], starts=tuple(s for b in group for s in b.starts), default=any(b.default for b in group))
+        for group in groups
+    ]
+
+
+def _percent(first: Branch, second: Branch, same: list[Symmetry]) -> tuple[float, bool]:
+    """Distance in percent of the diameter, and whether it is to an image with the same stars up."""
+    apart = 100.0 * distances(first.centres, second.centres, same) / diameter(first.model)
+    up, other = first.found.bumps > 0.0, second.found.bumps > 0.0
+    alike = np.array([np.array_equal(up, other[symmetry.star]) for symmetry in same])
+    if alike.any() and apart[alike].min() < SAME_PERCENT:
+        return float(apart[alike].min()), True
+    return float(apart.min()), False
+
+
+def _best_first(branches: list[Branch]) -> list[Branch]:
+    """By energy, those that keep the prescribed sides before the others."""
+    return sorted(branches, key=lambda b: (not b.keeps_prescribed, b.found.energy))
+
+
+def _named(report: Report | None, name: str) -> Report | None:
+    return (lambda stage, iteration: report(f"{name}, {stage}", iteration)) if report else None

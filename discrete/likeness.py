@@ -1,0 +1,68 @@
+"""How far two shapes of one design are from each other, and which way a shape is rolled."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from discrete.elements import Array
+from discrete.model import Model
+from discrete.pin_steps import rigid_fit
+from discrete.state import State
+from pattern.symmetries import Symmetry
+
+ROLLED_TURN = 1.0  # rad from one side of the sheet to the other
+ROLLED_ASPECT = 0.3  # of the curvatures' squares along and across the axis
+
+
+def distances(first: Array, second: Array, symmetries: Sequence[Symmetry]) -> Array:
+    """(n,) mm, rms distance of the star centres (S, 3) of two shapes, laid on each other, for every symmetry.
+
+    The second shape stands for all its images `x'(p) = Q x(turn p + shift)`; see `Symmetry`.
+    """
+    out = []
+    for symmetry in symmetries:
+        image = second[symmetry.star]
+        if symmetry.mirrors:
+            image = image * [-1.0, 1.0, 1.0]
+        rotation, shift = rigid_fit(image, first)
+        out.append(np.sqrt(((image @ rotation.T + shift - first) ** 2).sum(axis=1).mean()))
+    return np.array(out)
+
+
+def diameter(model: Model) -> float:
+    """mm, largest distance of two corners of the print."""
+    border = model.layout.border
+    return float(np.linalg.norm(border[:, None] - border[None], axis=2).max())
+
+
+def roll_axis_deg(model: Model, state: State) -> float | None:
+    """Axis of a rolled sheet in print coordinates, 0 to 180 deg from the x axis; None for other shapes.
+
+    At every star the change of the normal from star to star is fitted by a linear map W (3, 2) of the printed place;
+    the mean of W^T W has one large eigenvalue if the sheet bends about one axis only.
+    """
+    layout, net = model.layout, model.network
+    pairs = np.concatenate([layout.neighbours, layout.neighbours[:, ::-1]])
+    normal = np.zeros((len(layout.centres), 3))
+    np.add.at(normal, layout.arm_star[net.rod], state.directors)
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
+    step = layout.centres[pairs[:, 1]] - layout.centres[pairs[:, 0]]
+    change = normal[pairs[:, 1]] - normal[pairs[:, 0]]
+    total, fitted = np.zeros((2, 2)), 0
+    for star in range(len(layout.centres)):
+        own = pairs[:, 0] == star
+        # a map of the plane takes two directions
+        if own.sum() < 2 or np.linalg.svd(step[own], compute_uv=False)[-1] < 0.1 * model.spacing:
+            continue
+        w = np.linalg.lstsq(step[own], change[own], rcond=None)[0]
+        total += w @ w.T
+        fitted += 1
+    if fitted == 0:
+        return None
+    (low, high), vectors = np.linalg.eigh(total / fitted)
+    if np.sqrt(high) * diameter(model) < ROLLED_TURN or low > ROLLED_ASPECT * high:
+        return None
+    x, y = vectors[:, 0]
+    return float(np.degrees(np.arctan2(y, x)) % 180.0)
