@@ -3,8 +3,8 @@
 python -m benchmarks.convergence [FILE]
 
 Distances are those of star centres and of the surface (at the same printed points) to the finest mesh of the same
-design, after a rigid motion, and up to the symmetries of the pattern: a tube may roll about any of three axes. FILE keeps
-finished cases, one a line, and spares them the next time. Every case runs in a process of its own.
+design, after a rigid motion, and up to the symmetries of the pattern: a tube may roll about any of three axes. FILE
+keeps finished cases, one a line, and spares them the next time. Every case runs in a process of its own.
 """
 
 from __future__ import annotations
@@ -220,11 +220,11 @@ def report(rows: list[dict[str, Any]]) -> None:
         aligned = sorted((r for r in mine if r["mesh"]["kind"] == "aligned"), key=lambda r: r["vertices"])
         fit = rates(aligned)
         others = [r for r in mine if r["mesh"]["kind"] != "aligned"]
+        stars, surface = (fit[f"{name}_percent_edge_mm"] for name in ("stars", "surface"))
         text = (
             f"Observed order: energy {fit['energy']:.1f} (limit {fit['energy_limit_n_mm']:.1f} N mm), star centres "
-            f"{fit['stars_percent']:.1f}, surface {fit['surface_percent']:.1f}. The surface is within 1 % of the diameter "
-            f"for edges up to {fit['surface_percent_edge_mm']:.2f} mm, the star centres up to "
-            f"{fit['stars_percent_edge_mm']:.2f} mm."
+            f"{fit['stars_percent']:.1f}, surface {fit['surface_percent']:.1f}. One per cent of the diameter: the "
+            f"surface for edges up to {surface:.2f} mm, the star centres up to {stars:.2f} mm."
         )
         tables.append(f"### {design}, {bending}\n\n{markdown(HEADER, [row(r) for r in aligned + others])}\n\n{text}")
         print(tables[-1])

@@ -1,0 +1,82 @@
+"""The estimate of the discretisation error, on shapes whose error is known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from asterism.mesh_error import diameter, mesh_error_percent, rms_distance
+from asterism.shape import Shape
+from asterism.simulation import simulate
+from pattern import gallery
+from pattern.design import Design
+
+
+def bowl(cells: int, height: float) -> Shape:
+    """A square of 20 mm bent to a paraboloid, somewhere in space."""
+    side = np.linspace(-10.0, 10.0, cells + 1)
+    points = np.stack(np.meshgrid(side, side, indexing="ij"), axis=-1).reshape(-1, 2)
+    corner = (np.arange(cells)[:, None] * (cells + 1) + np.arange(cells)).ravel()
+    lower = np.column_stack([corner, corner + cells + 1, corner + cells + 2])
+    upper = np.column_stack([corner, corner + cells + 2, corner + 1])
+    space = np.column_stack([points, height * (points**2).sum(axis=1) / 200.0])
+    turn = Rotation.from_rotvec([0.3 * cells, 1.0, -0.2]).as_matrix()
+    none = np.full(len(points), -1)
+    return Shape(points, space @ turn.T + cells, np.concatenate([lower, upper]), none, (), none[:0])
+
+
+@pytest.mark.parametrize("order", [1.0, 2.0])
+def test_error_of_a_height_that_converges(order):
+    """Height 5 + c edge^p on two meshes: the estimate is the distance to the limit, wherever the sheets lie."""
+    shapes = {n: bowl(n, 5.0 * (1.0 + 0.2 * (20.0 / n) ** order)) for n in (20, 40)}
+    limit = bowl(40, 5.0)
+    exact = 100.0 * rms_distance(shapes[40].positions, limit.positions) / diameter(shapes[40].positions)
+    found = mesh_error_percent(shapes[40], shapes[20].printed, shapes[20].positions, order)
+    assert found == pytest.approx(exact, rel=0.2)
+
+
+def test_no_estimate_from_meshes_or_shapes_that_do_not_go_together():
+    fine, coarse = bowl(20, 5.0), bowl(10, 5.0)
+    assert mesh_error_percent(fine, coarse.printed, coarse.positions) == pytest.approx(0.0, abs=0.2)
+    # the other branch, and the same mesh
+    assert mesh_error_percent(fine, coarse.printed, bowl(10, -8.0).positions) is None
+    assert mesh_error_percent(fine, fine.printed, fine.positions) is None
+
+
+def test_distance_knows_turns_from_reflections():
+    rng = np.random.default_rng(1)
+    points = rng.normal(size=(30, 3))
+    turned = points @ Rotation.random(rng=rng).as_matrix().T + 3.0
+    assert rms_distance(points, turned) < 1e-6
+    assert rms_distance(points, turned, mirrored=True) > 0.1
+    assert rms_distance(points * [1.0, -1.0, 1.0], turned) > 0.1
+    assert rms_distance(points * [1.0, -1.0, 1.0], turned, mirrored=True) < 1e-6
+
+
+def test_diameter():
+    assert diameter(bowl(20, 0.0).positions) == pytest.approx(np.sqrt(800.0))
+    assert diameter(bowl(20, 5.0).positions) == pytest.approx(np.sqrt(800.0), rel=1e-2)
+
+
+def test_summary_says_it_when_two_levels_were_solved():
+    data = gallery.load("tube").to_dict() | {"border": {"rings": 1}}
+    two = simulate(Design.from_dict(data | {"mesh": {"edge_mm": 1.0}}))
+    assert len(two.summary["levels"]) == 2
+    assert 0.0 < two.summary["mesh_error_percent"] < 5.0
+    assert all(isinstance(value, int | float | dict) for level in two.summary["levels"] for value in level.values())
+    one = simulate(Design.from_dict(data | {"mesh": {"edge_mm": 3.0}}))
+    assert one.summary["mesh_error_percent"] is None
+
+
+def test_summary_says_which_bending_was_used():
+    data = gallery.load("star").to_dict()
+    energy = {}
+    for bending, parts in (("paper", {"hinges"}), ("consistent", {"plate", "folds"}), ("none", set())):
+        data["fabric"] = data["fabric"] | {"bending": bending}
+        summary = simulate(Design.from_dict(data)).summary
+        assert summary["fabric_bending"] == bending and summary["is_minimum"]
+        assert {"hinges", "plate", "folds"} & set(summary["energy_parts_n_mm"]) == parts
+        energy[bending] = summary["fabric_bending_n_mm"]
+        assert energy[bending] == pytest.approx(sum(summary[part] for part in parts))
+    assert energy["paper"] > energy["consistent"] > energy["none"] == 0.0
