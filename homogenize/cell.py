@@ -63,6 +63,19 @@ class Cell(System):
         """mm^2, printed."""
         return self.torus.area
 
+    @property
+    def spacing(self) -> float:
+        """mm, nearest distance of two stars in the print."""
+        return float(np.linalg.norm(np.asarray(self.design.lattice.vectors), axis=1).min())
+
+    @property
+    def weights(self) -> Array:
+        """(V,) of the base points, adding up to 1: their shares of the printed area."""
+        corner = self.printed[self.torus.triangles]
+        (x1, y1), (x2, y2) = (corner[:, 1] - corner[:, 0]).T, (corner[:, 2] - corner[:, 0]).T
+        area = np.repeat(x1 * y2 - x2 * y1, 3) / 6.0
+        return np.bincount(self.torus.base[self.torus.triangles].ravel(), area, self.torus.n_base) / self.area
+
     def set_release(self, release: float) -> None:
         """Release the fabric from stretch 1 (0) to the design's (1)."""
         self.model.set_release(release)

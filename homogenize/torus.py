@@ -110,7 +110,7 @@ def torus_mesh(
         triangles=np.concatenate([lower, upper]),
         hinges=hinges,
         rods=tuple(rods),
-        arm_star=np.array(owner),
+        arm_star=np.array(owner, dtype=np.int64),
         star_vertices=centres,
         cell_vectors=cell,
         n_base=n * m,

@@ -1,0 +1,118 @@
+"""The flat cell at rest: the fabric is released step by step, the star follows the branch it was started on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from discrete.elements import Array
+from discrete.stars import bump_heights
+from discrete.state import State, carried, tangents
+from equilibrium.newton import Minimum, minimise
+from homogenize.cell import Cell
+
+RELEASES = (0.03, 0.1, 0.2, 0.3, 0.4, 0.5, 0.62, 0.75, 0.88, 1.0)
+BUMP = 1.0  # mm, of the start
+WIDTH = 0.35  # of the bump, over the spacing of the stars
+ROUGH = 1e-3  # N, gradient at the steps before the last
+
+
+@dataclass(frozen=True)
+class Flat:
+    """A flat cell in equilibrium, turned so that its deformation has no rotation.
+
+    Attributes
+    ----------
+    state : the star's centre at the origin, the cell vectors' images in the plane z = 0, plastic towards +z.
+    energy : N mm per mm^2 of print.
+    deformation : (2, 2) symmetric F in cell coordinates, `a_m = F A_m`.
+    bump : (S,) mm, positive for a star that bumps to the plastic side.
+    gradient_norm : N; `definite`: the Hessian on the cell is positive definite, turns left out.
+    """
+
+    state: State
+    energy: float
+    deformation: Array
+    bump: Array
+    gradient_norm: float
+    definite: bool
+    iterations: int
+
+    @property
+    def stretch(self) -> float:
+        """lambda = sqrt(det F)."""
+        return float(np.sqrt(np.linalg.det(self.deformation)))
+
+
+def tolerance(cell: Cell) -> float:
+    """N, gradient of a converged cell: rounding is a hundredth of it."""
+    fabric = cell.design.fabric
+    return 1e-8 * fabric.modulus_mpa * fabric.thickness_mm * cell.spacing
+
+
+def relax(cell: Cell, side: float = 1.0) -> Flat:
+    """Release the flat cell; `side` is 1 for stars that start up, -1 for down.
+
+    Raises
+    ------
+    ArithmeticError
+        A step did not converge.
+    """
+    cell.flat()
+    state = bumped(cell, cell.printed_state(), side * BUMP)
+    iterations = 0
+    factor = cell.factor()
+    try:
+        for release in RELEASES:
+            cell.set_release(release)
+            last = release == RELEASES[-1]
+            found = minimise(cell, state, factor, tolerance(cell) if last else ROUGH, verdict=last)
+            iterations += found.iterations
+            if not found.converged:
+                raise ArithmeticError(f"flat cell: no equilibrium at {100 * release:g} % release")
+            state = found.state
+    finally:
+        factor.close()
+    return described(cell, found, iterations)
+
+
+def described(cell: Cell, found: Minimum, iterations: int) -> Flat:
+    """A minimum of the flat cell in the pose and with the numbers that are kept of it."""
+    state, deformation = upright(cell, found.state)
+    bump = bump_heights(cell.model, cell.unfolded(state))
+    energy = found.energy / cell.area
+    return Flat(state, energy, deformation, bump, found.gradient_norm, found.definite, iterations)
+
+
+def bumped(cell: Cell, state: State, height: float) -> State:
+    """The flat print with a smooth bump of this height (mm) at every star."""
+    base, stars = cell.printed[: cell.torus.n_base], cell.printed[cell.torus.star_vertices]
+    steps = np.array([[i, j] for i in (-1, 0, 1) for j in (-1, 0, 1)]) @ cell.cell_vectors
+    centres = (stars[:, None] + steps).reshape(-1, 2)
+    distance = np.linalg.norm(base[:, None] - centres, axis=2).min(axis=1)
+    positions = state.positions.copy()
+    positions[: len(base), 2] += height * (np.exp(-((distance / (WIDTH * cell.spacing)) ** 2)) - 1.0)
+    whole = carried(cell.unfolded(state), cell.edges, cell.images.unfold(positions), np.zeros(len(cell.edges)))
+    return State(positions, whole.directors)
+
+
+def upright(cell: Cell, state: State) -> tuple[State, Array]:
+    """The state turned so that `a_m = F A_m` with a symmetric F (2, 2), and that F."""
+    n = cell.torus.n_base
+    images = state.positions[n:]
+    slope = np.linalg.solve(cell.cell_vectors, images).T  # (3, 2)
+    left, sizes, right = np.linalg.svd(slope, full_matrices=False)
+    rotation = np.empty((3, 3))
+    rotation[:, :2] = left @ right
+    rotation[:, 2] = np.cross(rotation[:, 0], rotation[:, 1])
+    base = (state.positions[:n] - state.positions[cell.torus.star_vertices[0]]) @ rotation
+    turned = State(np.vstack([base, images @ rotation]), state.directors @ rotation)
+    return clean(cell, turned), right.T @ np.diag(sizes) @ right
+
+
+def clean(cell: Cell, state: State) -> State:
+    """Directors made orthogonal to their edges again, after rounding or a change of the images."""
+    along = tangents(cell.images.unfold(state.positions), cell.edges)
+    d = state.directors - (state.directors * along).sum(axis=1, keepdims=True) * along
+    return State(state.positions, d / np.linalg.norm(d, axis=1, keepdims=True))

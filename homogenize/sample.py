@@ -1,0 +1,206 @@
+"""Everything that one unit cell says about an endless sheet of equal stars."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields
+from typing import Any, Self
+
+import numpy as np
+
+from discrete.elements import Array
+from homogenize.cell import Cell
+from homogenize.relax import Flat, relax
+from homogenize.rolling import Tube, is_flat, natural
+from homogenize.tangent import membrane_tangent
+from pattern.design import Design
+
+ANGLES = (0.0, np.pi / 12, np.pi / 6)
+
+
+@dataclass(frozen=True)
+class Sample:
+    """Responses of the cell of one star.
+
+    Curvatures are positive where the plastic is outside: with the plastic up, the sheet's edges go down. Energies are
+    per printed area, relative to the flat relaxed cell. "Natural" means the tube on which the moment vanishes. The
+    mean surface is that of all points of the fabric, weighted by printed area. D directions, angles counterclockwise
+    from the print's y axis to the printed direction that runs around the tube.
+
+    Attributes
+    ----------
+    length_mm, thickness_mm, width_mm, stretch, edge_mm, spacing_mm, vertices : what was solved; the stretch along x.
+    failed : None, or in one line why there are no (or not all) numbers.
+    rest_metric : (2, 2) `F^T F` of the flat relaxed cell in print coordinates; lam = sqrt(det F).
+    membrane : (3, 3) N/mm, tangent at the flat relaxed cell, Voigt (E11, E22, 2 E12) of `E = (a - a_r)/2`.
+    angles_rad : (D,).
+    natural_curvature : (D,) 1/mm of the contracted sheet, one over the mean surface's radius.
+    natural_print_curvature : (D,) 1/mm, angle around the tube per printed length; the above times the hoop stretch.
+    natural_energy : (D,) N/mm.
+    natural_hoop, natural_axial : (D,) stretches of the mean surface on the natural tube.
+    bending : (D,) N mm, `D = 2 (psi_0 - psi_c)/kappa_c^2`, without natural curvature the tangent by kappa.
+    sixfold : N mm^2, `c3 = 4 (psi_0 - psi_30)/kappa_c^3`, of the natural energies at 0 and 30 degrees and their mean
+        curvature; 0 without natural curvature.
+    curve_curvature, curve_energy, curve_moment, curve_hoop : per direction, all tubes solved by growing curvature:
+        1/mm of the print, N/mm, N (derivative by the print's curvature) and the hoop stretch.
+    stiffness : (6, 6) `[A B; B^T D]`, see `homogenize.objective`.
+    rest_curvature : (3,) 1/mm, Voigt curvature b_r at which the linear response has no moment.
+    moment : (3,) N, of the flat relaxed cell.
+    centre_offset_mm : star centre over the mean surface, flat; natural_centre_offset_mm : (D,) on the natural tube.
+    bump_mm : star centre over its tips, flat; natural_bump_mm : (D,).
+    eigenvalue, eigenvalue_error : N/mm, smallest of the flat cell's Hessian; supercell_eigenvalue of the 2 x 2 one;
+        natural_eigenvalue, natural_supercell_eigenvalue : (D,), of the natural tubes.
+    down_energy : of the flat cell that bumps to the other side; None if it does not stay there.
+    iterations : Newton's, of all solves; seconds : wall time by part.
+    """
+
+    length_mm: float
+    thickness_mm: float
+    width_mm: float
+    stretch: float
+    edge_mm: float
+    spacing_mm: float
+    vertices: int
+    failed: str | None = None
+    rest_metric: Array | None = None
+    lam: float | None = None
+    membrane: Array | None = None
+    angles_rad: Array | None = None
+    natural_curvature: Array | None = None
+    natural_print_curvature: Array | None = None
+    natural_energy: Array | None = None
+    natural_hoop: Array | None = None
+    natural_axial: Array | None = None
+    bending: Array | None = None
+    sixfold: float | None = None
+    curve_curvature: list[Array] | None = None
+    curve_energy: list[Array] | None = None
+    curve_moment: list[Array] | None = None
+    curve_hoop: list[Array] | None = None
+    stiffness: Array | None = None
+    rest_curvature: Array | None = None
+    moment: Array | None = None
+    centre_offset_mm: float | None = None
+    natural_centre_offset_mm: Array | None = None
+    bump_mm: float | None = None
+    natural_bump_mm: Array | None = None
+    eigenvalue: float | None = None
+    eigenvalue_error: float | None = None
+    supercell_eigenvalue: float | None = None
+    supercell_eigenvalue_error: float | None = None
+    natural_eigenvalue: Array | None = None
+    natural_supercell_eigenvalue: Array | None = None
+    down_energy: float | None = None
+    iterations: int = 0
+    seconds: dict[str, float] = field(default_factory=dict)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data for JSON."""
+        return {name: _plain(getattr(self, name)) for name in (entry.name for entry in fields(self))}
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Self:
+        """A sample from plain data."""
+        return cls(**{name: _arrays(name, value) for name, value in data.items()})
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    return [one.tolist() for one in value] if isinstance(value, list) else value
+
+
+def _arrays(name: str, value: Any) -> Any:
+    if not isinstance(value, list):
+        return value
+    return [np.array(one) for one in value] if name.startswith("curve_") else np.array(value)
+
+
+class _Clock:
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
+
+    def __call__(self, part: str, function: Callable[..., Any], *args: Any) -> Any:
+        start = time.perf_counter()
+        try:
+            return function(*args)
+        finally:
+            self.seconds[part] = self.seconds.get(part, 0.0) + time.perf_counter() - start
+
+
+def respond(design: Design, edge_mm: float, angles: tuple[float, ...] = ANGLES) -> Sample:
+    """Solve the cell of the design's star; what cannot be solved is said in `failed`.
+
+    Raises
+    ------
+    ValueError
+        The design has no cell: its stars are not equal, or their arms not on lattice lines.
+    """
+    clock = _Clock()
+    found: dict[str, Any] = {"angles_rad": np.array(angles)}
+    cell = clock("mesh and model", Cell, design, edge_mm)
+    try:
+        _measure(clock, cell, design, edge_mm, angles, found)
+    except (ArithmeticError, np.linalg.LinAlgError) as error:
+        found = {"failed": str(error)}
+    stars = design.stars
+    return Sample(
+        length_mm=float(stars.length_mm),  # type: ignore[arg-type]  # a cell has numbers
+        thickness_mm=float(stars.thickness_mm),  # type: ignore[arg-type]
+        width_mm=float(stars.width_mm),  # type: ignore[arg-type]
+        stretch=design.fabric.stretch_xy[0],
+        edge_mm=edge_mm,
+        spacing_mm=cell.spacing,
+        vertices=cell.torus.n_base,
+        seconds=clock.seconds,
+        **found,
+    )
+
+
+def _measure(
+    clock: _Clock, cell: Cell, design: Design, edge_mm: float, angles: tuple[float, ...], found: dict[str, Any]
+) -> None:
+    flat: Flat = clock("flat", relax, cell)
+    found["rest_metric"] = flat.deformation @ flat.deformation
+    found["lam"] = flat.stretch
+    found["bump_mm"] = float(flat.bump[0])
+    found["membrane"] = clock("membrane", membrane_tangent, cell, flat)
+    found["iterations"] = flat.iterations
+    curves: list[list[Tube]] = []
+    for angle in angles:
+        turned = Cell(design, edge_mm, angle=angle)
+        start = clock("flat", relax, turned)
+        curves.append(clock("tubes", natural, turned, start))
+        found["iterations"] += start.iterations + sum(tube.iterations for tube in curves[-1])
+    found |= _bending(flat, curves)
+
+
+def _bending(flat: Flat, curves: list[list[Tube]]) -> dict[str, Any]:
+    """What the tubes say, those of each direction with the natural one last."""
+    ends = [tubes[-1] for tubes in curves]
+    energy = np.array([tube.energy for tube in ends]) - flat.energy
+    printed = np.array([tube.curvature for tube in ends])
+    hoop = np.array([tube.hoop for tube in ends])
+    curvature = printed / hoop
+    if is_flat(flat, ends[0]):
+        bending, sixfold = 2.0 * energy / curvature**2, 0.0
+        printed, curvature, energy = (np.zeros(len(ends)) for _ in range(3))
+    else:
+        bending = -2.0 * energy / curvature**2
+        sixfold = float(4.0 * (energy[0] - energy[-1]) / (0.5 * (curvature[0] + curvature[-1])) ** 3)
+    ordered = [sorted(tubes, key=lambda tube: abs(tube.curvature)) for tubes in curves]
+    return {
+        "natural_curvature": curvature,
+        "natural_print_curvature": printed,
+        "natural_energy": energy,
+        "natural_hoop": hoop,
+        "natural_axial": np.array([tube.axial for tube in ends]),
+        "natural_bump_mm": np.array([tube.bump[0] for tube in ends]),
+        "bending": bending,
+        "sixfold": sixfold,
+        "curve_curvature": [np.array([tube.curvature for tube in tubes]) for tubes in ordered],
+        "curve_energy": [np.array([tube.energy for tube in tubes]) - flat.energy for tubes in ordered],
+        "curve_moment": [np.array([tube.moment for tube in tubes]) for tubes in ordered],
+        "curve_hoop": [np.array([tube.hoop for tube in tubes]) for tubes in ordered],
+    }
