@@ -154,14 +154,6 @@ def test_things_in_the_way_are_named(tmp_path: Path) -> None:
     assert contents(tmp_path) == {"file": "mine"}
 
 
-@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write everywhere")
-def test_a_directory_without_permission_is_named(tmp_path: Path) -> None:
-    tmp_path.chmod(0o500)
-    with pytest.raises(OutputError, match=r"no permission to write there$"):
-        check_writable(tmp_path / "results")
-    tmp_path.chmod(0o700)
-
-
 def test_no_permission_is_said_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(self: Path, *args: object, **kwargs: object) -> None:
         raise PermissionError(errno.EACCES, "Permission denied", str(self))
