@@ -1,0 +1,75 @@
+"""The certificate never says minimum where a dense eigenvalue solve finds a negative eigenvalue."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from discrete.model import Model
+from discrete.solve import relax
+from discrete.starts import Beginning
+from discrete.state import State
+from discrete.walk import force_scale
+from pattern.build import layout
+from pattern.design import Design
+from pattern.errors import DesignError, MeshError
+from pattern.meshing import mesh_layout
+
+PINS: list[list[dict]] = [
+    [],
+    [{"where": "border", "scale": 0.8}],
+    [{"corners": [0, 2, 4], "scale": 0.9}],
+    [{"corners": [0, 3], "slide": "z"}],
+    [{"corners": [1]}],
+]
+
+
+def dense(m: Model, state: State) -> np.ndarray:
+    """Eigenvalues of the whole Hessian, rigid motions projected out and moved far up."""
+    low = m.pattern.lower(m.hessian(state, 0.0)).toarray()
+    full = low + np.tril(low, -1).T
+    modes = m.rigid_modes(state)
+    keep = np.eye(len(full)) - modes @ modes.T
+    return np.linalg.eigvalsh(keep @ full @ keep + 1e3 * np.abs(full).max() * modes @ modes.T)
+
+
+@settings(max_examples=12, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+@given(
+    rings=st.integers(0, 1),
+    length=st.floats(4.0, 10.0),
+    thickness=st.floats(0.15, 0.8),
+    stretch=st.floats(1.05, 1.6),
+    arms=st.sampled_from([3, 4, 6]),
+    curl=st.sampled_from(["paper", "timoshenko", "none"]),
+    pins=st.sampled_from(PINS),
+    bend=st.sampled_from(["none", "roll", "dome", "saddle"]),
+    bumps=st.booleans(),
+    releases=st.sampled_from([(1.0,), (0.3, 1.0)]),
+    iterations=st.sampled_from([5, 20, 300]),
+)
+def test_random_designs(rings, length, thickness, stretch, arms, curl, pins, bend, bumps, releases, iterations):
+    design = Design.from_dict(
+        {
+            "fabric": {"stretch": stretch},
+            "plastic": {"rest_curvature": curl},
+            "lattice": {"arms": arms},
+            "stars": {"length_mm": length, "thickness_mm": thickness},
+            "border": {"rings": rings},
+            "pins": pins,
+            "mesh": {"edge_mm": 6.0},
+        }
+    )
+    try:
+        plan = layout(design)
+        m = Model(design, plan, mesh_layout(plan, 6.0))
+    except (DesignError, MeshError):
+        return
+    start = Beginning(bumps=bumps, bend=bend, axis_deg=35.0, sag_mm=8.0, releases=releases)
+    found = relax(m, start, max_iterations=iterations)
+    values = dense(m, found.state)
+    assert found.smallest_eigenvalue == pytest.approx(values[0], rel=1e-4, abs=1e-7 * force_scale(m))
+    if found.is_minimum:
+        assert np.linalg.norm(m.gradient(found.state)) <= found.tolerance
+        assert values[0] > 0.0

@@ -1,0 +1,102 @@
+"""The way to an equilibrium: stability lost and found, pins that take hold after the release."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from discrete.model import Model
+from discrete.pin_steps import held_until, rigid_fit
+from discrete.solve import relax
+from discrete.starts import Beginning
+from pattern import gallery
+from pattern.build import layout
+from pattern.design import Design
+from pattern.meshing import mesh_layout
+
+
+def model(edge: float = 4.0, rings: int = 1, **changes: object) -> Model:
+    data = gallery.load("tube").to_dict()
+    data["border"] = {"rings": rings}
+    data["mesh"] = {"edge_mm": edge}
+    design = Design.from_dict(data | changes)
+    plan = layout(design)
+    return Model(design, plan, mesh_layout(plan, edge, design.mesh.kind))
+
+
+def test_pins_after_release_end_where_they_should() -> None:
+    later = model(pins=[{"where": "border", "scale": 0.8, "step": 1}])
+    found = relax(later)
+    held = later.constraints.held
+    assert found.is_minimum
+    np.testing.assert_allclose(found.state.positions[held], later.constraints.target[held], atol=1e-12)
+    assert [step.step for step in found.path] == [0] * 10 + [1] * 6
+    assert [round(step.moved, 6) for step in found.path[-6:]] == [0.2, 0.4, 0.6, 0.8, 1.0, 1.0]
+    assert later.release == 1.0 and later.energy(found.state) == pytest.approx(found.energy)
+    # released freely, the sheet has less energy than after it was pinned
+    assert found.path[9].energy_n_mm == pytest.approx(relax(model()).energy, rel=1e-3)
+    assert found.path[9].energy_n_mm < found.energy
+
+
+@pytest.mark.parametrize("pins", [{"where": "corners", "scale": 0.75}, {"corners": [0, 3], "scale": 0.8}])
+def test_pinned_corners_lead_to_the_same_shape_before_and_after_release(pins: dict) -> None:
+    at_once, later = relax(model(pins=[pins])), relax(model(pins=[pins | {"step": 1}]))
+    assert at_once.is_minimum and later.is_minimum
+    assert later.energy == pytest.approx(at_once.energy, rel=1e-8)
+
+
+def test_a_border_pinned_after_release_keeps_its_waves() -> None:
+    """The released border is longer than the pinned one and wavy: it is caught in a higher minimum."""
+    pins = {"where": "border", "scale": 0.74}
+    at_once, later = relax(model(pins=[pins])), relax(model(pins=[pins | {"step": 1}]))
+    assert at_once.is_minimum and later.is_minimum
+    assert later.energy > at_once.energy + 1.0
+
+
+def test_a_second_run_is_the_same_and_the_model_is_unharmed() -> None:
+    m = model(pins=[{"corners": [0, 3], "step": 2}, {"corners": [1], "slide": "z"}])
+    printed = m.constraints.printed.copy()
+    first, second = relax(m), relax(m)
+    np.testing.assert_array_equal(m.constraints.printed, printed)
+    np.testing.assert_allclose(first.state.positions, second.state.positions, atol=1e-8)
+    assert [s.step for s in first.path].count(2) == 6
+
+
+def test_steps_hold_one_after_the_other() -> None:
+    m = model(pins=[{"corners": [0, 3], "scale": 0.8}, {"corners": [1], "step": 3}, {"corners": [5], "step": 1}])
+    assert m.layout.pin_steps == (0, 1, 3)
+    assert [held_until(m, k).held.sum() for k in (0, 1, 3)] == [6, 9, 12]
+    free = model()
+    assert held_until(free, 0) is free
+
+
+def test_a_free_sheet_is_laid_on_its_pins_with_the_plastic_up() -> None:
+    """Two pins leave a turn about their line undecided: the print decides it."""
+    m = model(pins=[{"corners": [0, 3], "scale": 0.75, "step": 1}])
+    found = relax(m)
+    assert found.is_minimum
+    assert found.state.directors.mean(axis=0)[2] > 0.3
+
+
+def test_rigid_fit() -> None:
+    rng = np.random.default_rng(0)
+    points = rng.normal(size=(9, 3))
+    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    turn *= np.sign(np.linalg.det(turn))
+    rotation, shift = rigid_fit(points, points @ turn.T + [1.0, 2.0, 3.0])
+    np.testing.assert_allclose(rotation, turn, atol=1e-12)
+    np.testing.assert_allclose(shift, [1.0, 2.0, 3.0], atol=1e-12)
+
+
+def test_a_path_that_loses_stability_is_followed_to_the_side() -> None:
+    """Without arms' curl and without noise a symmetric print stays flat: every kick is on the path, none at its end."""
+    plastic = gallery.load("tube").to_dict()["plastic"] | {"rest_curvature": "none"}
+    m = model(rings=0, plastic=plastic)
+    found = relax(m, Beginning(bumps=False, noise_mm=0.0))
+    assert found.is_minimum
+    assert found.instabilities_passed >= 1 and found.saddles_left == 0
+    first = next(step for step in found.path if step.kicks)
+    assert 0.0 < first.release < 1.0
+    assert np.ptp(found.state.positions[:, 2]) > 1.0
+    again = relax(m, Beginning(bumps=False, noise_mm=0.0))
+    np.testing.assert_allclose(again.state.positions, found.state.positions, atol=1e-6)

@@ -1,0 +1,69 @@
+"""Symmetries of layouts: how many there are, and what breaks them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pattern import gallery
+from pattern.build import layout
+from pattern.design import Design
+from pattern.symmetries import symmetries
+
+HEXAGON = {"stars": {"length_mm": 8.0}, "border": {"rings": 1}}
+
+
+def count(**changes: object) -> tuple[int, int]:
+    """All symmetries, and mirrors among them."""
+    design = Design.from_dict(HEXAGON | changes)
+    found = symmetries(design, layout(design))
+    return len(found), sum(one.mirrors for one in found)
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({}, (6, 3)),
+        ({"lattice": {"arms": 6, "orientation_deg": 0.0}}, (12, 6)),
+        ({"lattice": {"orientation_deg": 10.0}}, (3, 0)),
+        ({"stars": {"length_mm": 8.0, "override": [{"at_mm": [0.0, 17.3205], "length_mm": 7.0}]}}, (2, 1)),
+        ({"stars": {"length_mm": 8.0, "thickness_mm": {"formula": "0.3 + 0.001*x + 0.0003*y"}}}, (1, 0)),
+        ({"fabric": {"stretch": [1.35, 1.3]}}, (2, 1)),
+        ({"pins": [{"where": "border", "scale": 0.8}]}, (6, 3)),
+        ({"pins": [{"where": "border", "scale": 0.8, "offset_mm": [5.0, 0.0, 2.0]}]}, (6, 3)),
+        ({"pins": [{"edges": [0]}]}, (1, 0)),
+        ({"pins": [{"edges": [0, 3]}]}, (2, 1)),
+        ({"pins": [{"edges": [0, 1]}]}, (2, 1)),
+        ({"pins": [{"edges": [0, 2, 4]}]}, (3, 0)),
+        ({"pins": [{"corners": [1], "scale": 0.9}]}, (2, 1)),
+        ({"pins": [{"corners": [0, 2, 4], "scale": 0.9}, {"corners": [1, 3, 5], "scale": 0.8}]}, (6, 3)),
+        ({"pins": [{"corners": [0, 2], "scale": 0.9}, {"corners": [4], "scale": 0.9, "step": 1}]}, (2, 1)),
+        ({"pins": [{"corners": [0, 2, 4], "target_mm": [[40, 0, 0], [0, 40, 0], [0, 0, 40]]}]}, (1, 0)),
+        ({"border": {"rectangle_mm": [100.0, 60.0]}}, (2, 1)),
+        ({"border": {"rectangle_mm": [100.0, 60.0]}, "lattice": {"kind": "square", "arms": 4}}, (4, 2)),
+        ({"border": {"rectangle_mm": [60.0, 60.0]}, "lattice": {"kind": "square", "arms": 4}}, (8, 4)),
+    ],
+)
+def test_count(changes: dict, expected: tuple[int, int]) -> None:
+    assert count(**changes) == expected
+
+
+def test_weight_must_keep_its_direction() -> None:
+    fabric = {"modulus_mpa": 1.0}
+    assert count(fabric=fabric, gravity={"on": True}) == (6, 3)
+    assert count(fabric=fabric, gravity={"on": True, "direction": [0.0, 1.0, 0.0]}) == (2, 1)
+    assert count(fabric=fabric, gravity={"on": True, "direction": [1.0, 0.0, 0.0]}) == (1, 0)
+
+
+@pytest.mark.parametrize("name", gallery.names())
+def test_they_are_a_group_that_maps_stars_to_equal_ones(name: str) -> None:
+    design = gallery.load(name)
+    plan = layout(design)
+    found = symmetries(design, plan)
+    np.testing.assert_allclose(found[0].turn, np.eye(2), atol=1e-12)
+    turns = np.array([one.turn for one in found])
+    for one in found:
+        np.testing.assert_allclose(plan.centres @ one.turn.T + one.shift, plan.centres[one.star], atol=1e-6)
+        product = turns @ one.turn
+        gap = np.abs(product[:, None] - turns[None]).max(axis=(2, 3))
+        assert (gap.min(axis=1) < 1e-9).all()
