@@ -7,7 +7,7 @@ import numpy as np
 from discrete.model import Model
 from discrete.state import State
 from equilibrium.certificate import Eigenpair, smallest_eigenvalue
-from equilibrium.factor import Factor
+from equilibrium.factor import Factor, Iterative
 
 LARGEST_MOVE_MM = 2.0
 HALVINGS = 12
@@ -17,6 +17,8 @@ EQUAL = 0.01  # of the fall in energy: sides that differ less are the same
 def lowest_mode(model: Model, state: State, factor: Factor, seed: int) -> Eigenpair:
     """Smallest eigenvalue of the exact Hessian and its mode, rigid motions left out."""
     data = model.hessian(state, 0.0)
+    if isinstance(factor, Iterative):
+        factor.near_nullspace(*model.near_nullspace(state))
     return smallest_eigenvalue(model.pattern, data, factor, model.rigid_modes(state), seed=seed)
 
 
