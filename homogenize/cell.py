@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
-from discrete.elements import Array
+from discrete.elements import Array, Elements
 from discrete.hinges import Hinges, paper_coefficients
 from discrete.model import Model
 from discrete.rigid import independent_dofs
 from discrete.state import State, carried, tangents
 from discrete.system import System
+from equilibrium.factor import Factor
+from equilibrium.sparse_pattern import SparsePattern
 from homogenize.images import ImageElements, Images
 from homogenize.torus import STEPS, Torus, torus_mesh
 from pattern.design import Design
@@ -23,40 +27,71 @@ class Cell(System):
     """The exact model's energies on a periodic cell.
 
     Positions are the V base points and two rows of macroscopic variables: flat, the images of the cell vectors A1 and
-    A2; on a tube (axis x, plastic outside, angles in printed coordinates turned by `angle`), the axial shifts.
+    A2; on a tube (axis x, plastic outside), the axial shifts.
 
     Parameters
     ----------
     design : materials, lattice, and the star: constant sizes.
     edge_mm : of the mesh.
     repeat : stars along A1 and A2.
-    angle : rad, direction in the print that the tube bends along is y turned by this.
+
+    Attributes
+    ----------
+    curvature : of the tube, 1/mm of the print; None for a flat cell.
+    angle : rad, the printed direction around the tube is y turned by this.
     """
 
-    def __init__(self, design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1), angle: float = 0.0) -> None:
-        self.design, self.angle = design, angle
-        cos, sin = np.cos(angle), np.sin(angle)
-        self.turn = np.array([[cos, sin], [-sin, cos]])  # print to cell coordinates
-        self.torus = _star_torus(design, edge_mm, repeat)
-        self.printed = self.torus.points @ self.turn.T
-        self.cell_vectors = self.torus.cell_vectors @ self.turn.T
+    def __init__(self, design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1)) -> None:
+        self.design = design
+        self.torus = _inner_first(_star_torus(design, edge_mm, repeat))
+        self.printed, self.cell_vectors = self.torus.points, self.torus.cell_vectors
         self.model = _unfolded_model(design, self.torus, self.printed)
+        self._known: dict[bool, tuple[Array, Array, SparsePattern]] = {}
+        self._factors: dict[bool, Factor] = {}
         self.curvature: float | None = None
+        self.angle = 0.0
         self._be(_flat_images(self.torus))
 
     def _be(self, images: Images) -> None:
         """Take on other images: the same elements, hung up differently."""
         self.images = images
+        parts: dict[str, Elements] = {}
+        for name, part in self.model.parts.items():
+            own = (part.dofs < 3 * images.n_base).all(axis=1)
+            inner = len(own) if own.all() else int(np.argmin(own))  # those in front
+            if inner:
+                parts[name] = _rows(part, slice(0, inner))
+            if len(part) > inner:
+                border = ImageElements(_rows(part, slice(inner, None)), images)
+                parts[f"{name} of images" if inner else name] = border  # type: ignore[assignment]
+        flat = self.curvature is None
+        if flat in self._known:  # the images have changed, what hangs together has not
+            self.parts = parts
+            self.held, self.free, self.pattern = self._known[flat]
+            return
         rows = images.n_base + 2
         held = np.zeros(3 * rows + len(self.model.edges), dtype=bool)
         centre = 3 * int(self.torus.star_vertices[0])
-        if self.curvature is None:
+        if flat:
             held[centre : centre + 3] = True
         else:
             held[centre : centre + 2] = True
             held[3 * images.n_base : 3 * rows] = [False, True, True] * 2
-        parts = {name: ImageElements(part, images) for name, part in self.model.parts.items() if len(part)}
-        super().__init__(parts, rows, self.model.edges, held)  # type: ignore[arg-type]
+        super().__init__(parts, rows, self.model.edges, held)
+        self._known[flat] = (held, self.free, self.pattern)
+
+    def factor(self, backend: str = "auto") -> Factor:
+        """A factorisation for the cell as it is now, flat or a tube; kept, and freed by `close`."""
+        flat = self.curvature is None
+        if flat not in self._factors:
+            self._factors[flat] = super().factor(backend)
+        return self._factors[flat]
+
+    def close(self) -> None:
+        """Free the factorisations."""
+        for factor in self._factors.values():
+            factor.close()
+        self._factors.clear()
 
     @property
     def area(self) -> float:
@@ -76,6 +111,12 @@ class Cell(System):
         area = np.repeat(x1 * y2 - x2 * y1, 3) / 6.0
         return np.bincount(self.torus.base[self.torus.triangles].ravel(), area, self.torus.n_base) / self.area
 
+    @property
+    def turn(self) -> Array:
+        """(2, 2) from print coordinates to (along the axis, around the tube)."""
+        cos, sin = np.cos(self.angle), np.sin(self.angle)
+        return np.array([[cos, sin], [-sin, cos]])
+
     def set_release(self, release: float) -> None:
         """Release the fabric from stretch 1 (0) to the design's (1)."""
         self.model.set_release(release)
@@ -85,15 +126,18 @@ class Cell(System):
         self.curvature = None
         self._be(_flat_images(self.torus))
 
-    def tube(self, curvature: float) -> None:
-        """Objective images `x(X + A_m) = R(phi_m) x(X) + tau_m e`, `phi_m = curvature (y . A_m)`, 1/mm of the print."""
-        self.curvature = curvature
+    def tube(self, curvature: float, angle: float = 0.0) -> None:
+        """Objective images `x(X + A_m) = R(phi_m) x(X) + tau_m e`, `phi_m = curvature (t . A_m)`, 1/mm of the print.
+
+        t is the printed direction y turned by `angle`.
+        """
+        self.curvature, self.angle = curvature, angle
         torus, axial = self.torus, np.diag([1.0, 0.0, 0.0])
         self._be(Images(torus.base, self._turns(curvature)[0], torus.image, axial, torus.n_base))
 
     def _turns(self, curvature: float) -> tuple[Array, Array]:
         """(U, 3, 3) rotations of the images about the axis, and their derivative by the curvature."""
-        along = self.torus.image @ self.cell_vectors[:, 1]
+        along = self.torus.image @ self.cell_vectors @ self.turn[1]
         cos, sin, zero = np.cos(curvature * along), np.sin(curvature * along), np.zeros(len(along))
         one = np.ones(len(along))
         turn = np.array([[one, zero, zero], [zero, cos, sin], [zero, -sin, cos]]).transpose(2, 0, 1)
@@ -146,19 +190,38 @@ class Cell(System):
         """(k,) free dofs that, held, leave no rigid motion."""
         return independent_dofs(self.rigid_motions(state))
 
+    def unfolded_gradient(self, state: State) -> Array:
+        """(3 U + R,) N and N mm, forces of the elements on the unfolded points and on the twists."""
+        packed = self.unfolded(state).packed
+        size = 3 * len(self.torus.base) + len(self.edges)
+        force = np.zeros(size)
+        for part in self.model.parts.values():
+            force += np.bincount(part.dofs.ravel(), part.gradients(packed).ravel(), size)
+        return force
+
     def moment(self, state: State) -> float:
         """N, dE/dk per printed area at fixed state: at equilibrium, the bending moment conjugate to the curvature."""
         if self.curvature is None:
             raise ValueError("a flat cell has no curvature to change")
         rate = self._turns(self.curvature)[1]
         moved = np.einsum("uij,uj->ui", rate, state.positions[self.images.base])
-        packed = self.unfolded(state).packed
-        force = np.zeros(3 * len(self.images.base))
-        for part in self.model.parts.values():
-            gradients = part.gradients(packed)
-            own = part.dofs < len(force)
-            force += np.bincount(part.dofs[own], gradients[own], len(force))
-        return float(force @ moved.ravel()) / self.area
+        return float(self.unfolded_gradient(state)[: moved.size] @ moved.ravel()) / self.area
+
+
+def _rows(part: Elements, rows: slice) -> Elements:
+    """Some elements of a part, with a view of its parameters: they change when the part's do."""
+    some = copy.copy(part)
+    some.inputs, some.dofs, some.params = part.inputs[rows], part.dofs[rows], part.params[rows]
+    return some
+
+
+def _inner_first(torus: Torus) -> Torus:
+    """The same mesh, with the elements in front whose points are all base points."""
+
+    def sort(vertices: Array) -> Array:
+        return vertices[np.argsort((vertices >= torus.n_base).any(axis=1), kind="stable")]
+
+    return replace(torus, triangles=sort(torus.triangles), hinges=sort(torus.hinges))
 
 
 def _star_torus(design: Design, edge_mm: float, repeat: tuple[int, int]) -> Torus:
@@ -168,14 +231,17 @@ def _star_torus(design: Design, edge_mm: float, repeat: tuple[int, int]) -> Toru
     match = np.asarray(lattice.arm_directions) @ along.T
     if not (match.max(axis=1) > 1.0 - 1e-9).all():
         raise ValueError("the arms do not lie on lattice lines: a cell needs them there")
-    length = _constant(design, "length_mm")
+    length = constant(design, "length_mm")
     if length == 0.0:
         return torus_mesh(vectors, np.empty(0, dtype=np.int64), np.empty(0), edge_mm, repeat)
     return torus_mesh(vectors, match.argmax(axis=1), np.full(lattice.arms, length), edge_mm, repeat)
 
 
-def _constant(design: Design, name: str) -> float:
+def constant(design: Design, name: str) -> float:
+    """A size of the stars, which must be a number, mm."""
     value = getattr(design.stars, name)
+    if name == "length_mm" and isinstance(design.stars.length_fraction, int | float):
+        value = design.stars.length_fraction * design.lattice.spacing_mm
     if not isinstance(value, int | float):
         raise ValueError(f"stars.{name} must be a number in a cell: all its stars are equal")
     return float(value)
@@ -183,6 +249,10 @@ def _constant(design: Design, name: str) -> float:
 
 def _unfolded_model(design: Design, torus: Torus, printed: Array) -> Model:
     """The exact model on the unfolded points, its hinges those of the closed mesh."""
+    if design.fabric.bending == "consistent":
+        raise ValueError('fabric.bending = "consistent" is not available in a cell, only "paper" and "none"')
+    if design.gravity.on:
+        raise ValueError("a cell has no weight: an endless sheet would fall")
     centres = printed[torus.star_vertices]
     tips = printed[[rod[-1] for rod in torus.rods]]
     ends = np.ones((len(tips), 2))
@@ -191,8 +261,8 @@ def _unfolded_model(design: Design, torus: Torus, printed: Array) -> Model:
         centres=centres,
         arm_star=torus.arm_star,
         arm_tip=tips,
-        arm_thickness=_constant(design, "thickness_mm") * ends,
-        arm_width=_constant(design, "width_mm") * ends,
+        arm_thickness=constant(design, "thickness_mm") * ends,
+        arm_width=constant(design, "width_mm") * ends,
         neighbours=np.empty((0, 2), dtype=np.int64),
         pins=(),
         lattice_vectors=np.asarray(design.lattice.vectors),

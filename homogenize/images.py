@@ -8,7 +8,7 @@ axial shifts. Either way the map is linear, so an element's gradient is `T^T g` 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -30,11 +30,21 @@ class Images:
     count: Array
     axes: Array
     n_base: int
+    _last: list[Array] = field(default_factory=list, repr=False, compare=False)
 
     def unfold(self, positions: Array) -> Array:
         """(U, 3) unfolded points of positions (V + 2, 3)."""
         own = np.einsum("uij,uj->ui", self.turn, positions[self.base])
         return own + self.count @ (positions[self.n_base :] @ self.axes.T)
+
+    def unfold_packed(self, packed: Array) -> Array:
+        """Packed configuration of the unfolded mesh; several kinds of elements ask for the same one in turn."""
+        if self._last and self._last[0] is packed:
+            return self._last[1]
+        split = 3 * (self.n_base + 2)
+        whole = np.concatenate([self.unfold(packed[:split].reshape(-1, 3)).ravel(), packed[split:]])
+        self._last[:] = [packed, whole]
+        return whole
 
 
 class ImageElements:
@@ -77,8 +87,7 @@ class ImageElements:
         return len(self.part)
 
     def _unfolded(self, packed: Array) -> Array:
-        split = 3 * (self.images.n_base + 2)
-        return np.concatenate([self.images.unfold(packed[:split].reshape(-1, 3)).ravel(), packed[split:]])
+        return self.images.unfold_packed(packed)
 
     def energies(self, packed: Array) -> Array:
         """(E,) N mm."""

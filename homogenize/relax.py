@@ -26,7 +26,7 @@ class Flat:
     ----------
     state : the star's centre at the origin, the cell vectors' images in the plane z = 0, plastic towards +z.
     energy : N mm per mm^2 of print.
-    deformation : (2, 2) symmetric F in cell coordinates, `a_m = F A_m`.
+    deformation : (2, 2) symmetric F in print coordinates, `a_m = F A_m`.
     bump : (S,) mm, positive for a star that bumps to the plastic side.
     gradient_norm : N; `definite`: the Hessian on the cell is positive definite, turns left out.
     """
@@ -62,18 +62,14 @@ def relax(cell: Cell, side: float = 1.0) -> Flat:
     cell.flat()
     state = bumped(cell, cell.printed_state(), side * BUMP)
     iterations = 0
-    factor = cell.factor()
-    try:
-        for release in RELEASES:
-            cell.set_release(release)
-            last = release == RELEASES[-1]
-            found = minimise(cell, state, factor, tolerance(cell) if last else ROUGH, verdict=last)
-            iterations += found.iterations
-            if not found.converged:
-                raise ArithmeticError(f"flat cell: no equilibrium at {100 * release:g} % release")
-            state = found.state
-    finally:
-        factor.close()
+    for release in RELEASES:
+        cell.set_release(release)
+        last = release == RELEASES[-1]
+        found = minimise(cell, state, cell.factor(), tolerance(cell) if last else ROUGH, verdict=last)
+        iterations += found.iterations
+        if not found.converged:
+            raise ArithmeticError(f"flat cell: no equilibrium at {100 * release:g} % release")
+        state = found.state
     return described(cell, found, iterations)
 
 

@@ -1,6 +1,7 @@
 """A cell rolled to a tube of imposed curvature, and the curvature that it takes on its own.
 
-The tube's axis is x and the plastic is outside; the print's direction y runs around it. Curvature k is the angle per
+The tube's axis is x and the plastic is outside; the printed direction t, y turned by an angle, runs around it.
+Curvature k is the angle per
 length of the *print*, positive with the plastic outside. A tube of mean radius r has the hoop stretch `k r` and the
 curvature `1/r = k/hoop` of the contracted sheet.
 """
@@ -14,7 +15,6 @@ import numpy as np
 from discrete.elements import Array
 from discrete.stars import bump_heights
 from discrete.state import State
-from equilibrium.factor import Factor
 from equilibrium.newton import minimise
 from homogenize.cell import Cell
 from homogenize.relax import Flat, clean, tolerance
@@ -25,6 +25,8 @@ TIGHTEST = 2.2  # times the spacing: beyond it a star wraps a third of the tube
 FLAT = 1e-3  # of the first tube's moment, below which that of the flat cell is rounding and higher order
 CLOSE = 1e-5  # relative to the curvature, where the natural one is found
 
+Point = tuple[float, float]  # curvature and moment
+
 
 @dataclass(frozen=True)
 class Tube:
@@ -32,7 +34,7 @@ class Tube:
 
     Attributes
     ----------
-    curvature : k, 1/mm of the print.
+    curvature : k, 1/mm of the print, along t, y turned by `angle`.
     state : of the cell with these images.
     energy : N mm per mm^2 of print; moment : its derivative by k, N.
     radius : mm, mean of the surface weighted by printed area; hoop, axial : stretches of that surface.
@@ -40,6 +42,7 @@ class Tube:
     """
 
     curvature: float
+    angle: float
     state: State
     energy: float
     moment: float
@@ -66,9 +69,13 @@ class Unrolled:
     hoop: float
 
 
-def unrolled_flat(flat: Flat) -> Unrolled:
-    """A flat cell, with its stretch in the direction y as the hoop stretch."""
-    return Unrolled(flat.state.positions, flat.state.directors, float(flat.deformation[1, 1]))
+def unrolled_flat(flat: Flat, angle: float) -> Unrolled:
+    """A flat cell seen along a tube's axis: lines of equal angle on the tube are lines of equal height y on it."""
+    across = np.linalg.solve(flat.deformation.T, np.array([-np.sin(angle), np.cos(angle)]))
+    hoop = 1.0 / float(np.linalg.norm(across))
+    (x, y) = hoop * across
+    turn = np.array([[y, -x, 0.0], [x, y, 0.0], [0.0, 0.0, 1.0]])
+    return Unrolled(flat.state.positions @ turn.T, flat.state.directors @ turn.T, hoop)
 
 
 def unrolled(cell: Cell, tube: Tube) -> Unrolled:
@@ -79,14 +86,14 @@ def unrolled(cell: Cell, tube: Tube) -> Unrolled:
     radial = np.sign(k) * np.hypot(x[:n, 1], x[:n, 2])
     flat = np.column_stack([x[:n, 0], tube.hoop / k * angle, radial - tube.radius])
     macro = x[n:].copy()
-    macro[:, 1] = tube.hoop * cell.cell_vectors[:, 1]
+    macro[:, 1] = tube.hoop * _around(cell, cell.cell_vectors)
     middle = _middles(cell, cell.images.unfold(x), k)
     return Unrolled(np.vstack([flat, macro]), _turned(tube.state.directors, -middle), tube.hoop)
 
 
-def rolled(cell: Cell, sheet: Unrolled, curvature: float) -> State:
+def rolled(cell: Cell, sheet: Unrolled, curvature: float, angle: float) -> State:
     """The laid-out cell rolled to a tube; the cell takes on the tube's images."""
-    cell.tube(curvature)
+    cell.tube(curvature, angle)
     n = cell.torus.n_base
     base, radius = sheet.positions[:n], sheet.hoop / curvature
     angle = base[:, 1] / radius
@@ -98,20 +105,20 @@ def rolled(cell: Cell, sheet: Unrolled, curvature: float) -> State:
     return clean(cell, State(positions, _turned(sheet.directors, middle)))
 
 
-def solve(cell: Cell, start: State, factor: Factor, gradient: float) -> Tube:
-    """Equilibrium of the tube that the cell is now."""
-    k = cell.curvature
-    if k is None:
-        raise ValueError("a flat cell is not a tube")
-    found = minimise(cell, start, factor, gradient)
+def roll(cell: Cell, sheet: Unrolled, curvature: float, angle: float) -> Tube:
+    """Roll the laid-out cell and find its equilibrium."""
+    start = rolled(cell, sheet, curvature, angle)
+    found = minimise(cell, start, cell.factor(), tolerance(cell))
     if not found.converged:
-        raise ArithmeticError(f"tube: no equilibrium at curvature {k:.4g}/mm")
+        raise ArithmeticError(f"tube: no equilibrium at curvature {curvature:.4g}/mm")
+    k = curvature
     n = cell.torus.n_base
     x = found.state.positions
     radius = float(np.sign(k) * cell.weights @ np.hypot(x[:n, 1], x[:n, 2]))
-    axial = float(np.linalg.solve(cell.cell_vectors, x[n:, 0])[0])
+    axial = float(np.linalg.solve(cell.cell_vectors, x[n:, 0]) @ cell.turn[0])
     return Tube(
         curvature=k,
+        angle=cell.angle,
         state=found.state,
         energy=found.energy / cell.area,
         moment=cell.moment(found.state),
@@ -125,17 +132,7 @@ def solve(cell: Cell, start: State, factor: Factor, gradient: float) -> Tube:
     )
 
 
-def roll(cell: Cell, sheet: Unrolled, curvature: float, gradient: float | None = None) -> Tube:
-    """Roll the laid-out cell and find its equilibrium."""
-    start = rolled(cell, sheet, curvature)
-    factor = cell.factor()
-    try:
-        return solve(cell, start, factor, gradient or tolerance(cell))
-    finally:
-        factor.close()
-
-
-def natural(cell: Cell, flat: Flat) -> list[Tube]:
+def natural(cell: Cell, flat: Flat, angle: float) -> list[Tube]:
     """Tubes of growing curvature, then ever nearer to the one without a moment, which comes last.
 
     Every tube starts from one before, laid out and rolled again. Curvature grows from a small one until the moment
@@ -148,11 +145,11 @@ def natural(cell: Cell, flat: Flat) -> list[Tube]:
         A step did not converge, a star snapped to the other side on the way, or no root was found.
     """
     first = FIRST / cell.spacing
-    tubes = [roll(cell, unrolled_flat(flat), first)]
+    tubes = [roll(cell, unrolled_flat(flat, angle), first, angle)]
     if is_flat(flat, tubes[0]):
         return tubes
     if moment_at_rest(flat, tubes[0]) > 0.0:
-        tubes = [roll(cell, unrolled_flat(flat), -first)]
+        tubes = [roll(cell, unrolled_flat(flat, angle), -first, angle)]
     side, sign = np.sign(flat.bump), np.sign(tubes[0].curvature)
     low = (0.0, moment_at_rest(flat, tubes[0]))
     while tubes[-1].moment * sign < 0.0:
@@ -165,14 +162,13 @@ def natural(cell: Cell, flat: Flat) -> list[Tube]:
         low = last
     high = (tubes[-1].curvature, tubes[-1].moment)
     for _ in range(12):
-        k = _secant(low, high)
+        k = _root(low, high, [(0.0, moment_at_rest(flat, tubes[0])), *((t.curvature, t.moment) for t in tubes)])
         nearest = min(tubes, key=lambda tube: abs(tube.curvature - k))
-        tube = _next(cell, nearest, k, side)
-        tubes.append(tube)
-        here = (tube.curvature, tube.moment)
-        low, high = (here, high) if tube.moment * sign < 0.0 else (low, here)
-        if abs(_secant(low, high) - k) < CLOSE * abs(k):
-            return tubes
+        if abs(nearest.curvature - k) < CLOSE * abs(k):
+            return [tube for tube in tubes if tube is not nearest] + [nearest]
+        tubes.append(_next(cell, nearest, k, side))
+        here = (k, tubes[-1].moment)
+        low, high = (here, high) if here[1] * sign < 0.0 else (low, here)
     raise ArithmeticError("tube: the natural curvature was not found")
 
 
@@ -187,23 +183,43 @@ def is_flat(flat: Flat, first: Tube) -> bool:
 
 
 def _next(cell: Cell, tube: Tube, curvature: float, side: Array) -> Tube:
-    found = roll(cell, unrolled(cell, tube), curvature)
+    found = roll(cell, unrolled(cell, tube), curvature, tube.angle)
     if (np.sign(found.bump) != side).any():
         raise ArithmeticError(f"a star snapped to the other side at curvature {curvature:.4g}/mm")
     return found
 
 
-def _secant(a: tuple[float, float], b: tuple[float, float]) -> float:
+def _secant(a: Point, b: Point) -> float:
     """Where the line through two points (curvature, moment) has no moment."""
     return b[0] - b[1] * (b[0] - a[0]) / (b[1] - a[1])
+
+
+def _root(low: Point, high: Point, known: list[Point]) -> float:
+    """Between two points of opposite signs: of the parabola k(M) through the three nearest to zero, or of the line."""
+    (a, fa), (b, fb), (c, fc) = sorted(known, key=lambda point: abs(point[1]))[:3]
+    if fb not in (fa, fc) and fa != fc:
+        k = (
+            a * fb * fc / ((fa - fb) * (fa - fc))
+            + b * fa * fc / ((fb - fa) * (fb - fc))
+            + c * fa * fb / ((fc - fa) * (fc - fb))
+        )
+        if min(low[0], high[0]) < k < max(low[0], high[0]):
+            return k
+    return _secant(low, high)
 
 
 def _angles(cell: Cell, points: Array, curvature: float) -> Array:
     """(V,) rad about the axis, on the turn that the printed place says."""
     sign = np.sign(curvature)
-    printed = curvature * (cell.printed[: len(points), 1] - cell.printed[cell.torus.star_vertices[0], 1])
+    star = int(cell.torus.star_vertices[0])
+    printed = curvature * _around(cell, cell.printed[: len(points)] - cell.printed[star])
     off = np.arctan2(sign * points[:, 1], sign * points[:, 2]) - printed
     return printed + off - 2.0 * np.pi * np.round(off / (2.0 * np.pi))
+
+
+def _around(cell: Cell, printed: Array) -> Array:
+    """(n,) mm, component of printed vectors (n, 2) around the tube."""
+    return np.asarray(printed @ cell.turn[1])
 
 
 def _middles(cell: Cell, points: Array, curvature: float) -> Array:

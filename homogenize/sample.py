@@ -10,7 +10,7 @@ from typing import Any, Self
 import numpy as np
 
 from discrete.elements import Array
-from homogenize.cell import Cell
+from homogenize.cell import Cell, constant
 from homogenize.relax import Flat, relax
 from homogenize.rolling import Tube, is_flat, natural
 from homogenize.tangent import membrane_tangent
@@ -141,14 +141,15 @@ def respond(design: Design, edge_mm: float, angles: tuple[float, ...] = ANGLES) 
     found: dict[str, Any] = {"angles_rad": np.array(angles)}
     cell = clock("mesh and model", Cell, design, edge_mm)
     try:
-        _measure(clock, cell, design, edge_mm, angles, found)
+        _measure(clock, cell, angles, found)
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         found = {"failed": str(error)}
-    stars = design.stars
+    finally:
+        cell.close()
     return Sample(
-        length_mm=float(stars.length_mm),  # type: ignore[arg-type]  # a cell has numbers
-        thickness_mm=float(stars.thickness_mm),  # type: ignore[arg-type]
-        width_mm=float(stars.width_mm),  # type: ignore[arg-type]
+        length_mm=constant(design, "length_mm"),
+        thickness_mm=constant(design, "thickness_mm"),
+        width_mm=constant(design, "width_mm"),
         stretch=design.fabric.stretch_xy[0],
         edge_mm=edge_mm,
         spacing_mm=cell.spacing,
@@ -158,9 +159,7 @@ def respond(design: Design, edge_mm: float, angles: tuple[float, ...] = ANGLES) 
     )
 
 
-def _measure(
-    clock: _Clock, cell: Cell, design: Design, edge_mm: float, angles: tuple[float, ...], found: dict[str, Any]
-) -> None:
+def _measure(clock: _Clock, cell: Cell, angles: tuple[float, ...], found: dict[str, Any]) -> None:
     flat: Flat = clock("flat", relax, cell)
     found["rest_metric"] = flat.deformation @ flat.deformation
     found["lam"] = flat.stretch
@@ -169,10 +168,8 @@ def _measure(
     found["iterations"] = flat.iterations
     curves: list[list[Tube]] = []
     for angle in angles:
-        turned = Cell(design, edge_mm, angle=angle)
-        start = clock("flat", relax, turned)
-        curves.append(clock("tubes", natural, turned, start))
-        found["iterations"] += start.iterations + sum(tube.iterations for tube in curves[-1])
+        curves.append(clock("tubes", natural, cell, flat, angle))
+        found["iterations"] += sum(tube.iterations for tube in curves[-1])
     found |= _bending(flat, curves)
 
 

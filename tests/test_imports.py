@@ -19,7 +19,7 @@ MAY_IMPORT = {
     "equilibrium": set(),
     "discrete": {"equilibrium", "pattern"},
     "fem": {"equilibrium"},
-    "homogenize": {"discrete", "pattern"},
+    "homogenize": {"discrete", "equilibrium", "pattern"},
     "asterism": {"homogenize", "fem", "discrete", "equilibrium", "pattern"},
 }
 ENGINES = [name for name in MAY_IMPORT if name != "asterism"]
