@@ -138,7 +138,7 @@ def _table(s: dict[str, Any]) -> None:
 
 def _minimum(m: dict[str, Any]) -> str:
     axis = "" if m["roll_axis_deg"] is None else f", rolled about {m['roll_axis_deg']:.0f} deg"
-    away = f"{m['distance_percent']:.1f} % away, " if m["distance_percent"] else ""
+    away = f"{m['distance_percent']:.1f} % away, " if m["distance_percent"] >= 0.05 else ""
     return f"{m['energy_n_mm']:.4f} N mm, {m['stars_up']} up{axis}; {away}{m['starts']} starts"
 
 

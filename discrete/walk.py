@@ -79,7 +79,7 @@ class Walk:
         for way in np.linspace(0.0, 1.0, PIN_MOVES + 1)[1:]:
             model.progress = float(way)
             state = model.moved_pins(state)
-            state = self._followed(model, state, step, factor, f"pins of step {step}, {100 * way:.0f} %")
+            state = self._followed(model, state, step, factor, f"pins of step {step}, {100 * way:.0f} % of their way")
         return state
 
     def _followed(self, model: Model, state: State, step: int, factor: Factor, name: str) -> State:
