@@ -9,7 +9,7 @@ import numpy as np
 from discrete.elements import Array, Elements
 from discrete.rigid import isostatic_support, rigid_modes, rigid_motions
 from discrete.state import State, carried
-from equilibrium.factor import Factor, make_factor
+from equilibrium.factor import Factor, make_solver
 from equilibrium.sparse_pattern import SparsePattern
 
 PIECE = 8192  # elements whose Hessians are in memory, and in the processor's cache, at a time
@@ -92,8 +92,8 @@ class System:
         return rigid_modes(state, self.edges, self.held, self.free)
 
     def factor(self, backend: str = "auto") -> Factor:
-        """A factorisation for the Hessians of this system."""
-        return make_factor(self.pattern, backend)
+        """A solver for the Hessians of this system."""
+        return make_solver(self.pattern, backend)
 
     def towards(self, state: State, target: State) -> State:
         """The target, or the last state on the way to it if something is in the way; here nothing is."""

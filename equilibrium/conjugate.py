@@ -66,17 +66,19 @@ class ConjugateGradients:
         self.energy = energy
 
 
-def solved(product: Operator, precondition: Operator, b: Floats, tolerance: float, max_iterations: int) -> Floats:
-    """x with `|b - A x| <= tolerance |b|`, or the last of `max_iterations`, which still leads downhill."""
+def solved(
+    product: Operator, precondition: Operator, b: Floats, tolerance: float, max_iterations: int
+) -> tuple[Floats, int]:
+    """x with `|b - A x| <= tolerance |b|`, or the last of `max_iterations`, still a way down; and the iterations."""
     goal = tolerance * float(np.linalg.norm(b))
     if goal == 0.0:
-        return np.zeros_like(b)
+        return np.zeros_like(b), 0
     run = ConjugateGradients(product, precondition, b)
-    for _ in range(max_iterations):
+    for k in range(1, max_iterations + 1):
         run.step()
         if np.linalg.norm(run.residual) <= goal:
-            break
-    return run.x
+            return run.x, k
+    return run.x, max_iterations
 
 
 def proves_definite(

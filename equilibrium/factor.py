@@ -9,6 +9,7 @@ from __future__ import annotations
 import copy
 import functools
 import importlib.util
+import os
 from collections.abc import Callable
 from typing import Any, Protocol, runtime_checkable
 
@@ -21,6 +22,7 @@ from equilibrium.sparse_pattern import Floats, Ints, SparsePattern
 # entries of a triangle below which a second thread waits more than it works; one thread also adds in one order, so that
 # small problems give the same digits on every run
 FEW = 1_000_000
+SHARE = 0.5  # of the machine's memory that a factorisation may take
 
 
 class BackendError(ValueError):
@@ -117,6 +119,12 @@ class PardisoFactor:
 
     def solve(self, b: Floats) -> Floats:
         return self._call(33, np.asfortranarray(b, dtype=float))
+
+    @property
+    def memory_mb(self) -> float:
+        """What the factor takes, known since its pattern was analysed."""
+        kilobytes = [self._solver.get_iparm(i) for i in (15, 16, 17)]
+        return max(kilobytes[0], kilobytes[1] + kilobytes[2]) / 1024.0
 
     def close(self) -> None:
         self._solver.free_memory(everything=True)
@@ -222,6 +230,27 @@ def make_factor(pattern: SparsePattern, backend: str = "auto") -> Factor:
         except (ImportError, OSError):  # a package without its shared library
             continue
     raise BackendError("backend: no sparse factorisation is installed")
+
+
+def make_solver(pattern: SparsePattern, backend: str = "auto") -> Factor:
+    """As `make_factor`, but `auto` is multigrid where a factorisation would take too large a part of the memory.
+
+    Measured up to 300000 vertices (benchmarks/results/large.md), PARDISO is the faster one wherever it fits. Memory of
+    another factorisation is not known before it is made; without PARDISO, ask for `amg` on large sheets.
+    """
+    factor = make_factor(pattern, backend)
+    if backend != "auto" or getattr(factor, "memory_mb", 0.0) < SHARE * physical_memory_mb():
+        return factor
+    factor.close()
+    return _multigrid(pattern)
+
+
+def physical_memory_mb() -> float:
+    """Of this machine; 8 GB where it does not say."""
+    try:
+        return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 2.0**20
+    except (AttributeError, ValueError, OSError):
+        return 8192.0
 
 
 def check_backend(backend: str) -> None:

@@ -93,7 +93,9 @@ class MultigridFactor:
             return self._coarse.solve(b)
         if b.ndim == 2:
             return np.column_stack([self.solve(column, tolerance) for column in b.T])
-        return solved(self.product, self.precondition, np.asarray(b, dtype=float), tolerance, MAX_ITERATIONS)
+        x, spent = solved(self.product, self.precondition, np.asarray(b, dtype=float), tolerance, MAX_ITERATIONS)
+        self.iterations += spent
+        return x
 
     def proves_definite(self) -> bool:
         """True: the matrix is positive definite, but for one chance in 1e9 of the random start."""

@@ -11,9 +11,10 @@ from asterism.simulation import simulate
 from discrete.model import Model
 from discrete.solve import relax
 from equilibrium import certificate, multigrid
+from equilibrium import factor as factor_module
 from equilibrium.certificate import smallest_eigenvalue
 from equilibrium.conjugate import ConjugateGradients, NotPositiveDefinite, proves_definite, solved
-from equilibrium.factor import BackendError, Iterative, make_factor
+from equilibrium.factor import BackendError, Iterative, available, make_factor, make_solver
 from equilibrium.following_factor import FollowingFactor
 from equilibrium.multigrid import MultigridFactor
 from equilibrium.sparse_pattern import Floats, SparsePattern
@@ -142,6 +143,14 @@ def test_bad_entries_are_refused(bad):
     data = shifted(1.0)
     data[PATTERN.diagonal[3]] = bad
     assert not factor.factorise(data)
+
+
+@pytest.mark.skipif("pardiso" not in available(), reason="only PARDISO knows its memory in advance")
+def test_small_memory_takes_multigrid(monkeypatch):
+    assert make_solver(PATTERN).name == "pardiso"
+    monkeypatch.setattr(factor_module, "physical_memory_mb", lambda: 0.1)
+    assert make_solver(PATTERN).name == "amg"
+    assert make_solver(PATTERN, "pardiso").name == "pardiso"
 
 
 def test_contact_is_refused_in_one_line():
