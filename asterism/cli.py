@@ -16,6 +16,9 @@ app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions
 # what the option parser raises for a wrong command line; some versions of typer bring their own click
 _UsageError: type[Exception] = typer.BadParameter.__mro__[1]
 
+law = typer.Typer(help="What a law of the sheet says.", no_args_is_help=True)
+app.add_typer(law, name="law")
+
 
 @app.callback(invoke_without_command=True)
 def _root(
@@ -152,10 +155,52 @@ class _Mistake(Exception):
     """What the user typed cannot be done; one line."""
 
 
+@app.command()
+def calibrate(
+    material: Annotated[
+        Path | None, typer.Argument(help="The material and plan (.toml or .json); none: the paper's material.")
+    ] = None,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="The law's file (MATERIAL.npz).")] = None,
+    jobs: Annotated[int | None, typer.Option(min=1, max=1000, help="Processes (one per core).")] = None,
+    dask: Annotated[str | None, typer.Option(help="Address of a Dask scheduler to use in their place.")] = None,
+) -> None:
+    """The law of the sheet for a material, from many unit cells.
+
+    Goes on where an earlier run has stopped: finished cells are kept beside the law, in LAW.samples. Exit status 1 if
+    too many cells have no answer.
+    """
+    from asterism import calibrate_command as command
+
+    path = command.law_path(material, output)
+    if path.suffix != ".npz":
+        raise _Mistake(f"--output: {str(path)!r} must end with .npz")
+    if jobs is not None and dask is not None:
+        raise _Mistake("--jobs: goes with processes of this machine, not with --dask")
+    line = " ".join(["asterism calibrate", *([material.name] if material else [])])
+    try:
+        law = command.calibrate(material, path, jobs or command.default_jobs(), dask, line)
+    except KeyboardInterrupt:
+        folder = command.samples_folder(path)
+        _stop(f"interrupted; finished cells are in {folder}, the same command goes on from there", 130)
+    typer.echo("\n".join(command.report_lines(law, path)))
+
+
+@law.command("show")
+def law_show(
+    path: Annotated[Path | None, typer.Argument(help="The law's file (.npz); none: the paper's material.")] = None,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="Directory (the law's name).")] = None,
+) -> None:
+    """A law as a table, and as a picture in law.png, with its errors."""
+    from asterism.law_command import show
+
+    typer.echo("\n".join(show(path, output)))
+
+
 def main() -> None:
     """Run the command line; exits with 0 done, 1 no answer, 2 wrong input, 130 interrupted."""
     from asterism.files import OutputError
     from equilibrium.factor import BackendError
+    from homogenize.errors import AddressError, CampaignError, LawError
     from pattern.errors import DesignError, MeshError
 
     # a polite request to end is an interruption like Ctrl-C
@@ -164,8 +209,10 @@ def main() -> None:
         status = app(standalone_mode=False)
     except _UsageError as error:
         _stop(error.format_message(), 2)  # type: ignore[attr-defined]
-    except (DesignError, MeshError, OutputError, BackendError, _Mistake) as error:
+    except (DesignError, MeshError, OutputError, BackendError, LawError, AddressError, _Mistake) as error:
         _stop(str(error), 2)
+    except CampaignError as error:
+        _stop(str(error), 1)
     except (KeyboardInterrupt, typer.Abort):
         status = 130
     except MemoryError:

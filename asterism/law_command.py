@@ -1,0 +1,28 @@
+"""`asterism law show`: what a law says, as a table, a picture and numbers."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from asterism.calibrate_command import summary
+from asterism.files import staged
+from asterism.law_picture import draw_law
+from asterism.law_table import law_table
+from homogenize.law_file import PAPER, load_law
+
+
+def show(path: Path | None, output: Path | None) -> list[str]:
+    """Write law.png and summary.json, and return the lines to print.
+
+    Raises
+    ------
+    LawError
+        The file is not a law of this version.
+    """
+    law = load_law(path or PAPER)
+    directory = output or (Path("paper-law") if path is None else path.with_suffix(""))
+    with staged(directory) as folder:
+        draw_law(law, folder / "law.png")
+        (folder / "summary.json").write_text(json.dumps(summary(law), indent=1) + "\n", encoding="utf-8")
+    return [*law_table(law), f"{directory}: law.png, summary.json"]

@@ -1,0 +1,188 @@
+"""From the samples of a campaign to the tables of a law."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator, RBFInterpolator
+
+from homogenize.campaign import Record
+from homogenize.errors import CampaignError
+from homogenize.interpolation import Bools, Floats
+from homogenize.law import NAMES, QUANTITIES, Law, Table, from_stored, to_stored
+from homogenize.plan import Material
+from homogenize.residuals import residuals
+
+Q = len(NAMES)
+# of the grid that a law from scattered cells is carried onto: lengths, thicknesses, widths
+SCATTERED = (14, 7, 4)
+
+
+def fit(material: Material, records: Sequence[Record], made: dict[str, Any] | None = None) -> Law:
+    """The law of a campaign; the same records give the same numbers.
+
+    Raises
+    ------
+    CampaignError
+        Too many cells have no answer.
+    """
+    tables, tests = [], []
+    for stretch in material.stretches:
+        own = [record for record in records if record.task.stretch == stretch]
+        tables.append(_table(material, stretch, [record for record in own if not record.task.held_out]))
+        tests.append([(record.task, _usable(record)) for record in own if record.task.held_out])
+    samples = [plain(record) for record in records]
+    return Law(material, tuple(tables), samples, residuals(tables, tests, material.plan.kind), made or {})
+
+
+def row(sample: dict[str, Any], stretch: float) -> Floats:
+    """(Q,) what the law holds of one sample.
+
+    Directions are averaged over the first and the last, 0 and 30 degrees: a sixfold function has its extremes there.
+    The membrane's constants are those of the nearest isotropic tensor.
+    """
+    a = np.array(sample["membrane"])
+    ends = {
+        name: np.array(sample[name], dtype=float)[[0, -1]]
+        for name in ("natural_curvature", "natural_hoop", "natural_axial", "bending")
+    }
+    offset = sample["natural_centre_offset_mm"]
+    bare = sample["length_mm"] == 0.0
+    found = {
+        "lam": 1.0 / stretch if bare else sample["lam"],
+        "lam_n": 1.0 / stretch if bare else float(np.sqrt(ends["natural_hoop"] * ends["natural_axial"]).mean()),
+        "kappa": 0.0 if bare else float(ends["natural_curvature"].mean()),
+        "bending": float(ends["bending"].mean()),
+        "a11": (3 * a[0, 0] + 3 * a[1, 1] + 2 * a[0, 1] + 4 * a[2, 2]) / 8,
+        "a12": (a[0, 0] + a[1, 1] + 6 * a[0, 1] - 4 * a[2, 2]) / 8,
+        "c3": 0.0 if bare else float(sample["sixfold"]),
+        "offset_mm": 0.0 if bare or offset is None else float(np.mean(np.array(offset, dtype=float)[[0, -1]])),
+    }
+    return np.array([found[name] for name in NAMES])
+
+
+def problem(record: Record) -> str | None:
+    """Why a cell cannot be used, or None."""
+    if record.failed is not None or record.sample is None:
+        return record.failed or "no answer"
+    if record.sample["length_mm"] > 0 and not record.sample["bump_mm"] > 0:
+        return f"the star is not up: bump {record.sample['bump_mm']:.3g} mm"
+    values = row(record.sample, record.task.stretch)
+    for name, value in zip(NAMES, values, strict=True):
+        if not np.isfinite(value) or (QUANTITIES[name].ratio and value <= 0):
+            return f"{name} = {value:.3g} is no answer"
+    return None
+
+
+def plain(record: Record) -> dict[str, Any]:
+    """A record for the law's file: what goes in and what comes out, without what differs from run to run."""
+    sample = record.sample and {k: v for k, v in record.sample.items() if k != "seconds"}
+    return {
+        "stretch": record.task.stretch,
+        "held_out": record.task.held_out,
+        "length_mm": record.task.length_mm,
+        "thickness_mm": record.task.thickness_mm,
+        "width_mm": record.task.width_mm,
+        "problem": problem(record),
+        "sample": sample,
+    }
+
+
+def _usable(record: Record) -> Floats | None:
+    if problem(record) is not None or record.sample is None:
+        return None
+    return row(record.sample, record.task.stretch)
+
+
+def _table(material: Material, stretch: float, records: list[Record]) -> Table:
+    rows = {record.task: _usable(record) for record in records}
+    fabric = next((found for task, found in rows.items() if task.length_mm == 0.0), None)
+    if fabric is None:
+        reason = next((record.failed for record in records if record.task.length_mm == 0.0), "not solved")
+        raise CampaignError(f"the bare fabric at stretch {stretch:g} has no answer: {reason}")
+    sizes = {(t.length_mm, t.thickness_mm, t.width_mm): found for t, found in rows.items() if t.length_mm > 0}
+    if 2 * sum(found is not None for found in sizes.values()) < len(sizes):
+        reason = next(why for record in records if (why := problem(record)) is not None)
+        raise CampaignError(f"fewer than half of the cells at stretch {stretch:g} have an answer; the first: {reason}")
+    if material.plan.kind == "grid":
+        return _from_grid(material, stretch, fabric, sizes)
+    return _from_scattered(material, stretch, fabric, sizes)
+
+
+def _from_grid(
+    material: Material, stretch: float, fabric: Floats, sizes: dict[tuple[float, float, float], Floats | None]
+) -> Table:
+    plan = material.plan
+    lengths = (0.0, *(v for v in plan.lengths_mm if v > 0))
+    axes = (np.array(lengths), np.array(plan.thicknesses_mm), np.array(plan.widths_mm))
+    nodes = np.full((*(len(axis) for axis in axes), Q), np.nan)
+    nodes[0] = fabric
+    for i, length in enumerate(lengths[1:], start=1):
+        for j, h in enumerate(plan.thicknesses_mm):
+            for k, w in enumerate(plan.widths_mm):
+                found = sizes[length, h, w]
+                if found is not None:
+                    nodes[i, j, k] = found
+    good = np.isfinite(nodes).all(axis=-1)
+    stored = filled(axes[0], to_stored(nodes, fabric), good)
+    return Table(stretch, axes, np.where(good[..., None], nodes, from_stored(stored, fabric)), good)
+
+
+def filled(lengths: Floats, stored: Floats, good: Bools) -> Floats:
+    """Rows (n0, n1, n2, Q) with those of failed cells made up from the others on their line of lengths.
+
+    Beyond the last answer on a line, that answer stands. The law marks the boxes around such cells.
+    """
+    whole = stored.copy()
+    for j, k in np.ndindex(good.shape[1:]):
+        fine = good[:, j, k]
+        if not fine.all():
+            known = lengths[fine]
+            if len(known) == 1:
+                whole[:, j, k] = stored[fine, j, k]
+            else:
+                along = PchipInterpolator(known, stored[fine, j, k])
+                whole[~fine, j, k] = along(np.minimum(lengths[~fine], known[-1]))
+    return whole
+
+
+def _from_scattered(
+    material: Material, stretch: float, fabric: Floats, sizes: dict[tuple[float, float, float], Floats | None]
+) -> Table:
+    """Cubic radial functions through all cells, carried onto a grid."""
+    low, high = np.transpose(material.plan.ranges)
+    axes = (
+        np.linspace(0.0, high[0], SCATTERED[0]),
+        np.geomspace(low[1], high[1], SCATTERED[1]),
+        np.geomspace(low[2], high[2], SCATTERED[2]),
+    )
+    places, values = scattered_points(sizes, fabric, axes)
+    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+    stored = radial(places, values)(scaled(grid.reshape(-1, 3), axes)).reshape(*grid.shape[:3], Q)
+    nodes = from_stored(stored, fabric)
+    nodes[0] = fabric
+    return Table(stretch, axes, nodes, np.ones(grid.shape[:3], dtype=bool))
+
+
+def scattered_points(
+    sizes: dict[tuple[float, float, float], Floats | None], fabric: Floats, axes: tuple[Floats, Floats, Floats]
+) -> tuple[Floats, Floats]:
+    """Places (n, 3) in the unit cube and stored rows (n, Q), with bare fabric all over the side of length 0."""
+    known = {size: found for size, found in sizes.items() if found is not None}
+    bare = [(0.0, float(h), float(w)) for h in axes[1][::2] for w in axes[2]]
+    rows = np.vstack([np.array(list(known.values())), np.tile(fabric, (len(bare), 1))])
+    return scaled(np.array([*known, *bare]), axes), to_stored(rows, fabric)
+
+
+def scaled(points: Floats, axes: tuple[Floats, Floats, Floats]) -> Floats:
+    """Sizes (n, 3) as places in the unit cube: lengths as they are, thickness and width by their logarithms."""
+    x = np.column_stack([points[:, 0], np.log(points[:, 1]), np.log(points[:, 2])])
+    low, high = (np.array([axes[0][e], np.log(axes[1][e]), np.log(axes[2][e])]) for e in (0, -1))
+    return (x - low) / (high - low)
+
+
+def radial(places: Floats, values: Floats) -> RBFInterpolator:
+    """Cubic radial functions with a linear part."""
+    return RBFInterpolator(places, values, kernel="cubic", degree=1)

@@ -1,0 +1,253 @@
+"""The law of the sheet: what a cell's star makes of it, as smooth functions of the star's sizes.
+
+A law belongs to one material, lattice and edge length, and has a table for each stretch. It is never extrapolated
+silently: outside its range, and next to cells that have no answer, its values are marked.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from homogenize.errors import LawError
+from homogenize.interpolation import Bools, Floats, Grid, Rule
+from homogenize.plan import Material
+from pattern.design import Design
+
+SIZES = ("length_mm", "thickness_mm", "width_mm")
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One function of the law.
+
+    Attributes
+    ----------
+    meaning : with its unit.
+    rule : how it is interpolated.
+    ratio : the logarithm of its ratio to the bare fabric is interpolated; it stays positive.
+    per_modulus : it is proportional to the fabric's modulus.
+    """
+
+    meaning: str
+    rule: Rule = "smooth"
+    ratio: bool = False
+    per_modulus: bool = False
+
+
+QUANTITIES = {
+    "lam": Quantity("length of the flat free sheet over its printed length", "monotone", ratio=True),
+    "lam_n": Quantity("the same of the tube that the sheet wants to be: sqrt(hoop x axial)", "monotone", ratio=True),
+    "kappa": Quantity("natural curvature, mean over directions, 1/mm", "smooth"),
+    "bending": Quantity("bending stiffness: secant from flat to the natural tube, N mm", ratio=True, per_modulus=True),
+    "a11": Quantity("membrane stiffness, N/mm", ratio=True, per_modulus=True),
+    "a12": Quantity("membrane stiffness across, N/mm", per_modulus=True),
+    "c3": Quantity("sixfold part of the bending energy, N mm^2", per_modulus=True),
+    "offset_mm": Quantity("height of the star's centre over the reference surface, mm"),
+}
+NAMES = tuple(QUANTITIES)
+_RATIO = np.array([q.ratio for q in QUANTITIES.values()])
+_PER_MODULUS = np.array([q.per_modulus for q in QUANTITIES.values()])
+
+
+@dataclass(frozen=True)
+class Values:
+    """The law at N stars.
+
+    Attributes
+    ----------
+    value : for each of `NAMES` (N,).
+    slope : the derivatives by length, thickness and width in mm, (N, 3).
+    inside : (N,) False where the law does not reach; there the values are those of the nearest sizes in its range,
+        and the slopes across the range are zero.
+    outside : one line for each such star.
+    """
+
+    value: dict[str, Floats]
+    slope: dict[str, Floats]
+    inside: Bools
+    outside: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Table:
+    """The law at one stretch.
+
+    Attributes
+    ----------
+    axes : nodes of length, thickness and width, mm.
+    nodes : (n0, n1, n2, Q) values of `NAMES`; all of length 0 are the bare fabric's.
+    good : (n0, n1, n2) False where a cell has no answer and its neighbours stand in.
+    """
+
+    stretch: float
+    axes: tuple[Floats, Floats, Floats]
+    nodes: Floats
+    good: Bools
+
+    @cached_property
+    def _grid(self) -> Grid:
+        stored = to_stored(self.nodes, self.nodes[0, 0, 0])
+        rules = [quantity.rule for quantity in QUANTITIES.values()]
+        return Grid((self.axes[0], np.log(self.axes[1]), np.log(self.axes[2])), stored, rules)
+
+    @cached_property
+    def _limits(self) -> Floats:
+        """(2, 3) least and largest sizes, with room for rounding."""
+        low, high = (np.array([axis[end] for axis in self.axes]) for end in (0, -1))
+        return np.array([low - 1e-9 * (high + 1), high + 1e-9 * (high + 1)])
+
+    @cached_property
+    def _whole(self) -> Bools:
+        """(boxes,) False where a corner has no answer."""
+        whole = self.good
+        for axis in range(3):
+            if whole.shape[axis] > 1:
+                n = whole.shape[axis]
+                whole = np.take(whole, range(n - 1), axis) & np.take(whole, range(1, n), axis)
+        return whole.ravel()
+
+    def __call__(self, length_mm: ArrayLike, thickness_mm: ArrayLike, width_mm: ArrayLike) -> Values:
+        """The law at stars of these sizes, each (N,) or a number."""
+        given = np.broadcast_arrays(*(np.atleast_1d(np.asarray(x, float)) for x in (length_mm, thickness_mm, width_mm)))
+        asked = np.column_stack([x.ravel() for x in given])
+        low, high = self._limits
+        within = (asked >= low) & (asked <= high)
+        # without arms there is neither thickness nor width
+        within[:, 1:] |= asked[:, :1] == 0.0
+        sizes = np.clip(np.nan_to_num(asked, nan=0.0), [a[0] for a in self.axes], [a[-1] for a in self.axes])
+        places = np.column_stack([sizes[:, 0], np.log(sizes[:, 1]), np.log(sizes[:, 2])])
+        value, slope = self._grid(places)
+        slope[:, 1:] /= sizes[:, 1:, None]
+        slope *= within[:, :, None]
+        ratio = self.nodes[0, 0, 0][_RATIO]
+        value[:, _RATIO] = ratio * np.exp(value[:, _RATIO])
+        slope[:, :, _RATIO] *= value[:, None, _RATIO]
+        solved = self._whole[self._grid.box(places)[0]] | (asked[:, 0] == 0.0)
+        inside = within.all(axis=1) & solved
+        outside = () if inside.all() else tuple(self._why(int(n), asked[n], within[n]) for n in np.flatnonzero(~inside))
+        return Values(
+            {name: value[:, q] for q, name in enumerate(NAMES)},
+            {name: slope[:, :, q] for q, name in enumerate(NAMES)},
+            inside,
+            outside,
+        )
+
+    def _why(self, star: int, sizes: Floats, within: Bools) -> str:
+        for name, size, axis, fine in zip(SIZES, sizes, self.axes, within, strict=True):
+            if not fine:
+                return f"star {star}: {name} = {size:g} is outside the law's {axis[0]:g} to {axis[-1]:g}"
+        l_h_w = ", ".join(f"{name} = {size:g}" for name, size in zip(SIZES, sizes, strict=True))
+        return f"star {star}: no cell was solved near {l_h_w}"
+
+
+@dataclass(frozen=True)
+class Law:
+    """Tables for one material, and everything needed to make them again.
+
+    Attributes
+    ----------
+    material : with the plan.
+    tables : one per stretch.
+    samples : all records of the campaign as plain data, in the plan's order.
+    residuals : see `homogenize.residuals`.
+    made : versions, command, machine, seconds.
+    """
+
+    material: Material
+    tables: tuple[Table, ...]
+    samples: Sequence[dict[str, Any]]
+    residuals: dict[str, Any]
+    made: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def edge_mm(self) -> float:
+        """Edge length of the cells' mesh; sheets to be compared should have the same."""
+        return self.material.plan.edge_mm
+
+    def at(self, stretch: float) -> Table:
+        """The table of a stretch."""
+        for table in self.tables:
+            if _same(table.stretch, stretch):
+                return table
+        raise LawError(f"the law has no fabric.stretch = {stretch:g}; it was made for {_list(self.stretches)}")
+
+    @property
+    def stretches(self) -> tuple[float, ...]:
+        """Those of the tables."""
+        return tuple(table.stretch for table in self.tables)
+
+    def check(self, design: Design) -> Table:
+        """The table for a design; raises LawError, which says what differs, if the law is for something else.
+
+        Moduli and densities may differ: without gravity only the ratio of the moduli matters, see `scaled`.
+        """
+        sx, sy = design.fabric.stretch_xy
+        if not _same(sx, sy):
+            raise LawError(f"the law is for equal stretch in x and y, the design's fabric.stretch is {[sx, sy]}")
+        free = {"fabric": {"stretch", "modulus_mpa", "density_kg_m3"}, "plastic": {"density_kg_m3"}}
+        for section in ("fabric", "plastic", "lattice"):
+            ours, theirs = (getattr(thing, section).model_dump(mode="json") for thing in (self.material, design))
+            if section == "lattice":
+                ours, theirs = (_lattice(thing.lattice, thing_data) for thing, thing_data in
+                                ((self.material, ours), (design, theirs)))  # fmt: skip
+            for key in ours:
+                if key not in free.get(section, ()) and not _same(ours[key], theirs[key]):
+                    name = f"{section}.{key}"
+                    raise LawError(f"the law is for another material: {name} = {ours[key]}, the design's {theirs[key]}")
+        return self.at(sx)
+
+    def evaluate(self, design: Design, length_mm: ArrayLike, thickness_mm: ArrayLike, width_mm: ArrayLike) -> Values:
+        """The law for a design's material at stars of these sizes, stiffnesses in the design's own moduli."""
+        values = self.check(design)(length_mm, thickness_mm, width_mm)
+        scale = design.fabric.modulus_mpa / self.material.fabric.modulus_mpa
+        if scale == 1.0:
+            return values
+        factor = {name: scale if quantity.per_modulus else 1.0 for name, quantity in QUANTITIES.items()}
+        return Values(
+            {name: value * factor[name] for name, value in values.value.items()},
+            {name: slope * factor[name] for name, slope in values.slope.items()},
+            values.inside,
+            values.outside,
+        )
+
+
+def to_stored(rows: Floats, fabric: Floats) -> Floats:
+    """Rows (..., Q) of `NAMES` as they are interpolated; `fabric` is the row of the bare fabric."""
+    ratio = np.where(_RATIO, rows / np.where(_RATIO, fabric, 1.0), 1.0)
+    return np.where(_RATIO, np.log(ratio), rows)
+
+
+def from_stored(stored: Floats, fabric: Floats) -> Floats:
+    """The inverse of `to_stored`."""
+    return np.where(_RATIO, fabric * np.exp(np.where(_RATIO, stored, 0.0)), stored)
+
+
+def _lattice(lattice: Any, data: dict[str, Any]) -> dict[str, Any]:
+    """What of a lattice shapes its cells: not where its origin lies, and turns up to the star's symmetry."""
+    turn = (lattice.orientation_deg + 1e-7) % (360 / lattice.arms) - 1e-7
+    return {
+        "arms": data["arms"],
+        "kind": data["kind"],
+        "spacing_mm": data["spacing_mm"],
+        "vectors_mm": data["vectors_mm"],
+        "orientation_deg": round(turn, 6),
+    }
+
+
+def _same(a: Any, b: Any) -> bool:
+    if isinstance(a, int | float) and isinstance(b, int | float):
+        return math.isclose(a, b, rel_tol=1e-6, abs_tol=1e-12)
+    if isinstance(a, list | tuple) and isinstance(b, list | tuple):
+        return len(a) == len(b) and all(map(_same, a, b))
+    return bool(a == b)
+
+
+def _list(values: Sequence[float]) -> str:
+    return ", ".join(f"{value:g}" for value in values)

@@ -1,0 +1,97 @@
+"""One file for a law: arrays and texts in a numpy archive, without pickles.
+
+It holds the tables, and everything needed to make them again: the material with its plan and mesh edge, versions and
+command, all samples, and the residuals.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from homogenize.errors import LawError
+from homogenize.interpolation import Floats
+from homogenize.law import NAMES, Law, Table
+from homogenize.plan import Material
+from pattern.errors import DesignError
+
+# raised when a file's arrays or quantities mean something else than before
+FORMAT = 1
+PAPER = Path(__file__).parent / "data" / "paper.npz"
+_TEXTS = ("material", "samples", "residuals", "made")
+
+
+def to_bytes(law: Law) -> bytes:
+    """The content of the law's file; equal laws made in the same run time give equal bytes."""
+    texts: dict[str, Any] = {
+        "material": law.material.to_dict(),
+        "samples": list(law.samples),
+        "residuals": law.residuals,
+        "made": law.made,
+    }
+    arrays: dict[str, np.ndarray] = {"format": np.array(FORMAT), "names": np.array(NAMES)}
+    arrays |= {name: np.frombuffer(json.dumps(text).encode(), np.uint8) for name, text in texts.items()}
+    for number, table in enumerate(law.tables):
+        arrays |= {f"{number}/{name}": array for name, array in _arrays(table).items()}
+    stream = io.BytesIO()
+    np.savez_compressed(stream, allow_pickle=False, **arrays)  # type: ignore[arg-type]
+    return stream.getvalue()
+
+
+def digest(law: Law) -> str:
+    """Hash of all that a law says: the same for the same plan, however and whenever it was computed."""
+    parts = [json.dumps([law.material.to_dict(), law.samples, law.residuals], sort_keys=True).encode()]
+    parts += [array.tobytes() for table in law.tables for array in _arrays(table).values()]
+    return hashlib.sha256(b"".join(parts)).hexdigest()[:16]
+
+
+def load_law(path: str | Path | None = None) -> Law:
+    """A law from its file; the paper's material's, which comes with the package, by default.
+
+    Raises
+    ------
+    LawError
+        The file is not a law, or one of another format; one line.
+    """
+    path = PAPER if path is None else Path(path)
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            if "format" not in archive or int(archive["format"]) != FORMAT:
+                made = f"has format {int(archive['format'])}" if "format" in archive else "is not a law"
+                raise LawError(f"{path}: {made}, this version reads {FORMAT}; make it again: asterism calibrate")
+            if tuple(archive["names"]) != NAMES:
+                raise LawError(f"{path}: holds other quantities than this version; make it again: asterism calibrate")
+            material, samples, residuals, made = (json.loads(archive[name].tobytes()) for name in _TEXTS)
+            count = len({name.split("/")[0] for name in archive.files if "/" in name})
+            tables = tuple(_table({k: archive[f"{n}/{k}"] for k in _ARRAYS}) for n in range(count))
+        return Law(Material.from_dict(material), tables, samples, residuals, made)
+    except OSError as error:
+        raise LawError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except DesignError as error:
+        raise LawError(f"{path}: its material cannot be read: {error}; make it again: asterism calibrate") from None
+    except (KeyError, TypeError, ValueError, EOFError, zipfile.BadZipFile) as error:
+        if isinstance(error, LawError):
+            raise
+        raise LawError(f"{path}: is not a law, or damaged") from None
+
+
+_ARRAYS = ("stretch", "length_mm", "thickness_mm", "width_mm", "nodes", "good")
+
+
+def _arrays(table: Table) -> dict[str, np.ndarray]:
+    values = (np.array(table.stretch), *table.axes, table.nodes, table.good)
+    return dict(zip(_ARRAYS, values, strict=True))
+
+
+def _table(arrays: dict[str, np.ndarray]) -> Table:
+    axes: tuple[Floats, Floats, Floats] = (arrays["length_mm"], arrays["thickness_mm"], arrays["width_mm"])
+    shape = tuple(len(axis) for axis in axes)
+    if arrays["nodes"].shape != (*shape, len(NAMES)) or arrays["good"].shape != shape:
+        raise ValueError("arrays do not fit together")
+    return Table(float(arrays["stretch"]), axes, arrays["nodes"], arrays["good"])

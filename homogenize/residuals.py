@@ -1,0 +1,97 @@
+"""How far a law is from cells: those it was not made of, and its own, left out one by one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from homogenize.interpolation import Floats, Grid
+from homogenize.law import NAMES, QUANTITIES, Table, from_stored, to_stored
+from homogenize.plan import Task
+
+# relative errors are of the cell's value, or of this part of the table's largest where it is smaller
+FLOOR = 0.1
+
+
+def residuals(
+    tables: Sequence[Table], tests: Sequence[Sequence[tuple[Task, Floats | None]]], kind: str
+) -> dict[str, Any]:
+    """Per stretch, and per kind of test, the law's and the cells' values and the errors' summary.
+
+    Parameters
+    ----------
+    tests : per table the held-out tasks with the rows (Q,) of their cells, None where there is no answer.
+    kind : of the plan; a cell of a grid is left out on its line of lengths.
+    """
+    found: dict[str, Any] = {}
+    for table, pairs in zip(tables, tests, strict=True):
+        entry: dict[str, Any] = {"held_out": _held_out(table, pairs)}
+        if kind == "grid":
+            entry["leave_one_out"] = _leave_one_out(table)
+        found[f"{table.stretch:g}"] = entry
+    return found
+
+
+def _held_out(table: Table, pairs: Sequence[tuple[Task, Floats | None]]) -> dict[str, Any]:
+    known = [(task, row) for task, row in pairs if row is not None]
+    if not known:
+        return {"count": 0, "without_answer": len(pairs), "outside": 0, "errors": {}, "cells": []}
+    sizes = np.array([[task.length_mm, task.thickness_mm, task.width_mm] for task, _ in known])
+    law, cells = table(*sizes.T), np.array([row for _, row in known])
+    values = np.column_stack([law.value[name] for name in NAMES])
+    relative = _relative(table, values, cells)
+    return {
+        "count": int(law.inside.sum()),
+        "without_answer": len(pairs) - len(known),
+        "outside": int((~law.inside).sum()),
+        "errors": _summary(relative[law.inside]),
+        "cells": [
+            {
+                **dict(zip(("length_mm", "thickness_mm", "width_mm"), map(float, sizes[n]), strict=True)),
+                "inside": bool(law.inside[n]),
+                "law": dict(zip(NAMES, map(float, values[n]), strict=True)),
+                "cell": dict(zip(NAMES, map(float, cells[n]), strict=True)),
+                "error_percent": dict(zip(NAMES, map(float, relative[n]), strict=True)),
+            }
+            for n in range(len(known))
+        ],
+    }
+
+
+def _leave_one_out(table: Table) -> dict[str, Any]:
+    """Every inner cell of a line of lengths, from the others on it: harder than the law's own task."""
+    lengths, fabric = table.axes[0], table.nodes[0, 0, 0]
+    stored = to_stored(table.nodes, fabric)
+    rules = [quantity.rule for quantity in QUANTITIES.values()]
+    errors = []
+    for i in range(1, len(lengths) - 1):
+        others = np.delete(np.arange(len(lengths)), i)
+        across = tuple(np.arange(float(n)) for n in stored.shape[1:3])
+        grid = Grid((lengths[others], *across), stored[others], rules)
+        j, k = (index.ravel() for index in np.indices(stored.shape[1:3]))
+        guess, _ = grid(np.column_stack([np.full(len(j), lengths[i]), j, k]))
+        fine = table.good[i, j, k]
+        errors.append(_relative(table, from_stored(guess, fabric), table.nodes[i, j, k])[fine])
+    every = np.concatenate(errors) if errors else np.empty((0, len(NAMES)))
+    return {"count": len(every), "errors": _summary(every) if len(every) else {}}
+
+
+def _relative(table: Table, values: Floats, cells: Floats) -> Floats:
+    """(n, Q) percent."""
+    largest = np.abs(table.nodes[table.good]).max(axis=0)
+    scale = np.maximum(np.abs(cells), np.maximum(FLOOR * largest, 1e-12))
+    return 100 * (values - cells) / scale
+
+
+def _summary(percent: Floats) -> dict[str, dict[str, float]]:
+    return {
+        name: {
+            "rms_percent": float(np.sqrt(np.mean(column**2))),
+            "median_percent": float(np.median(np.abs(column))),
+            "largest_percent": float(np.abs(column).max()),
+        }
+        for name, column in zip(NAMES, percent.T, strict=True)
+        if len(column)
+    }

@@ -1,0 +1,119 @@
+"""Where the cells of a campaign are solved: processes of this machine, or a Dask cluster.
+
+Either is a context manager that yields a function: it takes a function and a list of arguments, and yields
+(number, result) as results arrive.
+"""
+
+from __future__ import annotations
+
+import concurrent.futures
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager, suppress
+from typing import Any
+
+from homogenize.errors import AddressError, CampaignError
+
+Arrivals = Iterator[tuple[int, Any]]
+SubmitAll = Callable[[Callable[..., Any], Sequence[tuple[Any, ...]]], Arrivals]
+
+# One thread each: as many processes as cores are quicker than threads in any of them, and sums are taken in the same
+# order whatever the number of workers. MKL may otherwise choose its path by where an array happens to lie in memory.
+ENVIRONMENT = {
+    "OMP_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+    "VECLIB_MAXIMUM_THREADS": "1",
+    "NUMBA_NUM_THREADS": "1",
+    "MKL_CBWR": "AUTO,STRICT",
+}
+
+
+@contextmanager
+def local(jobs: int) -> Iterator[SubmitAll]:
+    """Processes of this machine, started afresh so that they share nothing with this one."""
+    with _environment(ENVIRONMENT):
+        context = multiprocessing.get_context("spawn")
+        pool = concurrent.futures.ProcessPoolExecutor(jobs, context, _begin)
+
+        def submit_all(function: Callable[..., Any], arguments: Sequence[tuple[Any, ...]]) -> Arrivals:
+            number = {pool.submit(function, *args): n for n, args in enumerate(arguments)}
+            for future in concurrent.futures.as_completed(number):
+                yield number[future], future.result()
+
+        try:
+            yield submit_all
+        except BrokenProcessPool:
+            reason = "a worker process has ended (out of memory?); finished samples are kept, fewer --jobs need less"
+            raise CampaignError(reason) from None
+        except BaseException:
+            _end(pool)
+            raise
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)
+
+
+@contextmanager
+def on_dask(address: str) -> Iterator[SubmitAll]:
+    """The workers of a running Dask cluster, which must have asterism installed in the same version."""
+    try:
+        from distributed import Client, as_completed
+    except ImportError:
+        raise AddressError("--dask needs the package distributed: pip install 'asterism[dask]'") from None
+    try:
+        client = Client(address, timeout=10, set_as_default=False)
+    except (OSError, ValueError, TimeoutError) as error:
+        raise AddressError(f"--dask: no scheduler answers at {address!r} ({type(error).__name__})") from None
+    with client:
+        if not client.scheduler_info()["workers"]:
+            raise AddressError(f"--dask: the scheduler at {address!r} has no workers")
+
+        def submit_all(function: Callable[..., Any], arguments: Sequence[tuple[Any, ...]]) -> Arrivals:
+            futures = [client.submit(function, *args, pure=False) for args in arguments]
+            number = {future.key: n for n, future in enumerate(futures)}
+            try:
+                for future in as_completed(futures):
+                    yield number[future.key], future.result()
+            finally:
+                with suppress(Exception):
+                    client.cancel(futures)
+
+        yield submit_all
+
+
+def _begin() -> None:
+    """In a new worker: Ctrl-C is the parent's to answer, and no worker outlives it."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_follow_parent, daemon=True).start()
+
+
+def _follow_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
+def _end(pool: concurrent.futures.ProcessPoolExecutor) -> None:
+    """End the workers in the middle of their cells; before Python 3.14 an executor cannot do that by itself."""
+    for process in list((getattr(pool, "_processes", None) or {}).values()):
+        process.terminate()
+
+
+@contextmanager
+def _environment(values: dict[str, str]) -> Iterator[None]:
+    """Variables that processes started within the block inherit."""
+    before = {name: os.environ.get(name) for name in values}
+    os.environ.update(values)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
