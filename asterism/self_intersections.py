@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from pattern.layout import Floats, Ints
@@ -45,7 +46,7 @@ def _close_pairs(positions: Floats, triangles: Ints) -> Ints:
     return pairs[~shared]
 
 
-def _edge_through(first: Floats, second: Floats) -> Floats:
+def _edge_through(first: Floats, second: Floats) -> NDArray[np.bool_]:
     """(P,) an edge of the first triangle (P, 3, 3) passes through the second one."""
     a, b, c = second.transpose(1, 0, 2)
     normal = np.cross(b - a, c - a)

@@ -18,6 +18,7 @@ from pattern.mesh import Mesh
 
 CLOSEST = 0.5  # least distance of the middle surfaces, over the distance at which contact begins
 NEIGHBOURS = 1.5  # printed distance within which parts are neighbours, over longest edge plus contact distance
+CCD_STEPS = 1000  # of the search for the first contact on a way (Li et al. 2021, additive CCD)
 
 
 def ipc_toolkit() -> Any:
@@ -32,6 +33,7 @@ def ipc_toolkit() -> Any:
         import ipctk
     except ImportError:
         raise DesignError("solver.contact", "needs the package ipctk: pip install ipctk") from None
+    ipctk.set_logger_level(ipctk.critical)  # its remarks would go to standard output
     return ipctk
 
 
@@ -95,7 +97,9 @@ class Contact:
     def clear(self, positions: Array, target: Array) -> float:
         """How far the straight way to `target` (V, 3) is free, as a fraction of it; 1 for all of it."""
         way = (np.asfortranarray(x) for x in (positions, target))
-        return float(self._ipc.compute_collision_free_stepsize(self._mesh, *way, self.closest))
+        # additive, because its steps are safe however few they are; others may search for ever in flat sheets
+        search = self._ipc.AdditiveCCD(max_iterations=CCD_STEPS)
+        return float(self._ipc.compute_collision_free_stepsize(self._mesh, *way, self.closest, narrow_phase_ccd=search))
 
     def apart(self, positions: Array) -> bool:
         """Nothing passes through anything or is too close to it."""
