@@ -68,6 +68,7 @@ def test_simulate_writes_results_and_a_table(tmp_path: Path) -> None:
         (["simulate", "d.toml", "--edge", "two"], "--edge"),
         (["simulate", "d.toml", "--start", "sideways"], "--start"),
         (["simulate", "d.toml", "--seed", "-3"], "--seed"),
+        (["simulate", "d.toml", "--starts", "0"], "--starts"),
         (["simulate", "d.toml", "--fabric-bending", "soft"], "--fabric-bending"),
         (["simulate", "d.toml", "--backend", "magic"], "backend"),
         (["simulate", "d.toml", "-o", "d.toml"], "d.toml"),

@@ -1,0 +1,82 @@
+"""simulate with many starts: what the summary says, and the files of the other minima."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from asterism.results import write_results
+from asterism.shape import Shape
+from asterism.simulation import simulate
+from pattern import gallery
+from pattern.design import Design
+
+STARTS = 9
+
+
+def small(**sections: object) -> Design:
+    data = gallery.load("tube").to_dict()
+    data["border"] = {"rings": 1}
+    data["mesh"] = {"edge_mm": 4.0}
+    data["stars"] = {"length_mm": 10.0, "thickness_mm": 0.3}
+    return Design.from_dict(data | sections)
+
+
+@pytest.fixture(scope="module")
+def shape() -> Shape:
+    return simulate(small(), starts=STARTS)
+
+
+def test_minima_of_the_summary(shape: Shape) -> None:
+    s = shape.summary
+    minima = s["minima"]
+    assert s["starts"] == STARTS and s["result_is"] == "lowest energy"
+    assert sum(m["starts"] for m in minima) + s["starts_lost"] == STARTS
+    energies = [m["energy_n_mm"] for m in minima]
+    assert energies == sorted(energies) and s["energy_n_mm"] == energies[0]
+    assert len(minima) >= 2 and len(shape.others) == len(minima) - 1
+    assert [other.summary["energy_n_mm"] for other in shape.others] == energies[1:]
+    assert s["next_minimum_n_mm"] == pytest.approx(energies[1] - energies[0])
+    assert sum(m["default"] for m in minima) == 1
+    apart = np.array(s["minima_distance_percent"])
+    np.testing.assert_allclose(apart, apart.T, atol=1e-9)
+    np.testing.assert_allclose(apart[0], [m["distance_percent"] for m in minima])
+    assert s["symmetries"] == 6
+    assert all(m["is_minimum"] and m["stars_up"] <= 7 for m in minima)
+
+
+def test_one_start_is_the_first_of_many(shape: Shape) -> None:
+    s = simulate(small()).summary
+    default = next(m for m in shape.summary["minima"] if m["default"])
+    assert s["starts"] == 1 and s["minima_seen"] == 1 and s["next_minimum_percent"] is None
+    assert s["energy_n_mm"] == pytest.approx(default["energy_n_mm"], rel=1e-9)
+    assert [step["release"] for step in s["path"]] == sorted(step["release"] for step in s["path"])
+    assert set(s["path"][0]) >= {"step", "release", "energy_n_mm", "iterations", "kicks"}
+    assert s["instabilities_passed"] == sum(step["kicks"] for step in s["path"])
+
+
+def test_every_minimum_has_its_files(shape: Shape, tmp_path) -> None:  # type: ignore[no-untyped-def]
+    files = write_results(replace(shape, others=shape.others[:1]), tmp_path / "out")
+    for m in shape.summary["minima"][:2]:
+        assert {f"{m['file']}.vtu", f"{m['file']}.png"} <= set(files)
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["minima"]
+
+
+def test_stars_that_snap_back_are_named() -> None:
+    """Stiff stars cannot stay down next to others."""
+    override = [{"star": 2, "branch": "down"}]
+    s = simulate(small(stars={"length_mm": 10.0, "thickness_mm": 0.8, "override": override})).summary
+    assert s["stars_up"] == 7 and s["stars_off_branch"] == [2]
+    kept = simulate(small(stars={"length_mm": 10.0, "thickness_mm": 0.3, "override": override})).summary
+    assert kept["stars_down"] == [2] and kept["stars_off_branch"] == []
+    flat = simulate(small(solver={"start": "flat"}, stars={"length_mm": 10.0, "thickness_mm": 0.4, "branch": "down"}))
+    assert flat.summary["stars_off_branch"] == []
+
+
+def test_pins_after_release_are_in_the_path() -> None:
+    s = simulate(small(pins=[{"where": "corners", "scale": 0.8, "step": 1}])).summary
+    assert s["is_minimum"]
+    assert [step["step"] for step in s["path"]] == [0] * 10 + [1] * 6
