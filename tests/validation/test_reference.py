@@ -14,9 +14,10 @@ import numpy as np
 import pytest
 
 from discrete.elements import Array, Elements
-from discrete.solve import force_scale, relax
+from discrete.solve import relax
 from discrete.state import State
 from discrete.system import System
+from discrete.walk import force_scale
 from equilibrium.factor import make_factor
 from equilibrium.newton import minimise
 from pattern.materials import rest_curvature
