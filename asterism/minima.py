@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from discrete.branches import Branch, Minima
+from discrete.evidence import Equilibrium
 from discrete.likeness import roll_axis_deg
 from discrete.model import Model
-from discrete.solve import Equilibrium
 
 ONE_START = "the default start's"
 LOWEST = "lowest energy"
