@@ -15,8 +15,8 @@ from asterism.simulation import simulate
 from benchmarks.large import tube
 from benchmarks.report import markdown
 
-# functions whose time, with all they call, is one row; that of the smooth surface has one reconstruction in it, with its
-# analysis and solve, and the others do not call each other
+# functions whose time, with all they call, is one row; that of the smooth surface has a reconstruction in it, with
+# its analysis and solve, and the others do not call each other
 PARTS = {
     "factorisations": ("factor.py", "factorise"),
     "solves": ("factor.py", "solve"),

@@ -1,10 +1,11 @@
-"""Two-level multigrid in place of a factorisation: a tenth of its memory.
+"""Two-level multigrid in place of a factorisation: a fraction of its memory.
 
-Smoothed aggregation (Vanek, Mandel and Brezina 1996) with the modes that the problem names, six rigid motions for a
-sheet. Nodes that share an entry of the matrix are gathered around a root, some 15 vertices of a sheet together, and on
-each aggregate the modes become the coarse unknowns. Gauss-Seidel sweeps smooth, and the coarse matrix, a tenth of the
-size, is factorised directly. That preconditions conjugate gradients, and is positive definite by construction
-(forward sweep before, backward sweep after), whatever the matrix.
+Aggregation (Vanek, Mandel and Brezina 1996) with the modes that the problem names, six rigid motions for a sheet. Nodes
+that share an entry of the matrix are gathered around a root, some 15 vertices of a sheet together, and on each
+aggregate the modes become the coarse unknowns. Gauss-Seidel sweeps smooth, and the coarse matrix, an eighth of the
+size, is factorised directly. That preconditions conjugate gradients, and is positive definite by construction (forward
+sweep before, backward sweep after), whatever the matrix. The prolongation itself is not smoothed: with the coarse level
+solved exactly that saves a few iterations in a hundred, and takes twice the memory.
 
 Three verdicts, in the order of their cost. A diagonal entry or a coarse matrix that is not positive proves that the
 matrix is not positive definite: `factorise` says so. Negative curvature in `solve` proves it too: NotPositiveDefinite.
@@ -16,11 +17,10 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
-from equilibrium.conjugate import NotPositiveDefinite, proves_definite, solved
+from equilibrium.conjugate import proves_definite, solved
 from equilibrium.sparse_pattern import Floats, Ints, SparsePattern
 
 SMALLEST = 3000  # unknowns; below this the "coarse" level is the matrix itself
-SMOOTHING = 4.0 / 3.0  # over the spectral radius: damping of the prolongation's smoothing, the usual choice
 ACCURACY = 1e-10  # relative residual of a solve, unless asked for less
 MAX_ITERATIONS = 2000
 
@@ -69,12 +69,13 @@ class MultigridFactor:
             return False
         self._data = np.array(data)
         self._upper = pattern.lower(self._data)  # by columns; read by rows it is the upper triangle
+        self.close()
         if self._direct:
             self._coarse = make_factor(pattern)
             return self._coarse.factorise(self._data)
         self._lower = self._upper.tocsr()
         self._diagonal = self._data[pattern.diagonal]
-        self._prolong = self._smoothed(self._tentative())
+        self._prolong = self._prolongation()
         self._restrict = self._prolong.T.tocsr()
         galerkin = sp.tril(self._restrict @ self._times(self._prolong), format="csc")
         galerkin.sort_indices()
@@ -135,37 +136,21 @@ class MultigridFactor:
         scaled = (self._diagonal * v.T).T if isinstance(v, np.ndarray) else sp.diags(self._diagonal) @ v
         return self._lower @ v + self._upper.T @ v - scaled
 
-    def _tentative(self) -> sp.csr_matrix:
+    def _prolongation(self) -> sp.csr_matrix:
         """(size, coarse) the modes on every aggregate, orthonormal there."""
         from pyamg.aggregation import fit_candidates
         from pyamg.aggregation.aggregate import standard_aggregation
 
         if self._aggregates is None:
             n = self._pattern.size
-            member = sp.csr_matrix((np.ones(n, dtype=np.int8), (np.arange(n), self._nodes)))
-            low = sp.csc_matrix(
-                (np.ones(self._pattern.nnz, dtype=np.int8), self._pattern.indices, self._pattern.indptr), shape=(n, n)
-            )
+            member = sp.csr_matrix((np.ones(n, dtype=bool), (np.arange(n), self._nodes)))
+            entries = (np.ones(self._pattern.nnz, dtype=bool), self._pattern.indices, self._pattern.indptr)
+            low = sp.csc_matrix(entries, shape=(n, n))
             graph = member.T @ low @ member
             graph = (graph + graph.T).tocsr()
-            graph.data[:] = 1
             self._aggregates = (member @ standard_aggregation(graph)[0]).tocsr().astype(float)
         tentative, _ = fit_candidates(self._aggregates, self._modes)
         tentative = tentative.tocsr()
         # where an aggregate has fewer unknowns than modes, the rest of its columns are zero
         used = np.flatnonzero(np.bincount(tentative.indices, np.abs(tentative.data), tentative.shape[1]))
         return tentative if len(used) == tentative.shape[1] else tentative[:, used]
-
-    def _smoothed(self, tentative: sp.csr_matrix) -> sp.csr_matrix:
-        """Tentative prolongation after a damped Jacobi step."""
-        v = np.random.default_rng(0).standard_normal(self._pattern.size)
-        radius = 1.0
-        for _ in range(10):
-            v = self._times(v) / self._diagonal
-            radius = float(np.linalg.norm(v))
-            v /= radius
-        damping = SMOOTHING / radius / self._diagonal
-        return (tentative - sp.diags(damping) @ self._times(tentative)).tocsr()
-
-
-__all__ = ["MultigridFactor", "NotPositiveDefinite"]
