@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+import scipy.sparse as sp
 
 from discrete.elements import Array, Elements
 from discrete.hinges import Hinges, paper_coefficients
@@ -48,6 +49,7 @@ class Cell(System):
         self.model = _unfolded_model(design, self.torus, self.printed)
         self._known: dict[bool, tuple[Array, Array, SparsePattern]] = {}
         self._factors: dict[bool, Factor] = {}
+        self._unfolded_pattern: SparsePattern | None = None
         self.curvature: float | None = None
         self.angle = 0.0
         self._be(_flat_images(self.torus))
@@ -58,7 +60,7 @@ class Cell(System):
         parts: dict[str, Elements] = {}
         for name, part in self.model.parts.items():
             own = (part.dofs < 3 * images.n_base).all(axis=1)
-            inner = len(own) if own.all() else int(np.argmin(own))  # those in front
+            inner = len(part) if own.all() else int(np.argmin(own))  # those in front
             if inner:
                 parts[name] = _rows(part, slice(0, inner))
             if len(part) > inner:
@@ -198,6 +200,17 @@ class Cell(System):
         for part in self.model.parts.values():
             force += np.bincount(part.dofs.ravel(), part.gradients(packed).ravel(), size)
         return force
+
+    def unfolded_hessian(self, state: State) -> sp.csr_matrix:
+        """(3 U + R, 3 U + R) N/mm, of the elements by the unfolded points and the twists, both triangles."""
+        size = 3 * len(self.torus.base) + len(self.edges)
+        if self._unfolded_pattern is None:
+            dofs = [part.dofs for part in self.model.parts.values()]
+            self._unfolded_pattern = SparsePattern(dofs, size, np.arange(size))
+        packed = self.unfolded(state).packed
+        data = self._unfolded_pattern.assemble(part.hessians(packed) for part in self.model.parts.values())
+        low = self._unfolded_pattern.lower(data)
+        return (low + sp.tril(low, -1).T).tocsr()
 
     def moment(self, state: State) -> float:
         """N, dE/dk per printed area at fixed state: at equilibrium, the bending moment conjugate to the curvature."""

@@ -73,6 +73,18 @@ def relax(cell: Cell, side: float = 1.0) -> Flat:
     return described(cell, found, iterations)
 
 
+def other_side(cell: Cell, flat: Flat) -> Flat | None:
+    """The flat cell whose stars bump to the other side, from the mirrored state; None if they do not stay there."""
+    cell.flat()
+    mirror = np.array([1.0, 1.0, -1.0])
+    start = clean(cell, State(flat.state.positions * mirror, -flat.state.directors * mirror))
+    found = minimise(cell, start, cell.factor(), tolerance(cell))
+    if not found.converged:
+        return None
+    other = described(cell, found, found.iterations)
+    return other if (np.sign(other.bump) == -np.sign(flat.bump)).all() else None
+
+
 def described(cell: Cell, found: Minimum, iterations: int) -> Flat:
     """A minimum of the flat cell in the pose and with the numbers that are kept of it."""
     state, deformation = upright(cell, found.state)

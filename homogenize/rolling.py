@@ -96,10 +96,10 @@ def rolled(cell: Cell, sheet: Unrolled, curvature: float, angle: float) -> State
     cell.tube(curvature, angle)
     n = cell.torus.n_base
     base, radius = sheet.positions[:n], sheet.hoop / curvature
-    angle = base[:, 1] / radius
+    turn = base[:, 1] / radius
     out = radius + base[:, 2]
     positions = np.zeros_like(sheet.positions)
-    positions[:n] = np.column_stack([base[:, 0], out * np.sin(angle), out * np.cos(angle)])
+    positions[:n] = np.column_stack([base[:, 0], out * np.sin(turn), out * np.cos(turn)])
     positions[n:, 0] = sheet.positions[n:, 0]
     middle = _middles(cell, cell.images.unfold(positions), curvature)
     return clean(cell, State(positions, _turned(sheet.directors, middle)))
@@ -132,6 +132,12 @@ def roll(cell: Cell, sheet: Unrolled, curvature: float, angle: float) -> Tube:
     )
 
 
+def centre_offset(cell: Cell, tube: Tube) -> float:
+    """mm, of the first star's centre over the tube's mean surface, towards the plastic."""
+    y, z = tube.state.positions[cell.torus.star_vertices[0], 1:]
+    return float(np.sign(tube.curvature) * np.hypot(y, z) - tube.radius)
+
+
 def natural(cell: Cell, flat: Flat, angle: float) -> list[Tube]:
     """Tubes of growing curvature, then ever nearer to the one without a moment, which comes last.
 
@@ -162,7 +168,7 @@ def natural(cell: Cell, flat: Flat, angle: float) -> list[Tube]:
         low = last
     high = (tubes[-1].curvature, tubes[-1].moment)
     for _ in range(12):
-        k = _root(low, high, [(0.0, moment_at_rest(flat, tubes[0])), *((t.curvature, t.moment) for t in tubes)])
+        k = _root(low, high, [(t.curvature, t.moment) for t in tubes])
         nearest = min(tubes, key=lambda tube: abs(tube.curvature - k))
         if abs(nearest.curvature - k) < CLOSE * abs(k):
             return [tube for tube in tubes if tube is not nearest] + [nearest]
@@ -196,6 +202,8 @@ def _secant(a: Point, b: Point) -> float:
 
 def _root(low: Point, high: Point, known: list[Point]) -> float:
     """Between two points of opposite signs: of the parabola k(M) through the three nearest to zero, or of the line."""
+    if len(known) < 3:
+        return _secant(low, high)
     (a, fa), (b, fb), (c, fc) = sorted(known, key=lambda point: abs(point[1]))[:3]
     if fb not in (fa, fc) and fa != fc:
         k = (

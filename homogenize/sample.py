@@ -11,9 +11,10 @@ import numpy as np
 
 from discrete.elements import Array
 from homogenize.cell import Cell, constant
-from homogenize.relax import Flat, relax
-from homogenize.rolling import Tube, is_flat, natural
-from homogenize.tangent import membrane_tangent
+from homogenize.objective import Linear, linear_response, mean_height
+from homogenize.relax import Flat, other_side, relax
+from homogenize.rolling import Tube, centre_offset, is_flat, natural
+from homogenize.stability import Stability, stability
 from pattern.design import Design
 
 ANGLES = (0.0, np.pi / 12, np.pi / 6)
@@ -44,14 +45,14 @@ class Sample:
         curvature; 0 without natural curvature.
     curve_curvature, curve_energy, curve_moment, curve_hoop : per direction, all tubes solved by growing curvature:
         1/mm of the print, N/mm, N (derivative by the print's curvature) and the hoop stretch.
-    stiffness : (6, 6) `[A B; B^T D]`, see `homogenize.objective`.
+    stiffness : (6, 6) `[A B; B^T D]` of strain and curvature of the mean surface, see `homogenize.objective`.
     rest_curvature : (3,) 1/mm, Voigt curvature b_r at which the linear response has no moment.
-    moment : (3,) N, of the flat relaxed cell.
+    moment : (3,) N, of the flat relaxed cell, conjugate to the Voigt curvature.
     centre_offset_mm : star centre over the mean surface, flat; natural_centre_offset_mm : (D,) on the natural tube.
     bump_mm : star centre over its tips, flat; natural_bump_mm : (D,).
     eigenvalue, eigenvalue_error : N/mm, smallest of the flat cell's Hessian; supercell_eigenvalue of the 2 x 2 one;
         natural_eigenvalue, natural_supercell_eigenvalue : (D,), of the natural tubes.
-    down_energy : of the flat cell that bumps to the other side; None if it does not stay there.
+    down_energy : N/mm, of the flat cell that bumps to the other side; None if it does not stay there.
     iterations : Newton's, of all solves; seconds : wall time by part.
     """
 
@@ -164,13 +165,32 @@ def _measure(clock: _Clock, cell: Cell, angles: tuple[float, ...], found: dict[s
     found["rest_metric"] = flat.deformation @ flat.deformation
     found["lam"] = flat.stretch
     found["bump_mm"] = float(flat.bump[0])
-    found["membrane"] = clock("membrane", membrane_tangent, cell, flat)
+    linear: Linear = clock("stiffness", linear_response, cell, flat)
+    found["stiffness"], found["membrane"] = linear.stiffness, linear.stiffness[:3, :3]
+    found["moment"], found["rest_curvature"] = linear.moment, linear.rest_curvature
+    found["centre_offset_mm"] = -mean_height(cell, flat.state)
     found["iterations"] = flat.iterations
+    own: Stability = clock("stability", stability, cell, flat.state)
+    found["eigenvalue"], found["eigenvalue_error"] = own.cell, own.cell_error
+    found["supercell_eigenvalue"], found["supercell_eigenvalue_error"] = own.supercell, own.supercell_error
+    if flat.bump[0] != 0.0:
+        down: Flat | None = clock("other side", other_side, cell, flat)
+        found["down_energy"] = None if down is None else down.energy - flat.energy
     curves: list[list[Tube]] = []
     for angle in angles:
         curves.append(clock("tubes", natural, cell, flat, angle))
         found["iterations"] += sum(tube.iterations for tube in curves[-1])
     found |= _bending(flat, curves)
+    ends = [tubes[-1] for tubes in curves]
+    found["natural_centre_offset_mm"] = np.array([centre_offset(cell, tube) for tube in ends])
+    lowest = [clock("stability", _tube_stability, cell, tube) for tube in ends]
+    found["natural_eigenvalue"] = np.array([one.cell for one in lowest])
+    found["natural_supercell_eigenvalue"] = np.array([one.supercell for one in lowest])
+
+
+def _tube_stability(cell: Cell, tube: Tube) -> Stability:
+    cell.tube(tube.curvature, tube.angle)
+    return stability(cell, tube.state)
 
 
 def _bending(flat: Flat, curves: list[list[Tube]]) -> dict[str, Any]:
