@@ -34,6 +34,7 @@ def ipc_toolkit() -> Any:
     except ImportError:
         raise DesignError("solver.contact", "needs the package ipctk: pip install ipctk") from None
     ipctk.set_logger_level(ipctk.critical)  # its remarks would go to standard output
+    ipctk.set_num_threads(1)  # several add in any order, and the same design would not give the same digits
     return ipctk
 
 

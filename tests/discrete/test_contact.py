@@ -198,6 +198,12 @@ def test_sheet_that_rolls_up_further_than_round() -> None:
     assert found.smallest_eigenvalue == pytest.approx(values[0], abs=2 * found.eigenvalue_error + 1e-8)
 
 
+def test_the_same_digits_on_the_second_run() -> None:
+    _, state = folded_model()
+    first, second = (folded_model()[0].gradient(state) for _ in range(2))
+    np.testing.assert_array_equal(first, second)
+
+
 @pytest.mark.slow
 def test_finer_meshes_stay_apart() -> None:
     from discrete.levels import find_equilibrium
