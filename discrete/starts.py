@@ -114,8 +114,10 @@ def _different(kind: int, cycle: int, n_stars: int, rng: np.random.Generator) ->
         case 6:
             return Beginning("strong noise, gentle", noise_mm=0.3)
         case 7:
-            pattern = tuple(int(b) for b in rng.choice([1, -1], n_stars, p=[0.8, 0.2]))
-            return Beginning("random stars down", branch=pattern)
+            pattern = rng.choice([1, -1], n_stars, p=[0.8, 0.2])
+            if pattern.min() > 0:
+                pattern[0] = -1
+            return Beginning("random stars down", branch=tuple(int(b) for b in pattern))
         case _:
             return Beginning(
                 f"tight roll at {angle:.0f} deg", bend="roll", axis_deg=angle, sag_mm=2 * sag, releases=HASTY
