@@ -51,16 +51,27 @@ def tolerance(cell: Cell) -> float:
     return 1e-8 * fabric.modulus_mpa * fabric.thickness_mm * cell.spacing
 
 
-def relax(cell: Cell, side: float = 1.0) -> Flat:
-    """Release the flat cell; `side` is 1 for stars that start up, -1 for down.
+def relax(cell: Cell) -> tuple[Flat, Flat | None]:
+    """The flat cell with its star up, and with its star down if it can stay there.
+
+    Stars that are only slightly buckled have one equilibrium, on whichever side, and no other: their branch is found at
+    finite curvature.
 
     Raises
     ------
     ArithmeticError
         A step did not converge.
     """
+    flat = _released(cell)
+    other = _other_side(cell, flat) if flat.bump.any() else None
+    if other is not None and flat.bump[0] < 0.0:
+        flat, other = other, flat
+    return flat, other
+
+
+def _released(cell: Cell) -> Flat:
     cell.flat()
-    state = bumped(cell, cell.printed_state(), side * BUMP)
+    state = bumped(cell, cell.printed_state(), BUMP)
     iterations = 0
     for release in RELEASES:
         cell.set_release(release)
@@ -73,7 +84,7 @@ def relax(cell: Cell, side: float = 1.0) -> Flat:
     return described(cell, found, iterations)
 
 
-def other_side(cell: Cell, flat: Flat) -> Flat | None:
+def _other_side(cell: Cell, flat: Flat) -> Flat | None:
     """The flat cell whose stars bump to the other side, from the mirrored state; None if they do not stay there."""
     cell.flat()
     mirror = np.array([1.0, 1.0, -1.0])

@@ -1,4 +1,4 @@
-"""A cell rolled to a tube of imposed curvature, and the curvature that it takes on its own.
+"""A cell rolled to a tube of imposed curvature.
 
 The tube's axis is x and the plastic is outside; the printed direction t, y turned by an angle, runs around it.
 Curvature k is the angle per
@@ -18,14 +18,6 @@ from discrete.state import State
 from equilibrium.newton import minimise
 from homogenize.cell import Cell
 from homogenize.relax import Flat, clean, tolerance
-
-FIRST = 0.06  # first curvature imposed, times the spacing of the stars
-GROWTH = 2.5  # of the curvature from one step to the next, until the moment changes sign
-TIGHTEST = 2.2  # times the spacing: beyond it a star wraps a third of the tube
-FLAT = 1e-3  # of the first tube's moment, below which that of the flat cell is rounding and higher order
-CLOSE = 1e-5  # relative to the curvature, where the natural one is found
-
-Point = tuple[float, float]  # curvature and moment
 
 
 @dataclass(frozen=True)
@@ -136,84 +128,6 @@ def centre_offset(cell: Cell, tube: Tube) -> float:
     """mm, of the first star's centre over the tube's mean surface, towards the plastic."""
     y, z = tube.state.positions[cell.torus.star_vertices[0], 1:]
     return float(np.sign(tube.curvature) * np.hypot(y, z) - tube.radius)
-
-
-def natural(cell: Cell, flat: Flat, angle: float) -> list[Tube]:
-    """Tubes of growing curvature, then ever nearer to the one without a moment, which comes last.
-
-    Every tube starts from one before, laid out and rolled again. Curvature grows from a small one until the moment
-    changes sign; then a secant, kept between the last two signs, finds its root. A sheet without any natural curvature
-    gives the first tube only: `is_flat` says so.
-
-    Raises
-    ------
-    ArithmeticError
-        A step did not converge, a star snapped to the other side on the way, or no root was found.
-    """
-    first = FIRST / cell.spacing
-    tubes = [roll(cell, unrolled_flat(flat, angle), first, angle)]
-    if is_flat(flat, tubes[0]):
-        return tubes
-    if moment_at_rest(flat, tubes[0]) > 0.0:
-        tubes = [roll(cell, unrolled_flat(flat, angle), -first, angle)]
-    side, sign = np.sign(flat.bump), np.sign(tubes[0].curvature)
-    low = (0.0, moment_at_rest(flat, tubes[0]))
-    while tubes[-1].moment * sign < 0.0:
-        last = (tubes[-1].curvature, tubes[-1].moment)
-        beyond = 1.15 * _secant(low, last)  # the moment is nearly linear
-        k = sign * min(GROWTH * abs(last[0]), beyond * sign if beyond * sign > 1.1 * abs(last[0]) else np.inf)
-        if abs(k) > TIGHTEST / cell.spacing:
-            raise ArithmeticError(f"tube: still curling at {k:.3g}/mm, the tightest tried")
-        tubes.append(_next(cell, tubes[-1], k, side))
-        low = last
-    high = (tubes[-1].curvature, tubes[-1].moment)
-    for _ in range(12):
-        k = _root(low, high, [(t.curvature, t.moment) for t in tubes])
-        nearest = min(tubes, key=lambda tube: abs(tube.curvature - k))
-        if abs(nearest.curvature - k) < CLOSE * abs(k):
-            return [tube for tube in tubes if tube is not nearest] + [nearest]
-        tubes.append(_next(cell, nearest, k, side))
-        here = (k, tubes[-1].moment)
-        low, high = (here, high) if here[1] * sign < 0.0 else (low, here)
-    raise ArithmeticError("tube: the natural curvature was not found")
-
-
-def moment_at_rest(flat: Flat, first: Tube) -> float:
-    """N, dE/dk of the flat cell, by the parabola through its energy and a tube's energy and moment."""
-    return 2.0 * (first.energy - flat.energy) / first.curvature - first.moment
-
-
-def is_flat(flat: Flat, first: Tube) -> bool:
-    """The flat cell has no moment: its energy grows as the square of the curvature."""
-    return abs(moment_at_rest(flat, first)) < FLAT * abs(first.moment)
-
-
-def _next(cell: Cell, tube: Tube, curvature: float, side: Array) -> Tube:
-    found = roll(cell, unrolled(cell, tube), curvature, tube.angle)
-    if (np.sign(found.bump) != side).any():
-        raise ArithmeticError(f"a star snapped to the other side at curvature {curvature:.4g}/mm")
-    return found
-
-
-def _secant(a: Point, b: Point) -> float:
-    """Where the line through two points (curvature, moment) has no moment."""
-    return b[0] - b[1] * (b[0] - a[0]) / (b[1] - a[1])
-
-
-def _root(low: Point, high: Point, known: list[Point]) -> float:
-    """Between two points of opposite signs: of the parabola k(M) through the three nearest to zero, or of the line."""
-    if len(known) < 3:
-        return _secant(low, high)
-    (a, fa), (b, fb), (c, fc) = sorted(known, key=lambda point: abs(point[1]))[:3]
-    if fb not in (fa, fc) and fa != fc:
-        k = (
-            a * fb * fc / ((fa - fb) * (fa - fc))
-            + b * fa * fc / ((fb - fa) * (fb - fc))
-            + c * fa * fb / ((fc - fa) * (fc - fb))
-        )
-        if min(low[0], high[0]) < k < max(low[0], high[0]):
-            return k
-    return _secant(low, high)
 
 
 def _angles(cell: Cell, points: Array, curvature: float) -> Array:

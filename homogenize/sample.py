@@ -11,9 +11,10 @@ import numpy as np
 
 from discrete.elements import Array
 from homogenize.cell import Cell, constant
+from homogenize.natural import Curling, curl
 from homogenize.objective import Linear, linear_response, mean_height
-from homogenize.relax import Flat, other_side, relax
-from homogenize.rolling import Tube, centre_offset, is_flat, natural
+from homogenize.relax import Flat, relax
+from homogenize.rolling import Tube, centre_offset
 from homogenize.stability import Stability, stability
 from pattern.design import Design
 
@@ -52,7 +53,8 @@ class Sample:
     bump_mm : star centre over its tips, flat; natural_bump_mm : (D,).
     eigenvalue, eigenvalue_error : N/mm, smallest of the flat cell's Hessian; supercell_eigenvalue of the 2 x 2 one;
         natural_eigenvalue, natural_supercell_eigenvalue : (D,), of the natural tubes.
-    down_energy : N/mm, of the flat cell that bumps to the other side; None if it does not stay there.
+    down_energy : N/mm, of the flat cell with its star down; None if there is one flat equilibrium only (`bump_mm` may
+        then be slightly negative; `natural_bump_mm` says on which side the star is where it matters).
     iterations : Newton's, of all solves; seconds : wall time by part.
     """
 
@@ -161,7 +163,8 @@ def respond(design: Design, edge_mm: float, angles: tuple[float, ...] = ANGLES) 
 
 
 def _measure(clock: _Clock, cell: Cell, angles: tuple[float, ...], found: dict[str, Any]) -> None:
-    flat: Flat = clock("flat", relax, cell)
+    flat: Flat
+    flat, other = clock("flat", relax, cell)
     found["rest_metric"] = flat.deformation @ flat.deformation
     found["lam"] = flat.stretch
     found["bump_mm"] = float(flat.bump[0])
@@ -173,15 +176,14 @@ def _measure(clock: _Clock, cell: Cell, angles: tuple[float, ...], found: dict[s
     own: Stability = clock("stability", stability, cell, flat.state)
     found["eigenvalue"], found["eigenvalue_error"] = own.cell, own.cell_error
     found["supercell_eigenvalue"], found["supercell_eigenvalue_error"] = own.supercell, own.supercell_error
-    if flat.bump[0] != 0.0:
-        down: Flat | None = clock("other side", other_side, cell, flat)
-        found["down_energy"] = None if down is None else down.energy - flat.energy
-    curves: list[list[Tube]] = []
+    if other is not None:
+        found["down_energy"] = other.energy - flat.energy
+    curves: list[Curling] = []
     for angle in angles:
-        curves.append(clock("tubes", natural, cell, flat, angle))
-        found["iterations"] += sum(tube.iterations for tube in curves[-1])
+        curves.append(clock("tubes", curl, cell, flat, angle))
+        found["iterations"] += sum(tube.iterations for tube in curves[-1].tubes)
     found |= _bending(flat, curves)
-    ends = [tubes[-1] for tubes in curves]
+    ends = [curve.natural or curve.tubes[0] for curve in curves]
     found["natural_centre_offset_mm"] = np.array([centre_offset(cell, tube) for tube in ends])
     lowest = [clock("stability", _tube_stability, cell, tube) for tube in ends]
     found["natural_eigenvalue"] = np.array([one.cell for one in lowest])
@@ -193,20 +195,20 @@ def _tube_stability(cell: Cell, tube: Tube) -> Stability:
     return stability(cell, tube.state)
 
 
-def _bending(flat: Flat, curves: list[list[Tube]]) -> dict[str, Any]:
-    """What the tubes say, those of each direction with the natural one last."""
-    ends = [tubes[-1] for tubes in curves]
+def _bending(flat: Flat, curves: list[Curling]) -> dict[str, Any]:
+    """What the tubes say."""
+    ends = [curve.natural or curve.tubes[0] for curve in curves]
     energy = np.array([tube.energy for tube in ends]) - flat.energy
     printed = np.array([tube.curvature for tube in ends])
     hoop = np.array([tube.hoop for tube in ends])
     curvature = printed / hoop
-    if is_flat(flat, ends[0]):
+    if curves[0].natural is None:
         bending, sixfold = 2.0 * energy / curvature**2, 0.0
         printed, curvature, energy = (np.zeros(len(ends)) for _ in range(3))
     else:
         bending = -2.0 * energy / curvature**2
         sixfold = float(4.0 * (energy[0] - energy[-1]) / (0.5 * (curvature[0] + curvature[-1])) ** 3)
-    ordered = [sorted(tubes, key=lambda tube: abs(tube.curvature)) for tubes in curves]
+    ordered = [curve.tubes for curve in curves]
     return {
         "natural_curvature": curvature,
         "natural_print_curvature": printed,
