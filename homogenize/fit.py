@@ -11,7 +11,7 @@ from scipy.interpolate import PchipInterpolator, RBFInterpolator
 from homogenize.campaign import Record
 from homogenize.errors import CampaignError
 from homogenize.interpolation import Bools, Floats
-from homogenize.law import NAMES, QUANTITIES, Law, Table, from_stored, to_stored
+from homogenize.law import NAMES, QUANTITIES, Law, Table, from_stored, to_stored, units
 from homogenize.plan import Material
 from homogenize.residuals import residuals
 
@@ -71,7 +71,7 @@ def problem(record: Record) -> str | None:
         return f"the star is not up: bump {record.sample['bump_mm']:.3g} mm"
     values = row(record.sample, record.task.stretch)
     for name, value in zip(NAMES, values, strict=True):
-        if not np.isfinite(value) or (QUANTITIES[name].ratio and value <= 0):
+        if not np.isfinite(value) or (QUANTITIES[name].form == "log" and value <= 0):
             return f"{name} = {value:.3g} is no answer"
     return None
 
@@ -126,8 +126,9 @@ def _from_grid(
                 if found is not None:
                     nodes[i, j, k] = found
     good = np.isfinite(nodes).all(axis=-1)
-    stored = filled(axes[0], to_stored(nodes, fabric), good)
-    return Table(stretch, axes, np.where(good[..., None], nodes, from_stored(stored, fabric)), good)
+    unit = units(fabric, material.lattice.spacing_mm)
+    stored = filled(axes[0], to_stored(nodes, unit), good)
+    return Table(stretch, axes, np.where(good[..., None], nodes, from_stored(stored, unit)), good, unit)
 
 
 def filled(lengths: Floats, stored: Floats, good: Bools) -> Floats:
@@ -158,22 +159,23 @@ def _from_scattered(
         np.geomspace(low[1], high[1], SCATTERED[1]),
         np.geomspace(low[2], high[2], SCATTERED[2]),
     )
-    places, values = scattered_points(sizes, fabric, axes)
+    unit = units(fabric, material.lattice.spacing_mm)
+    places, rows = scattered_points(sizes, fabric, axes)
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
-    stored = radial(places, values)(scaled(grid.reshape(-1, 3), axes)).reshape(*grid.shape[:3], Q)
-    nodes = from_stored(stored, fabric)
+    stored = radial(places, to_stored(rows, unit))(scaled(grid.reshape(-1, 3), axes)).reshape(*grid.shape[:3], Q)
+    nodes = from_stored(stored, unit)
     nodes[0] = fabric
-    return Table(stretch, axes, nodes, np.ones(grid.shape[:3], dtype=bool))
+    return Table(stretch, axes, nodes, np.ones(grid.shape[:3], dtype=bool), unit)
 
 
 def scattered_points(
     sizes: dict[tuple[float, float, float], Floats | None], fabric: Floats, axes: tuple[Floats, Floats, Floats]
 ) -> tuple[Floats, Floats]:
-    """Places (n, 3) in the unit cube and stored rows (n, Q), with bare fabric all over the side of length 0."""
+    """Places (n, 3) in the unit cube and rows (n, Q), with bare fabric all over the side of length 0."""
     known = {size: found for size, found in sizes.items() if found is not None}
     bare = [(0.0, float(h), float(w)) for h in axes[1][::2] for w in axes[2]]
     rows = np.vstack([np.array(list(known.values())), np.tile(fabric, (len(bare), 1))])
-    return scaled(np.array([*known, *bare]), axes), to_stored(rows, fabric)
+    return scaled(np.array([*known, *bare]), axes), rows
 
 
 def scaled(points: Floats, axes: tuple[Floats, Floats, Floats]) -> Floats:

@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -31,29 +31,31 @@ class Quantity:
     ----------
     meaning : with its unit.
     rule : how it is interpolated.
-    ratio : the logarithm of its ratio to the bare fabric is interpolated; it stays positive.
+    form : what is interpolated: `log` of its ratio to the bare fabric's, so that it stays positive; `asinh`, which is
+        the logarithm of large values and linear in small ones of either sign; or itself.
     per_modulus : it is proportional to the fabric's modulus.
     """
 
     meaning: str
     rule: Rule = "smooth"
-    ratio: bool = False
+    form: Literal["itself", "log", "asinh"] = "itself"
     per_modulus: bool = False
 
 
 QUANTITIES = {
-    "lam": Quantity("length of the flat free sheet over its printed length", "monotone", ratio=True),
-    "lam_n": Quantity("the same of the tube that the sheet wants to be: sqrt(hoop x axial)", "monotone", ratio=True),
-    "kappa": Quantity("natural curvature, mean over directions, 1/mm", "smooth"),
-    "bending": Quantity("bending stiffness: secant from flat to the natural tube, N mm", ratio=True, per_modulus=True),
-    "a11": Quantity("membrane stiffness, N/mm", ratio=True, per_modulus=True),
+    "lam": Quantity("length of the flat free sheet over its printed length", "monotone", "log"),
+    "lam_n": Quantity("the same of the tube that the sheet wants to be: sqrt(hoop x axial)", "monotone", "log"),
+    "kappa": Quantity("natural curvature, mean over directions, 1/mm", form="asinh"),
+    "bending": Quantity("bending stiffness: secant from flat to the natural tube, N mm", form="log", per_modulus=True),
+    "a11": Quantity("membrane stiffness, N/mm", form="log", per_modulus=True),
     "a12": Quantity("membrane stiffness across, N/mm", per_modulus=True),
     "c3": Quantity("sixfold part of the bending energy, N mm^2", per_modulus=True),
     "offset_mm": Quantity("height of the star's centre over the reference surface, mm"),
 }
 NAMES = tuple(QUANTITIES)
-_RATIO = np.array([q.ratio for q in QUANTITIES.values()])
-_PER_MODULUS = np.array([q.per_modulus for q in QUANTITIES.values()])
+_LOG, _ASINH = (np.array([q.form == form for q in QUANTITIES.values()]) for form in ("log", "asinh"))
+# curvature from which its logarithm is interpolated, times the spacing of the stars
+SMALL_CURVATURE = 0.03
 
 
 @dataclass(frozen=True)
@@ -84,16 +86,18 @@ class Table:
     axes : nodes of length, thickness and width, mm.
     nodes : (n0, n1, n2, Q) values of `NAMES`; all of length 0 are the bare fabric's.
     good : (n0, n1, n2) False where a cell has no answer and its neighbours stand in.
+    units : (Q,) that the forms of the quantities are in, see `units`.
     """
 
     stretch: float
     axes: tuple[Floats, Floats, Floats]
     nodes: Floats
     good: Bools
+    units: Floats
 
     @cached_property
     def _grid(self) -> Grid:
-        stored = to_stored(self.nodes, self.nodes[0, 0, 0])
+        stored = to_stored(self.nodes, self.units)
         rules = [quantity.rule for quantity in QUANTITIES.values()]
         return Grid((self.axes[0], np.log(self.axes[1]), np.log(self.axes[2])), stored, rules)
 
@@ -126,9 +130,8 @@ class Table:
         value, slope = self._grid(places)
         slope[:, 1:] /= sizes[:, 1:, None]
         slope *= within[:, :, None]
-        ratio = self.nodes[0, 0, 0][_RATIO]
-        value[:, _RATIO] = ratio * np.exp(value[:, _RATIO])
-        slope[:, :, _RATIO] *= value[:, None, _RATIO]
+        slope *= _rate(value, self.units)[:, None]
+        value = from_stored(value, self.units)
         solved = self._whole[self._grid.box(places)[0]] | (asked[:, 0] == 0.0)
         inside = within.all(axis=1) & solved
         outside = () if inside.all() else tuple(self._why(int(n), asked[n], within[n]) for n in np.flatnonzero(~inside))
@@ -218,15 +221,25 @@ class Law:
         )
 
 
-def to_stored(rows: Floats, fabric: Floats) -> Floats:
-    """Rows (..., Q) of `NAMES` as they are interpolated; `fabric` is the row of the bare fabric."""
-    ratio = np.where(_RATIO, rows / np.where(_RATIO, fabric, 1.0), 1.0)
-    return np.where(_RATIO, np.log(ratio), rows)
+def units(fabric: Floats, spacing_mm: float) -> Floats:
+    """(Q,) the bare fabric's value for logarithms, the small curvature for asinh."""
+    return np.where(_LOG, fabric, np.where(_ASINH, SMALL_CURVATURE / spacing_mm, 1.0))
 
 
-def from_stored(stored: Floats, fabric: Floats) -> Floats:
+def to_stored(rows: Floats, units: Floats) -> Floats:
+    """Rows (..., Q) of `NAMES` in the forms that are interpolated."""
+    x = rows / units
+    return np.where(_LOG, np.log(np.where(_LOG, x, 1.0)), np.where(_ASINH, np.arcsinh(x), x))
+
+
+def from_stored(stored: Floats, units: Floats) -> Floats:
     """The inverse of `to_stored`."""
-    return np.where(_RATIO, fabric * np.exp(np.where(_RATIO, stored, 0.0)), stored)
+    return units * np.where(_LOG, np.exp(np.where(_LOG, stored, 0.0)), np.where(_ASINH, np.sinh(stored), stored))
+
+
+def _rate(stored: Floats, units: Floats) -> Floats:
+    """Derivative of `from_stored`."""
+    return units * np.where(_LOG, np.exp(np.where(_LOG, stored, 0.0)), np.where(_ASINH, np.cosh(stored), 1.0))
 
 
 def _lattice(lattice: Any, data: dict[str, Any]) -> dict[str, Any]:

@@ -81,11 +81,11 @@ def load_law(path: str | Path | None = None) -> Law:
         raise LawError(f"{path}: is not a law, or damaged") from None
 
 
-_ARRAYS = ("stretch", "length_mm", "thickness_mm", "width_mm", "nodes", "good")
+_ARRAYS = ("stretch", "length_mm", "thickness_mm", "width_mm", "nodes", "good", "units")
 
 
 def _arrays(table: Table) -> dict[str, np.ndarray]:
-    values = (np.array(table.stretch), *table.axes, table.nodes, table.good)
+    values = (np.array(table.stretch), *table.axes, table.nodes, table.good, table.units)
     return dict(zip(_ARRAYS, values, strict=True))
 
 
@@ -94,4 +94,4 @@ def _table(arrays: dict[str, np.ndarray]) -> Table:
     shape = tuple(len(axis) for axis in axes)
     if arrays["nodes"].shape != (*shape, len(NAMES)) or arrays["good"].shape != shape:
         raise ValueError("arrays do not fit together")
-    return Table(float(arrays["stretch"]), axes, arrays["nodes"], arrays["good"])
+    return Table(float(arrays["stretch"]), axes, arrays["nodes"], arrays["good"], arrays["units"])

@@ -62,8 +62,8 @@ def _held_out(table: Table, pairs: Sequence[tuple[Task, Floats | None]]) -> dict
 
 def _leave_one_out(table: Table) -> dict[str, Any]:
     """Every inner cell of a line of lengths, from the others on it: harder than the law's own task."""
-    lengths, fabric = table.axes[0], table.nodes[0, 0, 0]
-    stored = to_stored(table.nodes, fabric)
+    lengths = table.axes[0]
+    stored = to_stored(table.nodes, table.units)
     rules = [quantity.rule for quantity in QUANTITIES.values()]
     errors = []
     for i in range(1, len(lengths) - 1):
@@ -73,7 +73,7 @@ def _leave_one_out(table: Table) -> dict[str, Any]:
         j, k = (index.ravel() for index in np.indices(stored.shape[1:3]))
         guess, _ = grid(np.column_stack([np.full(len(j), lengths[i]), j, k]))
         fine = table.good[i, j, k]
-        errors.append(_relative(table, from_stored(guess, fabric), table.nodes[i, j, k])[fine])
+        errors.append(_relative(table, from_stored(guess, table.units), table.nodes[i, j, k])[fine])
     every = np.concatenate(errors) if errors else np.empty((0, len(NAMES)))
     return {"count": len(every), "errors": _summary(every) if len(every) else {}}
 

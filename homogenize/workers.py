@@ -76,7 +76,7 @@ def on_dask(address: str) -> Iterator[SubmitAll]:
             futures = [client.submit(function, *args, pure=False) for args in arguments]
             number = {future.key: n for n, future in enumerate(futures)}
             try:
-                for future in as_completed(futures):
+                for future in as_completed(futures, loop=client.loop):
                     yield number[future.key], future.result()
             finally:
                 with suppress(Exception):

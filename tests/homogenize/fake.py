@@ -1,0 +1,87 @@
+"""Cells that answer at once: smooth functions of the star's sizes in place of an equilibrium."""
+
+from __future__ import annotations
+
+import os
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pattern.design import Design
+
+
+@dataclass
+class Answer:
+    data: dict[str, Any]
+    failed: str | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        return {**self.data, "failed": self.failed}
+
+
+def respond(design: Design, edge_mm: float) -> Answer:
+    """A sheet that stiffens and curls with longer arms."""
+    l, h, w = (float(getattr(design.stars, f"{n}_mm")) for n in ("length", "thickness", "width"))  # type: ignore[arg-type]  # noqa: E741
+    s = design.fabric.stretch_xy[0]
+    lam = 1 / s + 0.12 * np.tanh(l / 8) ** 2 * w**0.2
+    kappa = 0.002 * l**2 / (1 + 0.1 * l**2) * (0.3 / h) ** 2 * w**0.1
+    a = 11.5 * np.exp(-0.02 * l)
+    membrane = np.array([[a, 0.3 * a, 0], [0.3 * a, a, 0], [0, 0, 0.35 * a]])
+    three = np.ones(3)
+    data = {
+        "length_mm": l,
+        "lam": lam,
+        "membrane": membrane.tolist(),
+        "natural_curvature": (kappa * three).tolist(),
+        "natural_hoop": (lam * three).tolist(),
+        "natural_axial": (lam * three).tolist(),
+        "bending": (0.5 * np.exp(0.1 * l * h) * three).tolist(),
+        "sixfold": 0.01 * l,
+        "natural_centre_offset_mm": (0.05 * l * three).tolist(),
+        "bump_mm": 0.1 * l,
+    }
+    return Answer(data)
+
+
+def fails_when_thin(design: Design, edge_mm: float) -> Answer:
+    """No equilibrium for long thin arms."""
+    if design.stars.length_mm == 10.0 and design.stars.thickness_mm == 0.2:
+        return Answer({}, "tube: still curling at 0.13/mm, the tightest tried")
+    return respond(design, edge_mm)
+
+
+def fails(design: Design, edge_mm: float) -> Answer:
+    return Answer({}, "no equilibrium\nat all")
+
+
+def breaks(design: Design, edge_mm: float) -> Answer:
+    if design.stars.length_mm == 10.0:
+        raise ZeroDivisionError("a bug")
+    return respond(design, edge_mm)
+
+
+def dies(design: Design, edge_mm: float) -> Answer:
+    if design.stars.length_mm == 5.0:
+        os._exit(3)
+    return respond(design, edge_mm)
+
+
+def slow(design: Design, edge_mm: float) -> Answer:
+    time.sleep(0.2)
+    return respond(design, edge_mm)
+
+
+def matrix(design: Design, edge_mm: float) -> Answer:
+    """With sums that would depend on the number of threads."""
+    rng = np.random.default_rng(int(1000 * float(design.stars.thickness_mm)))  # type: ignore[arg-type]
+    big = rng.random((400, 400))
+    answer = respond(design, edge_mm)
+    answer.data["sixfold"] = float(np.linalg.norm(big @ big @ big) * 1e-9)
+    return answer
+
+
+def files(folder: Path) -> set[str]:
+    return {file.name for file in folder.iterdir()}

@@ -1,0 +1,133 @@
+"""Campaigns: resumed where they stopped, the same whatever runs them, failures told and not fatal."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from homogenize import campaign
+from homogenize.campaign import Progress, run
+from homogenize.errors import AddressError, CampaignError
+from homogenize.fit import fit
+from homogenize.law_file import digest, to_bytes
+from homogenize.plan import Material
+from tests.homogenize import fake
+
+SMALL = {"lengths_mm": [5.0, 10.0], "thicknesses_mm": [0.2, 0.4], "widths_mm": [1.0, 1.4], "held_out": 2}
+
+
+def material(**plan: Any) -> Material:
+    return Material.from_dict({"name": "test", "plan": {**SMALL, **plan}})
+
+
+def test_the_law_does_not_depend_on_the_number_of_workers(tmp_path: Path) -> None:
+    laws = [fit(material(), run(material(), tmp_path / str(n), jobs=n, respond=fake.matrix)) for n in (1, 3)]
+    assert to_bytes(laws[0]) == to_bytes(laws[1]) and digest(laws[0]) == digest(laws[1])
+    # and once more from the files alone
+    again = fit(material(), run(material(), tmp_path / "3", respond=fake.fails))
+    assert to_bytes(again) == to_bytes(laws[0])
+
+
+def test_progress_counts_and_estimates(tmp_path: Path) -> None:
+    told: list[Progress] = []
+    records = run(material(), tmp_path, 2, report=told.append, respond=fake.fails_when_thin)
+    assert [p.done for p in told] == list(range(len(records) + 1)) and told[0].total == len(records) == 11
+    assert told[0].seconds_left is None and told[-1].seconds_left == 0.0 and told[3].seconds_left > 0
+    assert told[-1].failed == 2
+    reasons = {record.failed for record in records if record.failed}
+    assert reasons == {"tube: still curling at 0.13/mm, the tightest tried"}
+
+
+def test_files_are_reused_only_for_the_same_inputs(tmp_path: Path) -> None:
+    first = run(material(), tmp_path, 1, respond=fake.respond)
+    assert len(fake.files(tmp_path)) == len(first)
+    # more cells: only the new ones are solved
+    told: list[Progress] = []
+    run(material(lengths_mm=[5.0, 7.0, 10.0]), tmp_path, 1, report=told.append, respond=fake.respond)
+    assert told[0].done == len(first)
+    # another material, mesh or version of the format shares nothing
+    other = Material.from_dict({"plan": SMALL, "plastic": {"modulus_ratio": 3000.0}})
+    keys = {campaign.key(m, t) for m in (material(), other, material(edge_mm=2.1)) for t in m.tasks()}
+    assert len(keys) == 3 * len(first)
+
+
+def test_a_damaged_file_is_solved_again(tmp_path: Path) -> None:
+    records = run(material(), tmp_path, 1, respond=fake.respond)
+    files = sorted(tmp_path.iterdir())
+    files[0].write_text('{"inputs": ')
+    files[1].write_text('{"inputs": {}, "sample": null}')
+    told: list[Progress] = []
+    assert [r.sample for r in run(material(), tmp_path, 1, report=told.append, respond=fake.respond)] == [
+        r.sample for r in records
+    ]
+    assert told[0].done == len(records) - 2
+
+
+def test_an_exception_is_a_failed_cell_and_tried_again(tmp_path: Path) -> None:
+    records = run(material(), tmp_path, 2, respond=fake.breaks)
+    assert {r.failed for r in records if r.task.length_mm == 10.0} == {"ZeroDivisionError: a bug"}
+    assert all(r.failed is None for r in records if r.task.length_mm != 10.0)
+    assert all(r.failed is None for r in run(material(), tmp_path, 2, respond=fake.respond))
+
+
+def test_a_worker_that_dies_ends_the_campaign_in_one_line(tmp_path: Path) -> None:
+    with pytest.raises(CampaignError, match="worker process has ended"):
+        run(material(), tmp_path, 2, respond=fake.dies)
+    assert all(r.failed is None for r in run(material(), tmp_path, 2, respond=fake.respond))
+
+
+def test_no_law_from_too_few_answers(tmp_path: Path) -> None:
+    records = run(material(), tmp_path, 1, respond=fake.fails)
+    with pytest.raises(CampaignError, match=r"bare fabric .* no equilibrium at all"):
+        fit(material(), records)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
+def test_interrupted_campaigns_leave_whole_files_and_no_workers(number: int, tmp_path: Path) -> None:
+    psutil = pytest.importorskip("psutil")
+    script = tmp_path / "campaign.py"
+    script.write_text(
+        "import sys\nfrom pathlib import Path\nfrom tests.homogenize import fake\n"
+        "from tests.homogenize.test_campaign import material, run\n"
+        "if __name__ == '__main__':\n    run(material(), Path(sys.argv[1]), 2, respond=fake.slow)\n"
+    )
+    root = Path(__file__).parents[2]
+    samples = tmp_path / "samples"
+    process = subprocess.Popen(
+        [sys.executable, str(script), str(samples)], env={**__import__("os").environ, "PYTHONPATH": str(root)},
+        stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    while not (samples.exists() and len(list(samples.glob("*.json"))) >= 2):
+        time.sleep(0.02)
+        assert process.poll() is None
+    children = psutil.Process(process.pid).children(recursive=True)
+    process.send_signal(number)
+    process.wait(timeout=20)
+    assert not psutil.wait_procs(children, timeout=10)[1]
+    told: list[Progress] = []
+    records = run(material(), samples, 2, report=told.append, respond=fake.respond)
+    assert 2 <= told[0].done < len(records) and all(record.failed is None for record in records)
+
+
+def test_dask_gives_the_same_law(tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+    own = fit(material(), run(material(), tmp_path / "own", 2, respond=fake.respond))
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
+    ) as cluster:  # fmt: skip
+        records = run(material(), tmp_path / "dask", dask=cluster.scheduler_address, respond=fake.respond)
+        assert to_bytes(fit(material(), records)) == to_bytes(own)
+        # a second run has nothing left to ask the cluster for
+        run(material(), tmp_path / "dask", dask="tcp://127.0.0.1:1", respond=fake.fails)
+
+
+def test_a_cluster_that_is_not_there(tmp_path: Path) -> None:
+    pytest.importorskip("distributed")
+    with pytest.raises(AddressError, match=r"^--dask: no scheduler answers at 'nonsense://x'"):
+        run(material(), tmp_path, dask="nonsense://x", respond=fake.respond)

@@ -1,0 +1,232 @@
+"""The law: exact where it must be, smooth, never silent out of its range, refused where it does not belong."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from homogenize.campaign import Record
+from homogenize.errors import LawError
+from homogenize.fit import fit
+from homogenize.interpolation import Grid
+from homogenize.law import NAMES, Law
+from homogenize.law_file import digest, load_law, to_bytes
+from homogenize.plan import Material
+from pattern.design import Design
+from tests.homogenize import fake
+
+PLAN = {
+    "stretches": [1.35, 1.75],
+    "lengths_mm": [2.0, 4.0, 6.0, 8.0, 10.0, 12.0],
+    "thicknesses_mm": [0.2, 0.3, 0.4, 0.6],
+    "widths_mm": [0.8, 1.2, 1.6],
+    "held_out": 10,
+}
+
+
+def law(respond: Any = fake.respond, **plan: Any) -> Law:
+    material = Material.from_dict({"name": "test", "plan": {**PLAN, **plan}})
+    return fit(material, answers(material, respond), {"command": "none"})
+
+
+def answers(material: Material, respond: Any) -> list[Record]:
+    records = []
+    for task in material.tasks():
+        answer = respond(material.design(task), 2.0)
+        sample = None if answer.failed else answer.to_dict()
+        records.append(Record(task, sample, answer.failed, False, 0.1))
+    return records
+
+
+LAW = law()
+SPREAD = {
+    "kind": "sobol", "count": 256, "stretches": [1.35], "length_range_mm": [1.5, 12.0], "held_out": 10,
+}  # fmt: skip
+
+
+def design(**changes: Any) -> Design:
+    data: dict[str, Any] = {"stars": {"length_mm": 5.0}, "border": {"rings": 1}}
+    for place, value in changes.items():
+        section, key = place.split("__")
+        data.setdefault(section, {})[key] = value
+    return Design.from_dict(data)
+
+
+@pytest.mark.parametrize("stretch", [1.35, 1.75])
+def test_bare_fabric_is_exact(stretch: float) -> None:
+    values = LAW.at(stretch)(np.zeros(5), np.array([0.2, 0.31, 0.6, 5.0, 0.01]), 1.1)
+    assert np.abs(values.value["lam"] * stretch - 1).max() < 1e-14 and values.inside.all()
+    assert (values.value["kappa"] == 0).all() and np.abs(values.value["bending"] - 0.5).max() < 1e-14
+
+
+def test_cells_of_the_plan_are_met_exactly() -> None:
+    table = LAW.at(1.35)
+    sizes = np.stack(np.meshgrid(*table.axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    values = table(*sizes.T)
+    for q, name in enumerate(NAMES):
+        nodes = table.nodes[..., q].ravel()
+        assert np.abs(values.value[name] - nodes).max() <= 1e-13 * np.abs(nodes).max(), name
+
+
+@given(st.floats(0.1, 11.9), st.floats(0.21, 0.59), st.floats(0.81, 1.59))
+@settings(max_examples=60, deadline=None)
+def test_slopes_are_derivatives(length: float, thickness: float, width: float) -> None:
+    sizes = np.array([length, thickness, width])
+    table, step = LAW.at(1.35), 1e-5
+    nearest = min(np.abs(axis - x).min() for axis, x in zip(table.axes, sizes, strict=True))
+    if nearest < 2 * step:  # second derivatives jump there
+        return
+    found = table(*sizes)
+    for axis in range(3):
+        more, less = (table(*(sizes + sign * step * np.eye(3)[axis])) for sign in (1, -1))
+        for name in NAMES:
+            slope = (more.value[name] - less.value[name]) / (2 * step)
+            scale = 1e-4 * (1 + np.abs(found.value[name]) + np.abs(found.slope[name]).max())
+            assert np.abs(slope - found.slope[name][:, axis]) < scale, name
+
+
+@given(st.lists(st.floats(0, 1), min_size=4, max_size=9), st.floats(0, 1), st.floats(0, 1))
+@settings(max_examples=60, deadline=None)
+def test_monotone_along_lines_of_the_grid(steps: list[float], a: float, b: float) -> None:
+    """Data that rise along the first axis give functions that do, whatever they do along the others."""
+    rise = np.cumsum(steps)
+    scale = 1 + a * np.arange(3)[:, None] + b * np.arange(2)
+    values = rise[:, None, None] * scale + np.array([0.0, 3.0, 1.0])[:, None]
+    grid = Grid([np.arange(float(len(steps))), np.arange(3.0), np.arange(2.0)], values[..., None], ["monotone"])
+    along = np.linspace(0, len(steps) - 1, 101)
+    for j in range(3):
+        found, slope = grid(np.column_stack([along, np.full(101, float(j)), np.zeros(101)]))
+        assert np.diff(found[:, 0]).min() >= -1e-12 and slope[:, 0, 0].min() >= -1e-12
+        assert values[:, j, 0].min() - 1e-12 <= found.min() and found.max() <= values[:, j, 0].max() + 1e-12
+
+
+def test_neighbouring_boxes_join_smoothly() -> None:
+    rng = np.random.default_rng(1)
+    axes = [np.array([0.0, 1, 3, 4]), np.array([0.0, 2, 3]), np.array([0.0, 1, 4])]
+    grid = Grid(axes, rng.random((4, 3, 3, 2)), ["monotone", "smooth"])
+    for axis, node in ((0, 1.0), (0, 3.0), (1, 2.0), (2, 1.0)):
+        points = rng.random((20, 3)) * [4, 3, 4]
+        sides = []
+        for nudge in (-1e-9, 1e-9):
+            points[:, axis] = node + nudge
+            sides.append(grid(points))
+        assert np.abs(sides[0][0] - sides[1][0]).max() < 1e-7
+        assert np.abs(sides[0][1] - sides[1][1]).max() < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("sizes", "word"),
+    [
+        ((12.1, 0.3, 1.0), "length_mm = 12.1 is outside the law's 0 to 12"),
+        ((5, 0.19, 1.0), "thickness_mm = 0.19 is outside the law's 0.2 to 0.6"),
+        ((5, 0.3, 1.7), "width_mm = 1.7 is outside the law's 0.8 to 1.6"),
+        ((float("nan"), 0.3, 1.0), "length_mm = nan"),
+        ((-1, 0.3, 1.0), "length_mm = -1"),
+    ],
+)
+def test_out_of_range_is_said_and_clamped(sizes: tuple[float, float, float], word: str) -> None:
+    good = (5.0, 0.3, 1.0)
+    values = LAW.at(1.35)(*np.transpose([good, sizes, good]))
+    assert values.inside.tolist() == [True, False, True]
+    assert len(values.outside) == 1 and values.outside[0].startswith("star 1: ") and word in values.outside[0]
+    assert all(np.isfinite(v).all() for v in values.value.values())
+    axis = ["length", "thickness", "width"].index(word.split("_")[0])
+    assert (values.slope["kappa"][1, axis] == 0).all()
+
+
+def test_cells_without_an_answer_are_marked_with_their_surroundings() -> None:
+    holed = law(fake.fails_when_thin)
+    table = holed.at(1.35)
+    assert (~table.good).sum() == 3
+    values = table(np.array([9.0, 11.0, 7.9, 9.0]), np.array([0.25, 0.25, 0.25, 0.31]), 1.0)
+    assert values.inside.tolist() == [False, False, True, True]
+    assert "no cell was solved near length_mm = 9" in values.outside[0]
+    assert sum(s["problem"] is not None for s in holed.samples) >= 6
+
+
+def test_held_out_cells_and_cells_left_out() -> None:
+    for entry in LAW.residuals.values():
+        held, loo = entry["held_out"], entry["leave_one_out"]
+        assert held["count"] == 10 and loo["count"] == 5 * 4 * 3
+        assert held["errors"]["lam"]["largest_percent"] < 0.2
+        assert held["errors"]["kappa"]["largest_percent"] < 3 and held["errors"]["bending"]["largest_percent"] < 3
+        assert loo["errors"]["kappa"]["rms_percent"] < 20
+
+
+def test_scattered_cells_make_a_law_too() -> None:
+    material = Material.from_dict({"plan": SPREAD})
+    spread = fit(material, answers(material, fake.respond))
+    errors = spread.residuals["1.35"]["held_out"]["errors"]
+    assert errors["lam"]["largest_percent"] < 1 and errors["kappa"]["rms_percent"] < 5
+    values = spread.at(1.35)(0.0, 0.4, 1.0)
+    assert values.value["lam"][0] == pytest.approx(1 / 1.35, abs=1e-14)
+
+
+def test_a_file_holds_all_of_it(tmp_path: Path) -> None:
+    path = tmp_path / "law.npz"
+    path.write_bytes(to_bytes(LAW))
+    again = load_law(path)
+    assert to_bytes(again) == to_bytes(LAW) and digest(again) == digest(LAW)
+    assert again.made == {"command": "none"} and len(again.samples) == len(LAW.material.tasks())
+    found, known = (one.at(1.75)(7.3, 0.33, 1.1).value for one in (again, LAW))
+    assert found == known
+
+
+def test_files_that_are_no_laws(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "law.npz"
+    for content, word in ((b"", "not a law"), (b"PK nonsense", "not a law"), (to_bytes(LAW)[:900], "damaged")):
+        path.write_bytes(content)
+        with pytest.raises(LawError, match=word) as caught:
+            load_law(path)
+        assert str(path) in str(caught.value) and "\n" not in str(caught.value)
+    np.savez(path, a=np.zeros(3))
+    with pytest.raises(LawError, match="not a law"):
+        load_law(path)
+    with pytest.raises(LawError, match="cannot be read: No such file"):
+        load_law(tmp_path / "none.npz")
+    np.savez(path, format=np.array({"a": 1}, dtype=object))
+    with pytest.raises(LawError):
+        load_law(path)
+    path.write_bytes(to_bytes(LAW))
+    monkeypatch.setattr("homogenize.law_file.FORMAT", 99)
+    with pytest.raises(LawError, match="has format 1, this version reads 99; make it again"):
+        load_law(path)
+
+
+def test_a_law_says_for_which_designs_it_is() -> None:
+    assert LAW.check(design()).stretch == 1.35 and LAW.check(design(fabric__stretch=1.75)).stretch == 1.75
+    # what does not change the shape of a sheet without weight, or is the same star after a turn
+    LAW.check(design(fabric__modulus_mpa=1.0, fabric__density_kg_m3=100.0))
+    LAW.check(design(lattice__orientation_deg=120.0))
+
+
+@pytest.mark.parametrize(
+    ("change", "word"),
+    [
+        ({"fabric__stretch": 1.5}, "fabric.stretch = 1.5; it was made for 1.35, 1.75"),
+        ({"fabric__stretch": [1.35, 1.3]}, "equal stretch"),
+        ({"fabric__thickness_mm": 0.7}, "fabric.thickness_mm = 0.8, the design's 0.7"),
+        ({"fabric__bending": "consistent"}, "fabric.bending = paper, the design's consistent"),
+        ({"plastic__modulus_ratio": 3000.0}, "plastic.modulus_ratio = 3200.0, the design's 3000.0"),
+        ({"plastic__kappa_bar_per_mm": 0.001}, "plastic.kappa_bar_per_mm"),
+        ({"lattice__spacing_mm": 18.0}, "lattice.spacing_mm"),
+        ({"lattice__arms": 6}, "lattice.arms"),
+        ({"lattice__orientation_deg": 60.0}, "lattice.orientation_deg"),
+    ],
+)
+def test_foreign_designs_are_refused_with_what_differs(change: dict[str, Any], word: str) -> None:
+    with pytest.raises(LawError) as caught:
+        LAW.check(design(**change))
+    assert word in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_stiffness_follows_the_modulus() -> None:
+    soft, hard = (LAW.evaluate(design(fabric__modulus_mpa=e), 7.0, 0.3, 1.0) for e in (7.1875, 14.375))
+    assert hard.value["bending"] == pytest.approx(2 * soft.value["bending"])
+    assert hard.slope["a11"] == pytest.approx(2 * soft.slope["a11"])
+    assert hard.value["kappa"] == soft.value["kappa"] and hard.value["lam"] == soft.value["lam"]
