@@ -24,11 +24,12 @@ DOCS = Path(__file__).parent.parent / "docs"
 PICTURES, PAGE = DOCS / "pictures", DOCS / "gallery.md"
 INTRODUCTION = """# The gallery
 
-Designs of the paper's figures, each a file to start from: `asterism new NAME`. The paper prints few tables; what it says
-and what was chosen stands with each design, and at the top of its file.
+Designs of the paper's figures, each a file to start from: `asterism new NAME`. The paper prints few tables; what it
+says and what was chosen stands with each design, and at the top of its file.
 
-All of them at edges of 2 mm, on two cores, compiled loops warm. A design without an eigenvalue is not certified; the others
-are minima of the [exact model](exact-model.md). Printed by `python -m benchmarks.gallery`, which also makes this page.
+All of them at edges of 2 mm, on two cores, compiled loops warm. A design without an eigenvalue is not certified; the
+others are minima of the [exact model](exact-model.md). Printed by `python -m benchmarks.gallery`, which also makes this
+page.
 """
 HEADER = [
     "design", "stars up", "vertices", "energy N mm", "height mm", "extent mm", "contraction",
