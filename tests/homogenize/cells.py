@@ -1,0 +1,48 @@
+"""Designs of cells, and states of them that nothing vanishes at."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from discrete.elements import Array
+from discrete.state import State
+from homogenize.cell import Cell
+from homogenize.relax import Flat, relax
+from homogenize.sample import Sample, respond
+from pattern.design import Design
+
+EDGE = 2.9  # six edges between stars
+
+
+def design(length: float = 10.0, thickness: float = 0.4, **more: Any) -> Design:
+    """Equal stars of the paper's material."""
+    return Design.from_dict({"stars": {"length_mm": length, "thickness_mm": thickness}, "border": {"rings": 1}} | more)
+
+
+@functools.cache
+def relaxed(length: float, thickness: float, edge: float = EDGE) -> tuple[Cell, Flat]:
+    """A flat relaxed cell; a test that rolls it must not expect it flat afterwards."""
+    cell = Cell(design(length, thickness), edge)
+    return cell, relax(cell)[0]
+
+
+@functools.cache
+def sample(length: float, thickness: float, edge: float = EDGE) -> Sample:
+    """Responses, solved once."""
+    return respond(design(length, thickness), edge)
+
+
+def shaken(cell: Cell, state: State, size: float = 0.1) -> State:
+    """The state after a random step of its free dofs."""
+    direction = np.random.default_rng(3).normal(size=len(cell.free))
+    return cell.path(state, direction)[0](size)
+
+
+def full(low: sp.csc_matrix) -> Array:
+    """Dense symmetric matrix of a lower triangle."""
+    dense = low.toarray()
+    return np.asarray(dense + np.tril(dense, -1).T)

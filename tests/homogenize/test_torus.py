@@ -1,0 +1,63 @@
+"""The periodic mesh: what must hold for every star and supercell."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from homogenize.torus import STEPS, torus_mesh
+from tests.homogenize.cells import design
+
+VECTORS = np.asarray(design().lattice.vectors)
+THREE = np.array([1, 3, 5])
+SPACING = float(np.linalg.norm(VECTORS[0]))
+
+
+@pytest.mark.parametrize("length", [1.0, 5.0, 8.66, 10.0, 13.0, SPACING])
+@pytest.mark.parametrize("repeat", [(1, 1), (2, 2), (1, 3)])
+def test_invariants(length, repeat):
+    torus = torus_mesh(VECTORS, THREE, np.full(3, length), 2.5, repeat)
+    stars = repeat[0] * repeat[1]
+    corner = torus.points[torus.triangles]
+    e1, e2 = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
+    area = 0.5 * (e1[:, 0] * e2[:, 1] - e1[:, 1] * e2[:, 0])
+    assert (area > 0.0).all()
+    assert area.sum() == pytest.approx(torus.area, rel=1e-12)
+    assert torus.area == pytest.approx(stars * abs(np.linalg.det(VECTORS)), rel=1e-12)
+    # Euler on the torus: V - E + F = 0 with 3 edges, all of them hinges, and 2 triangles for each base point
+    assert len(torus.hinges) == 3 * torus.n_base
+    assert len(torus.triangles) == 2 * torus.n_base
+    assert len(torus.star_vertices) == stars
+    assert len(torus.rods) == 3 * stars
+    # images are where their lattice vector takes the base point
+    np.testing.assert_allclose(torus.points, torus.points[torus.base] + torus.image @ torus.cell_vectors, atol=1e-12)
+    assert (torus.image[: torus.n_base] == 0).all()
+    for rod, star in zip(torus.rods, torus.arm_star, strict=True):
+        steps = np.linalg.norm(np.diff(torus.points[rod], axis=0), axis=1)
+        assert steps.sum() == pytest.approx(length, rel=1e-12)
+        assert np.ptp(steps) < 1e-9 * length
+        centre = torus.star_vertices[star]
+        assert torus.base[rod[0]] == torus.base[centre]
+        assert np.linalg.norm(torus.points[rod[-1]] - torus.points[rod[0]]) == pytest.approx(length, rel=1e-12)
+
+
+def test_hinges_are_between_triangles():
+    """Every hinge folds two triangles of the mesh about an edge that both have."""
+    torus = torus_mesh(VECTORS, THREE, np.full(3, 9.0), 2.5)
+
+    def place(vertices):
+        """Classes of triangles modulo the lattice, by their middle."""
+        middle = torus.points[vertices].mean(axis=1) @ np.linalg.inv(torus.cell_vectors)
+        return {tuple(np.round(m % 1.0, 6) % 1.0) for m in middle}
+
+    known = place(torus.triangles)
+    left = torus.hinges[:, [0, 1, 2]]
+    right = torus.hinges[:, [1, 0, 3]]
+    assert place(left) <= known
+    assert place(right) <= known
+
+
+def test_arms_that_overlap_are_refused():
+    with pytest.raises(ValueError, match="overlap"):
+        torus_mesh(VECTORS, np.arange(6), np.full(6, 9.0), 2.5)
+    assert len(torus_mesh(VECTORS, np.arange(6), np.full(6, 8.0), 2.5).rods) == len(STEPS)
