@@ -93,12 +93,15 @@ def run(
     records = {task: found for task in tasks if (found := _read(material, task, folder)) is not None}
     missing = [task for task in tasks if task not in records]
     tell = report or (lambda progress: None)
-    tell(_progress(records, tasks, None, None))
+    begin = _progress(records, tasks, None, None)
     start, before = time.perf_counter(), len(records)
-    if missing:
+    if not missing:
+        tell(begin)
+    else:
         workers: AbstractContextManager[Any] = local(min(jobs, len(missing))) if dask is None else on_dask(dask)
         missing = _longest_first(missing)
         with workers as submit_all:
+            tell(begin)
             for number, outcome in submit_all(_one, [(solve, material.design(task), edge) for task in missing]):
                 task = missing[number]
                 records[task] = Record(task, *outcome)

@@ -134,7 +134,7 @@ def _from_grid(
 def filled(lengths: Floats, stored: Floats, good: Bools) -> Floats:
     """Rows (n0, n1, n2, Q) with those of failed cells made up from the others on their line of lengths.
 
-    Beyond the last answer on a line, that answer stands. The law marks the boxes around such cells.
+    Beyond the last answer on a line, that answer stands; there the law says that it does not reach.
     """
     whole = stored.copy()
     for j, k in np.ndindex(good.shape[1:]):

@@ -85,7 +85,8 @@ class Table:
     ----------
     axes : nodes of length, thickness and width, mm.
     nodes : (n0, n1, n2, Q) values of `NAMES`; all of length 0 are the bare fabric's.
-    good : (n0, n1, n2) False where a cell has no answer and its neighbours stand in.
+    good : (n0, n1, n2) False where a cell has no answer and the others on its line of lengths stand in: between two
+        answers that is the interpolation of a coarser grid; elsewhere the law does not reach.
     units : (Q,) that the forms of the quantities are in, see `units`.
     """
 
@@ -109,8 +110,9 @@ class Table:
 
     @cached_property
     def _whole(self) -> Bools:
-        """(boxes,) False where a corner has no answer."""
-        whole = self.good
+        """(boxes,) False where a corner has no answer and is not between two that have one on its line of lengths."""
+        whole = self.good.copy()
+        whole[1:-1] |= self.good[:-2] & self.good[2:]
         for axis in range(3):
             if whole.shape[axis] > 1:
                 n = whole.shape[axis]

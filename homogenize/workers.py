@@ -6,6 +6,7 @@ Either is a context manager that yields a function: it takes a function and a li
 
 from __future__ import annotations
 
+import asyncio
 import concurrent.futures
 import multiprocessing
 import os
@@ -62,9 +63,17 @@ def on_dask(address: str) -> Iterator[SubmitAll]:
     """The workers of a running Dask cluster, which must have asterism installed in the same version."""
     try:
         from distributed import Client, as_completed
+        from distributed.comm import connect
     except ImportError:
         raise AddressError("--dask needs the package distributed: pip install 'asterism[dask]'") from None
+
+    async def knock() -> None:
+        comm = await connect(address, timeout=10)
+        await comm.close()
+
     try:
+        # a client that finds nobody goes on trying and complains at the end of the program
+        asyncio.run(knock())
         client = Client(address, timeout=10, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
         raise AddressError(f"--dask: no scheduler answers at {address!r} ({type(error).__name__})") from None

@@ -48,7 +48,7 @@ def respond(design: Design, edge_mm: float) -> Answer:
 
 def fails_when_thin(design: Design, edge_mm: float) -> Answer:
     """No equilibrium for long thin arms."""
-    if design.stars.length_mm == 10.0 and design.stars.thickness_mm == 0.2:
+    if float(design.stars.length_mm) >= 10.0 and design.stars.thickness_mm == 0.2:  # type: ignore[arg-type]
         return Answer({}, "tube: still curling at 0.13/mm, the tightest tried")
     return respond(design, edge_mm)
 

@@ -142,11 +142,23 @@ def test_out_of_range_is_said_and_clamped(sizes: tuple[float, float, float], wor
 def test_cells_without_an_answer_are_marked_with_their_surroundings() -> None:
     holed = law(fake.fails_when_thin)
     table = holed.at(1.35)
-    assert (~table.good).sum() == 3
+    assert (~table.good).sum() == 6
     values = table(np.array([9.0, 11.0, 7.9, 9.0]), np.array([0.25, 0.25, 0.25, 0.31]), 1.0)
     assert values.inside.tolist() == [False, False, True, True]
     assert "no cell was solved near length_mm = 9" in values.outside[0]
-    assert sum(s["problem"] is not None for s in holed.samples) >= 6
+    assert sum(s["problem"] is not None for s in holed.samples) >= 12
+
+
+def test_a_single_cell_without_an_answer_is_bridged_along_its_line() -> None:
+    def one_gap(design: Design, edge_mm: float) -> fake.Answer:
+        gap = design.stars.length_mm == 6.0 and design.stars.thickness_mm == 0.3
+        return fake.Answer({}, "no") if gap else fake.respond(design, edge_mm)
+
+    table = law(one_gap).at(1.35)
+    assert (~table.good).sum() == 3
+    values, known = (t(5.5, 0.32, 1.0) for t in (table, LAW.at(1.35)))
+    assert values.inside.all()
+    assert values.value["kappa"] == pytest.approx(known.value["kappa"], rel=0.02)
 
 
 def test_held_out_cells_and_cells_left_out() -> None:

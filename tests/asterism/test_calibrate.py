@@ -1,0 +1,143 @@
+"""Calibration as a user meets it: one command makes a law, another shows it."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from homogenize.law_file import load_law
+
+PLAN = """
+name = "small"
+[plan]
+lengths_mm = [5.0, 10.0]
+thicknesses_mm = [0.3, 0.5]
+widths_mm = [1.2]
+held_out = 1
+edge_mm = 4.0
+"""
+
+
+def run(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "asterism", *words]
+    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=300)
+
+
+def mistake(result: subprocess.CompletedProcess[str], status: int = 2) -> str:
+    """The one line of a refused command."""
+    assert result.returncode == status, result.stderr
+    assert "Traceback" not in result.stderr
+    lines = result.stderr.strip().splitlines()
+    assert len(lines) == 1 and lines[0].startswith("asterism: "), result.stderr
+    return lines[0]
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder in which a small law was made."""
+    folder = tmp_path_factory.mktemp("law")
+    (folder / "m.toml").write_text(PLAN)
+    result = run("calibrate", "m.toml", "--jobs", "2", cwd=folder)
+    assert result.returncode == 0, result.stderr
+    assert "6 of 6 cells" in result.stderr and "held out" in result.stdout
+    return folder
+
+
+def test_a_law_with_all_that_made_it(place: Path) -> None:
+    law = load_law(place / "m.npz")
+    assert law.made["command"] == "asterism calibrate m.toml" and law.made["cell_seconds"] > 0
+    assert len(list((place / "m.samples").glob("*.json"))) == 6
+    table = law.at(1.35)
+    values = table([0.0, 5.0, 10.0], 0.3, 1.2).value
+    assert abs(values["lam"][0] * 1.35 - 1) < 1e-12 and values["kappa"][0] == 0
+    assert (np.diff(values["lam"]) > 0).all() and (np.diff(values["kappa"]) > 0).all()
+
+
+def test_the_same_plan_gives_the_same_law_from_the_start(place: Path, tmp_path: Path) -> None:
+    """With one process and fresh cells: bit for bit."""
+    from homogenize.law_file import digest
+
+    (tmp_path / "m.toml").write_text(PLAN)
+    assert run("calibrate", "m.toml", "--jobs", "1", cwd=tmp_path).returncode == 0
+    assert digest(load_law(tmp_path / "m.npz")) == digest(load_law(place / "m.npz"))
+
+
+def test_show_writes_a_picture_and_a_table(place: Path) -> None:
+    result = run("law", "show", "m.npz", "-o", "shown", cwd=place)
+    assert result.returncode == 0, result.stderr
+    assert "kappa" in result.stdout and "stretch 1.35" in result.stdout
+    with Image.open(place / "shown" / "law.png") as image:
+        assert image.width > 1000 and np.asarray(image).std() > 5
+    summary = json.loads((place / "shown" / "summary.json").read_text())
+    assert summary["cells"] == 6 and summary["residuals"]["1.35"]["held_out"]["cells"]
+
+
+def test_the_law_that_comes_with_the_package(tmp_path: Path) -> None:
+    result = run("law", "show", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert "stretch 1.75" in result.stdout and (tmp_path / "paper-law" / "law.png").exists()
+    law = load_law()
+    assert law.made["command"] == "asterism calibrate" and law.stretches == (1.35, 1.75)
+    for table in law.tables:
+        values = table(np.zeros(1), 0.3, 1.2).value
+        assert abs(values["lam"][0] * table.stretch - 1) < 1e-8 and values["kappa"][0] == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["calibrate", "none.toml"], "none.toml"),
+        (["calibrate", "bad.toml"], "bad.toml: plan.edge_mm = 40"),
+        (["calibrate", "m.toml", "-o", "law.txt"], "must end with .npz"),
+        (["calibrate", "m.toml", "-o", "m.toml/law.npz"], "a file is in the way"),
+        (["calibrate", "m.toml", "--jobs", "0"], "--jobs"),
+        (["calibrate", "m.toml", "--dask", "nonsense://here", "-o", "n.npz"], "no scheduler answers"),
+        (["calibrate", "m.toml", "--jobs", "2", "--dask", "tcp://127.0.0.1:1"], "--jobs"),
+        (["law", "show", "m.toml"], "not a law"),
+        (["law", "show", "none.npz"], "none.npz: cannot be read"),
+        (["law", "shw"], "shw"),
+    ],
+)
+def test_mistakes_are_one_line(words: list[str], expected: str, tmp_path: Path) -> None:
+    if "--dask" in words:
+        pytest.importorskip("distributed")
+    (tmp_path / "m.toml").write_text(PLAN)
+    (tmp_path / "bad.toml").write_text("[plan]\nedge_mm = 40")
+    assert expected in mistake(run(*words, cwd=tmp_path))
+    assert not list(tmp_path.glob("*.npz"))
+
+
+def test_cells_that_all_fail_are_status_one(tmp_path: Path) -> None:
+    """Arms that are not on lattice lines have no cell."""
+    (tmp_path / "m.toml").write_text(PLAN + "[lattice]\norientation_deg = 7\n")
+    result = run("calibrate", "m.toml", "--jobs", "2", cwd=tmp_path)
+    assert result.returncode == 1
+    assert "has no answer" in result.stderr.splitlines()[-1] and "Traceback" not in result.stderr
+    assert not list(tmp_path.glob("*.npz"))
+
+
+def test_interrupted_and_resumed(place: Path, tmp_path: Path) -> None:
+    (tmp_path / "m.toml").write_text(PLAN)
+    with open(tmp_path / "errors", "w") as errors:
+        command = [sys.executable, "-m", "asterism", "calibrate", "m.toml", "--jobs", "1"]
+        process = subprocess.Popen(command, cwd=tmp_path, stderr=errors)
+    samples = tmp_path / "m.samples"
+    while not (samples.exists() and list(samples.glob("*.json"))):
+        time.sleep(0.02)
+        assert process.poll() is None
+    process.send_signal(signal.SIGINT)
+    assert process.wait(timeout=60) == 130
+    last = (tmp_path / "errors").read_text().splitlines()[-1]
+    assert last.startswith("asterism: interrupted; finished cells are in m.samples")
+    assert not (tmp_path / "m.npz").exists()
+    kept = len(list(samples.glob("*.json")))
+    result = run("calibrate", "m.toml", cwd=tmp_path)
+    assert result.returncode == 0 and f"{kept} of 6 cells" in result.stderr.splitlines()[0]
