@@ -69,7 +69,10 @@ def test_random_designs(rings, length, thickness, stretch, arms, curl, pins, ben
     start = Beginning(bumps=bumps, bend=bend, axis_deg=35.0, sag_mm=8.0, releases=releases)
     found = relax(m, start, max_iterations=iterations)
     values = dense(m, found.state)
-    assert found.smallest_eigenvalue == pytest.approx(values[0], rel=1e-4, abs=1e-7 * force_scale(m))
+    # away from a stationary state rigid motions are no null vectors of the Hessian, and what is found is an upper bound
+    assert found.smallest_eigenvalue >= values[0] - 1e-7 * force_scale(m)
+    if found.converged:
+        assert found.smallest_eigenvalue == pytest.approx(values[0], rel=1e-4, abs=1e-7 * force_scale(m))
     if found.is_minimum:
         assert np.linalg.norm(m.gradient(found.state)) <= found.tolerance
         assert values[0] > 0.0
