@@ -25,10 +25,10 @@ INK, PALE = "#26262b", "#7a7a82"
 def draw_law(law: Law, path_or_file: str | Path | IO[bytes]) -> None:
     """Draw a law as PNG: a row of curves for each stretch, several thicknesses in each, and its errors."""
     rows = len(law.tables)
-    height = 1.0 + 3.7 * rows
+    height = 1.2 + 3.7 * rows
     figure = Figure(figsize=(20, height), dpi=100, facecolor="white")
     FigureCanvasAgg(figure)
-    room = {"left": 0.035, "right": 0.99, "bottom": 0.5 / height + 0.02, "top": 1 - 1.05 / height}
+    room = {"left": 0.035, "right": 0.99, "bottom": 0.5 / height + 0.02, "top": 1 - 1.2 / height}
     grid = figure.add_gridspec(rows, len(CURVES) + 1, wspace=0.24, hspace=0.42, **room)
     for number, table in enumerate(law.tables):
         for column, (name, label) in enumerate(CURVES.items()):
@@ -42,7 +42,7 @@ def draw_law(law: Law, path_or_file: str | Path | IO[bytes]) -> None:
         _tidy(axes, "error of single cells, %", "")
         width = table.axes[2][len(table.axes[2]) // 2]
         text = f"stretch {table.stretch:g}, width {width:g} mm"
-        figure.text(0.012, 1 - (0.9 + 3.7 * number) / height, text, fontsize=10, color=INK)
+        figure.text(0.012, 1 - (0.9 + 3.72 * number) / height, text, fontsize=10, color=INK)
     title = f"{law.material.name}: the law of the sheet"
     figure.text(0.012, 1 - 0.35 / height, title, fontsize=14, weight="bold", color=INK, parse_math=False)
     note = f"{len(law.samples)} cells, mesh edges of {law.edge_mm:g} mm"

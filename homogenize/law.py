@@ -47,7 +47,7 @@ QUANTITIES = {
     "lam_n": Quantity("the same of the tube that the sheet wants to be: sqrt(hoop x axial)", "monotone", "log"),
     "kappa": Quantity("natural curvature, mean over directions, 1/mm", form="asinh"),
     "bending": Quantity("bending stiffness: secant from flat to the natural tube, N mm", form="log", per_modulus=True),
-    "a11": Quantity("membrane stiffness, N/mm", form="log", per_modulus=True),
+    "a11": Quantity("membrane stiffness, N/mm", "monotone", form="log", per_modulus=True),
     "a12": Quantity("membrane stiffness across, N/mm", per_modulus=True),
     "c3": Quantity("sixfold part of the bending energy, N mm^2", per_modulus=True),
     "offset_mm": Quantity("height of the star's centre over the reference surface, mm"),

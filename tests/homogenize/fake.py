@@ -33,6 +33,7 @@ def respond(design: Design, edge_mm: float) -> Answer:
     three = np.ones(3)
     data = {
         "length_mm": l,
+        "spacing_mm": design.lattice.spacing_mm,
         "lam": lam,
         "membrane": membrane.tolist(),
         "natural_curvature": (kappa * three).tolist(),
