@@ -36,6 +36,7 @@ def main() -> None:
     costs = [cost(length, thickness, edge) for length, thickness in SIZES for edge in EDGES]
     print(cost_table(costs), flush=True)
     patches = [row for length, thickness in SIZES for row in compare(length, thickness)]
+    patches += compare(7.0, 0.3, rim=False)
     print(patch_table(patches), flush=True)
     text = f"Seconds of one sample by part, median of {RUNS}:\n\n{cost_table(costs)}\n\n"
     text += f"The core of free patches, rolled at first, against the cell's natural tube, edges of {PATCH_EDGE} mm:\n\n"
@@ -43,8 +44,20 @@ def main() -> None:
     plot(patches)
 
 
-def sheet(length: float, thickness: float, rings: int, edge: float = PATCH_EDGE) -> Design:
-    """A hexagon of equal stars that nothing holds."""
+def sheet(length: float, thickness: float, rings: int, edge: float = PATCH_EDGE, rim: bool = True) -> Design:
+    """A hexagon of equal stars that nothing holds; without a rim it ends half the spacing beyond the outer stars."""
+    if not rim:
+        spacing = sheet(length, thickness, rings).lattice.spacing_mm
+        corner = spacing * (rings + np.sqrt(1.0 / 3.0))
+        angle = np.radians(30.0 + 60.0 * np.arange(6))
+        border = corner * np.column_stack([np.cos(angle), np.sin(angle)])
+        return Design.from_dict(
+            {
+                "stars": {"length_mm": length, "thickness_mm": thickness},
+                "border": {"polygon_mm": border.tolist(), "star_margin_mm": 0.499 * spacing},
+                "mesh": {"edge_mm": edge},
+            }
+        )
     return Design.from_dict(
         {
             "stars": {"length_mm": length, "thickness_mm": thickness},
@@ -68,23 +81,23 @@ def cost(length: float, thickness: float, edge: float) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def compare(length: float, thickness: float) -> list[dict[str, Any]]:
+def compare(length: float, thickness: float, rim: bool = True) -> list[dict[str, Any]]:
     """Patches of growing size against the cell."""
     sample = respond(sheet(length, thickness, 1), PATCH_EDGE)
     best = int(np.argmin(sample.natural_energy))
     expected = measure(sheet(length, thickness, 1).lattice.vectors, on_tube(sample, best))
     rows = []
     for rings in RINGS:
-        design = sheet(length, thickness, rings)
+        design = sheet(length, thickness, rings, rim=rim)
         model, start = rolled_up(design, sample, best)
         solved = relax(model, start=start)
         stars = model.mesh.star_vertices
         places = solved.state.positions[stars]
-        near = core(design, model.mesh.points[stars], places)
+        near = core(rings, model.mesh.points[stars], places)
         found = [float(value) for value in np.mean([measure(step, at) for step, at in near], axis=0)]
         rows.append(
             {
-                "kind": "patch", "length_mm": length, "thickness_mm": thickness, "rings": rings,
+                "kind": "patch", "length_mm": length, "thickness_mm": thickness, "rings": rings, "rim": rim,
                 "stars": len(places), "stars_up": solved.stars_up, "minimum": solved.is_minimum,
                 "stretch": found[0], "curvature": found[1], "other_curvature": found[2],
                 "cell_stretch": expected[0], "cell_curvature": expected[1],
@@ -125,14 +138,15 @@ def neighbours(vectors: Any) -> np.ndarray:
     return np.array([[0, 0], [1, 0], [0, 1], [-1, 1], [-1, 0], [0, -1], [1, -1]]) @ np.asarray(vectors)
 
 
-def core(design: Design, printed: np.ndarray, places: np.ndarray) -> list[tuple[Any, np.ndarray]]:
+def core(rings: int, printed: np.ndarray, places: np.ndarray) -> list[tuple[Any, np.ndarray]]:
     """Stars two rings or more from the outermost (the centre, if there is none), each with its neighbours' places."""
-    depth = max(design.border.rings - 2, 0) * design.lattice.spacing_mm
+    lattice = sheet(1.0, 0.4, 1).lattice
+    depth = max(rings - 2, 0) * lattice.spacing_mm
     out = []
     for centre in printed[np.linalg.norm(printed, axis=1) < depth + 1.0]:
-        wanted = centre + neighbours(design.lattice.vectors)
+        wanted = centre + neighbours(lattice.vectors)
         found = np.linalg.norm(printed[:, None] - wanted, axis=2).argmin(axis=0)
-        out.append((design.lattice.vectors, places[found]))
+        out.append((lattice.vectors, places[found]))
     return out
 
 
@@ -175,7 +189,7 @@ def patch_table(rows: list[dict[str, Any]]) -> str:
         header,
         [
             [
-                f"h {r['thickness_mm']:g}, l {r['length_mm']:g}",
+                _name(r),
                 str(r["stars"]),
                 str(r["stars_up"]),
                 f"{r['stretch']:.4f}",
@@ -192,13 +206,16 @@ def patch_table(rows: list[dict[str, Any]]) -> str:
     )
 
 
+def _name(r: dict[str, Any]) -> str:
+    return f"h {r['thickness_mm']:g}, l {r['length_mm']:g}" + ("" if r["rim"] else ", no rim")
+
+
 def plot(rows: list[dict[str, Any]]) -> None:
     """Differences over the number of stars."""
     figure, axes = plt.subplots(1, 2, figsize=(9.0, 3.6), layout="constrained")
-    for length, thickness in SIZES:
-        mine = [r for r in rows if (r["length_mm"], r["thickness_mm"]) == (length, thickness)]
+    for label in dict.fromkeys(_name(r) for r in rows):
+        mine = [r for r in rows if _name(r) == label]
         stars = [r["stars"] for r in mine]
-        label = f"h {thickness:g}, l {length:g}"
         for axis, key in zip(axes, ("stretch", "curvature"), strict=True):
             off = [100 * abs(r[key] / r[f"cell_{key}"] - 1) for r in mine]
             axis.plot(stars, off, "o-", label=label)
