@@ -35,13 +35,8 @@ def rigid_modes(state: State, edges: Array, held: Array, free: Array) -> Array:
     return np.linalg.qr(rigid_motions(state, edges, held, free))[0]
 
 
-def isostatic_support(state: State, edges: Array, held: Array, free: Array) -> Array:
-    """(k,) free dofs that, held, leave no rigid motion and cause no stress (3-2-1 for a free sheet)."""
-    return independent_dofs(rigid_motions(state, edges, held, free))
-
-
 def independent_dofs(motions: Array) -> Array:
-    """(k,) rows of motions (free, k) in which they differ the most: holding these stops all of them."""
+    """(k,) rows of motions (free, k) in which they differ the most: holding these stops all of them (3-2-1)."""
     left = motions.copy()
     chosen = np.empty(motions.shape[1], dtype=np.int64)
     for k in range(len(chosen)):  # Gram-Schmidt on the rows, the longest first

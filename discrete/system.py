@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from discrete.elements import Array, Elements
-from discrete.rigid import isostatic_support, rigid_modes, rigid_motions
+from discrete.rigid import independent_dofs, rigid_modes, rigid_motions
 from discrete.state import State, carried
 from equilibrium.factor import Factor, make_solver
 from equilibrium.sparse_pattern import SparsePattern
@@ -88,8 +88,19 @@ class System:
         return (lambda a: carried(state, self.edges, state.positions + a * move, a * turn)), 1.0
 
     def rigid_modes(self, state: State) -> Array:
-        """(free, k) orthonormal rigid motions that what is held leaves free."""
-        return rigid_modes(state, self.edges, self.held, self.free)
+        """(free, k) orthonormal rigid motions that what is held leaves free, and that cost nothing.
+
+        Where pins allow a motion to first order only (a sheet that tilts between two vertical slides), their forces
+        give it a stiffness, which may be negative: such a motion is not rigid, and stays in the spectrum.
+        """
+        modes = rigid_modes(state, self.edges, self.held, self.free)
+        if modes.shape[1] == 0 or not self.held.any():
+            return modes
+        data = self.hessian(state, 0.0)
+        stiffness = self.pattern.product(data, modes)
+        tiny = 1e-6 * np.median(np.abs(data[self.pattern.diagonal])) + np.linalg.norm(self.gradient(state))
+        _, size, rows = np.linalg.svd(stiffness, full_matrices=False)
+        return modes @ rows[size < tiny].T
 
     def factor(self, backend: str = "auto") -> Factor:
         """A solver for the Hessians of this system."""
@@ -111,4 +122,10 @@ class System:
 
     def support(self, state: State) -> Array:
         """(k,) positions among the free dofs of an isostatic support; empty if what is held suffices."""
-        return isostatic_support(state, self.edges, self.held, self.free)
+        motions = rigid_motions(state, self.edges, self.held, self.free)
+        if motions.shape[1] and self.held.any():
+            # a motion on which forces do work is not rigid (see rigid_modes), and must not be stopped
+            work = motions.T @ self.gradient(state)
+            rows = np.linalg.svd(work[None, :])[2]
+            motions = motions @ rows[1 if np.linalg.norm(work) > 1e-12 else 0 :].T
+        return independent_dofs(motions)
