@@ -25,6 +25,7 @@ from discrete.model import Model
 from discrete.rods import curvatures
 from discrete.walk import Report
 from equilibrium.factor import check_backend
+from equilibrium.threads import one_blas_thread
 from pattern.build import layout
 from pattern.design import Design
 from pattern.meshing import mesh_layout
@@ -32,6 +33,7 @@ from pattern.meshing import mesh_layout
 Say = Callable[[str], None]
 
 
+@one_blas_thread()
 def simulate(
     design: Design,
     backend: str = "auto",

@@ -30,8 +30,8 @@ from pattern.design import Design
 from pattern.meshing import mesh_layout
 
 SPACING = 17.3205  # mm, of the tube's stars
-DIVISIONS = [12, 16, 25, 36, 52, 81]
-BACKENDS = {"pardiso": 81, "amg": 81, "superlu": 16}  # and the finest mesh worth waiting for
+DIVISIONS = [12, 25, 36, 52, 81]
+BACKENDS = {"pardiso": 81, "amg": 81, "superlu": 12}  # and the finest mesh worth waiting for
 WHOLE = [(12, "auto"), (12, "amg"), (25, "auto"), (25, "amg"), (36, "auto"), (52, "auto")]
 TOLERANCE = 1e-6  # of the iterative solve: what a step near the minimum asks for
 
