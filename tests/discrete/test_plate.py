@@ -80,8 +80,12 @@ SURFACES = {
 }
 
 
-@pytest.mark.parametrize("mesh", MESHES)
-@pytest.mark.parametrize("surface", SURFACES)
+# a saddle's energy density is not uniform, so its energy over meshes that do not fill the square has no closed form
+FILLING = {mesh for mesh, make in MESHES.items() if abs(area(*make(1.0)).sum() / SIDE**2 - 1.0) < 1e-9}
+CASES = [(mesh, surface) for mesh in MESHES for surface in SURFACES if surface != "saddle" or mesh in FILLING]
+
+
+@pytest.mark.parametrize(("mesh", "surface"), CASES)
 def test_energy_of_a_surface_converges(mesh, surface):
     """Whole sheets on surfaces turned by up to 45 degrees: the error falls with the square of the edge."""
     place, energy = SURFACES[surface]
@@ -91,8 +95,6 @@ def test_energy_of_a_surface_converges(mesh, surface):
         whole = area(points, triangles).sum() / SIDE**2  # equilateral meshes do not fill the square
         positions = place(*(points - points.mean(axis=0)).T).ravel()
         exact = energy * whole
-        if surface == "saddle" and abs(whole - 1.0) > 1e-9:
-            pytest.skip("its energy density is not uniform")
         hinges = interior_edges(triangles)
         error.append(abs(Plate(triangles, points, *SHEET).energies(positions).sum() / exact - 1.0))
         folds = Hinges(hinges, 0.0, fold=fold_coefficients(hinges, points, *SHEET))
