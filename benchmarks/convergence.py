@@ -31,7 +31,7 @@ from pattern.meshing import mesh_layout
 
 PICTURE = Path(__file__).parent.parent / "docs" / "pictures" / "convergence.png"
 SPACING = 17.3205
-CUTS = (5, 7, 9, 12, 16, 20, 25)
+CUTS = (5, 7, 9, 12, 16, 20, 25, 36)
 GROUPS = [(design, bending) for design in ("tube", "dome") for bending in ("paper", "consistent")]
 HEADER = [
     "mesh", "vertices", "energy N mm", "radius mm", "height mm", "contraction", "stars, % of diameter",
