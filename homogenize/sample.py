@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
 from dataclasses import dataclass, field, fields
 from typing import Any, Self
 
 import numpy as np
 
 from discrete.elements import Array
+from equilibrium.newton import Clock
 from homogenize.cell import Cell, constant
 from homogenize.natural import Curling, curl
 from homogenize.objective import Linear, linear_response, mean_height
@@ -120,18 +119,6 @@ def _arrays(name: str, value: Any) -> Any:
     return [np.array(one) for one in value] if name.startswith("curve_") else np.array(value)
 
 
-class _Clock:
-    def __init__(self) -> None:
-        self.seconds: dict[str, float] = {}
-
-    def __call__(self, part: str, function: Callable[..., Any], *args: Any) -> Any:
-        start = time.perf_counter()
-        try:
-            return function(*args)
-        finally:
-            self.seconds[part] = self.seconds.get(part, 0.0) + time.perf_counter() - start
-
-
 def respond(design: Design, edge_mm: float, angles: tuple[float, ...] = ANGLES) -> Sample:
     """Solve the cell of the design's star; what cannot be solved is said in `failed`.
 
@@ -140,7 +127,7 @@ def respond(design: Design, edge_mm: float, angles: tuple[float, ...] = ANGLES) 
     ValueError
         The design has no cell: its stars are not equal, or their arms not on lattice lines.
     """
-    clock = _Clock()
+    clock = Clock()
     found: dict[str, Any] = {"angles_rad": np.array(angles)}
     cell = clock("mesh and model", Cell, design, edge_mm)
     try:
@@ -162,7 +149,7 @@ def respond(design: Design, edge_mm: float, angles: tuple[float, ...] = ANGLES) 
     )
 
 
-def _measure(clock: _Clock, cell: Cell, angles: tuple[float, ...], found: dict[str, Any]) -> None:
+def _measure(clock: Clock, cell: Cell, angles: tuple[float, ...], found: dict[str, Any]) -> None:
     flat: Flat
     flat, other = clock("flat", relax, cell)
     found["rest_metric"] = flat.deformation @ flat.deformation
