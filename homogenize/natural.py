@@ -21,7 +21,7 @@ SOUGHT = 1.5  # until here a moment towards more curvature is waited for
 TIGHTEST = 4.0  # a star wraps two thirds of the tube
 GROWTH = 2.5  # of the curvature from one step to the next
 FLAT = 1e-3  # of the first tube's moment, below which that of the flat cell is rounding and higher order
-CLOSE = 1e-5  # relative to the curvature, where the natural one is found
+CLOSE = 1e-5  # relative to the curvature, or to one over the spacing, where the natural one is found
 SNAP = 0.5  # mm, bumps that are not just flat
 Point = tuple[float, float]  # curvature and moment
 
@@ -114,7 +114,7 @@ class _Walk:
         for _ in range(12):
             k = _root(low, high, [(tube.curvature, tube.moment) for tube in self.tubes])
             nearest = min(self.tubes, key=lambda tube: abs(tube.curvature - k))
-            if abs(nearest.curvature - k) < CLOSE * abs(k):
+            if abs(nearest.curvature - k) < CLOSE * max(abs(k), 1.0 / self.cell.spacing):
                 return Curling(sorted(self.tubes, key=lambda tube: tube.curvature), nearest)
             here = (k, self.to(k).moment)
             low, high = (here, high) if here[1] * sign < 0.0 else (low, here)
