@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, field_validator
 
 from pattern.errors import DesignError
+from pattern.kept_curvature import KappaBar, kept_curvature
 from pattern.section import Number, NumberOrPair, Section
 
 
@@ -54,14 +55,14 @@ class Plastic(Section):
     modulus_ratio : Young's modulus of the plastic over the fabric's, E1/E2; it goes with `rest_curvature`,
         which was used to measure it.
     rest_curvature : formula for the curvature of a released arm.
-    kappa_bar_per_mm : curvature that the plastic keeps when it is peeled off.
+    kappa_bar_per_mm : curvature that the plastic keeps when it is peeled off, one number or a table over the thickness.
     density_kg_m3 : used by gravity only.
     """
 
     modulus_ratio: Number = Field(3200.0, ge=1, le=1e7)
     poisson: Number = Field(0.3, ge=0, le=0.49)
     rest_curvature: Literal["paper", "timoshenko", "none"] = "paper"
-    kappa_bar_per_mm: Number = Field(0.0, ge=-1, le=1)
+    kappa_bar_per_mm: KappaBar = 0.0
     density_kg_m3: Number = Field(1220.0, ge=0, le=20000)
 
 
@@ -77,24 +78,37 @@ def rest_curvature(
 
     Notes
     -----
-    `paper` is Eq. (1), `6 h2 (h1 + h2) / h1^3  E2/E1  (1 - 1/s^2) + kappa_bar`. `timoshenko` is the strip of
-    Timoshenko (1925), `6 eps (1+m)^2 / (H (3 (1+m)^2 + (1 + m n) (m^2 + 1/(m n))))` with `m = h1/h2`,
-    `n = E1/E2`, `H = h1 + h2` and mismatch strain `eps = (1 - 1/s^2)/2`, plus `kappa_bar`; for stiff plastic
-    it is half of Eq. (1). `none` is `kappa_bar` alone. Along an arm of direction t on a fabric stretched by
-    sx and sy, `1/s^2` is the fabric's released metric `tx^2/sx^2 + ty^2/sy^2`.
+    `bilayer_curvature` plus `kappa_bar`; `none` is `kappa_bar` alone. Along an arm of direction t on a fabric
+    stretched by sx and sy, `1/s^2` is the fabric's released metric `tx^2/sx^2 + ty^2/sy^2`.
     """
     h1 = np.asarray(thickness_mm, dtype=float)
-    h2, n = fabric.thickness_mm, plastic.modulus_ratio
     mismatch = _metric_mismatch(fabric.stretch_xy, direction)
-    if plastic.rest_curvature == "paper":
-        kappa = 6 * h2 * (h1 + h2) / (h1**3 * n) * mismatch
-    elif plastic.rest_curvature == "timoshenko":
-        m = h1 / h2
-        stiffness = 3 * (1 + m) ** 2 + (1 + m * n) * (m**2 + 1 / (m * n))
-        kappa = 6 * (mismatch / 2) * (1 + m) ** 2 / ((h1 + h2) * stiffness)
-    else:
-        kappa = np.zeros(np.broadcast_shapes(h1.shape, np.shape(mismatch)))
-    return kappa + plastic.kappa_bar_per_mm
+    kept = kept_curvature(h1, plastic.kappa_bar_per_mm)
+    if plastic.rest_curvature == "none":
+        return kept + np.zeros(np.shape(mismatch))
+    return bilayer_curvature(h1, fabric.thickness_mm, plastic.modulus_ratio, mismatch, plastic.rest_curvature) + kept
+
+
+def bilayer_curvature(
+    h1: ArrayLike, h2: ArrayLike, ratio: ArrayLike, mismatch: ArrayLike, formula: Literal["paper", "timoshenko"]
+) -> NDArray[np.float64]:
+    """Curvature (1/mm) of a strip of plastic and fabric, without what the plastic keeps; arrays that broadcast.
+
+    Parameters
+    ----------
+    h1, h2 : thickness of plastic and fabric, mm.
+    ratio : E1/E2.
+    mismatch : of the two metrics, `1 - 1/s^2`.
+    formula : `paper` is Eq. (1), `6 h2 (h1 + h2) / h1^3  E2/E1  (1 - 1/s^2)`. `timoshenko` is the strip of
+        Timoshenko (1925), `6 eps (1+m)^2 / (H (3 (1+m)^2 + (1 + m n) (m^2 + 1/(m n))))` with `m = h1/h2`,
+        `n = E1/E2`, `H = h1 + h2` and mismatch strain `eps = (1 - 1/s^2)/2`; for stiff plastic it is half of Eq. (1).
+    """
+    h1, h2, n, mismatch = (np.asarray(value, dtype=float) for value in (h1, h2, ratio, mismatch))
+    if formula == "paper":
+        return np.asarray(6 * h2 * (h1 + h2) / (h1**3 * n) * mismatch)
+    m = h1 / h2
+    stiffness = 3 * (1 + m) ** 2 + (1 + m * n) * (m**2 + 1 / (m * n))
+    return np.asarray(6 * (mismatch / 2) * (1 + m) ** 2 / ((h1 + h2) * stiffness))
 
 
 def _metric_mismatch(stretch: tuple[float, float], direction: ArrayLike | None) -> NDArray[np.float64]:

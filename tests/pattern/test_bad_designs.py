@@ -156,6 +156,17 @@ BAD = [
     ([("plastic.modulus_ratio", -3)], "plastic.modulus_ratio", "at least 1"),
     ([("plastic.rest_curvature", "eq1")], "plastic.rest_curvature", "'paper'"),
     ([("plastic.kappa_bar_per_mm", "0")], "plastic.kappa_bar_per_mm", "number"),
+    ([("plastic.kappa_bar_per_mm", 2)], "plastic.kappa_bar_per_mm", "at most 1"),
+    (
+        [("plastic.kappa_bar_per_mm", {"thickness_mm": [0.3, 0.4], "per_mm": [0.1]})],
+        "plastic.kappa_bar_per_mm.per_mm",
+        "2 entries",
+    ),
+    (
+        [("plastic.kappa_bar_per_mm", {"thickness_mm": [0.4, 0.3], "per_mm": [0.1, 0.1]})],
+        "plastic.kappa_bar_per_mm.thickness_mm",
+        "increase",
+    ),
     ([("pins", {"where": "border"})], "pins", "list"),
     ([("pins", [{}])], "pins[0]", "one of where"),
     ([("pins", [{"where": "centre"}])], "pins[0].where", "'border' or 'corners'"),

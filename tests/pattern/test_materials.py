@@ -37,6 +37,14 @@ def test_kappa_bar_is_added_and_alone_with_none():
     np.testing.assert_array_equal(alone, [0.01, 0.01])
 
 
+def test_kappa_bar_over_thickness():
+    table = {"thickness_mm": [0.3, 0.4], "per_mm": [0.004, 0.002]}
+    plastic = Plastic(rest_curvature="none", kappa_bar_per_mm=table)
+    found = rest_curvature([0.2, 0.3, 0.35, 0.4, 0.6], Fabric(), plastic)
+    np.testing.assert_allclose(found, [0.004, 0.004, 0.003, 0.002, 0.002])
+    assert Plastic.model_validate(plastic.model_dump(mode="json")) == plastic
+
+
 def test_stretch_by_direction():
     fabric = Fabric(stretch=[1.35, 1.2])
     along = rest_curvature(0.3, fabric, Plastic(), [[1, 0], [0, 1]])
