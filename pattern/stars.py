@@ -12,6 +12,7 @@ from pydantic import Field, model_validator
 from pattern.errors import DesignError
 from pattern.fields import SizingField, sample
 from pattern.layout import Floats, Ints
+from pattern.rounding import Rounding
 from pattern.section import Flag, Number, Point, Section, Whole
 
 THICKNESS_MM = (0.05, 5.0)
@@ -53,6 +54,7 @@ class Stars(Section):
     vary_along_arms : take thickness and width at the arm's tip from the field too, not only at the centre.
     branch : the side to which the stars start: `up` is the plastic's, `free` starts them flat.
     override : single stars changed.
+    rounding : thickness and width of every star, also of changed ones, are rounded to what a printer can make.
     """
 
     length_mm: SizingField | None = None
@@ -62,6 +64,7 @@ class Stars(Section):
     vary_along_arms: Flag = False
     branch: Branch = "up"
     override: tuple[Override, ...] = ()
+    rounding: Rounding | None = None
 
     @model_validator(mode="after")
     def _one_length(self) -> Stars:
@@ -123,6 +126,8 @@ def sizes(stars: Stars, centres: Floats, spacing: float, arm_directions: Floats)
     printed = np.flatnonzero(length > 0)
     for key in ("thickness_mm", "width_mm"):
         _check(f"stars.{key}", values[key][printed], limits[key], centres[printed], printed)
+    if stars.rounding is not None:
+        thickness, width = stars.rounding.thickness(thickness), stars.rounding.width(width)
     return Sizes(np.minimum(length, spacing), thickness, width, branch)
 
 
