@@ -70,7 +70,7 @@ def simulate(
     tell = say or (lambda text: None)
     start = time.perf_counter()
     plan = layout(design)
-    mesh = mesh_layout(plan, design.mesh.edge_mm, design.mesh.kind, design.mesh.seed)
+    mesh = mesh_layout(plan, design.mesh.edge_mm, design.mesh.kind, design.mesh.seed, design.mesh.graded)
     tell(f"{len(plan.centres)} stars on {len(mesh.triangles)} triangles ({mesh.kind} mesh)")
     meshed = time.perf_counter()
     model = (ContactModel if design.solver.contact else Model)(design, plan, mesh)

@@ -114,12 +114,12 @@ def coarser(model: Model) -> list[Model]:
     """Coarser models of the same design, the coarsest first; none for small ones."""
     ratio = model.n_vertices / COARSE_VERTICES
     steps = int(np.ceil(np.log(ratio) / np.log(LARGEST_RATIO))) if ratio > 2.0 else 0
-    edge = model.design.mesh.edge_mm
+    choice = model.design.mesh
     models: list[Model] = []
     for step in range(steps, 0, -1):
-        coarse_edge = min(edge * np.sqrt(ratio) ** (step / steps), model.spacing / 4.0)
+        coarse_edge = min(choice.edge_mm * np.sqrt(ratio) ** (step / steps), model.spacing / 4.0)
         try:
-            mesh = mesh_layout(model.layout, coarse_edge, model.design.mesh.kind, model.design.mesh.seed)
+            mesh = mesh_layout(model.layout, coarse_edge, choice.kind, choice.seed, choice.graded)
         except MeshError:  # arms may be too short for a coarse mesh: start on a finer one
             continue
         if len(mesh.points) < 0.6 * model.n_vertices:

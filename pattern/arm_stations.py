@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pattern.errors import MeshError
+from pattern.grading import Grading
 from pattern.lattice_grid import ON_LINE, LatticeGrid
 from pattern.layout import Floats, Ints, Layout
 
@@ -50,8 +51,10 @@ class _Link:
 Border = Callable[[Ints, Ints], tuple[int, Floats] | None]
 
 
-def arm_stations(layout: Layout, grid: LatticeGrid, border: Border) -> Stations:
+def arm_stations(layout: Layout, grid: LatticeGrid, border: Border, grading: Grading | None = None) -> Stations:
     """Spread every arm evenly over grid edges, and the gap behind its tip over those left on its link.
+
+    With a grading arms have their vertices where it wants them, and the gaps are left free.
 
     Parameters
     ----------
@@ -75,11 +78,15 @@ def arm_stations(layout: Layout, grid: LatticeGrid, border: Border) -> Stations:
                 _share(link, links[other], float(np.linalg.norm(end - tip)) <= tolerance)
             last -= links[other].taken
         ij.append(link.points(0, link.taken))
-        places.append(np.linspace(centre, tip, link.taken + 1))
+        if grading is None:
+            places.append(np.linspace(centre, tip, link.taken + 1))
+        else:
+            places.append(centre + grading.along(link.length, link.taken)[:, None] * (tip - centre))
         squeezed = link.length / link.taken
         if last > link.taken:
-            ij.append(link.points(link.taken, last))
-            places.append(np.linspace(tip, end, last - link.taken + 1))
+            if grading is None:
+                ij.append(link.points(link.taken, last))
+                places.append(np.linspace(tip, end, last - link.taken + 1))
             squeezed = min(squeezed, float(np.linalg.norm(end - tip)) / (last - link.taken))
         if squeezed < SMALLEST_EDGE * grid.edge_mm:
             raise MeshError(f"arm {arm} leaves too little room for a mesh edge at its tip")

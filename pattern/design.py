@@ -36,11 +36,12 @@ class Gravity(Section):
 
 
 class MeshChoice(Section):
-    """How the sheet is cut into triangles: length of their edges, kind of mesh, seed of its irregularity."""
+    """How the sheet is cut into triangles: length of their edges, kind of mesh, seed of its irregularity, grading."""
 
     edge_mm: Number = Field(2.0, ge=0.2, le=500)
     kind: Literal["auto", "aligned", "delaunay"] = "auto"
     seed: Whole = Field(0, ge=0, lt=2**32)
+    graded: Flag = False
 
 
 class Solver(Section):
@@ -87,6 +88,15 @@ class Design(Section):
     def _weighs_what_it_weighs(self) -> Self:
         if self.gravity.on and "modulus_mpa" not in self.fabric.model_fields_set:
             raise DesignError("fabric.modulus_mpa", "must be given with gravity on: the default is a ratio's scale")
+        return self
+
+    @model_validator(mode="after")
+    def _bends_alike_everywhere(self) -> Self:
+        if self.mesh.graded and self.fabric.bending == "paper":
+            message = (
+                'needs fabric.bending = "consistent" or "none": the stiffness of the paper\'s hinges follows the mesh'
+            )
+            raise DesignError("mesh.graded", message, self.mesh.graded)
         return self
 
     @classmethod

@@ -8,6 +8,7 @@ from scipy.spatial import cKDTree
 
 from pattern.arm_stations import Stations
 from pattern.errors import MeshError
+from pattern.grading import Grading
 from pattern.lattice_grid import ON_LINE, GridPatch
 from pattern.layout import Floats, Ints
 from pattern.pin_vertices import SAME_PLACE_MM
@@ -41,13 +42,19 @@ def prescribed(
     return taken, known, places
 
 
-def moved(patch: GridPatch, taken: NDArray[np.bool_], known: NDArray[np.bool_], places: Floats, pins: Floats) -> Floats:
+def moved(
+    patch: GridPatch,
+    taken: NDArray[np.bool_],
+    known: NDArray[np.bool_],
+    places: Floats,
+    pins: Floats,
+    grading: Grading | None = None,
+) -> Floats:
     """Places (n, 2) of all grid points of a patch: the known ones, one on each pin, and the others smoothly between.
 
     Pins (P, 2) get the nearest points that are not taken.
     """
-    natural = patch.grid.place(patch.ij)
-    points = natural + patch.harmonic(known, places - natural)
+    points = _spread(patch, known, places, grading)
     distance = cKDTree(points[taken]).query(pins)[0]
     missing = pins[distance > SAME_PLACE_MM]
     if not len(missing):
@@ -59,4 +66,12 @@ def moved(patch: GridPatch, taken: NDArray[np.bool_], known: NDArray[np.bool_], 
         if away[nearest] > patch.grid.edge_mm:
             raise MeshError(f"no free grid point near the pin at ({pin[0]:g}, {pin[1]:g}) mm")
         taken[nearest], known[nearest], places[nearest] = True, True, pin
+    return _spread(patch, known, places, grading)
+
+
+def _spread(patch: GridPatch, known: NDArray[np.bool_], places: Floats, grading: Grading | None) -> Floats:
+    """All points: evenly between the known ones, or graded."""
+    if grading is not None:
+        return grading.spread(patch, known, places)
+    natural = patch.grid.place(patch.ij)
     return natural + patch.harmonic(known, places - natural)

@@ -119,11 +119,14 @@ class GridPatch:
         own = np.tile(np.arange(len(self.ij)), 3)
         return np.column_stack([own, ends])[ends >= 0]
 
-    def harmonic(self, known: NDArray[np.bool_], values: Floats) -> Floats:
-        """Values (n, 2), given at `known` points, continued to the others so that each is its neighbours' mean."""
+    def harmonic(self, known: NDArray[np.bool_], values: Floats, stiff: Floats | None = None) -> Floats:
+        """Values (n, 2), given at `known` points, continued to the others so that each is its neighbours' mean.
+
+        The mean is weighted with `stiff` (E,), one for every edge, if that is given.
+        """
         n = len(self.ij)
         edges = self.edges()
-        adjacent = coo_array((np.ones(len(edges)), edges.T), shape=(n, n)).tocsr()
+        adjacent = coo_array((np.ones(len(edges)) if stiff is None else stiff, edges.T), shape=(n, n)).tocsr()
         adjacent = csr_array(adjacent + adjacent.T)
         free = np.flatnonzero(~known)
         result = np.where(known[:, None], values, 0.0)

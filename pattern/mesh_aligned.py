@@ -6,6 +6,7 @@ import numpy as np
 
 from pattern.arm_stations import arm_stations
 from pattern.errors import MeshError
+from pattern.grading import Grading
 from pattern.grid_motion import moved, prescribed
 from pattern.hexagon_border import HexagonBorder
 from pattern.lattice_grid import LatticeGrid
@@ -19,14 +20,17 @@ from pattern.pin_vertices import pin_points, pin_vertices
 SMALLEST_ANGLE = 15.0
 # below this the grid's own connectivity gives way to a triangulation that adds points where they are missing
 WELL_SHAPED = 22.0
+# across an arm a graded mesh is much finer than along it
+GRADED = 8.0
 
 
-def aligned_mesh(layout: Layout, edge_mm: float) -> Mesh:
+def aligned_mesh(layout: Layout, edge_mm: float, graded: bool = False) -> Mesh:
     """Refine the lattice of the stars and move the grid points near tips and border onto them.
 
     Parameters
     ----------
     edge_mm : wished length of an edge; the lattice distance is cut into the nearest whole number of edges.
+    graded : as many triangles, but finer ones at arms and tips, see `pattern.grading`; for hexagons along the lattice.
 
     Raises
     ------
@@ -35,6 +39,10 @@ def aligned_mesh(layout: Layout, edge_mm: float) -> Mesh:
     check_edge(layout, edge_mm)
     grid = LatticeGrid.of(layout, edge_mm)
     hexagon = HexagonBorder.of(layout, grid)
+    if graded:
+        if hexagon is None:
+            raise MeshError("a graded aligned mesh needs a hexagonal border along the lattice")
+        return checked(_hexagon_mesh(layout, grid, hexagon, Grading.of(layout)), layout, GRADED)
     if hexagon is not None:
         try:
             return checked(_hexagon_mesh(layout, grid, hexagon), layout, WELL_SHAPED)
@@ -44,7 +52,7 @@ def aligned_mesh(layout: Layout, edge_mm: float) -> Mesh:
     return checked(cut_mesh(layout, grid), layout, SMALLEST_ANGLE)
 
 
-def _hexagon_mesh(layout: Layout, grid: LatticeGrid, hexagon: HexagonBorder) -> Mesh:
+def _hexagon_mesh(layout: Layout, grid: LatticeGrid, hexagon: HexagonBorder, grading: Grading | None = None) -> Mesh:
     """The grid hexagon with its own connectivity, moved onto the border."""
     outline = hexagon.places(layout, grid)
     place_of = {(*ij,): k for k, ij in enumerate(hexagon.ring.tolist())}
@@ -53,11 +61,11 @@ def _hexagon_mesh(layout: Layout, grid: LatticeGrid, hexagon: HexagonBorder) -> 
         count = hexagon.exit(start, step)
         return count, outline[place_of[(*(start + count * step).tolist(),)]] if count >= 0 else outline[0]
 
-    stations = arm_stations(layout, grid, border)
+    stations = arm_stations(layout, grid, border, grading)
     patch = hexagon.patch(grid)
     ring = patch.index(hexagon.ring)
     taken, known, places = prescribed(patch, stations, ring, outline)
-    points = moved(patch, taken, known, places, pin_points(layout))
+    points = moved(patch, taken, known, places, pin_points(layout), grading)
     first = int(np.argmin(np.linalg.norm(points[ring] - layout.border[0], axis=1)))
     border_vertices = np.roll(ring, -first)
     return Mesh(

@@ -26,6 +26,8 @@ POOR_ANGLE_DEG = 25.0
 SPLITS = 3
 # in units of the edge squared: refinement leaves a mean area of .6 of it, that of an equilateral triangle
 LARGEST_AREA = 0.7
+# edges along arms of a graded mesh, over those far from them; quality makes all sizes between
+GRADED = 0.2
 # points closer than this part of the lattice distance are one vertex
 MERGE = 1e-6
 
@@ -38,7 +40,7 @@ class _Frame:
     step: Floats
 
 
-def delaunay_mesh(layout: Layout, edge_mm: float, seed: int = 0) -> Mesh:
+def delaunay_mesh(layout: Layout, edge_mm: float, seed: int = 0, graded: bool = False) -> Mesh:
     """Triangles of about 30 degrees or more, with even segments along every arm and the border.
 
     Parameters
@@ -46,6 +48,7 @@ def delaunay_mesh(layout: Layout, edge_mm: float, seed: int = 0) -> Mesh:
     edge_mm : wished length of an edge. Arms get at least two segments, and shorter ones where tips come close to
         other arms or to the border.
     seed : another seed gives another mesh of the same quality, to see how much a result depends on the mesh.
+    graded : arms get edges of a fifth of the length, so that the triangles beside them are small.
     """
     check_edge(layout, edge_mm)
     pins, tolerance = pin_points(layout), _tolerance(layout)
@@ -54,7 +57,7 @@ def delaunay_mesh(layout: Layout, edge_mm: float, seed: int = 0) -> Mesh:
         outline_points(
             layout.border, edge_mm, np.concatenate([layout.arm_tip, layout.centres, pins]), tolerance, np.zeros((0, 2))
         ),
-        length / np.maximum(np.rint(length / edge_mm), 2),
+        length / np.maximum(np.rint(length / (GRADED * edge_mm if graded else edge_mm)), 2),
     )
     best, best_angle = None, -1.0
     for _ in range(SPLITS + 1):

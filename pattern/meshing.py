@@ -17,17 +17,20 @@ from pattern.mesh_delaunay import delaunay_mesh
 Kind = Literal["auto", "aligned", "delaunay"]
 
 
-def mesh_layout(layout: Layout, edge_mm: float, kind: Kind = "auto", seed: int = 0) -> Mesh:
-    """Mesh the sheet with edges of about `edge_mm`; "auto" prefers the aligned mesh (`seed` is the Delaunay one's)."""
+def mesh_layout(layout: Layout, edge_mm: float, kind: Kind = "auto", seed: int = 0, graded: bool = False) -> Mesh:
+    """Mesh the sheet with edges of about `edge_mm`; "auto" prefers the aligned mesh (`seed` is the Delaunay one's).
+
+    `graded`: finer at the arms and their tips; an aligned mesh has as many triangles as without, a Delaunay mesh more.
+    """
     if kind not in ("auto", "aligned", "delaunay"):
         raise MeshError(f"the mesh kind must be auto, aligned or delaunay, got {kind!r}")
     if kind != "delaunay":
         try:
-            return aligned_mesh(layout, edge_mm)
+            return aligned_mesh(layout, edge_mm, graded)
         except MeshError:
             if kind == "aligned":
                 raise
-    return delaunay_mesh(layout, edge_mm, seed)
+    return delaunay_mesh(layout, edge_mm, seed, graded)
 
 
 def can_align(layout: Layout) -> bool:
