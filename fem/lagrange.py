@@ -6,12 +6,11 @@ Mesh, numbering and nodes are those of scikit-fem, whose own elements stop at fi
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from skfem import Basis, ElementTriP2, ElementTriP3, MeshTri
 from skfem.quadrature import get_quadrature
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.integer]
+from fem.monomials import monomials, powers
+from fem.tabulation import Floats, Ints
 
 ELEMENTS = {2: ElementTriP2, 3: ElementTriP3}
 
@@ -65,23 +64,3 @@ class Lagrange:
         local, weights = get_quadrature(self.mesh.refdom, order)
         points = self._origin[:, None] + np.einsum("tab,bq->tqa", self._jacobian, local)
         return points, 2.0 * self.areas[:, None] * weights
-
-
-def powers(degree: int) -> Ints:
-    """(k, 2) exponents of all monomials up to a degree."""
-    return np.array([(i, n - i) for n in range(degree + 1) for i in range(n + 1)])
-
-
-def monomials(exponents: Ints, points: Floats) -> Floats:
-    """(n, k, 6) values and derivatives 1, 2, 11, 22, 12 at points (n, 2)."""
-    table = np.zeros((len(points), len(exponents), 6))
-    for column, (i, j) in enumerate([(0, 0), (1, 0), (0, 1), (2, 0), (0, 2), (1, 1)]):
-        a, b = exponents[:, 0], exponents[:, 1]
-        factor = np.where((a >= i) & (b >= j), _falling(a, i) * _falling(b, j), 0)
-        table[..., column] = factor * points[:, :1] ** np.maximum(a - i, 0) * points[:, 1:] ** np.maximum(b - j, 0)
-    return table
-
-
-def _falling(n: Ints, k: int) -> Ints:
-    """n (n-1) ... down to k factors."""
-    return np.ones_like(n) if k == 0 else n * _falling(n - 1, k - 1)

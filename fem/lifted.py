@@ -19,8 +19,9 @@ import numpy as np
 import scipy.sparse as sp
 from skfem import MeshTri
 
-from fem.lagrange import Floats, Ints, Lagrange, monomials, powers
-from fem.tabulation import Evaluation, Tabulation
+from fem.lagrange import Lagrange
+from fem.monomials import monomials, powers
+from fem.tabulation import Evaluation, Floats, Ints, Tabulation
 
 
 class Lifted:
