@@ -14,6 +14,7 @@ from asterism import __version__
 from asterism.files import OutputError, check_writable, write_file
 from asterism.law_table import law_table
 from homogenize import campaign, law_file, plan
+from homogenize.code_version import code_version
 from homogenize.fit import fit
 from homogenize.law import Law
 
@@ -53,6 +54,7 @@ def calibrate(material: Path | None, output: Path, jobs: int, dask: str | None, 
         watch.close()
     made = {
         "command": command,
+        "code": code_version(),
         "versions": {"asterism": __version__, **{name: version(name) for name in ("numpy", "scipy", "numba")}},
         "machine": {"cores": os.cpu_count(), "machine": platform.machine(), "python": platform.python_version()},
         "cell_seconds": sum(record.seconds for record in records),

@@ -1,7 +1,7 @@
 """Many independent cells: one file per sample, on the processes of this machine or on a Dask cluster.
 
-A sample's file is named by a hash of all its inputs, so a campaign that is started again takes what is there, and
-files of another material or version are never mistaken for its own.
+A sample's file is named by a hash of all its inputs and of the code that solves it, so a campaign that is started again
+takes what is there, and files of another material or version are never mistaken for its own.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from homogenize.code_version import code_version
 from homogenize.plan import Material, Task
 from homogenize.workers import local, on_dask
 from pattern.design import Design
@@ -102,7 +103,9 @@ def run(
         missing = _longest_first(missing)
         with workers as submit_all:
             tell(begin)
-            for number, outcome in submit_all(_one, [(solve, material.design(task), edge) for task in missing]):
+            for number, outcome in submit_all(
+                _one, [(solve, material.design(task), edge, code_version()) for task in missing]
+            ):
                 task = missing[number]
                 records[task] = Record(task, *outcome)
                 if not records[task].crashed:
@@ -114,7 +117,8 @@ def run(
 
 def key(material: Material, task: Task) -> str:
     """Name of a sample's file: a hash of what goes into it."""
-    text = json.dumps({"format": FORMAT, "version": VERSION, **_inputs(material, task)}, sort_keys=True)
+    made = {"format": FORMAT, "version": VERSION, "code": code_version()}
+    text = json.dumps({**made, **_inputs(material, task)}, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:24]
 
 
@@ -130,10 +134,14 @@ def _respond(design: Design, edge_mm: float) -> Any:
     return respond(design, edge_mm)
 
 
-def _one(respond: Respond, design: Design, edge_mm: float) -> tuple[dict[str, Any] | None, str | None, bool, float]:
+def _one(
+    respond: Respond, design: Design, edge_mm: float, code: str
+) -> tuple[dict[str, Any] | None, str | None, bool, float]:
     """Solve one cell, in a worker: the fields of its record after the task."""
     start, crashed = time.perf_counter(), False
     try:
+        if code != code_version():
+            raise RuntimeError("the worker has another version of asterism")
         answer = respond(design, edge_mm)
         sample, failed = answer.to_dict(), answer.failed
     except Exception as error:  # one bad cell must not end a campaign of hundreds

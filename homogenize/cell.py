@@ -35,6 +35,7 @@ class Cell(System):
     design : materials, lattice, and the star: constant sizes.
     edge_mm : of the mesh.
     repeat : stars along A1 and A2.
+    segments : mesh edges of every arm; the nearest number to its length by default.
 
     Attributes
     ----------
@@ -42,9 +43,11 @@ class Cell(System):
     angle : rad, the printed direction around the tube is y turned by this.
     """
 
-    def __init__(self, design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1)) -> None:
+    def __init__(
+        self, design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1), segments: int | None = None
+    ) -> None:
         self.design = design
-        self.torus = _inner_first(_star_torus(design, edge_mm, repeat))
+        self.torus = _inner_first(_star_torus(design, edge_mm, repeat, segments))
         self.printed, self.cell_vectors = self.torus.points, self.torus.cell_vectors
         self.model = _unfolded_model(design, self.torus, self.printed)
         self._known: dict[bool, tuple[Array, Array, SparsePattern]] = {}
@@ -237,7 +240,7 @@ def _inner_first(torus: Torus) -> Torus:
     return replace(torus, triangles=sort(torus.triangles), hinges=sort(torus.hinges))
 
 
-def _star_torus(design: Design, edge_mm: float, repeat: tuple[int, int]) -> Torus:
+def _star_torus(design: Design, edge_mm: float, repeat: tuple[int, int], segments: int | None) -> Torus:
     lattice, vectors = design.lattice, np.asarray(design.lattice.vectors)
     along = STEPS @ vectors
     along = along / np.linalg.norm(along, axis=1, keepdims=True)
@@ -247,7 +250,7 @@ def _star_torus(design: Design, edge_mm: float, repeat: tuple[int, int]) -> Toru
     length = constant(design, "length_mm")
     if length == 0.0:
         return torus_mesh(vectors, np.empty(0, dtype=np.int64), np.empty(0), edge_mm, repeat)
-    return torus_mesh(vectors, match.argmax(axis=1), np.full(lattice.arms, length), edge_mm, repeat)
+    return torus_mesh(vectors, match.argmax(axis=1), np.full(lattice.arms, length), edge_mm, repeat, segments)
 
 
 def constant(design: Design, name: str) -> float:

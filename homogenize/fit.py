@@ -11,6 +11,7 @@ from scipy.interpolate import PchipInterpolator, RBFInterpolator
 from homogenize.campaign import Record
 from homogenize.errors import CampaignError
 from homogenize.interpolation import Bools, Floats
+from homogenize.isotropy import isotropic
 from homogenize.law import NAMES, QUANTITIES, Law, Table, from_stored, to_stored, units
 from homogenize.plan import Material
 from homogenize.residuals import residuals
@@ -34,7 +35,7 @@ def fit(material: Material, records: Sequence[Record], made: dict[str, Any] | No
     for stretch in material.stretches:
         own = [record for record in records if record.task.stretch == stretch]
         tables.append(_table(material, stretch, [record for record in own if not record.task.held_out]))
-        tests.append([(record.task, _usable(record)) for record in own if record.task.held_out])
+        tests.append([(record.task, _quantities(record)) for record in own if record.task.held_out])
     samples = [plain(record) for record in records]
     return Law(material, tuple(tables), samples, residuals(tables, tests, material.plan.kind), made or {})
 
@@ -43,13 +44,13 @@ def row(sample: dict[str, Any], stretch: float) -> Floats:
     """(Q,) what the law holds of one sample.
 
     Directions are averaged over the first and the last, 0 and 30 degrees: a sixfold function has its extremes there.
-    The membrane's constants are those of the nearest isotropic tensor.
+    The membrane's constants are those of the isotropic tensor nearest to the natural tubes'.
     """
-    a = np.array(sample["membrane"])
     ends = {
         name: np.array(sample[name], dtype=float)[[0, -1]]
-        for name in ("natural_curvature", "natural_hoop", "natural_axial", "bending")
+        for name in ("natural_curvature", "natural_hoop", "natural_axial", "natural_membrane", "bending")
     }
+    a11, a12 = isotropic(ends["natural_membrane"].mean(axis=0))
     offset = sample["natural_centre_offset_mm"]
     curled = abs(ends["natural_curvature"].mean()) * sample["spacing_mm"] > CURLED
     bare = sample["length_mm"] == 0.0
@@ -58,8 +59,8 @@ def row(sample: dict[str, Any], stretch: float) -> Floats:
         "lam_n": 1.0 / stretch if bare else float(np.sqrt(ends["natural_hoop"] * ends["natural_axial"]).mean()),
         "kappa": 0.0 if bare else float(ends["natural_curvature"].mean()),
         "bending": float(ends["bending"].mean()),
-        "a11": (3 * a[0, 0] + 3 * a[1, 1] + 2 * a[0, 1] + 4 * a[2, 2]) / 8,
-        "a12": (a[0, 0] + a[1, 1] + 6 * a[0, 1] - 4 * a[2, 2]) / 8,
+        "a11": a11,
+        "a12": a12,
         "c3": float(sample["sixfold"]) if curled else 0.0,
         "offset_mm": 0.0 if bare or offset is None else float(np.mean(np.array(offset, dtype=float)[[0, -1]])),
     }
@@ -70,8 +71,9 @@ def problem(record: Record) -> str | None:
     """Why a cell cannot be used, or None."""
     if record.failed is not None or record.sample is None:
         return record.failed or "no answer"
-    if record.sample["length_mm"] > 0 and not record.sample["bump_mm"] > 0:
-        return f"the star is not up: bump {record.sample['bump_mm']:.3g} mm"
+    bump = float(np.min(record.sample["natural_bump_mm"]))
+    if record.sample["length_mm"] > 0 and not bump > 0:
+        return f"the star is not up: bump {bump:.3g} mm"
     values = row(record.sample, record.task.stretch)
     for name, value in zip(NAMES, values, strict=True):
         if not np.isfinite(value) or (QUANTITIES[name].form == "log" and value <= 0):
@@ -94,9 +96,17 @@ def plain(record: Record) -> dict[str, Any]:
 
 
 def _usable(record: Record) -> Floats | None:
+    """(Q + W,) the quantities and the relief; None if the cell has no answer."""
     if problem(record) is not None or record.sample is None:
         return None
-    return row(record.sample, record.task.stretch)
+    bare = record.task.length_mm == 0.0
+    relief = np.array(record.sample["relief"], dtype=float)
+    return np.concatenate([row(record.sample, record.task.stretch), np.where(bare, 0.0, relief)])
+
+
+def _quantities(record: Record) -> Floats | None:
+    found = _usable(record)
+    return None if found is None else found[:Q]
 
 
 def _table(material: Material, stretch: float, records: list[Record]) -> Table:
@@ -120,7 +130,7 @@ def _from_grid(
     plan = material.plan
     lengths = (0.0, *(v for v in plan.lengths_mm if v > 0))
     axes = (np.array(lengths), np.array(plan.thicknesses_mm), np.array(plan.widths_mm))
-    nodes = np.full((*(len(axis) for axis in axes), Q), np.nan)
+    nodes = np.full((*(len(axis) for axis in axes), len(fabric)), np.nan)
     nodes[0] = fabric
     for i, length in enumerate(lengths[1:], start=1):
         for j, h in enumerate(plan.thicknesses_mm):
@@ -129,13 +139,14 @@ def _from_grid(
                 if found is not None:
                     nodes[i, j, k] = found
     good = np.isfinite(nodes).all(axis=-1)
-    unit = units(fabric, material.lattice.spacing_mm)
-    stored = filled(axes[0], to_stored(nodes, unit), good)
-    return Table(stretch, axes, np.where(good[..., None], nodes, from_stored(stored, unit)), good, unit)
+    unit = units(fabric[:Q], material.lattice.spacing_mm)
+    stored = filled(axes[0], _stored(nodes, unit), good)
+    whole = np.where(good[..., None], nodes, _known(stored, unit))
+    return Table(stretch, material.lattice.spacing_mm, axes, whole[..., :Q], whole[..., Q:], good, unit)
 
 
 def filled(lengths: Floats, stored: Floats, good: Bools) -> Floats:
-    """Rows (n0, n1, n2, Q) with those of failed cells made up from the others on their line of lengths.
+    """Rows (n0, n1, n2, columns) with those of failed cells made up from the others on their line of lengths.
 
     Beyond the last answer on a line, that answer stands; there the law says that it does not reach.
     """
@@ -162,19 +173,30 @@ def _from_scattered(
         np.geomspace(low[1], high[1], SCATTERED[1]),
         np.geomspace(low[2], high[2], SCATTERED[2]),
     )
-    unit = units(fabric, material.lattice.spacing_mm)
+    unit = units(fabric[:Q], material.lattice.spacing_mm)
     places, rows = scattered_points(sizes, fabric, axes)
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
-    stored = radial(places, to_stored(rows, unit))(scaled(grid.reshape(-1, 3), axes)).reshape(*grid.shape[:3], Q)
-    nodes = from_stored(stored, unit)
+    stored = radial(places, _stored(rows, unit))(scaled(grid.reshape(-1, 3), axes))
+    nodes = _known(stored.reshape(*grid.shape[:3], -1), unit)
     nodes[0] = fabric
-    return Table(stretch, axes, nodes, np.ones(grid.shape[:3], dtype=bool), unit)
+    good = np.ones(grid.shape[:3], dtype=bool)
+    return Table(stretch, material.lattice.spacing_mm, axes, nodes[..., :Q], nodes[..., Q:], good, unit)
+
+
+def _stored(rows: Floats, unit: Floats) -> Floats:
+    """Rows (..., Q + W) in the forms that are interpolated; a relief is interpolated as it is."""
+    return np.concatenate([to_stored(rows[..., :Q], unit), rows[..., Q:]], axis=-1)
+
+
+def _known(stored: Floats, unit: Floats) -> Floats:
+    """The inverse of `_stored`."""
+    return np.concatenate([from_stored(stored[..., :Q], unit), stored[..., Q:]], axis=-1)
 
 
 def scattered_points(
     sizes: dict[tuple[float, float, float], Floats | None], fabric: Floats, axes: tuple[Floats, Floats, Floats]
 ) -> tuple[Floats, Floats]:
-    """Places (n, 3) in the unit cube and rows (n, Q), with bare fabric all over the side of length 0."""
+    """Places (n, 3) in the unit cube and rows (n, Q + W), with bare fabric all over the side of length 0."""
     known = {size: found for size, found in sizes.items() if found is not None}
     bare = [(0.0, float(h), float(w)) for h in axes[1][::2] for w in axes[2]]
     rows = np.vstack([np.array(list(known.values())), np.tile(fabric, (len(bare), 1))])

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from homogenize.errors import LawError
 from homogenize.interpolation import Bools, Floats, Grid, Rule
 from homogenize.plan import Material
+from homogenize.relief import Waves
 from pattern.design import Design
 
 SIZES = ("length_mm", "thickness_mm", "width_mm")
@@ -47,13 +48,15 @@ QUANTITIES = {
     "lam_n": Quantity("the same of the tube that the sheet wants to be: sqrt(hoop x axial)", "monotone", "log"),
     "kappa": Quantity("natural curvature, mean over directions, 1/mm", form="asinh"),
     "bending": Quantity("bending stiffness: secant from flat to the natural tube, N mm", form="log", per_modulus=True),
-    "a11": Quantity("membrane stiffness, N/mm", "monotone", form="log", per_modulus=True),
+    "a11": Quantity("membrane stiffness of the natural tube, N/mm", form="log", per_modulus=True),
     "a12": Quantity("membrane stiffness across, N/mm", per_modulus=True),
     "c3": Quantity("sixfold part of the bending energy, N mm^2", per_modulus=True),
     "offset_mm": Quantity("height of the star's centre over the reference surface, mm"),
 }
 NAMES = tuple(QUANTITIES)
 _LOG, _ASINH = (np.array([q.form == form for q in QUANTITIES.values()]) for form in ("log", "asinh"))
+# natural curvature times spacing, above which the scales of star and sheet do not separate
+TIGHT = 1.5
 # curvature from which its logarithm is interpolated, times the spacing of the stars
 SMALL_CURVATURE = 0.03
 
@@ -69,12 +72,15 @@ class Values:
     inside : (N,) False where the law does not reach; there the values are those of the nearest sizes in its range,
         and the slopes across the range are zero.
     outside : one line for each such star.
+    tight : (N,) True where a sheet of such stars curls to less than two thirds of their distance (`TIGHT`): the values
+        are those of its cell, but sheets of different stars need not follow them. The law's stated accuracy ends there.
     """
 
     value: dict[str, Floats]
     slope: dict[str, Floats]
     inside: Bools
     outside: tuple[str, ...]
+    tight: Bools
 
 
 @dataclass(frozen=True)
@@ -83,16 +89,20 @@ class Table:
 
     Attributes
     ----------
+    spacing_mm : of the stars.
     axes : nodes of length, thickness and width, mm.
     nodes : (n0, n1, n2, Q) values of `NAMES`; all of length 0 are the bare fabric's.
+    reliefs : (n0, n1, n2, W) mm, amplitudes of the waves of `homogenize.relief`.
     good : (n0, n1, n2) False where a cell has no answer and the others on its line of lengths stand in: between two
         answers that is the interpolation of a coarser grid; elsewhere the law does not reach.
     units : (Q,) that the forms of the quantities are in, see `units`.
     """
 
     stretch: float
+    spacing_mm: float
     axes: tuple[Floats, Floats, Floats]
     nodes: Floats
+    reliefs: Floats
     good: Bools
     units: Floats
 
@@ -101,6 +111,11 @@ class Table:
         stored = to_stored(self.nodes, self.units)
         rules = [quantity.rule for quantity in QUANTITIES.values()]
         return Grid((self.axes[0], np.log(self.axes[1]), np.log(self.axes[2])), stored, rules)
+
+    @cached_property
+    def _reliefs(self) -> Grid:
+        rules: list[Rule] = ["smooth"] * self.reliefs.shape[-1]
+        return Grid((self.axes[0], np.log(self.axes[1]), np.log(self.axes[2])), self.reliefs, rules)
 
     @cached_property
     def _limits(self) -> Floats:
@@ -121,14 +136,12 @@ class Table:
 
     def __call__(self, length_mm: ArrayLike, thickness_mm: ArrayLike, width_mm: ArrayLike) -> Values:
         """The law at stars of these sizes, each (N,) or a number."""
-        given = np.broadcast_arrays(*(np.atleast_1d(np.asarray(x, float)) for x in (length_mm, thickness_mm, width_mm)))
-        asked = np.column_stack([x.ravel() for x in given])
+        asked = _rows(length_mm, thickness_mm, width_mm)
         low, high = self._limits
         within = (asked >= low) & (asked <= high)
         # without arms there is neither thickness nor width
         within[:, 1:] |= asked[:, :1] == 0.0
-        sizes = np.clip(np.nan_to_num(asked, nan=0.0), [a[0] for a in self.axes], [a[-1] for a in self.axes])
-        places = np.column_stack([sizes[:, 0], np.log(sizes[:, 1]), np.log(sizes[:, 2])])
+        sizes, places = self._places(asked)
         value, slope = self._grid(places)
         slope[:, 1:] /= sizes[:, 1:, None]
         slope *= within[:, :, None]
@@ -142,7 +155,20 @@ class Table:
             {name: slope[:, :, q] for q, name in enumerate(NAMES)},
             inside,
             outside,
+            np.abs(value[:, NAMES.index("kappa")]) * self.spacing_mm > TIGHT,
         )
+
+    def relief(self, length_mm: ArrayLike, thickness_mm: ArrayLike, width_mm: ArrayLike) -> Floats:
+        """(N, W) mm, amplitudes of the stars' heights over the mean surface, for the waves `Law.waves`.
+
+        Beyond the law's range those of the nearest sizes in it.
+        """
+        return self._reliefs(self._places(_rows(length_mm, thickness_mm, width_mm))[1])[0]
+
+    def _places(self, asked: Floats) -> tuple[Floats, Floats]:
+        """Sizes (N, 3) within the range, and their places on the grid."""
+        sizes = np.clip(np.nan_to_num(asked, nan=0.0), [a[0] for a in self.axes], [a[-1] for a in self.axes])
+        return sizes, np.column_stack([sizes[:, 0], np.log(sizes[:, 1]), np.log(sizes[:, 2])])
 
     def _why(self, star: int, sizes: Floats, within: Bools) -> str:
         for name, size, axis, fine in zip(SIZES, sizes, self.axes, within, strict=True):
@@ -150,6 +176,13 @@ class Table:
                 return f"star {star}: {name} = {size:g} is outside the law's {axis[0]:g} to {axis[-1]:g}"
         l_h_w = ", ".join(f"{name} = {size:g}" for name, size in zip(SIZES, sizes, strict=True))
         return f"star {star}: no cell was solved near {l_h_w}"
+
+
+def _rows(*sizes: ArrayLike) -> Floats:
+    """(N, 3) of three sizes, each (N,) or a number."""
+    return np.column_stack(
+        [x.ravel() for x in np.broadcast_arrays(*(np.atleast_1d(np.asarray(x, float)) for x in sizes))]
+    )
 
 
 @dataclass(frozen=True)
@@ -175,6 +208,11 @@ class Law:
     def edge_mm(self) -> float:
         """Edge length of the cells' mesh; sheets to be compared should have the same."""
         return self.material.plan.edge_mm
+
+    @cached_property
+    def waves(self) -> Waves:
+        """Of which `Table.relief` gives the amplitudes."""
+        return Waves.of(self.material.lattice)
 
     def at(self, stretch: float) -> Table:
         """The table of a stretch."""
@@ -220,6 +258,7 @@ class Law:
             {name: slope * factor[name] for name, slope in values.slope.items()},
             values.inside,
             values.outside,
+            values.tight,
         )
 
 

@@ -22,7 +22,7 @@ from homogenize.plan import Material
 from pattern.errors import DesignError
 
 # raised when a file's arrays or quantities mean something else than before
-FORMAT = 1
+FORMAT = 2
 PAPER = Path(__file__).parent / "data" / "paper.npz"
 _TEXTS = ("material", "samples", "residuals", "made")
 
@@ -81,17 +81,20 @@ def load_law(path: str | Path | None = None) -> Law:
         raise LawError(f"{path}: is not a law, or damaged") from None
 
 
-_ARRAYS = ("stretch", "length_mm", "thickness_mm", "width_mm", "nodes", "good", "units")
+_ARRAYS = ("stretch", "spacing_mm", "length_mm", "thickness_mm", "width_mm", "nodes", "reliefs", "good", "units")
 
 
 def _arrays(table: Table) -> dict[str, np.ndarray]:
-    values = (np.array(table.stretch), *table.axes, table.nodes, table.good, table.units)
+    numbers = (np.array(table.stretch), np.array(table.spacing_mm))
+    values = (*numbers, *table.axes, table.nodes, table.reliefs, table.good, table.units)
     return dict(zip(_ARRAYS, values, strict=True))
 
 
 def _table(arrays: dict[str, np.ndarray]) -> Table:
     axes: tuple[Floats, Floats, Floats] = (arrays["length_mm"], arrays["thickness_mm"], arrays["width_mm"])
     shape = tuple(len(axis) for axis in axes)
-    if arrays["nodes"].shape != (*shape, len(NAMES)) or arrays["good"].shape != shape:
+    fit = arrays["nodes"].shape == (*shape, len(NAMES)) and arrays["reliefs"].shape[:3] == shape == arrays["good"].shape
+    if not fit:
         raise ValueError("arrays do not fit together")
-    return Table(float(arrays["stretch"]), axes, arrays["nodes"], arrays["good"], arrays["units"])
+    stretch, spacing = float(arrays["stretch"]), float(arrays["spacing_mm"])
+    return Table(stretch, spacing, axes, arrays["nodes"], arrays["reliefs"], arrays["good"], arrays["units"])

@@ -18,7 +18,7 @@ from homogenize.rolling import Tube, roll, unrolled, unrolled_flat
 FIRST = 0.06  # the first one
 STRIDE = 0.6  # longest step
 SOUGHT = 1.5  # until here a moment towards more curvature is waited for
-TIGHTEST = 4.0  # a star wraps two thirds of the tube
+TIGHTEST = 8.0  # a star wraps more than once; such sheets have no meaning, but their law stays continuous
 GROWTH = 2.5  # of the curvature from one step to the next
 FLAT = 1e-3  # of the first tube's moment, below which that of the flat cell is rounding and higher order
 CLOSE = 1e-5  # relative to the curvature, or to one over the spacing, where the natural one is found

@@ -124,10 +124,15 @@ def roll(cell: Cell, sheet: Unrolled, curvature: float, angle: float) -> Tube:
     )
 
 
+def heights(cell: Cell, tube: Tube) -> Array:
+    """(V,) mm, of the base points over the tube's mean surface, towards the plastic."""
+    y, z = tube.state.positions[: cell.torus.n_base, 1:].T
+    return np.asarray(np.sign(tube.curvature) * np.hypot(y, z) - tube.radius)
+
+
 def centre_offset(cell: Cell, tube: Tube) -> float:
     """mm, of the first star's centre over the tube's mean surface, towards the plastic."""
-    y, z = tube.state.positions[cell.torus.star_vertices[0], 1:]
-    return float(np.sign(tube.curvature) * np.hypot(y, z) - tube.radius)
+    return float(heights(cell, tube)[cell.torus.star_vertices[0]])
 
 
 def _angles(cell: Cell, points: Array, curvature: float) -> Array:

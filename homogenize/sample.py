@@ -9,11 +9,16 @@ import numpy as np
 
 from discrete.elements import Array
 from equilibrium.newton import Clock
+from homogenize.arm_segments import arm_segments
+from homogenize.blend import blended
 from homogenize.cell import Cell, constant
+from homogenize.isotropy import off_isotropic
 from homogenize.natural import Curling, curl
 from homogenize.objective import Linear, linear_response, mean_height
 from homogenize.relax import Flat, relax
-from homogenize.rolling import Tube, centre_offset
+from homogenize.relief import Waves
+from homogenize.rolled_membrane import rolled_membrane
+from homogenize.rolling import Tube, centre_offset, heights
 from homogenize.stability import Stability, stability
 from pattern.design import Design
 
@@ -22,7 +27,7 @@ ANGLES = (0.0, np.pi / 12, np.pi / 6)
 
 @dataclass(frozen=True)
 class Sample:
-    """Responses of the cell of one star.
+    """Responses of the cell of one star; the mean of two where its arms are cut in two ways (`arm_segments`).
 
     Curvatures are positive where the plastic is outside: with the plastic up, the sheet's edges go down. Energies are
     per printed area, relative to the flat relaxed cell. "Natural" means the tube on which the moment vanishes. The
@@ -32,14 +37,20 @@ class Sample:
     Attributes
     ----------
     length_mm, thickness_mm, width_mm, stretch, edge_mm, spacing_mm, vertices : what was solved; the stretch along x.
+    segments, segment_weights : mesh edges of an arm, and the weight of each.
     failed : None, or in one line why there are no (or not all) numbers.
     rest_metric : (2, 2) `F^T F` of the flat relaxed cell in print coordinates; lam = sqrt(det F).
     membrane : (3, 3) N/mm, tangent at the flat relaxed cell, Voigt (E11, E22, 2 E12) of `E = (a - a_r)/2`.
+    anisotropy : distance of the membrane's and of the bending's tangent, each over its own size, from the nearest
+        isotropic one, the larger of both.
     angles_rad : (D,).
     natural_curvature : (D,) 1/mm of the contracted sheet, one over the mean surface's radius.
     natural_print_curvature : (D,) 1/mm, angle around the tube per printed length; the above times the hoop stretch.
     natural_energy : (D,) N/mm.
     natural_hoop, natural_axial : (D,) stretches of the mean surface on the natural tube.
+    natural_membrane : (D, 3, 3) N/mm, tangent on the natural tube, see `homogenize.rolled_membrane`.
+    relief : (W,) mm, amplitudes of the waves of the star's heights over the mean surface of the natural tubes, mean of
+        the directions, see `homogenize.relief`.
     bending : (D,) N mm, `D = 2 (psi_0 - psi_c)/kappa_c^2`, without natural curvature the tangent by kappa.
     sixfold : N mm^2, `c3 = 4 (psi_0 - psi_30)/kappa_c^3`, of the natural energies at 0 and 30 degrees and their mean
         curvature; 0 without natural curvature.
@@ -53,7 +64,7 @@ class Sample:
     eigenvalue, eigenvalue_error : N/mm, smallest of the flat cell's Hessian; supercell_eigenvalue of the 2 x 2 one;
         natural_eigenvalue, natural_supercell_eigenvalue : (D,), of the natural tubes.
     down_energy : N/mm, of the flat cell with its star down; None if there is one flat equilibrium only (`bump_mm` may
-        then be slightly negative; `natural_bump_mm` says on which side the star is where it matters).
+        then be negative; `natural_bump_mm` says on which side the star is where it matters).
     iterations : Newton's, of all solves; seconds : wall time by part.
     """
 
@@ -64,16 +75,21 @@ class Sample:
     edge_mm: float
     spacing_mm: float
     vertices: int
+    segments: Array
+    segment_weights: Array
     failed: str | None = None
     rest_metric: Array | None = None
     lam: float | None = None
     membrane: Array | None = None
+    anisotropy: float | None = None
     angles_rad: Array | None = None
     natural_curvature: Array | None = None
     natural_print_curvature: Array | None = None
     natural_energy: Array | None = None
     natural_hoop: Array | None = None
     natural_axial: Array | None = None
+    natural_membrane: Array | None = None
+    relief: Array | None = None
     bending: Array | None = None
     sixfold: float | None = None
     curve_curvature: list[Array] | None = None
@@ -128,14 +144,19 @@ def respond(design: Design, edge_mm: float, angles: tuple[float, ...] = ANGLES) 
         The design has no cell: its stars are not equal, or their arms not on lattice lines.
     """
     clock = Clock()
-    found: dict[str, Any] = {"angles_rad": np.array(angles)}
-    cell = clock("mesh and model", Cell, design, edge_mm)
-    try:
-        _measure(clock, cell, angles, found)
-    except (ArithmeticError, np.linalg.LinAlgError) as error:
-        found = {"failed": str(error)}
-    finally:
-        cell.close()
+    cuts = arm_segments(design, edge_mm)
+    each: list[dict[str, Any]] = []
+    for segments, _ in cuts:
+        cell: Cell = clock("mesh and model", Cell, design, edge_mm, (1, 1), segments)
+        found: dict[str, Any] = {"angles_rad": np.array(angles), "iterations": 0}
+        try:
+            _measure(clock, cell, angles, found)
+        except (ArithmeticError, np.linalg.LinAlgError) as error:
+            found = {"failed": str(error), "iterations": found["iterations"]}
+        finally:
+            cell.close()
+        each.append(found)
+    weights = np.array([weight for _, weight in cuts])
     return Sample(
         length_mm=constant(design, "length_mm"),
         thickness_mm=constant(design, "thickness_mm"),
@@ -144,8 +165,10 @@ def respond(design: Design, edge_mm: float, angles: tuple[float, ...] = ANGLES) 
         edge_mm=edge_mm,
         spacing_mm=cell.spacing,
         vertices=cell.torus.n_base,
+        segments=np.array([segments for segments, _ in cuts]),
+        segment_weights=weights,
         seconds=clock.seconds,
-        **found,
+        **blended(each, weights),
     )
 
 
@@ -158,6 +181,7 @@ def _measure(clock: Clock, cell: Cell, angles: tuple[float, ...], found: dict[st
     linear: Linear = clock("stiffness", linear_response, cell, flat)
     found["stiffness"], found["membrane"] = linear.stiffness, linear.stiffness[:3, :3]
     found["moment"], found["rest_curvature"] = linear.moment, linear.rest_curvature
+    found["anisotropy"] = max(off_isotropic(linear.stiffness[:3, :3]), off_isotropic(linear.stiffness[3:, 3:]))
     found["centre_offset_mm"] = -mean_height(cell, flat.state)
     found["iterations"] = flat.iterations
     own: Stability = clock("stability", stability, cell, flat.state)
@@ -172,9 +196,19 @@ def _measure(clock: Clock, cell: Cell, angles: tuple[float, ...], found: dict[st
     found |= _bending(flat, curves)
     ends = [curve.natural or curve.tubes[0] for curve in curves]
     found["natural_centre_offset_mm"] = np.array([centre_offset(cell, tube) for tube in ends])
+    found["natural_membrane"] = np.array([clock("stiffness", rolled_membrane, cell, tube) for tube in ends])
+    found["relief"] = _relief(cell, ends)
     lowest = [clock("stability", _tube_stability, cell, tube) for tube in ends]
     found["natural_eigenvalue"] = np.array([one.cell for one in lowest])
     found["natural_supercell_eigenvalue"] = np.array([one.supercell for one in lowest])
+
+
+def _relief(cell: Cell, tubes: list[Tube]) -> Array:
+    """(W,) mm."""
+    waves = Waves.of(cell.design.lattice)
+    offsets = cell.printed[: cell.torus.n_base] - cell.printed[cell.torus.star_vertices[0]]
+    mean = np.mean([heights(cell, tube) for tube in tubes], axis=0)
+    return waves.amplitudes(offsets, mean, cell.weights)
 
 
 def _tube_stability(cell: Cell, tube: Tube) -> Stability:

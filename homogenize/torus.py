@@ -55,7 +55,12 @@ class Torus:
 
 
 def torus_mesh(
-    lattice_vectors: Floats, directions: Ints, lengths: Floats, edge_mm: float, repeat: tuple[int, int] = (1, 1)
+    lattice_vectors: Floats,
+    directions: Ints,
+    lengths: Floats,
+    edge_mm: float,
+    repeat: tuple[int, int] = (1, 1),
+    segments: int | None = None,
 ) -> Torus:
     """Mesh of `repeat` cells with equal stars.
 
@@ -65,6 +70,7 @@ def torus_mesh(
     directions : (N,) of the arms, indices into `STEPS`.
     lengths : (N,) mm, up to the distance to the next star in that direction.
     edge_mm : of the grid, about.
+    segments : edges of every arm; the nearest number to its length by default.
 
     Raises
     ------
@@ -72,9 +78,9 @@ def torus_mesh(
         Arms from both ends of a link overlap.
     """
     spacing = np.linalg.norm(STEPS @ lattice_vectors, axis=1)
-    k = max(3, round(float(spacing.min()) / edge_mm))
+    k = divisions(lattice_vectors, edge_mm)
     n, m = repeat[0] * k, repeat[1] * k
-    links = _links(directions, lengths, spacing, k)
+    links = _links(directions, lengths, spacing, k, segments)
     numbering = _Numbering(n, m)
     i, j = (index.ravel() for index in np.indices((n, m)))
     step = lattice_vectors / k
@@ -117,6 +123,11 @@ def torus_mesh(
     )
 
 
+def divisions(lattice_vectors: Floats, edge_mm: float) -> int:
+    """Grid edges between neighbouring stars."""
+    return max(3, round(float(np.linalg.norm(STEPS @ lattice_vectors, axis=1).min()) / edge_mm))
+
+
 @dataclass(frozen=True)
 class _Links:
     """Where the grid points of the links from a star to its six neighbours are.
@@ -128,13 +139,13 @@ class _Links:
     fractions: Floats
 
 
-def _links(directions: Ints, lengths: Floats, spacing: Floats, k: int) -> _Links:
+def _links(directions: Ints, lengths: Floats, spacing: Floats, k: int, wanted: int | None) -> _Links:
     segments = np.zeros(6, dtype=np.int64)
     reach = np.zeros(6)
     for direction, length in zip(directions, lengths, strict=True):
         reach[direction] = length / spacing[direction]
         longest = k if reach[direction] > 1.0 - 1e-9 else k - 1
-        segments[direction] = min(max(round(reach[direction] * k), 1), longest)
+        segments[direction] = min(max(wanted or round(reach[direction] * k), 1), longest)
     fractions = np.empty((6, k + 1))
     for direction in range(6):
         back = (direction + 3) % 6

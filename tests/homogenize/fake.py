@@ -37,12 +37,14 @@ def respond(design: Design, edge_mm: float) -> Answer:
         "lam": lam,
         "membrane": membrane.tolist(),
         "natural_curvature": (kappa * three).tolist(),
+        "natural_membrane": [membrane.tolist()] * 3,
+        "natural_bump_mm": (0.1 * l * three).tolist(),
+        "relief": (0.02 * l * np.arange(12.0)).tolist(),
         "natural_hoop": (lam * three).tolist(),
         "natural_axial": (lam * three).tolist(),
         "bending": (0.5 * np.exp(0.1 * l * h) * three).tolist(),
         "sixfold": 0.01 * l,
         "natural_centre_offset_mm": (0.05 * l * three).tolist(),
-        "bump_mm": 0.1 * l,
     }
     return Answer(data)
 

@@ -13,7 +13,7 @@ from pattern.errors import DesignError
 
 
 def test_the_papers_plan_covers_its_range() -> None:
-    for path in (PAPER, PAPER.with_name("paper-fine.toml")):
+    for path in (PAPER, PAPER.with_name("paper-coarse.toml")):
         material = load_material(path)
         assert material.stretches == (1.35, 1.75)
         assert material.plan.ranges == ((0.0, 13.0), (0.2, 0.6), (0.8, 1.6))

@@ -1,0 +1,78 @@
+"""The relief of a sheet's stars: heights over its mean surface, as a sum of a few waves of the lattice.
+
+A wave is the mean of `cos(G . X)` or `sin(G . X)` over the turns of the star onto itself, X from the star's centre in
+the print and G a reciprocal vector. So a relief repeats from star to star, has no mean, and is smooth everywhere: where
+stars change over a sheet, the amplitudes do, and nothing jumps between cells.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from discrete.elements import Array
+from pattern.lattice import Lattice
+
+# longest reciprocal vector, over the shortest
+LONGEST = 3.0
+NOTHING = 1e-9
+
+
+@dataclass(frozen=True)
+class Waves:
+    """Attributes: reciprocal (W, n, 2) vectors 1/mm that each wave is the mean of; odd (W,) sines."""
+
+    reciprocal: Array
+    odd: Array
+
+    @classmethod
+    def of(cls, lattice: Lattice) -> Waves:
+        """The waves of a lattice and its stars, by growing G; the same lattice has the same waves in the same order."""
+        basis = 2.0 * np.pi * np.linalg.inv(np.asarray(lattice.vectors)).T
+        span = np.arange(-6, 7)
+        every = np.stack(np.meshgrid(span, span, indexing="ij"), axis=-1).reshape(-1, 2) @ basis
+        size = np.linalg.norm(every, axis=1)
+        shortest = size[size > NOTHING].min()
+        every = every[(size > NOTHING) & (size < LONGEST * shortest * (1.0 + NOTHING))]
+        turns = np.arange(lattice.arms) * 2.0 * np.pi / lattice.arms
+        rotations = np.array([[[np.cos(t), -np.sin(t)], [np.sin(t), np.cos(t)]] for t in turns])
+        first = np.asarray(lattice.arm_directions)[0]
+        seen: set[tuple[float, float]] = set()
+        found: list[tuple[Array, bool]] = []
+        for vector in sorted(every, key=lambda g: _order(g, first, shortest)):
+            orbit = rotations @ vector
+            names = {_name(g / shortest) for g in orbit}
+            if names & seen:
+                continue
+            opposite = {_name(-g / shortest) for g in orbit}
+            seen |= names | opposite
+            found.append((orbit, False))
+            if not names & opposite:  # else its sines cancel
+                found.append((orbit, True))
+        return cls(np.array([orbit for orbit, _ in found]), np.array([odd for _, odd in found]))
+
+    def __len__(self) -> int:
+        return len(self.odd)
+
+    def __call__(self, offsets: Array) -> Array:
+        """(N, W) the waves at printed offsets (N, 2) mm from a star's centre."""
+        phase = np.einsum("wga,na->nwg", self.reciprocal, offsets)
+        return np.where(self.odd, np.sin(phase).mean(axis=2), np.cos(phase).mean(axis=2))
+
+    def amplitudes(self, offsets: Array, heights: Array, weights: Array) -> Array:
+        """(W,) mm, of the relief nearest to heights (N,) in the mean square with weights (N,)."""
+        root = np.sqrt(weights)
+        mean = float(weights @ heights / weights.sum())
+        return np.linalg.lstsq(root[:, None] * self(offsets), root * (heights - mean), rcond=None)[0]
+
+
+def _order(vector: Array, first: Array, shortest: float) -> tuple[float, float]:
+    """By length, then by the angle from the first arm."""
+    angle = np.arctan2(first[0] * vector[1] - first[1] * vector[0], first @ vector)
+    return round(float(np.linalg.norm(vector)) / shortest, 6), round(float(angle) % (2.0 * np.pi), 6)
+
+
+def _name(vector: Array) -> tuple[float, float]:
+    x, y = (round(float(value), 6) + 0.0 for value in vector)
+    return x, y
