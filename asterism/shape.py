@@ -90,7 +90,7 @@ class Shape:
 
     def aligned(self) -> Shape:
         """A centred copy, its principal axes along x, y and z, the largest first, the plastic side up."""
-        rotation, weights = self._upright(), self._weights()
+        rotation, weights = self._upright(), self.weights
         turned = {
             name: values @ rotation.T if values.ndim == 2 and values.shape[1] == 3 else values
             for name, values in self.point_fields.items()
@@ -101,9 +101,10 @@ class Shape:
     def _upright(self) -> Floats:
         """(3, 3) rotation to the principal axes."""
         plastic_side = triangle_normals(self.positions, self.triangles).sum(axis=0)
-        return upright_rotation(self.printed, self.positions, self._weights(), plastic_side)
+        return upright_rotation(self.printed, self.positions, self.weights, plastic_side)
 
-    def _weights(self) -> Floats:
+    @property
+    def weights(self) -> Floats:
         """(V,) share of the printed sheet that each vertex stands for; adds up to 1."""
         third = np.repeat(triangle_areas(self.printed, self.triangles) / 3, 3)
         areas = np.bincount(self.triangles.ravel(), weights=third, minlength=len(self.printed))

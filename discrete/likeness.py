@@ -10,6 +10,7 @@ from discrete.elements import Array
 from discrete.model import Model
 from discrete.pin_steps import rigid_fit
 from discrete.state import State
+from pattern.layout import Layout
 from pattern.symmetries import Symmetry
 
 ROLLED_TURN = 1.0  # rad from one side of the sheet to the other
@@ -33,28 +34,37 @@ def distances(first: Array, second: Array, symmetries: Sequence[Symmetry]) -> Ar
 
 def diameter(model: Model) -> float:
     """mm, largest distance of two corners of the print."""
-    border = model.layout.border
-    return float(np.linalg.norm(border[:, None] - border[None], axis=2).max())
+    return print_diameter(model.layout)
+
+
+def print_diameter(layout: Layout) -> float:
+    """mm, largest distance of two corners of the print."""
+    return float(np.linalg.norm(layout.border[:, None] - layout.border[None], axis=2).max())
 
 
 def roll_axis_deg(model: Model, state: State) -> float | None:
-    """Axis of a rolled sheet in print coordinates, 0 to 180 deg from the x axis; None for other shapes.
+    """Axis of a rolled sheet in print coordinates, 0 to 180 deg from the x axis; None for other shapes."""
+    normal = np.zeros((len(model.layout.centres), 3))
+    np.add.at(normal, model.layout.arm_star[model.network.rod], state.directors)
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
+    return rolled_about(model.layout, normal)
+
+
+def rolled_about(layout: Layout, normal: Array) -> float | None:
+    """The same from unit normals (S, 3) at the star centres.
 
     At every star the change of the normal from star to star is fitted by a linear map W (3, 2) of the printed place;
     the mean of W^T W has one large eigenvalue if the sheet bends about one axis only.
     """
-    layout, net = model.layout, model.network
     pairs = np.concatenate([layout.neighbours, layout.neighbours[:, ::-1]])
-    normal = np.zeros((len(layout.centres), 3))
-    np.add.at(normal, layout.arm_star[net.rod], state.directors)
-    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
     step = layout.centres[pairs[:, 1]] - layout.centres[pairs[:, 0]]
     change = normal[pairs[:, 1]] - normal[pairs[:, 0]]
+    spacing = float(np.linalg.norm(layout.lattice_vectors, axis=1).min())
     total, fitted = np.zeros((2, 2)), 0
     for star in range(len(layout.centres)):
         own = pairs[:, 0] == star
         # a map of the plane takes two directions
-        if own.sum() < 2 or np.linalg.svd(step[own], compute_uv=False)[-1] < 0.1 * model.spacing:
+        if own.sum() < 2 or np.linalg.svd(step[own], compute_uv=False)[-1] < 0.1 * spacing:
             continue
         w = np.linalg.lstsq(step[own], change[own], rcond=None)[0]
         total += w @ w.T
@@ -62,7 +72,7 @@ def roll_axis_deg(model: Model, state: State) -> float | None:
     if fitted == 0:
         return None
     (low, high), vectors = np.linalg.eigh(total / fitted)
-    if np.sqrt(high) * diameter(model) < ROLLED_TURN or low > ROLLED_ASPECT * high:
+    if np.sqrt(high) * print_diameter(layout) < ROLLED_TURN or low > ROLLED_ASPECT * high:
         return None
     x, y = vectors[:, 0]
     return float(np.degrees(np.arctan2(y, x)) % 180.0)

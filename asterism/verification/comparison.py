@@ -1,0 +1,191 @@
+"""How far one shape of a design is from another one: at the same printed points, after the best rigid motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from asterism.mesh_error import diameter
+from asterism.shape import Shape
+from asterism.surface_fields import border_of, triangle_normals, vertex_normals
+from asterism.verification.cell_mean import CellMean
+from asterism.verification.tube import tube_radius
+from discrete.likeness import rolled_about
+from discrete.pin_steps import rigid_fit
+from pattern.layout import Floats, Layout
+from pattern.symmetries import Symmetry
+
+SAMPLES = 500  # vertices by which the nearest image is chosen
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A shape laid on a reference shape; all distances are after that.
+
+    Relief repeats from star to star and is not what a smooth sheet can know: surfaces are compared by their means over
+    a cell (`CellMean`), star centres as they are.
+
+    Attributes
+    ----------
+    reference : the shape that counts as right; lengths in % are of its diameter.
+    layout : what was printed.
+    symmetry : of the design; the compared shape stands for all its images, and this is the nearest one.
+    reference_mean, other_mean : (V, 3) mm, cell means at the vertices of the reference.
+    other_at : (V, 3) mm, the other surface itself at the vertices of the reference.
+    other_all : (W, 3) mm, all vertices of the other shape.
+    other_stars : (S, 3) mm.
+    diameter_mm : of the reference, the largest distance of two of its points.
+    """
+
+    reference: Shape
+    layout: Layout
+    symmetry: Symmetry
+    reference_mean: Floats
+    other_mean: Floats
+    other_at: Floats
+    other_all: Floats
+    other_stars: Floats
+    diameter_mm: float
+
+    @cached_property
+    def distance_mm(self) -> Floats:
+        """(V,) between the cell means at the vertices of the reference."""
+        return np.linalg.norm(self.other_mean - self.reference_mean, axis=1)
+
+    @cached_property
+    def star_distance_mm(self) -> Floats:
+        """(S,) between star centres."""
+        return np.linalg.norm(self.other_stars - self._stars(self.reference.positions), axis=1)
+
+    @property
+    def rms_percent(self) -> float:
+        """Root mean square over the printed area of the distance of the cell means."""
+        return self._percent(np.sqrt(self.reference.weights @ self.distance_mm**2))
+
+    @property
+    def max_percent(self) -> float:
+        """Largest distance of the cell means."""
+        return self._percent(self.distance_mm.max())
+
+    @property
+    def rms_stars_percent(self) -> float:
+        """Root mean square over the star centres."""
+        return self._percent(np.sqrt((self.star_distance_mm**2).mean()))
+
+    @property
+    def max_stars_percent(self) -> float:
+        """Largest distance of two star centres."""
+        return self._percent(self.star_distance_mm.max())
+
+    @cached_property
+    def heights_mm(self) -> tuple[float, float]:
+        """Extents along z of the whole shapes, bumps and all, as the reference lies."""
+        return float(np.ptp(self.reference.positions[:, 2])), float(np.ptp(self.other_all[:, 2]))
+
+    @cached_property
+    def roll_axes_deg(self) -> tuple[float | None, float | None]:
+        """Axes about which the sheets are rolled in print coordinates; None: not rolled."""
+        triangles = self.reference.triangles
+        one, other = (
+            rolled_about(self.layout, self._stars(vertex_normals(mean, triangles)))
+            for mean in (self.reference_mean, self.other_mean)
+        )
+        return one, other
+
+    @cached_property
+    def roll_radii_mm(self) -> tuple[float, float] | None:
+        """Radii of the tubes nearest to the star centres' cell means; None unless both are rolled."""
+        if None in self.roll_axes_deg:
+            return None
+        return tube_radius(self._stars(self.reference_mean)), tube_radius(self._stars(self.other_mean))
+
+    @cached_property
+    def volumes_mm3(self) -> tuple[float, float] | None:
+        """Between the cell means and the level of their outlines; None where a sheet is rolled."""
+        if self.roll_axes_deg != (None, None):
+            return None
+        return self._volume(self.reference_mean), self._volume(self.other_mean)
+
+    @cached_property
+    def normals_rms_deg(self) -> float:
+        """Root mean square angle of the normals of the cell means, over the printed area."""
+        triangles = self.reference.triangles
+        one, other = (vertex_normals(mean, triangles) for mean in (self.reference_mean, self.other_mean))
+        # the cosine alone has no digits left for small angles
+        angle = 2.0 * np.arctan2(np.linalg.norm(one - other, axis=1), np.linalg.norm(one + other, axis=1))
+        return float(np.degrees(np.sqrt(self.reference.weights @ angle**2)))
+
+    def _stars(self, values: Floats) -> Floats:
+        return values[self.reference.star_vertices]
+
+    def _percent(self, length: float) -> float:
+        return float(100.0 * length / self.diameter_mm)
+
+    def _volume(self, mean: Floats) -> float:
+        triangles = self.reference.triangles
+        level = mean[border_of(triangles, len(mean)), 2].mean()
+        over_ground = triangle_normals(mean, triangles)[:, 2] / 2
+        return float((mean[triangles, 2].mean(axis=1) - level) @ over_ground)
+
+
+def compare(reference: Shape, other: Shape, layout: Layout, symmetries: Sequence[Symmetry]) -> Comparison:
+    """Lay a shape on a reference: proper rotation, shift, and the symmetry of the design that brings it nearest.
+
+    Parameters
+    ----------
+    reference, other : two shapes of the same design, on any meshes.
+    layout : of the design.
+    symmetries : of the design, from `pattern.symmetries`. Symmetries turn the print, and so a mirrored one reflects the
+        other shape in space too; otherwise it is only ever turned and shifted.
+
+    Raises
+    ------
+    ValueError
+        If the other shape does not cover the reference's printed points.
+
+    References
+    ----------
+    Kabsch 1976, weights: printed area.
+    """
+    printed, weights = reference.printed, reference.weights
+    symmetry = _nearest(reference, other, symmetries)
+    mean = CellMean(printed, weights, layout.lattice_vectors)
+    reference_mean = mean(reference.positions)
+    image = _image(other, symmetry, printed)
+    rotation, shift = rigid_fit(mean(image), reference_mean, weights)
+    return Comparison(
+        reference,
+        layout,
+        symmetry,
+        reference_mean,
+        mean(image) @ rotation.T + shift,
+        image @ rotation.T + shift,
+        (other.positions * _flip(symmetry)) @ rotation.T + shift,
+        _image(other, symmetry, layout.centres) @ rotation.T + shift,
+        diameter(reference.positions),
+    )
+
+
+def _image(shape: Shape, symmetry: Symmetry, printed: Floats) -> Floats:
+    """(n, 3) mm, where the image of a shape takes printed points (n, 2)."""
+    return shape.at(printed @ symmetry.turn.T + symmetry.shift) * _flip(symmetry)
+
+
+def _flip(symmetry: Symmetry) -> Floats:
+    return np.array([-1.0 if symmetry.mirrors else 1.0, 1.0, 1.0])
+
+
+def _nearest(reference: Shape, other: Shape, symmetries: Sequence[Symmetry]) -> Symmetry:
+    """The symmetry whose image is nearest; bumps are the same in all of them, so that the surface itself will do."""
+    some = slice(None, None, max(len(reference.printed) // SAMPLES, 1))
+    printed, places = reference.printed[some], reference.positions[some]
+
+    def off(symmetry: Symmetry) -> float:
+        image = _image(other, symmetry, printed)
+        rotation, shift = rigid_fit(image, places)
+        return float(((image @ rotation.T + shift - places) ** 2).sum())
+
+    return min(symmetries, key=off)

@@ -1,0 +1,127 @@
+"""Distances of shapes that are known."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from asterism.mesh_error import diameter
+from asterism.surface_fields import triangle_areas
+from asterism.verification.cell_mean import CellMean
+from asterism.verification.comparison import Comparison, compare
+from asterism.verification.tube import tube_radius
+from pattern.build import layout
+from pattern.design import Design
+from pattern.symmetries import symmetries
+from tests.asterism.verification.printed import design, lumpy, rolled, shape
+
+UNIFORM = design()
+# nothing but the identity maps this one onto itself
+UNLIKE = design(stars={"length_mm": {"profile": "axis", "axis": "x", "from": 8.0, "to": 5.0, "over_mm": 40.0,
+                                     "centre_mm": [7.0, 3.0]}})  # fmt: skip
+
+
+def compared(of: Design, one, other) -> Comparison:
+    plan = layout(of)
+    return compare(one, other, plan, symmetries(of, plan))
+
+
+def test_a_shape_is_at_no_distance_from_itself():
+    one = shape(UNIFORM, lumpy)
+    found = compared(UNIFORM, one, one)
+    assert found.max_percent == pytest.approx(0.0, abs=1e-9)
+    assert found.max_stars_percent == pytest.approx(0.0, abs=1e-9)
+    assert found.normals_rms_deg == pytest.approx(0.0, abs=1e-6)
+    assert found.heights_mm[0] == pytest.approx(found.heights_mm[1])
+    assert not found.symmetry.mirrors
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.tuples(*4 * [st.floats(-1.0, 1.0)]).filter(lambda q: sum(x * x for x in q) > 0.01), st.floats(-500.0, 500.0))
+def test_distances_do_not_depend_on_where_the_other_shape_lies(quaternion, far):
+    one, other = shape(UNLIKE, lumpy), shape(UNLIKE, rolled(30.0))
+    turn = Rotation.from_quat(quaternion).as_matrix()
+    moved = replace(other, positions=other.positions @ turn.T + [far, 1.0, -far])
+    here, there = compared(UNLIKE, one, other), compared(UNLIKE, one, moved)
+    for name in ("rms_percent", "max_percent", "rms_stars_percent", "normals_rms_deg"):
+        assert getattr(there, name) == pytest.approx(getattr(here, name), abs=1e-6)
+    assert there.heights_mm[1] == pytest.approx(here.heights_mm[1], abs=1e-6)
+
+
+@pytest.mark.parametrize("number", range(6))
+def test_images_under_the_designs_symmetries_are_the_same_shape(number):
+    """A tube about one axis, and about an equivalent one; its mirror image on a mirrored print."""
+    plan = layout(UNIFORM)
+    same = symmetries(UNIFORM, plan)
+    assert len(same) == 6
+    one, symmetry = shape(UNIFORM, lumpy), same[number]
+    flip = [-1.0 if symmetry.mirrors else 1.0, 1.0, 1.0]
+    image = replace(one, positions=one.at(one.printed @ symmetry.turn.T + symmetry.shift) * flip)
+    found = compare(one, image, plan, same)
+    # the inverse of the symmetry brings it back
+    assert np.allclose(found.symmetry.turn, symmetry.turn.T, atol=1e-9)
+    assert found.max_percent < 1e-6 and found.max_stars_percent < 1e-6
+
+
+def test_a_reflected_shape_is_another_one():
+    one = shape(UNLIKE, lumpy)
+    found = compared(UNLIKE, one, replace(one, positions=one.positions * [-1.0, 1.0, 1.0]))
+    assert found.rms_percent > 1.0
+
+
+def test_a_known_distance():
+    """Two flat sheets, one a hundredth larger: every point is off by a hundredth of its radius."""
+    one, other = (shape(UNIFORM, lambda p, s=s: np.column_stack([s * p, 0.0 * p[:, 0]])) for s in (1.0, 1.01))
+    found = compared(UNIFORM, one, other)
+    stars = np.linalg.norm(layout(UNIFORM).centres, axis=1)
+    assert found.star_distance_mm == pytest.approx(0.01 * stars, abs=1e-9)
+    assert found.rms_stars_percent == pytest.approx(np.sqrt((stars**2).mean()) / diameter(one.positions), rel=1e-9)
+    assert found.volumes_mm3 == pytest.approx((0.0, 0.0), abs=1e-9)
+
+
+def test_meshes_may_differ():
+    found = compared(UNLIKE, shape(UNLIKE, rolled(30.0), 1.0), shape(UNLIKE, rolled(30.0), 3.0))
+    assert found.rms_percent < 0.2
+
+
+def test_tubes_are_recognised():
+    of = design(border={"rings": 2})
+    found = compared(of, shape(of, rolled(20.0)), shape(of, rolled(22.0, 60.0)))
+    assert found.roll_axes_deg == pytest.approx((0.0, 0.0), abs=1.0)  # 60 deg is the same by symmetry
+    assert found.roll_radii_mm == pytest.approx((20.0, 22.0), rel=0.03)
+    assert found.volumes_mm3 is None
+
+
+def test_volume_under_a_cap():
+    """A paraboloid over a disc-like sheet: half of base times height; twice as high, twice as much."""
+    of = design(border={"rings": 4})
+    caps = [shape(of, lambda p, s=s: np.column_stack([p, -s * (p**2).sum(axis=1) / 200.0]), 3.0) for s in (1.0, 2.0)]
+    one, other = compared(of, *caps).volumes_mm3
+    area = triangle_areas(caps[0].printed, caps[0].triangles).sum()
+    # the mean over cells takes a little off at the outline
+    assert one == pytest.approx(area**2 / np.pi / 200.0 / 2.0, rel=0.2)
+    assert other == pytest.approx(2.0 * one, rel=0.02)
+
+
+def test_cell_means_have_no_relief():
+    """A wave of the lattice vanishes inside; a plane stays, but for a part of the mesh's edge (2 mm)."""
+    of = design(border={"rings": 2})
+    sheet, plan = shape(of, lumpy), layout(of)
+    mean = CellMean(sheet.printed, sheet.weights, plan.lattice_vectors)
+    wave = np.cos(2 * np.pi * sheet.printed @ np.linalg.inv(plan.lattice_vectors)[:, 0])
+    inside = np.linalg.norm(sheet.printed, axis=1) < 20.0
+    assert np.abs(mean(wave[:, None])[inside]).max() < 1e-3
+    assert np.abs(mean(sheet.printed) - sheet.printed)[inside].max() < 0.6
+
+
+@pytest.mark.parametrize(("radius", "turn"), [(10.0, 5.0), (30.0, 2.0), (80.0, 0.8)])
+def test_radius_of_a_tube(radius, turn):
+    rng = np.random.default_rng(0)
+    angle, along = turn * (rng.random(60) - 0.5), 40.0 * rng.random(60)
+    points = np.column_stack([along, radius * np.sin(angle), radius * np.cos(angle)])
+    assert tube_radius(points @ Rotation.random(rng=rng).as_matrix().T + 7.0) == pytest.approx(radius, rel=1e-6)
