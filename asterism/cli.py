@@ -10,6 +10,9 @@ from typing import Annotated, Any
 import typer
 
 from asterism import __version__
+from asterism.export_command import export, printers
+from asterism.strips.cli import app as strips
+from asterism.strips.errors import NoMaterial, StripsError
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 
@@ -18,6 +21,9 @@ _UsageError: type[Exception] = typer.BadParameter.__mro__[1]
 
 law = typer.Typer(help="What a law of the sheet says.", no_args_is_help=True)
 app.add_typer(law, name="law")
+app.command()(export)
+app.command()(printers)
+app.add_typer(strips, name="strips")
 
 
 @app.callback(invoke_without_command=True)
@@ -75,6 +81,9 @@ def simulate(
         bool | None,
         typer.Option("--contact/--no-contact", help="Keep the sheet from passing through itself (needs ipctk)."),
     ] = None,
+    material: Annotated[
+        Path | None, typer.Option(help="A material's file: its fabric and plastic in place of the design's.")
+    ] = None,
     backend: Annotated[str, typer.Option(help="Linear solver: auto, pardiso, cholmod, superlu or amg.")] = "auto",
 ) -> None:
     """The exact model: the shape of a design, certified to be an equilibrium.
@@ -83,6 +92,7 @@ def simulate(
     other minima. Exit status 1 if what was found is not an equilibrium.
     """
     from asterism.files import check_writable
+    from asterism.material import with_material
     from asterism.overrides import changed
     from asterism.progress import Progress
     from asterism.results import write_results
@@ -90,7 +100,7 @@ def simulate(
     from pattern.design import load_design
 
     plan = changed(
-        load_design(design),
+        with_material(load_design(design), material),
         {
             "--edge": ("mesh.edge_mm", edge),
             "--start": ("solver.start", start),
@@ -209,9 +219,9 @@ def main() -> None:
         status = app(standalone_mode=False)
     except _UsageError as error:
         _stop(error.format_message(), 2)  # type: ignore[attr-defined]
-    except (DesignError, MeshError, OutputError, BackendError, LawError, AddressError, _Mistake) as error:
+    except (DesignError, MeshError, OutputError, BackendError, LawError, AddressError, StripsError, _Mistake) as error:
         _stop(str(error), 2)
-    except CampaignError as error:
+    except (CampaignError, NoMaterial) as error:
         _stop(str(error), 1)
     except (KeyboardInterrupt, typer.Abort):
         status = 130

@@ -1,0 +1,69 @@
+"""The commands of `asterism strips`."""
+
+from __future__ import annotations
+
+import sys
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+app = typer.Typer(help="Measure a plastic and a fabric with printed strips.", no_args_is_help=True)
+
+
+class _Formula(StrEnum):
+    paper = "paper"
+    timoshenko = "timoshenko"
+
+
+class _KappaBar(StrEnum):
+    constant = "constant"
+    per_thickness = "per-thickness"
+    zero = "zero"
+
+
+@app.command()
+def fit(
+    strips: Annotated[Path, typer.Argument(help="The table of measured strips (.csv).")],
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="The material's file (material.toml beside the table).")
+    ] = None,
+    rest_curvature: Annotated[_Formula, typer.Option(help="The material's convention.")] = _Formula.paper,
+    kappa_bar: Annotated[_KappaBar, typer.Option(help="Curvature of peeled plastic.")] = _KappaBar.constant,
+    stretch: Annotated[
+        float | None, typer.Option(min=1.01, max=3, help="Of the fabric, where the table does not say.")
+    ] = None,
+    fabric_thickness: Annotated[
+        float | None, typer.Option(min=0.01, max=10, help="In mm, where the table does not say.")
+    ] = None,
+    outside: Annotated[
+        bool, typer.Option("--outside", help="Boxes are drawn around the strips with their thickness.")
+    ] = False,
+    flat_height: Annotated[
+        float, typer.Option(min=0.01, max=10, help="Lower arcs, in mm, are not told from flat strips.")
+    ] = 0.5,
+    confidence: Annotated[float, typer.Option(min=0.5, max=0.999, help="Of the intervals.")] = 0.95,
+    keep_outliers: Annotated[bool, typer.Option("--keep-outliers", help="Use readings that do not fit, too.")] = False,
+) -> None:
+    """E1/E2 and kappa_bar from measured strips, as a material file for the other commands.
+
+    Exit status 1 if the strips do not determine them.
+    """
+    from asterism.strips import fit_command as command
+
+    lines, worries = command.fit(
+        strips,
+        output,
+        rest_curvature.value,
+        kappa_bar.value,
+        stretch=stretch,
+        fabric_thickness_mm=fabric_thickness,
+        outside=outside,
+        flat_height_mm=flat_height,
+        confidence=confidence,
+        keep_outliers=keep_outliers,
+    )
+    typer.echo("\n".join(lines))
+    for worry in worries:
+        print(f"asterism: {worry}", file=sys.stderr)

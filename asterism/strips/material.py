@@ -1,0 +1,57 @@
+"""The material file that strips give, for every command that takes one."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from pathlib import Path
+
+from asterism.files import OutputError
+from asterism.strips.fit import StripFit
+from homogenize.plan import Material
+
+# a file that begins with this line is ours, and may be written over
+FIRST_LINE = "# Written by asterism strips fit, which writes over this file as long as this line is here."
+
+
+def material_text(fit: StripFit, name: str, remarks: list[str]) -> str:
+    """TOML of the material: thickness and stretch of the fabric, E1/E2, its convention, and kappa_bar."""
+    fabrics, stretches = {r.fabric_thickness_mm for r in fit.used}, {r.stretch for r in fit.used}
+    lines = [FIRST_LINE, *(f"# {remark}" for remark in remarks)]
+    lines += [f"name = {json.dumps(name)}", "", "[fabric]"]
+    # without one value the commands keep the design's
+    if len(stretches) == 1:
+        lines.append(f"stretch = {stretches.pop():g}")
+    if len(fabrics) == 1:
+        lines.append(f"thickness_mm = {fabrics.pop():g}")
+    lines += [
+        "",
+        "[plastic]",
+        f"modulus_ratio = {fit.ratio[fit.formula].value:.5g}",
+        f'rest_curvature = "{fit.formula}"',
+        f"kappa_bar_per_mm = {_kappa_bar(fit)}",
+    ]
+    text = "\n".join(lines) + "\n"
+    Material.from_dict(tomllib.loads(text))
+    return text
+
+
+def check_ours(path: Path) -> None:
+    """Raise OutputError if there is a file that was not written by this command, or was claimed by its user."""
+    try:
+        with path.open(encoding="utf-8") as stream:
+            ours = stream.readline().strip() == FIRST_LINE
+    except FileNotFoundError:
+        return
+    except (OSError, UnicodeDecodeError):
+        ours = False
+    if not ours:
+        raise OutputError(f"{path} exists and was not written by asterism strips fit; choose another name with -o")
+
+
+def _kappa_bar(fit: StripFit) -> str:
+    if fit.kappa_bar_kind != "per-thickness":
+        return f"{fit.kappa_bar[None].value:.4g}" if fit.kappa_bar else "0.0"
+    values = ", ".join(f"{interval.value:.4g}" for interval in fit.kappa_bar.values())
+    thicknesses = ", ".join(f"{h:g}" for h in fit.kappa_bar if h is not None)
+    return f"{{ thickness_mm = [{thicknesses}], per_mm = [{values}] }}"

@@ -1,0 +1,54 @@
+"""How far readings scatter: by the reading of the boxes, and from strip to strip.
+
+The variance of a reading is `sigma^2 g^2 + tau^2 kappa^2`: `sigma` mm is the error of a side of a box, `g` what it does
+to the curvature (`arc.reading_sensitivity`), and `tau` the part by which curvatures differ from strip to strip.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from pattern.layout import Floats
+
+# a strip that should be straight has some error of reading, whatever the others say
+_MOST_MIX = 0.99
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Attributes: `reading_mm` is sigma, `scatter` is tau, a part of one."""
+
+    reading_mm: float
+    scatter: float
+
+    def variance(self, sensitivity: Floats, mean: Floats) -> Floats:
+        """(n,) 1/mm^2."""
+        return np.maximum((self.reading_mm * sensitivity) ** 2 + (self.scatter * mean) ** 2, 1e-24)
+
+
+def noise(residual: Floats, jacobian: Floats, sensitivity: Floats, mean: Floats) -> Noise:
+    """The most likely noise for the residuals (n,) of a fit of jacobian (n, p), n > p.
+
+    Restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971), which allows for the fitted parameters.
+    """
+    reading = sensitivity**2 / np.mean(sensitivity**2)
+    relative = mean**2 / max(float(np.mean(mean**2)), 1e-30)
+    free = len(residual) - jacobian.shape[1]
+
+    def minus_log(mix: float) -> float:
+        share = (1 - mix) * reading + mix * relative
+        information = (jacobian / share[:, None]).T @ jacobian
+        squares = max(float(np.sum(residual**2 / share)), 1e-30)
+        return float(np.sum(np.log(share)) + free * np.log(squares) + np.linalg.slogdet(information)[1])
+
+    found = minimize_scalar(minus_log, bounds=(0.0, _MOST_MIX), method="bounded", options={"xatol": 1e-3})
+    mix = min((0.0, float(found.x), _MOST_MIX), key=minus_log)
+    share = (1 - mix) * reading + mix * relative
+    scale = np.sum(residual**2 / share) / free
+    return Noise(
+        float(np.sqrt(scale * (1 - mix) / np.mean(sensitivity**2))),
+        float(np.sqrt(scale * mix / max(float(np.mean(mean**2)), 1e-30))),
+    )

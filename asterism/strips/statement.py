@@ -1,0 +1,116 @@
+"""A fit of strips in words and numbers: for the terminal, the material file and the JSON beside it."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from asterism.strips.fit import Interval, StripFit
+from asterism.strips.model import FORMULAS, Data
+from asterism.strips.systematic import FABRIC_MM, PLASTIC_MM, STRETCH_PERCENT, shared_errors
+from pattern.materials import bilayer_curvature
+
+
+def ratios(fit: StripFit) -> dict[str, str]:
+    """E1/E2 for each convention, as text."""
+    return {f"E1/E2, {name}": _ratio(fit.ratio[name]) for name in FORMULAS}
+
+
+def kappa_bars(fit: StripFit) -> dict[str, str]:
+    """kappa_bar as text."""
+    if not fit.kappa_bar:
+        return {"kappa_bar": "taken for 0"}
+    return {
+        "kappa_bar" if h is None else f"kappa_bar, {h:g} mm": f"{k.value:.5f} /mm   {k.low:.5f} to {k.high:.5f}"
+        for h, k in fit.kappa_bar.items()
+    }
+
+
+def conventions(fit: StripFit) -> list[str]:
+    """What the convention of a ratio means, in sentences."""
+    other = next(name for name in FORMULAS if name != fit.formula)
+    mine, theirs = fit.ratio[fit.formula].value, fit.ratio[other].value
+    return [
+        f'{mine:.4g} goes with rest_curvature = "{fit.formula}", {theirs:.4g} with "{other}": each with its own '
+        "formula gives these strips the curvature they have.",
+        f'The ratio is also the stiffness of the arms against the fabric: with "{other}" they are '
+        f'{theirs / mine:.2f} times as stiff as with "{fit.formula}".',
+        f'Mixed up, {mine:.4g} with "{other}", the fabric would curl the strips '
+        f"{_mixed_up(fit, other):.2f} times as much.",
+    ]
+
+
+def warnings(fit: StripFit) -> list[str]:
+    """What the user should know before trusting the numbers."""
+    lines = []
+    if fit.widened > 1:
+        lines.append(
+            "the thicknesses disagree with the formula by more than the scatter of their strips "
+            f"(chance {fit.lack_of_fit:.1g}): check the thicknesses; intervals are widened {fit.widened:.1f} times"
+        )
+    if fit.kappa_bar_varies:
+        lines.append("peeled strips of different thickness keep different curvatures: try --kappa-bar per-thickness")
+    if math.isinf(fit.ratio[fit.formula].high):
+        lines.append("E1/E2 has no upper bound: the strips bend too little")
+    return lines
+
+
+def table(fit: StripFit) -> dict[str, str]:
+    """Rows for the terminal."""
+    flat = sum(r.curvature_per_mm is None for r in fit.used)
+    total = len(fit.used) + len(fit.left_out)
+    shared = shared_errors(fit)
+    rows = {"readings": f"{total}, {len(fit.used)} used" + (f", {flat} of them flat: a bound only" if flat else "")}
+    rows |= ratios(fit) | kappa_bars(fit)
+    rows["intervals"] = f"{100 * fit.confidence:g} %"
+    rows["scatter"] = (
+        f"{fit.noise.reading_mm:.2f} mm a side of a box, {100 * fit.noise.scatter:.1f} % from strip to strip"
+    )
+    rows["if all strips had"] = (
+        f"{STRETCH_PERCENT:g} % more stretch: E1/E2 {shared['stretch']:+.1f} %; fabric {FABRIC_MM:g} mm thicker: "
+        f"{shared['fabric_thickness']:+.1f} %; plastic {PLASTIC_MM:g} mm thicker: {shared['plastic_thickness']:+.1f} %"
+    )
+    return rows
+
+
+def summary(fit: StripFit) -> dict[str, Any]:
+    """Plain data, units in the names."""
+
+    def interval(value: Interval, unit: str = "") -> dict[str, float | None]:
+        high = value.high if math.isfinite(value.high) else None
+        return {f"value{unit}": value.value, f"low{unit}": value.low, f"high{unit}": high}
+
+    return {
+        "rest_curvature": fit.formula,
+        "confidence": fit.confidence,
+        "modulus_ratio": {name: interval(found) for name, found in fit.ratio.items()},
+        "kappa_bar_kind": fit.kappa_bar_kind,
+        "kappa_bar": [{"thickness_mm": h, **interval(found, "_per_mm")} for h, found in fit.kappa_bar.items()],
+        "reading_error_mm": fit.noise.reading_mm,
+        "strip_scatter": fit.noise.scatter,
+        "lack_of_fit_chance": fit.lack_of_fit,
+        "intervals_widened_by": fit.widened,
+        "kappa_bar_varies": fit.kappa_bar_varies,
+        "shared_error_percent": shared_errors(fit),
+        "readings_used": len(fit.used),
+        "readings_flat": sum(r.curvature_per_mm is None for r in fit.used),
+        "left_out": [
+            {"strip": o.reading.strip, "row": o.reading.row, "peeled": o.reading.peeled, "reason": o.reason}
+            for o in fit.left_out
+        ],
+    }
+
+
+def _ratio(found: Interval) -> str:
+    high = f"{found.high:.0f}" if math.isfinite(found.high) else "without bound"
+    return f"{found.value:.0f}   {found.low:.0f} to {high}"
+
+
+def _mixed_up(fit: StripFit, other: str) -> float:
+    """Curvature by the fabric if the ratio of one convention is used with the other, over the measured one."""
+    data = Data.of([r for r in fit.used if not r.peeled], fit.flat_height_mm)
+    sizes = (data.thickness, data.fabric, fit.ratio[fit.formula].value, data.mismatch)
+    wrong = bilayer_curvature(*sizes, "timoshenko" if other == "timoshenko" else "paper")
+    return float(np.mean(wrong / bilayer_curvature(*sizes, fit.formula)))

@@ -1,0 +1,46 @@
+"""Strips of a known material, measured with known errors."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from asterism.strips import arc
+from asterism.strips.strip import Reading
+from pattern.materials import Fabric, Plastic, rest_curvature
+
+THICKNESSES = (0.30, 0.35, 0.40, 0.45)
+
+
+def readings(
+    seed: int,
+    plastic: Plastic | None = None,
+    *,
+    count: int = 10,
+    length: float = 60.0,
+    reading_mm: float = 0.3,
+    scatter: float = 0.03,
+    flat_mm: float = 0.0,
+    stretch: float = 1.35,
+) -> list[Reading]:
+    """`count` strips of each of the paper's thicknesses, with fabric and peeled, their boxes read with errors.
+
+    Parameters
+    ----------
+    reading_mm : standard deviation of each side of each box.
+    scatter : standard deviation of the curvature from strip to strip, a part of it.
+    flat_mm : lower arcs count as flat.
+    """
+    plastic = plastic or Plastic(kappa_bar_per_mm=0.003)
+    rng = np.random.default_rng(seed)
+    found = []
+    for i, h1 in enumerate(np.repeat(THICKNESSES, count)):
+        with_fabric = float(rest_curvature(h1, Fabric(stretch=stretch), plastic))
+        alone = float(
+            rest_curvature(h1, Fabric(stretch=stretch), plastic.model_copy(update={"rest_curvature": "none"}))
+        )
+        for peeled, kappa in ((False, with_fabric), (True, alone)):
+            true = kappa * (1 + scatter * rng.standard_normal())
+            width, height = (float(side) + reading_mm * rng.standard_normal() for side in arc.box(true, length))
+            bent = None if height <= flat_mm else float(arc.curvature(width, height))
+            found.append(Reading(str(i + 1), i + 2, float(h1), length, stretch, 0.8, peeled, bent))
+    return found
