@@ -40,6 +40,7 @@ def simulate(
     report: Report | None = None,
     say: Say | None = None,
     starts: int = 1,
+    near: Shape | None = None,
 ) -> Shape:
     """Equilibrium of the exact model.
 
@@ -51,6 +52,8 @@ def simulate(
     say : called with a line of text when something begins.
     starts : more than one: as many different starts are tried, and the lowest minimum found is the result; the others
         are in its `others`, and compared in the summary's `minima`.
+    near : a shape of the same design to start from, as its preview, in place of the start that the design asks for; its
+        stars bump as they should. Goes with one start.
 
     Returns
     -------
@@ -63,7 +66,11 @@ def simulate(
         The design cannot be printed, or its sheet not meshed.
     BackendError
         The factorisation is not installed.
+    ValueError
+        `near` with several starts.
     """
+    if near is not None and starts != 1:
+        raise ValueError("near goes with one start")
     check_backend(backend)
     if design.solver.contact:
         ipc_toolkit()  # before anything else takes time
@@ -79,7 +86,9 @@ def simulate(
     solver = design.solver
     before = {"mesh": meshed - start, "model": built - meshed}
     if starts == 1:
-        found, levels = find_equilibrium(model, solver.start, seed=solver.seed, backend=backend, report=report)
+        found, levels = find_equilibrium(
+            model, solver.start, seed=solver.seed, backend=backend, report=report, near=near.at if near else None
+        )
         minima = one_minimum(model, found)
         return _shape(model, found, levels, before | found.seconds, time.perf_counter() - start, minima)
     all_found = find_minima(model, starts, solver.start, seed=solver.seed, backend=backend, report=report)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
@@ -15,7 +15,7 @@ from discrete.contact_prolongation import prolonged_apart
 from discrete.elements import Array
 from discrete.evidence import Equilibrium
 from discrete.model import Model
-from discrete.prolongation import prolonged
+from discrete.prolongation import fitted, prolonged
 from discrete.solve import Start, relax
 from discrete.state import State
 from discrete.walk import Report
@@ -25,6 +25,8 @@ from pattern.meshing import mesh_layout
 
 COARSE_VERTICES = 1100
 LARGEST_RATIO = 12.0  # of vertices between two levels
+
+Surface = Callable[[Array], Array]  # printed points (n, 2) to places (n, 3) mm
 
 
 @dataclass(frozen=True)
@@ -53,14 +55,20 @@ def find_equilibrium(
     method: Method = "blended",
     max_iterations: int = 500,
     report: Report | None = None,
+    near: Surface | None = None,
 ) -> tuple[Equilibrium, list[Level]]:
     """Equilibrium of a model through coarser meshes of the same sheet; arguments as in `relax`.
 
+    With `near` the coarsest mesh starts on that surface, bumps and all, released and held as it will be at the end.
     Iterations, factorisations and seconds of the result are those of all levels together.
     """
     models = [*coarser(model), model]
     tell = _named(report, models[0] if len(models) > 1 else None)
-    found = relax(models[0], start, None, seed, backend, method, max_iterations, tell)
+    begin: Start | State = start
+    if near is not None:
+        models[0].set_release(1.0)
+        begin = fitted(models[0], near(models[0].mesh.points))
+    found = relax(models[0], begin, None, seed, backend, method, max_iterations, tell)
     return carried_up(models, found, start, seed, backend, method, max_iterations, report)
 
 

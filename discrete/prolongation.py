@@ -20,10 +20,16 @@ def prolonged(coarse: Model, state: State, fine: Model) -> State:
     still shortens the arms where they bend, so the positions are put together again from its gradients, with every
     rod edge as long as printed.
     """
-    smooth = _interpolated(coarse, state, fine, CloughTocher2DInterpolator)
-    length = fine.parts["rod_stretch"].params[:, 1:]
-    positions = fine.reconstruction.fitted(smooth, length * tangents(smooth, fine.edges))
-    return State(positions, _plastic_normals(fine, positions))
+    return fitted(fine, _interpolated(coarse, state, fine, CloughTocher2DInterpolator))
+
+
+def fitted(model: Model, surface: Array) -> State:
+    """The state closest to places (V, 3) mm on a smooth surface, its pins held and its arms at their printed length."""
+    held = model.constraints.held
+    smooth = np.where(held, model.constraints.places(model.release), surface)
+    length = model.parts["rod_stretch"].params[:, 1:]
+    positions = model.reconstruction.fitted(smooth, length * tangents(smooth, model.edges))
+    return State(positions, _plastic_normals(model, positions))
 
 
 def flatly_prolonged(coarse: Model, state: State, fine: Model) -> State:

@@ -111,3 +111,16 @@ def test_backends_agree() -> None:
 
     energies = [simulate(small(), backend=name).summary["energy_n_mm"] for name in available()]
     np.testing.assert_allclose(energies, energies[0], rtol=1e-9)
+
+
+def test_starts_from_a_shape_of_the_design():
+    """From its own shape on another mesh, it is back in the same minimum after a few iterations."""
+    data = {"stars": {"length_mm": 8.0}, "border": {"rings": 1}}
+    coarse, fine = (Design.from_dict(data | {"mesh": {"edge_mm": edge}}) for edge in (2.5, 2.0))
+    alone = simulate(fine)
+    near = simulate(fine, near=simulate(coarse))
+    assert near.summary["is_minimum"]
+    assert near.summary["energy_n_mm"] == pytest.approx(alone.summary["energy_n_mm"], rel=1e-9)
+    assert near.summary["iterations"] < 0.5 * alone.summary["iterations"]
+    with pytest.raises(ValueError, match="near"):
+        simulate(fine, starts=2, near=alone)
