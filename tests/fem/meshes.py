@@ -4,12 +4,32 @@ import numpy as np
 from skfem import MeshTri
 
 
-def jittered(cells: int, width: float = 1.0, height: float = 1.0, amount: float = 0.2, seed: int = 0) -> MeshTri:
-    """Rectangle from the origin, `cells` along its shorter side, inner vertices moved by up to `amount` of a cell."""
-    size = min(width, height) / cells
-    mesh = MeshTri.init_tensor(
-        np.linspace(0.0, width, round(width / size) + 1), np.linspace(0.0, height, round(height / size) + 1)
-    )
+def rectangle(columns: int, rows: int, width: float = 1.0, height: float = 1.0, amount: float = 0.0) -> MeshTri:
+    """From the origin; inner vertices are moved by up to `amount` of a cell."""
+    x, y = np.linspace(0.0, width, columns + 1), np.linspace(0.0, height, rows + 1)
+    mesh = MeshTri.init_tensor(x, y)
     points, inner = mesh.p.copy(), mesh.interior_nodes()
-    points[:, inner] += amount * size * np.random.default_rng(seed).uniform(-1.0, 1.0, (2, len(inner)))
+    moves = np.random.default_rng(0).uniform(-1.0, 1.0, (2, len(inner)))
+    points[:, inner] += amount * np.array([[x[1]], [y[1]]]) * moves
     return MeshTri(points, mesh.t)
+
+
+def turned(mesh: MeshTri, degrees: float, shift: tuple[float, float]) -> MeshTri:
+    """The mesh turned about the origin, then shifted."""
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    return MeshTri(np.array([[c, -s], [s, c]]) @ mesh.p + np.array(shift)[:, None], mesh.t)
+
+
+def disc(refinements: int) -> MeshTri:
+    """Polygon about the origin with the area of the unit disc."""
+    mesh = MeshTri.init_circle(refinements)
+    x, y = mesh.p[:, mesh.t]
+    area = 0.5 * np.abs((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])).sum()
+    return MeshTri(mesh.p * np.sqrt(np.pi / area), mesh.t)
+
+
+def facets_where(mesh: MeshTri, test) -> np.ndarray:
+    """Outer edges whose midpoint (2,) passes a test of its coordinates x, y."""
+    rim = mesh.boundary_facets()
+    x, y = mesh.p[:, mesh.facets[:, rim]].mean(axis=1)
+    return rim[test(x, y)]

@@ -1,0 +1,117 @@
+"""Unknowns that satisfy linear equations exactly: A x = b becomes x = T q + c, with q some of the x."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.linalg import qr, solve_triangular
+from scipy.sparse.csgraph import connected_components
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.integer]
+
+DEPENDENT = 1e-9  # a pivot below this part of the largest one belongs to an equation that others imply
+
+
+@dataclass(frozen=True)
+class Elimination:
+    """x = map q + constant.
+
+    Attributes
+    ----------
+    map : (n, len(free)); rows of the free unknowns are those of the identity.
+    constant : (n, k), one column for each right-hand side.
+    free : numbers of the unknowns that are kept, sorted.
+    redundant : number of equations that others imply.
+    """
+
+    map: sp.csr_matrix
+    constant: Floats
+    free: Ints
+    redundant: int
+
+
+class Contradiction(ValueError):
+    """Equations without a solution: which one is off by how much."""
+
+    def __init__(self, row: int, miss: float) -> None:
+        super().__init__(f"equation {row} is off by {miss:.3g}")
+        self.row, self.miss = row, miss
+
+
+def eliminate(matrix: sp.csr_matrix, right: Floats, tolerance: float) -> Elimination:
+    """Solve equations for as many unknowns as they determine.
+
+    Groups of equations that share unknowns are solved each by itself, by QR with column pivoting.
+
+    Parameters
+    ----------
+    matrix : (R, n).
+    right : (R, k).
+    tolerance : how far redundant equations may disagree, each scaled to a largest coefficient of 1.
+
+    Raises
+    ------
+    Contradiction
+    """
+    matrix = sp.csr_matrix(matrix)
+    matrix.sum_duplicates()
+    largest = abs(matrix).max(axis=1).toarray().ravel() if matrix.shape[0] else np.empty(0)
+    empty = largest == 0.0
+    if np.any(np.abs(right[empty]) > tolerance):
+        row = int(np.flatnonzero(empty & (np.abs(right).max(axis=1) > tolerance))[0])
+        raise Contradiction(row, float(np.abs(right[row]).max()))
+    scale = np.where(empty, 1.0, largest)
+    matrix = sp.csr_matrix(sp.diags_array(1.0 / scale) @ matrix)
+    matrix.data[np.abs(matrix.data) < 1e-12] = 0.0
+    matrix.eliminate_zeros()
+    right = right / scale[:, None]
+    size = matrix.shape[1]
+    constant = np.zeros((size, right.shape[1]))
+    gone = np.zeros(size, dtype=bool)
+    redundant = int(empty.sum())
+    rows_out: list[Ints] = []
+    columns_out: list[Ints] = []
+    entries_out: list[Floats] = []
+    for rows, columns in _groups(matrix):
+        block = matrix[rows][:, columns].toarray()
+        q, r, order = qr(block, mode="economic", pivoting=True)
+        rank = int(np.sum(np.abs(np.diag(r)) > DEPENDENT * abs(r[0, 0])))
+        image = q[:, :rank].T @ right[rows]
+        miss = np.abs(right[rows] - q[:, :rank] @ image).max(axis=1)
+        if miss.max() > tolerance:
+            worst = int(np.argmax(miss))
+            raise Contradiction(int(rows[worst]), float(miss[worst]))
+        redundant += len(rows) - rank
+        pivots, rest = columns[order[:rank]], columns[order[rank:]]
+        gone[pivots] = True
+        constant[pivots] = solve_triangular(r[:rank, :rank], image)
+        weights = -solve_triangular(r[:rank, :rank], r[:rank, rank:])
+        weights[np.abs(weights) < 1e-12] = 0.0
+        i, j = np.nonzero(weights)
+        rows_out.append(pivots[i])
+        columns_out.append(rest[j])
+        entries_out.append(weights[i, j])
+    free = np.flatnonzero(~gone)
+    number = np.full(size, -1)
+    number[free] = np.arange(len(free))
+    rows_out.append(free)
+    columns_out.append(free)
+    entries_out.append(np.ones(len(free)))
+    where = (np.concatenate(rows_out), number[np.concatenate(columns_out)])
+    mapping = sp.csr_matrix((np.concatenate(entries_out), where), shape=(size, len(free)))
+    return Elimination(mapping, constant, free, redundant)
+
+
+def _groups(matrix: sp.csr_matrix) -> list[tuple[Ints, Ints]]:
+    """Rows and columns of the blocks that a matrix falls into."""
+    count = matrix.shape[0]
+    graph = sp.block_array([[None, matrix], [matrix.T, None]], format="csr")
+    _, label = connected_components(graph, directed=False)
+    order = np.argsort(label, kind="stable")
+    parts = np.split(order, np.flatnonzero(np.diff(label[order])) + 1)
+    split = [(part[part < count], part[part >= count] - count) for part in parts]
+    return [(rows, columns) for rows, columns in split if len(rows) and len(columns)]

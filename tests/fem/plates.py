@@ -1,0 +1,51 @@
+"""A linear Kirchhoff plate on any space, to test spaces and conditions against closed forms."""
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.linalg import spsolve
+
+from fem.conditions import Condition, reduce
+from fem.placement import flat
+
+STIFF = 1e7
+
+
+def plate_matrix(space, poisson: float) -> sp.csr_matrix:
+    """(N, N) bending energy of unit stiffness, jumps included."""
+    table = space.tabulate(2 * space.degree)
+    law = np.array([[1, poisson, 0], [poisson, 1, 0], [0, 0, 2 * (1 - poisson)]])
+    blocks = np.einsum("tq,tqic,cd,tqjd->tij", table.weights, table.hessians, law, table.hessians)
+    width = table.dofs.shape[1]
+    rows, columns = np.repeat(table.dofs, width, axis=1), np.tile(table.dofs, width)
+    matrix = sp.csr_matrix((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(space.size,) * 2)
+    penalty = space.penalty()
+    return matrix if penalty is None else matrix + penalty
+
+
+def uniform_load(space) -> np.ndarray:
+    """(N,) of 1 per area."""
+    table = space.tabulate(2 * space.degree)
+    load = np.zeros(space.size)
+    np.add.at(load, table.dofs, np.einsum("tq,tqm->tm", table.weights, table.values))
+    return load
+
+
+def deflection(space, conditions: list[Condition], load: np.ndarray, poisson: float = 0.3) -> np.ndarray:
+    """(N,) heights of a plate whose positions, all three components, meet the conditions.
+
+    In its plane it stays as printed, but for what the conditions say: a stiff spring at every dof sees to it.
+    """
+    reduction = reduce(space, conditions)
+    out, inplane = np.diag([0.0, 0.0, 1.0]), np.diag([STIFF, STIFF, 0.0])
+    matrix = sp.kron(plate_matrix(space, poisson), out) + sp.kron(sp.identity(space.size), inplane)
+    forces = STIFF * space.interpolate(*(getattr(flat(), name) for name in ("position", "gradient", "hessian")))
+    forces[:, 2] = load
+    offset = reduction.offset()
+    right = reduction.map.T @ (forces.ravel() - matrix @ offset)
+    q = spsolve((reduction.map.T @ matrix @ reduction.map).tocsc(), right)
+    return reduction.positions(q)[:, 2]
+
+
+def height(space, heights: np.ndarray, x: float, y: float) -> float:
+    """At a printed point."""
+    return float((space.locate(np.array([[x, y]])).value @ heights)[0])
