@@ -14,9 +14,9 @@ from asterism.strips.errors import NoMaterial
 from asterism.strips.fit import StripFit, fit_strips
 from asterism.strips.likelihood import flat_terms
 from asterism.strips.model import FORMULAS, Formula
+from asterism.strips.synthetic import THICKNESSES, readings
 from asterism.strips.systematic import shared_errors
 from pattern.materials import Fabric, Plastic, rest_curvature
-from tests.asterism.strips.synthetic import THICKNESSES, readings
 
 PAPER = 3200.0
 

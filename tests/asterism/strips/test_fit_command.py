@@ -11,11 +11,11 @@ from PIL import Image
 from asterism.material import with_material
 from asterism.strips import arc
 from asterism.strips.strip import Reading
+from asterism.strips.synthetic import readings
 from homogenize.plan import load_material
 from pattern.design import Design
 from pattern.errors import DesignError
 from tests.asterism.commands import command
-from tests.asterism.strips.synthetic import readings
 
 
 def table(strips: list[Reading], path: Path) -> Path:

@@ -1,4 +1,4 @@
-"""Strips of a known material, measured with known errors."""
+"""Strips of a known material measured with known errors: what a fit makes of them, before anything is printed."""
 
 from __future__ import annotations
 

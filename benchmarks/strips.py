@@ -1,0 +1,84 @@
+"""How well strips tell a material: many made-up tables of the paper's strips, with errors, and what the fit says.
+
+python -m benchmarks.strips
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from asterism.strips.fit import fit_strips
+from asterism.strips.synthetic import readings
+from benchmarks.report import markdown, write_report
+from pattern.materials import Plastic
+
+TABLES = 400
+RATIO, KAPPA_BAR = 3200.0, 0.003
+CASES: list[dict[str, Any]] = [
+    {},
+    {"reading_mm": 0.1},
+    {"reading_mm": 0.05, "scatter": 0.05},
+    {"reading_mm": 0.5, "scatter": 0.0},
+    {"reading_mm": 0.5, "flat_mm": 0.5, "count": 5},
+    {"count": 4},
+    {"count": 2},
+]
+HEADER = [
+    "strips",
+    "reading mm",
+    "scatter %",
+    "inside %",
+    "kappa_bar inside %",
+    "half width %",
+    "named wrongly",
+    "flat",
+]
+
+
+def main() -> None:
+    """Fit all tables and write the report."""
+    rows = []
+    for case in CASES:
+        values = {"count": 10, "reading_mm": 0.3, "scatter": 0.03, "flat_mm": 0.0} | case
+        inside, kept, half, named, flat = [], [], [], [], []
+        for seed in range(TABLES):
+            strips = readings(seed, Plastic(modulus_ratio=RATIO, kappa_bar_per_mm=KAPPA_BAR), **values)
+            fit = fit_strips(strips, flat_height_mm=values["flat_mm"] or 0.5)
+            ratio, kappa_bar = fit.ratio["paper"], fit.kappa_bar[None]
+            inside.append(ratio.low <= RATIO <= ratio.high)
+            kept.append(kappa_bar.low <= KAPPA_BAR <= kappa_bar.high)
+            half.append((ratio.high - ratio.low) / 2 / RATIO)
+            named.append(len(fit.left_out))
+            flat.append(np.mean([r.curvature_per_mm is None for r in strips]))
+        rows.append(
+            {
+                **values,
+                "tables": TABLES,
+                "inside_percent": 100 * float(np.mean(inside)),
+                "kappa_bar_inside_percent": 100 * float(np.mean(kept)),
+                "half_width_percent": 100 * float(np.median(half)),
+                "good_readings_left_out_per_table": float(np.mean(named)),
+                "flat_percent": 100 * float(np.mean(flat)),
+            }
+        )
+        print(rows[-1])
+    cells = [
+        [
+            f"4 x {row['count']}",
+            f"{row['reading_mm']:g}",
+            f"{100 * row['scatter']:g}",
+            f"{row['inside_percent']:.1f}",
+            f"{row['kappa_bar_inside_percent']:.1f}",
+            f"{row['half_width_percent']:.1f}",
+            f"{row['good_readings_left_out_per_table']:.3f}",
+            f"{row['flat_percent']:.0f} %",
+        ]
+        for row in rows
+    ]
+    write_report("strips", rows, markdown(HEADER, cells))
+
+
+if __name__ == "__main__":
+    main()
