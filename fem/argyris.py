@@ -65,7 +65,7 @@ class Argyris:
         self._lengths: Floats = np.sqrt((along**2).sum(axis=1))
         self.normals = np.column_stack([along[:, 1], -along[:, 0]]) / self._lengths[:, None]
         self._middles = 0.5 * (ends[0] + ends[1])
-        self.coefficients: Floats = np.linalg.inv(self._functionals())
+        self.coefficients = np.linalg.inv(self._functionals())
 
     def _functionals(self) -> Floats:
         """(T, 21, 21) dofs of the scaled monomials of every triangle."""
