@@ -17,9 +17,10 @@ import numpy as np
 import scipy.sparse as sp
 from skfem import MeshTri
 
-from fem.edge_rows import Floats, Ints, Rows, Space, edge_rows
+from fem.edge_rows import Rows, Space, edge_rows
 from fem.elimination import Contradiction, eliminate
 from fem.placement import Placement, flat
+from fem.tabulation import Floats, Ints
 
 
 class ConditionError(ValueError):

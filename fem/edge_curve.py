@@ -12,11 +12,9 @@ from collections import defaultdict
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from skfem import MeshTri
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.integer]
+from fem.tabulation import Floats, Ints
 
 
 @dataclass(frozen=True)

@@ -17,18 +17,15 @@ from typing import Protocol
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 from skfem import MeshTri
 
 from fem.edge_curve import EdgeCurve, edge_curve, left
 from fem.placement import Placement, flat
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.integer]
+from fem.tabulation import Evaluation, Floats, Ints, Tabulation
 
 
 class Space(Protocol):
-    """What conditions ask of a discretisation."""
+    """What conditions and loads ask of a discretisation."""
 
     mesh: MeshTri
     size: int
@@ -37,6 +34,10 @@ class Space(Protocol):
     degree: int
 
     def jets(self, triangles: Ints, points: Floats) -> tuple[Ints, Floats]: ...
+
+    def tabulate(self, order: int) -> Tabulation: ...
+
+    def locate(self, points: Floats) -> Evaluation: ...
 
 
 @dataclass(frozen=True)

@@ -6,12 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 from scipy.linalg import qr, solve_triangular
 from scipy.sparse.csgraph import connected_components
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.integer]
+from fem.tabulation import Floats, Ints
 
 DEPENDENT = 1e-9  # a pivot below this part of the largest one belongs to an equation that others imply
 
