@@ -10,9 +10,10 @@ from typing import Annotated, Any
 import typer
 
 from asterism import __version__
+from asterism.csv_cells import TableError
 from asterism.export_command import export, printers
 from asterism.strips.cli import app as strips
-from asterism.strips.errors import NoMaterial, StripsError
+from asterism.strips.errors import NoMaterial
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 
@@ -219,7 +220,7 @@ def main() -> None:
         status = app(standalone_mode=False)
     except _UsageError as error:
         _stop(error.format_message(), 2)  # type: ignore[attr-defined]
-    except (DesignError, MeshError, OutputError, BackendError, LawError, AddressError, StripsError, _Mistake) as error:
+    except (DesignError, MeshError, OutputError, BackendError, LawError, AddressError, TableError, _Mistake) as error:
         _stop(str(error), 2)
     except (CampaignError, NoMaterial) as error:
         _stop(str(error), 1)

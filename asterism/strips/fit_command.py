@@ -31,7 +31,7 @@ def fit(
 
     Raises
     ------
-    StripsError
+    TableError
         The table is wrong.
     NoMaterial
         The strips do not determine a material.

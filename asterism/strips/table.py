@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+from asterism.csv_cells import Row, TableError, read_rows
 from asterism.strips import arc
-from asterism.strips.cells import Row, read_rows
-from asterism.strips.errors import StripsError
 from asterism.strips.strip import Reading
 from pattern.stars import THICKNESS_MM
 
@@ -36,12 +35,12 @@ def read_strips(
 
     Raises
     ------
-    StripsError
+    TableError
         One line with file, row and column.
     """
     rows = read_rows(path, COLUMNS, ("strip", "thickness_mm", "length_mm"))
     if not rows:
-        raise StripsError(path, None, None, "has a header but no strips")
+        raise TableError(path, None, None, "has a header but no strips")
     seen: dict[str, int] = {}
     readings: list[Reading] = []
     for row in rows:
@@ -53,7 +52,7 @@ def read_strips(
         seen[name] = row.number
         readings += _readings(row, name, stretch, fabric_thickness_mm, outside)
     if not readings:
-        raise StripsError(path, None, None, "no strip has been measured yet: fill in the boxes or curvatures")
+        raise TableError(path, None, None, "no strip has been measured yet: fill in the boxes or curvatures")
     return readings
 
 

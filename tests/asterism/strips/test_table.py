@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from asterism.csv_cells import TableError
 from asterism.strips import arc
-from asterism.strips.errors import StripsError
 from asterism.strips.strip import Reading
 from asterism.strips.table import read_strips
 
@@ -117,7 +117,7 @@ def test_a_box_that_does_not_fit_its_strip(tmp_path: Path) -> None:
     ],
 )
 def test_mistakes_name_row_and_column(text: str | bytes, place: str, problem: str, tmp_path: Path) -> None:
-    with pytest.raises(StripsError) as caught:
+    with pytest.raises(TableError) as caught:
         read(tmp_path, text)
     line = str(caught.value)
     assert "\n" not in line and "strips.csv" in line
@@ -127,5 +127,5 @@ def test_mistakes_name_row_and_column(text: str | bytes, place: str, problem: st
 
 def test_files_that_are_not_there(tmp_path: Path) -> None:
     for path in (tmp_path / "none.csv", tmp_path):
-        with pytest.raises(StripsError, match="cannot be read"):
+        with pytest.raises(TableError, match="cannot be read"):
             read_strips(path)

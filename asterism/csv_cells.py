@@ -8,9 +8,20 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from asterism.strips.errors import StripsError
-
 LARGEST_BYTES = 2_000_000
+
+
+class TableError(ValueError):
+    """A table that cannot be read or used; `str` is one line with the file, its row and its column.
+
+    Parameters
+    ----------
+    row : as a spreadsheet counts, the header is row 1; None for the file as a whole.
+    """
+
+    def __init__(self, file: str | Path, row: int | None, column: str | None, problem: str):
+        place = [str(file), *([f"row {row}"] if row else []), *([f"column {column}"] if column else [])]
+        super().__init__("".join(c if c.isprintable() else " " for c in f"{', '.join(place)}: {problem}"))
 
 
 @dataclass(frozen=True)
@@ -21,9 +32,9 @@ class Row:
     number: int
     cells: dict[str, str]
 
-    def wrong(self, column: str | None, problem: str) -> StripsError:
+    def wrong(self, column: str | None, problem: str) -> TableError:
         """The mistake, with its place."""
-        return StripsError(self.file, self.number, column, problem)
+        return TableError(self.file, self.number, column, problem)
 
     def number_in(self, column: str, low: float, high: float, unit: str = "mm") -> float | None:
         """The number in a cell, None if it is empty."""
@@ -53,12 +64,12 @@ def read_rows(path: Path, known: tuple[str, ...], required: tuple[str, ...]) -> 
 
     Raises
     ------
-    StripsError
-        The file cannot be read, or its header is not that of a table of strips.
+    TableError
+        The file cannot be read, or its header is not as it should be.
     """
     lines = _lines(path)
     if not lines:
-        raise StripsError(path, None, None, "is empty; asterism strips new writes a table to fill in")
+        raise TableError(path, None, None, "is empty")
     first, head = lines[0]
     separator = max(",;\t", key=head.count)
     names = [name.strip() for name in next(csv.reader([head], delimiter=separator))]
@@ -66,12 +77,12 @@ def read_rows(path: Path, known: tuple[str, ...], required: tuple[str, ...]) -> 
         names.pop()
     for name in names:
         if name not in known:
-            raise StripsError(path, first, None, f"no column {name!r} is known; there are {', '.join(known)}")
+            raise TableError(path, first, None, f"no column {name!r} is known; there are {', '.join(known)}")
         if names.count(name) > 1:
-            raise StripsError(path, first, name, "is there twice")
+            raise TableError(path, first, name, "is there twice")
     for name in required:
         if name not in names:
-            raise StripsError(path, first, None, f"the column {name} is missing")
+            raise TableError(path, first, None, f"the column {name} is missing")
     rows = []
     for number, line in lines[1:]:
         texts = [text.strip() for text in next(csv.reader([line], delimiter=separator))]
@@ -81,7 +92,7 @@ def read_rows(path: Path, known: tuple[str, ...], required: tuple[str, ...]) -> 
             problem = f"{len(texts)} cells, but the header has {len(names)}"
             if separator == ",":
                 problem += "; write decimals with a point"
-            raise StripsError(path, number, None, problem)
+            raise TableError(path, number, None, problem)
         if any(texts):
             rows.append(Row(path, number, dict(zip(names, texts, strict=False))))
     return rows
@@ -94,15 +105,15 @@ def _lines(path: Path) -> list[tuple[int, str]]:
             raw = stream.read(LARGEST_BYTES + 1)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        raise StripsError(path, None, None, f"cannot be read: {reason.lower()}") from None
+        raise TableError(path, None, None, f"cannot be read: {reason.lower()}") from None
     if len(raw) > LARGEST_BYTES:
-        raise StripsError(path, None, None, f"is larger than {LARGEST_BYTES // 1_000_000} MB")
+        raise TableError(path, None, None, f"is larger than {LARGEST_BYTES // 1_000_000} MB")
     try:
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         row = raw[: error.start].count(b"\n") + 1
-        raise StripsError(path, row, None, "is not UTF-8 text; save the table as CSV (UTF-8)") from None
+        raise TableError(path, row, None, "is not UTF-8 text; save the table as CSV (UTF-8)") from None
     if "\0" in text:
-        raise StripsError(path, None, None, "is not text; save the table as CSV (UTF-8)")
+        raise TableError(path, None, None, "is not text; save the table as CSV (UTF-8)")
     numbered = enumerate(io.StringIO(text, newline=None), 1)
     return [(n, line.rstrip("\n")) for n, line in numbered if line.strip(" ,;\t\n") and not line.startswith("#")]
