@@ -1,0 +1,147 @@
+"""Everything that the files of one export are made from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import shapely
+
+from asterism.export.arm_regions import border_terrace, star_terraces
+from asterism.export.needles import Needle, needles
+from asterism.export.placement import placed
+from asterism.export.plastic import PlasticProfile
+from asterism.export.printer import Printer
+from asterism.export.rounded import choose, exact, rounded_layout, with_rounding
+from asterism.export.solid import Solid, Step, stack
+from asterism.export.strips_of_arms import Strip, strips
+from asterism.shape import Shape
+from pattern.build import layout
+from pattern.design import Design
+from pattern.errors import DesignError
+from pattern.layout import Floats, Layout
+from pattern.rounding import Rounding
+
+CHECK_SQUARE_MM = 100.0
+
+
+@dataclass(frozen=True)
+class Job:
+    """A design made ready for a printer.
+
+    Attributes
+    ----------
+    design : with the printer's rounding.
+    exact_plan, plan : its layout without and with rounding, in print coordinates.
+    arms : the pieces of all arms, about the stars' centres of `plan`.
+    shift : (2,) mm, the design's origin in sheet coordinates, whose origin is the middle of frame and bed.
+    stars, border : terraces of plastic in sheet coordinates; no border if it was not wanted or does not fit.
+    fabric_mm : thickness of the stretched fabric under the nozzle.
+    needles : in print coordinates.
+    shape : the sheet in space, if it is known.
+    """
+
+    design: Design
+    printer: Printer
+    plastic: PlasticProfile
+    rounding: Rounding
+    exact_plan: Layout
+    plan: Layout
+    arms: tuple[Strip, ...]
+    shift: Floats
+    stars: tuple[Step, ...]
+    border: Step | None
+    fabric_mm: float
+    needles: tuple[Needle, ...]
+    shape: Shape | None = None
+
+    @property
+    def z_offset_mm(self) -> float:
+        """Height of the fabric's surface above the bed."""
+        return self.printer.frame.plate_mm + self.fabric_mm
+
+    @property
+    def check_after_mm(self) -> tuple[float, float]:
+        """Sides of the check square on the stretched fabric."""
+        x, y = self.design.fabric.stretch_xy
+        return CHECK_SQUARE_MM * x, CHECK_SQUARE_MM * y
+
+    @cached_property
+    def solids(self) -> tuple[Solid, ...]:
+        """Stars and border line in the printer's coordinates, standing on z = 0."""
+        bed = np.asarray(self.printer.bed_centre_mm)
+        solids = [stack("stars", [_moved(step, bed) for step in self.stars])]
+        if self.border is not None:
+            solids.append(stack("border", [_moved(self.border, bed)]))
+        return tuple(solids)
+
+
+def prepare(
+    design: Design,
+    printer: Printer,
+    plastic: PlasticProfile,
+    *,
+    fabric_mm: float | None = None,
+    border: bool = True,
+    needle_spacing_mm: float = 20.0,
+    shape: Shape | None = None,
+) -> Job:
+    """Round a design for a printer and lay it on its bed.
+
+    Raises
+    ------
+    DesignError
+        It does not fit the bed or the frame, or its rounded arms run into each other.
+    """
+    exact_plan = layout(exact(design))
+    rounding = choose(exact_plan, printer)
+    rounded = with_rounding(design, rounding)
+    plan = rounded_layout(rounded, printer)
+    arms = tuple(strips(plan, rounding))
+    here = star_terraces(plan, arms)
+    shift = placed(plan, here, printer)
+    stars = tuple(_moved(step, shift) for step in here)
+    line = _moved(border_terrace(plan, here, rounding), shift) if border else None
+    if line is not None and not _within_bed(line, printer):
+        line = None
+    if shape is not None:
+        _check_same_sheet(plan, shape)
+    return Job(
+        design=rounded,
+        printer=printer,
+        plastic=plastic,
+        rounding=rounding,
+        exact_plan=exact_plan,
+        plan=plan,
+        arms=arms,
+        shift=shift,
+        stars=stars,
+        border=line,
+        fabric_mm=design.fabric.thickness_mm if fabric_mm is None else fabric_mm,
+        needles=needles(plan, needle_spacing_mm, shape),
+        shape=shape,
+    )
+
+
+def _moved(step: Step, by: Floats) -> Step:
+    if not by.any():
+        return step
+    return Step(step.height_mm, shapely.transform(step.region, lambda points: points + by))
+
+
+def _within_bed(step: Step, printer: Printer) -> bool:
+    low, high = np.reshape(shapely.bounds(step.region), (2, 2))
+    return bool((high <= np.asarray(printer.bed_mm) / 2).all() and (low >= -np.asarray(printer.bed_mm) / 2).all())
+
+
+def _check_same_sheet(plan: Layout, shape: Shape) -> None:
+    """Refuse a shape of another sheet: its printed outline or its stars are not those of the layout."""
+    box = np.array([plan.border.min(axis=0), plan.border.max(axis=0)])
+    other = np.array([shape.printed.min(axis=0), shape.printed.max(axis=0)])
+    if np.abs(box - other).max() > 1e-3:
+        sides = [" x ".join(f"{side:.1f}" for side in sizes) for sizes in (np.ptp(box, axis=0), np.ptp(other, axis=0))]
+        raise DesignError("--shape", f"must be of this design, printed on {sides[0]} mm", f"a sheet of {sides[1]} mm")
+    if len(shape.star_vertices) != len(plan.centres):
+        stars = f"{len(shape.star_vertices)} stars"
+        raise DesignError("--shape", f"must be of this design with its {len(plan.centres)} stars", stars)

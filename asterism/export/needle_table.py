@@ -1,0 +1,21 @@
+"""The needles as a table for spreadsheets."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+from asterism.export.needles import Needle
+
+COLUMNS = ("number", "printed_x_mm", "printed_y_mm", "x_mm", "y_mm", "z_mm", "slides", "step")
+
+
+def write(path: Path, needles: tuple[Needle, ...]) -> None:
+    """Write needles, a line each; places in space that are not known are empty."""
+    with path.open("w", encoding="utf-8", newline="") as stream:
+        table = csv.writer(stream, lineterminator="\n")
+        table.writerow(COLUMNS)
+        for needle in needles:
+            place = ("", "", "") if needle.place is None else tuple(f"{value:.3f}" for value in needle.place)
+            printed = tuple(f"{value:.3f}" for value in needle.printed)
+            table.writerow((needle.number, *printed, *place, needle.slides, needle.step))

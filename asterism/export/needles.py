@@ -1,0 +1,73 @@
+"""Needles: where they go through the sheet, and where they stand."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from asterism.shape import Shape
+from pattern.layout import Floats, Layout, PinSet
+
+
+@dataclass(frozen=True)
+class Needle:
+    """One needle.
+
+    Attributes
+    ----------
+    number : from 1, as in all drawings.
+    printed : (2,) mm, in print coordinates.
+    place : (3,) mm in space; None if the sheet slides there and no shape says where to.
+    slides : `z` or `plane` where the sheet is free to slide, otherwise empty.
+    step : the design's step at which it is set.
+    """
+
+    number: int
+    printed: Floats
+    place: Floats | None
+    slides: str
+    step: int
+
+
+def needles(plan: Layout, spacing_mm: float, shape: Shape | None = None) -> tuple[Needle, ...]:
+    """Needles at all pins of a layout; held edges get some at most `spacing_mm` apart, their corners included.
+
+    A place comes from the design where the sheet is held, and from `shape` where it slides.
+    """
+    found: list[Needle] = []
+    for pins in plan.pins:
+        corners = {corner % len(plan.border) for edge in pins.edges for corner in (edge, edge + 1)}
+        along = [_inner_points(plan.border, edge, spacing_mm) for edge in pins.edges]
+        printed = np.concatenate([pins.points.reshape(-1, 2), plan.border[sorted(corners)], *along])
+        places = _places(pins, printed, shape)
+        for k, point in enumerate(printed):
+            # edges of two sets may share a corner
+            if all(np.linalg.norm(point - needle.printed) > 1e-6 for needle in found):
+                place = None if places is None else places[k]
+                found.append(Needle(len(found) + 1, point, place, _slides(pins), pins.step))
+    return tuple(found)
+
+
+def _inner_points(border: Floats, edge: int, spacing_mm: float) -> Floats:
+    """Equally spaced points on an edge without its ends."""
+    a, b = border[edge], border[(edge + 1) % len(border)]
+    pieces = max(math.ceil(float(np.linalg.norm(b - a)) / spacing_mm - 1e-9), 1)
+    return a + np.arange(1, pieces)[:, None] / pieces * (b - a)
+
+
+def _places(pins: PinSet, printed: Floats, shape: Shape | None) -> Floats | None:
+    """(n, 3) where the printed points stand in space; None if that is not known."""
+    held = np.array(pins.fixed)
+    if held.all():
+        return pins.places(printed)
+    if shape is None:
+        return None
+    return np.where(held, pins.places(printed), shape.at(printed))
+
+
+def _slides(pins: PinSet) -> str:
+    if all(pins.fixed):
+        return ""
+    return "z" if pins.fixed[0] else "plane"

@@ -1,0 +1,33 @@
+"""The stars as a table of numbers, as scripts of solid modellers hold it: change a number, and the star changes."""
+
+from __future__ import annotations
+
+import math
+
+from asterism.export.job import Job
+
+HEADING = "x, y of the centre; for every piece of an arm its angle (deg), begin, end, width there and there, height"
+
+
+def star_table(job: Job) -> list[tuple[tuple[float, float], list[tuple[float, ...]]]]:
+    """For every star its centre in the printer's coordinates, and its strips: angle, begin, end, widths, height."""
+    offset = job.shift + job.printer.bed_centre_mm
+    table: list[tuple[tuple[float, float], list[tuple[float, ...]]]] = [
+        ((float(x), float(y)), []) for x, y in job.plan.centres + offset
+    ]
+    for strip in job.arms:
+        angle = math.degrees(math.atan2(strip.direction[1], strip.direction[0]))
+        sizes = (strip.begin_mm, strip.end_mm, strip.begin_width_mm, strip.end_width_mm, strip.height_mm)
+        table[strip.star][1].append((angle, *map(float, sizes)))
+    return table
+
+
+def number(value: float) -> str:
+    """Up to six digits after the point, as OpenSCAD and Lua read them."""
+    text = f"{value:.6f}".rstrip("0").rstrip(".")
+    return "0" if text == "-0" else text
+
+
+def comment(text: str) -> str:
+    """One line that stays a comment, whatever a design's name contains."""
+    return "".join(sign if sign.isprintable() else " " for sign in text)

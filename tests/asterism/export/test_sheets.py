@@ -1,0 +1,164 @@
+"""The sheets are to scale: measured on the rendered PDF and SVG, and in the DXF."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+
+from asterism.export import dxf, pdf, sheets, svg
+from asterism.export.drawing import Drawing, Line
+from asterism.export.job import Job
+from tests.asterism.export import measure
+from tests.asterism.export.jobs import design, job
+
+pytest.importorskip("pypdfium2")
+SAME_MM = 0.01
+
+
+@pytest.fixture(scope="module")
+def one() -> Job:
+    # seven letters beyond Latin 1, so that fonts matter; 1.35 along x and 1.3 along y
+    return job(design(name="Kuppel Ω <&> ß"))
+
+
+@pytest.fixture(scope="module")
+def folder(one: Job, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("sheets")
+    template = sheets.needle_sheet(one)
+    assert template is not None
+    pages = [sheets.layout_sheet(one), sheets.stretch_sheet(one), template]
+    pdf.write(path / "layout.pdf", pages)
+    svg.write(path / "layout.svg", pages[0])
+    dxf.write(path / "layout.dxf", pages[0])
+    dxf.write(path / "needles.dxf", template)
+    return path
+
+
+def middle(drawing: Drawing) -> tuple[float, float]:
+    """The middle of the frame, from the lower left of the page."""
+    return float(-drawing.low[0]), float(-drawing.low[1])
+
+
+@pytest.mark.parametrize("page", [0, 1])
+def test_the_check_square_on_the_rendered_pdf(one: Job, folder: Path, page: int) -> None:
+    """10 cm before stretching, 10 cm times the stretch of each direction after."""
+    x, y = middle(sheets.layout_sheet(one))
+    # bands of a few dashes beside the middle; the alignment marks are elsewhere
+    across, (scale_x, _) = measure.pdf_band(folder / "layout.pdf", page, (x - 90, y + 20), (x + 90, y + 32), 24.0)
+    upwards, (_, scale_y) = measure.pdf_band(folder / "layout.pdf", page, (x + 20, y - 90), (x + 32, y + 90), 24.0)
+    for band, scale, stretch in ((across, scale_x, 1.35), (np.swapaxes(upwards, 0, 1), scale_y, 1.3)):
+        places = np.array(measure.lines_mm(measure.orange(band), scale))
+        assert len(places) == 4
+        assert places[2] - places[1] == pytest.approx(100.0, abs=SAME_MM)
+        assert places[3] - places[0] == pytest.approx(100.0 * stretch, abs=SAME_MM)
+        # about the middle of the frame, but for the whole pixels at which the band begins
+        assert places.mean() == pytest.approx(90.0, abs=2 / scale)
+
+
+def test_pages_are_a3_with_the_papers_frame(folder: Path) -> None:
+    for page in range(3):
+        assert measure.pdf_size_mm(folder / "layout.pdf", page) == pytest.approx((420.0, 297.0), abs=SAME_MM)
+
+
+def test_pages_grow_with_the_frame(tmp_path: Path) -> None:
+    large = job(printer={"frame": {"size_mm": [400.0, 350.0], "plate_mm": 4.0}})
+    pdf.write(tmp_path / "a.pdf", [sheets.layout_sheet(large)])
+    assert measure.pdf_size_mm(tmp_path / "a.pdf", 0) == pytest.approx((560.0, 387.0), abs=SAME_MM)
+
+
+def test_the_check_square_on_the_rendered_svg(one: Job, folder: Path) -> None:
+    pytest.importorskip("resvg_py")
+    scale = 254 / 25.4
+    image = measure.svg_pixels(folder / "layout.svg", scale)
+    assert image.shape[:2] == (2970, 4200)  # 297 x 420 mm at ten pixels a millimetre
+    x, y = middle(sheets.layout_sheet(one))
+    rows = slice(int((297 - y - 32) * scale), int((297 - y - 20) * scale))
+    places = np.array(
+        measure.lines_mm(measure.orange(image[rows, int((x - 90) * scale) : int((x + 90) * scale)]), scale)
+    )
+    assert len(places) == 4
+    assert places[2] - places[1] == pytest.approx(100.0, abs=SAME_MM)
+    assert places[3] - places[0] == pytest.approx(135.0, abs=SAME_MM)
+
+
+def test_dxf_is_sound_and_in_millimetres(one: Job, folder: Path) -> None:
+    """Without $INSUNITS = 4 a laser cutter may take the numbers for inches."""
+    import ezdxf
+
+    for name in ("layout.dxf", "needles.dxf"):
+        document = ezdxf.readfile(folder / name)
+        audit = document.audit()
+        assert not audit.errors and not audit.fixes
+        assert document.header["$INSUNITS"] == 4 and document.header["$MEASUREMENT"] == 1
+        text = (folder / name).read_text(encoding="utf-8")
+        assert "$INSUNITS\n 70\n4\n" in text
+        assert all(entity.dxf.layer in document.layers for entity in document.modelspace())
+
+
+def test_dxf_has_the_right_sizes_on_the_right_layers(one: Job, folder: Path) -> None:
+    import ezdxf
+
+    space = ezdxf.readfile(folder / "layout.dxf").modelspace()
+
+    def outlines(layer: str) -> list[np.ndarray]:
+        found = [line for line in space.query("LWPOLYLINE") if line.dxf.layer == layer and line.closed]
+        return [np.array([point[:2] for point in line.get_points()]) for line in found]
+
+    sizes = {
+        "frame": (260.0, 260.0),
+        "printable-area": (223.0, 223.0),
+        "check-before-stretching": (100.0, 100.0),
+        "check-after-stretching": (135.0, 130.0),
+    }
+    for layer, size in sizes.items():
+        (outline,) = outlines(layer)
+        assert np.ptp(outline, axis=0) == pytest.approx(size, abs=SAME_MM)
+        assert outline.mean(axis=0) == pytest.approx((0.0, 0.0), abs=SAME_MM)
+    (cut,) = outlines("cut")
+    assert cut == pytest.approx(one.plan.border, abs=SAME_MM)
+    stars = sum(shapely.Polygon(outline).area for outline in outlines("stars"))
+    assert stars == pytest.approx(one.stars[0].region.area, rel=1e-6)
+    needles = [circle.dxf.center for circle in space.query("CIRCLE") if circle.dxf.layer == "needles"]
+    assert np.array(needles)[:, :2] == pytest.approx(np.array([n.printed for n in one.needles]), abs=SAME_MM)
+
+
+def test_the_drilling_template_has_the_needles_in_space(one: Job, folder: Path) -> None:
+    import ezdxf
+
+    space = ezdxf.readfile(folder / "needles.dxf").modelspace()
+    holes = np.array([circle.dxf.center for circle in space.query("CIRCLE")])[:, :2]
+    places = np.array([needle.place for needle in one.needles])[:, :2]
+    assert holes == pytest.approx(places, abs=SAME_MM)
+    # two edges of the hexagon, held at .8 of their printed place
+    assert places == pytest.approx(0.8 * np.array([n.printed for n in one.needles]))
+
+
+def test_svg_is_in_millimetres_and_survives_any_name(one: Job, folder: Path) -> None:
+    from xml.etree import ElementTree
+
+    root = ElementTree.parse(folder / "layout.svg").getroot()
+    assert (root.get("width"), root.get("height"), root.get("viewBox")) == ("420mm", "297mm", "0 0 420 297")
+    groups = {group.get("id") for group in root.iter("{http://www.w3.org/2000/svg}g")}
+    assert {"cut", "stars", "frame", "check-after-stretching", "needles"} <= groups
+    texts = [text.text for text in root.iter("{http://www.w3.org/2000/svg}text")]
+    assert one.design.name in texts
+
+
+def test_a_free_sheet_needs_no_template() -> None:
+    assert sheets.needle_sheet(job(design(pins=[]))) is None
+
+
+def test_everything_is_on_its_page(one: Job) -> None:
+    template = sheets.needle_sheet(one)
+    assert template is not None
+    for drawing in (sheets.layout_sheet(one), sheets.stretch_sheet(one), template):
+        for item in drawing.items:
+            points = (
+                item.points
+                if isinstance(item, Line)
+                else np.atleast_2d(getattr(item, "at", getattr(item, "centre", 0)))
+            )
+            assert (points >= drawing.low).all() and (points <= drawing.high).all()
