@@ -1,4 +1,4 @@
-"""Rigid motions of a state, and dofs that stop them."""
+"""Rigid motions of a state."""
 
 from __future__ import annotations
 
@@ -33,14 +33,3 @@ def rigid_motions(state: State, edges: Array, held: Array, free: Array) -> Array
 def rigid_modes(state: State, edges: Array, held: Array, free: Array) -> Array:
     """(free, k) the same, orthonormal."""
     return np.linalg.qr(rigid_motions(state, edges, held, free))[0]
-
-
-def independent_dofs(motions: Array) -> Array:
-    """(k,) rows of motions (free, k) in which they differ the most: holding these stops all of them (3-2-1)."""
-    left = motions.copy()
-    chosen = np.empty(motions.shape[1], dtype=np.int64)
-    for k in range(len(chosen)):  # Gram-Schmidt on the rows, the longest first
-        chosen[k] = np.argmax((left**2).sum(axis=1))
-        along = left[chosen[k]] / np.linalg.norm(left[chosen[k]])
-        left -= np.outer(left @ along, along)
-    return chosen

@@ -7,10 +7,11 @@ from collections.abc import Callable
 import numpy as np
 
 from discrete.elements import Array, Elements
-from discrete.rigid import independent_dofs, rigid_modes, rigid_motions
+from discrete.rigid import rigid_modes, rigid_motions
 from discrete.state import State, carried
 from equilibrium.factor import Factor, make_solver
 from equilibrium.sparse_pattern import SparsePattern
+from equilibrium.support import independent_dofs
 
 PIECE = 8192  # elements whose Hessians are in memory, and in the processor's cache, at a time
 

@@ -12,11 +12,11 @@ import scipy.sparse as sp
 from discrete.elements import Array, Elements
 from discrete.hinges import Hinges, paper_coefficients
 from discrete.model import Model
-from discrete.rigid import independent_dofs
 from discrete.state import State, carried, tangents
 from discrete.system import System
 from equilibrium.factor import Factor
 from equilibrium.sparse_pattern import SparsePattern
+from equilibrium.support import independent_dofs
 from homogenize.images import ImageElements, Images
 from homogenize.torus import STEPS, Torus, torus_mesh
 from pattern.design import Design
