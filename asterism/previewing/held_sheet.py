@@ -1,0 +1,68 @@
+"""A design's pins as conditions of the shell, and its weight as a load."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+from skfem import MeshTri
+
+from asterism.previewing.sheet_mesh import SheetMesh
+from fem.conditions import Condition, HeldEdge, HeldPoints, vertices_at
+from fem.placement import affine
+from pattern.design import Design
+from pattern.layout import Floats, Ints, Layout, PinSet
+
+
+def held_points(layout: Layout) -> Floats:
+    """(n, 2) mm, all single points that are held."""
+    return np.concatenate([np.empty((0, 2)), *(np.reshape(pin.points, (-1, 2)) for pin in layout.pins)])
+
+
+def held_sides(layout: Layout) -> list[tuple[int, ...]]:
+    """Sides of the border that are held, by pin."""
+    return [pin.edges for pin in layout.pins if pin.edges]
+
+
+def conditions(layout: Layout, sheet: SheetMesh, mesh: MeshTri, step: int) -> list[Condition]:
+    """What holds the shell once the pins up to `step` have taken hold; `mesh` is that of `sheet`."""
+    found: list[Condition] = []
+    facets = _facets(mesh, sheet.rim)
+    for number, pin in enumerate(layout.pins):
+        if pin.step > step:
+            continue
+        directions, name = np.eye(3)[list(pin.fixed)], f"pins[{number}]"
+        if len(pin.points):
+            places = _places(pin)
+            found.append(HeldPoints(vertices_at(mesh, pin.points), places, directions, name))
+        if pin.edges:
+            placement = affine(pin.scale * np.eye(3)[:, :2], pin.offset_mm)
+            found.append(HeldEdge(facets[np.isin(sheet.side, pin.edges)], placement, directions, name=name))
+    return found
+
+
+def _places(pin: PinSet) -> Floats:
+    return pin.places(np.reshape(pin.points, (-1, 2)))
+
+
+def _facets(mesh: MeshTri, pairs: Ints) -> Ints:
+    """Numbers of the mesh's edges between pairs (R, 2) of its points."""
+    size = mesh.nvertices
+    low, high = np.sort(mesh.facets, axis=0)
+    codes = low * size + high
+    order = np.argsort(codes)
+    low, high = np.sort(pairs, axis=1).T
+    return order[np.searchsorted(codes[order], low * size + high)]
+
+
+def weight(design: Design, layout: Layout, weights: sp.csr_matrix) -> Floats:
+    """(n, 3) N per printed mm^2 where stars count with weights (n, S); zero without gravity."""
+    gravity, fabric, plastic = design.gravity, design.fabric, design.plastic
+    if not gravity.on:
+        return np.zeros((weights.shape[0], 3))
+    # kg/m^3 times mm is 1e-9 kg/mm^2; an arm's section is that of its middle
+    section = (layout.arm_thickness * layout.arm_width).mean(axis=1)
+    volume = np.bincount(layout.arm_star, section * layout.arm_length, len(layout.centres))
+    cell = abs(np.linalg.det(layout.lattice_vectors))
+    mass = 1e-9 * (fabric.density_kg_m3 * fabric.thickness_mm + plastic.density_kg_m3 * (weights @ volume) / cell)
+    direction = np.asarray(gravity.direction, dtype=float)
+    return mass[:, None] * gravity.acceleration_m_s2 * direction / np.linalg.norm(direction)

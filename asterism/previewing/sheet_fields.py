@@ -1,0 +1,58 @@
+"""The fields of a shell that stands for a sheet of stars.
+
+Where stars share a place (`asterism.previewing.star_cells`), logarithms of contraction and stiffnesses are averaged,
+and curvatures, as they are. With contraction `lam` and natural curvature `kappa` of a place, in printed coordinates:
+
+    a_r = lam^2 I                            the metric at rest,
+    b_r = -kappa lam^2 / (1 + nu) I          the curvature at rest,
+    D = bending / lam^4,  c = c3 / lam^6     per printed curvature; c of the energy c Re[((b11 - b22)/2 + i b12)^3].
+
+**Sign.** With the normal `x_1 x x_2`, upwards on the print, the second fundamental form `b = n . hess x` of a sheet
+whose edges go down is negative; `kappa` is positive there. **Factor.** An isotropic plate with rest curvature `c I` in
+both directions rolls to a tube of curvature `(1 + nu) c`, and gains `D ((1 + nu) c)^2 / 2` on the way. The law's
+`kappa` is the tube's, and its `bending` is defined by that gain. **Powers of lam.** The law's curvatures are those of
+the contracted sheet; a tube of radius r has `b = lam^2/r` per printed length squared. **Sixfold.**
+`b = -kappa lam^2 t t^T` has `Re[...] = -(kappa lam^2)^3 cos(6 phi)/8` for t at the angle phi to the x axis. The law's
+`c3` is `4 (psi_0 - psi_30)/kappa^3`, with angles from y: phi = 90 and 120 degrees, where cos(6 phi) is -1 and 1.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+
+from asterism.previewing.star_values import StarValues
+from fem.density import Density, isotropic
+from fem.fields import Fields
+from pattern.layout import Floats
+
+# Poisson's ratio of bending: it shapes no tube, and caps only a little
+POISSON = 0.2
+# saturation over the natural curvature's `|(b11 - b22)/2 + i b12|`, and the least one, per mm
+BEYOND, LEAST = 3.0, 1e-3
+_LOGS = ("lam_n", "bending", "a11")
+_PLAIN = ("kappa", "a12", "c3")
+
+
+def sheet_fields(
+    weights: sp.csr_matrix, values: StarValues, shape: tuple[int, ...], poisson: float = POISSON
+) -> Fields:
+    """The fields at places where stars count with weights (n, S), bare fabric with what is missing to 1.
+
+    `shape`: of the arrays, (T, Q) with n = T Q. The sixfold term is larger by what its saturation takes away from it at
+    the natural curvature.
+    """
+
+    def mean(of: Floats) -> Floats:
+        return np.asarray(of[-1] + weights @ (of[:-1] - of[-1])).reshape(shape)
+
+    lam, bending, a11 = (np.exp(mean(np.log(values.value[name]))) for name in _LOGS)
+    kappa, a12, c3 = (mean(values.value[name]) for name in _PLAIN)
+    square, zero = lam**2, np.zeros(shape)
+    bend = -kappa * square / (1.0 + poisson)
+    density = Density(
+        stiffness=isotropic(a11, bending / lam**4, a12 / a11, poisson),
+        sixfold=(1.0 + 1.0 / BEYOND**2) * c3 / lam**6,
+        saturation=np.maximum(BEYOND * 0.5 * np.abs(kappa) * square, LEAST),
+    )
+    return Fields(density, np.stack([square, square, zero], axis=-1), np.stack([bend, bend, zero], axis=-1))

@@ -1,0 +1,100 @@
+"""How much each star has a say at a place of the sheet: its cell, smoothed.
+
+The cell of a star are the places nearer to it than to any other site of its lattice, on the sheet. What no star's cell
+covers is bare fabric: the rim, and sites without a star. A shell on coarse triangles needs fields without jumps, so
+every place takes the mean over its neighbourhood with the weights `exp(-r^2/(2 w^2))` of a Gaussian, counting only what
+is on the sheet.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+import shapely
+from scipy.spatial import cKDTree
+
+from equilibrium.compiled import loop
+from pattern.lattice import Lattice
+from pattern.layout import Floats, Ints, Layout
+
+# width of the Gaussian over the spacing of the stars: a cell's own standard deviation is .26 of it
+WIDTH = 0.25
+# grid points per spacing, and where the Gaussian ends, in widths
+FINENESS, REACH = 20, 3.0
+# stars that may share a place
+MOST = 24
+# weight of a place off the sheet: only in tongues narrower than the grid does it count
+OFF = 1e-6
+
+
+class StarCells:
+    """The smoothed cells of a layout's stars.
+
+    Parameters
+    ----------
+    width : of the Gaussian, over the spacing of the stars.
+
+    Attributes
+    ----------
+    width_mm : of the Gaussian.
+    """
+
+    def __init__(self, layout: Layout, lattice: Lattice, width: float = WIDTH) -> None:
+        self.width_mm = width * lattice.spacing_mm
+        self._stars = len(layout.centres)
+        self._step = min(lattice.spacing_mm / FINENESS, self.width_mm / 1.5)
+        self._reach = int(np.ceil(REACH * self.width_mm / self._step))
+        margin = (self._reach + 1) * self._step
+        low, high = layout.border.min(axis=0) - margin, layout.border.max(axis=0) + margin
+        self._origin = low
+        counts = np.ceil((high - low) / self._step).astype(int) + 1
+        grid = low + self._step * np.stack(np.meshgrid(*map(np.arange, counts), indexing="ij"), axis=-1)
+        self._owner = _owners(grid.reshape(-1, 2), layout, lattice).reshape(counts)
+        sheet = shapely.polygons(layout.border)
+        shapely.prepare(sheet)
+        self._count = np.where(shapely.contains_xy(sheet, grid.reshape(-1, 2)), 1.0, OFF).reshape(counts)
+
+    def weights(self, points: Floats) -> sp.csr_matrix:
+        """(n, S) share of each star at printed points (n, 2) mm; what is missing to 1 is bare fabric."""
+        place = (np.asarray(points, dtype=float) - self._origin) / self._step
+        star, share = np.full((len(place), MOST), -1), np.zeros((len(place), MOST))
+        _gather(place, self._owner, self._count, self._reach, self._step / self.width_mm, star, share)
+        row = np.broadcast_to(np.arange(len(place))[:, None], star.shape)
+        kept = (star >= 0) & (star < self._stars)
+        return sp.csr_matrix((share[kept], (row[kept], star[kept])), shape=(len(place), self._stars))
+
+
+@loop
+def _gather(place, owner, count, reach, step, star, share):  # type: ignore[no-untyped-def]
+    """star and share (n, MOST): who owns the grid around each place (n, 2), by the Gaussian's weight."""
+    size = 2 * reach + 1
+    along = np.empty((2, size))
+    for p in range(place.shape[0]):
+        first = np.empty(2, dtype=np.int64)
+        for a in range(2):
+            nearest = int(np.rint(place[p, a]))
+            first[a] = min(max(nearest, reach), owner.shape[a] - reach - 1) - reach
+            for k in range(size):
+                along[a, k] = np.exp(-0.5 * ((first[a] + k - place[p, a]) * step) ** 2)
+        total = 0.0
+        for i in range(size):
+            for j in range(size):
+                weight = along[0, i] * along[1, j] * count[first[0] + i, first[1] + j]
+                who = owner[first[0] + i, first[1] + j]
+                total += weight
+                for k in range(star.shape[1]):
+                    if star[p, k] == who or star[p, k] < 0:
+                        star[p, k] = who
+                        share[p, k] += weight
+                        break
+        for k in range(star.shape[1]):
+            share[p, k] /= total
+
+
+def _owners(points: Floats, layout: Layout, lattice: Lattice) -> Ints:
+    """(n,) the star whose cell holds each point, S for bare fabric."""
+    low, high = points.min(axis=0) - lattice.spacing_mm, points.max(axis=0) + lattice.spacing_mm
+    sites = lattice.place(lattice.cells_within(low, high))
+    star = np.full(len(sites), len(layout.centres))
+    star[cKDTree(sites).query(layout.centres)[1]] = np.arange(len(layout.centres))
+    return star[cKDTree(sites).query(points)[1]]

@@ -1,0 +1,83 @@
+"""What the law says of a layout's stars, and what it refuses."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from homogenize.errors import LawError
+from homogenize.law import NAMES, Law
+from pattern.design import Design
+from pattern.layout import Floats, Layout
+
+
+@dataclass(frozen=True)
+class StarValues:
+    """The law at S stars and at the bare fabric.
+
+    Attributes
+    ----------
+    value : for each of the law's quantities (S + 1,); the last is the bare fabric's.
+    relief : (S + 1, W) mm, amplitudes of the law's waves.
+    sizes : (S, 3) mm, length, thickness and width that the law was asked for.
+    outside : one line for each star beyond the law's range; it counts as the nearest star in the range.
+    tight : stars whose sheet would curl to less than two thirds of their distance.
+    """
+
+    value: dict[str, Floats]
+    relief: Floats
+    sizes: Floats
+    outside: tuple[str, ...]
+    tight: tuple[int, ...]
+
+
+def star_sizes(layout: Layout, arms: int) -> Floats:
+    """(S, 3) mm, mean length, thickness and width of each star's arms; arms that were cut away count as length 0."""
+    star, count = layout.arm_star, len(layout.centres)
+    length = np.bincount(star, layout.arm_length, count) / arms
+    share = layout.arm_length / (arms * length[star])
+    thickness, width = (
+        np.bincount(star, share * ends.mean(axis=1), count) for ends in (layout.arm_thickness, layout.arm_width)
+    )
+    return np.column_stack([length, thickness, width])
+
+
+def star_values(design: Design, layout: Layout, law: Law) -> StarValues:
+    """The law at every star of a design.
+
+    Raises
+    ------
+    LawError
+        The law is for another material, stretch or lattice, or asks for something impossible at a star.
+    """
+    table = law.check(design)
+    sizes = star_sizes(layout, design.lattice.arms)
+    asked = np.vstack([sizes, [0.0, *np.mean(sizes[:, 1:], axis=0)]])
+    found = law.evaluate(design, *asked.T)
+    where = [f"at [{x:.1f}, {y:.1f}]" for x, y in layout.centres]
+    for star, place in enumerate(where):
+        _check(star, place, {name: float(found.value[name][star]) for name in NAMES})
+    outside = tuple(_placed(line, where) for line in found.outside)
+    tight = tuple(int(star) for star in np.flatnonzero(found.tight[:-1]))
+    return StarValues(found.value, table.relief(*asked.T), sizes, outside, tight)
+
+
+def _placed(line: str, where: Sequence[str]) -> str:
+    """The law's words on a star, with its place."""
+    head, text = line.split(": ", 1)
+    return f"{head} {where[int(head.split()[1])]}: {text}"
+
+
+def _check(star: int, place: str, value: dict[str, float]) -> None:
+    """Refuse what no sheet can do, whatever file the law comes from."""
+    allowed = {
+        "lam_n": (0.0 < value["lam_n"] <= 1.0, "a contraction above 0 and up to 1"),
+        "kappa": (np.isfinite(value["kappa"]), "a finite natural curvature"),
+        "bending": (0.0 < value["bending"] < np.inf, "a positive bending stiffness"),
+        "a11": (abs(value["a12"]) < value["a11"] < np.inf, "a positive membrane stiffness"),
+    }
+    for name, (fine, what) in allowed.items():
+        if not fine:
+            raise LawError(f"star {star} {place}: the law's {name} = {value[name]:.4g}, a sheet needs {what}")

@@ -1,0 +1,73 @@
+"""Shares of the stars: they add up, follow the cells, and end at the rim."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from asterism.previewing.star_cells import StarCells
+from pattern import gallery
+from pattern.build import layout
+from pattern.design import Design
+
+TUBE = gallery.load("tube")
+PLAN = layout(TUBE)
+
+
+def test_a_star_rules_its_own_centre() -> None:
+    weights = StarCells(PLAN, TUBE.lattice).weights(PLAN.centres).toarray()
+    # a Gaussian of a quarter of the spacing has more than .9 of its weight in a circle of half the spacing
+    assert np.diag(weights)[:7] == pytest.approx(0.89, abs=0.02)
+    assert (weights.argmax(axis=1) == np.arange(len(PLAN.centres))).all()
+
+
+def test_a_wide_rim_is_bare() -> None:
+    data = TUBE.to_dict()
+    data["border"] = {"rectangle_mm": [140.0, 140.0], "star_margin_mm": 40.0}
+    design = Design.from_dict(data)
+    plan = layout(design)
+    cells = StarCells(plan, design.lattice)
+    x = np.linspace(0.0, 70.0, 200)
+    share = cells.weights(np.column_stack([x, np.zeros(200)])).toarray().sum(axis=1)
+    assert (np.diff(share) < 1e-9).all()
+    outermost = plan.centres[:, 0].max() + design.lattice.spacing_mm
+    assert share[0] == pytest.approx(1.0)
+    assert (share[x > outermost + 3 * cells.width_mm] == 0.0).all()
+
+
+def test_inside_the_shares_add_up_and_have_no_jumps() -> None:
+    cells = StarCells(PLAN, TUBE.lattice)
+    line = np.column_stack([np.linspace(-20, 20, 2001), np.zeros(2001)])
+    weights = cells.weights(line).toarray()
+    assert weights.sum(axis=1) == pytest.approx(1.0)
+    assert np.abs(np.diff(weights, axis=0)).max() < 0.01
+    # equal neighbours have equal shares half way between them
+    middle = cells.weights(PLAN.centres[PLAN.neighbours].mean(axis=1)[:6]).toarray()
+    top = np.sort(middle, axis=1)[:, -2:]
+    assert top[:, 0] == pytest.approx(top[:, 1], abs=0.03)
+
+
+def test_a_narrow_kernel_gives_the_cells_themselves() -> None:
+    points = np.random.default_rng(0).uniform(-30, 30, (300, 2))
+    weights = StarCells(PLAN, TUBE.lattice, width=0.005).weights(points).toarray()
+    nearest = np.linalg.norm(points[:, None] - PLAN.centres[None], axis=2).argmin(axis=1)
+    assert np.mean(weights.argmax(axis=1) == nearest) > 0.97
+
+
+def test_a_removed_star_is_bare_fabric() -> None:
+    data = TUBE.to_dict()
+    data["stars"]["override"] = [{"star": 0, "remove": True}]
+    design = Design.from_dict(data)
+    plan = layout(design)
+    assert len(plan.centres) == len(PLAN.centres) - 1
+    share = StarCells(plan, design.lattice).weights(np.zeros((1, 2))).sum()
+    assert share < 0.3
+
+
+def test_a_tongue_narrower_than_the_grid_has_an_answer() -> None:
+    data = TUBE.to_dict()
+    tongue = [[-30, -30], [30, -30], [30, -0.2], [60, -0.2], [60, 0.2], [30, 0.2], [30, 30], [-30, 30]]
+    data["border"] = {"polygon_mm": tongue}
+    design = Design.from_dict(data)
+    weights = StarCells(layout(design), design.lattice).weights(np.array([[55.0, 0.0]]))
+    assert 0.0 <= weights.sum() <= 1.0
