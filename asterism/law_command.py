@@ -7,13 +7,14 @@ from pathlib import Path
 
 from asterism.calibrate_command import summary
 from asterism.files import staged
+from asterism.law_cells import law_cells
 from asterism.law_picture import draw_law
 from asterism.law_table import law_table
 from homogenize.law_file import PAPER, load_law
 
 
 def show(path: Path | None, output: Path | None) -> list[str]:
-    """Write law.png and summary.json, and return the lines to print.
+    """Write law.png, cells.csv and summary.json, and return the lines to print.
 
     Raises
     ------
@@ -24,5 +25,6 @@ def show(path: Path | None, output: Path | None) -> list[str]:
     directory = output or (Path("paper-law") if path is None else path.with_suffix(""))
     with staged(directory) as folder:
         draw_law(law, folder / "law.png")
+        (folder / "cells.csv").write_text(law_cells(law), encoding="utf-8")
         (folder / "summary.json").write_text(json.dumps(summary(law), indent=1) + "\n", encoding="utf-8")
-    return [*law_table(law), f"{directory}: law.png, summary.json"]
+    return [*law_table(law), f"{directory}: law.png, cells.csv, summary.json"]

@@ -46,7 +46,7 @@ def draw_law(law: Law, path_or_file: str | Path | IO[bytes]) -> None:
     title = f"{law.material.name}: the law of the sheet"
     figure.text(0.012, 1 - 0.35 / height, title, fontsize=14, weight="bold", color=INK, parse_math=False)
     note = f"{len(law.samples)} cells, mesh edges of {law.edge_mm:g} mm"
-    note += "; dots are cells, curves the law, dotted where no cell has an answer"
+    note += "; dots are cells, curves the law, dotted where a sheet curls too tightly for it, or no cell has an answer"
     figure.text(0.012, 1 - 0.6 / height, note, fontsize=9, color=PALE)
     figure.savefig(path_or_file, format="png", dpi=100)
 
@@ -60,8 +60,9 @@ def _curves(axes: Axes, table: Table, name: str) -> None:
         colour = colormaps["viridis"](0.9 * j / max(len(thicknesses) - 1, 1))
         found = table(many, h, widths[middle])
         value = found.value[name]
-        axes.plot(many, np.where(found.inside, value, np.nan), color=colour, linewidth=1.3, label=f"{h:g} mm")
-        axes.plot(many, np.where(found.inside, np.nan, value), color=colour, linewidth=0.8, linestyle=":")
+        stated = found.inside & ~found.tight
+        axes.plot(many, np.where(stated, value, np.nan), color=colour, linewidth=1.3, label=f"{h:g} mm")
+        axes.plot(many, np.where(stated, np.nan, value), color=colour, linewidth=0.8, linestyle=":")
         good = table.good[:, j, middle]
         nodes = table.nodes[good, j, middle, NAMES.index(name)]
         axes.plot(lengths[good], nodes, "o", color=colour, markersize=3)
@@ -73,7 +74,7 @@ def _curves(axes: Axes, table: Table, name: str) -> None:
 def _errors(axes: Axes, residuals: dict[str, Any]) -> None:
     """Every held-out cell as a dot, the median and the root mean square as bars."""
     entry = residuals["held_out"]
-    cells = [cell for cell in entry["cells"] if cell["inside"]]
+    cells = [cell for cell in entry["cells"] if cell["inside"] and not cell["tight"]]
     for x, name in enumerate(NAMES):
         errors = [max(abs(cell["error_percent"][name]), 1e-3) for cell in cells]
         axes.plot([x - 0.2] * len(errors), errors, "o", color="#2a6f97", markersize=3, alpha=0.6)

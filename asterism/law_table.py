@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 
+from asterism.law_cells import stable
 from homogenize.law import NAMES, Law, Table
 
 COLUMNS = ("lam", "lam_n", "kappa", "bending", "a11", "a12", "c3", "offset_mm")
@@ -14,7 +15,7 @@ def law_table(law: Law) -> list[str]:
     lines = []
     for table in law.tables:
         lines += ["", *_values(table), *_errors(law, table)]
-    return [*_head(law), *lines, *_problems(law)]
+    return [*_head(law), *lines, *_branches(law), *_problems(law)]
 
 
 def _head(law: Law) -> list[str]:
@@ -44,7 +45,8 @@ def _values(table: Table) -> list[str]:
                 f"{v['lam']:.4f}   {v['lam_n']:.4f}     {v['kappa']:8.5f} {v['bending']:7.3f} {v['a11']:9.3f} "
                 f"{v['a12']:9.3f} {v['c3']:9.3f} {v['offset_mm']:10.3f}"
             )
-            lines.append(f"  {length:6.2f} {h:6.3f}  " + (numbers if found.inside[0] else "no answer"))
+            mark = "  tight" if found.tight[0] else ""
+            lines.append(f"  {length:6.2f} {h:6.3f}  " + (numbers + mark if found.inside[0] else "no answer"))
     return lines
 
 
@@ -53,6 +55,8 @@ def _errors(law: Law, table: Table) -> list[str]:
     for kind, entry in law.residuals[f"{table.stretch:g}"].items():
         errors = entry["errors"]
         title = f"  {kind.replace('_', ' ')}, {entry['count']} cells; error in % of the cell's value"
+        if entry.get("tight", {}).get("count"):
+            title += f"; {entry['tight']['count']} more are tight"
         lines += ["", title + ("" if errors else ": none"), *([f"  {'':11} median    rms  largest"] if errors else [])]
         for name in NAMES if errors else ():
             e = errors[name]
@@ -60,6 +64,22 @@ def _errors(law: Law, table: Table) -> list[str]:
                 f"    {name:<10} {e['median_percent']:5.2f} {e['rms_percent']:6.2f} {e['largest_percent']:8.2f}"
             )
     return lines
+
+
+def _branches(law: Law) -> list[str]:
+    """Counts of what cells.csv says of every cell."""
+    found = [s["sample"] for s in law.samples if s["problem"] is None and s["length_mm"] > 0]
+    if not found:
+        return []
+    many = len(found)
+    flat = sum(one["supercell_eigenvalue"] > 0 for one in found)
+    return [
+        "",
+        f"  natural tubes that are stable, with 2 x 2 stars free to differ: {sum(map(stable, found))} of {many} cells",
+        f"  flat sheets that are: {flat}; stars that can stay down there: "
+        f"{sum(one['down_energy'] is not None for one in found)}",
+        f"  flat stiffness, distance from isotropic: at most {max(one['anisotropy'] for one in found):.1e}",
+    ]
 
 
 def _problems(law: Law) -> list[str]:

@@ -230,6 +230,7 @@ class Plate(Elements):
     printed : (V, 2) mm; any affine image of the rest shape gives the same curvatures.
     thickness, modulus, poisson : mm, MPa, 1.
     shrink : rest area over printed area.
+    around : (R, 3) triangles around those, which bend them but have no energy of their own.
     """
 
     formulas = (plate_energy, plate_gradient, plate_hessian)
@@ -244,8 +245,9 @@ class Plate(Elements):
         poisson: float,
         shrink: float = 1.0,
         compiled: bool = True,
+        around: Array | None = None,
     ) -> None:
-        patch = patches(triangles, printed)
+        patch = patches(triangles, printed, around)
         stiffness = modulus * thickness**3 / (24.0 * (1.0 - poisson**2))
         self._printed = stiffness * patch.area
         count = len(triangles)

@@ -41,16 +41,17 @@ class Patches:
     area: Array
 
 
-def patches(triangles: Array, points: Array) -> Patches:
-    """Patches of counterclockwise triangles (T, 3) on points (V, 2)."""
+def patches(triangles: Array, points: Array, around: Array | None = None) -> Patches:
+    """Patches of counterclockwise triangles (T, 3) on points (V, 2); more triangles (R, 3) may lie around them."""
+    every = triangles if around is None else np.concatenate([triangles, around])
     first, area = _gradients(points[triangles])
     products = _products(first)
-    others = _apexes(triangles)
+    others = _apexes(every)[: len(triangles)]
     second, gain = _second(points, triangles, first, products, area, np.where(others < 0, 0, others))
     gain[(others < 0).any(axis=1)] = np.inf
-    around = _around(triangles)
+    near = _around(every)
     for t in np.flatnonzero(~(gain < LARGEST_GAIN)):
-        for trios in _trios(triangles[t], others[t], around):
+        for trios in _trios(triangles[t], others[t], near):
             one = np.full(len(trios), t)
             choice, gains = _second(points, triangles[one], first[one], products[one], area[one], trios)
             if len(trios) and np.isfinite(gains).any():

@@ -10,8 +10,10 @@ import numpy as np
 import scipy.sparse as sp
 
 from discrete.elements import Array, Elements
-from discrete.hinges import Hinges, paper_coefficients
+from discrete.hinges import Hinges, fold_coefficients, paper_coefficients
 from discrete.model import Model
+from discrete.plate import Plate
+from discrete.plate_patch import patches
 from discrete.state import State, carried, tangents
 from discrete.system import System
 from equilibrium.factor import Factor
@@ -234,10 +236,13 @@ def _rows(part: Elements, rows: slice) -> Elements:
 def _inner_first(torus: Torus) -> Torus:
     """The same mesh, with the elements in front whose points are all base points."""
 
-    def sort(vertices: Array) -> Array:
-        return vertices[np.argsort((vertices >= torus.n_base).any(axis=1), kind="stable")]
+    def order(vertices: Array) -> Array:
+        return np.argsort((vertices >= torus.n_base).any(axis=1), kind="stable")
 
-    return replace(torus, triangles=sort(torus.triangles), hinges=sort(torus.hinges))
+    reach = torus.triangles
+    if len(torus.around):  # triangles bend with their neighbours
+        reach = patches(torus.triangles, torus.points, torus.around).vertices
+    return replace(torus, triangles=torus.triangles[order(reach)], hinges=torus.hinges[order(torus.hinges)])
 
 
 def _star_torus(design: Design, edge_mm: float, repeat: tuple[int, int], segments: int | None) -> Torus:
@@ -248,9 +253,9 @@ def _star_torus(design: Design, edge_mm: float, repeat: tuple[int, int], segment
     if not (match.max(axis=1) > 1.0 - 1e-9).all():
         raise ValueError("the arms do not lie on lattice lines: a cell needs them there")
     length = constant(design, "length_mm")
-    if length == 0.0:
-        return torus_mesh(vectors, np.empty(0, dtype=np.int64), np.empty(0), edge_mm, repeat)
-    return torus_mesh(vectors, match.argmax(axis=1), np.full(lattice.arms, length), edge_mm, repeat, segments)
+    arms, directions = (lattice.arms, match.argmax(axis=1)) if length else (0, np.empty(0, dtype=np.int64))
+    surrounded = design.fabric.bending == "consistent"
+    return torus_mesh(vectors, directions, np.full(arms, length), edge_mm, repeat, segments, surrounded)
 
 
 def constant(design: Design, name: str) -> float:
@@ -265,8 +270,6 @@ def constant(design: Design, name: str) -> float:
 
 def _unfolded_model(design: Design, torus: Torus, printed: Array) -> Model:
     """The exact model on the unfolded points, its hinges those of the closed mesh."""
-    if design.fabric.bending == "consistent":
-        raise ValueError('fabric.bending = "consistent" is not available in a cell, only "paper" and "none"')
     if design.gravity.on:
         raise ValueError("a cell has no weight: an endless sheet would fall")
     centres = printed[torus.star_vertices]
@@ -285,11 +288,16 @@ def _unfolded_model(design: Design, torus: Torus, printed: Array) -> Model:
         lattice_origin=np.zeros(2),
     )
     mesh = Mesh(printed, torus.triangles, torus.rods, torus.star_vertices, np.empty(0, dtype=np.int64), (), "aligned")
-    model = Model(design, layout, mesh)
-    if design.fabric.bending == "paper":
-        fabric = design.fabric
-        sheet = (fabric.thickness_mm, fabric.modulus_mpa, fabric.poisson)
+    fabric = design.fabric
+    sheet = (fabric.thickness_mm, fabric.modulus_mpa, fabric.poisson)
+    limp = design.model_copy(update={"fabric": fabric.model_copy(update={"bending": "none"})})
+    model = Model(limp, layout, mesh)
+    if fabric.bending == "paper":
         model.parts["hinges"] = Hinges(torus.hinges, paper_coefficients(torus.hinges, printed, *sheet))
+    if fabric.bending == "consistent":
+        model.parts["plate"] = Plate(torus.triangles, printed, *sheet, around=torus.around)
+        model.parts["folds"] = Hinges(torus.hinges, 0.0, fold=fold_coefficients(torus.hinges, printed, *sheet))
+        model.set_release(1.0)
     return model
 
 

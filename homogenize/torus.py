@@ -30,6 +30,7 @@ class Torus:
     base : (U,) the base point of each.
     image : (U, 2) how many cell vectors A1 and A2 lie between them.
     triangles : (T, 3) counterclockwise, one of each class of images.
+    around : (R, 3) the images of triangles that share an edge with those.
     hinges : (H, 4) edge, left apex and right apex, one of each class.
     rods : vertex paths of the arms from the star's centre, each star in one piece.
     star_vertices : (S,).
@@ -40,6 +41,7 @@ class Torus:
     base: Ints
     image: Ints
     triangles: Ints
+    around: Ints
     hinges: Ints
     rods: tuple[Ints, ...]
     arm_star: Ints
@@ -61,6 +63,7 @@ def torus_mesh(
     edge_mm: float,
     repeat: tuple[int, int] = (1, 1),
     segments: int | None = None,
+    surrounded: bool = False,
 ) -> Torus:
     """Mesh of `repeat` cells with equal stars.
 
@@ -71,6 +74,7 @@ def torus_mesh(
     lengths : (N,) mm, up to the distance to the next star in that direction.
     edge_mm : of the grid, about.
     segments : edges of every arm; the nearest number to its length by default.
+    surrounded : with the triangles around, whose points are then unfolded too.
 
     Raises
     ------
@@ -91,6 +95,7 @@ def torus_mesh(
 
     lower = np.column_stack([at(0, 0), at(1, 0), at(0, 1)])
     upper = np.column_stack([at(1, 0), at(1, 1), at(0, 1)])
+    triangles = np.concatenate([lower, upper])
     hinges = np.concatenate(
         [
             np.column_stack([at(0, 0), at(1, 0), at(0, 1), at(1, -1)]),
@@ -107,13 +112,19 @@ def torus_mesh(
             rods.append(numbering(si + along * di, sj + along * dj))
             owner.append(number)
     centres = np.array([int(numbering(np.array([a]), np.array([b]))[0]) for a, b in stars])
+    around = np.empty((0, 3), dtype=np.int64)
+    if surrounded:
+        near = [[(-1, 1), (0, 0), (0, 1)], [(1, -1), (1, 0), (0, 0)], [(1, 0), (2, 0), (1, 1)]]
+        near.append([(0, 1), (1, 1), (0, 2)])
+        around = _others(np.concatenate([np.column_stack([at(*step) for step in three]) for three in near]), triangles)
     base, image = numbering.unfolded()
     cell = lattice_vectors * np.array(repeat)[:, None]
     return Torus(
         points=moved[base] + image @ cell,
         base=base,
         image=image,
-        triangles=np.concatenate([lower, upper]),
+        triangles=triangles,
+        around=around,
         hinges=hinges,
         rods=tuple(rods),
         arm_star=np.array(owner, dtype=np.int64),
@@ -121,6 +132,13 @@ def torus_mesh(
         cell_vectors=cell,
         n_base=n * m,
     )
+
+
+def _others(some: Ints, known: Ints) -> Ints:
+    """Those of some triangles, each once, that are not among the known ones."""
+    every = np.concatenate([known, some])
+    first = np.unique(np.sort(every, axis=1), axis=0, return_index=True)[1]
+    return every[np.sort(first[first >= len(known)])]
 
 
 def divisions(lattice_vectors: Floats, edge_mm: float) -> int:

@@ -56,9 +56,10 @@ def test_hessian_by_differences_of_the_energy(bumpy):
 
 
 @KINDS
-def test_hessian_is_the_slope_of_the_gradient(tube):
+@pytest.mark.parametrize("bending", ["paper", "consistent"])
+def test_hessian_is_the_slope_of_the_gradient(tube, bending):
     """Without rods there is no holonomy: every entry can be compared."""
-    cell = Cell(design(0.0), EDGE)
+    cell = Cell(design(0.0, fabric={"bending": bending}), EDGE)
     state = cell.printed_state()
     if tube:
         sheet = Unrolled(state.positions, state.directors, 1.0)
@@ -199,8 +200,28 @@ def test_cells_that_cannot_be_are_refused():
         Cell(design(lattice={"arms": 4}), EDGE)
     with pytest.raises(ValueError, match="length_mm must be a number"):
         Cell(design(stars={"length_mm": {"formula": "4 + 0.1*r"}}), EDGE)
-    with pytest.raises(ValueError, match="consistent"):
-        Cell(design(fabric={"bending": "consistent"}), EDGE)
+    with pytest.raises(ValueError, match="weight"):
+        Cell(design(gravity={"on": True}, fabric={"modulus_mpa": 7.0}), EDGE)
+
+
+def test_triangles_that_bend_with_their_neighbours_repeat_too():
+    """Consistent bending of a distorted mesh: the supercell's energy is four times the cell's, whatever its state."""
+    fabric = {"fabric": {"bending": "consistent"}}
+    one, four = (Cell(design(9.0, 0.4, **fabric), EDGE, repeat=(n, n)) for n in (1, 2))
+    assert len(one.parts["plate of images"]) and len(one.model.parts["plate"]) == len(one.torus.triangles)
+    k = round(np.sqrt(one.torus.n_base))
+    i, j = (index.ravel() for index in np.indices((2 * k, 2 * k)))
+    state = shaken(one, one.printed_state(), 0.2)
+    base, images = state.positions[: k * k], state.positions[k * k :]
+    lattice = np.column_stack([i // k, j // k])
+    positions = np.vstack([base[(i % k) * k + j % k] + lattice @ images, 2.0 * images])
+    whole = State(positions, np.tile(state.directors, (4, 1)))
+    for name in ("plate", "folds"):
+        single, all_four = (
+            sum(part.energies(at.packed).sum() for part_name, part in cell.parts.items() if part_name.startswith(name))
+            for cell, at in ((one, state), (four, whole))
+        )
+        assert single > 0.0 and all_four == pytest.approx(4.0 * single, rel=1e-12)
 
 
 def test_directors_stay_orthogonal():

@@ -41,6 +41,17 @@ def test_bare_fabric(edge):
     assert bare.sixfold == 0.0
 
 
+def test_bare_fabric_that_bends_as_a_plate():
+    """Both constants of the plate, which the paper's hinges do not have."""
+    bare = respond(design(0.0, fabric={"bending": "consistent"}), EDGE, (0.2,))
+    assert bare.lam == pytest.approx(1.0 / STRETCH, abs=1e-8)
+    plate = (
+        MODULUS * THICK**3 / (12.0 * (1.0 - POISSON**2)) * np.array([[1, POISSON, 0], [POISSON, 1, 0], [0, 0, 0.35]])
+    )
+    np.testing.assert_allclose(bare.stiffness[3:, 3:], plate * STRETCH**2, atol=2e-5 * plate.max())
+    np.testing.assert_allclose(bare.bending, plate[0, 0] / STRETCH**2, rtol=1e-3)
+
+
 @pytest.mark.parametrize(("length", "thickness"), [(10.0, 0.4), (10.0, 0.6), (7.0, 0.3)])
 def test_three_arms_make_isotropic_linear_responses(length, thickness):
     found = sample(length, thickness)

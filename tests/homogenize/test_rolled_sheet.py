@@ -1,0 +1,131 @@
+"""What natural tubes say beyond their curvature: membrane stiffness, relief; and the mean of two meshes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from homogenize.arm_segments import arm_segments
+from homogenize.isotropy import isotropic, off_isotropic
+from homogenize.objective import linear_response
+from homogenize.relief import Waves
+from homogenize.rolled_membrane import rolled_membrane
+from homogenize.rolling import heights, roll, unrolled_flat
+from homogenize.sample import respond
+from pattern.lattice import Lattice
+from tests.homogenize.cells import EDGE, design, relaxed
+
+SPACING = 10.0 * np.sqrt(3.0)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.3, np.pi / 6])
+@pytest.mark.parametrize("length", [0.0, 10.0])
+def test_membrane_of_hardly_curved_tubes_is_that_of_the_flat_cell(length: float, angle: float) -> None:
+    cell, flat = relaxed(length, 0.6)
+    expected = linear_response(cell, flat)
+    moment = abs(expected.moment).max() / flat.stretch**2  # a fixed moment's share
+    found = rolled_membrane(cell, roll(cell, unrolled_flat(flat, angle), 1e-5, angle))
+    np.testing.assert_allclose(found, expected.stiffness[:3, :3], atol=1e-4 * found.max() + 1e-3 * moment)
+
+
+def test_membrane_of_a_tube_says_what_a_dead_pull_does() -> None:
+    """Equilibria of the tube pulled along its axis, its radius free: stretch and radius follow the compliance."""
+    cell, flat = relaxed(10.0, 0.4)
+    tube = roll(cell, unrolled_flat(flat, 0.2), 0.04, 0.2)
+    turn = np.array(  # Voigt strains in the tube's axes of those in the print's
+        [_strain(cell.turn @ form @ cell.turn.T) for form in ([[1, 0], [0, 0]], [[0, 0], [0, 1]], [[0, 0.5], [0.5, 0]])]
+    ).T
+    compliance = turn @ np.linalg.inv(rolled_membrane(cell, tube)) @ turn.T
+    n, pull = cell.torus.n_base, 1e-3
+    along = cell.turn[0] @ np.linalg.inv(cell.cell_vectors)
+    ends = []
+    for sign in (1.0, -1.0):
+        force = np.zeros(3 * (n + 2) + len(cell.edges))
+        force[3 * n : 3 * (n + 2) : 3] = sign * pull * cell.area * tube.axial * along
+        state = tube.state
+        for _ in range(4):
+            low = cell.pattern.lower(cell.hessian(state, 0.0)).toarray()
+            step = np.linalg.solve(low + np.tril(low, -1).T, force[cell.free] - cell.gradient(state))
+            state = cell.path(state, step)[0](1.0)
+        assert np.abs(cell.gradient(state) - force[cell.free]).max() < 1e-8
+        radius = cell.weights @ np.hypot(*state.positions[:n, 1:].T)
+        ends.append([along @ state.positions[n:, 0], radius * tube.curvature])
+    slopes = (np.array(ends[0]) - ends[1]) / (2.0 * pull)
+    expected = [compliance[0, 0] / tube.axial, compliance[1, 0] / tube.hoop]
+    np.testing.assert_allclose(slopes, expected, rtol=1e-4)
+
+
+def _strain(form: np.ndarray) -> list[float]:
+    return [form[0, 0], form[1, 1], 2.0 * form[0, 1]]
+
+
+@given(st.lists(st.floats(-2.0, 2.0), min_size=12, max_size=12), st.integers(0, 5))
+@settings(max_examples=20, deadline=None)
+def test_reliefs_are_found_again_and_have_the_symmetry_of_the_star(amplitudes: list[float], turns: int) -> None:
+    waves = Waves.of(Lattice())
+    cell = relaxed(10.0, 0.4, 1.44)[0]
+    offsets = cell.printed[: cell.torus.n_base] - cell.printed[cell.torus.star_vertices[0]]
+    field = waves(offsets) @ amplitudes
+    found = waves.amplitudes(offsets, field, cell.weights)
+    np.testing.assert_allclose(waves(offsets) @ found, field - cell.weights @ field, atol=0.05)
+    angle = 2.0 * np.pi * turns / 3.0
+    rotation = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    np.testing.assert_allclose(waves(offsets @ rotation.T), waves(offsets), atol=1e-12)
+    np.testing.assert_allclose(waves(offsets + np.asarray(Lattice().vectors)[0]), waves(offsets), atol=1e-9)
+
+
+@pytest.mark.parametrize(("arms", "kind"), [(3, "triangular"), (6, "triangular"), (4, "square")])
+def test_waves_are_orthogonal_over_a_cell(arms: int, kind: str) -> None:
+    """On a fine grid of the lattice: no mean, none counted twice, none missing up to the longest."""
+    lattice = Lattice.model_validate({"arms": arms, "kind": kind})
+    waves = Waves.of(lattice)
+    grid = np.stack(np.meshgrid(np.arange(24), np.arange(24)), axis=-1).reshape(-1, 2) / 24.0
+    values = waves(grid @ np.asarray(lattice.vectors))
+    assert np.abs(values.mean(axis=0)).max() < 1e-12
+    gram = values.T @ values / len(values)
+    assert np.abs(gram - np.diag(np.diag(gram))).max() < 1e-12 and np.diag(gram).min() > 0.01
+    assert len(waves) == {(3, "triangular"): 12, (6, "triangular"): 6, (4, "square"): 7}[arms, kind]
+
+
+def test_the_relief_of_a_sample_is_near_its_tubes() -> None:
+    found = respond(design(10.0, 0.4), 1.44)
+    waves = Waves.of(Lattice())
+    cell, flat = relaxed(10.0, 0.4, 1.44)
+    curvature = float(found.natural_print_curvature.mean())
+    tube = roll(cell, unrolled_flat(flat, 0.0), curvature, 0.0)
+    offsets = cell.printed[: cell.torus.n_base] - cell.printed[cell.torus.star_vertices[0]]
+    real, smooth = heights(cell, tube), waves(offsets) @ found.relief
+    rms = np.sqrt(cell.weights @ real**2)
+    assert np.sqrt(cell.weights @ (real - smooth) ** 2) < 0.6 * rms
+    assert (waves(np.zeros((1, 2))) @ found.relief)[0] == pytest.approx(found.natural_centre_offset_mm.mean(), rel=0.05)
+
+
+def test_arms_between_two_numbers_of_edges_are_cut_in_both() -> None:
+    edge = SPACING / 9
+    assert arm_segments(design(5.0 * edge, 0.4), edge) == ((5, 1.0),)
+    (low, weight), (high, other) = arm_segments(design(5.3 * edge, 0.4), edge)
+    assert (low, high) == (5, 6) and weight == pytest.approx(0.7) and weight + other == pytest.approx(1.0)
+    assert arm_segments(design(1.5, 0.4), edge) == ((1, 1.0),)
+    assert arm_segments(design(SPACING, 0.4), edge) == ((9, 1.0),)
+    assert arm_segments(design(8.5 * edge, 0.4), edge) == ((8, 1.0),)
+    assert arm_segments(design(4.5 * edge, 0.4, lattice={"arms": 6}), edge) == ((4, 1.0),)
+
+
+def test_responses_do_not_jump_where_the_number_of_edges_changes() -> None:
+    edge = SPACING / 6
+    below, at, above = (respond(design(part * edge, 0.4), EDGE) for part in (2.997, 3.0, 3.003))
+    assert [len(found.segments) for found in (below, at, above)] == [2, 1, 2]
+    for name in ("lam", "natural_curvature", "bending", "natural_membrane", "relief"):
+        one, middle, other = (np.asarray(getattr(found, name)) for found in (below, at, above))
+        scale = np.abs(middle).max()
+        np.testing.assert_allclose(0.5 * (one + other), middle, atol=2e-3 * scale, err_msg=name)
+        np.testing.assert_allclose(one, other, atol=0.03 * scale, err_msg=name)
+
+
+def test_the_nearest_isotropic_tensor() -> None:
+    plane = np.array([[3.0, 1.0, 0.0], [1.0, 3.0, 0.0], [0.0, 0.0, 1.0]])
+    assert isotropic(plane) == pytest.approx((3.0, 1.0)) and off_isotropic(plane) < 1e-15
+    stiffer = plane + np.diag([1.0, 0.0, 0.0])
+    assert isotropic(stiffer) == pytest.approx((3.375, 1.125)) and 0.1 < off_isotropic(stiffer) < 0.3
