@@ -76,6 +76,29 @@ class Assembly:
         )
         return data
 
+    def gather(self, matrix: sp.csr_matrix) -> Floats:
+        """(nnz,) of a symmetric matrix (3 N, 3 N); its entries must be in the pattern.
+
+        Raises
+        ------
+        ValueError
+            An entry is not in the pattern.
+        """
+        low = sp.tril(matrix).tocoo()
+        column, dof = low.col // 3, low.row // 3
+        place = self._place(column, dof)
+        entry = self.pattern.indptr[low.col] + 3 * place - low.col % 3 + low.row % 3
+        entry[place == 0] = (self.pattern.indptr[low.col] + low.row - low.col)[place == 0]
+        return np.bincount(entry, low.data, self.pattern.nnz).astype(float)
+
+    def _place(self, column: Ints, row: Ints) -> Ints:
+        """Number of a scalar entry within its column."""
+        wanted = column.astype(np.int64) * self.size + row
+        found = np.minimum(np.searchsorted(self._keys, wanted), len(self._keys) - 1)
+        if (self._keys[found] != wanted).any():
+            raise ValueError("the matrix couples dofs of triangles that share no stencil")
+        return found - self._starts[column]
+
     def spread(self, matrix: sp.csr_matrix) -> Floats:
         """(nnz,) of a symmetric scalar matrix (N, N) that acts on every component alike, its entries in the pattern.
 
@@ -85,11 +108,7 @@ class Assembly:
             An entry is not in the pattern.
         """
         low = sp.tril(matrix).tocoo()
-        wanted = low.col.astype(np.int64) * self.size + low.row
-        found = np.minimum(np.searchsorted(self._keys, wanted), len(self._keys) - 1)
-        if (self._keys[found] != wanted).any():
-            raise ValueError("the matrix couples dofs of triangles that share no stencil")
-        place = found - self._starts[low.col]
+        place = self._place(low.col, low.row)
         data = np.zeros(self.pattern.nnz)
         for d in range(3):
             data[self.pattern.indptr[3 * low.col + d] + 3 * place] += low.data

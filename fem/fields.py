@@ -1,0 +1,93 @@
+"""What the sheet wants to be: rest metric, rest curvature and stiffness over the printed domain."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fem.density import Density
+from fem.tabulation import Floats
+
+Field = ArrayLike | Callable[[Floats], ArrayLike]
+
+
+class FieldError(ValueError):
+    """A field that no sheet can have; one line with place and value."""
+
+
+@dataclass(frozen=True)
+class Fields:
+    """Each is constant, an array over the quadrature points, or a function of the printed points (T, Q, 2) mm.
+
+    Attributes
+    ----------
+    density : energy per printed area.
+    metric : (..., 3) rest metric `a_11, a_22, a_12`; the printed one if nothing is said.
+    curvature : (..., 3) rest curvature `b_11, b_22, b_12` per mm. With the normal `x_1 x x_2` a positive one lifts the
+        edges towards +z. A sheet that is to have the curvature kappa once it has contracted has `b = kappa a`.
+    """
+
+    density: Density | Callable[[Floats], Density]
+    metric: Field = (1.0, 1.0, 0.0)
+    curvature: Field = (0.0, 0.0, 0.0)
+
+    def rest(self, points: Floats) -> Floats:
+        """(T, Q, 6) of `(a/2, b)` at rest, in the components of the strains.
+
+        Raises
+        ------
+        FieldError
+            A field is not finite, or the metric is not positive definite.
+        """
+        a = _at(self.metric, points, "rest metric")
+        b = _at(self.curvature, points, "rest curvature")
+        least = np.minimum(a[..., 0], a[..., 0] * a[..., 1] - a[..., 2] ** 2)
+        if least.min() <= 0.0:
+            where = np.unravel_index(least.argmin(), least.shape)
+            raise FieldError(f"rest metric at {_place(points[where])}: {_row(a[where])} is not positive definite")
+        return np.concatenate([0.5 * a[..., :2], a[..., 2:], b[..., :2], 2.0 * b[..., 2:]], axis=-1)
+
+    def densities(self, points: Floats) -> Density:
+        """The density at these points."""
+        return (
+            self.density(points) if callable(self.density) and not isinstance(self.density, Density) else self.density
+        )
+
+
+def of_stretch(density: Density | Callable[[Floats], Density], stretch: Field, curvature: Field = 0.0) -> Fields:
+    """Isotropic fields: lengths become `stretch` times the printed ones, with the curvature `curvature` per mm."""
+
+    def metric(points: Floats) -> Floats:
+        square = _scalar(stretch, points) ** 2
+        return np.stack([square, square, np.zeros_like(square)], axis=-1)
+
+    def bend(points: Floats) -> Floats:
+        return _scalar(curvature, points)[..., None] * metric(points)
+
+    return Fields(density, metric, bend)
+
+
+def _scalar(field: Field, points: Floats) -> Floats:
+    values = field(points) if callable(field) else field
+    return np.broadcast_to(np.asarray(values, dtype=float), points.shape[:-1])
+
+
+def _at(field: Field, points: Floats, name: str) -> Floats:
+    values = np.asarray(field(points) if callable(field) else field, dtype=float)
+    values = np.broadcast_to(values, (*points.shape[:-1], 3))
+    lost = ~np.isfinite(values).all(axis=-1)
+    if lost.any():
+        where = np.unravel_index(lost.argmax(), lost.shape)
+        raise FieldError(f"{name} at {_place(points[where])}: {_row(values[where])} is not finite")
+    return values
+
+
+def _place(point: Floats) -> str:
+    return f"({point[0]:.4g}, {point[1]:.4g}) mm"
+
+
+def _row(values: Floats) -> str:
+    return "(" + ", ".join(f"{value:.4g}" for value in values) + ")"

@@ -1,0 +1,109 @@
+"""Newton's method with mixed integration points (Magisano, Leonetti and Garcea 2017).
+
+The strains `eps` at the quadrature points iterate as unknowns of their own, and with them the stress S(eps): a step d
+solves
+
+    (B' A B + S : e'') d = -B' [S + A (e(x) - eps)],    eps <- e(x) + B d,
+
+where A and S belong to eps, B and e'' to x. Large rotations enter e(x) at second order in d but not eps, so the steps
+of a thin sheet are not spoilt by membrane stresses that are not there, and a handful suffices.
+
+The method finds stationary points; whether one is a minimum is asked afterwards. Where the matrix is not positive
+definite a part of the flat sheet's stiffness is added to it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from equilibrium.factor import Factor
+from equilibrium.newton import STOP, Clock
+from fem.shell import Shell
+from fem.tabulation import Floats
+
+FIRST_SHIFT = 1e-2  # part of the flat stiffness added to a matrix that is not positive definite
+LAST_SHIFT = 1e4
+FAR = 0.5  # of the sheet's size: a step beyond it is shortened
+
+
+@dataclass
+class Mixed:
+    """Where the iteration stopped.
+
+    Attributes
+    ----------
+    x : (N, 3).
+    strains : (T, Q, 6) those that iterate; at the end the sheet's own.
+    residual : 2-norm over the free unknowns of the gradient at x, N.
+    converged : it is below the tolerance.
+    shifted : iterations whose matrix was not positive definite.
+    history : the residuals.
+    """
+
+    x: Floats
+    strains: Floats
+    residual: float
+    converged: bool
+    iterations: int
+    factorisations: int
+    shifted: int
+    history: list[float] = field(default_factory=list)
+    seconds: dict[str, float] = field(default_factory=dict)
+
+
+def mixed_newton(
+    shell: Shell,
+    x: Floats,
+    factor: Factor,
+    tolerance: float,
+    strains: Floats | None = None,
+    max_iterations: int = 40,
+) -> Mixed:
+    """A stationary point near x (N, 3), which meets the conditions.
+
+    `strains` (T, Q, 6) that go with x; by default none, which is the better start where x is a guess.
+    """
+    clock = Clock()
+    eps = np.zeros((*shell.assembly.weights.shape, 6)) if strains is None else strains
+    found = Mixed(x, eps, np.inf, False, 0, 0, 0, seconds=clock.seconds)
+    size = float(np.ptp(shell.flat, axis=0).max())
+    shift = 0.0
+    for number in range(max_iterations + 1):
+        e = clock("strains", shell.strains, found.x)
+        _, stress, stiffness = clock("law", shell.density, found.strains)
+        outer = shell.outer_forces(found.x)
+        ahead = stress + np.matmul(stiffness, (e - found.strains)[..., None])[..., 0]
+        own = ahead if shell.density.quadratic else shell.density(e)[1]
+        gradient = shell.restricted(clock("forces", shell.assembly.forces, found.x, ahead) + outer)
+        exact = gradient if own is ahead else shell.restricted(shell.assembly.forces(found.x, own) + outer)
+        found.residual = float(np.linalg.norm(exact))
+        found.history.append(found.residual)
+        found.iterations = number
+        found.converged = found.residual <= tolerance
+        if found.converged or number == max_iterations or not np.isfinite(found.residual):
+            break
+        data = clock("tangent", shell.tangent, found.x, stiffness, stress)
+        support = shell.support(found.x)
+        shift *= 0.1
+        while True:
+            trial = data + shift * shell.flat_stiffness if shift > 0.0 else data.copy()
+            diagonal = shell.pattern.diagonal
+            trial[diagonal[support]] += STOP * trial[diagonal].max()
+            found.factorisations += 1
+            if clock("factorisation", factor.factorise, trial):
+                break
+            shift = max(10.0 * shift, FIRST_SHIFT)
+            if shift > LAST_SHIFT:
+                return found
+        if shift < FIRST_SHIFT:
+            shift = 0.0
+        found.shifted += shift > 0.0
+        direction = -clock("solve", factor.solve, gradient)
+        step = shell.move(np.zeros_like(found.x), direction)
+        length = FAR * size / max(float(np.abs(step).max()), FAR * size)
+        found.strains = e + length * clock("strains", shell.assembly.strain_changes, found.x, step)
+        found.x = found.x + length * step
+    found.strains = e
+    return found
