@@ -63,6 +63,7 @@ class Surface:
     triangles : (m, 3), those of the sheet first.
     sheet_triangles : how many belong to the sheet.
     lift_mm : ribbons count as this much nearer, so that creases under them do not cut them.
+    colours : (n, 3), 0 to 1, of both sides of the sheet in place of its own; those of the ribbons do not count.
     """
 
     points: Floats
@@ -70,6 +71,7 @@ class Surface:
     triangles: Ints
     sheet_triangles: int
     lift_mm: float = 0.8
+    colours: Floats | None = None
 
 
 def surface(shape: Shape) -> Surface:
@@ -125,7 +127,10 @@ def _shaded(thing: Surface, view: Camera, raster: Raster, triangles: Ints, plast
     light = 0.36 + 0.54 * key + 0.13 * sky
     gloss = np.maximum(normals @ HALFWAY, 0.0) ** 40
     arm = face >= thing.sheet_triangles
-    colour = np.where(front[:, None], PLASTIC_SIDE, FABRIC_SIDE)
+    if thing.colours is None:
+        colour = np.where(front[:, None], PLASTIC_SIDE, FABRIC_SIDE)
+    else:
+        colour = raster.interpolate(thing.colours, triangles)
     colour[arm] = ARMS
     shine = np.where(arm, 0.10, 0.03) * gloss
     return np.clip(colour * light[:, None] + shine[:, None], 0.0, 1.0)

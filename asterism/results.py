@@ -28,16 +28,16 @@ def write_results(shape: Shape, directory: str | Path) -> list[str]:
         for number, other in enumerate(shape.others, 2):
             write_shape_vtu(other, folder / f"minimum-{number}.vtu")
             draw(other, f"{shape.summary['design']['name']}, minimum {number}", folder / f"minimum-{number}.png")
-        (folder / LAST).write_text(json.dumps(_plain(dict(shape.summary)), indent=2, allow_nan=False) + "\n")
+        (folder / LAST).write_text(json.dumps(plain(dict(shape.summary)), indent=2, allow_nan=False) + "\n")
         return sorted(file.name for file in folder.iterdir())
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """JSON has no infinity and no not-a-number: both become null."""
     if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
+        return {key: plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
+        return [plain(item) for item in value]
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value

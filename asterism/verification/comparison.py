@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -31,23 +31,19 @@ class Comparison:
     Attributes
     ----------
     reference : the shape that counts as right; lengths in % are of its diameter.
+    other : the other shape's image under `symmetry`, laid on the reference, without fields and summary.
     layout : what was printed.
     symmetry : of the design; the compared shape stands for all its images, and this is the nearest one.
     reference_mean, other_mean : (V, 3) mm, cell means at the vertices of the reference.
-    other_at : (V, 3) mm, the other surface itself at the vertices of the reference.
-    other_all : (W, 3) mm, all vertices of the other shape.
-    other_stars : (S, 3) mm.
     diameter_mm : of the reference, the largest distance of two of its points.
     """
 
     reference: Shape
+    other: Shape
     layout: Layout
     symmetry: Symmetry
     reference_mean: Floats
     other_mean: Floats
-    other_at: Floats
-    other_all: Floats
-    other_stars: Floats
     diameter_mm: float
 
     @cached_property
@@ -58,12 +54,13 @@ class Comparison:
     @cached_property
     def star_distance_mm(self) -> Floats:
         """(S,) between star centres."""
-        return np.linalg.norm(self.other_stars - self._stars(self.reference.positions), axis=1)
+        centres = self.layout.centres
+        return np.linalg.norm(self.other.at(centres) - self.reference.at(centres), axis=1)
 
     @property
     def rms_percent(self) -> float:
         """Root mean square over the printed area of the distance of the cell means."""
-        return self._percent(np.sqrt(self.reference.weights @ self.distance_mm**2))
+        return self._percent(float(self.reference.weights @ self.distance_mm**2) ** 0.5)
 
     @property
     def max_percent(self) -> float:
@@ -83,7 +80,7 @@ class Comparison:
     @cached_property
     def heights_mm(self) -> tuple[float, float]:
         """Extents along z of the whole shapes, bumps and all, as the reference lies."""
-        return float(np.ptp(self.reference.positions[:, 2])), float(np.ptp(self.other_all[:, 2]))
+        return float(np.ptp(self.reference.positions[:, 2])), float(np.ptp(self.other.positions[:, 2]))
 
     @cached_property
     def roll_axes_deg(self) -> tuple[float | None, float | None]:
@@ -150,32 +147,39 @@ def compare(reference: Shape, other: Shape, layout: Layout, symmetries: Sequence
     ----------
     Kabsch 1976, weights: printed area.
     """
-    printed, weights = reference.printed, reference.weights
     symmetry = _nearest(reference, other, symmetries)
-    mean = CellMean(printed, weights, layout.lattice_vectors)
+    mean = CellMean(reference.printed, reference.weights, layout.lattice_vectors)
     reference_mean = mean(reference.positions)
-    image = _image(other, symmetry, printed)
-    rotation, shift = rigid_fit(mean(image), reference_mean, weights)
+    near = image(other, symmetry)
+    near_mean = mean(near.at(reference.printed))
+    rotation, shift = rigid_fit(near_mean, reference_mean, reference.weights)
     return Comparison(
         reference,
+        replace(near, positions=near.positions @ rotation.T + shift),
         layout,
         symmetry,
         reference_mean,
-        mean(image) @ rotation.T + shift,
-        image @ rotation.T + shift,
-        (other.positions * _flip(symmetry)) @ rotation.T + shift,
-        _image(other, symmetry, layout.centres) @ rotation.T + shift,
+        near_mean @ rotation.T + shift,
         diameter(reference.positions),
     )
 
 
-def _image(shape: Shape, symmetry: Symmetry, printed: Floats) -> Floats:
-    """(n, 3) mm, where the image of a shape takes printed points (n, 2)."""
-    return shape.at(printed @ symmetry.turn.T + symmetry.shift) * _flip(symmetry)
-
-
-def _flip(symmetry: Symmetry) -> Floats:
-    return np.array([-1.0 if symmetry.mirrors else 1.0, 1.0, 1.0])
+def image(shape: Shape, symmetry: Symmetry) -> Shape:
+    """The image of a shape under a symmetry of its design, an equilibrium like itself; without sheet fields."""
+    # a shape need not have a vertex at every star
+    star_vertices = shape.star_vertices[symmetry.star] if len(shape.star_vertices) else shape.star_vertices
+    star = np.full(len(shape.printed), -1, dtype=np.int64)
+    star[star_vertices] = np.arange(len(star_vertices))
+    flip = np.array([-1.0 if symmetry.mirrors else 1.0, 1.0, 1.0])
+    return Shape(
+        printed=(shape.printed - symmetry.shift) @ symmetry.turn,
+        positions=shape.positions * flip,
+        triangles=shape.triangles[:, ::-1] if symmetry.mirrors else shape.triangles,
+        star=star,
+        rods=shape.rods,
+        star_vertices=star_vertices,
+        rod_fields=shape.rod_fields,
+    )
 
 
 def _nearest(reference: Shape, other: Shape, symmetries: Sequence[Symmetry]) -> Symmetry:
@@ -184,8 +188,9 @@ def _nearest(reference: Shape, other: Shape, symmetries: Sequence[Symmetry]) -> 
     printed, places = reference.printed[some], reference.positions[some]
 
     def off(symmetry: Symmetry) -> float:
-        image = _image(other, symmetry, printed)
-        rotation, shift = rigid_fit(image, places)
-        return float(((image @ rotation.T + shift - places) ** 2).sum())
+        there = other.at(printed @ symmetry.turn.T + symmetry.shift)
+        there[:, 0] *= -1.0 if symmetry.mirrors else 1.0
+        rotation, shift = rigid_fit(there, places)
+        return float(((there @ rotation.T + shift - places) ** 2).sum())
 
     return min(symmetries, key=off)

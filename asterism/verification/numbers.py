@@ -1,0 +1,48 @@
+"""What a comparison says, as plain numbers."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from asterism.verification.comparison import Comparison
+
+# shapes further apart than this, in % of the diameter, or rolled about axes that differ by more, are different ones
+LIKE_PERCENT, LIKE_DEG = 10.0, 20.0
+
+
+def numbers(comparison: Comparison) -> dict[str, Any]:
+    """Entries of summary.json; errors are those of the other shape against the reference, None where not defined."""
+    reference, other = comparison.heights_mm
+    radii, volumes = comparison.roll_radii_mm, comparison.volumes_mm3
+    return {
+        "rms_percent": comparison.rms_percent,
+        "max_percent": comparison.max_percent,
+        "rms_stars_percent": comparison.rms_stars_percent,
+        "max_stars_percent": comparison.max_stars_percent,
+        "diameter_mm": comparison.diameter_mm,
+        "height_error_percent": _relative(reference, other),
+        "heights_mm": [reference, other],
+        "volume_error_percent": None if volumes is None else _relative(*volumes),
+        "volumes_mm3": None if volumes is None else list(volumes),
+        "roll_radius_error_percent": None if radii is None else _relative(*radii),
+        "roll_radii_mm": None if radii is None else list(radii),
+        "roll_axes_deg": list(comparison.roll_axes_deg),
+        "normals_rms_deg": comparison.normals_rms_deg,
+        "mirrored": comparison.symmetry.mirrors,
+    }
+
+
+def alike(comparison: Comparison) -> bool:
+    """Whether two shapes are one form: near to each other, and rolled about the same axis if they are rolled."""
+    one, other = comparison.roll_axes_deg
+    if (one is None) != (other is None) or comparison.rms_percent > LIKE_PERCENT:
+        return False
+    if one is None or other is None:
+        return True
+    apart = abs(one - other) % 180.0
+    return min(apart, 180.0 - apart) < LIKE_DEG
+
+
+def _relative(right: float, other: float) -> float | None:
+    """% of the right value; None if that is nothing."""
+    return None if abs(right) < 1e-9 else 100.0 * (other - right) / right

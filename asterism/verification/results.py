@@ -1,0 +1,32 @@
+"""The files of a verification."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from asterism.export_vtu import write_shape_vtu
+from asterism.files import LAST, staged
+from asterism.results import plain
+from asterism.verification.report import report
+from asterism.verification.run import Verification
+
+
+def write_verification(found: Verification, directory: str | Path) -> list[str]:
+    """Write report.html, exact.vtu, preview.vtu (laid on the exact shape) and summary.json, all or none.
+
+    Returns
+    -------
+    Their names.
+
+    Raises
+    ------
+    OutputError
+        They cannot be written there.
+    """
+    with staged(directory) as folder:
+        (folder / "report.html").write_text(report(found), encoding="utf-8")
+        write_shape_vtu(found.comparison.reference, folder / "exact.vtu")
+        write_shape_vtu(found.comparison.other, folder / "preview.vtu")
+        (folder / LAST).write_text(json.dumps(plain(found.summary), indent=2, allow_nan=False) + "\n")
+        return sorted(file.name for file in folder.iterdir())

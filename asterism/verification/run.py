@@ -1,0 +1,157 @@
+"""Preview and exact model of one design, held against each other."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+from asterism import __version__
+from asterism.shape import Shape
+from asterism.simulation import Say, simulate
+from asterism.verification.comparison import Comparison, compare
+from asterism.verification.numbers import alike, numbers
+from discrete.branches import SAME_PERCENT
+from discrete.walk import Report
+from pattern.build import layout
+from pattern.design import Design
+from pattern.symmetries import symmetries
+
+RELEASE, PREVIEW = "release", "preview"
+KEPT = ("energy_n_mm", "is_minimum", "stars_up", "iterations", "factorisations")
+
+
+@dataclass(frozen=True)
+class Verification:
+    """Both shapes of a design and what lies between them.
+
+    Attributes
+    ----------
+    design : that both were made from.
+    preview : the preview, with its stars' bumps.
+    exact : exact shapes by what they were started from: `release`, the continuation from the flat print, and `preview`.
+    comparisons : the preview laid on each of them.
+    summary : the numbers of summary.json.
+    """
+
+    design: Design
+    preview: Shape
+    exact: dict[str, Shape]
+    comparisons: dict[str, Comparison]
+    summary: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def result(self) -> str:
+        """Where the exact shape that counts was started: the certified one of lower energy."""
+
+        def order(name: str) -> tuple[bool, bool, float]:
+            summary = self.exact[name].summary
+            return not summary["is_minimum"], bool(summary["stars_off_branch"]), summary["energy_n_mm"]
+
+        return min(self.exact, key=order)
+
+    @property
+    def comparison(self) -> Comparison:
+        """The preview laid on the exact shape that counts."""
+        return self.comparisons[self.result]
+
+
+def verify(
+    design: Design,
+    preview: Callable[[Design], Shape],
+    backend: str = "auto",
+    report: Report | None = None,
+    say: Say | None = None,
+    released: Shape | None = None,
+) -> Verification:
+    """Preview a design, simulate it from the flat print and from the preview, and compare.
+
+    Parameters
+    ----------
+    preview : what makes a preview.
+    backend, report, say : as in `simulate`.
+    released : what `simulate(design)` has found, if that is known already.
+
+    Raises
+    ------
+    DesignError, MeshError, BackendError
+        As in `simulate`.
+    """
+    tell = say or (lambda text: None)
+    tell("preview")
+    shown, cold_s = _timed(preview, design)
+    warm_s = min(_timed(preview, design)[1] for _ in range(3))
+    tell(f"preview done in {cold_s:.2f} s, again in {warm_s:.3f} s")
+    if released is None:
+        tell("exact model, released from the flat print")
+        released = simulate(design, backend, report, say)
+    tell("exact model, started from the preview")
+    near = simulate(design, backend, report, say, near=shown)
+    tell("comparing")
+    plan = layout(design)
+    same = symmetries(design, plan)
+    exact = {RELEASE: released, PREVIEW: near}
+    comparisons = {name: compare(shape, shown, plan, same) for name, shape in exact.items()}
+    found = Verification(design, shown, exact, comparisons)
+    between = compare(released, near, plan, same)
+    seconds = {
+        "preview_s": cold_s,
+        "preview_again_s": warm_s,
+        "exact_s": released.summary["wall_s"],
+        "exact_from_preview_s": near.summary["wall_s"],
+    }
+    return Verification(design, shown, exact, comparisons, _summary(found, between, seconds))
+
+
+def _timed(make: Callable[[Design], Shape], design: Design) -> tuple[Shape, float]:
+    begun = time.perf_counter()
+    return make(design), time.perf_counter() - begun
+
+
+def _summary(found: Verification, between: Comparison, seconds: dict[str, float]) -> dict[str, Any]:
+    result, other = found.result, next(name for name in found.exact if name != found.result)
+    exact = found.exact[result].summary
+    near = found.comparisons[result].rms_percent <= found.comparisons[other].rms_percent + SAME_PERCENT
+    ups = [shape.summary["stars_up"] for shape in found.exact.values()]
+    return {
+        **numbers(found.comparison),
+        "same_branch": bool(near and alike(found.comparison)),
+        "speedup": seconds["exact_s"] / seconds["preview_again_s"],
+        "speedup_cold": seconds["exact_s"] / seconds["preview_s"],
+        **seconds,
+        "mesh_error_percent": exact["mesh_error_percent"],
+        "expected_rms_percent": found.preview.summary.get("expected_rms_percent"),
+        "result_from": result,
+        "starts_agree": between.rms_percent < SAME_PERCENT and ups[0] == ups[1],
+        "starts_distance_percent": between.rms_percent,
+        "starts": {
+            name: numbers(found.comparisons[name])
+            | {
+                key: shape.summary[key]
+                for key in ("energy_n_mm", "is_minimum", "stars_up", "iterations", "factorisations")
+            }
+            for name, shape in found.exact.items()
+        },
+        "warnings": warnings(found),
+        "version": __version__,
+        "preview": dict(found.preview.summary),
+        "exact": dict(exact),
+        "design": found.design.to_dict(),
+    }
+
+
+def warnings(found: Verification) -> list[str]:
+    """What a reader should know before trusting the numbers."""
+    exact = found.exact[found.result].summary
+    lines = [str(line) for line in found.preview.summary.get("warnings", [])]
+    if not exact["is_minimum"]:
+        lines.append("the exact shape is not certified to be a minimum")
+    if exact["self_intersections"]:
+        lines.append(f"the exact sheet passes through itself ({exact['self_intersections']} pairs of triangles)")
+    if exact["stars_up"] < exact["stars_total"]:
+        lines.append(f"{exact['stars_total'] - exact['stars_up']} stars of the exact shape are down")
+    error, distance = exact["mesh_error_percent"], found.comparison.rms_percent
+    if error is not None and error > distance:
+        lines.append(f"the exact model's own mesh error ({error:.1f} %) is larger than the distance ({distance:.1f} %)")
+    return lines

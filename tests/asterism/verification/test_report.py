@@ -1,0 +1,106 @@
+"""verify on a small design, its files, and the report in a browser."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+from PIL import Image
+
+from asterism.simulation import simulate
+from asterism.verification.results import write_verification
+from asterism.verification.run import Verification, verify
+from pattern.design import Design
+from tests.asterism.verification.browser import browser, opened
+from tests.asterism.verification.printed import design
+
+# what a name must not do to a page
+NAME = 'seven <b>"stars"</b> & </title><script>document.title = "broken"</script>'
+OF = design(name=NAME, mesh={"edge_mm": 2.5})
+
+
+def stand_in(of: Design):
+    """A shape of the same design in place of its preview: the exact one on a coarser mesh, somewhere else."""
+    shape = simulate(Design.from_dict(of.to_dict() | {"mesh": {"edge_mm": 3.5}}))
+    turned = shape.positions[:, [1, 2, 0]] + 10.0
+    return replace(shape, positions=turned, summary={"warnings": ["a star is beyond the law's range"]})
+
+
+@pytest.fixture(scope="module")
+def found() -> Verification:
+    return verify(OF, preview=stand_in)
+
+
+@pytest.fixture(scope="module")
+def folder(found, tmp_path_factory) -> Path:
+    out = tmp_path_factory.mktemp("verified") / "out"
+    assert write_verification(found, out) == ["exact.vtu", "preview.vtu", "report.html", "summary.json"]
+    return out
+
+
+def test_summary(found):
+    s = found.summary
+    assert 0.0 < s["rms_percent"] < s["max_percent"] < 5.0
+    assert 0.0 < s["rms_stars_percent"] < 5.0
+    assert s["same_branch"] and s["starts_agree"]
+    assert s["speedup"] == pytest.approx(s["exact_s"] / s["preview_again_s"])
+    assert s["roll_radius_error_percent"] is None or abs(s["roll_radius_error_percent"]) < 20.0
+    assert abs(s["height_error_percent"]) < 20.0
+    assert s["exact"]["is_minimum"] and s["exact"]["energy_n_mm"] == min(
+        one["energy_n_mm"] for one in s["starts"].values()
+    )
+    # a start that is nearly there saves most of the way
+    assert s["starts"]["preview"]["iterations"] < 0.5 * s["starts"]["release"]["iterations"]
+    assert s["warnings"][0] == "a star is beyond the law's range"
+    assert s["preview"] and s["design"]["name"] == NAME
+
+
+def test_files(found, folder):
+    summary = json.loads((folder / "summary.json").read_text())
+    assert summary["rms_percent"] == pytest.approx(found.summary["rms_percent"])
+    exact, preview = (meshio.read(folder / f"{name}.vtu").points for name in ("exact", "preview"))
+    # the preview is laid on the exact shape
+    assert np.abs(exact.mean(axis=0) - preview.mean(axis=0)).max() < 1.0
+    assert np.abs(np.ptp(exact, axis=0) - np.ptp(preview, axis=0)).max() < 2.0
+
+
+def test_page_needs_nothing_else(folder):
+    text = (folder / "report.html").read_text(encoding="utf-8")
+    assert "<script" not in text
+    assert "&lt;b&gt;&quot;stars&quot;&lt;/b&gt; &amp;" in text
+    assert not re.search(r'(src|href)="(?!data:)', text)
+    assert not re.search(r"url\(|@import|https?://", text)
+    assert text.count("data:image/png;base64,") == 8
+
+
+@pytest.mark.skipif(browser() is None, reason="no Chromium, Chrome or Edge on this machine")
+def test_page_in_a_browser(folder, tmp_path):
+    """Every picture is decoded and as large as it should be, nothing sticks out, and the page is not blank."""
+    page = tmp_path / "report.html"
+    page.write_bytes((folder / "report.html").read_bytes())
+    picture = tmp_path / "page.png"
+    opened(page, tmp_path / "profile", f"--screenshot={picture}", "--window-size=1200,2600")
+    pixels = np.asarray(Image.open(picture).convert("L"))
+    assert pixels.shape == (2600, 1200)
+    # in every screenful of the pictures there is something dark and something white
+    for band in np.array_split(pixels[:1800], 4):
+        assert band.min() < 120 and band.max() > 250
+    _ask(page, "[document.title, document.images.length, [...document.images].every(i => i.naturalWidth > 200), "
+               "document.documentElement.scrollWidth <= innerWidth]")  # fmt: skip
+    answer = json.loads(re.search("ANSWER(.*?)REWSNA", opened(page, tmp_path / "profile", "--dump-dom"))[1])
+    title = f"{NAME}: preview and exact model"
+    assert answer == [title.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;"), 8, True, True]
+
+
+def _ask(page: Path, question: str) -> None:
+    """Has the page answer, in text that `--dump-dom` prints."""
+    script = (
+        "<p id=answer></p><script>addEventListener('load', () => "
+        f"document.getElementById('answer').textContent = 'ANSWER' + JSON.stringify({question}) + 'REWSNA')</script>"
+    )
+    page.write_text(page.read_text(encoding="utf-8").replace("</body>", script + "</body>"), encoding="utf-8")
