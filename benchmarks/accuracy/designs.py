@@ -1,0 +1,95 @@
+"""The designs of the study: the gallery, and designs drawn at random, the same ones every time."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pattern import gallery
+from pattern.build import layout
+from pattern.design import Design
+from pattern.errors import DesignError
+
+RANDOM = 24
+STARS = (12, 64)  # fewest and most
+EDGE_MM = 17.3205 / 15.0
+
+
+def designs(edge_mm: float = EDGE_MM) -> list[Design]:
+    """Gallery first; all with the mesh's edge in mm that is asked for."""
+    return [_meshed(gallery.load(name), edge_mm) for name in gallery.names()] + [
+        drawn(seed, edge_mm) for seed in range(RANDOM)
+    ]
+
+
+def drawn(seed: int, edge_mm: float = EDGE_MM) -> Design:
+    """A design at random: outline, stretch, length and thickness over the sheet, width, and how it is held.
+
+    Drawn again until it can be printed and has a number of stars within `STARS`.
+    """
+    rng = np.random.default_rng([20, seed])
+    while True:
+        data = _draw(rng) | {"name": f"random-{seed:02d}", "mesh": {"edge_mm": edge_mm}}
+        try:
+            design = Design.from_dict(data)
+            stars = len(layout(design).centres)
+        except DesignError:
+            continue
+        if STARS[0] <= stars <= STARS[1]:
+            return design
+
+
+def _draw(rng: np.random.Generator) -> dict[str, Any]:
+    stretch = 1.35 if rng.random() < 0.7 else 1.75
+    border, size = _border(rng)
+    sizes = {
+        "length_mm": _field(rng, 4.0, 11.0, size),
+        "thickness_mm": _field(rng, 0.25, 0.55, size),
+        "width_mm": round(float(rng.uniform(0.9, 1.5)), 2),
+    }
+    return {"fabric": {"stretch": stretch}, "stars": sizes, "border": border, "pins": _pins(rng, stretch)}
+
+
+def _border(rng: np.random.Generator) -> tuple[dict[str, Any], float]:
+    """An outline, and how far it reaches from the middle, mm."""
+    kind = rng.integers(3)
+    if kind == 0:
+        rings = int(rng.integers(2, 4))
+        return {"rings": rings}, 17.32 * rings
+    if kind == 1:
+        sides = [round(float(side), 1) for side in rng.uniform(80.0, 150.0, 2)]
+        return {"rectangle_mm": sides}, 0.5 * max(sides)
+    corners = int(rng.integers(4, 8))
+    angle = 2.0 * np.pi * (np.arange(corners) + rng.uniform(-0.25, 0.25, corners)) / corners
+    radius = rng.uniform(50.0, 75.0, corners)
+    polygon = np.round(radius[:, None] * np.column_stack([np.cos(angle), np.sin(angle)]), 1)
+    return {"polygon_mm": polygon.tolist()}, float(radius.max())
+
+
+def _field(rng: np.random.Generator, low: float, high: float, size: float) -> Any:
+    """A number, or from one value to another: from the middle outwards, or along a direction."""
+    one, other = (round(float(value), 3) for value in rng.uniform(low, high, 2))
+    kind = rng.random()
+    if kind < 0.35:
+        return one
+    if kind < 0.7:
+        power = float(rng.choice([0.5, 1.0, 2.0]))
+        return {"profile": "radial", "from": one, "to": other, "over_mm": round(size, 1), "power": power}
+    angle = rng.uniform(0.0, 2.0 * np.pi)
+    end = np.round(size * np.array([np.cos(angle), np.sin(angle)]), 1)
+    return {"profile": "linear", "from": one, "to": other, "start_mm": (-end).tolist(), "end_mm": end.tolist()}
+
+
+def _pins(rng: np.random.Generator, stretch: float) -> list[dict[str, Any]]:
+    """Free in half of the designs; else the border or all corners are held, somewhat apart or near to each other."""
+    kind = rng.random()
+    scale = round(float(rng.uniform(1.0, 1.15) / stretch), 3)
+    if kind < 0.5:
+        return []
+    return [{"where": "border" if kind < 0.75 else "corners", "scale": scale}]
+
+
+def _meshed(design: Design, edge_mm: float) -> Design:
+    data = design.to_dict()
+    return Design.from_dict(data | {"mesh": data["mesh"] | {"edge_mm": edge_mm}})

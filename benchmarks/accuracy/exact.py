@@ -1,0 +1,43 @@
+"""The exact shapes of the study, which take most of its time and do not depend on the preview.
+
+python -m benchmarks.accuracy.exact FOLDER [NAME ...]
+
+FOLDER keeps a result for every design, as `asterism simulate` writes it; those that are there are not computed again.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from asterism.read_shape import read_shape
+from asterism.results import write_results
+from asterism.shape import Shape
+from asterism.simulation import simulate
+from benchmarks.accuracy.designs import designs
+from pattern.design import Design
+
+
+def exact(design: Design, folder: Path) -> Shape:
+    """The exact shape of a design, kept in a folder of its name."""
+    here = folder / design.name
+    if (here / "summary.json").exists():
+        shape = read_shape(here)
+        if shape.summary.get("design") == design.to_dict():
+            return shape
+    shape = simulate(design)
+    write_results(shape, here)
+    return shape
+
+
+def main(words: list[str]) -> None:
+    folder, names = Path(words[0]), words[1:]
+    for design in designs():
+        if not names or design.name in names:
+            s = exact(design, folder).summary
+            work = f"{s['wall_s']:.1f} s, {s['vertices']} vertices"
+            print(design.name, work, "minimum" if s["is_minimum"] else "NO MINIMUM", flush=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,49 @@
+"""One design of the study: the preview against the exact model, and what may cause the difference."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from asterism.shape import Shape
+from asterism.verification.comparison import compare
+from asterism.verification.numbers import alike, numbers
+from asterism.verification.run import verify
+from benchmarks.accuracy.exact import exact
+from pattern.build import layout
+from pattern.design import Design
+from pattern.symmetries import symmetries
+
+
+def whole_row(design: Design, folder: Path, preview: Any) -> dict[str, Any]:
+    """`asterism verify`, with the exact shape of the folder; without the designs and the parts of the summaries."""
+    found = verify(design, preview, released=exact(design, folder))
+    return _short(found.summary) | {"name": design.name, "warnings": found.summary["warnings"]}
+
+
+def quick_row(design: Design, folder: Path, preview: Any) -> dict[str, Any]:
+    """The comparison with the released exact shape only, for trying out changes of the preview."""
+    released, shown = exact(design, folder), preview(design)
+    plan = layout(design)
+    comparison = compare(released, shown, plan, symmetries(design, plan))
+    return numbers(comparison) | {
+        "name": design.name,
+        "same_branch": alike(comparison),
+        "mesh_error_percent": released.summary["mesh_error_percent"],
+        "speedup": released.summary["wall_s"] / shown.summary["wall_s"],
+        "expected_rms_percent": shown.summary.get("expected_rms_percent"),
+        "warnings": list(shown.summary.get("warnings", [])),
+        "preview": _kept(shown),
+    }
+
+
+def _short(summary: dict[str, Any]) -> dict[str, Any]:
+    exact_kept = ("stars_total", "stars_up", "vertices", "edge_mm", "is_minimum", "energy_n_mm")
+    return {key: value for key, value in summary.items() if key not in ("design", "exact", "preview")} | {
+        "exact": {key: summary["exact"][key] for key in exact_kept},
+        "preview": {key: value for key, value in summary["preview"].items() if key != "design"},
+    }
+
+
+def _kept(shape: Shape) -> dict[str, Any]:
+    return {key: value for key, value in shape.summary.items() if key != "design"}
