@@ -30,6 +30,7 @@ def export(
     fabric: Annotated[
         float | None, typer.Option(help="Thickness of the stretched fabric in mm (the design's fabric.thickness_mm).")
     ] = None,
+    turn: Annotated[float, typer.Option(help="Turn the print on the bed, in degrees counterclockwise.")] = 0.0,
     needle_spacing: Annotated[float, typer.Option(help="Largest distance of needles on held edges in mm.")] = 20.0,
     border: Annotated[bool, typer.Option("--border/--no-border", help="Print a line to cut along.")] = True,
 ) -> None:
@@ -50,6 +51,7 @@ def export(
     for option, value, limits in (
         ("--fabric", fabric, (0.0, 50.0)),
         ("--needle-spacing", needle_spacing, (1.0, 1000.0)),
+        ("--turn", turn, (-360.0, 360.0)),
     ):
         if value is not None and not limits[0] <= value <= limits[1]:
             raise DesignError(option, f"must be from {limits[0]:g} to {limits[1]:g}", value)
@@ -66,6 +68,7 @@ def export(
             load_plastic(plastic),
             fabric_mm=fabric,
             border=border,
+            turn_deg=turn,
             needle_spacing_mm=needle_spacing,
             shape=of,
         )

@@ -10,7 +10,7 @@ import shapely
 
 from asterism.export.arm_regions import border_terrace, star_terraces
 from asterism.export.needles import Needle, needles
-from asterism.export.placement import placed
+from asterism.export.placement import Placement, place
 from asterism.export.plastic import PlasticProfile
 from asterism.export.printer import Printer
 from asterism.export.rounded import choose, exact, rounded_layout, with_rounding
@@ -20,7 +20,7 @@ from asterism.shape import Shape
 from pattern.build import layout
 from pattern.design import Design
 from pattern.errors import DesignError
-from pattern.layout import Floats, Layout
+from pattern.layout import Layout
 from pattern.rounding import Rounding
 
 CHECK_SQUARE_MM = 100.0
@@ -35,7 +35,7 @@ class Job:
     design : with the printer's rounding.
     exact_plan, plan : its layout without and with rounding, in print coordinates.
     arms : the pieces of all arms, about the stars' centres of `plan`.
-    shift : (2,) mm, the design's origin in sheet coordinates, whose origin is the middle of frame and bed.
+    placement : from print coordinates to those of the sheets.
     stars, border : terraces of plastic in sheet coordinates; no border if it was not wanted or does not fit.
     fabric_mm : thickness of the stretched fabric under the nozzle.
     needles : in print coordinates.
@@ -49,7 +49,7 @@ class Job:
     exact_plan: Layout
     plan: Layout
     arms: tuple[Strip, ...]
-    shift: Floats
+    placement: Placement
     stars: tuple[Step, ...]
     border: Step | None
     fabric_mm: float
@@ -70,10 +70,10 @@ class Job:
     @cached_property
     def solids(self) -> tuple[Solid, ...]:
         """Stars and border line in the printer's coordinates, standing on z = 0."""
-        bed = np.asarray(self.printer.bed_centre_mm)
-        solids = [stack("stars", [_moved(step, bed) for step in self.stars])]
+        on_bed = Placement(0.0, np.asarray(self.printer.bed_centre_mm))
+        solids = [stack("stars", [on_bed.step(step) for step in self.stars])]
         if self.border is not None:
-            solids.append(stack("border", [_moved(self.border, bed)]))
+            solids.append(stack("border", [on_bed.step(self.border)]))
         return tuple(solids)
 
 
@@ -84,10 +84,19 @@ def prepare(
     *,
     fabric_mm: float | None = None,
     border: bool = True,
+    turn_deg: float = 0.0,
     needle_spacing_mm: float = 20.0,
     shape: Shape | None = None,
 ) -> Job:
     """Round a design for a printer and lay it on its bed.
+
+    Parameters
+    ----------
+    fabric_mm : thickness of the stretched fabric; the design's, if it is not given.
+    border : print a line to cut along, if it fits the bed.
+    turn_deg : of the print on the bed, counterclockwise.
+    needle_spacing_mm : largest distance of needles on held edges.
+    shape : the sheet in space.
 
     Raises
     ------
@@ -100,9 +109,11 @@ def prepare(
     plan = rounded_layout(rounded, printer)
     arms = tuple(strips(plan, rounding))
     here = star_terraces(plan, arms)
-    shift = placed(plan, here, printer)
-    stars = tuple(_moved(step, shift) for step in here)
-    line = _moved(border_terrace(plan, here, rounding), shift) if border else None
+    x, y = design.fabric.stretch_xy
+    if x != y and turn_deg % 360:
+        raise DesignError("--turn", "must be 0 on a fabric that is stretched differently along x and y", turn_deg)
+    placement = place(plan, here, printer, turn_deg, may_turn=x == y)
+    line = placement.step(border_terrace(plan, here, rounding)) if border else None
     if line is not None and not _within_bed(line, printer):
         line = None
     if shape is not None:
@@ -115,19 +126,13 @@ def prepare(
         exact_plan=exact_plan,
         plan=plan,
         arms=arms,
-        shift=shift,
-        stars=stars,
+        placement=placement,
+        stars=tuple(placement.step(step) for step in here),
         border=line,
         fabric_mm=design.fabric.thickness_mm if fabric_mm is None else fabric_mm,
         needles=needles(plan, needle_spacing_mm, shape),
         shape=shape,
     )
-
-
-def _moved(step: Step, by: Floats) -> Step:
-    if not by.any():
-        return step
-    return Step(step.height_mm, shapely.transform(step.region, lambda points: points + by))
 
 
 def _within_bed(step: Step, printer: Printer) -> bool:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import shapely
+from shapely.geometry.base import BaseGeometry
 
 from asterism.export.printer import Printer
 from asterism.export.solid import Step
@@ -11,49 +14,74 @@ from pattern.errors import DesignError
 from pattern.layout import Floats, Layout
 
 
-def placed(plan: Layout, steps: tuple[Step, ...], printer: Printer) -> Floats:
-    """(2,) mm, from the origin of the design to the middle of bed and frame: where the design's origin lies.
+@dataclass(frozen=True)
+class Placement:
+    """From print coordinates to those of the sheets, whose origin is the middle of frame and bed.
 
-    Zero if the print fits around the middle, otherwise the shortest move that makes it fit.
+    Attributes
+    ----------
+    turn_deg : counterclockwise about the design's origin.
+    shift : (2,) mm, where the design's origin lies then.
+    """
+
+    turn_deg: float
+    shift: Floats
+
+    def points(self, printed: Floats) -> Floats:
+        """(..., 2) mm."""
+        if self.turn_deg == 0.0:
+            return np.asarray(printed + self.shift)
+        a = np.deg2rad(self.turn_deg)
+        cos, sin = np.cos(a), np.sin(a)
+        return np.asarray(printed @ np.array([[cos, sin], [-sin, cos]]) + self.shift)
+
+    def step(self, step: Step) -> Step:
+        """A terrace in sheet coordinates."""
+        region: BaseGeometry = shapely.transform(step.region, self.points)
+        return Step(step.height_mm, region)
+
+
+def place(
+    plan: Layout, steps: tuple[Step, ...], printer: Printer, turn_deg: float = 0.0, may_turn: bool = True
+) -> Placement:
+    """The place around the middle of the bed, or the nearest one at which all of the print is on it.
+
+    Parameters
+    ----------
+    turn_deg : counterclockwise.
+    may_turn : whether another turn may be proposed: not if the fabric's stretch knows directions.
 
     Raises
     ------
     DesignError
         The plastic is larger than the bed, or the fabric than the frame.
     """
-    low, high = np.reshape(shapely.bounds(steps[0].region), (2, 2))
-    _check_bed(low, high, steps, printer)
-    half = np.asarray(printer.bed_mm) / 2
-    # whichever side stands out is brought in
-    shift = np.maximum(-half - low, 0.0) + np.minimum(half - high, 0.0)
-    shift = np.where(shift > 0, np.ceil(shift * 1e3), np.floor(shift * 1e3)) / 1e3
-    frame = np.asarray(printer.frame.size_mm)
-    sheet_low, sheet_high = plan.border.min(axis=0) + shift, plan.border.max(axis=0) + shift
-    if (sheet_low < -frame / 2).any() or (sheet_high > frame / 2).any():
-        raise DesignError(
-            "border", f"must be within the frame of {_times(frame)} mm", f"{_times(sheet_high - sheet_low)} mm"
-        )
-    return shift
-
-
-def _check_bed(low: Floats, high: Floats, steps: tuple[Step, ...], printer: Printer) -> None:
+    turned = Placement(turn_deg, np.zeros(2))
+    corners = shapely.get_coordinates(shapely.convex_hull(steps[0].region))
+    here = turned.points(corners)
+    low, high = here.min(axis=0), here.max(axis=0)
     size, bed = high - low, np.asarray(printer.bed_mm)
     # corners are rounded to the grid
-    if (size <= bed + 1e-6).all():
-        return
-    problem = f"must be within the {_times(bed)} mm that the {printer.name} reaches"
-    if (turn := _fitting_turn(steps, bed)) is not None:
-        problem += f"; turned by {turn} deg about the origin they would be"
-    raise DesignError("stars", problem, f"{_times(size)} mm of plastic")
+    if (size > bed + 1e-6).any():
+        problem = f"must be within the {_times(bed)} mm that the {printer.name} reaches"
+        if may_turn and (turn := _fitting_turn(corners, bed)) is not None:
+            problem += f"; --turn {turn} makes it fit"
+        raise DesignError("stars", problem, f"{_times(size)} mm of plastic")
+    # whichever side stands out is brought in
+    shift = np.maximum(-bed / 2 - low, 0.0) + np.minimum(bed / 2 - high, 0.0)
+    shift = np.where(shift > 0, np.ceil(shift * 1e3), np.floor(shift * 1e3)) / 1e3
+    found = Placement(turn_deg, shift)
+    sheet, frame = found.points(plan.border), np.asarray(printer.frame.size_mm)
+    if (np.abs(sheet) > frame / 2).any():
+        size = np.ptp(sheet, axis=0)
+        raise DesignError("border", f"must be within the frame of {_times(frame)} mm", f"{_times(size)} mm of fabric")
+    return found
 
 
-def _fitting_turn(steps: tuple[Step, ...], bed: Floats) -> int | None:
-    """The least turn in degrees that makes the plastic fit the bed; None if there is none."""
-    corners = shapely.get_coordinates(shapely.convex_hull(steps[0].region))
+def _fitting_turn(corners: Floats, bed: Floats) -> int | None:
+    """The least turn in degrees that makes corners (n, 2) fit the bed; None if there is none."""
     for turn in range(1, 180):
-        a = np.deg2rad(turn)
-        turned = corners @ np.array([[np.cos(a), np.sin(a)], [-np.sin(a), np.cos(a)]])
-        if (np.ptp(turned, axis=0) <= bed).all():
+        if (np.ptp(Placement(turn, np.zeros(2)).points(corners), axis=0) <= bed).all():
             return turn
     return None
 

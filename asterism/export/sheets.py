@@ -22,12 +22,12 @@ def layout_sheet(job: Job) -> Drawing:
     items: Items = [*_areas(job.stars[0], STARS)]
     if job.border is not None:
         items += _areas(job.border, GUIDE)
-    items += [Line(CUT, job.plan.border + job.shift, closed=True)]
+    items += [Line(CUT, job.placement.points(job.plan.border), closed=True)]
     items += [rectangle(FRAME, frame), rectangle(BED, bed)]
     items += _marks(frame, bed)
     items += check_squares(job)
     for needle in job.needles:
-        items += _needle(needle.printed + job.shift, str(needle.number))
+        items += _needle(job.placement.points(needle.printed), str(needle.number))
     items.append(Text(TEXT, np.array([-frame[0] / 4, -frame[1] / 2 - 8.0]), "front of the printer", 4.0, "middle"))
     x, y = job.design.fabric.stretch_xy
     sizes = ", ".join(f"{height:g}" for height in sorted({step.height_mm for step in job.stars}))
@@ -38,6 +38,8 @@ def layout_sheet(job: Job) -> Drawing:
         f"Fabric stretched by {x:g}" + (f" along x and {y:g} along y." if x != y else "."),
         f"Start the nozzle {job.z_offset_mm:.2f} mm above the bed.",
     ]
+    if job.placement.turn_deg:
+        paragraphs.append(f"Turned by {job.placement.turn_deg:g} deg from the design.")
     if job.border is None:
         paragraphs.append("No printed border: mark the cut line by hand.")
     return page(f"{job.design.name}: layout", frame, (0.0, 0.0), items, job.design.name, "Layout 1:1", paragraphs)

@@ -11,12 +11,10 @@ HEADING = "x, y of the centre; for every piece of an arm its angle (deg), begin,
 
 def star_table(job: Job) -> list[tuple[tuple[float, float], list[tuple[float, ...]]]]:
     """For every star its centre in the printer's coordinates, and its strips: angle, begin, end, widths, height."""
-    offset = job.shift + job.printer.bed_centre_mm
-    table: list[tuple[tuple[float, float], list[tuple[float, ...]]]] = [
-        ((float(x), float(y)), []) for x, y in job.plan.centres + offset
-    ]
+    centres = job.placement.points(job.plan.centres) + job.printer.bed_centre_mm
+    table: list[tuple[tuple[float, float], list[tuple[float, ...]]]] = [((float(x), float(y)), []) for x, y in centres]
     for strip in job.arms:
-        angle = math.degrees(math.atan2(strip.direction[1], strip.direction[0]))
+        angle = math.degrees(math.atan2(strip.direction[1], strip.direction[0])) + job.placement.turn_deg
         sizes = (strip.begin_mm, strip.end_mm, strip.begin_width_mm, strip.end_width_mm, strip.height_mm)
         table[strip.star][1].append((angle, *map(float, sizes)))
     return table

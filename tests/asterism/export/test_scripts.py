@@ -23,7 +23,8 @@ TAPER = {"profile": "radial", "from": 0.6, "to": 0.3, "over_mm": 30.0}
 
 @pytest.fixture(scope="module")
 def tapered() -> Job:
-    return job(design(stars={"length_mm": 8.0, "thickness_mm": TAPER, "vary_along_arms": True}))
+    stars = {"length_mm": 8.0, "thickness_mm": TAPER, "vary_along_arms": True}
+    return job(design(fabric={}, stars=stars), turn_deg=20.0)
 
 
 def volume(prisms: list[tuple[float, shapely.Polygon]]) -> float:

@@ -1,0 +1,172 @@
+"""`asterism export` as a user meets it."""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+import asterism
+from asterism import cli
+from asterism.export.shape_change import shape_change
+from pattern.build import layout
+from pattern.design import load_design, save_design
+from tests.asterism.export.jobs import design
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How a command ended."""
+
+    returncode: int
+    stdout: str
+    stderr: str
+
+
+Run = Callable[..., Ended]
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Iterator[Run]:
+    """The command line in the test's folder, within this process: starting one anew takes seconds."""
+    monkeypatch.chdir(tmp_path)
+    handler = signal.getsignal(signal.SIGTERM)
+
+    def command(*words: str) -> Ended:
+        monkeypatch.setattr(sys, "argv", ["asterism", *words])
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+        out, err = capsys.readouterr()
+        return Ended(int(end.value.code or 0), out, err)
+
+    yield command
+    signal.signal(signal.SIGTERM, handler)
+
+
+def mistake(ended: Ended) -> str:
+    """The one line of a refused command."""
+    assert ended.returncode == 2, ended.stderr
+    lines = ended.stderr.strip().splitlines()
+    assert len(lines) == 1 and lines[0].startswith("asterism: "), ended.stderr
+    return lines[0]
+
+
+ALWAYS = {
+    "border.stl",
+    "export.json",
+    "instructions.pdf",
+    "instructions.txt",
+    "layout.dxf",
+    "layout.pdf",
+    "layout.svg",
+    "print.3mf",
+    "rounded.toml",
+    "stars.lua",
+    "stars.scad",
+    "stars.stl",
+    "start.gcode",
+}
+PINNED = {"needles.csv", "needles.dxf", "needles.svg"}
+SHAPE = {"shape.obj", "shape.stl", "shape.glb", "shape.vtu", "rods.vtu"}
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    save_design(design(mesh={"edge_mm": 6.0}), tmp_path / "d.toml")
+    return tmp_path / "d.toml"
+
+
+def test_all_files_and_what_they_say(file: Path, tmp_path: Path, run: Run) -> None:
+    result = run("export", "d.toml", "--plate", "3", "--fabric", "0.55")
+    assert result.returncode == 0, result.stderr
+    folder = tmp_path / "d-print"
+    assert {path.name for path in folder.iterdir()} == ALWAYS | PINNED
+    said = json.loads((folder / "export.json").read_text())
+    assert set(said["files"]) == ALWAYS | PINNED
+    assert said["z_offset_mm"] == pytest.approx(3.55)
+    assert said["check_square_mm"] == {"before": [100.0, 100.0], "after": pytest.approx([135.0, 130.0])}
+    assert "Z13.55" in (folder / "start.gcode").read_text()
+    for text in (result.stdout, (folder / "instructions.txt").read_text()):
+        assert "3.55 mm" in text and "135.0" in text and "130.0" in text
+    assert said["tiny_stars"] == [{"at_mm": [0.0, 0.0], "arm_mm": 2.0}] and "tiny stars" in result.stdout
+    rows = (folder / "needles.csv").read_text().splitlines()
+    assert rows[0].startswith("number,printed_x_mm") and len(rows) == said["needles"] + 1
+    # the rounded design prints what it says: exporting it again changes nothing
+    assert load_design(folder / "rounded.toml").stars.rounding is not None
+    again = run("export", "d-print/rounded.toml", "-o", "again")
+    assert again.returncode == 0
+    assert (tmp_path / "again" / "stars.stl").read_bytes() == (folder / "stars.stl").read_bytes()
+
+
+def test_simulated_shape_and_change_of_shape(file: Path, tmp_path: Path, run: Run) -> None:
+    save_design(design(border={"rings": 1}, mesh={"edge_mm": 6.0}), file)
+    result = run("export", "d.toml", "-o", "out", "--simulate", "--no-border")
+    assert result.returncode == 0, result.stderr
+    assert {path.name for path in (tmp_path / "out").iterdir()} == (ALWAYS - {"border.stl"}) | PINNED | SHAPE
+    said = json.loads((tmp_path / "out" / "export.json").read_text())
+    before, after = said["shape_change"]["height_mm"]
+    assert said["shape_change"]["star_distance_mm"] > 0
+    # the same two shapes by hand
+    plan = load_design(file)
+    rounded = load_design(tmp_path / "out" / "rounded.toml")
+    drawn, printed = asterism.simulate(plan), asterism.simulate(rounded)
+    assert (before, after) == pytest.approx((drawn.height_mm, printed.height_mm), rel=1e-4)
+    mine = shape_change(drawn, printed, rounded, layout(rounded))
+    assert said["shape_change"]["star_distance_mm"] == pytest.approx(mine["star_distance_mm"], rel=1e-3)
+    # and from the files of an earlier simulation
+    asterism.write_results(printed, tmp_path / "results")
+    result = run("export", "d.toml", "-o", "third", "--shape", "results")
+    assert result.returncode == 0, result.stderr
+    assert {path.name for path in (tmp_path / "third").iterdir()} == ALWAYS | PINNED | SHAPE
+
+
+def test_printers_are_listed(tmp_path: Path, run: Run) -> None:
+    result = run("printers")
+    assert result.returncode == 0
+    assert "ultimaker2" in result.stdout and "tpu95a" in result.stdout and "ASTERISM_PROFILES" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("options", "line"),
+    [
+        (["--printer", "ulti"], "--printer = 'ulti': must be a file"),
+        (["--printer", "mine.toml"], "mine.toml: cannot be read"),
+        (["--plastic", "wood"], "--plastic = 'wood': must be a file"),
+        (["--layer", "0"], "--layer = 0.0: must be at least 0.01"),
+        (["--first-layer", "9"], "--first-layer = 9.0: must be at most 2"),
+        (["--plate", "-1"], "--plate = -1.0: must be at least 0"),
+        (["--fabric", "nan"], "--fabric = nan: must be from 0 to 50"),
+        (["--needle-spacing", "0"], "--needle-spacing = 0.0: must be from 1 to 1000"),
+        (["--turn", "30"], "--turn = 30.0: must be 0 on a fabric"),
+        (["--shape", "nowhere"], "nowhere: is not there"),
+        (["--shape", "x", "--simulate"], "--shape: goes without --simulate"),
+    ],
+)
+def test_a_mistake_is_one_line_and_leaves_nothing(
+    options: list[str], line: str, file: Path, tmp_path: Path, run: Run
+) -> None:
+    assert line in mistake(run("export", "d.toml", "-o", "out", *options))
+    assert [path.name for path in tmp_path.iterdir()] == ["d.toml"]
+
+
+def test_designs_larger_than_the_bed_are_one_line(tmp_path: Path, run: Run) -> None:
+    save_design(design(border={"rings": 7}, pins=[]), tmp_path / "d.toml")
+    assert "must be within the 223.0 x 223.0 mm" in mistake(run("export", "d.toml"))
+    assert [path.name for path in tmp_path.iterdir()] == ["d.toml"]
+
+
+def test_an_export_that_fails_leaves_the_earlier_one(file: Path, tmp_path: Path, run: Run) -> None:
+    assert run("export", "d.toml", "-o", "out").returncode == 0
+    before = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
+    (tmp_path / "out" / "print.3mf").unlink()
+    (tmp_path / "out" / "print.3mf").mkdir()
+    mistake(run("export", "d.toml", "-o", "out", "--plate", "9"))
+    (tmp_path / "out" / "print.3mf").rmdir()
+    after = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
+    del before["print.3mf"]
+    assert after == before
