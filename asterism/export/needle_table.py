@@ -16,6 +16,12 @@ def write(path: Path, needles: tuple[Needle, ...]) -> None:
         table = csv.writer(stream, lineterminator="\n")
         table.writerow(COLUMNS)
         for needle in needles:
-            place = ("", "", "") if needle.place is None else tuple(f"{value:.3f}" for value in needle.place)
-            printed = tuple(f"{value:.3f}" for value in needle.printed)
+            place = ("", "", "") if needle.place is None else tuple(fixed(value, 3) for value in needle.place)
+            printed = tuple(fixed(value, 3) for value in needle.printed)
             table.writerow((needle.number, *printed, *place, needle.slides, needle.step))
+
+
+def fixed(value: float, digits: int) -> str:
+    """A number with so many digits after the point, and no minus before zeros."""
+    text = f"{value:.{digits}f}"
+    return text.removeprefix("-") if not text.strip("-0.") else text

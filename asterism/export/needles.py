@@ -38,23 +38,22 @@ def needles(plan: Layout, spacing_mm: float, shape: Shape | None = None) -> tupl
     """
     found: list[Needle] = []
     for pins in plan.pins:
-        corners = {corner % len(plan.border) for edge in pins.edges for corner in (edge, edge + 1)}
-        along = [_inner_points(plan.border, edge, spacing_mm) for edge in pins.edges]
-        printed = np.concatenate([pins.points.reshape(-1, 2), plan.border[sorted(corners)], *along])
+        along = [_along(plan.border, edge, spacing_mm) for edge in sorted(pins.edges)]
+        printed = np.concatenate([pins.points.reshape(-1, 2), *along])
         places = _places(pins, printed, shape)
         for k, point in enumerate(printed):
-            # edges of two sets may share a corner
+            # neighbouring edges share a corner
             if all(np.linalg.norm(point - needle.printed) > 1e-6 for needle in found):
                 place = None if places is None else places[k]
                 found.append(Needle(len(found) + 1, point, place, _slides(pins), pins.step))
     return tuple(found)
 
 
-def _inner_points(border: Floats, edge: int, spacing_mm: float) -> Floats:
-    """Equally spaced points on an edge without its ends."""
+def _along(border: Floats, edge: int, spacing_mm: float) -> Floats:
+    """Equally spaced points on an edge, its ends included."""
     a, b = border[edge], border[(edge + 1) % len(border)]
     pieces = max(math.ceil(float(np.linalg.norm(b - a)) / spacing_mm - 1e-9), 1)
-    return a + np.arange(1, pieces)[:, None] / pieces * (b - a)
+    return a + np.arange(pieces + 1)[:, None] / pieces * (b - a)
 
 
 def _places(pins: PinSet, printed: Floats, shape: Shape | None) -> Floats | None:

@@ -8,6 +8,7 @@ import shapely
 from asterism.export.drawing import Circle, Drawing, Layer, Line, Text, beside, cross, rectangle
 from asterism.export.job import CHECK_SQUARE_MM, Job
 from asterism.export.layers import AFTER, BED, BEFORE, CUT, FRAME, GUIDE, MARKS, NEEDLES, OUTLINE, STARS, TEXT
+from asterism.export.needle_table import fixed
 from asterism.export.page import Items, page
 from asterism.export.solid import Step
 from pattern.layout import Floats
@@ -30,11 +31,12 @@ def layout_sheet(job: Job) -> Drawing:
         items += _needle(job.placement.points(needle.printed), str(needle.number))
     items.append(Text(TEXT, np.array([-frame[0] / 4, -frame[1] / 2 - 8.0]), "front of the printer", 4.0, "middle"))
     x, y = job.design.fabric.stretch_xy
+    count = len(job.plan.centres)
     sizes = ", ".join(f"{height:g}" for height in sorted({step.height_mm for step in job.stars}))
     paragraphs = [
         "Seen from above, the plastic on top, as it lies on the printer.",
         f"{job.printer.name}: frame {frame[0]:g} x {frame[1]:g} mm, nozzle within {bed[0]:g} x {bed[1]:g} mm.",
-        f"{len(job.plan.centres)} stars, {sizes} mm thick, of {job.plastic.name}.",
+        f"{count} star{'s' if count > 1 else ''}, {sizes} mm thick, of {job.plastic.name}.",
         f"Fabric stretched by {x:g}" + (f" along x and {y:g} along y." if x != y else "."),
         f"Start the nozzle {job.z_offset_mm:.2f} mm above the bed.",
     ]
@@ -87,7 +89,7 @@ def needle_sheet(job: Job) -> Drawing | None:
     for needle, (x, y, z) in known:
         items += _needle(np.array([x, y]), str(needle.number) + (f"  z {z:.1f}" if abs(z) > 0.05 else ""))
         mark = f"  slides: {needle.slides}" if needle.slides else f"  step {needle.step}" if needle.step else ""
-        table.append(f"{needle.number:3d} {x:8.2f} {y:8.2f} {z:8.2f}{mark}")
+        table.append(f"{needle.number:3d} " + " ".join(f"{fixed(c, 2):>8}" for c in (x, y, z)) + mark)
     if len(table) > _LONGEST_TABLE:
         table = ["All needles are in needles.csv."]
     paragraphs = [
