@@ -1,40 +1,91 @@
-"""How far a shape is from that of an infinitely fine mesh, from the two finest meshes it was solved on."""
+"""How far a shape is from that of an infinitely fine mesh, from the meshes it was solved on."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
+from scipy.optimize import brentq
 
 from asterism.shape import Shape
 from pattern.layout import Floats
 
-# Observed order of the distance by the edge length, on aligned meshes: see docs/accuracy.md
+# Order of the distance by the edge length where it cannot be observed: that of a stress which is singular at the arms'
+# tips, and what aligned meshes show in docs/accuracy.md
 ORDER = 1.0
+# observed orders in between are believed; below the lowest, that is taken
+LOWEST, HIGHEST = 0.5, 2.5
 # meshes of nearly the same edge say nothing, and shapes further apart (% of the diameter) are different minima
 SMALLEST_RATIO = 1.2
 LARGEST_PERCENT = 10.0
 
 
-def mesh_error_percent(
-    fine: Shape, coarse_printed: Floats, coarse_positions: Floats, order: float = ORDER
-) -> float | None:
-    """Richardson's estimate of the discretisation error of `fine`, rms over the sheet, in % of the diameter.
+@dataclass(frozen=True)
+class MeshError:
+    """Estimate of the discretisation error.
 
-    With the edge ratio r and the order p it is the distance of the two shapes over `r^p - 1`.
+    Attributes
+    ----------
+    percent : rms over the sheet, in % of the diameter; None if only one mesh was solved, or the shapes on two are so
+        different that they are not two views of the same one.
+    order : observed on the last three meshes; None with fewer, or where distances do not fall at all.
+    asymptotic : the order is one that theory knows, so that the estimate can be believed; None with two meshes, unless they
+        are too far apart.
+    """
+
+    percent: float | None
+    order: float | None
+    asymptotic: bool | None
+
+
+def mesh_error(fine: Shape, coarser: Sequence[tuple[Floats, Floats]], order: float = ORDER) -> MeshError:
+    """Richardson's estimate of the discretisation error of `fine`.
 
     Parameters
     ----------
-    fine : the shape on the finer mesh.
-    coarse_printed, coarse_positions : (V, 2) and (V, 3) mm, vertices of the coarser mesh of the same sheet.
-
-    Returns
-    -------
-    None if the meshes are too alike, or the shapes so different that they are not two views of the same one.
+    coarser : (V, 2) printed and (V, 3) deformed vertices (mm) of coarser meshes of the same sheet, the coarsest first.
+    order : assumed where only one of them is of use.
     """
-    ratio = float(np.sqrt(len(fine.printed) / len(coarse_printed)))
-    if ratio < SMALLEST_RATIO:
+    edge = 1.0 / np.sqrt(len(fine.printed))
+    edges, distances = [], []
+    for printed, positions in coarser[-2:]:
+        edges.append(1.0 / np.sqrt(len(printed)))
+        distances.append(100.0 * rms_distance(fine.at(printed), positions) / diameter(fine.positions))
+    return estimate([*edges, edge], distances, order)
+
+
+def estimate(edges: Sequence[float], distances: Sequence[float], order: float = ORDER) -> MeshError:
+    """From one or two distances (%) of coarser shapes to the finest; edges (mm) of all, the finest last.
+
+    An error `c edge^p` leaves the distances `c (edge^p - finest^p)`: two of them have one p.
+    """
+    if not distances or edges[-2] / edges[-1] < SMALLEST_RATIO:
+        return MeshError(None, None, None)
+    if distances[-1] >= LARGEST_PERCENT:
+        return MeshError(None, None, False)
+    if len(distances) < 2 or edges[-3] / edges[-2] < SMALLEST_RATIO:
+        return MeshError(distances[-1] / ((edges[-2] / edges[-1]) ** order - 1.0), None, None)
+    observed = _observed(edges, distances)
+    used = order
+    if observed is None or observed < LOWEST:
+        used = LOWEST
+    elif observed <= HIGHEST:
+        used = observed
+    percent = distances[-1] / ((edges[-2] / edges[-1]) ** used - 1.0)
+    return MeshError(percent, observed, observed is not None and used == observed)
+
+
+def _observed(edges: Sequence[float], distances: Sequence[float]) -> float | None:
+    """The order p that two distances have; None below 0.1, the largest is 4."""
+    coarse, middle, fine = edges[-3:]
+
+    def off(p: float) -> float:
+        return (coarse**p - fine**p) / (middle**p - fine**p) * distances[-1] - distances[-2]
+
+    if off(0.1) >= 0.0:
         return None
-    distance = 100.0 * rms_distance(fine.at(coarse_printed), coarse_positions) / diameter(fine.positions)
-    return distance / (ratio**order - 1.0) if distance < LARGEST_PERCENT else None
+    return float(brentq(off, 0.1, 4.0)) if off(4.0) > 0.0 else 4.0
 
 
 def rms_distance(one: Floats, other: Floats, mirrored: bool = False) -> float:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from asterism import __version__
-from asterism.mesh_error import mesh_error_percent
+from asterism.mesh_error import mesh_error
 from asterism.minima import many_minima, one_minimum
 from asterism.self_intersections import self_intersections
 from asterism.shape import Shape
@@ -127,7 +127,7 @@ def _shape(
     fields = point_fields(shape.positions, shape.triangles)
     strains = cell_fields(shape.printed, shape.positions, shape.triangles, stretch)
     summary = _summary(model, found, shape, seconds, wall) | {
-        "mesh_error_percent": _mesh_error(shape, levels),
+        **_mesh_error(shape, levels),
         "levels": [level.cost for level in levels],
         **minima,
         "path": [vars(step) for step in found.path],
@@ -193,11 +193,9 @@ def _summary(model: Model, found: Equilibrium, shape: Shape, seconds: dict[str, 
     }
 
 
-def _mesh_error(shape: Shape, levels: list[Level]) -> float | None:
-    """In % of the diameter; None if only one mesh was solved."""
-    if len(levels) < 2:
-        return None
-    return mesh_error_percent(shape, levels[-2].printed, levels[-2].positions)
+def _mesh_error(shape: Shape, levels: list[Level]) -> dict[str, Any]:
+    found = mesh_error(shape, [(level.printed, level.positions) for level in levels[:-1]])
+    return {f"mesh_error_{name}": value for name, value in vars(found).items()}
 
 
 def _contact(model: Model, found: Equilibrium) -> dict[str, Any] | None:

@@ -24,7 +24,7 @@ from pattern.errors import MeshError
 from pattern.meshing import mesh_layout
 
 COARSE_VERTICES = 1100
-LARGEST_RATIO = 12.0  # of vertices between two levels
+LARGEST_RATIO = 3.0  # of vertices between two levels: soft shapes move from mesh to mesh, and far moves are slow
 
 Surface = Callable[[Array], Array]  # printed points (n, 2) to places (n, 3) mm
 

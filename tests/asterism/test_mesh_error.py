@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from asterism.mesh_error import diameter, mesh_error_percent, rms_distance
+from asterism.mesh_error import LOWEST, ORDER, diameter, estimate, mesh_error, rms_distance
 from asterism.shape import Shape
 from asterism.simulation import simulate
 from pattern import gallery
@@ -32,16 +32,47 @@ def test_error_of_a_height_that_converges(order):
     shapes = {n: bowl(n, 5.0 * (1.0 + 0.2 * (20.0 / n) ** order)) for n in (20, 40)}
     limit = bowl(40, 5.0)
     exact = 100.0 * rms_distance(shapes[40].positions, limit.positions) / diameter(shapes[40].positions)
-    found = mesh_error_percent(shapes[40], shapes[20].printed, shapes[20].positions, order)
-    assert found == pytest.approx(exact, rel=0.2)
+    found = mesh_error(shapes[40], [(shapes[20].printed, shapes[20].positions)], order)
+    assert found.percent == pytest.approx(exact, rel=0.2)
+    assert found.order is None and found.asymptotic is None
+
+
+@pytest.mark.parametrize("order", [0.7, 1.0, 2.0])
+def test_three_meshes_show_their_order(order):
+    shapes = {n: bowl(n, 5.0 * (1.0 + 0.2 * (20.0 / n) ** order)) for n in (32, 56, 96)}
+    exact = 100.0 * rms_distance(shapes[96].positions, bowl(96, 5.0).positions) / diameter(shapes[96].positions)
+    found = mesh_error(shapes[96], [(shapes[n].printed, shapes[n].positions) for n in (32, 56)])
+    assert found.asymptotic
+    assert found.order == pytest.approx(order, abs=0.15)
+    assert found.percent == pytest.approx(exact, rel=0.3)
+
+
+@pytest.mark.parametrize(("order", "asymptotic"), [(0.3, False), (0.6, True), (2.4, True), (3.0, False)])
+def test_orders_that_theory_does_not_know_are_not_believed(order, asymptotic):
+    edges = [3.0, 1.7, 1.0]
+    distances = [2.0 * (edge**order - 1.0) for edge in edges[:2]]
+    found = estimate(edges, distances)
+    assert found.order == pytest.approx(order)
+    assert found.asymptotic is asymptotic
+    used = order if asymptotic else max(LOWEST, min(order, ORDER))
+    assert found.percent == pytest.approx(distances[1] / (1.7**used - 1.0))
+
+
+def test_distances_that_do_not_fall_have_no_order():
+    found = estimate([3.0, 1.7, 1.0], [1.0, 1.1])
+    assert found.order is None and found.asymptotic is False
+    assert found.percent == pytest.approx(1.1 / (1.7**LOWEST - 1.0))
+    # two different minima: no number at all
+    assert estimate([3.0, 1.7, 1.0], [12.0, 11.0]).percent is None
 
 
 def test_no_estimate_from_meshes_or_shapes_that_do_not_go_together():
     fine, coarse = bowl(20, 5.0), bowl(10, 5.0)
-    assert mesh_error_percent(fine, coarse.printed, coarse.positions) == pytest.approx(0.0, abs=0.2)
+    assert mesh_error(fine, [(coarse.printed, coarse.positions)]).percent == pytest.approx(0.0, abs=0.2)
     # the other branch, and the same mesh
-    assert mesh_error_percent(fine, coarse.printed, bowl(10, -8.0).positions) is None
-    assert mesh_error_percent(fine, fine.printed, fine.positions) is None
+    assert mesh_error(fine, [(coarse.printed, bowl(10, -8.0).positions)]).percent is None
+    assert mesh_error(fine, [(fine.printed, fine.positions)]).percent is None
+    assert mesh_error(fine, []).percent is None
 
 
 def test_distance_knows_turns_from_reflections():
