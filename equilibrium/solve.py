@@ -31,10 +31,17 @@ class Solvable(Problem, Protocol):
 class Run(Protocol):
     """Where an iteration stopped: `equilibrium.newton.Minimum` is one."""
 
-    state: State
-    converged: bool
-    iterations: int
-    factorisations: int
+    @property
+    def state(self) -> State: ...
+
+    @property
+    def converged(self) -> bool: ...
+
+    @property
+    def iterations(self) -> int: ...
+
+    @property
+    def factorisations(self) -> int: ...
 
 
 Iterate = Callable[[State], Run]
@@ -105,7 +112,8 @@ def settle(
         _count(found, run)
         if not run.converged:
             found.fallbacks += 1
-            run = clock("minimise", _down, problem, state, factor, tolerance, max_iterations)
+            lower = run.state if problem.energy(run.state) < problem.energy(state) else state
+            run = clock("minimise", _down, problem, lower, factor, tolerance, max_iterations)
             _count(found, run)
         found.state = run.state
         found.energy = problem.energy(found.state)
@@ -114,7 +122,7 @@ def settle(
     follow(start)
     while np.isfinite(found.gradient_norm):
         data = clock("certificate", problem.hessian, found.state, 0.0)
-        found.definite = clock("certificate", _definite, problem, found.state, data, factor)
+        found.definite = clock("certificate", held_definite, problem, found.state, data, factor)
         found.factorisations += 1
         if not found.converged or found.definite:
             break
@@ -143,8 +151,8 @@ def _down(problem: Problem, state: State, factor: Factor, tolerance: float, max_
     return minimise(problem, state, factor, tolerance, max_iterations, shift=0.0, verdict=False)
 
 
-def _definite(problem: Problem, state: State, data: Floats, factor: Factor) -> bool:
-    """The factor keeps the matrix where the answer is yes, its rigid motions held by an isostatic support."""
+def held_definite(problem: Problem, state: State, data: Floats, factor: Factor) -> bool:
+    """Is the matrix positive definite, its rigid motions held by an isostatic support? If so the factor holds it."""
     held = data.copy()
     diagonal = problem.pattern.diagonal
     held[diagonal[problem.support(state)]] += STOP * held[diagonal].max()

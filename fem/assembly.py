@@ -76,6 +76,12 @@ class Assembly:
         )
         return data
 
+    def mass(self, values: Floats) -> sp.csr_matrix:
+        """(N, N) mm^2, integrals of the products of the basis functions, whose values are (T, Q, m)."""
+        blocks = np.einsum("tq,tqi,tqj->tij", self.weights, values, values, optimize=True)
+        rows, columns = np.broadcast_arrays(self.dofs[:, :, None], self.dofs[:, None])
+        return sp.csr_matrix((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(self.size, self.size))
+
     def gather(self, matrix: sp.csr_matrix) -> Floats:
         """(nnz,) of a symmetric matrix (3 N, 3 N); its entries must be in the pattern.
 

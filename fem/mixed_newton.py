@@ -23,9 +23,9 @@ from equilibrium.newton import STOP, Clock
 from fem.shell import Shell
 from fem.tabulation import Floats
 
-FIRST_SHIFT = 1e-2  # part of the flat stiffness added to a matrix that is not positive definite
+FIRST_SHIFT = 1e-4  # part of the flat stiffness added to a matrix that is not positive definite
 LAST_SHIFT = 1e4
-FAR = 0.5  # of the sheet's size: a step beyond it is shortened
+FAR = 0.15  # of the sheet's size: a step beyond it is shortened
 
 
 @dataclass
@@ -52,6 +52,11 @@ class Mixed:
     history: list[float] = field(default_factory=list)
     seconds: dict[str, float] = field(default_factory=dict)
 
+    @property
+    def state(self) -> Floats:
+        """x, by the name that `equilibrium.solve` knows."""
+        return self.x
+
 
 def mixed_newton(
     shell: Shell,
@@ -59,7 +64,7 @@ def mixed_newton(
     factor: Factor,
     tolerance: float,
     strains: Floats | None = None,
-    max_iterations: int = 40,
+    max_iterations: int = 30,
 ) -> Mixed:
     """A stationary point near x (N, 3), which meets the conditions.
 

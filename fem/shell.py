@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -65,7 +66,9 @@ class Shell:
         order: int = ORDER,
     ) -> None:
         self.space, self.moments, self.order = space, tuple(moments), order
-        self.assembly = Assembly(space.tabulate(order), space.size)
+        tabulation = space.tabulate(order)
+        self.assembly = Assembly(tabulation, space.size)
+        self._values = tabulation.values
         self.points = self.assembly.points
         self.flat = flat_positions(space)
         self._shifts = constant(space)
@@ -144,6 +147,13 @@ class Shell:
             stress = (1.0 - blend) * stress + blend * _pulling(stress)
         return self.tangent(x, stiffness, stress)
 
+    @cached_property
+    def mass(self) -> sp.csr_matrix:
+        """(n, n) mm^2, the printed area as the free unknowns see it."""
+        scalar = self.assembly.mass(self._values)
+        full = sp.kron(scalar, sp.identity(3), format="csr")
+        return sp.csr_matrix(self.reduction.map.T @ full @ self.reduction.map)
+
     def move(self, x: Floats, direction: Floats) -> Floats:
         """(N, 3) x moved by a direction (n,) of the free unknowns."""
         return x + (self.reduction.map @ direction).reshape(-1, 3)
@@ -156,6 +166,20 @@ class Shell:
     def held(self, x: Floats) -> Floats:
         """(N, 3) the state with the free unknowns of x that meets the conditions at this progress."""
         return self.reduction.positions(self.reduction.project(x), self.progress)
+
+    def shifted(self, x: Floats, by: Floats) -> Floats:
+        """(N, 3) x moved by (3,) mm."""
+        return x + self._shifts[:, None] * by
+
+    def linear_stress(self, strains: Floats) -> Floats:
+        """(T, Q, 6) by the quadratic part of the density."""
+        return np.matmul(self.density.stiffness, strains[..., None])[..., 0]
+
+    @property
+    def held_points(self) -> Ints:
+        """(k,) dofs that are positions and do not move."""
+        free = np.diff(self.reduction.map.indptr).reshape(-1, 3).any(axis=1)
+        return np.flatnonzero(~free & (self._shifts != 0.0))
 
     def rigid_modes(self, x: Floats) -> Floats:
         """(n, k) orthonormal rigid motions that the conditions leave free, and that cost nothing.
@@ -188,9 +212,9 @@ class Shell:
 
     def _flat_stiffness(self) -> Floats:
         stress = np.zeros((*self.assembly.weights.shape, 6))
-        shape = (*stress.shape, 6)
-        stiffness = np.ascontiguousarray(np.broadcast_to(self.density.stiffness, shape))
-        return self._reduced(self.assembly.tangent(self.flat, stiffness, stress))
+        stiffness = np.ascontiguousarray(np.broadcast_to(self.density.stiffness, (*stress.shape, 6)))
+        data = self.assembly.tangent(self.flat, stiffness, stress)
+        return self._reduced(data if self._penalty is None else data + self._penalty[1])
 
 
 def flat_positions(space: Space) -> Floats:

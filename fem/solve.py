@@ -1,0 +1,139 @@
+"""From fields to a certified equilibrium of the shell."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from equilibrium.factor import Factor
+from equilibrium.soft_modes import soft_modes as softest
+from equilibrium.solve import Run, Settled, held_definite, settle
+from fem.evidence import ShellEquilibrium, Trial
+from fem.mixed_newton import mixed_newton
+from fem.seeds import Side, Start, starts
+from fem.shapes import Shape
+from fem.shell import Shell
+from fem.tabulation import Floats
+
+TOLERANCE = 1e-11  # of the gradient, over the sheet's membrane stiffness times its size
+LEFT = 0.02  # of the sheet's size: how far a dof moves when a saddle is left
+STEPS = (4, 16)  # load steps that are tried when nothing else works
+CLOSE = 0.3  # of what the best start saves against a flat sheet
+FOLLOWED = 2  # starts of different kinds that are followed to their ends
+
+
+def relax(
+    shell: Shell,
+    factor: Factor | None = None,
+    side: Side = "auto",
+    shapes: Sequence[Shape] | None = None,
+    followed: int = FOLLOWED,
+    soft_modes: int = 3,
+) -> ShellEquilibrium:
+    """Equilibrium of lowest energy among those that the most promising starts lead to.
+
+    Parameters
+    ----------
+    factor : of `shell.factor()`, to be used again; at the end it holds the exact Hessian if that is definite.
+    side : of the printed plane that the edges go to; by default that of the rest curvature.
+    shapes : to start from in place of the usual ones.
+    followed : starts that are followed, each of another kind (cap, arc, saddle, flat).
+    soft_modes : how many of the smallest eigenvalues to find.
+    """
+    begin = time.perf_counter()
+    factor = factor or shell.factor()
+    offered = starts(shell, factor, side, None if shapes is None else list(shapes))
+    seconds = {"starts": time.perf_counter() - begin}
+    found: list[ShellEquilibrium] = []
+    for start in _promising(offered)[:followed]:
+        found.append(follow(shell, start.x, factor, start.shape.name))
+    if not any(each.is_minimum for each in found):
+        found += filter(None, (by_load_steps(shell, factor, steps) for steps in STEPS))
+    best = min(found, key=_rank)
+    if best.is_minimum:
+        if best is not found[-1]:
+            held_definite(shell, best.x, shell.hessian(best.x), factor)
+        begin = time.perf_counter()
+        best = replace(best, soft_modes=modes_of(shell, best.x, factor, soft_modes)[0])
+        seconds["soft modes"] = time.perf_counter() - begin
+    for each in found:
+        for part, spent in each.seconds.items():
+            seconds[part] = seconds.get(part, 0.0) + spent
+    return replace(best, trials=tuple(trial for each in found for trial in each.trials), seconds=seconds)
+
+
+def follow(
+    shell: Shell, x: Floats, factor: Factor, name: str = "given", strains: Floats | None = None
+) -> ShellEquilibrium:
+    """The equilibrium that a state x (N, 3) leads to, certified; `strains` (T, Q, 6) go with x after an edit."""
+    tolerance = TOLERANCE * shell.force_scale
+    given = [strains]  # they belong to the first state only
+
+    def iterate(state: Any) -> Run:
+        return mixed_newton(shell, state, factor, tolerance, given.pop() if given else None)
+
+    size = float(np.ptp(shell.flat, axis=0).max())
+    settled = settle(shell, x, factor, tolerance, iterate, LEFT * size)
+    return _evidence(shell, settled, name)
+
+
+def by_load_steps(shell: Shell, factor: Factor, steps: int) -> ShellEquilibrium | None:
+    """From the printed sheet, with fields, loads and moved conditions brought up in equal steps; None if one fails."""
+    x = shell.flat
+    found = None
+    try:
+        for step in range(1, steps + 1):
+            shell.progress = step / steps
+            found = follow(shell, shell.held(x), factor, f"{steps} load steps")
+            if not found.converged:
+                return None
+            x = found.x
+    finally:
+        shell.progress = 1.0
+    return found
+
+
+def modes_of(shell: Shell, x: Floats, factor: Factor, count: int) -> tuple[Floats, Floats]:
+    """(k,) N/mm^3 and (n, k) softest modes over the free unknowns; the factor holds the Hessian at the minimum x."""
+    return softest(shell.mass, factor, shell.rigid_modes(x), count)
+
+
+def _evidence(shell: Shell, settled: Settled, name: str) -> ShellEquilibrium:
+    x = settled.state
+    energies = shell.energies(x)
+    return ShellEquilibrium(
+        x=x,
+        strains=shell.strains(x),
+        energies=energies,
+        gradient_norm=settled.gradient_norm,
+        tolerance=settled.tolerance,
+        definite=settled.definite,
+        soft_modes=np.empty(0),
+        start=name,
+        trials=(Trial(name, settled.energy, settled.is_minimum, settled.iterations),),
+        iterations=settled.iterations,
+        factorisations=settled.factorisations,
+        saddles_left=settled.saddles_left,
+        fallbacks=settled.fallbacks,
+        seconds=settled.seconds,
+    )
+
+
+def _promising(offered: Sequence[Start]) -> list[Start]:
+    """The best of every kind, as long as it is not much dearer than the best of all, compared with a flat sheet."""
+    first: dict[str, Start] = {}
+    for start in offered:
+        first.setdefault(start.shape.name, start)
+    best = offered[0].energy
+    flat = first["flat"].energy if "flat" in first else best
+    return [start for start in first.values() if start.energy - best <= CLOSE * (flat - best)]
+
+
+def _rank(found: ShellEquilibrium) -> tuple[bool, bool, float]:
+    """Minima before others, low energies before high ones."""
+    energy = found.energy if np.isfinite(found.energy) else np.inf
+    return not found.is_minimum, not found.converged, energy
