@@ -86,7 +86,7 @@ class Shell:
         modulus = np.asarray(self.density.stiffness)[..., 3, 3]
         penalty = self.space.penalty(modulus if modulus.ndim == 0 else modulus.mean(axis=1))
         self._penalty = None if penalty is None else (penalty, self.assembly.spread(penalty))
-        self.flat_stiffness = self._flat_stiffness()
+        self.__dict__.pop("flat_stiffness", None)
         stretch = np.asarray(self.density.stiffness)[..., 0, 0].mean()
         self.force_scale = float(stretch * np.sqrt(self.assembly.weights.sum()))
 
@@ -154,6 +154,14 @@ class Shell:
         full = sp.kron(scalar, sp.identity(3), format="csr")
         return sp.csr_matrix(self.reduction.map.T @ full @ self.reduction.map)
 
+    @cached_property
+    def flat_stiffness(self) -> Floats:
+        """(nnz,) of the printed sheet without stress, over the free unknowns."""
+        stress = np.zeros((*self.assembly.weights.shape, 6))
+        stiffness = np.ascontiguousarray(np.broadcast_to(self.density.stiffness, (*stress.shape, 6)))
+        data = self.assembly.tangent(self.flat, stiffness, stress)
+        return self._reduced(data if self._penalty is None else data + self._penalty[1])
+
     def move(self, x: Floats, direction: Floats) -> Floats:
         """(N, 3) x moved by a direction (n,) of the free unknowns."""
         return x + (self.reduction.map @ direction).reshape(-1, 3)
@@ -209,12 +217,6 @@ class Shell:
     def factor(self, backend: str = "auto") -> Factor:
         """A solver for the Hessians of this shell."""
         return make_factor(self.pattern, backend)
-
-    def _flat_stiffness(self) -> Floats:
-        stress = np.zeros((*self.assembly.weights.shape, 6))
-        stiffness = np.ascontiguousarray(np.broadcast_to(self.density.stiffness, (*stress.shape, 6)))
-        data = self.assembly.tangent(self.flat, stiffness, stress)
-        return self._reduced(data if self._penalty is None else data + self._penalty[1])
 
 
 def flat_positions(space: Space) -> Floats:

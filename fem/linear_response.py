@@ -1,0 +1,40 @@
+"""What an equilibrium does when fields, loads or conditions change a little: one solve with the factor at hand.
+
+The factor holds the exact Hessian of the old equilibrium, as `fem.solve.relax` and `follow` leave it. The answer is the
+first step of Newton's method with mixed points, so `follow(shell, *response, ...)` goes on from it: an edit costs one
+iteration less than it would.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from equilibrium.factor import Factor
+from fem.shell import Shell
+from fem.tabulation import Floats
+
+
+class Response(NamedTuple):
+    """Positions x (N, 3) and strains (T, Q, 6) after the change, to first order."""
+
+    x: Floats
+    strains: Floats
+
+
+def linear_response(shell: Shell, x: Floats, factor: Factor) -> Response:
+    """Where the equilibrium x (N, 3) goes, now that the shell has other fields, loads or moved conditions.
+
+    The factor holds the Hessian at x from before the change. Rigid motions that nothing stops are taken out: of all
+    answers that differ by one this is the one that moves the least.
+    """
+    start = shell.held(x)
+    strains = shell.strains(start)
+    _, stress, _ = shell.density(strains)
+    gradient = shell.restricted(shell.assembly.forces(start, stress) + shell.outer_forces(start))
+    step = -factor.solve(gradient)
+    modes = shell.rigid_modes(start)
+    step = step - modes @ (modes.T @ step)
+    move = shell.move(np.zeros_like(start), step)
+    return Response(start + move, strains + shell.assembly.strain_changes(start, move))
