@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import secrets
 import shutil
 import signal
@@ -35,11 +36,16 @@ class OutputError(Exception):
 
 
 @contextmanager
-def staged(directory: str | Path) -> Iterator[Path]:
+def staged(directory: str | Path, stale: str | None = None) -> Iterator[Path]:
     """Collect files in a hidden folder, and move them into `directory` together at the end.
 
     The folder lies on the same disk as `directory`, which is made if it is missing. If the block ends with an
     exception or is interrupted, nothing is left behind and earlier results in `directory` stay as they were.
+
+    Parameters
+    ----------
+    stale : pattern of names (regular expression, the whole name) that belong to this kind of result: earlier files of
+        such a name that are not written again go away in the same moment.
 
     Yields
     ------
@@ -68,7 +74,7 @@ def staged(directory: str | Path) -> Iterator[Path]:
         staging.mkdir(parents=True)
         yield staging
         with _signals_held():
-            _publish(staging, directory)
+            _publish(staging, directory, stale)
     except OSError as error:
         raise OutputError(_sentence(error, directory)) from error
     finally:
@@ -97,8 +103,8 @@ class _Rehearsal(Exception):
     """Ends a staged block without publishing."""
 
 
-def _publish(staging: Path, directory: Path) -> None:
-    """Move every file of `staging` into `directory`, or none."""
+def _publish(staging: Path, directory: Path, stale: str | None) -> None:
+    """Move every file of `staging` into `directory` and take away what is stale there, or do nothing."""
     names = sorted((file.name for file in staging.iterdir()), key=lambda name: (name == LAST, name))
     for name in names:
         _flush(staging / name)
@@ -112,16 +118,21 @@ def _publish(staging: Path, directory: Path) -> None:
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(directory / name))
         if (directory / name).exists():
             _keep(directory / name, previous / name)
+    found = [file.name for file in directory.iterdir() if stale and re.fullmatch(stale, file.name) and file.is_file()]
     moved: list[str] = []
     try:
+        for name in sorted(set(found) - set(names)):
+            os.replace(directory / name, previous / name)
         for name in names:
             moved.append(name)
             os.replace(staging / name, directory / name)
     except BaseException:
+        for kept in list(previous.iterdir()):
+            if kept.name in moved or not (directory / kept.name).exists():
+                os.replace(kept, directory / kept.name)
+                moved = [name for name in moved if name != kept.name]
         for name in moved:
-            if (previous / name).exists():
-                os.replace(previous / name, directory / name)
-            elif not (staging / name).exists():
+            if not (staging / name).exists():
                 (directory / name).unlink(missing_ok=True)
         raise
 

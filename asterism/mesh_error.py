@@ -30,8 +30,8 @@ class MeshError:
     percent : rms over the sheet, in % of the diameter; None if only one mesh was solved, or the shapes on two are so
         different that they are not two views of the same one.
     order : observed on the last three meshes; None with fewer, or where distances do not fall at all.
-    asymptotic : the order is one that theory knows, so that the estimate can be believed; None with two meshes, unless they
-        are too far apart.
+    asymptotic : the order is one that theory knows, so that the estimate can be believed; None with two meshes, unless
+        they are too far apart.
     """
 
     percent: float | None

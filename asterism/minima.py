@@ -11,7 +11,7 @@ from discrete.model import Model
 
 ONE_START = "the default start's"
 LOWEST = "lowest energy"
-KEPT = "lowest energy of those whose stars keep the sides prescribed"
+KEPT = "lowest energy of those whose stars are all on their branch"
 
 
 def one_minimum(model: Model, found: Equilibrium) -> dict[str, Any]:
@@ -56,6 +56,7 @@ def _entry(branch: Branch, minima: Minima, file: str | None) -> dict[str, Any]:
         "energy_n_mm": found.energy,
         "is_minimum": found.is_minimum,
         "stars_up": found.stars_up,
+        "stars_off_branch": len(branch.off_branch),
         "roll_axis_deg": branch.roll_axis_deg,
         "starts": len(branch.starts),
         "start_names": list(branch.starts),

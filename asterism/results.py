@@ -12,6 +12,9 @@ from asterism.files import LAST, staged
 from asterism.picture import draw
 from asterism.shape import Shape
 
+# files of further minima: those of an earlier run would be taken for this one's
+MINIMUM = r"minimum-\d+\.(vtu|png)"
+
 
 def write_results(shape: Shape, directory: str | Path) -> list[str]:
     """Write the files of a shape into a directory, all or none; returns their names.
@@ -21,7 +24,7 @@ def write_results(shape: Shape, directory: str | Path) -> list[str]:
     OutputError
         They cannot be written there.
     """
-    with staged(directory) as folder:
+    with staged(directory, stale=MINIMUM) as folder:
         write_shape_vtu(shape, folder / "shape.vtu")
         write_rods_vtu(shape, folder / "rods.vtu")
         draw(shape, shape.summary["design"]["name"], folder / "shape.png")

@@ -15,7 +15,7 @@ from asterism.minima import many_minima, one_minimum
 from asterism.self_intersections import self_intersections
 from asterism.shape import Shape
 from asterism.surface_fields import cell_fields, point_fields
-from discrete.branches import find_minima
+from discrete.branches import find_minima, stars_off_branch
 from discrete.contact import ipc_toolkit
 from discrete.contact_model import ContactModel
 from discrete.evidence import Equilibrium
@@ -167,7 +167,7 @@ def _summary(model: Model, found: Equilibrium, shape: Shape, seconds: dict[str, 
         "stars_total": len(model.layout.centres),
         "stars_up": found.stars_up,
         "stars_down": [int(i) for i in np.flatnonzero(found.bumps <= 0.0)],
-        "stars_off_branch": _off_branch(model, found),
+        "stars_off_branch": stars_off_branch(model, found),
         "roll_axis_deg": roll_axis_deg(model, found.state),
         "vertices": model.n_vertices,
         "triangles": len(model.mesh.triangles),
@@ -212,12 +212,6 @@ def _contact(model: Model, found: Equilibrium) -> dict[str, Any] | None:
         "least_distance_mm": least if pairs else None,
         "pairs": pairs,
     }
-
-
-def _off_branch(model: Model, found: Equilibrium) -> list[int]:
-    """Stars that did not keep the side to which their branch sent them; from a flat start none is sent."""
-    sent = model.layout.star_branch if model.design.solver.start == "bump" else 0
-    return [int(i) for i in np.flatnonzero(found.bumps * sent < 0.0)]
 
 
 def _contraction(model: Model, shape: Shape) -> float | None:

@@ -45,7 +45,9 @@ def run(name: str) -> dict[str, Any]:
     """Seeds on the coarse mesh; other starts there, and what they found on the fine one."""
     design = gallery.load(name)
     plan = layout(design)
-    model = Model(design, plan, mesh_layout(plan, design.mesh.edge_mm, design.mesh.kind, design.mesh.seed, design.mesh.graded))
+    model = Model(
+        design, plan, mesh_layout(plan, design.mesh.edge_mm, design.mesh.kind, design.mesh.seed, design.mesh.graded)
+    )
     begun = time.perf_counter()
     coarse = next(iter([*coarser(model), model]))
     seeds = [Branch(relax(coarse, Beginning(seed=s)), coarse, (f"seed {s}",), s == 0) for s in SEEDS]

@@ -50,9 +50,9 @@ class Branch:
         return roll_axis_deg(self.model, self.found.state)
 
     @property
-    def keeps_prescribed(self) -> bool:
-        """Stars prescribed down are down; up is the default and prescribes nothing."""
-        return bool((self.found.bumps[self.model.layout.star_branch < 0] < 0.0).all())
+    def off_branch(self) -> list[int]:
+        """Stars that are not on the side to which their branch sends them; a flat start sends none."""
+        return stars_off_branch(self.model, self.found)
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,8 @@ def find_minima(
 ) -> Minima:
     """Distinct minima from a fixed sequence of starts, the default one first; other arguments as in `relax`.
 
-    The result is the lowest minimum whose stars keep the sides that were prescribed, where there is one.
+    The result is the lowest minimum whose stars are all on the side to which their branch sends them (up, unless the
+    layout says otherwise), where there is one: a print does not start from any other.
     """
     models = [*coarser(model), model]
     same = symmetries(model.design, model.layout)
@@ -142,8 +143,14 @@ def _percent(first: Branch, second: Branch, same: list[Symmetry]) -> tuple[float
 
 
 def _best_first(branches: list[Branch]) -> list[Branch]:
-    """By energy, those that keep the prescribed sides before the others."""
-    return sorted(branches, key=lambda b: (not b.keeps_prescribed, b.found.energy))
+    """By energy, those whose stars are on their branch before the others."""
+    return sorted(branches, key=lambda b: (bool(b.off_branch), b.found.energy))
+
+
+def stars_off_branch(model: Model, found: Equilibrium) -> list[int]:
+    """Stars that did not keep the side to which their branch sent them; from a flat start none is sent."""
+    sent = model.layout.star_branch if model.design.solver.start == "bump" else 0
+    return [int(i) for i in np.flatnonzero(found.bumps * sent < 0.0)]
 
 
 def _named(report: Report | None, name: str) -> Report | None:

@@ -56,6 +56,27 @@ def test_files_replace_earlier_ones_and_leave_others(tmp_path: Path) -> None:
     assert contents(tmp_path) == whole("new") | {"notes.txt": "mine"}
 
 
+def test_stale_files_go_with_the_change_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def again() -> None:
+        with staged(tmp_path, stale=r"minimum-\d+\.vtu") as folder:
+            for name in [*NAMES, "minimum-2.vtu"]:
+                (folder / name).write_text("new")
+
+    write(tmp_path, "old")
+    mine = {"minimum-2.vtu": "old", "minimum-3.vtu": "old", "minimum-3.vtu.mine": "old", "my minimum-4.vtu": "old"}
+    for name, text in mine.items():
+        (tmp_path / name).write_text(text)
+    for call in range(1, 7):
+        with monkeypatch.context() as patch:
+            patch.setattr(os, "replace", failing_at(call, OSError(errno.ENOSPC, "No space left on device"), "replace"))
+            with pytest.raises(OutputError, match="full"):
+                again()
+        assert contents(tmp_path) == whole("old") | mine
+    again()
+    kept = {name: "old" for name in ("minimum-3.vtu.mine", "my minimum-4.vtu")}
+    assert contents(tmp_path) == whole("new") | {"minimum-2.vtu": "new"} | kept
+
+
 def test_new_directories_have_ordinary_permissions(tmp_path: Path) -> None:
     write(tmp_path / "results", "new")
     (tmp_path / "ordinary").mkdir()

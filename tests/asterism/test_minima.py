@@ -63,6 +63,8 @@ def test_every_minimum_has_its_files(shape: Shape, tmp_path) -> None:  # type: i
     for m in shape.summary["minima"][:2]:
         assert {f"{m['file']}.vtu", f"{m['file']}.png"} <= set(files)
     assert json.loads((tmp_path / "out" / "summary.json").read_text())["minima"]
+    again = write_results(replace(shape, others=()), tmp_path / "out")
+    assert sorted(file.name for file in (tmp_path / "out").iterdir()) == again
 
 
 def test_stars_that_snap_back_are_named() -> None:
