@@ -20,6 +20,9 @@ def export(
     output: Annotated[Path | None, typer.Option("-o", "--output", help="Directory (DESIGN-print).")] = None,
     printer: Annotated[str, typer.Option(help="A printer by name, or its file; see asterism printers.")] = "ultimaker2",
     plastic: Annotated[str, typer.Option(help="A plastic by name, or its file.")] = "tpu95a",
+    material: Annotated[
+        Path | None, typer.Option(help="A material's file: its fabric and plastic in place of the design's.")
+    ] = None,
     shape: Annotated[Path | None, typer.Option(help="Results of asterism simulate, or their shape.vtu.")] = None,
     simulate: Annotated[
         bool, typer.Option("--simulate", help="Compute the printed shape, and what rounding changes.")
@@ -42,6 +45,7 @@ def export(
     from asterism.export.profiles import load_plastic, load_printer
     from asterism.export.write import write_export
     from asterism.files import check_writable
+    from asterism.material import with_material
     from asterism.read_shape import read_shape
     from pattern.design import load_design
     from pattern.errors import DesignError
@@ -55,7 +59,7 @@ def export(
     ):
         if value is not None and not limits[0] <= value <= limits[1]:
             raise DesignError(option, f"must be from {limits[0]:g} to {limits[1]:g}", value)
-    plan = load_design(design)
+    plan = with_material(load_design(design), material)
     machine = _changed(load_printer(printer), first_layer, layer, plate)
     directory = output or design.with_name(f"{design.stem}-print")
     check_writable(directory)

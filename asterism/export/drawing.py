@@ -9,6 +9,9 @@ import numpy as np
 
 from pattern.layout import Floats
 
+# widths of signs over the size of the font, none of them wider in common fonts
+_WIDE, _USUAL = 1.15, 0.85
+
 
 @dataclass(frozen=True)
 class Layer:
@@ -101,3 +104,9 @@ def beside(at: Floats, *offsets: tuple[float, float]) -> Floats:
     """Points (n, 2) at offsets in mm from a point, or (2,) for a single one."""
     points = np.asarray(at) + np.array(offsets)
     return points if len(offsets) > 1 else points[0]
+
+
+def size_within(text: str, largest_mm: float, room_mm: float) -> float:
+    """A size of bold text at which it is at most `room_mm` wide, whatever font: a long name is set small, not cut."""
+    ems = sum(_WIDE if sign in "WMmw@%" or sign > "\u2e80" else _USUAL for sign in text)
+    return min(largest_mm, room_mm / max(ems, 1.0))

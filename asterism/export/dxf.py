@@ -10,6 +10,7 @@ from asterism.export.drawing import Circle, Drawing, Line
 
 # DXF gives the height of capitals, other formats that of the font
 _CAPITALS = 0.72
+_DARK = 0.3
 
 
 def write(path: Path, drawing: Drawing) -> None:
@@ -26,7 +27,12 @@ def write(path: Path, drawing: Drawing) -> None:
     document.header["$EXTMAX"] = (*drawing.high, 0.0)
     for layer in drawing.layers:
         entry = document.layers.add(layer.name)
-        entry.rgb = colors.RGB.from_hex(layer.colour)
+        colour = colors.RGB.from_hex(layer.colour)
+        if colour.luminance < _DARK:
+            # the foreground: white where the program draws on black
+            entry.color = 7
+        else:
+            entry.rgb = colour
         if layer.dash_mm:
             pattern = [sum(layer.dash_mm), *(length * (-1) ** k for k, length in enumerate(layer.dash_mm))]
             document.linetypes.add(f"{layer.name}-dashed", pattern)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from asterism.export.drawing import Circle, Drawing, Line, Text
+from asterism.export.drawing import Circle, Drawing, Line, Text, size_within
 from asterism.export.job import CHECK_SQUARE_MM, Job
 from asterism.export.layers import TEXT
 
@@ -148,8 +148,9 @@ def as_pages(job: Job, parts: tuple[Chapter, ...]) -> list[Drawing]:
     name = job.design.name
     pages: list[list[Line | Circle | Text]] = []
     top, bottom = _A4_MM[1] - _MARGIN_MM, _MARGIN_MM
+    size = size_within(name, 6.5, _A4_MM[0] - 2 * _MARGIN_MM)
     items: list[Line | Circle | Text] = [
-        Text(TEXT, np.array([_MARGIN_MM, top - 6.0]), name, 6.5 * min(1.0, 45 / len(name)), bold=True),
+        Text(TEXT, np.array([_MARGIN_MM, top - 6.0]), name, size, bold=True),
         Text(TEXT, np.array([_MARGIN_MM, top - 14.0]), f"How to print it on the {job.printer.name}", 4.2),
     ]
     y = top - 24.0

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asterism.export.drawing import Circle, Drawing, Layer, Line, Text, beside
+from asterism.export.drawing import Circle, Drawing, Layer, Line, Text, beside, size_within
 from asterism.export.layers import TEXT
 from pattern.layout import Floats
 
@@ -53,9 +53,7 @@ def page(
 def _column(
     at: Floats, items: Items, name: str, what: str, paragraphs: Sequence[str], table: Sequence[str]
 ) -> list[Line | Circle | Text]:
-    # a long name is set smaller rather than cut
-    size = 7.0 * min(1.0, 24 / max(len(name), 1))
-    column: Items = [Text(TEXT, at.copy(), name, size, bold=True)]
+    column: Items = [Text(TEXT, at.copy(), name, size_within(name, 7.0, COLUMN_MM - MARGIN_MM), bold=True)]
     at = at - [0.0, 9.0]
     column.append(Text(TEXT, at.copy(), what, 4.5))
     at = at - [0.0, 12.0]

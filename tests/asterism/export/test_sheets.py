@@ -98,6 +98,15 @@ def test_dxf_is_sound_and_in_millimetres(one: Job, folder: Path) -> None:
         assert all(entity.dxf.layer in document.layers for entity in document.modelspace())
 
 
+def test_dxf_can_be_seen_on_black_and_on_white(folder: Path) -> None:
+    import ezdxf
+
+    layers = ezdxf.readfile(folder / "layout.dxf").layers
+    for name in ("stars", "text"):
+        assert layers.get(name).color == 7 and layers.get(name).rgb is None
+    assert layers.get("cut").rgb == (0xD0, 0x1C, 0x1C)
+
+
 def test_dxf_has_the_right_sizes_on_the_right_layers(one: Job, folder: Path) -> None:
     import ezdxf
 

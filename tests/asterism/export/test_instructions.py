@@ -1,0 +1,97 @@
+"""The instruction says this design's numbers, and stays on its pages."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from matplotlib.font_manager import FontProperties
+from matplotlib.textpath import TextPath
+
+from asterism.export import instructions, sheets
+from asterism.export.drawing import Drawing, Text
+from asterism.export.estimate import estimate
+from asterism.export.job import Job
+from asterism.export.rounded import tiny_stars
+from tests.asterism.export.jobs import design, job
+
+
+def chapters(one: Job) -> tuple[instructions.Chapter, ...]:
+    cost = estimate([one.stars], one.printer, one.rounding, one.plastic)
+    return instructions.chapters(one, cost, tiny_stars(one.plan, one.plastic.tiny_arm_mm))
+
+
+def said(one: Job) -> str:
+    """The instruction as one line."""
+    return " ".join(instructions.as_text(one, chapters(one)).split())
+
+
+def width_mm(item: Text) -> float:
+    """Of a text in the font of the PDF."""
+    family = "DejaVu Sans Mono" if item.fixed_pitch else "DejaVu Sans"
+    font = FontProperties(family=family, weight="bold" if item.bold else "normal")
+    return (
+        float(TextPath((0, 0), item.text, size=item.size_mm, prop=font).get_extents().x1) if item.text.strip() else 0.0
+    )
+
+
+def check_texts(page: Drawing) -> None:
+    for item in page.items:
+        if isinstance(item, Text):
+            width = width_mm(item)
+            left = item.at[0] - (width / 2 if item.end == "middle" else 0.0)
+            assert page.low[0] <= left and left + width <= page.high[0] - 3.0, item.text
+            assert page.low[1] < item.at[1] < page.high[1] - item.size_mm, item.text
+
+
+def test_numbers_of_the_design() -> None:
+    one = job(fabric_mm=0.5)
+    text = said(one)
+    for number in (
+        "135.0 mm wide and 130.0 mm deep",
+        "z offset 4.50 mm",
+        "lines 0.4 mm wide",
+        "[0, 0]",
+        "x = 111.50, y = 111.5",
+    ):
+        assert number in text
+    assert "G1 Z14.50" in text and "Skirt" in text and f"{len(one.needles)} needles" in text
+
+
+def test_printers_that_home_onto_the_bed_are_warned_of() -> None:
+    assert "BEFORE the frame is on it" in said(job(printer={"homes": "onto"}))
+    assert "BEFORE" not in said(job(printer={"homes": "away"}))
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"border": False}, "along the cut line of layout.pdf"),
+        ({}, "along the inner edge of the printed line"),
+    ],
+)
+def test_how_to_cut(options: dict[str, Any], words: str) -> None:
+    assert words in said(job(**options))
+
+
+def test_free_sheets_have_no_needles() -> None:
+    assert "no pins" in said(job(design(pins=[])))
+
+
+@pytest.mark.parametrize("name", ["small", "W" * 100, "a name of several words " * 4])
+def test_texts_stay_on_their_pages(name: str) -> None:
+    one = job(design(name=name.strip()))
+    template = sheets.needle_sheet(one)
+    assert template is not None
+    pages = instructions.as_pages(one, chapters(one))
+    assert len(pages) == 1
+    for page in (*pages, sheets.layout_sheet(one), sheets.stretch_sheet(one), template):
+        check_texts(page)
+    assert all(tuple(page.size_mm) == (210.0, 297.0) for page in pages)
+
+
+def test_many_needles_make_a_longer_page() -> None:
+    one = job(needle_spacing_mm=4.0)
+    template = sheets.needle_sheet(one)
+    assert template is not None and 20 < len(one.needles) < 40
+    check_texts(template)
