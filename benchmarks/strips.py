@@ -14,7 +14,7 @@ from asterism.strips.synthetic import readings
 from benchmarks.report import markdown, write_report
 from pattern.materials import Plastic
 
-TABLES = 400
+TABLES = 200
 RATIO, KAPPA_BAR = 3200.0, 0.003
 CASES: list[dict[str, Any]] = [
     {},

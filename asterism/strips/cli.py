@@ -24,6 +24,28 @@ class _KappaBar(StrEnum):
 
 
 @app.command()
+def new(
+    output: Annotated[Path, typer.Option("-o", "--output", help="Directory of the files.")] = Path("strips"),
+    printer: Annotated[str, typer.Option(help="A printer's name or file, for the size of its bed.")] = "ultimaker2",
+    thickness: Annotated[
+        list[float] | None, typer.Option(help="Of strips, in mm; give it several times (.3 .35 .4 .45).")
+    ] = None,
+    count: Annotated[int, typer.Option(min=1, max=200, help="Strips of each thickness.")] = 10,
+    length: Annotated[float, typer.Option(min=10, max=500, help="Of each strip, in mm.")] = 60.0,
+    width: Annotated[float, typer.Option(min=0.4, max=50, help="Of each strip, in mm.")] = 4.0,
+    stretch: Annotated[float, typer.Option(min=1.01, max=3, help="Of the fabric.")] = 1.35,
+    fabric_thickness: Annotated[float, typer.Option(min=0.01, max=10, help="Of the fabric, in mm.")] = 0.8,
+) -> None:
+    """The test print: strips as STL and 3MF, a sheet that says how to measure them, and a table to fill in."""
+    from asterism.strips import new_command as command
+    from asterism.strips.specimen import THICKNESSES_MM
+
+    thicknesses = tuple(thickness or THICKNESSES_MM)
+    lines = command.new(output, printer, thicknesses, count, length, width, stretch, fabric_thickness)
+    typer.echo("\n".join(lines))
+
+
+@app.command()
 def fit(
     strips: Annotated[Path, typer.Argument(help="The table of measured strips (.csv).")],
     output: Annotated[

@@ -14,6 +14,8 @@ from pattern.layout import Floats
 # the chance that one of all good readings is called an outlier
 FALSE_ALARM = 0.01
 _BIWEIGHT = 4.685
+# the middle of so few deviations may be far too small a scale
+_FEW = 24
 
 
 def outliers(model: Model, data: Data) -> tuple[np.ndarray, Floats]:
@@ -28,6 +30,8 @@ def outliers(model: Model, data: Data) -> tuple[np.ndarray, Floats]:
         Too few readings, or more than a third contradict the others.
     """
     good = ~(_robust_distance(model, data) > 4.0)
+    if len(good) < _FEW:
+        good[:] = True
     for _ in range(10):
         _check_majority(good)
         found = estimate(model, data.take(good))

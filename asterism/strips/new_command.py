@@ -1,0 +1,78 @@
+"""`asterism strips new`: the test print and the sheets that go with it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import shapely
+
+from asterism.export import pdf, stl, threemf
+from asterism.export.profiles import load_printer
+from asterism.export.solid import Solid, Step, stack
+from asterism.files import OutputError, staged
+from asterism.strips.form import csv_text, form
+from asterism.strips.specimen import PrintedStrip, Specimen, layers, specimen
+from pattern.errors import DesignError
+from pattern.layout import Floats, Ints
+from pattern.stars import THICKNESS_MM
+
+FILES = ("strips.3mf", "strips.csv", "strips.pdf", "strips.stl")
+
+
+def new(
+    directory: Path,
+    printer: str,
+    thicknesses_mm: tuple[float, ...],
+    count: int,
+    length_mm: float,
+    width_mm: float,
+    stretch: float,
+    fabric_mm: float,
+) -> list[str]:
+    """Write the files of a test print; returns the lines to print.
+
+    Raises
+    ------
+    DesignError
+        The strips do not fit on the bed, or a thickness is out of range.
+    OutputError
+        The files cannot be written, or a table is there that has been filled in.
+    """
+    bed = load_printer(printer).bed_mm
+    for h in thicknesses_mm:
+        if not THICKNESS_MM[0] <= h <= THICKNESS_MM[1]:
+            raise DesignError("--thickness", f"must be from {THICKNESS_MM[0]:g} to {THICKNESS_MM[1]:g} mm", h)
+    if len(set(thicknesses_mm)) < len(thicknesses_mm):
+        raise DesignError("--thickness", "must not be given twice", max(thicknesses_mm, key=thicknesses_mm.count))
+    strips = specimen(bed, thicknesses_mm, count, length_mm, width_mm)
+    table, text = directory / "strips.csv", csv_text(strips, stretch, fabric_mm)
+    if table.exists() and table.read_bytes() != text.encode():
+        raise OutputError(f"{table} exists and may have been filled in; choose another directory with -o")
+    solids = [_solid(strip, strips) for strip in strips.strips]
+    with staged(directory) as folder:
+        threemf.write(folder / "strips.3mf", solids, "strips")
+        stl.write(folder / "strips.stl", *_joined(solids))
+        (folder / "strips.csv").write_text(text, encoding="utf-8", newline="\n")
+        pdf.write(folder / "strips.pdf", form(strips, bed, stretch, fabric_mm))
+    heights = layers(strips.thicknesses_mm)
+    thick = ", ".join(f"{h:g}" for h in strips.thicknesses_mm)
+    return [
+        f"  {len(strips.strips)} strips of {length_mm:g} x {width_mm:g} mm, {thick} mm thick",
+        f"  slice with a first layer of {heights[0]:g} mm and others of {heights[1]:g} mm",
+        f"{directory}: {', '.join(FILES)}; measure, fill in the table, then  asterism strips fit {table}",
+    ]
+
+
+def _joined(solids: list[Solid]) -> tuple[Floats, Ints]:
+    """Points and triangles of all."""
+    before = np.cumsum([0, *(len(solid.points) for solid in solids[:-1])])
+    triangles = [solid.triangles + first for solid, first in zip(solids, before, strict=True)]
+    return np.concatenate([solid.points for solid in solids]), np.concatenate(triangles)
+
+
+def _solid(strip: PrintedStrip, specimen: Specimen) -> Solid:
+    """A strip as a box with its name, about the middle of the bed."""
+    (x, y), half = strip.centre_mm, (specimen.length_mm / 2, specimen.width_mm / 2)
+    region = shapely.box(x - half[0], y - half[1], x + half[0], y + half[1])
+    return stack(f"strip {strip.number}, {strip.thickness_mm:g} mm", [Step(strip.thickness_mm, region)])
