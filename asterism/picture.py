@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from io import BytesIO
 from pathlib import Path
 from typing import IO, Any
 
@@ -10,6 +11,7 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from PIL import Image
 
 from asterism.render import Camera, Surface, camera, render, surface
 from asterism.shape import Shape
@@ -46,6 +48,13 @@ def draw(shape: Shape, title: str, path_or_file: str | Path | IO[bytes], *, as_h
     _text(figure, MARGIN, HEIGHT - 72, title, size=15 * min(1.0, 70 / max(len(title), 1)), weight="bold", color=INK)
     _text(figure, MARGIN, HEIGHT - 112, caption(shape), size=8.5, color=PALE)
     figure.savefig(path_or_file, format="png", dpi=DPI)
+
+
+def image(shape: Shape, title: str, *, as_held: bool = False) -> Image.Image:
+    """The same picture as an image, which a notebook shows."""
+    stream = BytesIO()
+    draw(shape, title, stream, as_held=as_held)
+    return Image.open(stream)
 
 
 def caption(shape: Shape) -> str:
