@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from equilibrium.compiled import formula, loop
 from fem.tabulation import Floats
 
 Law = Callable[[Floats], tuple[Floats, Floats, Floats]]
@@ -40,47 +41,83 @@ class Density:
     saturation: Floats | float = np.inf
     law: Law | None = None
 
+    def at(self, shape: tuple[int, int]) -> Density:
+        """The same, everything spelled out for (T, Q) points."""
+
+        def spread(values: Floats | float, tail: tuple[int, ...] = ()) -> Floats:
+            return np.array(np.broadcast_to(values, (*shape, *tail)), dtype=float)
+
+        return Density(
+            spread(self.stiffness, (6, 6)),
+            spread(self.sixfold),
+            spread(self.orientation),
+            spread(self.saturation),
+            self.law,
+        )
+
     def __call__(self, e: Floats) -> tuple[Floats, Floats, Floats]:
         """Energies (T, Q), stresses (T, Q, 6) and stiffnesses (T, Q, 6, 6) at strains e (T, Q, 6)."""
-        stress = np.matmul(self.stiffness, e[..., None])[..., 0]
-        energy = 0.5 * np.einsum("tqa,tqa->tq", stress, e)
-        tangent = np.broadcast_to(self.stiffness, (*e.shape, 6))
-        if np.any(self.sixfold):
-            tangent = tangent.copy()
-            for total, part in zip((energy, stress, tangent), self._roll(e), strict=True):
-                total += part
+        full = (
+            self
+            if np.ndim(self.saturation) == 2 and np.shape(self.stiffness) == (*e.shape, 6)
+            else self.at(e.shape[:2])
+        )
+        energy, stress, tangent = np.empty(e.shape[:2]), np.empty(e.shape), np.empty((*e.shape, 6))
+        _evaluate(full.stiffness, full.sixfold, full.orientation, full.saturation, e, energy, stress, tangent)
         if self.law is not None:
-            parts = self.law(e.reshape(-1, 6))
-            energy, stress, tangent = (
-                total + part.reshape(total.shape) for total, part in zip((energy, stress, tangent), parts, strict=True)
-            )
-        return energy, stress, np.ascontiguousarray(tangent)
+            for total, part in zip((energy, stress, tangent), self.law(e.reshape(-1, 6)), strict=True):
+                total += part.reshape(total.shape)
+        return energy, stress, tangent
 
     @property
     def quadratic(self) -> bool:
         """The stiffness is the same for all strains."""
         return self.law is None and not np.any(self.sixfold)
 
-    def _roll(self, e: Floats) -> tuple[Floats, Floats, Floats]:
-        """The sixfold term with its derivatives."""
-        z = 0.5 * (e[..., 3] - e[..., 4] + 1j * e[..., 5])
-        turned = np.asarray(self.sixfold) * np.exp(-6j * np.asarray(self.orientation))
-        least = np.square(1.0 / np.asarray(self.saturation))
-        cut = 1.0 / (1.0 + least * (z.real**2 + z.imag**2))
-        cube = (turned * z**3).real
-        # over the real and imaginary parts of z: the gradient of the cubic and of what cuts it off
-        first = 3.0 * turned * z**2
-        up = np.stack([first.real, -first.imag], axis=-1)
-        down = (-2.0 * least * cut**2)[..., None] * np.stack([z.real, z.imag], axis=-1)
-        gradient = up * cut[..., None] + cube[..., None] * down
-        second = 6.0 * turned * z
-        curved = np.stack([second.real, -second.imag, -second.imag, -second.real], axis=-1).reshape(*z.shape, 2, 2)
-        mixed = up[..., :, None] * down[..., None, :]
-        hessian = curved * cut[..., None, None] + mixed + np.swapaxes(mixed, -1, -2)
-        hessian += (cube * 2.0 / cut)[..., None, None] * down[..., :, None] * down[..., None, :]
-        hessian -= (cube * 2.0 * least * cut**2)[..., None, None] * np.eye(2)
-        parts = np.array([[0.0, 0.0, 0.0, 0.5, -0.5, 0.0], [0.0, 0.0, 0.0, 0.0, 0.0, 0.5]])
-        return cube * cut, gradient @ parts, np.einsum("...ab,ai,bj->...ij", hessian, parts, parts)
+
+@loop
+def _evaluate(stiffness, sixfold, orientation, saturation, e, energy, stress, tangent):  # type: ignore[no-untyped-def]
+    h = np.empty((2, 2))
+    for t in range(e.shape[0]):
+        for q in range(e.shape[1]):
+            energy[t, q] = 0.0
+            for a in range(6):
+                value = 0.0
+                for b in range(6):
+                    value += stiffness[t, q, a, b] * e[t, q, b]
+                    tangent[t, q, a, b] = stiffness[t, q, a, b]
+                stress[t, q, a] = value
+                energy[t, q] += 0.5 * value * e[t, q, a]
+            if sixfold[t, q] != 0.0:
+                u, v = 0.5 * (e[t, q, 3] - e[t, q, 4]), 0.5 * e[t, q, 5]
+                w, gu, gv = _roll(sixfold[t, q], orientation[t, q], saturation[t, q], u, v, h)
+                energy[t, q] += w
+                stress[t, q, 3] += 0.5 * gu
+                stress[t, q, 4] -= 0.5 * gu
+                stress[t, q, 5] += 0.5 * gv
+                for a, x, y in ((3, 0.5, 0.0), (4, -0.5, 0.0), (5, 0.0, 0.5)):
+                    for b, r, s in ((3, 0.5, 0.0), (4, -0.5, 0.0), (5, 0.0, 0.5)):
+                        tangent[t, q, a, b] += x * (h[0, 0] * r + h[0, 1] * s) + y * (h[1, 0] * r + h[1, 1] * s)
+
+
+@formula
+def _roll(c3, angle, saturation, u, v, h):  # type: ignore[no-untyped-def]
+    """The sixfold term at z = u + i v: value, gradient, and its Hessian in h (2, 2)."""
+    cos, sin = c3 * np.cos(6.0 * angle), c3 * np.sin(6.0 * angle)
+    uu, vv, uv = u * u, v * v, u * v
+    # real and imaginary parts of c3 exp(-6 i phi) times z, z^2, z^3
+    one, one_i = cos * u + sin * v, cos * v - sin * u
+    two, two_i = cos * (uu - vv) + sin * 2.0 * uv, cos * 2.0 * uv - sin * (uu - vv)
+    cube = two * u - two_i * v
+    least = 1.0 / (saturation * saturation)
+    cut = 1.0 / (1.0 + least * (uu + vv))
+    slope = -2.0 * least * cut * cut  # the cut's gradient is this times (u, v)
+    pu, pv, su, sv = 3.0 * two, -3.0 * two_i, slope * u, slope * v
+    bend = 2.0 / cut
+    h[0, 0] = 6.0 * one * cut + 2.0 * pu * su + cube * (bend * su * su + slope)
+    h[1, 1] = -6.0 * one * cut + 2.0 * pv * sv + cube * (bend * sv * sv + slope)
+    h[0, 1] = h[1, 0] = -6.0 * one_i * cut + pu * sv + pv * su + cube * bend * su * sv
+    return cube * cut, pu * cut + cube * su, pv * cut + cube * sv
 
 
 def isotropic(

@@ -21,7 +21,8 @@ from fem.tabulation import Floats
 Side = Literal["auto", "up", "down"]
 
 SLIDES = 3  # in-plane corrections of a guess
-TIE = 1e-3
+SLIGHT = 0.05  # of its energy: corrections that gain less are the last
+TIE = 1e-3  # energies of arcs that differ less are equal
 ASKEW = np.radians(8.0)
 DIRECTIONS = 12  # of arcs: the six axes of a lattice and those between them
 
@@ -126,38 +127,48 @@ def _arc_angle(ratio: float) -> float:
 
 
 def starts(shell: Shell, factor: Factor, side: Side = "auto", candidates: list[Shape] | None = None) -> list[Start]:
-    """Guesses that meet the conditions, the lowest energy first.
-
-    Caps and saddles are slid along themselves, as much as takes their membrane energy out to first order. An arc is a
-    flat sheet to its membrane: what sliding gains there is taken off its energy when they are compared.
-    """
+    """The best guess of every kind, all meeting the conditions, the lowest energy first."""
     wants = trends(shell)
     size = float(np.ptp(shell.space.mesh.p, axis=1).max())
     fit = _Fit(shell, factor)
-    out, gain = [], 0.0
+    kinds: dict[str, list[Shape]] = {}
     for shape in shapes(wants, size, side) if candidates is None else candidates:
-        x = fit.held(shape.positions(shell.space, wants.centre, wants.stretch))
-        energy = shell.energy(x)
-        if shape.name == "arc":
-            energy -= gain
-        else:
-            for _ in range(SLIDES):
-                trial = fit.slid(x)
-                reached = shell.energy(trial)
-                if not reached < energy:
-                    break
-                if shape.name == "flat":
-                    gain += energy - reached
-                x, energy = trial, reached
-        out.append(Start(shape, x, energy))
-    out.sort(key=lambda start: start.energy if np.isfinite(start.energy) else np.inf)
-    arcs = [start for start in out if start.shape.name == "arc"]
-    if len(arcs) > 1 and arcs[-1].energy - arcs[0].energy <= TIE * abs(arcs[0].energy):
+        kinds.setdefault(shape.name, []).append(shape)
+    if "arc" in kinds and shell.is_free:
+        kinds["arc"] = [_best_arc(shell, wants.stretch, kinds["arc"])]
+    best, gain = [], 0.0
+    for name, group in kinds.items():
+        guesses = []
+        for shape in group:
+            x = fit.held(shape.positions(shell.space, wants.centre, wants.stretch))
+            guesses.append(Start(shape, x, shell.energy(x)) if name == "arc" else fit.slid(shape, x))
+        lowest = min(guesses, key=_energy)
+        if name == "flat":
+            gain = fit.gain
+        if name == "arc":  # to its membrane an arc is a flat sheet: it too would gain by sliding
+            lowest = replace(lowest, energy=lowest.energy - gain)
+        best.append(lowest)
+    return sorted(best, key=_energy)
+
+
+def _energy(start: Start) -> float:
+    return start.energy if np.isfinite(start.energy) else np.inf
+
+
+def _best_arc(shell: Shell, stretch: float, arcs: list[Shape]) -> Shape:
+    """Of free cylinders, whose strains are known everywhere."""
+    square = stretch**2
+    energies = []
+    for arc in arcs:
+        c, s = np.cos(arc.angle), np.sin(arc.angle)
+        bend = arc.curvature * square * np.array([c * c, s * s, 2.0 * c * s])
+        strains = np.concatenate([[0.5 * square, 0.5 * square, 0.0], bend]) - shell.rest
+        energies.append(float((shell.assembly.weights * shell.density(strains)[0]).sum()))
+    best = arcs[int(np.argmin(energies))]
+    if max(energies) - min(energies) <= TIE * abs(min(energies)):
         # no axis is better: start off the axes of symmetry of sheet and lattice, from where there is a way down
-        shape = replace(arcs[0].shape, angle=ASKEW)
-        x = fit.held(shape.positions(shell.space, wants.centre, wants.stretch))
-        out.insert(out.index(arcs[0]), Start(shape, x, arcs[0].energy))
-    return out
+        return replace(best, angle=ASKEW)
+    return best
 
 
 class _Fit:
@@ -169,6 +180,7 @@ class _Fit:
         diagonal = shell.pattern.diagonal
         data[diagonal[shell.support(shell.flat)]] += STOP * data[diagonal].max()
         self._ready = factor.factorise(data)
+        self.gain = 0.0  # what the last guess gained by sliding, N mm
 
     def held(self, x: Floats) -> Floats:
         """(N, 3) x moved to what holds it, and bent there as the flat sheet would be."""
@@ -183,11 +195,23 @@ class _Fit:
         stress = shell.linear_stress(shell.assembly.strain_changes(shell.flat, stepped - x))
         return shell.move(stepped, -self._factor.solve(shell.restricted(shell.assembly.forces(shell.flat, stress))))
 
-    def slid(self, x: Floats) -> Floats:
-        """(N, 3) x after the moves in the printed plane that its membrane stresses ask for."""
+    def slid(self, shape: Shape, x: Floats) -> Start:
+        """x slid along the printed plane as its membrane stresses ask for, as long as that lowers the energy."""
+        energy = first = self._shell.energy(x)
+        for _ in range(SLIDES if self._ready else 0):
+            trial = self._slide(x)
+            reached = self._shell.energy(trial)
+            if not reached < energy:
+                break
+            enough = energy - reached < SLIGHT * energy
+            x, energy = trial, reached
+            if enough:
+                break
+        self.gain = first - energy
+        return Start(shape, x, energy)
+
+    def _slide(self, x: Floats) -> Floats:
         shell = self._shell
-        if not self._ready:
-            return x
         strains = shell.strains(x)
         strains[..., 3:] = 0.0
         stress = shell.linear_stress(strains)

@@ -82,7 +82,7 @@ class Shell:
     def set_fields(self, fields: Fields) -> None:
         """Change what the sheet wants to be; everything else, factorisation patterns included, stays."""
         self._target = fields.rest(self.points)
-        self.density: Density = fields.densities(self.points)
+        self.density: Density = fields.densities(self.points).at(self.points.shape[:2])
         modulus = np.asarray(self.density.stiffness)[..., 3, 3]
         penalty = self.space.penalty(modulus if modulus.ndim == 0 else modulus.mean(axis=1))
         self._penalty = None if penalty is None else (penalty, self.assembly.spread(penalty))
@@ -189,21 +189,28 @@ class Shell:
         free = np.diff(self.reduction.map.indptr).reshape(-1, 3).any(axis=1)
         return np.flatnonzero(~free & (self._shifts != 0.0))
 
+    @property
+    def is_free(self) -> bool:
+        """Nothing is held."""
+        return self.reduction.map.shape[1] == self.flat.size
+
     def rigid_modes(self, x: Floats) -> Floats:
         """(n, k) orthonormal rigid motions that the conditions leave free, and that cost nothing.
 
         Motions on which loads act like springs stay in the spectrum.
         """
         centred = x - self._shifts[:, None] * x[self._shifts != 0.0].mean(axis=0)
-        size = np.sqrt((centred**2).mean()) + 1e-30
-        motions = np.zeros((x.size, 6))
-        for i, axis in enumerate(np.eye(3)):
-            motions[:, i] = np.outer(self._shifts, axis).ravel()
-            motions[:, 3 + i] = np.cross(axis, centred).ravel() / size
-        motions = motions[:, : 3 if self.moments else 6]
+        centred /= np.sqrt((centred**2).mean()) + 1e-30
+        motions = np.zeros((*x.shape, 6))
+        for i in range(3):  # shifts, and turns about the axes
+            j, k = (i + 1) % 3, (i + 2) % 3
+            motions[:, i, i] = self._shifts
+            motions[:, j, 3 + i], motions[:, k, 3 + i] = -centred[:, k], centred[:, j]
+        motions = motions.reshape(x.size, 6)[:, : 3 if self.moments else 6]
         free = motions[self.reduction.free]
-        _, blocked, rows = np.linalg.svd(motions - self.reduction.map @ free, full_matrices=False)
-        free = free @ rows[blocked < 1e-9 * np.sqrt(x.size)].T
+        if not self.is_free:
+            _, blocked, rows = np.linalg.svd(motions - self.reduction.map @ free, full_matrices=False)
+            free = free @ rows[blocked < 1e-9 * np.sqrt(x.size)].T
         if self.loads.any() and free.shape[1]:
             work = self.restricted(self.loads) @ free
             rows = np.linalg.svd(work[None, :])[2]

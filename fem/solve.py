@@ -124,13 +124,10 @@ def _evidence(shell: Shell, settled: Settled, name: str) -> ShellEquilibrium:
 
 
 def _promising(offered: Sequence[Start]) -> list[Start]:
-    """The best of every kind, as long as it is not much dearer than the best of all, compared with a flat sheet."""
-    first: dict[str, Start] = {}
-    for start in offered:
-        first.setdefault(start.shape.name, start)
+    """Those not much dearer than the best, compared with a flat sheet."""
     best = offered[0].energy
-    flat = first["flat"].energy if "flat" in first else best
-    return [start for start in first.values() if start.energy - best <= CLOSE * (flat - best)]
+    flat = next((start.energy for start in offered if start.shape.name == "flat"), best)
+    return [start for start in offered if start.energy - best <= CLOSE * (flat - best)]
 
 
 def _rank(found: ShellEquilibrium) -> tuple[bool, bool, float]:
