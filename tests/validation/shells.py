@@ -1,0 +1,67 @@
+"""What the validation of the shell shares: materials, rates, places, loads brought up in steps."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from equilibrium.solve import held_definite
+from fem.density import Density, isotropic, on_metric
+from fem.fields import Fields
+from fem.mixed_newton import mixed_newton
+from fem.shell import Shell
+from fem.solve import TOLERANCE
+from fem.tabulation import Floats
+
+
+def material(modulus: float, thickness: float, poisson: float) -> Floats:
+    """(6, 6) of a plate."""
+    plane = modulus / (1.0 - poisson**2)
+    return isotropic(plane * thickness, plane * thickness**3 / 12.0, poisson)
+
+
+def of_metric(stiffness: Floats, metric) -> Fields:
+    """A plate whose rest metric is a function of the printed points (..., 2)."""
+    return Fields(lambda points: Density(on_metric(stiffness, metric(points))), metric)
+
+
+def stepped(shell: Shell, start: Floats, shares: Sequence[float], exact: bool = True) -> Iterator[Floats]:
+    """States (N, 3) at these shares of the loads, each from the last one; converged, or the test fails.
+
+    `exact` : each Hessian is positive definite.
+    """
+    loads, moments = shell.loads, [(moment, moment.moment) for moment in shell.moments]
+    factor, x, strains = shell.factor(), start, None
+    for share in shares:
+        shell.loads = share * loads
+        for moment, full in moments:
+            moment.moment = share * full
+        found = mixed_newton(shell, x, factor, TOLERANCE * shell.force_scale, strains)
+        assert found.converged
+        x, strains = found.x, found.strains
+        if exact:
+            assert stable(shell, x)
+        yield x
+
+
+def stable(shell: Shell, x: Floats) -> bool:
+    """The exact Hessian is positive definite, rigid motions held."""
+    return held_definite(shell, x, shell.hessian(x), shell.factor())
+
+
+def at(shell: Shell, x: Floats, *points: tuple[float, float]) -> Floats:
+    """(n, 3) places of printed points."""
+    return np.asarray(shell.space.locate(np.array(points)).value @ x)
+
+
+def parts(shell: Shell, x: Floats) -> list[float]:
+    """Energy of stretching and of bending."""
+    e, law = shell.strains(x), np.broadcast_to(shell.density.stiffness, (*shell.points.shape[:2], 6, 6))
+    return [
+        0.5 * float(np.einsum("tq,tqa,tqab,tqb", shell.assembly.weights, e[..., s], law[..., s, s], e[..., s]))
+        for s in (slice(0, 3), slice(3, 6))
+    ]
+
+
+def rate(coarse: float, fine: float, ratio: float = 2.0) -> float:
+    """Observed order from two errors, the meshes `ratio` apart."""
+    return float(np.log(abs(coarse / fine)) / np.log(ratio))
