@@ -165,7 +165,7 @@ def _best_arc(shell: Shell, stretch: float, arcs: list[Shape]) -> Shape:
         strains = np.concatenate([[0.5 * square, 0.5 * square, 0.0], bend]) - shell.rest
         energies.append(float((shell.assembly.weights * shell.density(strains)[0]).sum()))
     best = arcs[int(np.argmin(energies))]
-    if max(energies) - min(energies) <= TIE * abs(min(energies)):
+    if len(arcs) > 1 and max(energies) - min(energies) <= TIE * abs(min(energies)):
         # no axis is better: start off the axes of symmetry of sheet and lattice, from where there is a way down
         return replace(best, angle=ASKEW)
     return best

@@ -1,0 +1,35 @@
+"""Soft modes of a chain that floats, against the dense spectrum."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from scipy.linalg import eigh
+
+from equilibrium.factor import make_factor
+from equilibrium.newton import STOP
+from equilibrium.soft_modes import soft_modes
+from equilibrium.sparse_pattern import SparsePattern
+
+
+@pytest.mark.parametrize("count", [1, 3, 30])
+def test_a_floating_chain(count: int) -> None:
+    size = 30
+    springs = np.linspace(1.0, 2.0, size - 1)
+    stiffness = sp.diags_array(
+        [-springs, np.r_[springs, 0.0] + np.r_[0.0, springs], -springs], offsets=[-1, 0, 1]
+    ).tocsc()
+    mass = sp.diags_array(np.linspace(0.5, 3.0, size)).tocsr()
+    pattern = SparsePattern.of_lower(sp.csc_matrix(sp.tril(stiffness)))
+    data = sp.csc_matrix(sp.tril(stiffness)).data.copy()
+    data[pattern.diagonal[4]] += STOP * data.max()  # the support
+    factor = make_factor(pattern)
+    assert factor.factorise(data)
+    rigid = np.ones((size, 1)) / np.sqrt(size)
+    values, vectors = soft_modes(sp.csr_matrix(mass), factor, rigid, count)
+    exact = eigh(stiffness.toarray(), mass.toarray(), eigvals_only=True)[1:]
+    assert len(values) == min(count, size - 1)
+    assert np.allclose(values, exact[: len(values)], rtol=1e-5)
+    assert np.allclose(vectors.T @ mass @ vectors, np.eye(len(values)), atol=1e-8)
+    assert np.abs(rigid.T @ (mass @ vectors)).max() < 1e-8

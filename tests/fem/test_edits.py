@@ -1,0 +1,79 @@
+"""While a user edits: the linear response at once, then the equilibrium from what is kept."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fem.argyris import Argyris
+from fem.conditions import HeldPoints
+from fem.fields import Fields, of_stretch
+from fem.linear_response import linear_response
+from fem.shell import Shell
+from fem.solve import follow, relax
+from fem.tabulation import Floats
+from tests.fem.hexagons import density, hexagon, radius
+
+
+def dome(amount: float) -> Fields:
+    """Deeper with a larger amount."""
+    return of_stretch(density(100.0), lambda p: 0.85 - (0.1 + amount) * radius(p) ** 2, 0.004 + 0.1 * amount)
+
+
+def distance(shell: Shell, x: Floats, y: Floats) -> float:
+    """mm rms at the vertices after turning one onto the other."""
+    at = shell.space.locate(shell.space.mesh.p.T).value
+    a, b = (at @ state - (at @ state).mean(axis=0) for state in (x, y))
+    u, _, v = np.linalg.svd(a.T @ b)
+    return float(np.sqrt(((a @ u @ v - b) ** 2).sum(axis=1).mean()))
+
+
+def test_the_response_is_the_derivative() -> None:
+    """Its error is of second order in the edit."""
+    shell = Shell(Argyris(hexagon(1)), dome(0.0))
+    factor = shell.factor()
+    start = relax(shell, factor)
+    errors, moves = [], []
+    for amount in (0.01, 0.005):
+        shell.set_fields(dome(0.0))
+        follow(shell, start.x, factor)  # the factor belongs to the start again
+        shell.set_fields(dome(amount))
+        guess = linear_response(shell, start.x, factor)
+        found = follow(shell, guess.x, factor, strains=guess.strains)
+        assert found.is_minimum and found.iterations <= 3
+        errors.append(distance(shell, guess.x, found.x))
+        moves.append(distance(shell, start.x, found.x))
+    assert moves[0] > 0.5
+    assert errors[0] < 0.05 * moves[0]
+    assert 3.3 < errors[0] / errors[1] < 4.7
+
+
+def test_an_edit_and_back() -> None:
+    shell = Shell(Argyris(hexagon(1)), dome(0.0))
+    factor = shell.factor()
+    start = relax(shell, factor)
+    state = start
+    for amount in (0.02, 0.0):
+        shell.set_fields(dome(amount))
+        guess = linear_response(shell, state.x, factor)
+        state = follow(shell, guess.x, factor, strains=guess.strains)
+        assert state.is_minimum and state.fallbacks == 0
+    assert state.energy == pytest.approx(start.energy, rel=1e-9)
+    assert distance(shell, start.x, state.x) < 1e-5
+
+
+def test_a_held_sheet_responds_too() -> None:
+    mesh = hexagon(1)
+    corners = np.arange(1, 7)
+    places = np.column_stack([0.8 * mesh.p.T[corners], np.zeros(6)])
+    shell = Shell(Argyris(mesh), dome(0.0), [HeldPoints(corners, places)])
+    factor = shell.factor()
+    start = relax(shell, factor)
+    assert start.is_minimum and shell.rigid_modes(start.x).shape[1] == 0
+    at = shell.space.locate(mesh.p.T[corners]).value
+    assert np.abs(at @ start.x - places).max() < 1e-9
+    shell.set_fields(dome(0.005))
+    guess = linear_response(shell, start.x, factor)
+    found = follow(shell, guess.x, factor, strains=guess.strains)
+    assert found.is_minimum and np.abs(at @ found.x - places).max() < 1e-9
+    assert np.abs(guess.x - found.x).max() < 0.1 * np.abs(start.x - found.x).max()
