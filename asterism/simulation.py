@@ -28,6 +28,7 @@ from equilibrium.factor import check_backend
 from equilibrium.threads import one_blas_thread
 from pattern.build import layout
 from pattern.design import Design
+from pattern.errors import DesignError
 from pattern.meshing import mesh_layout
 
 Say = Callable[[str], None]
@@ -77,6 +78,8 @@ def simulate(
     tell = say or (lambda text: None)
     start = time.perf_counter()
     plan = layout(design)
+    if design.gravity.on and not plan.pins:
+        raise DesignError("gravity.on", "needs [[pins]] to hold the sheet: a free one falls", True)
     mesh = mesh_layout(plan, design.mesh.edge_mm, design.mesh.kind, design.mesh.seed, design.mesh.graded)
     tell(f"{len(plan.centres)} stars on {len(mesh.triangles)} triangles ({mesh.kind} mesh)")
     meshed = time.perf_counter()

@@ -112,7 +112,8 @@ class Model(System):
         kappa = rest_curvature(self.edge_thickness, partly, self.design.plastic, step / length[:, None])
         span = length[net.stencil_edges].sum(axis=1)
         self.parts["rod_bending"].params[:, 2] = 0.5 * kappa[net.stencil_edges].mean(axis=1) * span
-        self.load = release * self._weight
+        # what nothing holds would fall: it lies on the ground until its first pins take hold
+        self.load = release * self._weight if self.constraints.held.any() else np.zeros_like(self._weight)
 
     @property
     def spacing(self) -> float:

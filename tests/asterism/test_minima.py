@@ -82,3 +82,26 @@ def test_pins_after_release_are_in_the_path() -> None:
     s = simulate(small(pins=[{"where": "corners", "scale": 0.8, "step": 1}])).summary
     assert s["is_minimum"]
     assert [step["step"] for step in s["path"]] == [0] * 10 + [1] * 6
+
+
+@pytest.mark.parametrize(
+    "sections",
+    [
+        {"fabric": {"bending": "consistent"}},
+        {"solver": {"contact": True}},
+        {
+            "fabric": {"modulus_mpa": 0.5},
+            "gravity": {"on": True},
+            "pins": [{"where": "corners", "scale": 0.8, "step": 1}],
+        },
+    ],
+    ids=["consistent", "contact", "weight and late pins"],
+)
+def test_many_starts_with_other_options(sections: dict[str, object]) -> None:
+    if "solver" in sections:
+        pytest.importorskip("ipctk")
+    s = simulate(small(**sections), starts=4).summary
+    assert s["is_minimum"] and all(m["is_minimum"] for m in s["minima"])
+    assert sum(m["starts"] for m in s["minima"]) + s["starts_lost"] == 4 and s["starts_lost"] <= 1
+    assert sum(m["default"] for m in s["minima"]) == 1
+    assert s["minima"][0]["stars_off_branch"] == 0

@@ -13,6 +13,7 @@ from asterism.results import write_results
 from asterism.simulation import simulate
 from pattern import gallery
 from pattern.design import Design
+from pattern.errors import DesignError
 
 KEYS = [
     "converged",
@@ -104,6 +105,17 @@ def test_weight_pulls_a_pinned_sheet_down() -> None:
     heavy = simulate(small(fabric=fabric, pins=corners, gravity={"on": True, "acceleration_m_s2": 50.0}))
     assert heavy.positions[:, 2].mean() < light.positions[:, 2].mean() - 0.1
     assert heavy.summary["gravity"] != 0.0
+
+
+def test_a_free_sheet_does_not_fall_before_it_is_pinned() -> None:
+    """Nor does one that is never pinned: that is refused."""
+    fabric, gravity = {"modulus_mpa": 0.5}, {"on": True}
+    late = [{"where": "corners", "scale": 0.8, "step": 1}]
+    summary = simulate(small(fabric=fabric, gravity=gravity, pins=late)).summary
+    assert summary["is_minimum"] and summary["gravity"] != 0.0
+    assert max(step["iterations"] for step in summary["path"]) < 100
+    with pytest.raises(DesignError, match="a free one falls"):
+        simulate(small(fabric=fabric, gravity=gravity))
 
 
 def test_backends_agree() -> None:
