@@ -53,6 +53,7 @@ def sheet_fields(
     density = Density(
         stiffness=isotropic(a11, bending / lam**4, a12 / a11, poisson),
         sixfold=(1.0 + 1.0 / BEYOND**2) * c3 / lam**6,
+        orientation=zero,
         saturation=np.maximum(BEYOND * 0.5 * np.abs(kappa) * square, LEAST),
     )
     return Fields(density, np.stack([square, square, zero], axis=-1), np.stack([bend, bend, zero], axis=-1))

@@ -1,0 +1,61 @@
+"""The equilibrium of a sheet: from simple shapes, and then as later pins take hold of it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from discrete.pin_steps import rigid_fit
+from equilibrium.factor import Factor
+from fem.evidence import ShellEquilibrium
+from fem.seeds import Side, shapes, trends
+from fem.shell import Shell
+from fem.solve import follow, relax
+from fem.tabulation import Floats
+
+# a free sheet of equal stars that would turn by more from side to side, in rad, is a tube, and not tried as a cap
+TUBE_TURN = 3.0
+STRIDES = 6  # in which later pins move the sheet to their places
+
+
+def settled(shell: Shell, factor: Factor, side: Side, uniform: bool) -> ShellEquilibrium:
+    """The lowest equilibrium that the most promising simple shapes lead to; `uniform`: all stars are alike."""
+    if uniform and len(shell.held_points) == 0:
+        wants, size = trends(shell), float(np.ptp(shell.space.mesh.p, axis=1).max())
+        if abs(wants.curvature) * wants.stretch * size > TUBE_TURN:
+            tubes = [shape for shape in shapes(wants, size, side) if shape.name == "arc"]
+            found = relax(shell, factor, side, tubes, followed=1)
+            if found.is_minimum:
+                return found
+    return relax(shell, factor, side)
+
+
+def taken(shell: Shell, factor: Factor, x: Floats, was_free: bool) -> ShellEquilibrium:
+    """The equilibrium after the shell's conditions have taken hold of a state x (N, 3) that did not meet them all.
+
+    A sheet that was free is first laid where its held points come closest to their places. They go there in strides.
+    """
+    target = shell.reduction.target
+    if was_free:
+        x = _laid(shell, x, target.reshape(-1, 3))
+    start = x.ravel() - shell.reduction.map @ shell.reduction.project(x)
+    whole = shell.reduction
+    found = None
+    try:
+        for stride in range(1, STRIDES + 1):
+            share = stride / STRIDES
+            shell.reduction = replace(whole, target=(1.0 - share) * start + share * target)
+            found = follow(shell, shell.held(x), factor, "pins take hold")
+            x = found.x
+    finally:
+        shell.reduction = whole
+    assert found is not None
+    return found
+
+
+def _laid(shell: Shell, x: Floats, places: Floats) -> Floats:
+    """The rigid motion that brings held points closest to their places."""
+    held = shell.held_points
+    rotation, shift = rigid_fit(x[held], places[held])
+    return shell.shifted(x @ rotation.T, shift)

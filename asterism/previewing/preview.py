@@ -1,0 +1,194 @@
+"""A preview that stays: edits start from where the last one ended."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from asterism.previewing.equilibria import settled, taken
+from asterism.previewing.sheet import Sheet
+from asterism.previewing.star_values import StarValues, star_values
+from asterism.previewing.summary import summary
+from asterism.previewing.surface import Lens, Places, shape_of, shown_mesh
+from asterism.shape import Shape
+from equilibrium.newton import Clock
+from equilibrium.threads import one_blas_thread
+from fem.evidence import ShellEquilibrium
+from fem.linear_response import linear_response
+from fem.seeds import Side
+from fem.shell import Shell
+from fem.solve import follow
+from fem.tabulation import Floats
+from homogenize.law import Law
+from homogenize.law_file import load_law
+from pattern.build import layout
+from pattern.design import Design
+from pattern.layout import Layout
+
+Say = Callable[[str], None]
+ALIKE = 0.01  # sizes of stars that differ by less than this part are the same
+FLIPPED: dict[Side, Side] = {"auto": "up", "down": "up", "up": "down"}
+
+
+@dataclass(frozen=True)
+class Stage:
+    """What an edit has come to.
+
+    Attributes
+    ----------
+    name : `linear`, the linear response to the edit; or `equilibrium`.
+    x : (N, 3) mm, positions of the shell's dofs.
+    """
+
+    name: Literal["linear", "equilibrium"]
+    x: Floats
+
+
+class Preview:
+    """The homogenised shape of a design, kept ready for changes.
+
+    Parameters
+    ----------
+    design : from `load_design`, `new` or `Design.from_dict`.
+    law : of the design's material; the paper's by default.
+    side : to which the edges go: `down`, with the plastic outside, or `up`; `auto` leaves it to the stars.
+    triangles : of the shell's mesh, about; by default as many as the stars need.
+    say : called with a line of text when something begins.
+
+    Attributes
+    ----------
+    design, law, side : as given, or as edited since.
+    sheet : the print and its mesh.
+    values : the law at the design's stars.
+    shell, equilibrium : the shell, and its state with the evidence.
+
+    Raises
+    ------
+    DesignError, MeshError
+        The design cannot be printed, or its sheet not meshed.
+    LawError
+        The law is not for this material, or asks for something impossible at a star.
+
+    Examples
+    --------
+    >>> from pattern import gallery
+    >>> preview = Preview(gallery.load("dome"))
+    >>> preview.equilibrium.is_minimum
+    True
+    """
+
+    @one_blas_thread()
+    def __init__(
+        self,
+        design: Design,
+        law: Law | None = None,
+        side: Side = "auto",
+        triangles: int | None = None,
+        say: Say | None = None,
+    ) -> None:
+        self.shell: Shell
+        self._say = say or (lambda text: None)
+        self._triangles = triangles
+        self._clock = Clock()
+        self.law = law if law is not None else self._clock("law", load_law)
+        self.side: Side = side
+        self._begin(design)
+
+    def _begin(self, design: Design) -> None:
+        """From nothing."""
+        plan = self._clock("layout", layout, design)
+        self.values: StarValues = self._clock("law", star_values, design, plan, self.law)
+        self.design = design
+        self.sheet: Sheet = self._clock("mesh", Sheet, design, plan, self._triangles)
+        self._lens: Lens | None = None
+        count = self.sheet.space.mesh.nelements
+        self._say(f"{len(plan.centres)} stars on {count} triangles")
+        self._settle()
+
+    def _settle(self) -> None:
+        """The equilibrium from simple shapes, and through the steps of the pins."""
+        fields = self._clock("fields", self.sheet.fields, self.values)
+        uniform = bool((np.ptp(self.values.sizes, axis=0) <= ALIKE * self.values.sizes.max(axis=0)).all())
+        for step in self.sheet.layout.pin_steps:
+            shell = self._clock("shell", self.sheet.shell, self.design, fields, step)
+            factor = shell.factor()
+            if step == 0:
+                found: ShellEquilibrium = self._clock("equilibrium", settled, shell, factor, self.side, uniform)
+            else:
+                free = len(self.shell.held_points) == 0
+                found = self._clock("pins", taken, shell, factor, found.x, free)
+            self.shell, self._factor, self.equilibrium = shell, factor, found
+
+    def edit(self, design: Design) -> Iterator[Stage]:
+        """Change the design: first the linear response, at once, and then the equilibrium.
+
+        Where outline, pins, lattice and gravity are the same the shape goes on from what it was; otherwise, and where
+        that leads nowhere, it starts anew, without a linear response.
+
+        Raises
+        ------
+        DesignError, MeshError, LawError
+            As for a new preview; the old one then stays as it was.
+        """
+        with one_blas_thread():
+            self._clock = Clock()
+            plan = self._clock("layout", layout, design)
+            values = self._clock("law", star_values, design, plan, self.law)
+            if not self.sheet.holds(design, plan, self.design):
+                self._begin(design)
+                yield Stage("equilibrium", self.equilibrium.x)
+                return
+            self._clock("fields", self._change, design, plan, values)
+            old = self.equilibrium
+            linear = self._clock("linear response", linear_response, self.shell, old.x, self._factor)
+        yield Stage("linear", linear.x)
+        with one_blas_thread():
+            found = self._clock("equilibrium", follow, self.shell, linear.x, self._factor, "edit", linear.strains)
+            if found.is_minimum:
+                self.equilibrium = found
+            else:
+                self._settle()
+        yield Stage("equilibrium", self.equilibrium.x)
+
+    def _change(self, design: Design, plan: Layout, values: StarValues) -> None:
+        """New stars on the same sheet."""
+        if not np.array_equal(plan.centres, self.sheet.layout.centres):
+            self.sheet.set_stars(design, plan)
+        else:
+            self.sheet.layout = plan
+        self.design, self.values = design, values
+        self._lens = None
+        self.shell.set_fields(self.sheet.fields(values))
+
+    @one_blas_thread()
+    def flip(self) -> Side:
+        """Turn the edges to the other side of the print; returns the side they have now."""
+        self._clock = Clock()
+        self.side = FLIPPED[self.side]
+        self._settle()
+        return self.side
+
+    def at(self, points: Floats, x: Floats | None = None) -> Places:
+        """Printed points (n, 2) mm in space; `x` of a stage in place of the equilibrium.
+
+        Raises
+        ------
+        ValueError
+            A point is off the sheet.
+        """
+        return Lens(self.sheet, self.law.waves, points)(self.equilibrium.x if x is None else x, self.values)
+
+    @one_blas_thread()
+    def shape(self) -> Shape:
+        """The sheet with its stars' bumps, as files and pictures show it."""
+        mesh = self._clock("shown", shown_mesh, self.design, self.sheet)
+        if self._lens is None:
+            self._lens = self._clock("shown", Lens, self.sheet, self.law.waves, mesh.points)
+        places = self._clock("shown", self._lens, self.equilibrium.x, self.values)
+        shape = self._clock("shown", shape_of, self.design, self.sheet, mesh, places)
+        if not self.sheet.layout.pins:
+            shape = shape.aligned()
+        return replace(shape, summary=summary(self, shape, mesh, dict(self._clock.seconds)))

@@ -1,0 +1,83 @@
+"""What of a preview does not depend on the sizes of its stars: the printed sheet, its coarse mesh, what holds it."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+from skfem import MeshTri
+
+from asterism.previewing.held_sheet import conditions, held_points, held_sides, weight
+from asterism.previewing.sheet_fields import sheet_fields
+from asterism.previewing.sheet_mesh import sheet_mesh
+from asterism.previewing.star_cells import StarCells
+from asterism.previewing.star_values import StarValues
+from fem.argyris import Argyris
+from fem.fields import Fields
+from fem.loads import area_load
+from fem.shell import ORDER, Shell
+from fem.tabulation import Floats
+from pattern.build import layout
+from pattern.design import Design
+from pattern.layout import Layout
+from pattern.planar import polygon_area
+
+# mesh edges over the spacing of the stars, and how many triangles there are at least and at most, about
+EDGE, FEWEST, MOST = 1.3, 24, 600
+
+
+class Sheet:
+    """A printed sheet, ready for fields.
+
+    Parameters
+    ----------
+    triangles : about how many the mesh is to have; by default edges of 1.3 times the spacing of the stars.
+
+    Attributes
+    ----------
+    layout : of the design that the sheet was made for.
+    space : C1 quintic functions on its mesh.
+    cells : of its stars.
+    """
+
+    def __init__(self, design: Design, plan: Layout | None = None, triangles: int | None = None) -> None:
+        self.layout = plan if plan is not None else layout(design)
+        area = polygon_area(self.layout.border)
+        count = triangles or np.clip(area / _equilateral(EDGE * design.lattice.spacing_mm), FEWEST, MOST)
+        edge = float(np.sqrt(area / count / _equilateral(1.0)))
+        self._mesh = sheet_mesh(self.layout.border, edge, held_points(self.layout), held_sides(self.layout))
+        mesh = MeshTri(np.ascontiguousarray(self._mesh.points.T), np.ascontiguousarray(self._mesh.triangles.T))
+        self.space = Argyris(mesh)
+        self._table = self.space.tabulate(ORDER)
+        self.set_stars(design, self.layout)
+
+    def set_stars(self, design: Design, plan: Layout) -> None:
+        """Take another layout of the same sheet (`holds`)."""
+        self.layout = plan
+        self.cells = StarCells(plan, design.lattice)
+        self._weights: sp.csr_matrix = self.cells.weights(self._table.points.reshape(-1, 2))
+
+    def holds(self, design: Design, plan: Layout, before: Design) -> bool:
+        """Whether a design that follows `before` has the same print but for its stars and material."""
+        return (
+            np.array_equal(plan.border, self.layout.border)
+            and design.pins == before.pins
+            and design.lattice == before.lattice
+            and design.gravity == before.gravity
+        )
+
+    def fields(self, values: StarValues) -> Fields:
+        """What the sheet wants to be, at the quadrature points."""
+        return sheet_fields(self._weights, values, self._table.weights.shape)
+
+    def loads(self, design: Design) -> Floats:
+        """(N, 3) N, the weight."""
+        return area_load(self.space, lambda points: weight(design, self.layout, self.cells.weights(points)))
+
+    def shell(self, design: Design, fields: Fields, step: int) -> Shell:
+        """The shell with the pins up to a step."""
+        loads = self.loads(design) if design.gravity.on else None
+        return Shell(self.space, fields, conditions(self.layout, self._mesh, self.space.mesh, step), loads)
+
+
+def _equilateral(edge: float) -> float:
+    return float(np.sqrt(3.0) / 4.0 * edge**2)

@@ -1,0 +1,134 @@
+"""The numbers of a preview's summary.json, and what a reader should know before trusting them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from asterism import __version__
+from asterism.shape import Shape
+from discrete.likeness import rolled_about
+from pattern.layout import Floats
+from pattern.mesh import Mesh
+from pattern.symmetries import symmetries
+
+if TYPE_CHECKING:
+    from asterism.previewing.preview import Preview
+
+# the softest motion is called neutral if the next one is this many times stiffer
+NEUTRAL = 5.0
+SAME_AXIS_DEG = 2.0
+
+
+def summary(preview: Preview, shape: Shape, mesh: Mesh, seconds: dict[str, float]) -> dict[str, Any]:
+    """Keys as in a simulation's summary where they mean the same."""
+    found, layout, law = preview.equilibrium, preview.sheet.layout, preview.law
+    axis = _roll_axis(preview)
+    return {
+        "model": "preview",
+        "converged": found.converged,
+        "is_minimum": found.is_minimum,
+        "gradient_norm": found.gradient_norm,
+        "gradient_tolerance": found.tolerance,
+        "energy_n_mm": found.energy,
+        "energy_parts_n_mm": found.energies,
+        "soft_modes_n_mm3": [float(value) for value in found.soft_modes],
+        "stars": len(layout.centres),
+        "roll_axis_deg": axis,
+        "equivalent_axes_deg": _equivalent_axes(preview, axis),
+        "side": preview.side,
+        "start": found.start,
+        "starts": [vars(trial) for trial in found.trials],
+        "law": {
+            "material": law.material.name,
+            "stretch": law.check(preview.design).stretch,
+            "edge_mm": law.edge_mm,
+            "made_by": law.made.get("command"),
+        },
+        "law_in_range": not preview.values.outside,
+        "stars_outside_law": list(preview.values.outside),
+        "stars_tight": list(preview.values.tight),
+        "smoothing_mm": preview.sheet.cells.width_mm,
+        "shell_triangles": preview.sheet.space.mesh.nelements,
+        "dofs": preview.shell.reduction.map.shape[1],
+        "vertices": len(mesh.points),
+        "triangles": len(mesh.triangles),
+        "mesh": mesh.kind,
+        "iterations": found.iterations,
+        "factorisations": found.factorisations,
+        "saddles_left": found.saddles_left,
+        "load_steps": found.load_steps,
+        "wall_s": sum(seconds.values()),
+        "wall_s_by_stage": seconds,
+        "height_mm": shape.height_mm,
+        "extent_mm": list(shape.extent_mm),
+        "contraction": _contraction(preview, shape),
+        "warnings": warnings(preview, axis),
+        "version": __version__,
+        "design": preview.design.to_dict(),
+    }
+
+
+def warnings(preview: Preview, axis: float | None) -> list[str]:
+    """One line each."""
+    found, values, layout = preview.equilibrium, preview.values, preview.sheet.layout
+    lines = list(values.outside)
+    if values.tight:
+        lines.append(
+            f"{len(values.tight)} of {len(layout.centres)} stars curl to less than two thirds of their distance, where "
+            f"a smooth sheet says little: stars {_few(values.tight)}"
+        )
+    down = [int(star) for star in np.flatnonzero(layout.star_branch < 0)]
+    if down:
+        lines.append(f"the law's stars bump up, but {len(down)} of the design start down: stars {_few(down)}")
+    if not found.converged:
+        lines.append(f"not an equilibrium: gradient {found.gradient_norm:.1e} N, above {found.tolerance:.1e} N")
+    elif not found.definite:
+        lines.append("an equilibrium that is not stable")
+    soft = found.soft_modes
+    if axis is not None and len(soft) > 1 and soft[1] > NEUTRAL * soft[0]:
+        lines.append(
+            f"one motion is {soft[1] / soft[0]:.0f} times softer than all others: an even sheet hardly prefers "
+            f"the axis about which it rolls ({axis:.0f} deg)"
+        )
+    return lines
+
+
+def _few(stars: tuple[int, ...] | list[int]) -> str:
+    return ", ".join(map(str, stars[:8])) + (", ..." if len(stars) > 8 else "")
+
+
+def _star_places(preview: Preview) -> tuple[Floats, Floats]:
+    """(S, 3) star centres on their bumps, and (S, 3) normals."""
+    places = preview.at(preview.sheet.layout.centres)
+    return places.bumpy, places.normals
+
+
+def _roll_axis(preview: Preview) -> float | None:
+    """Axis of a rolled sheet in print coordinates, 0 to 180 deg from the x axis; None for other shapes."""
+    return rolled_about(preview.sheet.layout, _star_places(preview)[1])
+
+
+def _equivalent_axes(preview: Preview, axis: float | None) -> list[float]:
+    """Axes about which the design might as well have rolled, by its symmetries; the one taken among them."""
+    if axis is None:
+        return []
+    along = np.array([np.cos(np.radians(axis)), np.sin(np.radians(axis))])
+    found: list[float] = []
+    for symmetry in symmetries(preview.design, preview.sheet.layout):
+        x, y = symmetry.turn @ along
+        other = float(np.degrees(np.arctan2(y, x)) % 180.0)
+        if all(abs((other - known + 90.0) % 180.0 - 90.0) > SAME_AXIS_DEG for known in found):
+            found.append(other)
+    return sorted(found)
+
+
+def _contraction(preview: Preview, shape: Shape) -> float | None:
+    """Mean distance of neighbouring star centres over the printed one; None for a star alone."""
+    pairs, printed = preview.sheet.layout.neighbours, preview.sheet.layout.centres
+    if len(pairs) == 0:
+        return None
+    centres = shape.positions[shape.star_vertices]
+    now, before = (np.linalg.norm(c[pairs[:, 0]] - c[pairs[:, 1]], axis=1) for c in (centres, printed))
+    return float(now.mean() / before.mean())

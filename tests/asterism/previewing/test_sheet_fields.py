@@ -1,0 +1,126 @@
+"""The law as a shell: tubes of it have the curvature and the energies that the law says, in every direction."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from asterism.previewing.sheet_fields import POISSON, sheet_fields
+from asterism.previewing.star_values import star_sizes, star_values
+from fem.tabulation import Floats
+from homogenize.errors import LawError
+from homogenize.law import NAMES
+from pattern import gallery
+from pattern.build import layout
+from pattern.design import Design
+from tests.asterism.previewing.laws import plain_law
+
+TUBE = gallery.load("tube")
+VALUES = star_values(TUBE, layout(TUBE), plain_law())
+STARS = len(VALUES.sizes)
+
+
+def tube_energy(curvature: float, direction_deg: float) -> float:
+    """N/mm of a sheet rolled with the plastic outside, with lengths at rest; counted from flat."""
+    fields = sheet_fields(sp.csr_matrix(np.eye(1, STARS)), VALUES, (1, 1))
+    lam = VALUES.value["lam_n"][0]
+    a = np.radians(direction_deg)
+    t = np.array([np.cos(a) ** 2, np.sin(a) ** 2, 2 * np.cos(a) * np.sin(a)])
+    rest = fields.rest(np.zeros((1, 1, 2)))[0, 0]
+
+    def energy(k: float) -> float:
+        # edges go down where the plastic is outside: n . hess x is negative
+        state = np.r_[0.5 * lam**2, 0.5 * lam**2, 0.0, -k * lam**2 * t]
+        density = fields.density
+        return float(density((state - rest)[None, None])[0][0, 0])  # type: ignore[operator]
+
+    return energy(curvature) - energy(0.0)
+
+
+def test_a_tube_of_the_natural_curvature_gains_what_the_law_says() -> None:
+    kappa, bending, c3 = (VALUES.value[name][0] for name in ("kappa", "bending", "c3"))
+    both = [tube_energy(kappa, direction) for direction in (90.0, 120.0)]
+    assert np.mean(both) == pytest.approx(-0.5 * bending * kappa**2)
+    # angles of the law are counted from y
+    assert both[0] - both[1] == pytest.approx(c3 * kappa**3 / 4.0)
+    assert tube_energy(kappa, 75.0) == pytest.approx(np.mean(both))
+
+
+def test_the_natural_curvature_is_the_best_one() -> None:
+    kappa = VALUES.value["kappa"][0]
+    curvatures = np.linspace(0.5, 1.5, 101) * kappa
+    energies = [tube_energy(k, 75.0) for k in curvatures]
+    assert curvatures[int(np.argmin(energies))] == pytest.approx(kappa, rel=0.011)
+    assert tube_energy(-kappa, 75.0) > 0.0
+
+
+def test_the_rim_is_bare_fabric() -> None:
+    fields = sheet_fields(sp.csr_matrix((1, STARS)), VALUES, (1, 1))
+    points = np.zeros((1, 1, 2))
+    assert fields.rest(points)[0, 0] == pytest.approx([0.5 / 1.35**2, 0.5 / 1.35**2, 0, 0, 0, 0])
+    stiffness: Floats = np.asarray(fields.densities(points).stiffness)[0, 0]
+    bare = {name: VALUES.value[name][-1] for name in ("a11", "a12", "bending")}
+    assert stiffness[0, :2] == pytest.approx([bare["a11"], bare["a12"]])
+    assert stiffness[3, 3:5] == pytest.approx(bare["bending"] * 1.35**4 * np.array([1.0, POISSON]))
+
+
+def test_half_way_between_two_stars_logarithms_are_averaged() -> None:
+    values = star_values(gallery.load("fig8-l-decreasing"), layout(gallery.load("fig8-l-decreasing")), plain_law())
+    weights = np.zeros((1, STARS))
+    weights[0, [0, 30]] = 0.5
+    rest = sheet_fields(sp.csr_matrix(weights), values, (1, 1)).rest(np.zeros((1, 1, 2)))[0, 0]
+    lam = values.value["lam_n"][[0, 30]]
+    assert 2.0 * rest[0] == pytest.approx(lam[0] * lam[1])
+
+
+def changed(**sections: dict[str, object]) -> Design:
+    data = TUBE.to_dict()
+    for name, entries in sections.items():
+        data[name] = {**data.get(name, {}), **entries}
+    return Design.from_dict(data)
+
+
+def test_stars_beyond_the_law_are_named_with_their_place() -> None:
+    design = changed(stars={"override": [{"star": 3, "thickness_mm": 0.9}]})
+    plan = layout(design)
+    values = star_values(design, plan, plain_law())
+    x, y = plan.centres[3]
+    assert len(values.outside) == 1
+    assert values.outside[0].startswith(f"star 3 at [{x:.1f}, {y:.1f}]: thickness_mm = 0.9 is outside")
+
+
+@pytest.mark.parametrize(
+    ("sections", "named"),
+    [
+        ({"fabric": {"thickness_mm": 0.7}}, "fabric.thickness_mm"),
+        ({"fabric": {"stretch": 1.5}}, "fabric.stretch"),
+        ({"plastic": {"modulus_ratio": 100.0}}, "plastic.modulus_ratio"),
+    ],
+)
+def test_a_law_for_something_else_is_refused(sections: dict[str, dict[str, object]], named: str) -> None:
+    design = changed(**sections)
+    with pytest.raises(LawError, match=named):
+        star_values(design, layout(design), plain_law())
+
+
+@pytest.mark.parametrize(("name", "value"), [("lam_n", 1.2), ("a12", 20.0)])
+def test_what_no_sheet_can_do_is_refused_with_star_and_value(name: str, value: float) -> None:
+    law = plain_law()
+    table = law.tables[0]
+    nodes = table.nodes.copy()
+    nodes[9:, ..., NAMES.index(name)] = value
+    broken = replace(law, tables=(replace(table, nodes=nodes),))
+    with pytest.raises(LawError, match=r"star 0 at \[0.0, 0.0\]: the law's .* a sheet needs"):
+        star_values(TUBE, layout(TUBE), broken)
+
+
+def test_an_arm_cut_short_counts_as_it_is() -> None:
+    data = TUBE.to_dict() | {"border": {"rectangle_mm": [46.0, 60.0], "star_margin_mm": 5.0}}
+    design = Design.from_dict(data)
+    plan = layout(design)
+    sizes = star_sizes(plan, 3)
+    assert sizes[:, 0].min() < 9.0 < sizes[:, 0].max() == pytest.approx(10.0)
+    assert sizes[:, 1:] == pytest.approx(np.tile([0.4, 1.2], (len(sizes), 1)))
