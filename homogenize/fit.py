@@ -18,7 +18,7 @@ from homogenize.residuals import residuals
 
 Q = len(NAMES)
 # natural curvature times spacing below which the energies of two directions differ by rounding only
-CURLED = 0.05
+CURLED = 0.03
 # of the grid that a law from scattered cells is carried onto: lengths, thicknesses, widths
 SCATTERED = (14, 7, 4)
 

@@ -21,6 +21,7 @@ SOUGHT = 1.5  # until here a moment towards more curvature is waited for
 TIGHTEST = 8.0  # a star wraps more than once; such sheets have no meaning, but their law stays continuous
 GROWTH = 2.5  # of the curvature from one step to the next
 FLAT = 1e-3  # of the first tube's moment, below which that of the flat cell is rounding and higher order
+SLIGHT = 0.015  # natural curvatures that are not looked for: so far from its axis, a tube's moment is rounding
 CLOSE = 1e-5  # relative to the curvature, or to one over the spacing, where the natural one is found
 SNAP = 0.5  # mm, bumps that are not just flat
 Point = tuple[float, float]  # curvature and moment
@@ -33,19 +34,23 @@ class Curling:
     Attributes
     ----------
     tubes : in the order of their curvature.
-    natural : the one without a moment; None if the flat cell has none, `tubes` is then one that shows its stiffness.
+    natural : the one without a moment; None if it is hardly curved, `tubes` is then one that shows its stiffness.
+    slight, stiffness : 1/mm and N mm, both of the print: the natural curvature and the stiffness that the parabola
+        through the energies of the flat cell and of that tube has; used only without `natural`.
     """
 
     tubes: list[Tube]
     natural: Tube | None
+    slight: float = 0.0
+    stiffness: float = 0.0
 
 
 def curl(cell: Cell, flat: Flat, angle: float) -> Curling:
     """Tubes from a small curvature to the natural one and a little beyond.
 
     Curvature grows, the plastic outside, until the moment changes sign; then a parabola through the nearest tubes, kept
-    between the last two signs, finds its root. Where the flat cell's moment, and those of tubes up to `SOUGHT`, hold
-    against that, the other side is tried.
+    between the last two signs, finds its root. A slight curvature (`SLIGHT`) is that of the energy's parabola. Where
+    the flat cell's moment, and those of tubes up to `SOUGHT`, hold against that, the other side is tried.
 
     Raises
     ------
@@ -55,8 +60,10 @@ def curl(cell: Cell, flat: Flat, angle: float) -> Curling:
     walk = _Walk(cell, flat, angle)
     first = walk.to(FIRST / cell.spacing)
     rest = 2.0 * (first.energy - flat.energy) / first.curvature - first.moment  # of the parabola through both
-    if abs(rest) < FLAT * abs(first.moment):
-        return Curling(walk.tubes, None)
+    stiffness = (first.moment - rest) / first.curvature
+    if stiffness > 0.0 and abs(rest) < SLIGHT / cell.spacing * stiffness:
+        slight = 0.0 if abs(rest) < FLAT * abs(first.moment) else -rest / stiffness
+        return Curling(walk.tubes, None, slight, stiffness)
     if rest > 0.0 and first.moment > 0.0 and not walk.finds_negative(1.0):
         walk = _Walk(cell, flat, angle)
         walk.to(-FIRST / cell.spacing)

@@ -30,9 +30,10 @@ class Sample:
     """Responses of the cell of one star; the mean of two where its arms are cut in two ways (`arm_segments`).
 
     Curvatures are positive where the plastic is outside: with the plastic up, the sheet's edges go down. Energies are
-    per printed area, relative to the flat relaxed cell. "Natural" means the tube on which the moment vanishes. The
-    mean surface is that of all points of the fabric, weighted by printed area. D directions, angles counterclockwise
-    from the print's y axis to the printed direction that runs around the tube.
+    per printed area, relative to the flat relaxed cell. "Natural" means the tube on which the moment vanishes; where
+    that is hardly curved (`homogenize.natural.SLIGHT`), stretches, relief and membrane are those of a tube of little
+    curvature. The mean surface is that of all points of the fabric, weighted by printed area. D directions, angles
+    counterclockwise from the print's y axis to the printed direction that runs around the tube.
 
     Attributes
     ----------
@@ -51,7 +52,7 @@ class Sample:
     natural_membrane : (D, 3, 3) N/mm, tangent on the natural tube, see `homogenize.rolled_membrane`.
     relief : (W,) mm, amplitudes of the waves of the star's heights over the mean surface of the natural tubes, mean of
         the directions, see `homogenize.relief`.
-    bending : (D,) N mm, `D = 2 (psi_0 - psi_c)/kappa_c^2`, without natural curvature the tangent by kappa.
+    bending : (D,) N mm, `D = 2 (psi_0 - psi_c)/kappa_c^2`; with a slight curvature only, the tangent by kappa.
     sixfold : N mm^2, `c3 = 4 (psi_0 - psi_30)/kappa_c^3`, of the natural energies at 0 and 30 degrees and their mean
         curvature; 0 without natural curvature.
     curve_curvature, curve_energy, curve_moment, curve_hoop : per direction, all tubes solved by growing curvature:
@@ -195,7 +196,9 @@ def _measure(clock: Clock, cell: Cell, angles: tuple[float, ...], found: dict[st
         found["iterations"] += sum(tube.iterations for tube in curves[-1].tubes)
     found |= _bending(flat, curves)
     ends = [curve.natural or curve.tubes[0] for curve in curves]
-    found["natural_centre_offset_mm"] = np.array([centre_offset(cell, tube) for tube in ends])
+    offsets = np.array([centre_offset(cell, tube) for tube in ends])
+    part = np.array([1.0 if curve.natural else curve.slight / curve.tubes[0].curvature for curve in curves])
+    found["natural_centre_offset_mm"] = found["centre_offset_mm"] + part * (offsets - found["centre_offset_mm"])
     found["natural_membrane"] = np.array([clock("stiffness", rolled_membrane, cell, tube) for tube in ends])
     found["relief"] = _relief(cell, ends)
     lowest = [clock("stability", _tube_stability, cell, tube) for tube in ends]
@@ -219,16 +222,21 @@ def _tube_stability(cell: Cell, tube: Tube) -> Stability:
 def _bending(flat: Flat, curves: list[Curling]) -> dict[str, Any]:
     """What the tubes say."""
     ends = [curve.natural or curve.tubes[0] for curve in curves]
-    energy = np.array([tube.energy for tube in ends]) - flat.energy
-    printed = np.array([tube.curvature for tube in ends])
     hoop = np.array([tube.hoop for tube in ends])
+    printed = np.array([curve.natural.curvature if curve.natural else curve.slight for curve in curves])
     curvature = printed / hoop
-    if curves[0].natural is None:
-        bending, sixfold = 2.0 * energy / curvature**2, 0.0
-        printed, curvature, energy = (np.zeros(len(ends)) for _ in range(3))
-    else:
-        bending = -2.0 * energy / curvature**2
-        sixfold = float(4.0 * (energy[0] - energy[-1]) / (0.5 * (curvature[0] + curvature[-1])) ** 3)
+    energy = np.array(
+        [
+            curve.natural.energy - flat.energy if curve.natural else -0.5 * curve.stiffness * curve.slight**2
+            for curve in curves
+        ]
+    )
+    with np.errstate(divide="ignore", invalid="ignore"):
+        secant = -2.0 * energy / curvature**2
+    tangent = np.array([curve.stiffness for curve in curves]) * hoop**2
+    bending = np.where([curve.natural is None for curve in curves], tangent, secant)
+    mean = 0.5 * (curvature[0] + curvature[-1])
+    sixfold = float(4.0 * (energy[0] - energy[-1]) / mean**3) if mean else 0.0
     ordered = [curve.tubes for curve in curves]
     return {
         "natural_curvature": curvature,

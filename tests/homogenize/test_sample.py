@@ -14,7 +14,9 @@ from homogenize.rolling import roll, unrolled_flat
 from homogenize.sample import Sample, respond
 from tests.homogenize.cells import EDGE, design, relaxed, sample
 
+SPACING = 10.0 * np.sqrt(3.0)
 WHOLE = 40.0 / np.sqrt(12.0)  # mm, four edges of the cells' mesh: one mesh says it all
+
 MODULUS, POISSON, THICK, STRETCH = 7.1875, 0.3, 0.8, 1.35
 
 
@@ -133,6 +135,20 @@ def test_natural_tube_has_no_moment_and_the_least_energy():
     np.testing.assert_allclose(found.bending, -2.0 * found.natural_energy / found.natural_curvature**2, rtol=1e-12)
     assert found.natural_energy[-1] < found.natural_energy[0]  # tubes roll at 30 degrees
     assert (found.natural_supercell_eigenvalue > 0.0).all()
+
+
+@pytest.mark.parametrize("length", [SPACING * 2.0 / 9.0, 4.0])
+def test_slight_curvatures_continue_those_that_are_looked_for(length, monkeypatch):
+    """The parabola of the energy against the tube without a moment, for a star that both can treat."""
+    found = {}
+    for slight in (0.5, 1e-3):
+        monkeypatch.setattr("homogenize.natural.SLIGHT", slight)
+        found[slight] = respond(design(length, 0.6), 1.92, (0.0, np.pi / 6))
+    rough, exact = found[0.5], found[1e-3]
+    assert 0.01 < SPACING * exact.natural_curvature[0] < 0.1
+    for name, tolerance in (("natural_curvature", 2e-3), ("bending", 5e-3), ("natural_centre_offset_mm", 0.02)):
+        np.testing.assert_allclose(getattr(rough, name), getattr(exact, name), rtol=tolerance, err_msg=name)
+    np.testing.assert_allclose(rough.natural_hoop, exact.natural_hoop, atol=1e-4)
 
 
 def test_offsets():

@@ -1,0 +1,126 @@
+"""How far the membrane response of a sheet is from linear: natural tubes pulled and pushed, and strains in shells.
+
+python -m benchmarks.membrane
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from skfem import MeshTri
+
+from asterism.previewing.held_sheet import conditions, held_points, held_sides
+from asterism.previewing.sheet_fields import sheet_fields
+from asterism.previewing.sheet_mesh import sheet_mesh
+from asterism.previewing.star_cells import StarCells
+from asterism.previewing.star_values import star_values
+from benchmarks.cells import sheet
+from benchmarks.report import markdown, write_report
+from equilibrium.newton import minimise
+from fem.argyris import Argyris
+from fem.shell import ORDER, Shell
+from fem.solve import relax as settle
+from homogenize.cell import Cell
+from homogenize.law_file import load_law
+from homogenize.natural import curl
+from homogenize.relax import relax, tolerance
+from homogenize.rolled_membrane import rolled_membrane
+from homogenize.rolling import Tube
+from pattern import gallery
+from pattern.build import layout
+
+DESIGNS = ("tube", "dome", "fig8-l-decreasing", "fig8-h-increasing", "doubly-curved", "bell", "fig9-linear", "roof")
+TRIANGLES = 15.0  # mm, edges of the shells' triangles
+STARS = ((4.6188, 0.3), (6.9282, 0.3), (9.2376, 0.3), (6.9282, 0.4), (10.3923, 0.4), (10.3923, 0.5), (10.3923, 0.6))
+STRAINS = (-0.04, -0.02, -0.01, 0.01, 0.02, 0.04)
+EDGE = 1.15
+
+
+def main() -> None:
+    rows = [secants(length, thickness) for length, thickness in STARS]
+    header = ["star, mm", "tangent N/mm", *(f"{100 * strain:+g} %" for strain in STRAINS)]
+    body = [
+        [f"h {r['thickness_mm']:g}, l {r['length_mm']:.2f}", f"{r['tangent']:.2f}"]
+        + ["-" if value is None else f"{value:.2f}" for value in r["secant"]]
+        for r in rows
+    ]
+    text = (
+        "Secant over tangent of natural tubes that are pulled along their axes, their radii free; the strain is what\n"
+    )
+    text += f"the tangent says. Stretch 1.35, edges of {EDGE} mm.\n\n{markdown(header, body)}\n\n"
+    used = [strains(name) for name in DESIGNS]
+    header = ["design", "least", "1st percentile", "median", "99th percentile", "largest", "minimum"]
+    body = [[r["design"], *(f"{v:+.2f}" for v in r["percent"]), "yes" if r["minimum"] else "no"] for r in used]
+    text += "Membrane strains that shells with this law use, in percent: principal strains over the metric at rest,\n"
+    text += f"over the printed area.\n\n{markdown(header, body)}"
+    rows += used
+    write_report("membrane", rows, text)
+    print(text)
+
+
+def strains(name: str) -> dict[str, Any]:
+    """Percentiles of both principal strains over a sheet of the gallery."""
+    design = gallery.load(name)
+    plan = layout(design)
+    points, sides = held_points(plan), held_sides(plan)
+    outline = sheet_mesh(plan.border, TRIANGLES, points, sides)
+    mesh = MeshTri(outline.points.T.copy(), outline.triangles.T.copy())
+    space = Argyris(mesh)
+    at = space.tabulate(ORDER).points
+    weights = StarCells(plan, design.lattice).weights(at.reshape(-1, 2))
+    fields = sheet_fields(weights, star_values(design, plan, load_law()), at.shape[:2])
+    last = max((pin.step for pin in plan.pins), default=0)
+    shell = Shell(space, fields, conditions(plan, outline, mesh, last))
+    found = settle(shell, soft_modes=0)
+    strain, rest = shell.strains(found.x), shell.rest
+    middle = 0.5 * (strain[..., 0] + strain[..., 1])
+    radius = np.hypot(0.5 * (strain[..., 0] - strain[..., 1]), 0.5 * strain[..., 2])
+    metric = 2.0 * np.stack([rest[..., 0], rest[..., 0]])
+    both = 100.0 * np.stack([middle - radius, middle + radius]) / metric
+    area = np.broadcast_to(shell.assembly.weights, both.shape).ravel()
+    order = np.argsort(both.ravel())
+    share = np.cumsum(area[order]) / area.sum()
+    percent = [float(np.interp(q, share, both.ravel()[order])) for q in (0.0, 0.01, 0.5, 0.99, 1.0)]
+    return {"design": name, "percent": percent, "minimum": found.is_minimum}
+
+
+def secants(length: float, thickness: float) -> dict[str, Any]:
+    """The natural tube around the print's y axis."""
+    cell = Cell(sheet(length, thickness), EDGE)
+    found = curl(cell, relax(cell)[0], 0.0)
+    tube = found.natural or found.tubes[0]
+    modulus = float(1.0 / np.linalg.inv(rolled_membrane(cell, tube))[0, 0])
+    ratios = {}
+    for side in (-1.0, 1.0):
+        ratios |= _along(cell, tube, modulus, [strain for strain in STRAINS if strain * side > 0])
+    cell.close()
+    return {
+        "length_mm": length, "thickness_mm": thickness, "tangent": modulus, "strain": STRAINS,
+        "secant": [ratios[strain] for strain in STRAINS],
+    }  # fmt: skip
+
+
+def _along(cell: Cell, tube: Tube, modulus: float, strains: list[float]) -> dict[float, float | None]:
+    """Secant over tangent at growing pulls; None where there is no equilibrium."""
+    cell.tube(tube.curvature, tube.angle)
+    macro = slice(3 * cell.torus.n_base, None, 3)
+    share = np.linalg.inv(cell.cell_vectors)[0]  # of the two axial shifts in the stretch
+    found: dict[float, float | None] = dict.fromkeys(strains)
+    state = tube.state
+    for strain in sorted(strains, key=abs):
+        pull = modulus * strain * tube.axial  # N/mm per printed length, conjugate to the stretch
+        cell.load = np.zeros(3 * cell.n_vertices)
+        cell.load[macro] = pull * cell.area * share
+        at = minimise(cell, state, cell.factor(), tolerance(cell))
+        if not at.converged:
+            break
+        state = at.state
+        stretch = float(share @ state.positions.ravel()[macro])
+        found[strain] = float(pull / stretch / (0.5 * (stretch**2 - tube.axial**2)) / modulus)
+    cell.load = np.zeros(3 * cell.n_vertices)
+    return found
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,47 @@
+"""A patch of equal stars as a shell that has the responses of its cell: what of a patch is the sheet's size alone."""
+
+from __future__ import annotations
+
+import numpy as np
+from skfem import MeshTri
+
+from asterism.previewing.sheet_fields import sheet_fields
+from asterism.previewing.sheet_mesh import sheet_mesh
+from asterism.previewing.star_cells import StarCells
+from asterism.previewing.star_values import StarValues
+from fem.argyris import Argyris
+from fem.shapes import Shape
+from fem.shell import ORDER, Shell
+from fem.solve import relax
+from homogenize.fit import row
+from homogenize.law import NAMES
+from homogenize.sample import Sample
+from pattern.build import layout
+from pattern.design import Design
+
+EDGE = 15.0  # mm, of the shell's triangles
+AXES = np.radians(15.0 * np.arange(12))
+
+
+def shell_stars(design: Design, stars: Sample, bare: Sample) -> tuple[np.ndarray, bool]:
+    """(S, 3) mm, places of the star centres, and whether the shape is a minimum.
+
+    The rim beyond the stars' cells is bare fabric, as in a preview.
+    """
+    plan = layout(design)
+    count = len(plan.centres)
+    ours, fabric = (row(sample.to_dict(), sample.stretch) for sample in (stars, bare))
+    both = np.vstack([np.tile(ours, (count, 1)), fabric])
+    values = StarValues({name: both[:, q] for q, name in enumerate(NAMES)}, np.empty(0), np.empty(0), (), ())
+    outline = sheet_mesh(plan.border, EDGE)
+    space = Argyris(MeshTri(outline.points.T.copy(), outline.triangles.T.copy()))
+    points = space.tabulate(ORDER).points
+    weights = StarCells(plan, design.lattice).weights(points.reshape(-1, 2))
+    shell = Shell(space, sheet_fields(weights, values, points.shape[:2]))
+    kappa = float(stars.natural_curvature.mean())
+    found = relax(shell, shapes=[Shape("arc", -kappa, angle) for angle in AXES], soft_modes=0)
+    at = space.locate(plan.centres)
+    slope = (at.gradient @ found.x).reshape(count, 2, 3)
+    normal = np.cross(slope[:, 0], slope[:, 1])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    return at.value @ found.x + float(stars.natural_centre_offset_mm.mean()) * normal, found.is_minimum
