@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from asterism.export.job import Job
     from asterism.export.printer import Printer
     from asterism.shape import Shape
-    from pattern.design import Design
 
 
 def export(
@@ -24,8 +23,11 @@ def export(
         Path | None, typer.Option(help="A material's file: its fabric and plastic in place of the design's.")
     ] = None,
     shape: Annotated[Path | None, typer.Option(help="Results of asterism simulate, or their shape.vtu.")] = None,
+    preview: Annotated[
+        bool, typer.Option("--preview", help="Write the printed shape's files too, from the fast preview.")
+    ] = False,
     simulate: Annotated[
-        bool, typer.Option("--simulate", help="Compute the printed shape, and what rounding changes.")
+        bool, typer.Option("--simulate", help="Likewise from the exact model, which also says what rounding changes.")
     ] = False,
     first_layer: Annotated[float | None, typer.Option(help="Height of the first layer in mm.")] = None,
     layer: Annotated[float | None, typer.Option(help="Height of the other layers in mm.")] = None,
@@ -39,10 +41,12 @@ def export(
 ) -> None:
     """Everything for printing a design: solids, 1:1 sheets, needles, start code, instructions.
 
-    Thicknesses are rounded to layers and widths to lines; the summary and rounded.toml say what is printed.
+    Thicknesses are rounded to layers and widths to lines; rounded.toml is what is printed. What rounding does to the
+    shape is said by the preview, or with --simulate by the exact model.
     """
     from asterism.export.job import prepare
     from asterism.export.profiles import load_plastic, load_printer
+    from asterism.export.table import table
     from asterism.export.write import write_export
     from asterism.files import check_writable
     from asterism.material import with_material
@@ -50,8 +54,8 @@ def export(
     from pattern.design import load_design
     from pattern.errors import DesignError
 
-    if shape is not None and simulate:
-        raise DesignError("--shape", "goes without --simulate: either the shape is there or it is computed")
+    if (shape is not None) + preview + simulate > 1:
+        raise DesignError("--shape", "must be the only one of --shape, --preview and --simulate")
     for option, value, limits in (
         ("--fabric", fabric, (0.0, 50.0)),
         ("--needle-spacing", needle_spacing, (1.0, 1000.0)),
@@ -79,12 +83,11 @@ def export(
 
     # before anything is computed: most mistakes are found here
     ready = job(known)
-    change = None
-    if simulate:
-        printed, change = _simulated(plan, ready)
-        ready = job(printed)
+    computed, change = _computed(ready, preview, simulate)
+    if computed is not None:
+        ready = job(computed)
     summary = write_export(ready, directory, change)
-    for name, text in _table(summary).items():
+    for name, text in table(summary).items():
         typer.echo(f"  {name:<20} {text}")
     typer.echo(f"{directory}: {', '.join(summary['files'])}")
 
@@ -125,57 +128,32 @@ def _changed(machine: Printer, first_layer: float | None, layer: float | None, p
         raise DesignError(options.get(wrong.field, wrong.field), wrong.allowed, wrong.value) from None
 
 
-def _simulated(design: Design, ready: Job) -> tuple[Shape, dict[str, Any]]:
-    """The printed shape, and how far it is from the drawn one."""
-    from asterism.export.rounded import changes, exact
-    from asterism.export.shape_change import shape_change
+def _computed(ready: Job, preview: bool, simulate: bool) -> tuple[Shape | None, dict[str, Any] | None]:
+    """The printed shape if it was asked for, and how far it is from the drawn one if that is known."""
+    from asterism.export.shape_change import is_rounded, printed_shape
+    from asterism.previewing.run import preview as fast
     from asterism.progress import Progress
-    from asterism.simulation import simulate
+    from asterism.simulation import simulate as slow
+    from homogenize.errors import LawError
 
-    progress = Progress()
-    try:
-        printed = simulate(ready.design, report=progress.report, say=progress.say)
-        rounded = any(size["stars_changed"] for size in changes(ready.exact_plan, ready.plan).values())
-        drawn = printed if not rounded else simulate(exact(design), report=progress.report, say=progress.say)
-    finally:
-        progress.close()
-    for shape, which in ((printed, "printed"), (drawn, "drawn")):
-        if not shape.summary["is_minimum"]:
-            print(f"asterism: the {which} shape is not certain: its summary says why", file=sys.stderr)
-    return printed, shape_change(drawn, printed, ready.design, ready.plan)
-
-
-def _table(s: dict[str, Any]) -> dict[str, str]:
-    """What the command prints at its end."""
-    rounding, cost = s["rounding"], s["estimate"]
-    rows = {"printer": f"{s['printer']['name']}, {s['plastic']['name']}"}
-    for name in ("thickness", "width"):
-        sizes = rounding[name]
-        values = ", ".join(f"{value:g}" for value in sizes["values_mm"])
-        changed = (
-            f"; {sizes['stars_changed']} of {s['stars']} stars changed by up to {sizes['largest_change_mm']:+.3f} mm"
-        )
-        rows[name] = f"{values} mm" + (changed if sizes["stars_changed"] else ", as drawn")
-    rows["layers"] = f"first {rounding['first_layer_mm']:g} mm, then {rounding['layer_mm']:g} mm"
-    if better := rounding["better_layers"]:
-        rows["better"] = (
-            f"--first-layer {better['first_layer_mm']:g} --layer {better['layer_mm']:g} is nearer to the design"
-        )
-    rows["change of shape"] = _change(s["shape_change"])
-    if tiny := s["tiny_stars"]:
-        places = ", ".join(f"[{x:g}, {y:g}]" for x, y in (star["at_mm"] for star in tiny[:4]))
-        rows["tiny stars"] = f"{len(tiny)}, may jump off: at {places}" + (", ..." if len(tiny) > 4 else "")
-    rows["z offset"] = f"{s['z_offset_mm']:.2f} mm (plate and stretched fabric), in start.gcode"
-    x, y = s["check_square_mm"]["after"]
-    rows["check square"] = f"100 mm before stretching, {x:.1f} x {y:.1f} mm after"
-    rows["needles"] = str(s["needles"])
-    rows["estimate"] = f"{cost['minutes']:.0f} min, {cost['mass_g']:.2f} g, {cost['filament_m']:.2f} m"
-    return rows
-
-
-def _change(change: dict[str, Any] | None) -> str:
-    if change is None:
-        return "not computed; --simulate does"
-    before, after = change["height_mm"]
-    distance = f"{change['star_distance_mm']:.2f} mm ({change['star_distance_percent']:.1f} % of the diameter)"
-    return f"{distance}, height {before:.2f} -> {after:.2f} mm"
+    if simulate:
+        progress = Progress()
+        try:
+            shape, change = printed_shape(ready, lambda plan: slow(plan, report=progress.report, say=progress.say))
+        finally:
+            progress.close()
+        change["model"] = "exact"
+    elif preview or is_rounded(ready):
+        try:
+            shape, change = printed_shape(ready, fast)
+        except LawError as error:
+            if preview:
+                raise
+            return None, {"model": None, "why": " ".join(str(error).split())}
+        change["model"] = "preview"
+    else:
+        return None, None
+    for certain, which in zip(change["are_minima"], ("drawn", "printed"), strict=True):
+        if not certain:
+            print(f"asterism: the {which} design's shape is not certain to stay", file=sys.stderr)
+    return shape if preview or simulate else None, change

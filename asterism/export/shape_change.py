@@ -2,14 +2,34 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
+from asterism.export.job import Job
+from asterism.export.rounded import changes, exact
 from asterism.mesh_error import diameter
 from asterism.shape import Shape
 from discrete.likeness import distances
 from pattern.design import Design
 from pattern.layout import Layout
 from pattern.symmetries import symmetries
+
+
+def is_rounded(job: Job) -> bool:
+    """Whether the printer makes any star another size than the design has it."""
+    return any(size["stars_changed"] for size in changes(job.exact_plan, job.plan).values())
+
+
+def printed_shape(job: Job, shape_of: Callable[[Design], Shape]) -> tuple[Shape, dict[str, Any]]:
+    """The shape of what is printed, and how far it is from that of the design before rounding.
+
+    Parameters
+    ----------
+    shape_of : the exact model or the preview.
+    """
+    printed = shape_of(job.design)
+    drawn = shape_of(exact(job.design)) if is_rounded(job) else printed
+    return printed, shape_change(drawn, printed, job.design, job.plan)
 
 
 def shape_change(drawn: Shape, printed: Shape, design: Design, plan: Layout) -> dict[str, Any]:
@@ -23,8 +43,8 @@ def shape_change(drawn: Shape, printed: Shape, design: Design, plan: Layout) -> 
     Returns
     -------
     Heights and extents in mm before and after; `star_distance_mm`, the root mean square distance of star centres after
-    the best rigid motion, a free sheet standing for all its images by the design's symmetry; and the same in % of
-    the drawn shape's diameter.
+    the best rigid motion, a free sheet standing for all its images by the design's symmetry; the same in % of the
+    drawn shape's diameter; and whether both shapes are certain.
     """
     before, after = drawn.positions[drawn.star_vertices], printed.positions[printed.star_vertices]
     distance = float(distances(before, after, symmetries(design, plan)).min()) if len(before) > 2 else 0.0
@@ -33,4 +53,5 @@ def shape_change(drawn: Shape, printed: Shape, design: Design, plan: Layout) -> 
         "extent_mm": [list(drawn.extent_mm), list(printed.extent_mm)],
         "star_distance_mm": distance,
         "star_distance_percent": 100.0 * distance / diameter(drawn.positions),
+        "are_minima": [bool(shape.summary.get("is_minimum", False)) for shape in (drawn, printed)],
     }

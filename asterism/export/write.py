@@ -17,6 +17,8 @@ from pattern.design import save_design
 
 # not summary.json: an export may go into the directory of a simulation
 SUMMARY = "export.json"
+# files that not every export writes: those of an earlier one would be taken for this one's
+NOT_ALWAYS = r"border\.stl|needles\.(csv|dxf|svg)|shape\.(obj|stl|glb)"
 
 
 def write_export(job: Job, directory: str | Path, change: dict[str, Any] | None = None) -> dict[str, Any]:
@@ -24,7 +26,7 @@ def write_export(job: Job, directory: str | Path, change: dict[str, Any] | None 
 
     Parameters
     ----------
-    change : what rounding does to the shape, from `shape_change`, if it was computed.
+    change : what rounding does to the shape, from `printed_shape`, if it was computed.
 
     Raises
     ------
@@ -34,7 +36,7 @@ def write_export(job: Job, directory: str | Path, change: dict[str, Any] | None 
     prints = [job.stars, *([(job.border,)] if job.border is not None else [])]
     cost = estimate(prints, job.printer, job.rounding, job.plastic)
     tiny = tiny_stars(job.plan, job.plastic.tiny_arm_mm)
-    with staged(directory) as folder:
+    with staged(directory, stale=NOT_ALWAYS) as folder:
         for solid in job.solids:
             stl.write(folder / f"{solid.name}.stl", solid.points, solid.triangles)
         threemf.write(folder / "print.3mf", job.solids, job.design.name)

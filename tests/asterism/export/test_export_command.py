@@ -110,7 +110,7 @@ def test_simulated_shape_and_change_of_shape(file: Path, tmp_path: Path, run: Ru
     assert {path.name for path in (tmp_path / "out").iterdir()} == (ALWAYS - {"border.stl"}) | PINNED | SHAPE
     said = json.loads((tmp_path / "out" / "export.json").read_text())
     before, after = said["shape_change"]["height_mm"]
-    assert said["shape_change"]["star_distance_mm"] > 0
+    assert said["shape_change"]["star_distance_mm"] > 0 and said["shape_change"]["model"] == "exact"
     # the same two shapes by hand
     plan = load_design(file)
     rounded = load_design(tmp_path / "out" / "rounded.toml")
@@ -123,6 +123,27 @@ def test_simulated_shape_and_change_of_shape(file: Path, tmp_path: Path, run: Ru
     result = run("export", "d.toml", "-o", "third", "--shape", "results")
     assert result.returncode == 0, result.stderr
     assert {path.name for path in (tmp_path / "third").iterdir()} == ALWAYS | PINNED | SHAPE
+
+
+def test_the_preview_says_what_rounding_does(file: Path, tmp_path: Path, run: Run) -> None:
+    save_design(design(fabric={}, border={"rings": 1}, pins=[]), file)
+    result = run("export", "d.toml", "-o", "out")
+    assert result.returncode == 0, result.stderr
+    assert "(preview; --simulate is exact)" in result.stdout
+    said = json.loads((tmp_path / "out" / "export.json").read_text())["shape_change"]
+    assert said["model"] == "preview" and said["star_distance_mm"] > 0
+    assert not SHAPE & {path.name for path in (tmp_path / "out").iterdir()}
+    result = run("export", "d.toml", "-o", "seen", "--preview", "--layer", "0.1")
+    assert result.returncode == 0, result.stderr
+    assert {path.name for path in (tmp_path / "seen").iterdir()} >= SHAPE
+
+
+def test_where_the_preview_knows_no_law_the_print_is_exported_all_the_same(file: Path, run: Run) -> None:
+    """The law is for equal stretches; this fabric has two."""
+    result = run("export", "d.toml", "-o", "out")
+    assert result.returncode == 0, result.stderr
+    assert "not computed (" in result.stdout
+    assert mistake(run("export", "d.toml", "-o", "seen", "--preview"))
 
 
 def test_printers_are_listed(tmp_path: Path, run: Run) -> None:
@@ -144,7 +165,8 @@ def test_printers_are_listed(tmp_path: Path, run: Run) -> None:
         (["--needle-spacing", "0"], "--needle-spacing = 0.0: must be from 1 to 1000"),
         (["--turn", "30"], "--turn = 30.0: must be 0 on a fabric"),
         (["--shape", "nowhere"], "nowhere: is not there"),
-        (["--shape", "x", "--simulate"], "--shape: goes without --simulate"),
+        (["--shape", "x", "--simulate"], "--shape: must be the only one"),
+        (["--preview", "--simulate"], "--shape: must be the only one"),
     ],
 )
 def test_a_mistake_is_one_line_and_leaves_nothing(
@@ -158,6 +180,15 @@ def test_designs_larger_than_the_bed_are_one_line(tmp_path: Path, run: Run) -> N
     save_design(design(border={"rings": 7}, pins=[]), tmp_path / "d.toml")
     assert "must be within the 223.0 x 223.0 mm" in mistake(run("export", "d.toml"))
     assert [path.name for path in tmp_path.iterdir()] == ["d.toml"]
+
+
+def test_files_of_an_earlier_export_do_not_stay_behind(file: Path, tmp_path: Path, run: Run) -> None:
+    save_design(design(border={"rings": 0}), file)
+    assert run("export", "d.toml", "-o", "out").returncode == 0
+    (tmp_path / "out" / "summary.json").write_text("mine")
+    save_design(design(border={"rings": 0}, pins=[]), file)
+    assert run("export", "d.toml", "-o", "out", "--no-border").returncode == 0
+    assert {path.name for path in (tmp_path / "out").iterdir()} == (ALWAYS - {"border.stl"}) | {"summary.json"}
 
 
 def test_an_export_that_fails_leaves_the_earlier_one(file: Path, tmp_path: Path, run: Run) -> None:
