@@ -197,8 +197,9 @@ def _measure(clock: Clock, cell: Cell, angles: tuple[float, ...], found: dict[st
     found |= _bending(flat, curves)
     ends = [curve.natural or curve.tubes[0] for curve in curves]
     offsets = np.array([centre_offset(cell, tube) for tube in ends])
-    part = np.array([1.0 if curve.natural else curve.slight / curve.tubes[0].curvature for curve in curves])
-    found["natural_centre_offset_mm"] = found["centre_offset_mm"] + part * (offsets - found["centre_offset_mm"])
+    part = np.array([curve.slight / curve.tubes[0].curvature for curve in curves])
+    between = found["centre_offset_mm"] + part * (offsets - found["centre_offset_mm"])
+    found["natural_centre_offset_mm"] = np.where([curve.natural is None for curve in curves], between, offsets)
     found["natural_membrane"] = np.array([clock("stiffness", rolled_membrane, cell, tube) for tube in ends])
     found["relief"] = _relief(cell, ends)
     lowest = [clock("stability", _tube_stability, cell, tube) for tube in ends]
