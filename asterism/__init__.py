@@ -3,6 +3,7 @@
 import asterism
 
 design = asterism.load_design("design.toml")  # or asterism.new("tube")
+preview = asterism.preview(design)  # in a second
 shape = asterism.simulate(design)
 shape.summary["is_minimum"], shape.height_mm
 asterism.write_results(shape, "out")
@@ -15,6 +16,8 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
+    from asterism.previewing.preview import Preview
+    from asterism.previewing.run import preview
     from asterism.results import write_results
     from asterism.shape import Shape
     from asterism.simulation import simulate
@@ -24,14 +27,27 @@ if TYPE_CHECKING:
 # the solver's imports take most of a second: only who asks for it waits
 _HOMES = {
     "Design": ("pattern.design", "Design"),
+    "Preview": ("asterism.previewing.preview", "Preview"),
     "Shape": ("asterism.shape", "Shape"),
     "load_design": ("pattern.design", "load_design"),
     "new": ("pattern.gallery", "load"),
+    "preview": ("asterism.previewing.run", "preview"),
     "save_design": ("pattern.design", "save_design"),
     "simulate": ("asterism.simulation", "simulate"),
     "write_results": ("asterism.results", "write_results"),
 }
-__all__ = ["Design", "Shape", "__version__", "load_design", "new", "save_design", "simulate", "write_results"]
+__all__ = [
+    "Design",
+    "Preview",
+    "Shape",
+    "__version__",
+    "load_design",
+    "new",
+    "preview",
+    "save_design",
+    "simulate",
+    "write_results",
+]
 
 
 def __getattr__(name: str) -> Any:

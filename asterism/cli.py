@@ -12,6 +12,7 @@ import typer
 from asterism import __version__
 from asterism.csv_cells import TableError
 from asterism.export_command import export, printers
+from asterism.previewing.command import preview
 from asterism.strips.cli import app as strips
 from asterism.strips.errors import NoMaterial
 
@@ -22,6 +23,7 @@ _UsageError: type[Exception] = typer.BadParameter.__mro__[1]
 
 law = typer.Typer(help="What a law of the sheet says.", no_args_is_help=True)
 app.add_typer(law, name="law")
+app.command()(preview)
 app.command()(export)
 app.command()(printers)
 app.add_typer(strips, name="strips")

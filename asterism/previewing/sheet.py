@@ -9,15 +9,18 @@ from skfem import MeshTri
 from asterism.previewing.held_sheet import conditions, held_points, held_sides, weight
 from asterism.previewing.sheet_fields import sheet_fields
 from asterism.previewing.sheet_mesh import sheet_mesh
+from asterism.previewing.star_arms import BACK
 from asterism.previewing.star_cells import StarCells
 from asterism.previewing.star_values import StarValues
 from fem.argyris import Argyris
+from fem.conditions import ConditionError
 from fem.fields import Fields
 from fem.loads import area_load
 from fem.shell import ORDER, Shell
 from fem.tabulation import Floats
 from pattern.build import layout
 from pattern.design import Design
+from pattern.errors import DesignError
 from pattern.layout import Layout
 from pattern.planar import polygon_area
 
@@ -54,7 +57,10 @@ class Sheet:
         """Take another layout of the same sheet (`holds`)."""
         self.layout = plan
         self.cells = StarCells(plan, design.lattice)
-        self._weights: sp.csr_matrix = self.cells.weights(self._table.points.reshape(-1, 2))
+        points, lattice = self._table.points.reshape(-1, 2), design.lattice
+        self._weights: sp.csr_matrix = self.cells.weights(points)
+        back = BACK * lattice.spacing_mm
+        self._arms = [(along, self.cells.weights(points - back * along)) for along in lattice.arm_directions]
 
     def holds(self, design: Design, plan: Layout, before: Design) -> bool:
         """Whether a design that follows `before` has the same print but for its stars and material."""
@@ -67,16 +73,20 @@ class Sheet:
 
     def fields(self, values: StarValues) -> Fields:
         """What the sheet wants to be, at the quadrature points."""
-        return sheet_fields(self._weights, values, self._table.weights.shape)
+        return sheet_fields(self._weights, values, self._table.weights.shape, self._arms)
 
     def loads(self, design: Design) -> Floats:
         """(N, 3) N, the weight."""
         return area_load(self.space, lambda points: weight(design, self.layout, self.cells.weights(points)))
 
     def shell(self, design: Design, fields: Fields, step: int) -> Shell:
-        """The shell with the pins up to a step."""
+        """The shell with the pins up to a step; `DesignError` if they contradict each other."""
         loads = self.loads(design) if design.gravity.on else None
-        return Shell(self.space, fields, conditions(self.layout, self._mesh, self.space.mesh, step), loads)
+        held = conditions(self.layout, self._mesh, self.space.mesh, step)
+        try:
+            return Shell(self.space, fields, held, loads)
+        except ConditionError as error:
+            raise DesignError("pins", f"cannot all hold: {error}") from None
 
 
 def _equilateral(edge: float) -> float:

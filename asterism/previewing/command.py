@@ -1,0 +1,72 @@
+"""`asterism preview`: the homogenised shape of a design."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import typer
+
+
+def preview(
+    design: Annotated[Path, typer.Argument(help="The design file (.toml or .json).")],
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Directory of the results (design's name).")
+    ] = None,
+    law: Annotated[Path | None, typer.Option(help="The law's file (.npz); none: the paper's material.")] = None,
+    side: Annotated[
+        Literal["auto", "up", "down"], typer.Option(help="Side to which the edges go; auto: what the stars want.")
+    ] = "auto",
+    material: Annotated[
+        Path | None, typer.Option(help="A material's file: its fabric and plastic in place of the design's.")
+    ] = None,
+) -> None:
+    """The fast preview: the shape of a design as a smooth sheet, with the stars' bumps laid on it.
+
+    Writes summary.json, shape.vtu, rods.vtu and shape.png. Exit status 1 if what was found is not an equilibrium.
+    """
+    from asterism.files import check_writable
+    from asterism.material import with_material
+    from asterism.previewing.run import preview as run
+    from asterism.progress import Progress
+    from asterism.results import write_results
+    from homogenize.law_file import load_law
+    from pattern.design import load_design
+
+    plan = with_material(load_design(design), material)
+    directory = output or design.with_suffix("")
+    check_writable(directory)
+    progress = Progress()
+    try:
+        shape = run(plan, load_law(law), side, progress.say)
+    finally:
+        progress.close()
+    files = write_results(shape, directory)
+    typer.echo("\n".join(table_lines(shape.summary)))
+    typer.echo(f"{directory}: {', '.join(files)}")
+    for line in shape.summary["warnings"]:
+        print(f"asterism: {line}", file=sys.stderr)
+    if not shape.summary["is_minimum"]:
+        raise typer.Exit(1)
+
+
+def table_lines(s: Mapping[str, Any]) -> list[str]:
+    """The numbers of a summary, one a line."""
+    outside, tight = len(s["stars_outside_law"]), len(s["stars_tight"])
+    axes = [f"{axis:.0f}" for axis in s["equivalent_axes_deg"]]
+    rows = {
+        "stars": f"{s['stars']}, {outside} outside the law, {tight} curled tightly",
+        "height": f"{s['height_mm']:.2f} mm",
+        "extent": " x ".join(f"{size:.1f}" for size in s["extent_mm"]) + " mm",
+        "contraction": "-" if s["contraction"] is None else f"{s['contraction']:.4f}",
+        "rolled about": "-" if s["roll_axis_deg"] is None else f"{s['roll_axis_deg']:.0f} deg, of {', '.join(axes)}",
+        "energy": f"{s['energy_n_mm']:.4f} N mm",
+        "softest modes": ", ".join(f"{value:.1e}" for value in s["soft_modes_n_mm3"]) + " N/mm3",
+        "equilibrium": "stable" if s["is_minimum"] else "no",
+        "law": f"{s['law']['material']}, stretch {s['law']['stretch']:g}, edges of {s['law']['edge_mm']:g} mm",
+        "shell": f"{s['shell_triangles']} triangles, {s['dofs']} unknowns",
+        "work": f"{s['iterations']} iterations, {s['wall_s']:.2f} s",
+    }
+    return [f"  {name:<20} {value}" for name, value in rows.items()]
