@@ -117,7 +117,7 @@ def prepare(
     if line is not None and not _within_bed(line, printer):
         line = None
     if shape is not None:
-        _check_same_sheet(plan, shape)
+        _check_same_sheet(design, plan, shape)
     return Job(
         design=rounded,
         printer=printer,
@@ -140,8 +140,8 @@ def _within_bed(step: Step, printer: Printer) -> bool:
     return bool((high <= np.asarray(printer.bed_mm) / 2).all() and (low >= -np.asarray(printer.bed_mm) / 2).all())
 
 
-def _check_same_sheet(plan: Layout, shape: Shape) -> None:
-    """Refuse a shape of another sheet: its printed outline or its stars are not those of the layout."""
+def _check_same_sheet(design: Design, plan: Layout, shape: Shape) -> None:
+    """Refuse a shape of another print: another outline, other stars, or, where its summary is there, other entries."""
     box = np.array([plan.border.min(axis=0), plan.border.max(axis=0)])
     other = np.array([shape.printed.min(axis=0), shape.printed.max(axis=0)])
     if np.abs(box - other).max() > 1e-3:
@@ -150,3 +150,10 @@ def _check_same_sheet(plan: Layout, shape: Shape) -> None:
     if len(shape.star_vertices) != len(plan.centres):
         stars = f"{len(shape.star_vertices)} stars"
         raise DesignError("--shape", f"must be of this design with its {len(plan.centres)} stars", stars)
+    if "design" in shape.summary:
+        made_from = exact(Design.from_dict(shape.summary["design"]))
+        for section in ("lattice", "stars", "border", "pins"):
+            if getattr(made_from, section) != getattr(exact(design), section):
+                raise DesignError("--shape", f"must be of this design, but its {section} are others")
+        if made_from.fabric.stretch_xy != design.fabric.stretch_xy:
+            raise DesignError("--shape", "must be of this design, but its fabric was stretched otherwise")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -137,6 +138,27 @@ def test_a_shape_of_another_design_is_refused() -> None:
     other = sheet(lambda p: np.column_stack([p, np.zeros(len(p))]), 80.0, 60.0)
     with pytest.raises(DesignError, match=r"--shape = 'a sheet of 80.0 x 60.0 mm': must be of this design"):
         job(shape=other)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"stars": {"length_mm": 7.0}}, "its stars are others"),
+        ({"pins": []}, "its pins are others"),
+        ({"fabric": {"stretch": 1.2}}, "its fabric was stretched otherwise"),
+    ],
+)
+def test_a_shape_made_from_other_entries_is_refused(change: dict[str, Any], words: str) -> None:
+    flat = sheet(lambda p: np.column_stack([p, np.zeros(len(p))]), 80.0, 60.0)
+    mine = design(border={"rectangle_mm": [80.0, 60.0]}, pins=[{"corners": [0]}])
+    stars = len(layout(mine).centres)
+    same = replace(flat, star_vertices=flat.star_vertices[:stars], summary={"design": mine.to_dict()})
+    assert job(mine, shape=same).shape is same
+    # rounding and mesh may differ
+    assert job(job(mine).design.model_copy(update={"name": "other"}), shape=same).shape is same
+    other = mine.to_dict() | change
+    with pytest.raises(DesignError, match=rf"--shape: must be of this design, but {words}"):
+        job(mine, shape=replace(same, summary={"design": other}))
 
 
 def test_estimate_of_a_single_star_by_hand() -> None:
