@@ -20,6 +20,7 @@ import scipy.sparse as sp
 from skfem import MeshTri
 
 from fem.lagrange import Lagrange
+from fem.location import triangles_at
 from fem.monomials import monomials, powers
 from fem.tabulation import Evaluation, Floats, Ints, Tabulation
 
@@ -96,8 +97,9 @@ class Lifted:
 
     def locate(self, points: Floats) -> Evaluation:
         """Value, gradient and discrete Hessian at printed points (n, 2) mm."""
-        triangles = self.mesh.element_finder()(*np.asarray(points).T)
-        return Evaluation.of(self._dofs[triangles], self._lifted_jets(triangles, np.asarray(points)), self.size)
+        points = np.asarray(points, dtype=float)
+        triangles = triangles_at(self.mesh, points)
+        return Evaluation.of(self._dofs[triangles], self._lifted_jets(triangles, points), self.size)
 
     def _lifted_jets(self, triangles: Ints, points: Floats) -> Floats:
         own = self._basis.jets(triangles, points)

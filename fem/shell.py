@@ -87,7 +87,7 @@ class Shell:
         penalty = self.space.penalty(modulus if modulus.ndim == 0 else modulus.mean(axis=1))
         self._penalty = None if penalty is None else (penalty, self.assembly.spread(penalty))
         self.__dict__.pop("flat_stiffness", None)
-        stretch = np.asarray(self.density.stiffness)[..., 0, 0].mean()
+        stretch = np.asarray(self.density.stiffness)[..., [0, 1], [0, 1]].max(axis=-1).mean()
         self.force_scale = float(stretch * np.sqrt(self.assembly.weights.sum()))
 
     @property

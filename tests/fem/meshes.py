@@ -33,3 +33,18 @@ def facets_where(mesh: MeshTri, test) -> np.ndarray:
     rim = mesh.boundary_facets()
     x, y = mesh.p[:, mesh.facets[:, rim]].mean(axis=1)
     return rim[test(x, y)]
+
+
+def annulus(sectors: int, rings: list[float]) -> MeshTri:
+    """Around the origin, the vertices of every second ring half a sector on; the polygons have their circles' areas."""
+    angles = 2.0 * np.pi * np.arange(sectors) / sectors
+    turns = [angles + np.pi / sectors * (i % 2) for i in range(len(rings))]
+    points = np.hstack([r * np.array([np.cos(a), np.sin(a)]) for r, a in zip(rings, turns, strict=True)])
+    j = np.arange(sectors)
+    after = (j + 1) % sectors
+    triangles = []
+    for i in range(len(rings) - 1):
+        a, b, c, d = (ring * sectors + k for ring in (i, i + 1) for k in (j, after))
+        triangles += [(a, b, c), (b, d, c)] if i % 2 == 0 else [(a, b, d), (a, d, c)]
+    scale = np.sqrt(2.0 * np.pi / sectors / np.sin(2.0 * np.pi / sectors))
+    return MeshTri(scale * points, np.hstack([np.array(triple) for triple in triangles]))
