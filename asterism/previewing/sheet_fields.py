@@ -3,7 +3,7 @@
 Where stars share a place (`asterism.previewing.star_cells`), logarithms of contraction and stiffnesses are averaged,
 and curvatures, as they are. With contraction `lam` and natural curvature `kappa` of a place, in printed coordinates:
 
-    a_r = lam^2 I                            the metric at rest,
+    a_r = lam^2 I                            the metric at rest; where stars change, see `star_arms`,
     b_r = -kappa lam^2 / (1 + nu) I          the curvature at rest,
     D = bending / lam^4,  c = c3 / lam^6     per printed curvature; c of the energy c Re[((b11 - b22)/2 + i b12)^3].
 
@@ -18,9 +18,12 @@ the contracted sheet; a tube of radius r has `b = lam^2/r` per printed length sq
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import scipy.sparse as sp
 
+from asterism.previewing.star_arms import arm_metric
 from asterism.previewing.star_values import StarValues
 from fem.density import Density, isotropic
 from fem.fields import Fields
@@ -35,20 +38,29 @@ _PLAIN = ("kappa", "a12", "c3")
 
 
 def sheet_fields(
-    weights: sp.csr_matrix, values: StarValues, shape: tuple[int, ...], poisson: float = POISSON
+    weights: sp.csr_matrix,
+    values: StarValues,
+    shape: tuple[int, ...],
+    arms: Sequence[tuple[Floats, sp.csr_matrix]] = (),
+    poisson: float = POISSON,
 ) -> Fields:
     """The fields at places where stars count with weights (n, S), bare fabric with what is missing to 1.
 
-    `shape`: of the arrays, (T, Q) with n = T Q. The sixfold term is larger by what its saturation takes away from it at
-    the natural curvature.
+    `shape`: of the arrays, (T, Q) with n = T Q. `arms`: for each arm of a star its direction (2,) and the weights half
+    a spacing back along it (`asterism.previewing.star_arms`); without them the metric is `lam^2 I`. The sixfold term is
+    larger by what its saturation takes away from it at the natural curvature.
     """
 
-    def mean(of: Floats) -> Floats:
-        return np.asarray(of[-1] + weights @ (of[:-1] - of[-1])).reshape(shape)
+    def mean(of: Floats, shares: sp.csr_matrix = weights) -> Floats:
+        return np.asarray(of[-1] + shares @ (of[:-1] - of[-1])).reshape(shape)
 
     lam, bending, a11 = (np.exp(mean(np.log(values.value[name]))) for name in _LOGS)
     kappa, a12, c3 = (mean(values.value[name]) for name in _PLAIN)
     square, zero = lam**2, np.zeros(shape)
+    metric = np.stack([square, square, zero], axis=-1)
+    if arms:
+        along = [np.exp(mean(np.log(values.value["lam_n"]), shares)) for _, shares in arms]
+        metric = arm_metric(lam, np.stack(along, axis=-1), np.array([direction for direction, _ in arms]))
     bend = -kappa * square / (1.0 + poisson)
     density = Density(
         stiffness=isotropic(a11, bending / lam**4, a12 / a11, poisson),
@@ -56,4 +68,4 @@ def sheet_fields(
         orientation=zero,
         saturation=np.maximum(BEYOND * 0.5 * np.abs(kappa) * square, LEAST),
     )
-    return Fields(density, np.stack([square, square, zero], axis=-1), np.stack([bend, bend, zero], axis=-1))
+    return Fields(density, metric, np.stack([bend, bend, zero], axis=-1))
