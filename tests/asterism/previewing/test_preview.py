@@ -1,0 +1,201 @@
+"""The preview of a design: signs, pins, edits, bumps, and what its summary says."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+
+import asterism
+from asterism.previewing.preview import Preview
+from asterism.verification.comparison import compare
+from homogenize.errors import LawError
+from pattern import gallery
+from pattern.build import layout
+from pattern.design import Design
+from pattern.errors import DesignError
+from pattern.symmetries import symmetries
+from tests.asterism.previewing.laws import plain_law
+
+TUBE = gallery.load("tube")
+
+
+def design(**sections: Any) -> Design:
+    """The tube's sheet, with sections that replace or change its own."""
+    data = TUBE.to_dict()
+    for name, entries in sections.items():
+        own = data.get(name)
+        data[name] = {**own, **entries} if isinstance(own, Mapping) and isinstance(entries, Mapping) else entries
+    return Design.from_dict(data)
+
+
+CURLY = design(stars={"thickness_mm": 0.25}, mesh={"edge_mm": 4.0})
+
+
+@pytest.fixture(scope="module")
+def curly() -> Preview:
+    return Preview(CURLY, plain_law())
+
+
+def test_a_free_sheet_rolls_with_the_plastic_outside(curly: Preview) -> None:
+    assert curly.equilibrium.is_minimum
+    centre = curly.at(np.zeros((1, 2)))
+    kappa = curly.values.value["kappa"][0]
+    # positive mean curvature is convex on the plastic side; of a tube it is half of the curvature around it, and the
+    # bare rim holds a small sheet open by a part of that
+    assert 0.7 < centre.mean_curvature[0] / (kappa / 2) < 1.0
+    assert abs(centre.gaussian_curvature[0]) < 0.02 * kappa**2
+    shape = curly.shape()
+    assert shape.summary["roll_axis_deg"] == pytest.approx(
+        min(shape.summary["equivalent_axes_deg"], key=lambda a: abs(a - shape.summary["roll_axis_deg"]))
+    )
+    # tubes of three-armed stars roll about axes at right angles to an arm, and by symmetry about three of them
+    assert np.round(shape.summary["equivalent_axes_deg"]).tolist() == [30.0, 90.0, 150.0]
+
+
+def test_bumps_are_as_high_as_the_law_says(curly: Preview) -> None:
+    shape = curly.shape()
+    bump = shape.point_fields["bump_mm"]
+    heights = np.einsum("vi,vi->v", bump, shape.point_fields["normal"])
+    offset = curly.values.relief[0, 0] * curly.law.waves(np.zeros((1, 2)))[0, 0]
+    inner = shape.star_vertices[:7]
+    assert heights[inner] == pytest.approx(offset, rel=0.02)
+    # off the bumps the surface is the shell's
+    smooth = curly.at(shape.printed).smooth
+    turned = shape.positions - bump
+    assert np.linalg.norm(turned[0] - turned[100]) == pytest.approx(np.linalg.norm(smooth[0] - smooth[100]))
+
+
+def test_the_shape_covers_the_whole_print(curly: Preview) -> None:
+    shape, plan = curly.shape(), layout(CURLY)
+    assert shape.at(plan.border).shape == (6, 3)
+    assert len(shape.rods) == 3 * len(plan.centres) and len(shape.star_vertices) == len(plan.centres)
+    assert shape.rod_fields["thickness_mm"] == pytest.approx(0.25)
+    assert len(shape.rod_fields["arm"]) == len(shape.rod_edges)
+
+
+def test_summary_has_the_keys_of_a_simulation(curly: Preview) -> None:
+    summary = curly.shape().summary
+    same = {
+        "converged", "is_minimum", "gradient_norm", "gradient_tolerance", "energy_n_mm", "roll_axis_deg", "vertices",
+        "triangles", "dofs", "iterations", "factorisations", "saddles_left", "wall_s", "wall_s_by_stage", "height_mm",
+        "extent_mm", "contraction", "version", "design",
+    }  # fmt: skip
+    assert same | {"law", "law_in_range", "warnings"} <= set(summary)
+    assert summary["law_in_range"] and not summary["stars_tight"]
+    assert summary["design"] == CURLY.to_dict()
+
+
+def test_an_edit_gives_the_shape_of_a_new_preview() -> None:
+    preview = Preview(CURLY, plain_law())
+    thicker = design(stars={"thickness_mm": 0.27}, mesh={"edge_mm": 4.0})
+    linear, final = preview.edit(thicker)
+    assert (linear.name, final.name) == ("linear", "equilibrium")
+    fresh = Preview(thicker, plain_law())
+    assert preview.equilibrium.is_minimum
+    assert preview.equilibrium.energy == pytest.approx(fresh.equilibrium.energy, rel=1e-6)
+    assert preview.shape().height_mm == pytest.approx(fresh.shape().height_mm, rel=1e-3)
+
+
+def test_the_linear_response_is_right_to_first_order() -> None:
+    missed = []
+    for change in (0.002, 0.001):
+        preview = Preview(gallery.load("dome"), plain_law())
+        data = preview.design.to_dict()
+        data["stars"]["thickness_mm"] = 0.3 + change
+        linear, final = preview.edit(Design.from_dict(data))
+        missed.append(np.abs(linear.x - final.x).max())
+    assert missed[1] < 0.35 * missed[0]
+
+
+def test_an_edit_of_the_outline_starts_anew_and_a_refused_one_changes_nothing() -> None:
+    preview = Preview(CURLY, plain_law())
+    before = preview.equilibrium.x.copy()
+    with pytest.raises(LawError, match=r"fabric\.thickness_mm"):
+        list(preview.edit(design(fabric={"thickness_mm": 0.5})))
+    assert preview.design is CURLY and (preview.equilibrium.x == before).all()
+    smaller = design(border={"rings": 2})
+    assert [stage.name for stage in preview.edit(smaller)] == ["equilibrium"]
+    assert len(preview.sheet.layout.centres) == 19
+
+
+def test_a_removed_star_is_bare_fabric_after_an_edit_too() -> None:
+    preview = Preview(CURLY, plain_law())
+    gone = design(stars={"thickness_mm": 0.25, "override": [{"star": 0, "remove": True}]}, mesh={"edge_mm": 4.0})
+    list(preview.edit(gone))
+    fresh = Preview(gone, plain_law())
+    assert len(preview.values.sizes) == 36
+    assert preview.equilibrium.energy == pytest.approx(fresh.equilibrium.energy, rel=1e-6)
+
+
+def test_a_dome_can_be_flipped() -> None:
+    preview = Preview(gallery.load("dome"), plain_law())
+    up = preview.at(np.zeros((1, 2))).smooth[0, 2]
+    assert up > 1.0
+    preview.flip()
+    assert preview.equilibrium.is_minimum
+    down = preview.at(np.zeros((1, 2))).smooth[0, 2]
+    assert down < -1.0
+
+
+def test_a_held_border_is_where_it_is_held() -> None:
+    preview = Preview(gallery.load("dome"), plain_law())
+    border = preview.sheet.layout.border
+    share = np.linspace(0, 1, 7)[:, None, None]
+    rim = (border + share * (np.roll(border, -1, axis=0) - border)).reshape(-1, 2)
+    places = preview.at(rim).smooth
+    assert places == pytest.approx(np.column_stack([0.74 * rim, np.zeros(len(rim))]), abs=1e-9)
+
+
+@pytest.mark.parametrize(("slide", "held"), [(None, [0, 1, 2]), ("z", [0, 1]), ("plane", [2])])
+def test_pins_hold_what_they_say(slide: str | None, held: list[int]) -> None:
+    points = [[-50.0, 0.0], [50.0, 0.0], [0.0, 60.0]]
+    pin = {"points_mm": points, "scale": 0.8} | ({"slide": slide} if slide else {})
+    preview = Preview(design(pins=[pin]), plain_law())
+    assert preview.equilibrium.is_minimum
+    target = np.column_stack([0.8 * np.array(points), np.zeros(3)])
+    assert preview.at(np.array(points)).smooth[:, held] == pytest.approx(target[:, held], abs=1e-9)
+
+
+def test_targets_and_later_steps() -> None:
+    points, target = [[0.0, -60.0], [0.0, 60.0]], [[0.0, -40.0, 0.0], [0.0, 40.0, 5.0]]
+    preview = Preview(design(pins=[{"points_mm": points, "target_mm": target, "step": 1}]), plain_law())
+    assert preview.equilibrium.start == "pins take hold"
+    assert preview.equilibrium.is_minimum
+    assert preview.at(np.array(points)).smooth == pytest.approx(np.array(target), abs=1e-9)
+
+
+def test_weight_pulls_a_roof_down() -> None:
+    held = gallery.load("dome").to_dict()
+    held["fabric"]["modulus_mpa"] = 0.005
+    heights = []
+    for on in (False, True):
+        held["gravity"] = {"on": on}
+        heights.append(Preview(Design.from_dict(held), plain_law()).at(np.zeros((1, 2))).smooth[0, 2])
+    assert heights[1] < heights[0]
+
+
+def test_stars_beyond_the_law_are_warned_of_not_refused() -> None:
+    odd = design(stars={"override": [{"star": 5, "thickness_mm": 0.9}]})
+    summary = Preview(odd, plain_law()).shape().summary
+    assert not summary["law_in_range"]
+    assert summary["stars_outside_law"][0].startswith("star 5 at [")
+    assert summary["stars_outside_law"][0] in summary["warnings"]
+
+
+def test_pins_that_contradict_each_other_are_refused() -> None:
+    pins = [{"edges": [0]}, {"edges": [1], "scale": 0.5}]
+    with pytest.raises(DesignError, match="pins"):
+        Preview(design(pins=pins), plain_law())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "percent"), [("tube", 3.0), ("dome", 2.5), ("fig9-linear", 2.0)])
+def test_the_exact_model_agrees(name: str, percent: float) -> None:
+    """Signs, sides, axes and sizes at once: only turns and the design's own symmetries are taken out."""
+    plan = gallery.load(name)
+    shown, exact = asterism.preview(plan), asterism.simulate(plan)
+    found = compare(exact, shown, layout(plan), symmetries(plan, layout(plan)))
+    assert found.rms_percent < percent

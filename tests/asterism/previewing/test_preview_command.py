@@ -1,0 +1,79 @@
+"""`asterism preview`: files, table, exit status, and one line for every mistake."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from homogenize.law_file import to_bytes
+from tests.asterism.commands import command
+from tests.asterism.previewing.laws import plain_law
+
+DESIGN = """
+name = "small"
+[stars]
+length_mm = 8.0
+thickness_mm = 0.3
+[border]
+rings = 1
+[mesh]
+edge_mm = 5.0
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    (tmp_path / "small.toml").write_text(DESIGN)
+    (tmp_path / "plain.npz").write_bytes(to_bytes(plain_law()))
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_writes_the_files_of_a_simulation(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    done = command(["preview", "small.toml", "-o", "out", "--law", "plain.npz"], capsys, monkeypatch)
+    assert done.status == 0
+    assert {file.name for file in (folder / "out").iterdir()} == {"summary.json", "shape.vtu", "rods.vtu", "shape.png"}
+    summary = json.loads((folder / "out" / "summary.json").read_text())
+    assert summary["is_minimum"] and summary["law"]["material"] == "plain"
+    assert "equilibrium          stable" in done.out
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["preview", "none.toml"], "none.toml"),
+        (["preview", "small.toml", "--law", "none.npz"], "none.npz"),
+        (["preview", "small.toml", "--law", "small.toml"], "is not a law"),
+        (["preview", "small.toml", "--side", "left"], "--side"),
+        (["preview", "small.toml", "-o", "small.toml"], "a file is in the way"),
+    ],
+)
+def test_mistakes_are_one_line(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, words: list[str], said: str
+) -> None:
+    done = command(words, capsys, monkeypatch)
+    assert done.status == 2
+    assert said in done.line
+    assert not (folder / "small").exists()
+
+
+def test_a_law_for_another_material_is_refused(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (folder / "small.toml").write_text(DESIGN + "[plastic]\nmodulus_ratio = 100.0\n")
+    done = command(["preview", "small.toml", "--law", "plain.npz"], capsys, monkeypatch)
+    assert done.status == 2 and "plastic.modulus_ratio" in done.line
+    assert not (folder / "small").exists()
+
+
+def test_stars_outside_the_law_are_named(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (folder / "small.toml").write_text(DESIGN.replace("0.3", "0.9"))
+    done = command(["preview", "small.toml", "--law", "plain.npz"], capsys, monkeypatch)
+    assert done.status == 0
+    assert "star 0 at [0.0, 0.0]: thickness_mm = 0.9 is outside" in done.err
