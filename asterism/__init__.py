@@ -7,6 +7,7 @@ preview = asterism.preview(design)  # in a second
 shape = asterism.simulate(design)
 shape.summary["is_minimum"], shape.height_mm
 asterism.write_results(shape, "out")
+asterism.verify(design).summary["rms_percent"]  # how far the two are apart
 """
 
 from __future__ import annotations
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
     from asterism.results import write_results
     from asterism.shape import Shape
     from asterism.simulation import simulate
+    from asterism.verification.results import write_verification
+    from asterism.verification.run import Verification, verify
     from pattern.design import Design, load_design, save_design
     from pattern.gallery import load as new
 
@@ -29,24 +32,30 @@ _HOMES = {
     "Design": ("pattern.design", "Design"),
     "Preview": ("asterism.previewing.preview", "Preview"),
     "Shape": ("asterism.shape", "Shape"),
+    "Verification": ("asterism.verification.run", "Verification"),
     "load_design": ("pattern.design", "load_design"),
     "new": ("pattern.gallery", "load"),
     "preview": ("asterism.previewing.run", "preview"),
     "save_design": ("pattern.design", "save_design"),
     "simulate": ("asterism.simulation", "simulate"),
+    "verify": ("asterism.verification.run", "verify"),
     "write_results": ("asterism.results", "write_results"),
+    "write_verification": ("asterism.verification.results", "write_verification"),
 }
 __all__ = [
     "Design",
     "Preview",
     "Shape",
+    "Verification",
     "__version__",
     "load_design",
     "new",
     "preview",
     "save_design",
     "simulate",
+    "verify",
     "write_results",
+    "write_verification",
 ]
 
 

@@ -5,25 +5,27 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from asterism.previewing.run import preview
 from asterism.shape import Shape
 from asterism.verification.comparison import compare
 from asterism.verification.numbers import alike, numbers
 from asterism.verification.run import verify
 from benchmarks.accuracy.exact import exact
+from homogenize.law import Law
 from pattern.build import layout
 from pattern.design import Design
 from pattern.symmetries import symmetries
 
 
-def whole_row(design: Design, folder: Path, preview: Any) -> dict[str, Any]:
+def whole_row(design: Design, folder: Path, law: Law) -> dict[str, Any]:
     """`asterism verify`, with the exact shape of the folder; without the designs and the parts of the summaries."""
-    found = verify(design, preview, released=exact(design, folder))
+    found = verify(design, law, released=exact(design, folder))
     return _short(found.summary) | {"name": design.name, "warnings": found.summary["warnings"]}
 
 
-def quick_row(design: Design, folder: Path, preview: Any) -> dict[str, Any]:
+def quick_row(design: Design, folder: Path, law: Law) -> dict[str, Any]:
     """The comparison with the released exact shape only, for trying out changes of the preview."""
-    released, shown = exact(design, folder), preview(design)
+    released, shown = exact(design, folder), preview(design, law)
     plan = layout(design)
     comparison = compare(released, shown, plan, symmetries(design, plan))
     return numbers(comparison) | {

@@ -33,7 +33,7 @@ def stand_in(of: Design):
 
 @pytest.fixture(scope="module")
 def found() -> Verification:
-    return verify(OF, preview=stand_in)
+    return verify(OF, shown=stand_in)
 
 
 @pytest.fixture(scope="module")

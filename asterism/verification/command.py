@@ -1,0 +1,78 @@
+"""`asterism verify`: the preview held against the exact model."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+
+def verify(
+    design: Annotated[Path, typer.Argument(help="The design file (.toml or .json).")],
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Directory of the report (design's name).")
+    ] = None,
+    law: Annotated[Path | None, typer.Option(help="The law's file (.npz); none: the paper's material.")] = None,
+    edge: Annotated[
+        float | None, typer.Option(help="Edge length of the exact model's mesh in mm, in place of the design's.")
+    ] = None,
+    backend: Annotated[str, typer.Option(help="Linear solver: auto, pardiso, cholmod, superlu or amg.")] = "auto",
+) -> None:
+    """Preview and exact model of a design, compared.
+
+    Writes report.html, summary.json, exact.vtu and preview.vtu. Exit status 1 if the exact model finds no minimum.
+    """
+    from asterism.files import check_writable
+    from asterism.overrides import changed
+    from asterism.progress import Progress
+    from asterism.verification.results import write_verification
+    from asterism.verification.run import verify as run
+    from homogenize.law_file import load_law
+    from pattern.design import load_design
+
+    plan = changed(load_design(design), {"--edge": ("mesh.edge_mm", edge)})
+    directory = output or design.with_suffix("")
+    check_writable(directory)
+    sheet = load_law(law)
+    sheet.check(plan)  # before anything takes time
+    progress = Progress()
+    try:
+        found = run(plan, sheet, backend, progress.report, progress.say)
+    finally:
+        progress.close()
+    progress.say("writing the report")
+    files = write_verification(found, directory)
+    typer.echo("\n".join(table_lines(found.summary)))
+    typer.echo(f"{directory}: {', '.join(files)}")
+    for line in found.summary["warnings"]:
+        print(f"asterism: {line}", file=sys.stderr)
+    if not found.summary["exact"]["is_minimum"]:
+        raise typer.Exit(1)
+
+
+def table_lines(s: Mapping[str, Any]) -> list[str]:
+    """The numbers of a summary, one a line."""
+    mesh, expected, radius = s["mesh_error_percent"], s["expected_rms_percent"], s["roll_radius_error_percent"]
+    release, near = s["starts"]["release"], s["starts"]["preview"]
+    apart = f"two minima, {s['starts_distance_percent']:.1f} % apart"
+    agree = "both starts in one minimum" if s["starts_agree"] else apart
+    rows = {
+        "same form": "yes" if s["same_branch"] else "no",
+        "distance": f"{s['rms_percent']:.2f} % of the diameter rms, {s['max_percent']:.1f} % at most",
+        "expected": "-" if expected is None else f"{expected:.1f} %",
+        "star centres": f"{s['rms_stars_percent']:.2f} % rms, {s['max_stars_percent']:.1f} % at most",
+        "height": _mm(s["heights_mm"]),
+        "radius of the roll": "-" if radius is None else _mm(s["roll_radii_mm"]),
+        "exact mesh error": "-" if mesh is None else f"about {mesh:.1f} %",
+        "exact model": f"{agree}; {release['iterations']} iterations, {near['iterations']} from the preview",
+        "seconds": f"preview {s['preview_s']:.2f}, again {s['preview_again_s']:.3f}; exact {s['exact_s']:.1f}",
+        "speed-up": f"{s['speedup']:.0f}",
+    }
+    return [f"  {name:<20} {value}" for name, value in rows.items()]
+
+
+def _mm(pair: list[float]) -> str:
+    return f"{pair[1]:.1f} mm, exact {pair[0]:.1f} mm"

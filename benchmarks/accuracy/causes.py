@@ -1,0 +1,45 @@
+"""What may set a preview apart from the exact shape, known before either is computed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from asterism.previewing.star_values import star_values
+from discrete.likeness import print_diameter
+from homogenize.errors import LawError
+from homogenize.law import Law
+from pattern.build import layout
+from pattern.design import Design
+from pattern.planar import polygon_area
+
+CAUSES = {
+    "across": "stars across",
+    "rim": "share of the sheet outside the stars' cells",
+    "gradient": "largest change of the contraction from star to star, %",
+    "bend_step": "largest change of the turn over one spacing from star to star, rad",
+    "turn": "natural turn over one spacing, rad, largest",
+    "softness": "smallest eigenvalue of the exact shape, N/mm",
+}
+
+
+def causes(design: Design, law: Law) -> dict[str, Any]:
+    """Numbers for `CAUSES`, but the last one; empty where the law is for another material."""
+    plan = layout(design)
+    try:
+        value = star_values(design, plan, law).value
+    except LawError:
+        return {}
+    spacing = float(np.linalg.norm(plan.lattice_vectors, axis=1).min())
+    cell = abs(float(np.linalg.det(plan.lattice_vectors)))
+    lam, turn = value["lam_n"][:-1], value["kappa"][:-1] * value["lam_n"][:-1] * spacing
+    i, j = plan.neighbours.T
+    return {
+        "held": "free" if not plan.pins else "held",
+        "across": print_diameter(plan) / spacing,
+        "rim": 1.0 - len(plan.centres) * cell / polygon_area(plan.border),
+        "gradient": 100.0 * float(np.abs(np.log(lam[i] / lam[j])).max(initial=0.0)),
+        "bend_step": float(np.abs(turn[i] - turn[j]).max(initial=0.0)),
+        "turn": float(np.abs(turn).max()),
+    }

@@ -1,0 +1,150 @@
+"""The study's tables and plots, and its section of docs/accuracy.md."""
+
+from __future__ import annotations
+
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from asterism.files import write_file
+from benchmarks.accuracy.causes import CAUSES
+from benchmarks.report import markdown
+
+DOCS = Path(__file__).parents[2] / "docs"
+BEGIN, END = "<!-- accuracy of the preview -->", "<!-- end of accuracy of the preview -->"
+HEADER = [
+    "design", "stars", "held", "rms %", "largest %", "star centres %", "height %", "roll radius %", "normals deg",
+    "same form", "expected %", "mesh error %", "times faster", "starts", "warnings",
+]  # fmt: skip
+
+
+def row(r: dict[str, Any]) -> list[str]:
+    """One line of the table."""
+    starts = "-"
+    if "starts" in r:
+        iterations = "/".join(str(one["iterations"]) for one in r["starts"].values())
+        apart = "one minimum" if r["starts_agree"] else f"{r['starts_distance_percent']:.1f} % apart"
+        starts = f"{apart}, {iterations}"
+    return [
+        r["name"],
+        str(r["stars"]),
+        r["causes"].get("held", "-"),
+        f"{r['rms_percent']:.2f}",
+        f"{r['max_percent']:.1f}",
+        f"{r['rms_stars_percent']:.2f}",
+        _signed(r["height_error_percent"]),
+        _signed(r["roll_radius_error_percent"]),
+        f"{r['normals_rms_deg']:.1f}",
+        "yes" if r["same_branch"] else "no",
+        _number(r["expected_rms_percent"]),
+        _number(r["mesh_error_percent"]),
+        f"{r['speedup']:.0f}",
+        starts,
+        str(len(r["warnings"])),
+    ]
+
+
+def totals(rows: list[dict[str, Any]]) -> str:
+    """The study in a few numbers, each beside what it should be."""
+    rms = np.array([r["rms_percent"] for r in rows])
+    heights = _known(rows, "height_error_percent")
+    radii = _known(rows, "roll_radius_error_percent")
+    expected = [r for r in rows if r["expected_rms_percent"] is not None]
+    lines = [
+        ["rms distance, median", "at most 1.0 %", f"{np.median(rms):.2f} %"],
+        ["rms distance, nine in ten", "at most 2.5 %", f"{np.quantile(rms, 0.9):.2f} %"],
+        ["height, largest error", "within 6 %", f"{heights.max():.1f} % (median {np.median(heights):.1f} %)"],
+        [
+            "radius of the roll, largest error",
+            "within 6 %",
+            f"{radii.max():.1f} % (median {np.median(radii):.1f} %, {len(radii)} tubes)" if len(radii) else "-",
+        ],
+        ["same form", "nine in ten", f"{sum(r['same_branch'] for r in rows)} of {len(rows)}"],
+        ["times faster, median", "100", f"{np.median([r['speedup'] for r in rows]):.0f}"],
+    ]
+    if expected:
+        ratio = np.array([r["rms_percent"] / r["expected_rms_percent"] for r in expected])
+        found = f"median {np.median(ratio):.2f}, nine in ten {np.quantile(ratio, 0.9):.2f}"
+        lines.append(["distance over what was expected", "", found])
+    return markdown(["", "wanted", "found"], lines)
+
+
+def misses(rows: list[dict[str, Any]]) -> str:
+    """What is further off than 2.5 %, or another form, with what had been said about it."""
+    lines = []
+    for r in rows:
+        if r["rms_percent"] <= 2.5 and r["same_branch"]:
+            continue
+        expected = r["expected_rms_percent"]
+        said = "nothing expected" if expected is None else f"expected {expected:.1f} %"
+        warned = "; ".join(r["warnings"]) or "no warning"
+        form = "" if r["same_branch"] else ", another form"
+        lines.append(f"- `{r['name']}`: {r['rms_percent']:.1f} %{form}. {said[0].upper() + said[1:]}; {warned}.")
+    return "\n".join(lines) or "None."
+
+
+def plot(rows: list[dict[str, Any]], path: Path) -> None:
+    """The distance against each of its possible causes, and against what was expected."""
+    figure = Figure(figsize=(11.0, 6.4), layout="constrained")
+    FigureCanvasAgg(figure)
+    names = [*CAUSES.items(), ("expected", "expected_rms_percent")]
+    for axes, (name, label) in zip(figure.subplots(2, 4, sharey=True).flat, names, strict=False):
+        for held, colour in (("free", "tab:orange"), ("held", "tab:blue")):
+            some = [r for r in rows if r["causes"].get("held") == held and _cause(r, name) is not None]
+            if some:
+                axes.loglog(
+                    [_cause(r, name) for r in some], [r["rms_percent"] for r in some], "o", color=colour, label=held,
+                    markersize=5, markeredgewidth=0, alpha=0.8,
+                )  # fmt: skip
+        axes.axhline(1.0, color="0.8", linewidth=1.0, zorder=0)
+        axes.set_xlabel(label, fontsize=8)
+        axes.grid(True, which="major", color="0.92")
+    figure.axes[0].legend(frameon=False)
+    for axes in figure.axes[::4]:
+        axes.set_ylabel("rms distance, % of the diameter")
+    figure.axes[-1].remove()
+    out = BytesIO()
+    figure.savefig(out, format="png", dpi=100)
+    write_file(path, out.getvalue())
+
+
+def section(rows: list[dict[str, Any]], left_out: dict[str, str]) -> str:
+    """Markdown."""
+    left = "\n".join(f"- `{name}`: {why}" for name, why in left_out.items())
+    return "\n\n".join(
+        [
+            totals(rows),
+            "![Distance against its possible causes](pictures/accuracy.png)",
+            f"Further off than 2.5 %, or another form:\n\n{misses(rows)}",
+            *([f"Without a preview:\n\n{left}"] if left else []),
+            markdown(HEADER, [row(r) for r in rows]),
+        ]
+    )
+
+
+def put_into_docs(text: str) -> None:
+    """Replaces what stands between the two comments in docs/accuracy.md."""
+    path = DOCS / "accuracy.md"
+    before, rest = path.read_text(encoding="utf-8").split(BEGIN)
+    write_file(path, f"{before}{BEGIN}\n\n{text}\n\n{END}{rest.split(END)[1]}")
+
+
+def _cause(r: dict[str, Any], name: str) -> float | None:
+    value = r["expected_rms_percent"] if name == "expected" else r["causes"].get(name)
+    return value if value is not None and value > 0.0 else None
+
+
+def _known(rows: list[dict[str, Any]], name: str) -> np.ndarray:
+    return np.abs([r[name] for r in rows if r[name] is not None])
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.2f}"
+
+
+def _signed(value: float | None) -> str:
+    return "-" if value is None else f"{value:+.1f}"
