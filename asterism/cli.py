@@ -15,6 +15,7 @@ from asterism.export_command import export, printers
 from asterism.previewing.command import preview
 from asterism.strips.cli import app as strips
 from asterism.strips.errors import NoMaterial
+from asterism.verification.command import verify
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 
@@ -24,6 +25,7 @@ _UsageError: type[Exception] = typer.BadParameter.__mro__[1]
 law = typer.Typer(help="What a law of the sheet says.", no_args_is_help=True)
 app.add_typer(law, name="law")
 app.command()(preview)
+app.command()(verify)
 app.command()(export)
 app.command()(printers)
 app.add_typer(strips, name="strips")
