@@ -14,6 +14,16 @@ def rectangle(columns: int, rows: int, width: float = 1.0, height: float = 1.0, 
     return MeshTri(points, mesh.t)
 
 
+def graded(columns: int, rows: int, width: float, height: float, power: float = 1.5) -> MeshTri:
+    """About the origin, finer towards the rim: a cell's distance from it goes with this power of its number."""
+
+    def places(count: int) -> np.ndarray:
+        u = np.linspace(-1.0, 1.0, count + 1)
+        return np.sign(u) * (1.0 - (1.0 - np.abs(u)) ** power)
+
+    return MeshTri.init_tensor(0.5 * width * places(columns), 0.5 * height * places(rows))
+
+
 def turned(mesh: MeshTri, degrees: float, shift: tuple[float, float]) -> MeshTri:
     """The mesh turned about the origin, then shifted."""
     c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))

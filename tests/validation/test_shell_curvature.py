@@ -1,0 +1,69 @@
+"""VALIDATION V18: an isotropic rest curvature rolls a flat sheet up, a thick one less than a thin one."""
+
+import numpy as np
+import pytest
+
+from fem.density import Density
+from fem.fields import Fields
+from fem.shapes import Shape
+from fem.shell import Shell
+from fem.solve import follow
+from tests.fem.meshes import graded
+from tests.fem.spaces import SPACES
+from tests.validation.rolled import turn
+from tests.validation.shells import material
+
+CURVATURE, POISSON = 1.5, 0.3
+ROLLED = CURVATURE * (1.0 + POISSON)
+
+
+def _shell(name: str, thickness: float, cells: tuple[int, int], length: float) -> Shell:
+    space = SPACES[name](graded(*cells, length, 2.0))
+    fields = Fields(Density(material(1.0, thickness, POISSON)), curvature=(CURVATURE, CURVATURE, 0.0))
+    return Shell(space, fields)
+
+
+def _rolled(shell: Shell) -> np.ndarray:
+    found = follow(shell, Shape("arc", ROLLED).positions(shell.space, np.zeros(2), 1.0), shell.factor())
+    assert found.is_minimum
+    return found.x
+
+
+def _turn(shell: Shell, x: np.ndarray) -> float:
+    """Per length, over the middle of the sheet's middle line."""
+    line = np.column_stack([np.linspace(-0.5, 0.5, 101), np.zeros(101)])
+    along = (shell.space.locate(line).gradient @ x).reshape(-1, 2, 3)[:, 0]
+    angles = np.unwrap(np.arctan2(along[:, 2], along[:, 0]))
+    return float(angles[-1] - angles[0])
+
+
+@pytest.mark.parametrize(
+    ("name", "cells", "thickness"),
+    [
+        *[("argyris", (18, 10), t) for t in (0.02, 0.01, 0.005, 0.0025)],
+        *[("bell", (18, 12), t) for t in (0.02, 0.01, 0.005, 0.0025)],
+        *[pytest.param("lifted", (28, 14), t, marks=pytest.mark.slow) for t in (0.02, 0.01)],
+    ],
+)
+def test_long_sheet_rolls_as_an_endless_one(name: str, cells: tuple[int, int], thickness: float) -> None:
+    shell = _shell(name, thickness, cells, 6.0)
+    expected = turn(thickness, POISSON, CURVATURE, 2.0)
+    assert _turn(shell, _rolled(shell)) == pytest.approx(expected, rel=1.5e-3 if name == "lifted" else 3e-4)
+
+
+def test_endless_sheet_reaches_the_cylinder_as_its_edge_layer_shrinks() -> None:
+    """The edges curl in a layer of width sqrt(t/kappa): that is how the deficit goes to zero."""
+    deficits = [1.0 - turn(t, POISSON, CURVATURE, 2.0) / ROLLED for t in (0.02, 0.005, 0.00125)]
+    assert np.allclose(np.log2(np.array(deficits[:-1]) / deficits[1:]) / 2.0, 0.5, atol=0.02)
+
+
+@pytest.mark.slow
+def test_square_sheet_loses_as_much_energy_with_either_discretisation() -> None:
+    """Below that of the cylinder, D kappa^2 (1 - nu^2)/2 per area, by the edge layers on all sides."""
+    thickness, found = 0.02, []
+    for name, cells in (("argyris", 12), ("bell", 12), ("lifted", 20)):
+        shell = _shell(name, thickness, (cells, cells), 2.0)
+        found.append(shell.energy(_rolled(shell)))
+    cylinder = 0.5 * thickness**3 / 12.0 * CURVATURE**2 * 4.0
+    assert found == pytest.approx([found[0]] * 3, rel=2e-4)
+    assert 0.9 < found[0] / cylinder < 0.93
