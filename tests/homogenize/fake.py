@@ -49,6 +49,13 @@ def respond(design: Design, edge_mm: float) -> Answer:
     return Answer(data)
 
 
+def curls_more(design: Design, edge_mm: float) -> Answer:
+    """Four times the curvature."""
+    answer = respond(design, edge_mm)
+    answer.data["natural_curvature"] = [4 * kappa for kappa in answer.data["natural_curvature"]]
+    return answer
+
+
 def fails_when_thin(design: Design, edge_mm: float) -> Answer:
     """No equilibrium for long thin arms."""
     if float(design.stars.length_mm) >= 10.0 and design.stars.thickness_mm == 0.2:  # type: ignore[arg-type]

@@ -57,6 +57,16 @@ def test_files_are_reused_only_for_the_same_inputs(tmp_path: Path) -> None:
     assert len(keys) == 3 * len(first)
 
 
+def test_samples_belong_to_the_code_that_made_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    run(material(), tmp_path, 1, respond=fake.respond)
+    monkeypatch.setattr("homogenize.campaign.code_version", lambda: "other code")
+    told: list[Progress] = []
+    records = run(material(), tmp_path, 1, report=told.append, respond=fake.respond)
+    assert told[0].done == 0
+    # workers that have not changed with it are found out
+    assert {record.failed for record in records} == {"RuntimeError: the worker has another version of asterism"}
+
+
 def test_a_damaged_file_is_solved_again(tmp_path: Path) -> None:
     records = run(material(), tmp_path, 1, respond=fake.respond)
     files = sorted(tmp_path.iterdir())

@@ -161,6 +161,25 @@ def test_a_single_cell_without_an_answer_is_bridged_along_its_line() -> None:
     assert values.value["kappa"] == pytest.approx(known.value["kappa"], rel=0.02)
 
 
+def test_tight_sheets_are_marked_and_keep_their_values() -> None:
+    values = LAW.at(1.35)(np.array([2.0, 12.0]), 0.2, 1.2)
+    curls = 17.320508 * values.value["kappa"]
+    assert values.tight.tolist() == [False, False] and curls.max() < 1.5
+    tighter = law(fake.curls_more).at(1.35)(np.array([2.0, 12.0]), 0.2, 1.2)
+    assert tighter.tight.tolist() == [False, True] and tighter.inside.all()
+    np.testing.assert_allclose(tighter.value["kappa"], 4 * values.value["kappa"], rtol=1e-3)
+    held = law(fake.curls_more).residuals["1.35"]["held_out"]
+    assert held["tight"]["count"] > 0 and held["count"] + held["tight"]["count"] == 10
+
+
+def test_reliefs_are_those_of_the_cells_and_flat_without_arms() -> None:
+    table = LAW.at(1.35)
+    found = table.relief(np.array([0.0, 4.0, 5.0]), 0.3, 1.2)
+    assert found.shape == (3, len(LAW.waves)) and (found[0] == 0.0).all()
+    np.testing.assert_allclose(found[1:], 0.02 * np.outer([4.0, 5.0], np.arange(12.0)), atol=1e-3)
+    np.testing.assert_array_equal(table.relief(99.0, 0.3, 1.2), table.relief(12.0, 0.3, 1.2))
+
+
 def test_held_out_cells_and_cells_left_out() -> None:
     for entry in LAW.residuals.values():
         held, loo = entry["held_out"], entry["leave_one_out"]
