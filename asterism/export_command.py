@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -45,6 +45,7 @@ def export(
     shape is said by the preview, or with --simulate by the exact model.
     """
     from asterism.export.job import prepare
+    from asterism.export.printed_shape import printed_shape
     from asterism.export.profiles import load_plastic, load_printer
     from asterism.export.table import table
     from asterism.export.write import write_export
@@ -83,7 +84,10 @@ def export(
 
     # before anything is computed: most mistakes are found here
     ready = job(known)
-    computed, change = _computed(ready, preview, simulate)
+    computed, change = printed_shape(ready, preview, simulate)
+    for certain, which in zip(change["are_minima"] if change else (), ("drawn", "printed"), strict=False):
+        if not certain:
+            print(f"asterism: the {which} design's shape is not certain to stay", file=sys.stderr)
     if computed is not None:
         ready = job(computed)
     summary = write_export(ready, directory, change)
@@ -126,34 +130,3 @@ def _changed(machine: Printer, first_layer: float | None, layer: float | None, p
     except ValidationError as error:
         wrong = from_validation(error)
         raise DesignError(options.get(wrong.field, wrong.field), wrong.allowed, wrong.value) from None
-
-
-def _computed(ready: Job, preview: bool, simulate: bool) -> tuple[Shape | None, dict[str, Any] | None]:
-    """The printed shape if it was asked for, and how far it is from the drawn one if that is known."""
-    from asterism.export.shape_change import is_rounded, printed_shape
-    from asterism.previewing.run import preview as fast
-    from asterism.progress import Progress
-    from asterism.simulation import simulate as slow
-    from homogenize.errors import LawError
-
-    if simulate:
-        progress = Progress()
-        try:
-            shape, change = printed_shape(ready, lambda plan: slow(plan, report=progress.report, say=progress.say))
-        finally:
-            progress.close()
-        change["model"] = "exact"
-    elif preview or is_rounded(ready):
-        try:
-            shape, change = printed_shape(ready, fast)
-        except LawError as error:
-            if preview:
-                raise
-            return None, {"model": None, "why": " ".join(str(error).split())}
-        change["model"] = "preview"
-    else:
-        return None, None
-    for certain, which in zip(change["are_minima"], ("drawn", "printed"), strict=True):
-        if not certain:
-            print(f"asterism: the {which} design's shape is not certain to stay", file=sys.stderr)
-    return shape if preview or simulate else None, change

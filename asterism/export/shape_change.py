@@ -2,34 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
-from asterism.export.job import Job
-from asterism.export.rounded import changes, exact
 from asterism.mesh_error import diameter
 from asterism.shape import Shape
 from discrete.likeness import distances
 from pattern.design import Design
 from pattern.layout import Layout
 from pattern.symmetries import symmetries
-
-
-def is_rounded(job: Job) -> bool:
-    """Whether the printer makes any star another size than the design has it."""
-    return any(size["stars_changed"] for size in changes(job.exact_plan, job.plan).values())
-
-
-def printed_shape(job: Job, shape_of: Callable[[Design], Shape]) -> tuple[Shape, dict[str, Any]]:
-    """The shape of what is printed, and how far it is from that of the design before rounding.
-
-    Parameters
-    ----------
-    shape_of : the exact model or the preview.
-    """
-    printed = shape_of(job.design)
-    drawn = shape_of(exact(job.design)) if is_rounded(job) else printed
-    return printed, shape_change(drawn, printed, job.design, job.plan)
 
 
 def shape_change(drawn: Shape, printed: Shape, design: Design, plan: Layout) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -27,10 +28,17 @@ def shape() -> Shape:
     )
 
 
+@pytest.fixture(scope="module")
+def written(shape: Shape, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("results") / "out"
+    asterism.write_results(shape, path)
+    return path
+
+
 @pytest.fixture
-def results(shape: Shape, tmp_path: Path) -> Path:
-    asterism.write_results(shape, tmp_path / "out")
-    return tmp_path / "out"
+def results(written: Path, tmp_path: Path) -> Path:
+    """A copy to spoil."""
+    return Path(shutil.copytree(written, tmp_path / "out"))
 
 
 def test_a_result_is_read_as_it_was(shape: Shape, results: Path) -> None:

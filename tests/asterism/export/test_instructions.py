@@ -78,7 +78,7 @@ def test_free_sheets_have_no_needles() -> None:
     assert "no pins" in said(job(design(pins=[])))
 
 
-@pytest.mark.parametrize("name", ["small", "W" * 100, "a name of several words " * 4])
+@pytest.mark.parametrize("name", ["small", "W" * 100])
 def test_texts_stay_on_their_pages(name: str) -> None:
     one = job(design(name=name.strip()))
     template = sheets.needle_sheet(one)

@@ -1,0 +1,67 @@
+"""The shape of what is printed, from the exact model or the preview, and what rounding has changed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from asterism.export.job import Job
+from asterism.export.rounded import changes, exact
+from asterism.export.shape_change import shape_change
+from asterism.progress import Progress
+from asterism.shape import Shape
+from homogenize.errors import LawError
+from pattern.design import Design
+
+Found = tuple[Shape | None, dict[str, Any] | None]
+
+
+def printed_shape(job: Job, preview: bool, simulate: bool) -> Found:
+    """The shape if it was asked for, and how far it is from that of the design before rounding.
+
+    Parameters
+    ----------
+    preview, simulate : ask for the shape of the preview or of the exact model. Without either, the preview still says
+        what rounding changes, if it changes anything.
+
+    Returns
+    -------
+    The shape or None; and `shape_change` with the `model` that it is from, or None if nothing was computed. Where the
+    preview has no law for the fabric, `model` is None and `why` says the reason.
+
+    Raises
+    ------
+    LawError
+        The preview was asked for and has no law for this fabric.
+    """
+    if simulate:
+        progress = Progress()
+        # the solver's imports take seconds: only who asks for it waits
+        from asterism.simulation import simulate as solve
+
+        try:
+            return _both(job, lambda plan: solve(plan, report=progress.report, say=progress.say), "exact")
+        finally:
+            progress.close()
+    if not preview and not _is_rounded(job):
+        return None, None
+    from asterism.previewing.run import preview as fast
+
+    try:
+        shape, change = _both(job, fast, "preview")
+    except LawError as error:
+        if preview:
+            raise
+        return None, {"model": None, "why": " ".join(str(error).split()), "are_minima": []}
+    return shape if preview else None, change
+
+
+def _both(job: Job, shape_of: Callable[[Design], Shape], model: str) -> tuple[Shape, dict[str, Any]]:
+    printed = shape_of(job.design)
+    drawn = shape_of(exact(job.design)) if _is_rounded(job) else printed
+    return printed, {"model": model, **shape_change(drawn, printed, job.design, job.plan)}
+
+
+def _is_rounded(job: Job) -> bool:
+    """Whether the printer makes any star another size than the design has it."""
+    return any(size["stars_changed"] for size in changes(job.exact_plan, job.plan).values())
