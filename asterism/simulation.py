@@ -18,6 +18,7 @@ from asterism.surface_fields import cell_fields, point_fields
 from discrete.branches import find_minima, stars_off_branch
 from discrete.contact import ipc_toolkit
 from discrete.contact_model import ContactModel
+from discrete.creases import creases
 from discrete.evidence import Equilibrium
 from discrete.levels import Level, find_equilibrium
 from discrete.likeness import roll_axis_deg
@@ -130,7 +131,7 @@ def _shape(
     fields = point_fields(shape.positions, shape.triangles)
     strains = cell_fields(shape.printed, shape.positions, shape.triangles, stretch)
     summary = _summary(model, found, shape, seconds, wall) | {
-        **_mesh_error(shape, levels),
+        **_mesh_error(model, found, shape, levels),
         "levels": [level.cost for level in levels],
         **minima,
         "path": [vars(step) for step in found.path],
@@ -196,9 +197,17 @@ def _summary(model: Model, found: Equilibrium, shape: Shape, seconds: dict[str, 
     }
 
 
-def _mesh_error(shape: Shape, levels: list[Level]) -> dict[str, Any]:
-    found = mesh_error(shape, [(level.printed, level.positions) for level in levels[:-1]])
-    return {f"mesh_error_{name}": value for name, value in vars(found).items()}
+def _mesh_error(model: Model, found: Equilibrium, shape: Shape, levels: list[Level]) -> dict[str, Any]:
+    error = mesh_error(shape, [(level.printed, level.positions) for level in levels[:-1]])
+    folds = creases(model, found.state)
+    return {
+        "mesh_error_percent": error.percent,
+        "mesh_error_order": error.order,
+        # an order seen on meshes that skip the creases says nothing about those that do not
+        "mesh_error_asymptotic": folds.resolved and error.asymptotic if error.asymptotic is not None else None,
+        "crease_mm": folds.width,
+        "edge_at_arms_mm": folds.edge,
+    }
 
 
 def _contact(model: Model, found: Equilibrium) -> dict[str, Any] | None:

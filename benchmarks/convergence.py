@@ -1,4 +1,4 @@
-"""How the exact model's answer depends on the mesh: tube and dome, with the paper's hinges and with the plate.
+"""How the exact model's answer depends on the mesh: tube and dome, paper's hinges, plate, plate on graded meshes.
 
 python -m benchmarks.convergence [FILE]
 
@@ -20,7 +20,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from asterism.files import write_file
-from asterism.mesh_error import diameter, rms_distance
+from asterism.mesh_error import MeshError, diameter, estimate, rms_distance
 from asterism.shape import Shape
 from asterism.simulation import simulate
 from benchmarks.report import markdown, write_report
@@ -32,26 +32,37 @@ from pattern.meshing import mesh_layout
 PICTURE = Path(__file__).parent.parent / "docs" / "pictures" / "convergence.png"
 SPACING = 17.3205
 CUTS = (5, 7, 9, 12, 16, 20, 25, 36)
-GROUPS = [(design, bending) for design in ("tube", "dome") for bending in ("paper", "consistent")]
+GRADED = (7, 9, 12, 16, 19, 26, 36)
+RATIO = 2.2  # least, of vertices between two meshes of an estimate; the solver's levels have about 3
+ASYMPTOTIC = 1.5  # mm: orders are fitted to edges up to this
+KINDS = (("paper", False), ("consistent", False), ("consistent", True))
+GROUPS = [(design, bending, graded) for design in ("tube", "dome") for bending, graded in KINDS]
 HEADER = [
     "mesh", "vertices", "energy N mm", "radius mm", "height mm", "contraction", "stars, % of diameter",
-    "surface, %", "mesh_error_percent", "iterations", "seconds",
+    "surface, %", "estimate, %", "order", "iterations", "seconds",
 ]  # fmt: skip
 
 
 def cases() -> list[dict[str, Any]]:
-    """The aligned meshes, small ones first, and Delaunay meshes of the tube."""
-    aligned = [
-        {"design": design, "bending": bending, "mesh": {"edge_mm": SPACING / k, "kind": "aligned"}}
-        for k in CUTS
-        for design, bending in GROUPS
+    """The aligned meshes, and Delaunay meshes of the tube; small ones first."""
+    sizes = {"aligned": CUTS, "graded": GRADED}
+    chosen: list[tuple[int, str, str, dict[str, Any]]] = [
+        (k, design, bending, {"kind": "aligned"} | ({"graded": True} if graded else {}))
+        for design, bending, graded in GROUPS
+        for k in sizes["graded" if graded else "aligned"]
     ]
-    delaunay = [
-        {"design": design, "bending": bending, "mesh": {"edge_mm": SPACING / k, "kind": "delaunay", "seed": seed}}
-        for k, seed in ((9, 0), (9, 1), (16, 0))
-        for design, bending in GROUPS[:2]
+    for k, seed in ((9, 0), (9, 1), (16, 0)):
+        chosen += [(k, "tube", bending, {"kind": "delaunay", "seed": seed}) for bending in ("paper", "consistent")]
+    chosen += [(5, "tube", "consistent", {"kind": "delaunay", "seed": seed, "graded": True}) for seed in (0, 1)]
+    return [
+        {"design": design, "bending": bending, "mesh": {"edge_mm": SPACING / k} | mesh}
+        for k, design, bending, mesh in sorted(chosen, key=lambda case: case[0])
     ]
-    return aligned[:-8] + delaunay + aligned[-8:]
+
+
+def of_group(rows: list[dict[str, Any]], group: tuple[str, str, bool]) -> list[dict[str, Any]]:
+    """Those of a design, a bending, and graded or not."""
+    return [r for r in rows if (r["design"], r["bending"], r["mesh"].get("graded", False)) == group]
 
 
 def run(case: dict[str, Any]) -> dict[str, Any]:
@@ -102,10 +113,14 @@ def cylinder_radius(shape: Shape) -> float:
 
 
 def distances(rows: list[dict[str, Any]]) -> None:
-    """Adds `stars_percent` and `surface_percent`: to the finest aligned mesh of the same design and bending."""
-    for group in GROUPS:
-        mine = [r for r in rows if (r["design"], r["bending"]) == group]
-        finest = max((r for r in mine if r["mesh"]["kind"] == "aligned"), key=lambda r: r["vertices"])
+    """Adds `stars_percent` and `surface_percent`: to the finest aligned mesh of the same design and bending.
+
+    With the plate it is a graded one.
+    """
+    for design, bending in sorted({group[:2] for group in GROUPS}):
+        mine = [r for r in rows if (r["design"], r["bending"]) == (design, bending)]
+        best = of_group(mine, (design, bending, bending == "consistent"))
+        finest = max((r for r in best if r["mesh"]["kind"] == "aligned"), key=lambda r: r["vertices"])
         for r in mine:
             for name, k in (("stars_percent", 0), ("surface_percent", 1)):
                 here = np.array(r["at"][k][0])
@@ -115,11 +130,28 @@ def distances(rows: list[dict[str, Any]]) -> None:
                 r[name] = 100.0 * min(found) / finest["diameter_mm"] if r is not finest else 0.0
 
 
+def estimated(r: dict[str, Any], rows: list[dict[str, Any]]) -> MeshError:
+    """What `mesh_error_percent` would be for a row, with two coarser ones of its kind (rows) as its levels."""
+    levels: list[dict[str, Any]] = []
+    last = r["vertices"]
+    for coarse in sorted((q for q in rows if q["vertices"] < last), key=lambda q: -q["vertices"]):
+        if coarse["vertices"] * RATIO <= last and len(levels) < 2:
+            levels.insert(0, coarse)
+            last = coarse["vertices"]
+    here = np.array(r["at"][1][0])
+    apart = [
+        min(rms_distance(np.array(there), here, mirrored=i >= 3) for i, there in enumerate(q["at"][1])) for q in levels
+    ]
+    edges = [q["mesh"]["edge_mm"] for q in (*levels, r)]
+    return estimate(edges, [100.0 * one / r["diameter_mm"] for one in apart])
+
+
 def rates(rows: list[dict[str, Any]]) -> dict[str, float]:
     """Order p and limit of `value = limit + c edge^p` for the energy, and % of the surface error at edge 1 mm.
 
     The distance to the finest mesh is fitted by `c (edge^p - finest^p)`, which is what an error `c edge^p` leaves.
     """
+    rows = [r for r in rows if r["mesh"]["edge_mm"] < ASYMPTOTIC]
     edge = np.array([r["mesh"]["edge_mm"] for r in rows])
     out: dict[str, float] = {}
     for name in ("stars_percent", "surface_percent"):
@@ -142,9 +174,9 @@ def rates(rows: list[dict[str, Any]]) -> dict[str, float]:
     return out
 
 
-def row(r: dict[str, Any]) -> list[str]:
-    """One line of a table."""
-    error = r.get("mesh_error_percent")
+def row(r: dict[str, Any], rows: list[dict[str, Any]]) -> list[str]:
+    """One line of the table of rows."""
+    error = estimated(r, rows) if r in rows else MeshError(None, None, None)
     name = f"{r['mesh']['kind']} {r['mesh']['edge_mm']:.2f} mm"
     if "seed" in r["mesh"]:
         name += f", seed {r['mesh']['seed']}"
@@ -157,7 +189,8 @@ def row(r: dict[str, Any]) -> list[str]:
         f"{r['contraction']:.4f}",
         f"{r['stars_percent']:.2f}",
         f"{r['surface_percent']:.2f}",
-        "-" if error is None else f"{error:.2f}",
+        "-" if error.percent is None else f"{error.percent:.2f}",
+        ("none" if error.asymptotic is False else "-") if not error.asymptotic else f"{error.order:.1f}",
         str(r["iterations"]),
         f"{r['wall_s']:.1f}",
     ]
@@ -171,14 +204,15 @@ def plot(rows: list[dict[str, Any]]) -> None:
     figure = Figure(figsize=(9.0, 3.8), layout="constrained")
     FigureCanvasAgg(figure)
     for axes, design in zip(figure.subplots(1, 2, sharey=True), ("tube", "dome"), strict=True):
-        for bending, colour in (("paper", "tab:red"), ("consistent", "tab:blue")):
-            mine = [r for r in rows if (r["design"], r["bending"]) == (design, bending)]
+        for (bending, graded), colour in zip(KINDS, ("tab:red", "tab:blue", "tab:green"), strict=True):
+            mine = of_group(rows, (design, bending, graded))
             for kind, style in (("aligned", "o-"), ("delaunay", "x")):
                 some = [r for r in mine if r["mesh"]["kind"] == kind and r["surface_percent"] > 0.0]
                 some.sort(key=lambda r: r["mesh"]["edge_mm"])
+                label = f"{bending}, {'graded ' if graded else ''}{kind}"
                 if some:
                     edge, distance = zip(*((r["mesh"]["edge_mm"], r["surface_percent"]) for r in some), strict=True)
-                    axes.loglog(edge, distance, style, color=colour, label=f"{bending}, {kind}", markersize=5)
+                    axes.loglog(edge, distance, style, color=colour, label=label, markersize=5)
         axes.axhline(1.0, color="0.7", linewidth=1.0, zorder=0)
         axes.set(title=design, xlabel="edge, mm")
         axes.set_xticks([0.7, 1.0, 1.5, 2.0, 3.0], labels=["0.7", "1", "1.5", "2", "3"])
@@ -211,26 +245,43 @@ def main(words: list[str]) -> None:
     report(rows)
 
 
+def title(design: str, bending: str, graded: bool) -> str:
+    """Heading of a table."""
+    return f"### {design}, {bending}{', graded' if graded else ''}"
+
+
+def verdict(rows: list[dict[str, Any]], fit: dict[str, float]) -> str:
+    """Orders, where the fit found any between its bounds, and the edges that are within one per cent."""
+    names = {"energy": "energy", "stars_percent": "star centres", "surface_percent": "surface"}
+    orders = ", ".join(
+        f"{name} {fit[key]:.1f}" if 0.21 < fit[key] < 3.9 else f"{name} none" for key, name in names.items()
+    )
+    out = f"Observed order for edges below {ASYMPTOTIC} mm: {orders}."
+    edges = []
+    for r in sorted(rows, key=lambda r: r["mesh"]["edge_mm"]):
+        if r["surface_percent"] > 1.0:
+            break
+        edges.append(r["mesh"]["edge_mm"])
+    if len(edges) > 1:
+        out += f" Surface within 1 % of the finest: edges up to {edges[-1]:.2f} mm."
+    if 0.21 < fit["surface_percent"] < 3.9 and fit["surface_percent_edge_mm"] < ASYMPTOTIC:
+        out += f" Within 1 % of the limit of that order: up to {fit['surface_percent_edge_mm']:.2f} mm."
+    return out
+
+
 def report(rows: list[dict[str, Any]]) -> None:
     """Distances, tables, plot."""
     distances(rows)
     tables = []
-    for design, bending in GROUPS:
-        mine = [r for r in rows if (r["design"], r["bending"]) == (design, bending)]
+    for design, bending, graded in GROUPS:
+        mine = of_group(rows, (design, bending, graded))
         aligned = sorted((r for r in mine if r["mesh"]["kind"] == "aligned"), key=lambda r: r["vertices"])
         fit = rates(aligned)
         others = [r for r in mine if r["mesh"]["kind"] != "aligned"]
-        stars, surface = (fit[f"{name}_percent_edge_mm"] for name in ("stars", "surface"))
-        text = (
-            f"Observed order: energy {fit['energy']:.1f} (limit {fit['energy_limit_n_mm']:.1f} N mm), star centres "
-            f"{fit['stars_percent']:.1f}, surface {fit['surface_percent']:.1f}."
+        tables.append(
+            f"{title(design, bending, graded)}\n\n{markdown(HEADER, [row(r, aligned) for r in aligned + others])}"
         )
-        # an edge far below the finest one tried says that there is no order to go by
-        if min(stars, surface) > 0.5 * SPACING / CUTS[-1]:
-            text += (
-                f" One per cent: the surface for edges up to {surface:.2f} mm, the star centres up to {stars:.2f} mm."
-            )
-        tables.append(f"### {design}, {bending}\n\n{markdown(HEADER, [row(r) for r in aligned + others])}\n\n{text}")
+        tables[-1] += f"\n\n{verdict(aligned, fit)}"
         print(tables[-1])
     plot(rows)
     write_report("convergence", [{k: v for k, v in r.items() if k != "at"} for r in rows], "\n\n".join(tables))

@@ -18,7 +18,7 @@ from equilibrium.newton import Method
 from pattern.symmetries import Symmetry, symmetries
 
 SAME_PERCENT = 0.5  # of the diameter: minima nearer than this are one
-CARRIED = 6  # minima that are solved on the fine mesh
+CARRIED = 6  # lowest minima that are solved on the fine mesh, besides the default start's and the result
 
 
 @dataclass(frozen=True)
@@ -61,8 +61,9 @@ class Minima:
 
     Attributes
     ----------
-    fine : distinct minima on the fine mesh; the first is the result, the others follow by energy.
-    coarse : distinct minima of the exploration, by energy; `carried` of them were solved on the fine mesh.
+    fine : distinct minima on the fine mesh, those with all stars on their branch first, and by energy; the first is the
+        result.
+    coarse : distinct minima of the exploration in the same order; `carried` of them were solved on the fine mesh.
     lost : starts that ended in no minimum.
     symmetries : of the design, for `distance_percent`.
     """
@@ -105,14 +106,16 @@ def find_minima(
         else:
             lost += 1
     coarse = distinct(found, same)
-    carried = [branch.default or i < CARRIED for i, branch in enumerate(_best_first(coarse))]
+    ranked = _best_first(coarse)
+    low = sorted(range(len(ranked)), key=lambda i: ranked[i].found.energy)[:CARRIED]
+    carried = [i == 0 or i in low or branch.default for i, branch in enumerate(ranked)]
     fine = []
-    for number, branch in enumerate(b for b, kept in zip(_best_first(coarse), carried, strict=True) if kept):
+    for number, branch in enumerate(b for b, kept in zip(ranked, carried, strict=True) if kept):
         tell = _named(report, f"minimum {number + 1}")
         end, levels = carried_up(models, branch.found, start, seed, backend, method, max_iterations, tell)
         fine.append(replace(branch, found=end, model=model, levels=tuple(levels)))
     certain = [b for b in fine if b.found.is_minimum] or fine
-    return Minima(_best_first(distinct(certain, same)), _best_first(coarse), carried, lost, same)
+    return Minima(_best_first(distinct(certain, same)), ranked, carried, lost, same)
 
 
 def distinct(branches: list[Branch], same: list[Symmetry]) -> list[Branch]:

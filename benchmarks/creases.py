@@ -1,0 +1,66 @@
+"""How finely an endless sheet must be cut: one star's cell at edges from 3.5 to 0.24 mm, both kinds of bending.
+
+python -m benchmarks.creases
+
+The fabric creases along the arms within sqrt(D/N), its bending stiffness over its tension: 0.35 mm for the plate. The
+cell is the cheapest model that has these creases, and shows what finer meshes than a whole sheet can have would do.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from benchmarks.report import markdown, write_report
+from homogenize.cell import Cell
+from homogenize.natural import curl
+from homogenize.relax import relax
+from pattern import gallery
+from pattern.design import Design
+
+SPACING = 17.3205
+# the tip of a 10 mm arm is close to a grid point in all of these
+CUTS = (5, 7, 12, 19, 26, 45, 71)
+ANGLES = {"0": 0.0, "30": np.pi / 6}
+HEADER = ["edge mm", "vertices", "contraction", "bump mm", "energy N mm", "radius 0 deg, mm", "radius 30 deg, mm"]
+
+
+def run(bending: str, k: int) -> dict[str, Any]:
+    """The tube design's cell: flat, and rolled with no moment in two directions."""
+    data = gallery.load("tube").to_dict()
+    data["fabric"] = data["fabric"] | {"bending": bending}
+    cell = Cell(Design.from_dict(data), SPACING / k)
+    try:
+        flat, _ = relax(cell)
+        found = {"bending": bending, "edge_mm": SPACING / k, "vertices": cell.torus.n_base}
+        found |= {"contraction": flat.stretch, "bump_mm": float(flat.bump[0]), "energy_n_mm": flat.energy * cell.area}
+        for name, angle in ANGLES.items():
+            natural = curl(cell, flat, angle).natural
+            found[f"radius_{name}_mm"] = None if natural is None else natural.radius
+        return found
+    finally:
+        cell.close()
+
+
+def row(r: dict[str, Any]) -> list[str]:
+    """One line of a table."""
+    radii = ("-" if r[f"radius_{name}_mm"] is None else f"{r[f'radius_{name}_mm']:.2f}" for name in ANGLES)
+    sizes = (f"{r['contraction']:.4f}", f"{r['bump_mm']:.3f}", f"{r['energy_n_mm']:.3f}")
+    return [f"{r['edge_mm']:.2f}", str(r["vertices"]), *sizes, *radii]
+
+
+def main() -> None:
+    rows: list[dict[str, Any]] = []
+    tables = []
+    for bending in ("paper", "consistent"):
+        for k in CUTS:
+            rows.append(run(bending, k))
+            print(bending, "  ".join(row(rows[-1])), flush=True)
+        mine = [row(r) for r in rows if r["bending"] == bending]
+        tables.append(f"### {bending}\n\n{markdown(HEADER, mine)}")
+    write_report("creases", rows, "\n\n".join(tables))
+
+
+if __name__ == "__main__":
+    main()
