@@ -81,10 +81,10 @@ def page(table: str) -> str:
     return "\n".join(parts)
 
 
-def picture(shape: Shape, name: str) -> None:
+def picture(shape: Shape, name: str, title: str | None = None) -> None:
     """docs/pictures/NAME.png, small enough for a page."""
     large, small = BytesIO(), BytesIO()
-    draw(shape, name, large)
+    draw(shape, title or name, large)
     image = Image.open(large).convert("RGB")
     image.thumbnail((1000, 1000))
     image.quantize(128).save(small, "PNG", optimize=True)

@@ -171,6 +171,11 @@ class Preview:
         self._settle()
         return self.side
 
+    @property
+    def seconds(self) -> dict[str, float]:
+        """Of wall time by part, since the preview was made, edited or flipped."""
+        return dict(self._clock.seconds)
+
     def at(self, points: Floats, x: Floats | None = None) -> Places:
         """Printed points (n, 2) mm in space; `x` of a stage in place of the equilibrium.
 
@@ -191,4 +196,4 @@ class Preview:
         shape = self._clock("shown", shape_of, self.design, self.sheet, mesh, places)
         if not self.sheet.layout.pins:
             shape = shape.aligned()
-        return replace(shape, summary=summary(self, shape, mesh, dict(self._clock.seconds)))
+        return replace(shape, summary=summary(self, shape, mesh, self.seconds))

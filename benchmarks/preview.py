@@ -1,0 +1,225 @@
+"""The preview's cost: the shell on 24, 96 and 384 triangles beside scikit-fem's own assembler, and whole designs.
+
+python -m benchmarks.preview [shell|designs ...]
+
+Wall times are medians, on two cores; processor times stand beside them, as other programs disturb them less. Compiled
+loops are warm, except that a cold process still has to import everything.
+"""
+
+from __future__ import annotations
+
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from skfem import Basis, BilinearForm, ElementTriArgyris, ElementVector, MeshTri
+
+from asterism.previewing.preview import Preview
+from asterism.simulation import simulate
+from benchmarks.report import markdown, write_report
+from fem.density import isotropic
+from fem.linear_response import linear_response
+from fem.mixed_newton import mixed_newton
+from fem.seeds import starts
+from fem.shell import ORDER, Shell
+from fem.solve import TOLERANCE, follow
+from pattern import gallery
+from pattern.design import Design
+
+TRIANGLES = [24, 96, 384]
+DESIGNS = ["tube", "dome", "bell", "fig8-l-increasing", "roof", "tunnel", "u-shape"]
+REPEATS = 7
+COLD = (
+    "import time; t = time.perf_counter(); import asterism; asterism.preview(asterism.new({name!r}));"
+    "print(time.perf_counter() - t)"
+)
+SHELL = [
+    "triangles", "unknowns", "strains ms", "tangent ms", "factorisation ms", "iterations", "equilibrium ms",
+    "equilibrium processor ms", "linear response ms", "scikit-fem tangent ms", "ratio",
+]  # fmt: skip
+WHOLE = [
+    "design", "stars", "triangles", "cold s", "again ms", "again processor ms", "equilibrium ms", "edit ms",
+    "edit processor ms", "linear response ms", "exact s", "exact / again",
+]  # fmt: skip
+
+
+def timed(work: Callable[[], Any], repeats: int = REPEATS) -> tuple[float, float]:
+    """Medians of wall and processor milliseconds, after one run that does not count."""
+    work()
+    wall, processor = [], []
+    for _ in range(repeats):
+        begin, used = time.perf_counter(), time.process_time()
+        work()
+        wall.append(time.perf_counter() - begin)
+        processor.append(time.process_time() - used)
+    return 1e3 * statistics.median(wall), 1e3 * statistics.median(processor)
+
+
+def shell_row(triangles: int) -> dict[str, Any]:
+    """The tube's shell on a mesh of so many triangles."""
+    preview = Preview(gallery.load("tube"), triangles=triangles)
+    shell, found = preview.shell, preview.equilibrium
+    factor = shell.factor()
+    data = shell.hessian(found.x)
+    data[shell.pattern.diagonal] += 1e-6 * data.max()
+    start = _rolled(preview)
+    tolerance = TOLERANCE * shell.force_scale
+    run = mixed_newton(shell, start, factor, tolerance)
+    wall, processor = timed(lambda: mixed_newton(shell, start, factor, tolerance))
+    follow(shell, found.x, factor)
+    own = timed(lambda: shell.tangent(found.x, np.asarray(shell.density.stiffness), np.zeros_like(found.strains)))[0]
+    theirs = scikit_fem_ms(shell)
+    return {
+        "triangles": shell.space.mesh.nelements,
+        "unknowns": shell.pattern.size,
+        "strains_ms": timed(lambda: shell.strains(found.x))[0],
+        "tangent_ms": own,
+        "factorisation_ms": timed(lambda: factor.factorise(data.copy()))[0],
+        "iterations": run.iterations,
+        "converged": run.converged,
+        "equilibrium_ms": wall,
+        "equilibrium_processor_ms": processor,
+        "linear_response_ms": timed(lambda: linear_response(shell, found.x, factor))[0],
+        "scikit_fem_ms": theirs,
+    }
+
+
+def _rolled(preview: Preview) -> np.ndarray:
+    """The guess that the preview of a tube starts from."""
+    offered = starts(preview.shell, preview.shell.factor())
+    return next(start.x for start in offered if start.shape.name == "arc")
+
+
+def scikit_fem_ms(shell: Shell) -> float:
+    """Milliseconds of the flat sheet's tangent by scikit-fem's forms, on the same mesh, with the same quadrature.
+
+    On a mesh of size one: its Argyris triangle inverts global monomials, which fails in mm.
+    """
+    size = float(np.ptp(shell.space.mesh.p))
+    mesh = MeshTri(shell.space.mesh.p / size, shell.space.mesh.t)
+    basis = Basis(mesh, ElementVector(ElementTriArgyris(), 3), intorder=ORDER)
+    assert 3 * shell.space.size == basis.N
+    stiffness = isotropic(11.5, 0.5, 0.3)
+
+    @BilinearForm
+    def tangent(u: Any, v: Any, w: Any) -> Any:
+        def strains(f: Any) -> Any:
+            first, second = f.grad, f.hess
+            return np.array(
+                [
+                    first[0, 0], first[1, 1], first[0, 1] + first[1, 0],
+                    second[2, 0, 0], second[2, 1, 1], 2.0 * second[2, 0, 1],
+                ]
+            )  # fmt: skip
+
+        return np.einsum("i...,ij,j...->...", strains(u), stiffness, strains(v))
+
+    begin = time.perf_counter()
+    tangent.assemble(basis)
+    return 1e3 * (time.perf_counter() - begin)
+
+
+def design_row(name: str) -> dict[str, Any]:
+    """A whole design: cold, again, edited, and by the exact model."""
+    design = gallery.load(name)
+    command = [sys.executable, "-c", COLD.format(name=name)]
+    cold = []
+    for _ in range(3):
+        begin = time.perf_counter()
+        subprocess.run(command, check=True, capture_output=True)
+        cold.append(time.perf_counter() - begin)
+    again = timed(lambda: Preview(design).shape(), 5)
+    preview = Preview(design)
+    exact = simulate(design)
+    edits = [changed(design, share) for share in (1.02, 1.0)]
+    linear, whole, processor = [], [], []
+    for turn in range(2 * REPEATS):
+        begin, used = time.perf_counter(), time.process_time()
+        for stage in preview.edit(edits[turn % 2]):
+            if stage.name == "linear":
+                linear.append(1e3 * (time.perf_counter() - begin))
+        whole.append(1e3 * (time.perf_counter() - begin))
+        processor.append(1e3 * (time.process_time() - used))
+    summary = preview.shape().summary
+    return {
+        "design": name,
+        "stars": summary["stars"],
+        "triangles": summary["shell_triangles"],
+        "is_minimum": preview.equilibrium.is_minimum,
+        "cold_s": statistics.median(cold),
+        "again_ms": again[0],
+        "again_processor_ms": again[1],
+        "equilibrium_ms": 1e3 * Preview(design).seconds["equilibrium"],
+        "edit_ms": statistics.median(whole),
+        "edit_processor_ms": statistics.median(processor),
+        "linear_ms": statistics.median(linear),
+        "exact_s": exact.summary["wall_s"],
+        "wall_s_by_stage": summary["wall_s_by_stage"],
+    }
+
+
+def changed(design: Design, share: float) -> Design:
+    """Thickness of all stars times `share`."""
+    data = design.to_dict()
+    given = data["stars"]["thickness_mm"]
+    data["stars"]["thickness_mm"] = given * share if isinstance(given, float) else given
+    return Design.from_dict(data)
+
+
+def main(words: list[str]) -> None:
+    groups, tables, rows = words or ["shell", "designs"], [], []
+    if "shell" in groups:
+        found = [shell_row(count) for count in TRIANGLES]
+        tables.append("### One sheet, three meshes\n\n" + markdown(SHELL, [shell_line(r) for r in found]))
+        rows += found
+        print(tables[-1], flush=True)
+    if "designs" in groups:
+        found = [design_row(name) for name in DESIGNS]
+        tables.append("### Whole designs\n\n" + markdown(WHOLE, [design_line(r) for r in found]))
+        rows += found
+        print(tables[-1], flush=True)
+    if not words:
+        write_report("preview", rows, "\n\n".join(tables))
+
+
+def shell_line(r: dict[str, Any]) -> list[str]:
+    """One line of the first table."""
+    return [
+        str(r["triangles"]),
+        str(r["unknowns"]),
+        f"{r['strains_ms']:.2f}",
+        f"{r['tangent_ms']:.1f}",
+        f"{r['factorisation_ms']:.1f}",
+        str(r["iterations"]) + ("" if r["converged"] else " (not converged)"),
+        f"{r['equilibrium_ms']:.0f}",
+        f"{r['equilibrium_processor_ms']:.0f}",
+        f"{r['linear_response_ms']:.2f}",
+        f"{r['scikit_fem_ms']:.0f}",
+        f"{r['scikit_fem_ms'] / r['tangent_ms']:.0f}",
+    ]
+
+
+def design_line(r: dict[str, Any]) -> list[str]:
+    """One line of the second table."""
+    return [
+        r["design"] + ("" if r["is_minimum"] else " (no minimum)"),
+        str(r["stars"]),
+        str(r["triangles"]),
+        f"{r['cold_s']:.2f}",
+        f"{r['again_ms']:.0f}",
+        f"{r['again_processor_ms']:.0f}",
+        f"{r['equilibrium_ms']:.0f}",
+        f"{r['edit_ms']:.0f}",
+        f"{r['edit_processor_ms']:.0f}",
+        f"{r['linear_ms']:.1f}",
+        f"{r['exact_s']:.1f}",
+        f"{1e3 * r['exact_s'] / r['again_ms']:.0f}",
+    ]
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

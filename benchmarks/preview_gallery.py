@@ -1,0 +1,92 @@
+"""Every design of the gallery as a preview: numbers, a picture each, and the page that shows them.
+
+python -m benchmarks.preview_gallery [NAME ...]    (with names: these only, no page)
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from asterism.files import write_file
+from asterism.previewing.run import preview
+from benchmarks.gallery import picture
+from benchmarks.report import RESULTS, markdown, write_report
+from homogenize.errors import LawError
+from homogenize.law_file import load_law
+from pattern import gallery
+
+PAGE = Path(__file__).parent.parent / "docs" / "preview-gallery.md"
+INTRODUCTION = """# Previews of the gallery
+
+Every design of the [gallery](gallery.md) as the [preview](preview.md) shows it, on the left, beside the
+[exact model](exact-model.md). Printed by `python -m benchmarks.preview_gallery`, which also makes this page; heights of
+the exact model are those of `python -m benchmarks.gallery`. How far the two are apart is measured in
+[verification](verification.md).
+"""
+HEADER = [
+    "design", "stars", "tightly curled", "triangles", "iterations", "start", "height mm", "exact height mm",
+    "extent mm", "contraction", "exact contraction", "softest mode N/mm3",
+]  # fmt: skip
+
+
+def main(names: list[str]) -> None:
+    law = load_law()
+    rows: list[dict[str, Any]] = []
+    for name in names or gallery.names():
+        try:
+            shape = preview(gallery.load(name), law)
+        except LawError as error:
+            rows.append({"name": name, "refused": str(error)})
+            print(f"{name}: {error}", flush=True)
+            continue
+        rows.append({key: value for key, value in shape.summary.items() if key != "design"} | {"name": name})
+        picture(shape, f"preview-{name}", name)
+        print("  ".join(row(rows[-1], {})), flush=True)
+    if not names:
+        exact = {r["name"]: r for r in json.loads((RESULTS / "gallery.json").read_text())["rows"]}
+        table = markdown(HEADER, [row(r, exact.get(r["name"], {})) for r in rows if "refused" not in r])
+        write_report("preview_gallery", rows, table)
+        write_file(PAGE, page(table, rows))
+
+
+def row(r: dict[str, Any], exact: dict[str, Any]) -> list[str]:
+    """One line of the table."""
+    other = (f"{exact['height_mm']:.1f}", _ratio(exact["contraction"])) if exact else ("-", "-")
+    return [
+        r["name"] + ("" if r["is_minimum"] else " (no minimum)"),
+        str(r["stars"]),
+        str(len(r["stars_tight"])),
+        str(r["shell_triangles"]),
+        str(r["iterations"]),
+        r["start"],
+        f"{r['height_mm']:.1f}",
+        other[0],
+        " x ".join(f"{size:.0f}" for size in r["extent_mm"]),
+        _ratio(r["contraction"]),
+        other[1],
+        f"{r['soft_modes_n_mm3'][0]:.1e}" if r["soft_modes_n_mm3"] else "-",
+    ]
+
+
+def _ratio(value: float | None) -> str:
+    return "-" if value is None else f"{value:.3f}"
+
+
+def page(table: str, rows: list[dict[str, Any]]) -> str:
+    """docs/preview-gallery.md."""
+    parts = [INTRODUCTION, table, ""]
+    for r in rows:
+        name = r["name"]
+        parts += [f"## {name}", ""]
+        if "refused" in r:
+            parts += [f"No preview: {r['refused']}.", ""]
+        else:
+            parts += [f"![{name}, preview](pictures/preview-{name}.png) ![{name}, exact](pictures/{name}.png)", ""]
+    return "\n".join(parts)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
