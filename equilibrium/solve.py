@@ -102,6 +102,7 @@ def settle(
     ----------
     iterate : takes a state to a stationary one, or fails; then `equilibrium.newton.minimise` goes on.
     longest : largest change of an unknown when a saddle is left.
+    max_iterations : of that; 0 gives up instead.
     max_saddles : to leave before giving up; the result is then a saddle and says so.
     """
     clock = Clock()
@@ -110,7 +111,7 @@ def settle(
     def follow(state: State) -> None:
         run = clock("iterate", iterate, state)
         _count(found, run)
-        if not run.converged:
+        if not run.converged and max_iterations:
             found.fallbacks += 1
             lower = run.state if problem.energy(run.state) < problem.energy(state) else state
             run = clock("minimise", _down, problem, lower, factor, tolerance, max_iterations)
@@ -133,7 +134,9 @@ def settle(
             break
         energy, kicked = found.energy, left(problem, found.state, found.lowest.vector, longest)
         follow(kicked)
-        if not found.converged or found.energy > energy:  # it went back up: follow the energy down instead
+        if max_iterations and not (
+            found.converged and found.energy <= energy
+        ):  # it went back up: follow the energy down instead
             run = clock("minimise", _down, problem, kicked, factor, tolerance, max_iterations)
             _count(found, run)
             found.state, found.energy, found.gradient_norm = run.state, run.energy, run.gradient_norm

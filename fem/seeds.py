@@ -1,8 +1,10 @@
 """Where to start: simple shapes that suit the fields, the cheapest first.
 
-A dome or a saddle by the sign of the rest metric's Gaussian curvature, `-lap(ln lambda)/lambda^2`; arcs in several
-directions where the rest curvature rolls the sheet, each with the curvature `kappa (1 + nu)` of a free cylinder; the
-side by the sign of kappa. Pinned sheets that are too large for their frame start as a cap of their length.
+A sheet whose rest metric has the Gaussian curvature `K = -lap(ln lambda)/lambda^2` keeps its lengths where its
+principal curvatures have that product. Among those, plates of Poisson's ratio nu bend least where their sum is
+`(1 + nu) kappa`: that gives arcs of curvature `kappa (1 + nu)` for K = 0, saddles and bent caps, and round caps where
+the sum is too small for K. Thick sheets rather stretch than bend, so smaller K are tried too, and caps with the rest
+curvature itself. The side is by the sign of kappa. Sheets too large for their frame start as a cap of their length too.
 """
 
 from __future__ import annotations
@@ -13,18 +15,19 @@ from typing import Literal
 import numpy as np
 
 from equilibrium.factor import Factor
-from equilibrium.newton import STOP
 from fem.shapes import Shape
 from fem.shell import Shell
+from fem.slide import Frame
 from fem.tabulation import Floats
 
 Side = Literal["auto", "up", "down"]
 
-SLIDES = 3  # in-plane corrections of a guess
-SLIGHT = 0.05  # of its energy: corrections that gain less are the last
-TIE = 1e-3  # energies of arcs that differ less are equal
-ASKEW = np.radians(8.0)
 DIRECTIONS = 12  # of arcs: the six axes of a lattice and those between them
+TIE = 1e-3  # energies that differ less, relatively, are equal
+ASKEW = np.radians(8.0)
+FLAT = 1e-2  # Gaussian curvature times size squared that is none
+TURN = 6.0  # radians from end to end: guesses that turn further would pass through themselves
+TURN_ACROSS = 2.0
 
 
 @dataclass(frozen=True)
@@ -37,7 +40,7 @@ class Trends:
     stretch : rest length over printed length.
     gaussian : rest metric's own curvature, per mm^2.
     curvature : rest curvature, per mm; poisson : of the bending stiffness.
-    chord : largest printed length's place between what holds it, over its printed length; inf where nothing does.
+    chord : size of the frame that holds the sheet, over its printed size; inf where nothing does.
     """
 
     centre: Floats
@@ -50,7 +53,7 @@ class Trends:
 
 @dataclass(frozen=True)
 class Start:
-    """A state to start from: its name, the shape it was made of, and its energy in N mm."""
+    """A state to start from: the shape it was made of, and its energy in N mm."""
 
     shape: Shape
     x: Floats
@@ -76,7 +79,7 @@ def trends(shell: Shell) -> Trends:
     gaussian = -4.0 * float(fit[5]) / (size * stretch) ** 2
     stiffness = np.asarray(shell.density.stiffness).reshape(-1, 6, 6).mean(axis=0)
     poisson = 2.0 * stiffness[3, 4] / (stiffness[3, 3] + stiffness[4, 4])
-    return Trends(centre, stretch, float(gaussian), float(weights @ bend), float(poisson), _chord(shell))
+    return Trends(centre, stretch, gaussian, float(weights @ bend), float(poisson), _chord(shell))
 
 
 def _chord(shell: Shell) -> float:
@@ -92,29 +95,27 @@ def shapes(wants: Trends, size: float, side: Side = "auto") -> list[Shape]:
     """Guesses for a sheet of a printed size in mm."""
     length = size * wants.stretch
     sign = {"up": 1.0, "down": -1.0}.get(side, -1.0 if wants.curvature < 0.0 else 1.0)
-    bend = sign * abs(wants.curvature)
-    least = 0.02 / length
+    bend = abs(wants.curvature)
     out = [Shape("flat")]
-    curvatures = [bend]
-    if wants.gaussian > 0.0:
-        curvatures.append(sign * np.sqrt(wants.gaussian))
+    caps = [0.5 * bend, bend]
     if wants.chord < wants.stretch:
-        curvatures.append(sign * 2.0 * _arc_angle(wants.chord / wants.stretch) / length)
-    for k in curvatures:
-        out += [Shape("cap", share * k) for share in (0.5, 1.0) if abs(share * k) > least]
-    if wants.gaussian < -(least**2):
-        k = sign * np.sqrt(-wants.gaussian)
-        out += [Shape("saddle", k, angle) for angle in np.radians([0.0, 15.0, 30.0, 45.0, 60.0, 75.0])]
-    if abs(bend) > least:
-        k = bend * (1.0 + wants.poisson)
-        out += [Shape("arc", k, np.pi * i / DIRECTIONS) for i in range(DIRECTIONS)]
-    return [_rolled_once(shape, length) for shape in out]
-
-
-def _rolled_once(shape: Shape, length: float) -> Shape:
-    """A shape whose ends do not meet: beyond that a guess would pass through itself."""
-    most = (2.0 if shape.name == "cap" else 6.0) / length
-    return replace(shape, curvature=float(np.clip(shape.curvature, -most, most)))
+        angle = 2.0 * _arc_angle(wants.chord / wants.stretch)
+        caps += [angle / length, 0.5 * angle / length]
+    plain = abs(wants.gaussian) * length**2 < FLAT
+    for share in (0.0,) if plain else (1.0, 0.5, 0.0):
+        product = share * wants.gaussian
+        half = 0.5 * (1.0 + wants.poisson) * bend
+        if half**2 < product:
+            caps.append(np.sqrt(product))
+            continue
+        root = np.sqrt(half**2 - product)
+        most, least = half + root, half - root
+        name = "saddle" if least * length < -0.02 else "bent" if least * length > 0.02 else "arc"
+        if most * length > 0.02:
+            k, m = sign * min(most, TURN / length), sign * float(np.clip(least, -2.0 / length, 2.0 / length))
+            angles = np.pi * np.arange(DIRECTIONS) / DIRECTIONS
+            out += [Shape(name, k, angle, 0.0 if name == "arc" else m) for angle in angles]
+    return out + [Shape("cap", sign * min(k, TURN_ACROSS / length)) for k in caps if k * length > 0.02]
 
 
 def _arc_angle(ratio: float) -> float:
@@ -130,90 +131,36 @@ def starts(shell: Shell, factor: Factor, side: Side = "auto", candidates: list[S
     """The best guess of every kind, all meeting the conditions, the lowest energy first."""
     wants = trends(shell)
     size = float(np.ptp(shell.space.mesh.p, axis=1).max())
-    fit = _Fit(shell, factor)
-    kinds: dict[str, list[Shape]] = {}
+    frame = Frame(shell, factor, wants.centre, wants.stretch)
+    families: dict[tuple[str, float, float], list[Shape]] = {}
     for shape in shapes(wants, size, side) if candidates is None else candidates:
-        kinds.setdefault(shape.name, []).append(shape)
-    if "arc" in kinds and shell.is_free:
-        kinds["arc"] = [_best_arc(shell, wants.stretch, kinds["arc"])]
-    best, gain = [], 0.0
-    for name, group in kinds.items():
-        guesses = []
-        for shape in group:
-            x = fit.held(shape.positions(shell.space, wants.centre, wants.stretch))
-            guesses.append(Start(shape, x, shell.energy(x)) if name == "arc" else fit.slid(shape, x))
-        lowest = min(guesses, key=_energy)
-        if name == "flat":
-            gain = fit.gain
-        if name == "arc":  # to its membrane an arc is a flat sheet: it too would gain by sliding
-            lowest = replace(lowest, energy=lowest.energy - gain)
-        best.append(lowest)
-    return sorted(best, key=_energy)
+        families.setdefault((shape.name, shape.curvature, shape.across), []).append(shape)
+    best: dict[str, Start] = {}
+    for family in families.values():
+        shape = family[0]
+        if len(family) > 1:
+            shape = _best_direction(shell, wants.stretch, family) if shell.is_free else min(family, key=frame.energy)
+        start = Start(shape, *frame.slid(shape))
+        if shape.name not in best or _energy(start) < _energy(best[shape.name]):
+            best[shape.name] = start
+    return sorted(best.values(), key=_energy)
 
 
 def _energy(start: Start) -> float:
     return start.energy if np.isfinite(start.energy) else np.inf
 
 
-def _best_arc(shell: Shell, stretch: float, arcs: list[Shape]) -> Shape:
-    """Of free cylinders, whose strains are known everywhere."""
-    square = stretch**2
+def _best_direction(shell: Shell, stretch: float, family: list[Shape]) -> Shape:
+    """Of free shapes that differ in their angle alone, by their curvatures; off all axes if none is better."""
     energies = []
-    for arc in arcs:
-        c, s = np.cos(arc.angle), np.sin(arc.angle)
-        bend = arc.curvature * square * np.array([c * c, s * s, 2.0 * c * s])
-        strains = np.concatenate([[0.5 * square, 0.5 * square, 0.0], bend]) - shell.rest
+    for shape in family:
+        c, s = np.cos(shape.angle), np.sin(shape.angle)
+        k, m = shape.curvature, shape.across
+        bend = np.array([k * c * c + m * s * s, k * s * s + m * c * c, 2.0 * (k - m) * c * s])
+        strains = np.concatenate([[0.5, 0.5, 0.0], bend]) * stretch**2 - shell.rest
         energies.append(float((shell.assembly.weights * shell.density(strains)[0]).sum()))
-    best = arcs[int(np.argmin(energies))]
-    if len(arcs) > 1 and max(energies) - min(energies) <= TIE * abs(min(energies)):
-        # no axis is better: start off the axes of symmetry of sheet and lattice, from where there is a way down
+    best = family[int(np.argmin(energies))]
+    if max(energies) - min(energies) <= TIE * abs(min(energies)):
+        # axes of symmetry of sheet and lattice may be saddles: from beside them there is a way down
         return replace(best, angle=ASKEW)
     return best
-
-
-class _Fit:
-    """Takes free shapes into their frame, and slides them along themselves, with the flat sheet's stiffness."""
-
-    def __init__(self, shell: Shell, factor: Factor) -> None:
-        self._shell, self._factor = shell, factor
-        data = shell.flat_stiffness.copy()
-        diagonal = shell.pattern.diagonal
-        data[diagonal[shell.support(shell.flat)]] += STOP * data[diagonal].max()
-        self._ready = factor.factorise(data)
-        self.gain = 0.0  # what the last guess gained by sliding, N mm
-
-    def held(self, x: Floats) -> Floats:
-        """(N, 3) x moved to what holds it, and bent there as the flat sheet would be."""
-        shell = self._shell
-        held = shell.held_points
-        if len(held):
-            places = shell.reduction.offset(shell.progress).reshape(-1, 3)
-            x = shell.shifted(x, places[held].mean(axis=0) - x[held].mean(axis=0))
-        stepped = shell.held(x)
-        if not self._ready or np.array_equal(stepped, x):
-            return stepped
-        stress = shell.linear_stress(shell.assembly.strain_changes(shell.flat, stepped - x))
-        return shell.move(stepped, -self._factor.solve(shell.restricted(shell.assembly.forces(shell.flat, stress))))
-
-    def slid(self, shape: Shape, x: Floats) -> Start:
-        """x slid along the printed plane as its membrane stresses ask for, as long as that lowers the energy."""
-        energy = first = self._shell.energy(x)
-        for _ in range(SLIDES if self._ready else 0):
-            trial = self._slide(x)
-            reached = self._shell.energy(trial)
-            if not reached < energy:
-                break
-            enough = energy - reached < SLIGHT * energy
-            x, energy = trial, reached
-            if enough:
-                break
-        self.gain = first - energy
-        return Start(shape, x, energy)
-
-    def _slide(self, x: Floats) -> Floats:
-        shell = self._shell
-        strains = shell.strains(x)
-        strains[..., 3:] = 0.0
-        stress = shell.linear_stress(strains)
-        stress[..., 3:] = 0.0
-        return shell.move(x, -self._factor.solve(shell.restricted(shell.assembly.forces(shell.flat, stress))))

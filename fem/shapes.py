@@ -1,4 +1,4 @@
-"""Simple shapes of a sheet: flat, cap, saddle, arc; guesses from which Newton's method starts."""
+"""Simple shapes of a sheet: flat, cap, arc, saddle, bent; guesses from which Newton's method starts."""
 
 from __future__ import annotations
 
@@ -12,6 +12,9 @@ from fem.tabulation import Floats
 
 STEP = 1e-3  # of the sheet's size, for derivatives by differences: a guess needs no better ones
 
+# takes printed points (n, 2) to points in the plane (n, 2) with derivatives (n, 2, 2) and (n, 2, 3): 11, 22, 12
+Plane = Callable[[Floats], tuple[Floats, Floats, Floats]]
+
 
 @dataclass(frozen=True)
 class Shape:
@@ -19,55 +22,88 @@ class Shape:
 
     Attributes
     ----------
-    name : `flat`, `cap`, `saddle` or `arc`.
+    name : `flat`; `cap` (a sphere whose rays keep their lengths); `arc`, curved one way; `saddle` and `bent`, curved
+        the other way as well, to the opposite and to the same side: parts of a torus, whose meridians keep theirs.
     curvature : per mm of the contracted sheet; positive lifts the edges towards +z.
-    angle : radians, the direction in which an arc curves, or a saddle upwards.
+    angle : radians, the direction in which it curves.
+    across : per mm, the curvature in the direction across.
     """
 
     name: str
     curvature: float = 0.0
     angle: float = 0.0
+    across: float = 0.0
 
     def positions(self, space: Space, centre: Floats, stretch: float) -> Floats:
         """(N, 3) on a sheet whose lengths are `stretch` times the printed ones, `centre` (2,) at the origin."""
-        size = float(np.ptp(space.mesh.p, axis=1).max())
+        return self.over(space, similar(centre, stretch))
 
-        def place(points: Floats) -> Floats:
-            return self._place(stretch * (points - centre))
+    def over(self, space: Space, plane: Plane) -> Floats:
+        """(N, 3) on a sheet that was first moved within its plane."""
+        step = STEP * float(np.ptp(space.mesh.p, axis=1).max())
 
-        return space.interpolate(place, *_derivatives(place, STEP * size))
+        def position(points: Floats) -> Floats:
+            return self._place(plane(points)[0])
+
+        def gradient(points: Floats) -> Floats:
+            p, first, _ = plane(points)
+            return np.einsum("nca,nai->nci", self._gradient(p, step), first)
+
+        def hessian(points: Floats) -> Floats:
+            p, first, second = plane(points)
+            bend = self._hessian(p, step)[..., [[0, 2], [2, 1]]]
+            curved = np.einsum("ncab,nai,nbj->ncij", bend, first, first)
+            return curved[..., [0, 1, 0], [0, 1, 1]] + np.einsum("nca,nak->nck", self._gradient(p, step), second)
+
+        return space.interpolate(position, gradient, hessian)
 
     def _place(self, p: Floats) -> Floats:
-        """(n, 3) of contracted points (n, 2)."""
-        k = self.curvature
-        u = p @ np.array([np.cos(self.angle), np.sin(self.angle)])
-        v = p @ np.array([-np.sin(self.angle), np.cos(self.angle)])
-        if self.name == "arc":  # sinc keeps these smooth for any curvature
-            flat, height = np.sinc(k * u / np.pi) * u, 0.5 * k * u**2 * np.sinc(0.5 * k * u / np.pi) ** 2
-            along = np.stack([np.cos(self.angle) * flat, np.sin(self.angle) * flat], axis=1)
-            across = np.stack([-np.sin(self.angle) * v, np.cos(self.angle) * v], axis=1)
-            return np.column_stack([along + across, height])
-        if self.name == "cap":  # a sphere, its rays as long as they were
+        """(n, 3) of points of the plane (n, 2)."""
+        k, m = self.curvature, self.across
+        cos, sin = np.cos(self.angle), np.sin(self.angle)
+        u, v = cos * p[:, 0] + sin * p[:, 1], cos * p[:, 1] - sin * p[:, 0]
+        if self.name == "cap":
             r = np.hypot(u, v)
-            return np.column_stack(
-                [np.sinc(k * r / np.pi)[:, None] * p, 0.5 * k * r**2 * np.sinc(0.5 * k * r / np.pi) ** 2]
-            )
-        return np.column_stack([p, 0.5 * k * (u**2 - v**2)])
+            return np.column_stack([_sine(k, r)[:, None] * p, _rise(k, r)])
+        lift = _rise(m, v)  # of the meridian, which turns about an axis at the height 1/k
+        along, across = (1.0 - k * lift) * _sine(k, u) * u, _sine(m, v) * v
+        return np.column_stack(
+            [cos * along - sin * across, sin * along + cos * across, _rise(k, u) + lift * np.cos(k * u)]
+        )
+
+    def _gradient(self, p: Floats, step: float) -> Floats:
+        """(n, 3, 2) by central differences."""
+        moves = step * np.eye(2)
+        return np.stack([self._place(p + d) - self._place(p - d) for d in moves], axis=2) / (2.0 * step)
+
+    def _hessian(self, p: Floats, step: float) -> Floats:
+        """(n, 3, 3) by central differences."""
+        one, two = step * np.eye(2)
+        middle = 2.0 * self._place(p)
+        straight = [self._place(p + d) + self._place(p - d) - middle for d in (one, two)]
+        mixed = [self._place(p + a * one + b * two) * a * b for a in (1, -1) for b in (1, -1)]
+        return np.stack([*straight, 0.25 * np.sum(mixed, axis=0)], axis=2) / step**2
 
 
-def _derivatives(
-    place: Callable[[Floats], Floats], step: float
-) -> tuple[Callable[[Floats], Floats], Callable[[Floats], Floats]]:
-    """Gradient and Hessian by central differences."""
-    one, two = step * np.eye(2)
+def similar(centre: Floats, stretch: float) -> Plane:
+    """The printed plane, scaled, `centre` at the origin."""
 
-    def gradient(p: Floats) -> Floats:
-        return np.stack([place(p + d) - place(p - d) for d in (one, two)], axis=2) / (2.0 * step)
+    def plane(points: Floats) -> tuple[Floats, Floats, Floats]:
+        count = len(points)
+        return (
+            stretch * (points - centre),
+            np.broadcast_to(stretch * np.eye(2), (count, 2, 2)),
+            np.zeros((count, 2, 3)),
+        )
 
-    def hessian(p: Floats) -> Floats:
-        middle = 2.0 * place(p)
-        straight = [place(p + d) + place(p - d) - middle for d in (one, two)]
-        mixed = place(p + one + two) + place(p - one - two) - place(p + one - two) - place(p - one + two)
-        return np.stack([*straight, 0.25 * mixed], axis=2) / step**2
+    return plane
 
-    return gradient, hessian
+
+def _sine(k: float, s: Floats) -> Floats:
+    """sin(k s)/(k s)."""
+    return np.sinc(k * s / np.pi)
+
+
+def _rise(k: float, s: Floats) -> Floats:
+    """(1 - cos(k s))/k."""
+    return 0.5 * k * s**2 * np.sinc(0.5 * k * s / np.pi) ** 2

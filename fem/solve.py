@@ -22,7 +22,9 @@ from fem.tabulation import Floats
 TOLERANCE = 1e-11  # of the gradient, over the sheet's membrane stiffness times its size
 LEFT = 0.02  # of the sheet's size: how far a dof moves when a saddle is left
 STEPS = (4, 16)  # load steps that are tried when nothing else works
-CLOSE = 0.3  # of what the best start saves against a flat sheet
+LONG, SHORT = 30, 12  # iterations of Newton's method with mixed points
+DOWN = 200  # iterations downhill where that failed
+CLOSE = 0.1  # of what the best start saves against a flat sheet
 FOLLOWED = 2  # starts of different kinds that are followed to their ends
 
 
@@ -50,7 +52,9 @@ def relax(
     seconds = {"starts": time.perf_counter() - begin}
     found: list[ShellEquilibrium] = []
     for start in _promising(offered)[:followed]:
-        found.append(follow(shell, start.x, factor, start.shape.name))
+        # with a minimum at hand, another start is worth a few iterations, not a long way down
+        at_hand = any(each.is_minimum for each in found)
+        found.append(follow(shell, start.x, factor, start.shape.name, patient=not at_hand))
     if not any(each.is_minimum for each in found):
         found += filter(None, (by_load_steps(shell, factor, steps) for steps in STEPS))
     best = min(found, key=_rank)
@@ -67,17 +71,25 @@ def relax(
 
 
 def follow(
-    shell: Shell, x: Floats, factor: Factor, name: str = "given", strains: Floats | None = None
+    shell: Shell,
+    x: Floats,
+    factor: Factor,
+    name: str = "given",
+    strains: Floats | None = None,
+    patient: bool = True,
 ) -> ShellEquilibrium:
-    """The equilibrium that a state x (N, 3) leads to, certified; `strains` (T, Q, 6) go with x after an edit."""
+    """The equilibrium that a state x (N, 3) leads to, certified.
+
+    `strains` (T, Q, 6) go with x after an edit. An impatient search ends where Newton's method does not converge soon.
+    """
     tolerance = TOLERANCE * shell.force_scale
     given = [strains]  # they belong to the first state only
 
     def iterate(state: Any) -> Run:
-        return mixed_newton(shell, state, factor, tolerance, given.pop() if given else None)
+        return mixed_newton(shell, state, factor, tolerance, given.pop() if given else None, LONG if patient else SHORT)
 
     size = float(np.ptp(shell.flat, axis=0).max())
-    settled = settle(shell, x, factor, tolerance, iterate, LEFT * size)
+    settled = settle(shell, x, factor, tolerance, iterate, LEFT * size, max_iterations=DOWN if patient else 0)
     return _evidence(shell, settled, name)
 
 

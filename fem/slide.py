@@ -1,0 +1,100 @@
+"""Takes guesses into their frame, and moves them within themselves until their membrane hardly strains."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from equilibrium.factor import Factor
+from equilibrium.newton import STOP
+from fem.shapes import Plane, Shape, similar
+from fem.shell import Shell
+from fem.tabulation import Evaluation, Floats
+
+SLIDES = 3
+SLIGHT = 0.1  # of the energy: corrections that gain less are the last
+
+
+class Frame:
+    """A shell's conditions, and the plane that its guesses are bent from.
+
+    Parameters
+    ----------
+    factor : is left with the flat sheet's stiffness.
+    centre, stretch : of the plane, see `fem.shapes.similar`.
+    """
+
+    def __init__(self, shell: Shell, factor: Factor, centre: Floats, stretch: float) -> None:
+        self._shell, self._factor = shell, factor
+        self._plane = similar(centre, stretch)
+        self._located: dict[bytes, Evaluation] = {}
+        data = shell.flat_stiffness.copy()
+        diagonal = shell.pattern.diagonal
+        data[diagonal[shell.support(shell.flat)]] += STOP * data[diagonal].max()
+        self._ready = factor.factorise(data)
+
+    def energy(self, shape: Shape) -> float:
+        """N mm, before sliding."""
+        return self._shell.energy(self._held(shape.over(self._shell.space, self._plane)))
+
+    def slid(self, shape: Shape) -> tuple[Floats, float]:
+        """State (N, 3) and energy in N mm of a shape, its plane moved as its membrane stresses ask for.
+
+        The moves solve the flat sheet's linear membrane problem for the strains that the bent one has.
+        """
+        shell = self._shell
+        moves = np.zeros_like(shell.flat)
+        x = self._held(shape.over(shell.space, self._plane))
+        energy = shell.energy(x)
+        for _ in range(SLIDES if self._ready else 0):
+            strains = shell.strains(x)
+            strains[..., 3:] = 0.0
+            stress = shell.linear_stress(strains)
+            stress[..., 3:] = 0.0
+            moves = shell.move(moves, -self._pulled(stress))
+            trial = self._held(shape.over(shell.space, self._moved(moves)))
+            reached = shell.energy(trial)
+            if not reached < energy:
+                break
+            enough = energy - reached < SLIGHT * abs(energy)
+            x, energy = trial, reached
+            if enough:
+                break
+        return x, energy
+
+    def _pulled(self, stress: Floats) -> Floats:
+        """(n,) the flat sheet's answer to a stress."""
+        shell = self._shell
+        return self._factor.solve(shell.restricted(shell.assembly.forces(shell.flat, stress)))
+
+    def _moved(self, moves: Floats) -> Plane:
+        """The plane after moves (N, 3) within it."""
+
+        def plane(points: Floats) -> tuple[Floats, Floats, Floats]:
+            key = points.tobytes()
+            if key not in self._located:
+                self._located[key] = self._shell.space.locate(points)
+            at, count = self._located[key], len(points)
+            p, first, second = self._plane(points)
+            return (
+                p + at.value @ moves[:, :2],
+                first + np.swapaxes((at.gradient @ moves[:, :2]).reshape(count, 2, 2), 1, 2),
+                second + np.swapaxes((at.hessian @ moves[:, :2]).reshape(count, 3, 2), 1, 2),
+            )
+
+        return plane
+
+    def _held(self, x: Floats) -> Floats:
+        """(N, 3) x moved to what holds it, and bent there as the flat sheet would be."""
+        shell = self._shell
+        if shell.is_free:
+            return x
+        held = shell.held_points
+        if len(held):
+            places = shell.reduction.offset(shell.progress).reshape(-1, 3)
+            x = shell.shifted(x, places[held].mean(axis=0) - x[held].mean(axis=0))
+        stepped = shell.held(x)
+        if not self._ready:
+            return stepped
+        return shell.move(
+            stepped, -self._pulled(shell.linear_stress(shell.assembly.strain_changes(shell.flat, stepped - x)))
+        )
