@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.linalg import qr, solve_triangular
+from scipy.linalg import qr
 from scipy.sparse.csgraph import connected_components
 
 from fem.tabulation import Floats, Ints
@@ -74,9 +75,14 @@ def eliminate(matrix: sp.csr_matrix, right: Floats, tolerance: float) -> Elimina
     rows_out: list[Ints] = []
     columns_out: list[Ints] = []
     entries_out: list[Floats] = []
-    for rows, columns in _groups(matrix):
-        block = matrix[rows][:, columns].toarray()
-        q, r, order = qr(block, mode="economic", pivoting=True)
+    solved: dict[
+        tuple[int, bytes], tuple[Floats, Floats, Ints]
+    ] = {}  # the components of a vector share their equations
+    for rows, columns, block in _groups(matrix):
+        key = (len(rows), block.tobytes())
+        if key not in solved:
+            solved[key] = qr(block, mode="economic", pivoting=True, check_finite=False)
+        q, r, order = solved[key]
         rank = int(np.sum(np.abs(np.diag(r)) > DEPENDENT * abs(r[0, 0])))
         image = q[:, :rank].T @ right[rows]
         miss = np.abs(right[rows] - q[:, :rank] @ image).max(axis=1)
@@ -86,8 +92,9 @@ def eliminate(matrix: sp.csr_matrix, right: Floats, tolerance: float) -> Elimina
         redundant += len(rows) - rank
         pivots, rest = columns[order[:rank]], columns[order[rank:]]
         gone[pivots] = True
-        constant[pivots] = solve_triangular(r[:rank, :rank], image)
-        weights = -solve_triangular(r[:rank, :rank], r[:rank, rank:])
+        both = np.linalg.solve(r[:rank, :rank], np.hstack([r[:rank, rank:], image]))
+        constant[pivots] = both[:, len(rest) :]
+        weights = -both[:, : len(rest)]
         weights[np.abs(weights) < 1e-12] = 0.0
         i, j = np.nonzero(weights)
         rows_out.append(pivots[i])
@@ -104,12 +111,23 @@ def eliminate(matrix: sp.csr_matrix, right: Floats, tolerance: float) -> Elimina
     return Elimination(mapping, constant, free, redundant)
 
 
-def _groups(matrix: sp.csr_matrix) -> list[tuple[Ints, Ints]]:
-    """Rows and columns of the blocks that a matrix falls into."""
+def _groups(matrix: sp.csr_matrix) -> Iterator[tuple[Ints, Ints, Floats]]:
+    """Rows, columns and entries of the blocks that a matrix falls into."""
     count = matrix.shape[0]
-    graph = sp.block_array([[None, matrix], [matrix.T, None]], format="csr")
-    _, label = connected_components(graph, directed=False)
-    order = np.argsort(label, kind="stable")
-    parts = np.split(order, np.flatnonzero(np.diff(label[order])) + 1)
-    split = [(part[part < count], part[part >= count] - count) for part in parts]
-    return [(rows, columns) for rows, columns in split if len(rows) and len(columns)]
+    entries = matrix.tocoo()
+    graph = sp.coo_matrix((np.ones(entries.nnz), (entries.row, count + entries.col)), shape=(sum(matrix.shape),) * 2)
+    kinds, label = connected_components(graph, directed=False)
+    order = np.argsort(label, kind="stable")  # rows first within a block
+    ends = np.searchsorted(label[order], np.arange(kinds + 1))
+    place = np.empty_like(order)
+    place[order] = np.arange(len(order)) - ends[label[order]]
+    of_block = np.argsort(label[entries.row], kind="stable")
+    stops = np.searchsorted(label[entries.row][of_block], np.arange(kinds + 1))
+    i, j, values = place[entries.row[of_block]], place[count + entries.col[of_block]], entries.data[of_block]
+    for kind in np.flatnonzero(np.diff(stops)):
+        members = order[ends[kind] : ends[kind + 1]]
+        height = int(np.searchsorted(members, count))
+        block = np.zeros((height, len(members) - height))
+        part = slice(stops[kind], stops[kind + 1])
+        block[i[part], j[part] - height] = values[part]
+        yield members[:height], members[height:] - count, block
