@@ -75,9 +75,7 @@ def eliminate(matrix: sp.csr_matrix, right: Floats, tolerance: float) -> Elimina
     rows_out: list[Ints] = []
     columns_out: list[Ints] = []
     entries_out: list[Floats] = []
-    solved: dict[
-        tuple[int, bytes], tuple[Floats, Floats, Ints]
-    ] = {}  # the components of a vector share their equations
+    solved: dict[tuple[int, bytes], tuple[Floats, Floats, Ints]] = {}  # components of a vector share equations
     for rows, columns, block in _groups(matrix):
         key = (len(rows), block.tobytes())
         if key not in solved:
@@ -92,14 +90,13 @@ def eliminate(matrix: sp.csr_matrix, right: Floats, tolerance: float) -> Elimina
         redundant += len(rows) - rank
         pivots, rest = columns[order[:rank]], columns[order[rank:]]
         gone[pivots] = True
-        both = np.linalg.solve(r[:rank, :rank], np.hstack([r[:rank, rank:], image]))
+        both: Floats = np.linalg.solve(r[:rank, :rank], np.hstack([r[:rank, rank:], image]))
         constant[pivots] = both[:, len(rest) :]
-        weights = -both[:, : len(rest)]
-        weights[np.abs(weights) < 1e-12] = 0.0
+        weights = np.where(np.abs(both) < 1e-12, 0.0, -both)[:, : len(rest)]
         i, j = np.nonzero(weights)
         rows_out.append(pivots[i])
         columns_out.append(rest[j])
-        entries_out.append(weights[i, j])
+        entries_out.append(np.asarray(weights[i, j], dtype=float))
     free = np.flatnonzero(~gone)
     number = np.full(size, -1)
     number[free] = np.arange(len(free))
