@@ -90,7 +90,7 @@ def eliminate(matrix: sp.csr_matrix, right: Floats, tolerance: float) -> Elimina
         redundant += len(rows) - rank
         pivots, rest = columns[order[:rank]], columns[order[rank:]]
         gone[pivots] = True
-        both: Floats = np.linalg.solve(r[:rank, :rank], np.hstack([r[:rank, rank:], image]))
+        both = np.asarray(np.linalg.solve(r[:rank, :rank], np.hstack([r[:rank, rank:], image])), dtype=float)
         constant[pivots] = both[:, len(rest) :]
         weights = np.where(np.abs(both) < 1e-12, 0.0, -both)[:, : len(rest)]
         i, j = np.nonzero(weights)
