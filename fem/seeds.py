@@ -112,7 +112,10 @@ def shapes(wants: Trends, size: float, side: Side = "auto") -> list[Shape]:
         most, least = half + root, half - root
         name = "saddle" if least * length < -0.02 else "bent" if least * length > 0.02 else "arc"
         if most * length > 0.02:
-            k, m = sign * min(most, TURN / length), sign * float(np.clip(least, -2.0 / length, 2.0 / length))
+            k, m = (
+                sign * min(most, TURN / length),
+                sign * float(np.clip(least, *(np.array([-1.0, 1.0]) * TURN_ACROSS / length))),
+            )
             angles = np.pi * np.arange(DIRECTIONS) / DIRECTIONS
             out += [Shape(name, k, angle, 0.0 if name == "arc" else m) for angle in angles]
     return out + [Shape("cap", sign * min(k, TURN_ACROSS / length)) for k in caps if k * length > 0.02]

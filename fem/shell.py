@@ -16,7 +16,10 @@ from fem.assembly import Assembly
 from fem.conditions import Condition, reduce
 from fem.density import Density
 from fem.fields import Fields
+from fem.plain_maps import constant, flat_positions
+from fem.pulling import pulling
 from fem.reduced import Reduced
+from fem.rigid import admissible_motions, costless
 from fem.space import Space
 from fem.tabulation import Floats, Ints
 
@@ -83,11 +86,10 @@ class Shell:
         """Change what the sheet wants to be; everything else, factorisation patterns included, stays."""
         self._target = fields.rest(self.points)
         self.density: Density = fields.densities(self.points).at(self.points.shape[:2])
-        modulus = np.asarray(self.density.stiffness)[..., 3, 3]
-        penalty = self.space.penalty(modulus if modulus.ndim == 0 else modulus.mean(axis=1))
+        penalty = self.space.penalty(self.density.stiffness[..., 3, 3].mean(axis=1))
         self._penalty = None if penalty is None else (penalty, self.assembly.spread(penalty))
         self.__dict__.pop("flat_stiffness", None)
-        stretch = np.asarray(self.density.stiffness)[..., [0, 1], [0, 1]].max(axis=-1).mean()
+        stretch = self.density.stiffness[..., [0, 1], [0, 1]].max(axis=-1).mean()
         self.force_scale = float(stretch * np.sqrt(self.assembly.weights.sum()))
 
     @property
@@ -117,10 +119,15 @@ class Shell:
 
     def outer_forces(self, x: Floats) -> Floats:
         """(N, 3) gradient of everything but the sheet's own energy."""
+        out = self._push(x)
+        return out if self._penalty is None else out + self._penalty[0] @ x
+
+    def _push(self, x: Floats) -> Floats:
+        """(N, 3) gradient of loads and moments."""
         out = -self.progress * self.loads
         for moment in self.moments:
             out = out + self.progress * moment.gradient(x)
-        return out if self._penalty is None else out + self._penalty[0] @ x
+        return out
 
     def restricted(self, forces: Floats) -> Floats:
         """(n,) over the free unknowns, from (N, 3)."""
@@ -144,7 +151,7 @@ class Shell:
         """(nnz,) exact for blend 0; for 1 positive semidefinite: of the stress only what pulls is kept."""
         _, stress, stiffness = self.density(self.strains(x))
         if blend > 0.0:
-            stress = (1.0 - blend) * stress + blend * _pulling(stress)
+            stress = (1.0 - blend) * stress + blend * pulling(stress)
         return self.tangent(x, stiffness, stress)
 
     @cached_property
@@ -158,8 +165,7 @@ class Shell:
     def flat_stiffness(self) -> Floats:
         """(nnz,) of the printed sheet without stress, over the free unknowns."""
         stress = np.zeros((*self.assembly.weights.shape, 6))
-        stiffness = np.ascontiguousarray(np.broadcast_to(self.density.stiffness, (*stress.shape, 6)))
-        data = self.assembly.tangent(self.flat, stiffness, stress)
+        data = self.assembly.tangent(self.flat, self.density.stiffness, stress)
         return self._reduced(data if self._penalty is None else data + self._penalty[1])
 
     def move(self, x: Floats, direction: Floats) -> Floats:
@@ -195,27 +201,16 @@ class Shell:
         return self.reduction.map.shape[1] == self.flat.size
 
     def rigid_modes(self, x: Floats) -> Floats:
-        """(n, k) orthonormal rigid motions that the conditions leave free, and that cost nothing.
-
-        Motions on which loads act like springs stay in the spectrum.
-        """
-        centred = x - self._shifts[:, None] * x[self._shifts != 0.0].mean(axis=0)
-        centred /= np.sqrt((centred**2).mean()) + 1e-30
-        motions = np.zeros((*x.shape, 6))
-        for i in range(3):  # shifts, and turns about the axes
-            j, k = (i + 1) % 3, (i + 2) % 3
-            motions[:, i, i] = self._shifts
-            motions[:, j, 3 + i], motions[:, k, 3 + i] = -centred[:, k], centred[:, j]
-        motions = motions.reshape(x.size, 6)[:, : 3 if self.moments else 6]
-        free = motions[self.reduction.free]
-        if not self.is_free:
-            _, blocked, rows = np.linalg.svd(motions - self.reduction.map @ free, full_matrices=False)
-            free = free @ rows[blocked < 1e-9 * np.sqrt(x.size)].T
-        if self.loads.any() and free.shape[1]:
-            work = self.restricted(self.loads) @ free
-            rows = np.linalg.svd(work[None, :])[2]
-            free = free @ rows[1 if np.linalg.norm(work) > 1e-9 * np.linalg.norm(self.loads) else 0 :].T
-        return np.linalg.qr(free)[0]
+        """(n, k) orthonormal rigid motions that the conditions leave free, and that cost nothing."""
+        motions = np.linalg.qr(admissible_motions(x, self._shifts, self.reduction.map, self.reduction.free))[0]
+        loaded = bool(self.loads.any()) or len(self.moments) > 0
+        if motions.shape[1] == 0 or (self.is_free and not loaded):
+            return motions
+        data = self.hessian(x)
+        least = 1e-10 * float(np.median(np.abs(data[self.pattern.diagonal]))) + 10.0 * float(
+            np.linalg.norm(self.gradient(x))
+        )
+        return costless(motions, self.pattern.product(data, motions), self.restricted(self._push(x)), least)
 
     def support(self, x: Floats) -> Ints:
         """(k,) free unknowns that, held, stop the rigid motions and cause no forces."""
@@ -224,36 +219,3 @@ class Shell:
     def factor(self, backend: str = "auto") -> Factor:
         """A solver for the Hessians of this shell."""
         return make_factor(self.pattern, backend)
-
-
-def flat_positions(space: Space) -> Floats:
-    """(N, 3) the printed sheet."""
-
-    def gradient(p: Floats) -> Floats:
-        return np.broadcast_to(np.eye(3)[:, :2], (len(p), 3, 2))
-
-    return space.interpolate(lambda p: np.column_stack([p, np.zeros(len(p))]), gradient, _none)
-
-
-def constant(space: Space) -> Floats:
-    """(N,) the function one."""
-    one = space.interpolate(lambda p: np.ones((len(p), 3)), lambda p: np.zeros((len(p), 3, 2)), _none)
-    return np.ascontiguousarray(one[:, 0])
-
-
-def _none(points: Floats) -> Floats:
-    return np.zeros((len(points), 3, 3))
-
-
-def _pulling(stress: Floats) -> Floats:
-    """(..., 6) positive part of the membrane stress, no bending."""
-    middle = 0.5 * (stress[..., 0] + stress[..., 1])
-    radius = np.hypot(0.5 * (stress[..., 0] - stress[..., 1]), stress[..., 2])
-    high, low = middle + radius, middle - radius
-    # a symmetric matrix with these principal values is p + q S; both positive: itself, both negative: nothing
-    share = np.where(low >= 0.0, 1.0, np.where(high <= 0.0, 0.0, high / np.maximum(high - low, 1e-300)))
-    lift = np.where((low < 0.0) & (high > 0.0), -low * share, 0.0)
-    out = np.zeros_like(stress)
-    out[..., :3] = share[..., None] * stress[..., :3]
-    out[..., :2] += lift[..., None]
-    return out

@@ -55,8 +55,9 @@ def relax(
         # with a minimum at hand, another start is worth a few iterations, not a long way down
         at_hand = any(each.is_minimum for each in found)
         found.append(follow(shell, start.x, factor, start.shape.name, patient=not at_hand))
-    if not any(each.is_minimum for each in found):
-        found += filter(None, (by_load_steps(shell, factor, steps) for steps in STEPS))
+    for steps in STEPS:
+        if not any(each.is_minimum for each in found):
+            found += filter(None, [by_load_steps(shell, factor, steps)])
     best = min(found, key=_rank)
     if best.is_minimum:
         if best is not found[-1]:
@@ -106,7 +107,7 @@ def by_load_steps(shell: Shell, factor: Factor, steps: int) -> ShellEquilibrium 
             x = found.x
     finally:
         shell.progress = 1.0
-    return found
+    return None if found is None else replace(found, load_steps=steps)
 
 
 def modes_of(shell: Shell, x: Floats, factor: Factor, count: int) -> tuple[Floats, Floats]:
