@@ -10,6 +10,8 @@ from typing import Annotated, Any
 import typer
 
 from asterism import __version__
+from asterism.compare.cli import compare
+from asterism.compare.errors import ScanError
 from asterism.csv_cells import TableError
 from asterism.export_command import export, printers
 from asterism.previewing.command import preview
@@ -27,6 +29,7 @@ app.add_typer(law, name="law")
 app.command()(preview)
 app.command()(verify)
 app.command()(export)
+app.command()(compare)
 app.command()(printers)
 app.add_typer(strips, name="strips")
 
@@ -225,7 +228,17 @@ def main() -> None:
         status = app(standalone_mode=False)
     except _UsageError as error:
         _stop(error.format_message(), 2)  # type: ignore[attr-defined]
-    except (DesignError, MeshError, OutputError, BackendError, LawError, AddressError, TableError, _Mistake) as error:
+    except (
+        DesignError,
+        MeshError,
+        OutputError,
+        BackendError,
+        LawError,
+        AddressError,
+        TableError,
+        ScanError,
+        _Mistake,
+    ) as error:
         _stop(str(error), 2)
     except (CampaignError, NoMaterial) as error:
         _stop(str(error), 1)

@@ -9,7 +9,7 @@ import pytest
 from asterism.csv_cells import TableError
 from asterism.strips import arc
 from asterism.strips.strip import Reading
-from asterism.strips.table import read_strips
+from asterism.strips.table import COLUMNS, read_strips
 
 HEAD = "strip,thickness_mm,length_mm,stretch,fabric_thickness_mm,box_width_mm,box_height_mm"
 PEELED = ",peeled_box_width_mm,peeled_box_height_mm"
@@ -129,3 +129,8 @@ def test_files_that_are_not_there(tmp_path: Path) -> None:
     for path in (tmp_path / "none.csv", tmp_path):
         with pytest.raises(TableError, match="cannot be read"):
             read_strips(path)
+
+
+def test_the_documentation_names_every_column() -> None:
+    text = (Path(__file__).parents[3] / "docs" / "strips.md").read_text(encoding="utf-8")
+    assert [name for name in COLUMNS if f"`{name}`" not in text] == []

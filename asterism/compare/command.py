@@ -1,0 +1,124 @@
+"""`asterism compare`: a shape and a scan or an outline in, a picture and numbers out."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import shapely
+
+from asterism import __version__
+from asterism.compare import outline
+from asterism.compare.comparison import compare_scan
+from asterism.compare.outline import read_outline
+from asterism.compare.picture import draw_outline, draw_scan
+from asterism.compare.scan import extent, read_scan
+from asterism.compare.silhouette import Fitted, fit_outline, silhouette
+from asterism.compare.units import check_size
+from asterism.files import LAST, check_writable, staged
+from asterism.read_shape import read_shape
+from asterism.shape import Shape
+
+# farther off, the scan may not have been laid on the shape rightly
+POOR_PERCENT = 1.5
+
+
+def compare(shape: Path, scan: Path, output: Path | None, unit: str, view: str, trim: float) -> list[str]:
+    """Write compare.png and summary.json into a directory; returns the lines to print.
+
+    Raises
+    ------
+    DesignError
+        The shape cannot be read.
+    ScanError, TableError
+        The scan or outline cannot be read, or has the wrong size.
+    OutputError
+        The files cannot be written.
+    """
+    found = read_shape(shape)
+    directory = output or scan.with_name(f"{scan.stem}-compared")
+    check_writable(directory)
+    name = found.summary.get("design", {}).get("name", shape.stem)
+    title = f"{name} and {scan.name}"
+    about = {"version": __version__, "shape": str(shape), "scan": str(scan), "units": unit}
+    if scan.suffix.lower() in outline.FORMATS:
+        fitted = _outline(found, scan, unit, view, trim)
+        numbers = {**about, "view": view, **outline_numbers(fitted)}
+        rows = _outline_rows(numbers)
+        with staged(directory) as folder:
+            seen = "above" if view == "above" else f"the {view}"
+            draw_outline(fitted, f"{title}, seen from {seen}", _line(rows), folder / "compare.png")
+            _write(folder, numbers)
+    else:
+        measured = read_scan(scan, unit)
+        check_size(scan, measured.size_mm, extent(found.positions), unit)
+        comparison = compare_scan(found, measured, trim)
+        numbers = {
+            **about,
+            "scan_triangles": measured.triangles,
+            "scan_vertices": measured.vertices,
+            **comparison.summary(),
+        }
+        rows = _scan_rows(numbers)
+        with staged(directory) as folder:
+            draw_scan(comparison, title, folder / "compare.png")
+            _write(folder, numbers)
+    return [*(f"  {name:<22} {value}" for name, value in rows.items()), f"{directory}: compare.png, {LAST}"]
+
+
+def _outline(shape: Shape, file: Path, unit: str, view: str, trim: float) -> Fitted:
+    corners, target = read_outline(file, unit), silhouette(shape, view)
+    sizes = [float(np.linalg.norm(np.ptp(points, axis=0))) for points in (corners, target)]
+    check_size(file, sizes[0], sizes[1], unit)
+    return fit_outline(corners, target, trim)
+
+
+def outline_numbers(fitted: Fitted) -> dict[str, Any]:
+    """Numbers of a fitted outline."""
+    distance = np.abs(fitted.distance)
+    areas = [shapely.Polygon(points).area for points in (fitted.silhouette, fitted.outline)]
+    return {
+        "rms_mm": float(np.sqrt(np.mean(distance**2))),
+        "median_mm": float(np.median(distance)),
+        "max_mm": float(distance.max()),
+        "mean_outwards_mm": float(fitted.distance.mean()),
+        "max_from_silhouette_mm": float(fitted.missed.max()),
+        "area_of_shape_mm2": areas[0],
+        "area_of_outline_mm2": areas[1],
+        "turn_deg": fitted.turn_deg,
+        "shift_mm": fitted.shift.tolist(),
+    }
+
+
+def _scan_rows(s: dict[str, Any]) -> dict[str, str]:
+    rows = {
+        "rms": f"{s['rms_mm']:.3f} mm, {s['rms_percent']:.2f} % of the shape's diameter",
+        "median, 95 %, largest": f"{s['median_mm']:.3f}, {s['largest_twentieth_above_mm']:.3f}, {s['max_mm']:.3f} mm",
+        "mean": f"{s['mean_to_plastic_side_mm']:+.3f} mm to the plastic side",
+        "left out": f"{s['points_left_out_percent']:.1f} % of the points, beyond {s['left_out_beyond_mm']:.2f} mm",
+        "scanned": f"{s['shape_covered_percent']:.0f} % of the shape",
+    }
+    if s["rms_percent"] > POOR_PERCENT:
+        rows["a poor fit"] = "if the scan holds much else, crop it, or say --trim 0.5; is it of this design?"
+    if s["poses_as_good"] > 1:
+        rows["poses as good"] = f"{s['poses_as_good']}: the shape looks alike from several sides"
+    return rows
+
+
+def _outline_rows(s: dict[str, Any]) -> dict[str, str]:
+    return {
+        "rms": f"{s['rms_mm']:.3f} mm",
+        "median, largest": f"{s['median_mm']:.3f}, {s['max_mm']:.3f} mm",
+        "mean": f"{s['mean_outwards_mm']:+.3f} mm outwards",
+        "area": f"{s['area_of_outline_mm2']:.0f} mm2, the shape's {s['area_of_shape_mm2']:.0f}",
+    }
+
+
+def _line(rows: dict[str, str]) -> str:
+    return "   ·   ".join(f"{name} {value}" for name, value in rows.items())
+
+
+def _write(folder: Path, numbers: dict[str, Any]) -> None:
+    (folder / LAST).write_text(json.dumps(numbers, indent=2, allow_nan=False) + "\n", encoding="utf-8")

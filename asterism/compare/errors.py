@@ -1,0 +1,12 @@
+"""What is wrong with a scan or an outline, in one line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+
+class ScanError(ValueError):
+    """A scan that cannot be read or compared; `str` is one line that begins with the file."""
+
+    def __init__(self, file: str | Path, problem: str):
+        super().__init__("".join(c if c.isprintable() else " " for c in f"{file}: {problem}"))

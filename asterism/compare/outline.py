@@ -1,0 +1,101 @@
+"""Outlines from a photograph, as polygons: SVG and CSV in, mm out."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+import shapely
+
+from asterism.compare.errors import ScanError
+from asterism.compare.units import MM
+from asterism.csv_cells import read_rows
+from pattern.layout import Floats
+
+FORMATS = (".svg", ".csv")
+_LARGEST = 1e6
+# pieces of a curve
+_PIECES = 100
+
+
+def read_outline(path: Path, unit: str = "mm") -> Floats:
+    """Corners (n, 2) mm of the largest closed line in a file, y upwards, not closed.
+
+    Parameters
+    ----------
+    unit : of a CSV's numbers, and of an SVG's if it does not say its size in mm, cm or inches.
+
+    Raises
+    ------
+    ScanError, TableError
+        The file is not an outline.
+    """
+    if not path.is_file():
+        raise ScanError(path, "is not there")
+    corners = _from_csv(path, unit) if path.suffix.lower() == ".csv" else _from_svg(path, unit)
+    if len(corners) < 3 or np.linalg.svd(corners - corners.mean(axis=0))[1][1] == 0:
+        raise ScanError(path, "holds no outline: at least three corners, not on a line")
+    if not shapely.Polygon(corners).is_valid:
+        raise ScanError(path, "the outline crosses itself")
+    return corners
+
+
+def _from_csv(path: Path, unit: str) -> Floats:
+    """Columns x_mm and y_mm."""
+    rows = read_rows(path, ("x_mm", "y_mm"), ("x_mm", "y_mm"))
+    corners = []
+    for row in rows:
+        place = [row.number_in(column, -_LARGEST, _LARGEST) for column in ("x_mm", "y_mm")]
+        for column, value in zip(("x_mm", "y_mm"), place, strict=True):
+            if value is None:
+                raise row.wrong(column, "is empty")
+        corners.append(place)
+    points = np.array(corners, dtype=float).reshape(-1, 2) * MM[unit]
+    closed = len(points) > 1 and np.array_equal(points[0], points[-1])
+    return points[:-1] if closed else points
+
+
+def _from_svg(path: Path, unit: str) -> Floats:
+    """The largest closed line of all shapes of a drawing."""
+    import svgelements as svg  # only photographs' outlines need it
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            # at 25.4 units an inch, a unit is a millimetre
+            drawing = svg.SVG.parse(str(path), reify=True, ppi=25.4)
+    except Exception as error:
+        reason = str(error).strip().split("\n")[0] or type(error).__name__
+        raise ScanError(path, f"cannot be read as SVG: {reason}") from None
+    said = [str(drawing.values.get(side, "")).strip().lower() for side in ("width", "height")]
+    measured = all(text.endswith(("mm", "cm", "in", "pt", "pc")) for text in said)
+    lines = []
+    for shape in drawing.elements(lambda element: isinstance(element, svg.Shape)):
+        for part in svg.Path(shape).as_subpaths():
+            places = [(p.x, p.y) for piece in svg.Path(part) for p in _points(piece)]
+            if len(places) >= 3:
+                lines.append(np.array(places, dtype=float))
+    if not lines:
+        raise ScanError(path, "holds no line with three corners or more")
+    largest = max(lines, key=_area)
+    if not np.isfinite(largest).all() or np.abs(largest).max() > _LARGEST:
+        raise ScanError(path, "holds places that are not finite numbers, or too large")
+    if not measured and unit == "mm" and "px" in "".join(said):
+        raise ScanError(path, "has its size in px: give width and height in mm")
+    steps = np.linalg.norm(np.diff(largest, axis=0, append=largest[:1]), axis=1)
+    return largest[steps > 1e-9] * [1.0, -1.0] * (1.0 if measured else MM[unit])
+
+
+def _points(piece: object) -> list:
+    """Along one piece of a path; its end included."""
+    import svgelements as svg
+
+    if isinstance(piece, svg.Line | svg.Close | svg.Move):
+        return [piece.end] if piece.end is not None else []
+    return [piece.point(k / _PIECES) for k in range(1, _PIECES + 1)]  # type: ignore[attr-defined]
+
+
+def _area(points: Floats) -> float:
+    x, y = points.T
+    return abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2

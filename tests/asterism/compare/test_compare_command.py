@@ -1,0 +1,81 @@
+"""`asterism compare` as its user meets it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from PIL import Image
+
+from asterism.export_vtu import write_shape_vtu
+from tests.asterism.commands import command
+from tests.asterism.compare.scans import bent_sheet, motion
+
+SHAPE = bent_sheet()
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    write_shape_vtu(SHAPE, tmp_path / "shape.vtu")
+    return tmp_path
+
+
+def scan(path: Path, scale: float = 1.0) -> None:
+    rotation, shift = motion(3)
+    x, y = SHAPE.printed.T
+    bump = 2 * np.exp(-((x - 20) ** 2 + y**2) / 150)
+    raised = SHAPE.positions + np.column_stack([0 * bump, 0 * bump, bump])
+    trimesh.Trimesh((raised @ rotation.T + shift) * scale, SHAPE.triangles, process=False).export(path)
+
+
+def test_a_scan_in_inches(folder: Path, capsys, monkeypatch) -> None:
+    scan(folder / "scan.obj", 1 / 25.4)
+    words = ["compare", str(folder / "shape.vtu"), str(folder / "scan.obj")]
+    refused = command(words, capsys, monkeypatch)
+    assert refused.status == 2 and "it seems to be in inches" in refused.line and "--units in" in refused.line
+    assert not (folder / "scan-compared").exists()
+    done = command([*words, "--units", "in"], capsys, monkeypatch)
+    assert done.status == 0, done.err
+    assert "of the shape's diameter" in done.out
+    numbers = json.loads((folder / "scan-compared" / "summary.json").read_text())
+    assert numbers["units"] == "in" and 0.2 < numbers["rms_mm"] < 0.8 and numbers["shape_covered_percent"] > 98
+    with Image.open(folder / "scan-compared" / "compare.png") as picture:
+        assert picture.size == (1600, 860)
+        # the shape is there, in colours: neither white nor grey
+        colours = np.asarray(picture.convert("RGB"))[200:600, 100:700].reshape(-1, 3).astype(int)
+        assert (np.ptp(colours, axis=1) > 8).mean() > 0.02
+
+
+def test_an_outline_from_above(folder: Path, capsys, monkeypatch) -> None:
+    corners = np.array([[-50, -40], [50, -40], [50, 40], [-50, 40]]) * 1.02 + [10, 20]
+    (folder / "outline.csv").write_text("x_mm,y_mm\n" + "".join(f"{x:.2f},{y:.2f}\n" for x, y in corners))
+    words = ["compare", str(folder / "shape.vtu"), str(folder / "outline.csv"), "-o", str(folder / "out")]
+    assert command(words, capsys, monkeypatch).status == 0
+    numbers = json.loads((folder / "out" / "summary.json").read_text())
+    assert numbers["area_of_outline_mm2"] == pytest.approx(8000 * 1.02**2, rel=1e-3)
+    assert 0.4 < numbers["mean_outwards_mm"] < 1.1
+    assert (folder / "out" / "compare.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    ("shape", "file", "content", "problem"),
+    [
+        ("shape.vtu", "none.obj", None, "none.obj: is not there"),
+        ("none.vtu", "a.obj", b"v 1 2 3\n", "none.vtu"),
+        ("shape.vtu", "a.obj", b"", "a.obj: holds no points"),
+        ("shape.vtu", "a.txt", b"", "a.txt: must end in .obj"),
+        ("a.vtu", "a.vtu", b"hello", "a.vtu: cannot be read as VTU"),
+    ],
+)
+def test_mistakes(
+    shape: str, file: str, content: bytes | None, problem: str, folder: Path, capsys, monkeypatch
+) -> None:
+    if content is not None:
+        (folder / file).write_bytes(content)
+    before = sorted(folder.iterdir())
+    done = command(["compare", str(folder / shape), str(folder / file)], capsys, monkeypatch)
+    assert done.status == 2 and problem in done.line
+    assert sorted(folder.iterdir()) == before
