@@ -7,10 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from asterism import __version__
+from asterism.mesh_error import diameter
+from asterism.previewing.expected import amplitudes_percent, another_form_is_near, expected_rms_percent
 from asterism.shape import Shape
 from discrete.likeness import rolled_about
 from pattern.layout import Floats
 from pattern.mesh import Mesh
+from pattern.planar import polygon_area
 from pattern.symmetries import symmetries
 
 if TYPE_CHECKING:
@@ -25,6 +28,8 @@ def summary(preview: Preview, shape: Shape, mesh: Mesh, seconds: dict[str, float
     """Keys as in a simulation's summary where they mean the same."""
     found, layout, law = preview.equilibrium, preview.sheet.layout, preview.law
     axis = _roll_axis(preview)
+    size = polygon_area(layout.border), diameter(shape.positions)
+    amplitudes = amplitudes_percent(found.soft_modes, found.energy, *size)
     return {
         "model": "preview",
         "converged": found.converged,
@@ -46,6 +51,7 @@ def summary(preview: Preview, shape: Shape, mesh: Mesh, seconds: dict[str, float
             "edge_mm": law.edge_mm,
             "made_by": law.made.get("command"),
         },
+        "expected_rms_percent": expected_rms_percent(amplitudes),
         "law_in_range": not preview.values.outside,
         "stars_outside_law": list(preview.values.outside),
         "stars_tight": list(preview.values.tight),
@@ -64,13 +70,13 @@ def summary(preview: Preview, shape: Shape, mesh: Mesh, seconds: dict[str, float
         "height_mm": shape.height_mm,
         "extent_mm": list(shape.extent_mm),
         "contraction": _contraction(preview, shape),
-        "warnings": warnings(preview, axis),
+        "warnings": warnings(preview, axis, another_form_is_near(amplitudes)),
         "version": __version__,
         "design": preview.design.to_dict(),
     }
 
 
-def warnings(preview: Preview, axis: float | None) -> list[str]:
+def warnings(preview: Preview, axis: float | None, soft_in_two_ways: bool = False) -> list[str]:
     """One line each."""
     found, values, layout = preview.equilibrium, preview.values, preview.sheet.layout
     lines = list(values.outside)
@@ -86,6 +92,8 @@ def warnings(preview: Preview, axis: float | None) -> list[str]:
         lines.append(f"not an equilibrium: gradient {found.gradient_norm:.1e} N, above {found.tolerance:.1e} N")
     elif not found.definite:
         lines.append("an equilibrium that is not stable")
+    if soft_in_two_ways:
+        lines.append("soft in more than one way: the sheet may rest in another form, as asterism verify would tell")
     soft = found.soft_modes
     if axis is not None and len(soft) > 1 and soft[1] > NEUTRAL * soft[0]:
         lines.append(

@@ -83,6 +83,11 @@ class Comparison:
         return float(np.ptp(self.reference.positions[:, 2])), float(np.ptp(self.other.positions[:, 2]))
 
     @cached_property
+    def mean_heights_mm(self) -> tuple[float, float]:
+        """Extents along z of the cell means."""
+        return float(np.ptp(self.reference_mean[:, 2])), float(np.ptp(self.other_mean[:, 2]))
+
+    @cached_property
     def roll_axes_deg(self) -> tuple[float | None, float | None]:
         """Axes about which the sheets are rolled in print coordinates; None: not rolled."""
         triangles = self.reference.triangles

@@ -21,6 +21,7 @@ def numbers(comparison: Comparison) -> dict[str, Any]:
         "max_stars_percent": comparison.max_stars_percent,
         "diameter_mm": comparison.diameter_mm,
         "height_error_percent": _relative(reference, other),
+        "mean_height_error_percent": _relative(*comparison.mean_heights_mm),
         "heights_mm": [reference, other],
         "volume_error_percent": None if volumes is None else _relative(*volumes),
         "volumes_mm3": None if volumes is None else list(volumes),

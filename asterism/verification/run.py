@@ -69,6 +69,7 @@ def verify(
     report: Report | None = None,
     say: Say | None = None,
     released: Shape | None = None,
+    near: Shape | None = None,
     shown: Callable[[Design], Shape] | None = None,
 ) -> Verification:
     """Preview a design, simulate it from the flat print and from the preview, and compare.
@@ -77,7 +78,7 @@ def verify(
     ----------
     law : for the preview; that of the paper's material by default.
     backend, report, say : as in `simulate`.
-    released : what `simulate(design)` has found, if that is known already.
+    released, near : what the exact model has found from the flat print and from a preview, if that is known already.
     shown : what is compared with the exact model in place of `preview`.
 
     Raises
@@ -96,8 +97,9 @@ def verify(
     if released is None:
         tell("exact model, released from the flat print")
         released = simulate(design, backend, report, say)
-    tell("exact model, started from the preview")
-    near = simulate(design, backend, report, say, near=quick)
+    if near is None:
+        tell("exact model, started from the preview")
+        near = simulate(design, backend, report, say, near=quick)
     tell("comparing")
     plan = layout(design)
     same = symmetries(design, plan)

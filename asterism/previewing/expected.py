@@ -1,0 +1,53 @@
+"""How far off a preview expects to be, from what it knows itself.
+
+A shape is uncertain where it is soft. Its softest motions, with the eigenvalues `s_i` (N/mm^3) against the printed area
+A, would take the energy E of the sheet up to these amplitudes, rms over the sheet, in % of its diameter D:
+
+    a_i = 100/D sqrt(2 E / (s_i A)).
+
+The law's energies are wrong by a small part of E, so that the shape is off by a small part of the amplitudes. How small
+was found by `python -m benchmarks.accuracy`, which compares previews with the exact model over many designs:
+
+- the distance grows with a power of the amplitude of all soft motions together;
+- a sheet with two soft motions may rest in another form altogether. (With one, that is often the turn of the axis of a
+  roll, which the design's symmetry forgives.)
+
+docs/accuracy.md shows how good this is.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pattern.layout import Floats
+
+# the distance in % for an amplitude a in %: FACTOR a^POWER
+FACTOR, POWER = 0.21, 0.46
+# second amplitude in % from which another form is near, how sharply, and the distance in % that is added then
+TWO_WAYS, SHARPNESS, ANOTHER_FORM = 20.0, 8.0, 5.0
+
+
+def amplitudes_percent(soft_modes: Floats, energy: float, area: float, diameter: float) -> Floats:
+    """(k,) a_i above, the largest first.
+
+    Parameters
+    ----------
+    soft_modes : (k,) N/mm^3, smallest eigenvalues against the printed area.
+    energy, area, diameter : N mm, mm^2 and mm.
+    """
+    safe = np.maximum(np.asarray(soft_modes, dtype=float), 1e-12)
+    return np.sort(100.0 / diameter * np.sqrt(2.0 * max(energy, 0.0) / (safe * area)))[::-1]
+
+
+def expected_rms_percent(amplitudes: Floats) -> float | None:
+    """The distance to the exact model to be expected, in % of the diameter; None without two amplitudes."""
+    if len(amplitudes) < 2:
+        return None
+    near = FACTOR * float(np.linalg.norm(amplitudes)) ** POWER
+    ratio = (float(amplitudes[1]) / TWO_WAYS) ** SHARPNESS
+    return float(np.hypot(near, ANOTHER_FORM * ratio / (1.0 + ratio)))
+
+
+def another_form_is_near(amplitudes: Floats) -> bool:
+    """Whether the sheet is soft in two ways."""
+    return len(amplitudes) > 1 and bool(amplitudes[1] > TWO_WAYS)

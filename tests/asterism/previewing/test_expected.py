@@ -1,0 +1,34 @@
+"""What a preview expects of itself."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from asterism.previewing.expected import amplitudes_percent, another_form_is_near, expected_rms_percent
+
+
+def test_amplitudes_take_the_energy():
+    """Half the eigenvalue times area times the mean square is the energy."""
+    modes, energy, area, diameter = np.array([2e-4, 5e-5]), 20.0, 9000.0, 100.0
+    found = amplitudes_percent(modes, energy, area, diameter)
+    assert 0.5 * modes[::-1] * area * (found * diameter / 100.0) ** 2 == pytest.approx([energy, energy])
+
+
+def test_softer_sheets_expect_more():
+    expected = [expected_rms_percent(np.array([a, 0.7 * a, 0.3 * a])) for a in (1.0, 5.0, 20.0, 40.0, 80.0)]
+    assert all(one < other for one, other in pairwise(expected))
+
+
+def test_one_soft_motion_is_forgiven():
+    """The turn of a tube's axis alone does not make another form."""
+    assert not another_form_is_near(np.array([80.0, 10.0]))
+    assert another_form_is_near(np.array([80.0, 40.0]))
+    assert expected_rms_percent(np.array([80.0, 40.0])) > 2.0 * expected_rms_percent(np.array([80.0, 10.0]))
+
+
+def test_nothing_is_expected_of_what_is_not_stable():
+    assert expected_rms_percent(np.empty(0)) is None
+    assert not another_form_is_near(np.empty(0))
