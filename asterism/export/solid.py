@@ -13,6 +13,8 @@ from pattern.layout import Floats, Ints
 
 # corners lie on a grid of a thousandth of a millimetre: single precision, as in STL, keeps them apart
 GRID_MM = 1e-3
+# joining parts may bring other corners together
+_MOST_ROUNDS = 5
 
 
 @dataclass(frozen=True)
@@ -59,17 +61,41 @@ class Step:
 def terraces(regions: Sequence[tuple[float, BaseGeometry]]) -> tuple[Step, ...]:
     """Regions (height, polygon) that may overlap, as one terrace for each height, the lowest and widest first.
 
-    A terrace covers all that is at least as high, so that each lies within the one before it.
+    A terrace covers all that is at least as high, so that each lies within the one before it. All are unions of the
+    faces of one subdivision of the plane: where two terraces have a wall in common, they have its corners in common.
+    Parts that touch in a point are joined there by a square of a few micrometres: an edge of a solid has two sides.
     """
-    heights = sorted({round(height, 6) for height, _ in regions})
-    steps: list[Step] = []
-    above: BaseGeometry = shapely.Polygon()
-    for height in reversed(heights):
-        here = [region for h, region in regions if round(h, 6) == height]
-        # united first: snapping the parts would move their common edges apart
-        above = shapely.set_precision(shapely.union_all([above, *here]), GRID_MM)
-        steps.append(Step(height, above))
-    return tuple(reversed(steps))
+    heights = np.array([round(height, 6) for height, _ in regions])
+    shapes = shapely.set_precision([region for _, region in regions], GRID_MM)
+    for _ in range(_MOST_ROUNDS):
+        steps = _subdivided(heights, shapes)
+        touching = [(step.height_mm, _touching_points(step.region)) for step in steps]
+        if not any(len(points) for _, points in touching):
+            break
+        for height, points in touching:
+            bridges = shapely.box(*(points - 2 * GRID_MM).T, *(points + 2 * GRID_MM).T)
+            heights = np.concatenate([heights, np.full(len(points), height)])
+            shapes = np.concatenate([shapes, shapely.set_precision(bridges, GRID_MM)])
+    return steps
+
+
+def _subdivided(heights: Floats, shapes: np.ndarray) -> tuple[Step, ...]:
+    lines = shapely.union_all(shapely.boundary(shapes), grid_size=GRID_MM)
+    faces = shapely.get_parts(shapely.polygonize(shapely.get_parts(lines)))
+    # a face is as high as the highest region over it
+    face, region = shapely.STRtree(shapes).query(shapely.point_on_surface(faces), predicate="intersects")
+    top = np.zeros(len(faces))
+    np.maximum.at(top, face, heights[region])
+    levels = np.unique(top[top > 0])
+    return tuple(Step(float(level), shapely.coverage_union_all(faces[top >= level])) for level in levels)
+
+
+def _touching_points(region: BaseGeometry) -> Floats:
+    """(n, 2) corners at which parts of a region, or its holes, touch."""
+    rings = shapely.get_rings(region)
+    corners = [shapely.get_coordinates(ring)[:-1] for ring in rings]
+    points, count = np.unique(np.concatenate([np.empty((0, 2)), *corners]), axis=0, return_counts=True)
+    return np.asarray(points[count > 1])
 
 
 def stack(name: str, steps: Sequence[Step]) -> Solid:
