@@ -102,8 +102,8 @@ def settle(
     ----------
     iterate : takes a state to a stationary one, or fails; then `equilibrium.newton.minimise` goes on.
     longest : largest change of an unknown when a saddle is left.
-    max_iterations : of that; 0 gives up instead.
     max_saddles : to leave before giving up; the result is then a saddle and says so.
+    max_iterations : of `minimise`; 0 gives up instead.
     """
     clock = Clock()
     found = Settled(start, np.inf, np.inf, tolerance, False, seconds=clock.seconds)
@@ -134,9 +134,8 @@ def settle(
             break
         energy, kicked = found.energy, left(problem, found.state, found.lowest.vector, longest)
         follow(kicked)
-        if max_iterations and not (
-            found.converged and found.energy <= energy
-        ):  # it went back up: follow the energy down instead
+        if max_iterations and not (found.converged and found.energy <= energy):
+            # it went back up: follow the energy down instead
             run = clock("minimise", _down, problem, kicked, factor, tolerance, max_iterations)
             _count(found, run)
             found.state, found.energy, found.gradient_norm = run.state, run.energy, run.gradient_norm

@@ -40,14 +40,20 @@ def relax(
 
     Parameters
     ----------
-    factor : of `shell.factor()`, to be used again; at the end it holds the exact Hessian if that is definite.
+    factor : of `shell.factor()`, to be used again; at the end it holds the exact Hessian if that is definite. One is
+        made for this call if none is given.
     side : of the printed plane that the edges go to; by default that of the rest curvature.
     shapes : to start from in place of the usual ones.
     followed : starts that are followed, each of another kind (cap, arc, saddle, flat).
     soft_modes : how many of the smallest eigenvalues to find.
     """
+    if factor is None:
+        own = shell.factor()
+        try:
+            return relax(shell, own, side, shapes, followed, soft_modes)
+        finally:
+            own.close()
     begin = time.perf_counter()
-    factor = factor or shell.factor()
     offered = starts(shell, factor, side, None if shapes is None else list(shapes))
     seconds = {"starts": time.perf_counter() - begin}
     found: list[ShellEquilibrium] = []
@@ -140,7 +146,7 @@ def _promising(offered: Sequence[Start]) -> list[Start]:
     """Those not much dearer than the best, compared with a flat sheet."""
     best = offered[0].energy
     flat = next((start.energy for start in offered if start.shape.name == "flat"), best)
-    return [start for start in offered if start.energy - best <= CLOSE * (flat - best)]
+    return [start for start in offered if start is offered[0] or start.energy - best <= CLOSE * (flat - best)]
 
 
 def _rank(found: ShellEquilibrium) -> tuple[bool, bool, float]:
