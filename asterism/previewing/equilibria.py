@@ -19,16 +19,30 @@ TUBE_TURN = 3.0
 STRIDES = 6  # in which later pins move the sheet to their places
 
 
-def settled(shell: Shell, factor: Factor, side: Side, uniform: bool) -> ShellEquilibrium:
-    """The lowest equilibrium that the most promising simple shapes lead to; `uniform`: all stars are alike."""
-    if uniform and len(shell.held_points) == 0:
-        wants, size = trends(shell), float(np.ptp(shell.space.mesh.p, axis=1).max())
-        if abs(wants.curvature) * wants.stretch * size > TUBE_TURN:
-            tubes = [shape for shape in shapes(wants, size, side) if shape.name == "arc"]
-            found = relax(shell, factor, side, tubes, followed=1)
-            if found.is_minimum:
-                return found
-    return relax(shell, factor, side)
+def settled(shell: Shell, factor: Factor, side: Side, uniform: bool, curls: bool) -> ShellEquilibrium:
+    """The lowest equilibrium that the most promising simple shapes lead to.
+
+    `uniform`: all stars are alike. `curls`: many stars curl tightly; a free sheet of such stars may fold up on several
+    sides in place of rolling, which a start as a cap finds and costs.
+    """
+    free = len(shell.held_points) == 0
+    wants, size = trends(shell), float(np.ptp(shell.space.mesh.p, axis=1).max())
+    if free and uniform and abs(wants.curvature) * wants.stretch * size > TUBE_TURN:
+        tubes = [shape for shape in shapes(wants, size, side) if shape.name == "arc"]
+        found = relax(shell, factor, side, tubes, followed=1)
+        if found.is_minimum:
+            return found
+    found = relax(shell, factor, side)
+    caps = [shape for shape in shapes(wants, size, side) if shape.name == "cap"]
+    if not (free and curls and caps) or any(trial.name == "cap" for trial in found.trials):
+        return found
+    cap = relax(shell, factor, side, caps, followed=1)
+    best = found
+    if cap.is_minimum and (cap.energy < found.energy or not found.is_minimum):
+        best = cap
+    else:
+        follow(shell, found.x, factor)  # so that the factor holds this state's Hessian again
+    return replace(best, trials=found.trials + cap.trials)
 
 
 def taken(shell: Shell, factor: Factor, x: Floats, was_free: bool) -> ShellEquilibrium:

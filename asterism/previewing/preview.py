@@ -30,6 +30,7 @@ from pattern.layout import Layout
 
 Say = Callable[[str], None]
 ALIKE = 0.01  # sizes of stars that differ by less than this part are the same
+MANY = 0.4  # part of the stars
 FLIPPED: dict[Side, Side] = {"auto": "up", "down": "up", "up": "down"}
 
 
@@ -111,12 +112,13 @@ class Preview:
     def _settle(self) -> None:
         """The equilibrium from simple shapes, and through the steps of the pins."""
         fields = self._clock("fields", self.sheet.fields, self.values)
+        curls = len(self.values.tight) > MANY * len(self.values.sizes)
         uniform = bool((np.ptp(self.values.sizes, axis=0) <= ALIKE * self.values.sizes.max(axis=0)).all())
         for step in self.sheet.layout.pin_steps:
             shell = self._clock("shell", self.sheet.shell, self.design, fields, step)
             factor = shell.factor()
             if step == 0:
-                found: ShellEquilibrium = self._clock("equilibrium", settled, shell, factor, self.side, uniform)
+                found: ShellEquilibrium = self._clock("equilibrium", settled, shell, factor, self.side, uniform, curls)
             else:
                 free = len(self.shell.held_points) == 0
                 found = self._clock("pins", taken, shell, factor, found.x, free)
