@@ -56,11 +56,11 @@ def test_commands_start_from_nothing_and_install(name: str) -> None:
 
 
 def test_the_main_job_runs_a_design_of_the_gallery() -> None:
-    new, simulate = steps("run")[2:]
+    new, verify = steps("run")[2:]
     assert new[:2] == [".venv/bin/asterism", "new"]
     assert new[2] in gallery.names()
-    assert simulate[:2] == [".venv/bin/asterism", "simulate"]
-    assert simulate[2] == new[new.index("-o") + 1]
+    assert verify[:2] == [".venv/bin/asterism", "verify"]
+    assert verify[2] == new[new.index("-o") + 1]
 
 
 def test_the_checks_run_what_the_readme_says() -> None:

@@ -23,6 +23,7 @@ from pattern.symmetries import symmetries
 
 RELEASE, PREVIEW = "release", "preview"
 FORM_PERCENT = 2.5  # of the diameter: minima that are nearer to each other are one form
+ALIKE = 1.3  # largest ratio of two edge lengths that count as one
 AGAIN = 3  # previews of which the fastest counts, once everything is loaded
 KEPT = ("energy_n_mm", "is_minimum", "stars_up", "iterations", "factorisations")
 
@@ -165,6 +166,12 @@ def warnings(found: Verification) -> list[str]:
         lines.append(f"the exact sheet passes through itself ({exact['self_intersections']} pairs of triangles)")
     if exact["stars_up"] < exact["stars_total"]:
         lines.append(f"{exact['stars_total'] - exact['stars_up']} stars of the exact shape are down")
+    edges = found.preview.summary.get("law", {}).get("edge_mm"), exact["edge_mm"]
+    if edges[0] is not None and not 1.0 / ALIKE < edges[0] / edges[1] < ALIKE:
+        lines.append(
+            f"the law was made with edges of {edges[0]:g} mm, the exact model's are {edges[1]:g} mm: part of the "
+            f"distance is the mesh's, --edge {edges[0]:g} makes them alike"
+        )
     error, distance = exact["mesh_error_percent"], found.comparison.rms_percent
     if error is not None and error > distance:
         lines.append(f"the exact model's own mesh error ({error:.1f} %) is larger than the distance ({distance:.1f} %)")

@@ -18,7 +18,7 @@ EDGE_MM = 17.3205 / 15.0
 
 def designs(edge_mm: float = EDGE_MM) -> list[Design]:
     """Gallery first; all with the mesh's edge in mm that is asked for."""
-    return [_meshed(gallery.load(name), edge_mm) for name in gallery.names()] + [
+    return [meshed(gallery.load(name), edge_mm) for name in gallery.names()] + [
         drawn(seed, edge_mm) for seed in range(RANDOM)
     ]
 
@@ -90,6 +90,7 @@ def _pins(rng: np.random.Generator, stretch: float) -> list[dict[str, Any]]:
     return [{"where": "border" if kind < 0.75 else "corners", "scale": scale}]
 
 
-def _meshed(design: Design, edge_mm: float) -> Design:
+def meshed(design: Design, edge_mm: float) -> Design:
+    """The design with another edge length of its mesh."""
     data = design.to_dict()
     return Design.from_dict(data | {"mesh": data["mesh"] | {"edge_mm": edge_mm}})

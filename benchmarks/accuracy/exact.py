@@ -8,6 +8,7 @@ FOLDER keeps a result for every design, as `asterism simulate` writes it; those 
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 from asterism.read_shape import read_shape
@@ -18,14 +19,14 @@ from benchmarks.accuracy.designs import designs
 from pattern.design import Design
 
 
-def exact(design: Design, folder: Path) -> Shape:
-    """The exact shape of a design, kept in a folder of its name."""
-    here = folder / design.name
+def exact(design: Design, folder: Path, near: Callable[[], Shape] | None = None) -> Shape:
+    """The exact shape of a design, kept in a folder of its name; with `near` the one that is found from that shape."""
+    here = folder / design.name / ("near" if near else "released")
     if (here / "summary.json").exists():
         shape = read_shape(here)
         if shape.summary.get("design") == design.to_dict():
             return shape
-    shape = simulate(design)
+    shape = simulate(design, near=near() if near else None)
     write_results(shape, here)
     return shape
 

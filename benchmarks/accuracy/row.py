@@ -18,13 +18,14 @@ from pattern.symmetries import symmetries
 
 
 def whole_row(design: Design, folder: Path, law: Law) -> dict[str, Any]:
-    """`asterism verify`, with the exact shape of the folder; without the designs and the parts of the summaries."""
-    found = verify(design, law, released=exact(design, folder))
+    """`asterism verify`, with the exact shapes of the folder; without the designs and the parts of the summaries."""
+    near = exact(design, folder, near=lambda: preview(design, law))
+    found = verify(design, law, released=exact(design, folder), near=near)
     return _short(found.summary) | {"name": design.name, "warnings": found.summary["warnings"]}
 
 
 def quick_row(design: Design, folder: Path, law: Law) -> dict[str, Any]:
-    """The comparison with the released exact shape only, for trying out changes of the preview."""
+    """The comparison with the released exact shape only."""
     released, shown = exact(design, folder), preview(design, law)
     plan = layout(design)
     comparison = compare(released, shown, plan, symmetries(design, plan))
