@@ -15,6 +15,7 @@ from asterism.compare.errors import ScanError
 from asterism.csv_cells import TableError
 from asterism.export_command import export, printers
 from asterism.previewing.command import preview
+from asterism.reporting.command import report
 from asterism.strips.cli import app as strips
 from asterism.strips.errors import NoMaterial
 from asterism.verification.command import verify
@@ -30,6 +31,7 @@ app.command()(preview)
 app.command()(verify)
 app.command()(export)
 app.command()(compare)
+app.command()(report)
 app.command()(printers)
 app.add_typer(strips, name="strips")
 

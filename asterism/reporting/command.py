@@ -1,0 +1,44 @@
+"""`asterism report`: a design on one page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def report(
+    design: Annotated[Path, typer.Argument(help="The design file (.toml or .json).")],
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="The page (DESIGN-report.pdf).")] = None,
+    results: Annotated[
+        Path | None, typer.Option(help="Results of simulate or preview (those beside the design, or a new preview).")
+    ] = None,
+    printer: Annotated[str, typer.Option(help="A printer by name, or its file; see asterism printers.")] = "ultimaker2",
+    plastic: Annotated[str, typer.Option(help="A plastic by name, or its file.")] = "tpu95a",
+    material: Annotated[
+        Path | None, typer.Option(help="A material's file: its fabric and plastic in place of the design's.")
+    ] = None,
+) -> None:
+    """One page about a design as PDF: parameters, picture, layout, needles, accuracy, material."""
+    from asterism.export.job import prepare
+    from asterism.export.profiles import load_plastic, load_printer
+    from asterism.files import OutputError, check_writable, staged
+    from asterism.material import with_material
+    from asterism.reporting.facts import facts
+    from asterism.reporting.page import write_page
+    from asterism.reporting.shape import shape_of
+    from pattern.design import load_design
+
+    path = output or design.with_name(f"{design.stem}-report.pdf")
+    if path.suffix.lower() != ".pdf":
+        raise OutputError(f"--output: {str(path)!r} must end with .pdf")
+    plan = with_material(load_design(design), material)
+    check_writable(path.parent)
+    machine, profile = load_printer(printer), load_plastic(plastic)
+    prepare(plan, machine, profile)  # before anything is computed: most mistakes are found here
+    shape, source = shape_of(plan, results, design.with_suffix(""))
+    job = prepare(plan, machine, profile, shape=shape)
+    with staged(path.parent) as folder:
+        parts = write_page(folder / path.name, job, facts(job, shape.summary if shape else {}, source), shape)
+    typer.echo(f"{path}: layout 1:{parts:g}; shape: {source}")

@@ -1,0 +1,95 @@
+"""What the page about a design says, as headed lines."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from asterism.export.estimate import estimate
+from asterism.export.job import Job
+from pattern.design import Design
+from pattern.kept_curvature import KeptCurvature
+from pattern.layout import Layout
+
+Facts = dict[str, list[str]]
+
+
+def facts(job: Job, summary: Mapping[str, Any], source: str) -> Facts:
+    """Parameters, shape, accuracy and material; what is not known is left out.
+
+    Parameters
+    ----------
+    summary : of the shape; empty if there is none.
+    source : where the shape comes from, or why there is none.
+    """
+    found = {
+        "Fabric": _fabric(job.design),
+        "Plastic": _plastic(job.design),
+        "Stars": _stars(job.exact_plan, job.design),
+        "Shape": [source, *_shape(summary)],
+        "Accuracy": _accuracy(summary),
+        "Print": _print(job),
+    }
+    return {head: lines for head, lines in found.items() if lines}
+
+
+def _fabric(design: Design) -> list[str]:
+    x, y = design.fabric.stretch_xy
+    stretch = f"{x:g}" if x == y else f"{x:g} along x, {y:g} along y"
+    return [f"stretch {stretch}, {design.fabric.thickness_mm:g} mm thick", f"bending: {design.fabric.bending}"]
+
+
+def _plastic(design: Design) -> list[str]:
+    plastic = design.plastic
+    kept = plastic.kappa_bar_per_mm
+    bar = "by thickness" if isinstance(kept, KeptCurvature) else f"{kept:g} /mm"
+    return [f"E1/E2 {plastic.modulus_ratio:g}, {plastic.rest_curvature}", f"kappa_bar {bar}"]
+
+
+def _stars(plan: Layout, design: Design) -> list[str]:
+    width, height = np.ptp(plan.border, axis=0)
+    return [
+        f"{len(plan.centres)}, {design.lattice.arms} arms, {design.lattice.spacing_mm:.4g} mm apart",
+        f"length {_range(plan.arm_length)} mm",
+        f"thickness {_range(plan.arm_thickness)}, width {_range(plan.arm_width)} mm",
+        f"sheet {width:.1f} x {height:.1f} mm, stretched",
+    ]
+
+
+def _shape(summary: Mapping[str, Any]) -> list[str]:
+    lines = []
+    if "height_mm" in summary:
+        lines.append(f"height {summary['height_mm']:.1f} mm")
+    if "extent_mm" in summary:
+        lines.append("extent " + " x ".join(f"{size:.1f}" for size in summary["extent_mm"]) + " mm")
+    if "is_minimum" in summary:
+        lines.append("a certified equilibrium" if summary["is_minimum"] else "NOT certain to stay")
+    return lines
+
+
+def _accuracy(summary: Mapping[str, Any]) -> list[str]:
+    lines = []
+    if (expected := summary.get("expected_rms_percent")) is not None:
+        lines.append(f"expected rms {expected:.1f} % of the diameter")
+        lines.append("from the exact model")
+    if (mesh := summary.get("mesh_error_percent")) is not None:
+        lines.append(f"mesh error about {mesh:.1f} % of the diameter")
+    return lines
+
+
+def _print(job: Job) -> list[str]:
+    prints = [job.stars, *([(job.border,)] if job.border is not None else [])]
+    cost = estimate(prints, job.printer, job.rounding, job.plastic)
+    return [
+        f"{job.printer.name}, {job.plastic.name}",
+        f"{cost['mass_g']:.1f} g, {cost['filament_m']:.2f} m of filament",
+        f"about {cost['minutes']:.0f} minutes",
+        f"nozzle starts {job.z_offset_mm:g} mm above the bed",
+    ]
+
+
+def _range(values: np.ndarray) -> str:
+    low, high = float(values.min()), float(values.max())
+    return f"{low:.3g}" if high - low < 0.005 * high else f"{low:.3g} to {high:.3g}"

@@ -1,0 +1,59 @@
+"""The shape on the page: from results that belong to the design, or from a new preview."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from asterism.read_shape import read_shape
+from asterism.shape import Shape
+from pattern.design import Design
+from pattern.errors import DesignError
+
+
+def shape_of(design: Design, results: Path | None, beside: Path) -> tuple[Shape | None, str]:
+    """A shape of the design and where it comes from; None and the reason, if there is no preview of it.
+
+    Parameters
+    ----------
+    results : a directory of results, or its shape.vtu.
+    beside : where results usually are; taken only if they are of this very design.
+
+    Raises
+    ------
+    DesignError
+        The results are not of this design, or cannot be read.
+    """
+    from asterism.previewing.run import preview
+    from homogenize.errors import LawError
+    from homogenize.law_file import load_law
+
+    if results is not None:
+        shape = read_shape(results)
+        if not _is_of(shape, design):
+            raise DesignError("--results", "must be of this design; compute them again", str(results))
+        return shape, _kind(shape)
+    if (beside / "shape.vtu").is_file():
+        try:
+            shape = read_shape(beside)
+        except DesignError:
+            pass  # what lies there by chance is no mistake
+        else:
+            if _is_of(shape, design):
+                return shape, _kind(shape)
+    try:
+        shape = preview(design, load_law(None))
+    except LawError as error:
+        return None, f"no preview ({str(error).split(': ')[-1][:60]})"
+    return shape, _kind(shape)
+
+
+def _is_of(shape: Shape, design: Design) -> bool:
+    made_from = shape.summary.get("design")
+    try:
+        return made_from is not None and Design.from_dict(made_from) == design
+    except DesignError:
+        return False
+
+
+def _kind(shape: Shape) -> str:
+    return "by the preview" if shape.summary.get("model") == "preview" else "by the exact model"

@@ -1,0 +1,112 @@
+"""The page about a design, read back by another program and measured on its picture."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pypdfium2
+import pytest
+
+from asterism.previewing.run import preview
+from asterism.results import write_results
+from homogenize.law_file import load_law
+from pattern.design import load_design
+from tests.asterism.commands import command
+
+DESIGN = """
+name = "small roof"
+[stars]
+length_mm = 8.0
+thickness_mm = 0.4
+[border]
+rectangle_mm = [104.0, 70.0]
+[[pins]]
+where = "corners"
+scale = 0.7
+[mesh]
+edge_mm = 4.0
+"""
+
+
+@pytest.fixture
+def design(tmp_path: Path) -> Path:
+    (tmp_path / "d.toml").write_text(DESIGN)
+    return tmp_path / "d.toml"
+
+
+def page(path: Path) -> tuple[str, np.ndarray]:
+    """Text of the only page, and its picture (rows, columns, 3) with 10 pixels a mm."""
+    document = pypdfium2.PdfDocument(path)
+    assert len(document) == 1
+    size = np.array(document[0].get_size()) * 25.4 / 72
+    np.testing.assert_allclose(size, [210, 297], atol=0.1)
+    image = document[0].render(scale=10 * 25.4 / 72).to_pil().convert("RGB")
+    return document[0].get_textpage().get_text_range(), np.asarray(image).astype(int)
+
+
+def test_parameters_picture_layout_needles_and_material(design: Path, capsys, monkeypatch) -> None:
+    done = command(["report", str(design)], capsys, monkeypatch)
+    assert done.status == 0, done.err
+    assert "layout 1:1; shape: by the preview" in done.out
+    text, image = page(design.with_name("d-report.pdf"))
+    for words in (
+        "small roof",
+        "stretch 1.35, 0.8 mm thick",
+        "E1/E2 3200, paper",
+        "length 8 mm",
+        "thickness 0.4, width 1.2 mm",
+        "sheet 104.0 x 70.0 mm",
+        "by the preview",
+        "g, ",
+        "Layout 1:1",
+        "Needles: 4",
+        "1: printed (-52.0, -35.0), stands at (-36.4, -24.5, 0.0)",
+    ):
+        assert words in text, text
+    # the colour of the sheet in the layout: as wide and high as the sheet itself
+    rows, columns = np.nonzero(
+        (np.abs(image - [0xF3, 0xF1, 0xEA]) < 3).all(axis=2) & (np.arange(len(image)) > 1200)[:, None]
+    )
+    assert np.ptp(columns) / 10 == pytest.approx(104, abs=0.5)
+    assert np.ptp(rows) / 10 == pytest.approx(70, abs=0.5)
+    # something is drawn in the place of the picture
+    assert (image[300:1200, 150:1950].min(axis=2) < 200).mean() > 0.03
+
+
+def test_results_of_the_design_are_used_and_others_refused(design: Path, tmp_path: Path, capsys, monkeypatch) -> None:
+    plan = load_design(design)
+    shape = preview(plan, load_law(None))
+    summary = {
+        "design": plan.to_dict(),
+        "height_mm": 12.34,
+        "extent_mm": [90.0, 60.0, 12.3],
+        "is_minimum": False,
+        "mesh_error_percent": 1.7,
+    }
+    write_results(replace(shape, summary=summary), tmp_path / "d")
+    done = command(["report", str(design), "-o", str(tmp_path / "r.pdf")], capsys, monkeypatch)
+    assert "by the exact model" in done.out
+    text, _ = page(tmp_path / "r.pdf")
+    assert "height 12.3 mm" in text and "NOT certain" in text and "mesh error about 1.7 %" in text
+    assert "expected rms" not in text
+
+    design.write_text(DESIGN.replace("8.0", "7.0"))
+    refused = command(["report", str(design), "--results", str(tmp_path / "d")], capsys, monkeypatch)
+    assert refused.status == 2 and "--results" in refused.line and "of this design" in refused.line
+
+
+@pytest.mark.parametrize(
+    ("words", "problem"),
+    [
+        (["-o", "r.png"], "must end with .pdf"),
+        (["--printer", "none"], "--printer"),
+        (["--material", "none.toml"], "none.toml"),
+        (["--results", "nowhere"], "nowhere"),
+    ],
+)
+def test_mistakes(words: list[str], problem: str, design: Path, capsys, monkeypatch) -> None:
+    done = command(["report", str(design), *words], capsys, monkeypatch)
+    assert done.status == 2 and problem in done.line
+    assert [file.name for file in design.parent.iterdir()] == ["d.toml"]
