@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -37,8 +38,12 @@ def report(
     check_writable(path.parent)
     machine, profile = load_printer(printer), load_plastic(plastic)
     prepare(plan, machine, profile)  # before anything is computed: most mistakes are found here
-    shape, source = shape_of(plan, results, design.with_suffix(""))
+    shape, source = shape_of(plan, results, design.with_suffix(""), _say)
     job = prepare(plan, machine, profile, shape=shape)
     with staged(path.parent) as folder:
         parts = write_page(folder / path.name, job, facts(job, shape.summary if shape else {}, source), shape)
     typer.echo(f"{path}: layout 1:{parts:g}; shape: {source}")
+
+
+def _say(line: str) -> None:
+    print(f"asterism: {line}", file=sys.stderr)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from asterism.read_shape import read_shape
@@ -10,13 +11,16 @@ from pattern.design import Design
 from pattern.errors import DesignError
 
 
-def shape_of(design: Design, results: Path | None, beside: Path) -> tuple[Shape | None, str]:
+def shape_of(
+    design: Design, results: Path | None, beside: Path, say: Callable[[str], None]
+) -> tuple[Shape | None, str]:
     """A shape of the design and where it comes from; None and the reason, if there is no preview of it.
 
     Parameters
     ----------
     results : a directory of results, or its shape.vtu.
     beside : where results usually are; taken only if they are of this very design.
+    say : called with a line if there is no shape.
 
     Raises
     ------
@@ -43,7 +47,8 @@ def shape_of(design: Design, results: Path | None, beside: Path) -> tuple[Shape 
     try:
         shape = preview(design, load_law(None))
     except LawError as error:
-        return None, f"no preview ({str(error).split(': ')[-1][:60]})"
+        say(f"the page has no picture: {error}; give --results")
+        return None, "not known: no law of this material"
     return shape, _kind(shape)
 
 

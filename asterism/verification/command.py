@@ -19,6 +19,9 @@ def verify(
     edge: Annotated[
         float | None, typer.Option(help="Edge length of the exact model's mesh in mm, in place of the design's.")
     ] = None,
+    material: Annotated[
+        Path | None, typer.Option(help="A material's file: its fabric and plastic in place of the design's.")
+    ] = None,
     backend: Annotated[str, typer.Option(help="Linear solver: auto, pardiso, cholmod, superlu or amg.")] = "auto",
 ) -> None:
     """Preview and exact model of a design, compared.
@@ -26,6 +29,7 @@ def verify(
     Writes report.html, summary.json, exact.vtu and preview.vtu. Exit status 1 if the exact model finds no minimum.
     """
     from asterism.files import check_writable
+    from asterism.material import with_material
     from asterism.overrides import changed
     from asterism.progress import Progress
     from asterism.verification.results import write_verification
@@ -33,7 +37,7 @@ def verify(
     from homogenize.law_file import load_law
     from pattern.design import load_design
 
-    plan = changed(load_design(design), {"--edge": ("mesh.edge_mm", edge)})
+    plan = changed(with_material(load_design(design), material), {"--edge": ("mesh.edge_mm", edge)})
     directory = output or design.with_suffix("")
     check_writable(directory)
     sheet = load_law(law)

@@ -97,6 +97,15 @@ def test_results_of_the_design_are_used_and_others_refused(design: Path, tmp_pat
     assert refused.status == 2 and "--results" in refused.line and "of this design" in refused.line
 
 
+def test_without_a_law_there_is_no_picture(design: Path, capsys, monkeypatch) -> None:
+    design.write_text(DESIGN + "[plastic]\nmodulus_ratio = 2000.0\n")
+    done = command(["report", str(design)], capsys, monkeypatch)
+    assert done.status == 0 and "no picture" in done.line and "plastic.modulus_ratio" in done.line
+    text, image = page(design.with_name("d-report.pdf"))
+    assert "not known: no law of this material" in text and "E1/E2 2000" in text
+    assert image[300:1200, 150:1950].min() == 255
+
+
 @pytest.mark.parametrize(
     ("words", "problem"),
     [
