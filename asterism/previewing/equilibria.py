@@ -16,6 +16,7 @@ from fem.tabulation import Floats
 
 # a free sheet of equal stars that would turn by more from side to side, in rad, is a tube, and not tried as a cap
 TUBE_TURN = 3.0
+CLEAR = 1e-3  # part of the energy by which a cap must be lower to be taken
 STRIDES = 6  # in which later pins move the sheet to their places
 
 
@@ -38,7 +39,7 @@ def settled(shell: Shell, factor: Factor, side: Side, uniform: bool, curls: bool
         return found
     cap = relax(shell, factor, side, caps, followed=1)
     best = found
-    if cap.is_minimum and (cap.energy < found.energy or not found.is_minimum):
+    if cap.is_minimum and (cap.energy < found.energy - CLEAR * abs(found.energy) or not found.is_minimum):
         best = cap
     else:
         follow(shell, found.x, factor)  # so that the factor holds this state's Hessian again

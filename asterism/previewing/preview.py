@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Literal
 
 import numpy as np
@@ -32,6 +33,12 @@ Say = Callable[[str], None]
 ALIKE = 0.01  # sizes of stars that differ by less than this part are the same
 MANY = 0.4  # part of the stars
 FLIPPED: dict[Side, Side] = {"auto": "up", "down": "up", "up": "down"}
+
+
+@cache
+def paper_law() -> Law:
+    """The law that comes with the package, read once."""
+    return load_law()
 
 
 @dataclass(frozen=True)
@@ -94,7 +101,7 @@ class Preview:
         self._say = say or (lambda text: None)
         self._triangles = triangles
         self._clock = Clock()
-        self.law = law if law is not None else self._clock("law", load_law)
+        self.law = law if law is not None else self._clock("law", paper_law)
         self.side: Side = side
         self._begin(design)
 
