@@ -14,13 +14,14 @@ from pattern.build import layout
 from pattern.design import Design
 from pattern.planar import polygon_area
 
+# the largest on each sheet
 CAUSES = {
     "across": "stars across",
-    "rim": "share of the sheet outside the stars' cells",
-    "gradient": "largest change of the contraction from star to star, %",
-    "bend_step": "largest change of the turn over one spacing from star to star, rad",
-    "turn": "natural turn over one spacing, rad, largest",
-    "softness": "smallest eigenvalue of the exact shape, N/mm",
+    "rim": "share outside the stars' cells",
+    "gradient": "contraction, star to star, %",
+    "bend_step": "turn, star to star, rad",
+    "turn": "natural turn over one spacing, rad",
+    "softness": "smallest eigenvalue, exact, N/mm",
 }
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 from asterism.files import write_file
 from benchmarks.accuracy.causes import CAUSES
@@ -16,6 +17,7 @@ from benchmarks.report import markdown
 
 DOCS = Path(__file__).parents[2] / "docs"
 BEGIN, END = "<!-- accuracy of the preview -->", "<!-- end of accuracy of the preview -->"
+LOGARITHMIC = ("softness", "expected")
 HEADER = [
     "design", "stars", "held", "rms %", "largest %", "star centres %", "height %", "mean height %", "roll radius %",
     "normals deg", "same form", "expected %", "mesh error %", "times faster", "exact shape", "warnings",
@@ -89,17 +91,20 @@ def plot(rows: list[dict[str, Any]], path: Path) -> None:
     """The distance against each of its possible causes, and against what was expected."""
     figure = Figure(figsize=(11.0, 6.4), layout="constrained")
     FigureCanvasAgg(figure)
-    names = [*CAUSES.items(), ("expected", "expected_rms_percent")]
+    names = [*CAUSES.items(), ("expected", "expected, %")]
     for axes, (name, label) in zip(figure.subplots(2, 4, sharey=True).flat, names, strict=False):
         for held, colour in (("free", "tab:orange"), ("held", "tab:blue")):
             some = [r for r in rows if r["causes"].get("held") == held and _cause(r, name) is not None]
             if some:
-                axes.loglog(
+                axes.semilogy(
                     [_cause(r, name) for r in some], [r["rms_percent"] for r in some], "o", color=colour, label=held,
                     markersize=5, markeredgewidth=0, alpha=0.8,
                 )  # fmt: skip
         axes.axhline(1.0, color="0.8", linewidth=1.0, zorder=0)
         axes.set_xlabel(label, fontsize=8)
+        if name in LOGARITHMIC:
+            axes.set_xscale("log")
+            axes.xaxis.set_minor_formatter(NullFormatter())
         axes.grid(True, which="major", color="0.92")
     figure.axes[0].legend(frameon=False)
     for axes in figure.axes[::4]:
@@ -132,8 +137,7 @@ def put_into_docs(text: str) -> None:
 
 
 def _cause(r: dict[str, Any], name: str) -> float | None:
-    value = r["expected_rms_percent"] if name == "expected" else r["causes"].get(name)
-    return value if value is not None and value > 0.0 else None
+    return r["expected_rms_percent"] if name == "expected" else r["causes"].get(name)
 
 
 def _known(rows: list[dict[str, Any]], name: str) -> np.ndarray:
