@@ -12,6 +12,9 @@ from fem.tabulation import Floats
 
 STEP = 1e-3  # of the sheet's size, for derivatives by differences: a guess needs no better ones
 
+CROSS = np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
+SQUARE = np.array([*CROSS, [1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0], [0.0, 0.0]])
+
 # takes printed points (n, 2) to points in the plane (n, 2) with derivatives (n, 2, 2) and (n, 2, 3): 11, 22, 12
 Plane = Callable[[Floats], tuple[Floats, Floats, Floats]]
 
@@ -73,16 +76,18 @@ class Shape:
 
     def _gradient(self, p: Floats, step: float) -> Floats:
         """(n, 3, 2) by central differences."""
-        moves = step * np.eye(2)
-        return np.stack([self._place(p + d) - self._place(p - d) for d in moves], axis=2) / (2.0 * step)
+        right, left, up, down = self._around(p, step * CROSS)
+        return np.stack([right - left, up - down], axis=2) / (2.0 * step)
 
     def _hessian(self, p: Floats, step: float) -> Floats:
         """(n, 3, 3) by central differences."""
-        one, two = step * np.eye(2)
-        middle = 2.0 * self._place(p)
-        straight = [self._place(p + d) + self._place(p - d) - middle for d in (one, two)]
-        mixed = [self._place(p + a * one + b * two) * a * b for a in (1, -1) for b in (1, -1)]
-        return np.stack([*straight, 0.25 * np.sum(mixed, axis=0)], axis=2) / step**2
+        right, left, up, down, *corners, middle = self._around(p, step * SQUARE)
+        mixed = 0.25 * (corners[0] - corners[1] - corners[2] + corners[3])
+        return np.stack([right + left - 2.0 * middle, up + down - 2.0 * middle, mixed], axis=2) / step**2
+
+    def _around(self, p: Floats, moves: Floats) -> Floats:
+        """(k, n, 3) of points moved by each of (k, 2): all at once, as a guess has few points."""
+        return self._place((p + moves[:, None]).reshape(-1, 2)).reshape(len(moves), -1, 3)
 
 
 def similar(centre: Floats, stretch: float) -> Plane:
