@@ -20,7 +20,7 @@ BEGIN, END = "<!-- accuracy of the preview -->", "<!-- end of accuracy of the pr
 LOGARITHMIC = ("softness", "expected")
 HEADER = [
     "design", "stars", "held", "rms %", "largest %", "star centres %", "height %", "mean height %", "roll radius %",
-    "normals deg", "same form", "expected %", "mesh error %", "times faster", "exact shape", "warnings",
+    "normals deg", "same form", "expected %", "mesh error %", "exact shape", "warnings",
 ]  # fmt: skip
 
 
@@ -45,7 +45,6 @@ def row(r: dict[str, Any]) -> list[str]:
         "yes" if r["same_branch"] else "no",
         _number(r["expected_rms_percent"]),
         _number(r["mesh_error_percent"]),
-        f"{r['speedup']:.0f}",
         starts,
         str(len(r["warnings"])),
     ]
@@ -64,7 +63,6 @@ def totals(rows: list[dict[str, Any]]) -> str:
         ["height of the cell means", "within 6 %", _within(means, 6.0)],
         ["radius of the roll", "within 6 %", _within(radii, 6.0)],
         ["same form", "nine in ten", f"{sum(r['same_branch'] for r in rows)} of {len(rows)}"],
-        ["times faster, median", "100", f"{np.median([r['speedup'] for r in rows]):.0f}"],
     ]
     if expected:
         ratio = np.array([r["rms_percent"] / r["expected_rms_percent"] for r in expected])

@@ -34,7 +34,6 @@ def quick_row(design: Design, folder: Path, law: Law) -> dict[str, Any]:
         "same_branch": alike(comparison),
         "result_from": found_from,
         "mesh_error_percent": right.summary["mesh_error_percent"],
-        "speedup": exact(design, folder).summary["wall_s"] / shown.summary["wall_s"],
         "expected_rms_percent": shown.summary.get("expected_rms_percent"),
         "warnings": list(shown.summary.get("warnings", [])),
         "preview": _kept(shown),
