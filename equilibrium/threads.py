@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 
 from threadpoolctl import ThreadpoolController
 
@@ -15,5 +16,13 @@ from threadpoolctl import ThreadpoolController
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
     """Within it, and as a decorator, OpenBLAS works alone; afterwards it has the threads it had."""
-    with ThreadpoolController().select(internal_api="openblas").limit(limits=1):
+    with _openblas().limit(limits=1):
         yield
+
+
+@cache
+def _openblas() -> ThreadpoolController:
+    """The copies of OpenBLAS in this process; to find them takes milliseconds, so it is done once both are there."""
+    import scipy.linalg  # noqa: F401 (brings a copy of its own beside numpy's)
+
+    return ThreadpoolController().select(internal_api="openblas")
