@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TypeVar
 
-from equilibrium.newton import Minimum
-
-T = TypeVar("T")
+from equilibrium.newton import Clock, Minimum
 
 
 @dataclass(frozen=True)
@@ -38,20 +33,12 @@ class PathStep:
 
 @dataclass
 class Effort:
-    """Work done so far; `seconds` by stage."""
+    """Work done so far; `clock` has the seconds by stage."""
 
     iterations: int = 0
     factorisations: int = 0
-    seconds: dict[str, float] = field(default_factory=dict)
+    clock: Clock = field(default_factory=Clock)
     path: list[PathStep] = field(default_factory=list)
-
-    def run(self, stage: str, function: Callable[..., T], *args: object) -> T:
-        """Call a function on the clock of a stage."""
-        start = time.perf_counter()
-        try:
-            return function(*args)
-        finally:
-            self.seconds[stage] = self.seconds.get(stage, 0.0) + time.perf_counter() - start
 
     def add(self, result: Minimum) -> None:
         """Count what a minimisation took."""

@@ -127,15 +127,15 @@ class Walk:
             self.effort.factorisations,
             saddles,
             factor.name,
-            self.effort.seconds,
+            self.effort.clock.seconds,
             tuple(self.effort.path),
         )
 
     def _factor(self, model: Model) -> closing[Factor]:
-        return closing(self.effort.run("analysis", model.factor, self.backend))
+        return closing(self.effort.clock("analysis", model.factor, self.backend))
 
     def _lowest(self, model: Model, state: State, factor: Factor, stage: str) -> Eigenpair:
-        pair = self.effort.run(stage, lowest_mode, model, state, factor, self.seed)
+        pair = self.effort.clock(stage, lowest_mode, model, state, factor, self.seed)
         self.effort.factorisations += pair.factorisations
         return pair
 
@@ -153,7 +153,7 @@ class Walk:
         report = self.report
         tell = (lambda iteration: report(name, iteration)) if report else None
         goal = tolerance * force_scale(model)
-        result = self.effort.run(
+        result = self.effort.clock(
             stage,
             lambda: minimise(
                 model,
