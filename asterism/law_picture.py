@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from asterism.chart_axes import INK, PALE, tidy, with_grid
 from homogenize.law import NAMES, Law, Table
 
 CURVES = {
@@ -19,7 +20,6 @@ CURVES = {
     "bending": "bending stiffness, N mm",
     "a11": "membrane stiffness, N/mm",
 }
-INK, PALE = "#26262b", "#7a7a82"
 
 
 def draw_law(law: Law, path_or_file: str | Path | IO[bytes]) -> None:
@@ -90,12 +90,7 @@ def _errors(axes: Axes, residuals: dict[str, Any]) -> None:
 
 
 def _tidy(axes: Axes, title: str, below: str) -> None:
-    axes.set_title(title, fontsize=9, color=INK, loc="right")
-    axes.set_xlabel(below, fontsize=8, color=PALE)
-    axes.tick_params(labelsize=8, colors=PALE)
-    axes.grid(color="#e8e8ec", linewidth=0.6)
-    axes.set_axisbelow(True)
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(False)
+    tidy(axes, title, below, size=9, side="right")
+    with_grid(axes)
     for side in ("left", "bottom"):
         axes.spines[side].set_color("#c4c4cc")

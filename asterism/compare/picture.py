@@ -14,13 +14,14 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
+from asterism.chart_axes import INK, PALE, tidy
 from asterism.compare.comparison import ScanComparison
 from asterism.compare.silhouette import Fitted
 from asterism.render import camera, render
 from asterism.verification.views import bare
 from pattern.layout import Floats
 
-INK, PALE, SHAPE = "#26262b", "#7a7a82", "#26262b"
+SHAPE = INK
 COLOURS = colormaps["RdBu_r"]
 NOT_SCANNED = (0.86, 0.86, 0.88)
 DPI, WIDTH, HEIGHT = 100, 16.0, 8.6
@@ -60,14 +61,14 @@ def draw_outline(found: Fitted, title: str, words: str, path_or_file: str | Path
     axes.add_collection(LineCollection(list(ends), colors=COLOURS(scale(found.distance)), linewidths=3))
     axes.set_aspect("equal")
     axes.margins(0.05)
-    _tidy(axes, "the outline in the colour of its distance, on the shape's silhouette", "mm")
+    tidy(axes, "the outline in the colour of its distance, on the shape's silhouette", "mm")
     bar = figure.colorbar(
         ScalarMappable(scale, COLOURS), cax=figure.add_axes((0.72, 0.62, 0.25, 0.025)), orientation="horizontal"
     )
     bar.ax.set_title("distance, mm; red: outside", fontsize=9, color=PALE)
     below = figure.add_axes((0.72, 0.15, 0.25, 0.34))
     below.hist(found.distance, bins=60, color="#2a6f97")
-    _tidy(below, "length of outline at each distance", "mm")
+    tidy(below, "length of outline at each distance", "mm")
     below.set_yticks([])
     figure.savefig(path_or_file, format="png", dpi=DPI)
 
@@ -121,7 +122,7 @@ def _section(axes: Axes, found: ScanComparison, along: int, level: float) -> Non
     axes.set_xlim(low[0] - room, high[0] + room)
     axes.set_ylim(low[1] - room, high[1] + room)
     axes.set_aspect("equal")
-    _tidy(axes, f"cut along {'xy'[along]} through the middle: shape black, scan red, left out grey", "mm")
+    tidy(axes, f"cut along {'xy'[along]} through the middle: shape black, scan red, left out grey", "mm")
 
 
 def _cut(positions: Floats, triangles: np.ndarray, axis: int, level: float) -> Floats:
@@ -144,12 +145,4 @@ def _cut(positions: Floats, triangles: np.ndarray, axis: int, level: float) -> F
 def _histogram(axes: Axes, found: ScanComparison) -> None:
     axes.hist(found.distance[found.used], bins=80, color="#2a6f97")
     axes.set_yticks([])
-    _tidy(axes, "points of the scan at each distance", "mm, positive on the plastic side")
-
-
-def _tidy(axes: Axes, title: str, below: str) -> None:
-    axes.set_title(title, fontsize=10, color=INK, loc="left")
-    axes.set_xlabel(below, fontsize=9, color=PALE)
-    axes.tick_params(labelsize=8, colors=PALE)
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(False)
+    tidy(axes, "points of the scan at each distance", "mm, positive on the plastic side")

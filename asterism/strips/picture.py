@@ -10,13 +10,14 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from asterism.chart_axes import INK, PALE, tidy, with_grid
 from asterism.strips.fit import StripFit
 from asterism.strips.strip import Reading
 from pattern.kept_curvature import kept_curvature
 from pattern.layout import Floats
 from pattern.materials import Fabric, Plastic, bilayer_curvature, rest_curvature
 
-INK, PALE, WITH, PEELED, WRONG = "#26262b", "#7a7a82", "#2a6f97", "#c8553d", "#9d1f1f"
+WITH, PEELED, WRONG = "#2a6f97", "#c8553d", "#9d1f1f"
 # so stiff that the curvature is proportional to E2/E1 in both conventions
 _STIFF = 1e9
 
@@ -65,7 +66,8 @@ def _over_thickness(axes: Axes, fit: StripFit) -> None:
         axes.plot(*place, "x", color=WRONG, markersize=8)
         axes.annotate(f"  {out.reading.strip}", place, fontsize=8, color=WRONG, va="center")
     axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
-    _tidy(axes, "curvature of the strips, 1/mm", "thickness of the plastic, mm")
+    tidy(axes, "curvature of the strips, 1/mm", "thickness of the plastic, mm")
+    with_grid(axes)
     axes.legend(fontsize=8, frameon=False)
 
 
@@ -85,7 +87,8 @@ def _line(axes: Axes, fit: StripFit) -> None:
     axes.set_xlim(left=0)
     axes.set_ylim(bottom=0)
     share = "6" if fit.formula == "paper" else "3"
-    _tidy(axes, "curvature by the fabric, κ − κ_bar, 1/mm", f"{share} h2 (h1 + h2) / h1³ (1 − 1/s²), 1/mm")
+    tidy(axes, "curvature by the fabric, κ − κ_bar, 1/mm", f"{share} h2 (h1 + h2) / h1³ (1 − 1/s²), 1/mm")
+    with_grid(axes)
 
 
 def _plastics(fit: StripFit) -> list[Plastic]:
@@ -110,13 +113,3 @@ def _kappa(readings: list[Reading]) -> Floats:
 
 def _kept(readings: list[Reading], fit: StripFit) -> Floats:
     return kept_curvature(_h(readings), fit.plastic().kappa_bar_per_mm)
-
-
-def _tidy(axes: Axes, title: str, below: str) -> None:
-    axes.set_title(title, fontsize=10, color=INK, loc="left")
-    axes.set_xlabel(below, fontsize=9, color=PALE)
-    axes.tick_params(labelsize=8, colors=PALE)
-    axes.grid(color="#e8e8ec", linewidth=0.6)
-    axes.set_axisbelow(True)
-    for side in ("top", "right"):
-        axes.spines[side].set_visible(False)
