@@ -10,8 +10,8 @@ from scipy.ndimage import gaussian_filter, maximum_filter
 from asterism.raster import Raster, rasterise
 from asterism.ribbons import ribbons
 from asterism.shape import Shape
-from asterism.surface_fields import vertex_normals
 from pattern.layout import Floats, Ints
+from pattern.normals import vertex_normals
 
 PLASTIC_SIDE = (0.985, 0.92, 0.80)
 FABRIC_SIDE = (0.63, 0.725, 0.845)

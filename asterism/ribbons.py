@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from asterism.shape import Shape
-from asterism.surface_fields import vertex_normals
 from pattern.layout import Floats, Ints
+from pattern.normals import vertex_normals
 
 # of arms whose width is not among the fields of their shape
 DEFAULT_WIDTH_MM = 1.2

@@ -10,8 +10,9 @@ import numpy as np
 
 from asterism.point_location import locate
 from asterism.pose import upright_rotation
-from asterism.surface_fields import triangle_areas, triangle_normals
+from asterism.surface_fields import triangle_areas
 from pattern.layout import Floats, Ints
+from pattern.normals import triangle_normals
 
 
 @dataclass(frozen=True)

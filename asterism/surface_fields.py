@@ -6,26 +6,13 @@ import numpy as np
 from scipy.sparse import coo_array
 
 from pattern.layout import Floats, Ints
-
-
-def triangle_normals(positions: Floats, triangles: Ints) -> Floats:
-    """(T, 3) mm^2, normals towards the plastic side, each as long as twice its triangle's area."""
-    a, b, c = (positions[triangles[:, k]] for k in range(3))
-    return np.cross(b - a, c - a)
+from pattern.normals import gather, triangle_normals, vertex_normals
 
 
 def triangle_areas(positions: Floats, triangles: Ints) -> Floats:
     """(T,) mm^2; `positions` may be (V, 2) or (V, 3)."""
     solid = positions if positions.shape[1] == 3 else np.column_stack([positions, np.zeros(len(positions))])
     return np.linalg.norm(triangle_normals(solid, triangles), axis=1) / 2
-
-
-def vertex_normals(positions: Floats, triangles: Ints) -> Floats:
-    """(V, 3) unit normals on the plastic side: mean of the triangles around, weighted by area."""
-    normals = _gather(triangles, np.repeat(triangle_normals(positions, triangles), 3, axis=0), len(positions))
-    # a vertex where the sheet is folded onto itself has no normal; any unit vector serves
-    length = np.linalg.norm(normals, axis=1, keepdims=True)
-    return np.where(length > 0, normals / np.where(length > 0, length, 1.0), [0.0, 0.0, 1.0])
 
 
 def border_of(triangles: Ints, count: int) -> np.ndarray:
@@ -54,14 +41,14 @@ def vertex_areas(positions: Floats, triangles: Ints) -> Floats:
     voronoi = share.sum(axis=1, keepdims=True) - share
     obtuse = cotangents < 0
     halves = np.where(obtuse, area / 2, area / 4)
-    return _gather(triangles, np.where(obtuse.any(axis=1, keepdims=True), halves, voronoi).ravel(), len(positions))
+    return gather(triangles, np.where(obtuse.any(axis=1, keepdims=True), halves, voronoi).ravel(), len(positions))
 
 
 def gaussian_curvature(positions: Floats, triangles: Ints) -> Floats:
     """(V,) 1/mm^2, 2 pi less the angles around a vertex, over its area; NaN on the border."""
     cotangents, _ = _cotangents(positions, triangles)
     angles = np.arctan2(1.0, cotangents)
-    defect = 2 * np.pi - _gather(triangles, angles.ravel(), len(positions))
+    defect = 2 * np.pi - gather(triangles, angles.ravel(), len(positions))
     return _per_area(defect, positions, triangles)
 
 
@@ -153,10 +140,3 @@ def _per_area(values: Floats, positions: Floats, triangles: Ints) -> Floats:
     area = vertex_areas(positions, triangles)
     defined = ~border_of(triangles, len(positions)) & (area > 0)
     return np.divide(values, area, out=np.full(len(positions), np.nan), where=defined)
-
-
-def _gather(triangles: Ints, per_corner: Floats, count: int) -> Floats:
-    """Sum over the corners at each vertex of values (3 T,) or (3 T, m) listed triangle by triangle."""
-    gathered = np.zeros((count, *per_corner.shape[1:]))
-    np.add.at(gathered, triangles.ravel(), per_corner)
-    return gathered

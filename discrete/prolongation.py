@@ -9,8 +9,8 @@ from scipy.interpolate import CloughTocher2DInterpolator, LinearNDInterpolator, 
 
 from discrete.elements import Array
 from discrete.model import Model
-from discrete.stars import vertex_normals
 from discrete.state import State, tangents
+from pattern.normals import vertex_normals
 
 
 def prolonged(coarse: Model, state: State, fine: Model) -> State:

@@ -8,6 +8,7 @@ from scipy.spatial import cKDTree
 from discrete.elements import Array
 from discrete.model import Model
 from discrete.state import State, carried
+from pattern.normals import vertex_normals
 
 
 def bump_heights(model: Model, state: State) -> Array:
@@ -42,12 +43,3 @@ def bumped(model: Model, state: State, heights: Array) -> State:
     positions = state.positions + lift[:, None] * vertex_normals(state.positions, model.mesh.triangles)
     positions = np.where(model.constraints.held, state.positions, positions)
     return carried(state, model.edges, positions, np.zeros(len(model.edges)))
-
-
-def vertex_normals(positions: Array, triangles: Array) -> Array:
-    """(V, 3) unit normals on the plastic side, triangles weighted by area."""
-    corner = positions[triangles]
-    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    total = np.zeros_like(positions)
-    np.add.at(total, triangles, normal[:, None, :])
-    return total / np.linalg.norm(total, axis=1, keepdims=True)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from asterism.surface_fields import triangle_normals
 from pattern.layout import Floats, Ints
+from pattern.normals import triangle_normals
 
 # the nearest triangle is among those with the nearest centres, as long as triangles are of similar size
 _CANDIDATES = 12

@@ -13,7 +13,7 @@ import numpy as np
 
 from asterism import __version__
 from asterism.shape import Shape
-from asterism.surface_fields import vertex_normals
+from pattern.normals import vertex_normals
 
 _FLOAT, _UNSIGNED = 5126, 5125
 _POINTS_BUFFER, _INDEX_BUFFER = 34962, 34963

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from asterism.shape import Shape
-from asterism.surface_fields import vertex_normals
+from pattern.normals import vertex_normals
 from tests.asterism import sheets
 
 

@@ -13,13 +13,13 @@ from discrete.branches import Branch, distinct, find_minima
 from discrete.likeness import distances, roll_axis_deg
 from discrete.model import Model
 from discrete.solve import relax
-from discrete.stars import vertex_normals
 from discrete.starts import Beginning, beginnings
 from discrete.state import State
 from pattern import gallery
 from pattern.build import layout
 from pattern.design import Design
 from pattern.meshing import mesh_layout
+from pattern.normals import vertex_normals
 from pattern.symmetries import Symmetry, symmetries
 
 MIRROR = np.diag([-1.0, 1.0, 1.0])
