@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from fem.conditions import ConditionError, HeldEdge, HeldPoints, reduce, vertices_at
 from fem.placement import Placement, affine, flat
-from tests.fem.meshes import disc, facets_where, rectangle, turned
+from tests.fem.meshes import annulus, disc, facets_where, rectangle, turned
 from tests.fem.plates import deflection, height, uniform_load
 from tests.fem.spaces import SPACES
 
@@ -45,6 +45,38 @@ def test_round_plate(space_of, clamped: bool) -> None:
         errors.append(height(space, deflection(space, [rim], uniform_load(space)), 0.0, 0.0) / DISC[clamped] - 1)
     assert np.log2(abs(errors[0] / errors[1])) > 1.7
     assert abs(errors[1]) < 0.04
+
+
+def _ring_rise(inner: float, r: float) -> float:
+    """Of a plate under q = D with a free rim r = 1, clamped along its hole: no moment and no shear at the rim.
+
+    `w = r^4/64 + a + b r^2 + c ln r + d r^2 ln r`.
+    """
+    log = np.log(inner)
+    rows = [
+        [1.0, inner**2, log, inner**2 * log],  # w at the hole
+        [0.0, 2 * inner, 1 / inner, 2 * inner * log + inner],  # its slope
+        [0.0, 2 * (1 + NU), NU - 1, 3 + NU],  # w'' + nu w'/r at the rim
+        [0.0, 0.0, 0.0, 4.0],  # slope of the Laplacian there
+    ]
+    factors = np.linalg.solve(rows, [-(inner**4) / 64, -(inner**3) / 16, -(3 + NU) / 16, -0.5])
+    return float(r**4 / 64 + factors @ [1.0, r**2, np.log(r), r**2 * np.log(r)])
+
+
+@spaces
+def test_plate_clamped_along_its_hole(space_of) -> None:
+    """A curved edge inside of the outline; the polygons of both circles cost second order."""
+    errors = []
+    for sectors, rings in ((16, [0.4, 0.6, 0.8, 1.0]), (32, [0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0])):
+        mesh = annulus(sectors, rings)
+        space = space_of(mesh)
+        hole = facets_where(mesh, lambda x, y: np.hypot(x, y) < 0.6)
+        heights = deflection(space, [HeldEdge(hole, clamped=True)], uniform_load(space), NU)
+        angles = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)
+        circle = 0.9 * np.column_stack([np.cos(angles), np.sin(angles)])
+        errors.append((space.locate(circle).value @ heights).mean() / _ring_rise(0.4, 0.9) - 1)
+    assert np.log2(abs(errors[0] / errors[1])) > 1.7
+    assert abs(errors[1]) < 0.02
 
 
 @spaces

@@ -1,0 +1,48 @@
+"""Observed orders on a smooth solution: what each discretisation promises, with no corners or curves in the way."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fem.conditions import HeldEdge
+from fem.loads import area_load
+from fem.tabulation import Floats
+from tests.fem.meshes import rectangle
+from tests.fem.plates import deflection
+from tests.fem.spaces import SPACES
+
+# order of the deflection (k + 1 where all polynomials of degree k are there) and of the second derivatives (k - 1)
+ORDERS = {"argyris": (6, 4), "bell": (5, 3), "lifted": (4, 2)}
+
+
+def _bump(x: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+    """`sin^2(pi x)` and its derivatives of order 1, 2 and 4."""
+    cosine, pi = np.cos(2.0 * np.pi * x), np.pi
+    return 0.5 * (1.0 - cosine), pi * np.sin(2.0 * pi * x), 2.0 * pi**2 * cosine, -8.0 * pi**4 * cosine
+
+
+def _load(points: Floats) -> Floats:
+    """(n, 3) of the plate `w = sin^2(pi x) sin^2(pi y)`: `lap(lap w)`."""
+    (x, _, x2, x4), (y, _, y2, y4) = (_bump(points[:, i]) for i in (0, 1))
+    return np.column_stack([0.0 * points, x4 * y + 2.0 * x2 * y2 + x * y4])
+
+
+def _errors(space) -> list[float]:  # type: ignore[no-untyped-def]
+    """Root mean squares of the errors of deflection and second derivatives."""
+    rim = HeldEdge(space.mesh.boundary_facets(), clamped=True)
+    heights = deflection(space, [rim], area_load(space, _load)[:, 2])
+    table = space.tabulate(12)
+    (x, x1, x2, _), (y, y1, y2, _) = (_bump(table.points[..., i]) for i in (0, 1))
+    value = np.einsum("tqm,tm->tq", table.values, heights[table.dofs]) - x * y
+    second = np.einsum("tqmc,tm->tqc", table.hessians, heights[table.dofs])
+    second -= np.stack([x2 * y, x * y2, x1 * y1], axis=-1)
+    squares = [value**2, second**2 @ [1.0, 1.0, 2.0]]
+    return [float(np.sqrt((table.weights * square).sum())) for square in squares]
+
+
+@pytest.mark.parametrize("name", SPACES)
+def test_clamped_plate_with_a_smooth_deflection(name: str) -> None:
+    coarse = rectangle(2, 2, amount=0.2)
+    errors = np.array([_errors(SPACES[name](coarse.refined(n))) for n in (1, 2)])
+    assert (np.log2(errors[0] / errors[1]) > np.array(ORDERS[name]) - 0.2).all()
