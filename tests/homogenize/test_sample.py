@@ -137,6 +137,17 @@ def test_natural_tube_has_no_moment_and_the_least_energy():
     assert (found.natural_supercell_eigenvalue > 0.0).all()
 
 
+def test_rest_curvature_of_the_linear_cell_is_that_of_slightly_curled_tubes():
+    """A cylinder takes `(1 + nu)` times the isotropic rest curvature, nu of the bending at free membrane."""
+    found = respond(design(SPACING / 3.0, 0.55), 1.92, (0.0, np.pi / 6))
+    assert 0.05 < SPACING * found.natural_curvature[0] < 0.15
+    np.testing.assert_allclose(found.rest_curvature, found.rest_curvature[0] * np.array([1, 1, 0]), atol=1e-9)
+    a, b, d = found.stiffness[:3, :3], found.stiffness[:3, 3:], found.stiffness[3:, 3:]
+    free = d - b.T @ np.linalg.solve(a, b)
+    cylinder = found.rest_curvature[0] * (1.0 + free[0, 1] / free[0, 0])
+    np.testing.assert_allclose(found.natural_print_curvature * found.natural_hoop, cylinder, rtol=0.01)
+
+
 @pytest.mark.parametrize("length", [SPACING * 2.0 / 9.0, 4.0])
 def test_slight_curvatures_continue_those_that_are_looked_for(length, monkeypatch):
     """The parabola of the energy against the tube without a moment, for a star that both can treat."""
