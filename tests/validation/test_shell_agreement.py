@@ -1,9 +1,12 @@
 """Two discretisations that share nothing but the energy: each from its own starts, within .1 % of the diameter."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
 from fem.conditions import Condition, HeldEdge, HeldPoints, vertices_at
+from fem.evidence import ShellEquilibrium
 from fem.fields import Fields, of_stretch
 from fem.placement import flat
 from fem.shell import Shell
@@ -31,8 +34,9 @@ CASES: dict[str, tuple[Fields, str]] = {
 
 
 def _shell(name: str, case: str, refinements: int = 2) -> Shell:
-    mesh = hexagon(refinements)
     fields, held = CASES[case]
+    # a held border has a layer beside it that coarse triangles stiffen by half a percent
+    mesh = hexagon(3 if held == "border" else refinements)
     conditions: list[Condition] = []
     if held == "corners":
         places = np.column_stack([0.75 * CORNERS, np.zeros(3)])
@@ -57,14 +61,19 @@ def _distance(one: np.ndarray, other: np.ndarray) -> float:
     return float(np.sqrt(((a @ turn - b) ** 2).sum(axis=1).mean()) / diameter)
 
 
-@pytest.mark.parametrize(
-    "case", ["rolling", "dome", "saddle", "pinned", pytest.param("border", marks=pytest.mark.slow)]
-)
-def test_same_shape_from_each_one_s_own_starts(case: str) -> None:
+@cache
+def _second(case: str) -> tuple[Shell, ShellEquilibrium]:
+    """The second discretisation's answer, for all that are compared with it."""
+    shell = _shell("lifted", case)
+    return shell, relax(shell, soft_modes=0)
+
+
+@pytest.mark.parametrize("name", ["argyris", "bell"])
+@pytest.mark.parametrize("case", ["rolling", "dome", "saddle", "pinned", "border"])
+def test_same_shape_from_each_one_s_own_starts(name: str, case: str) -> None:
     """Equivalent axes of the hexagon are the same shape: the printed sheet is turned to the nearest."""
-    # the cubic triangles are 0.2 % apart where the border is held, unless they are finer
-    one, other = _shell("argyris", case), _shell("lifted", case, 3 if case == "border" else 2)
-    a, b = relax(one, soft_modes=0), relax(other, soft_modes=0)
+    one, (other, b) = _shell(name, case), _second(case)
+    a = relax(one, soft_modes=0)
     assert a.is_minimum
     assert b.is_minimum
     assert a.energy == pytest.approx(b.energy, rel=5e-3)
