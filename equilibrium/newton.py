@@ -168,6 +168,7 @@ class _Regularisation:
         self, problem: Problem, factor: Factor, method: Method, shift: float, clock: Clock, blend: float
     ) -> None:
         self.problem, self.factor, self.method, self.shift, self.clock = problem, factor, method, shift, clock
+        self.iterative = factor if isinstance(factor, Iterative) else None
         self.amount = blend
         self.raised = False
         self.count = 0
@@ -176,8 +177,8 @@ class _Regularisation:
 
     def direction(self, state: State, gradient: Floats) -> Floats:
         """(size,) the step that a positive definite matrix close to the Hessian gives."""
-        if isinstance(self.factor, Iterative) and isinstance(self.problem, Coarsened):
-            self.factor.near_nullspace(*self.problem.near_nullspace(state))
+        if self.iterative and isinstance(self.problem, Coarsened):
+            self.iterative.near_nullspace(*self.problem.near_nullspace(state))
         self.support = self.clock("support", self.problem.support, state)
         exact, convex = self._hessian(state, 0.0), None
         diagonal = self.problem.pattern.diagonal  # the pattern may change with the state, so it is asked for after
@@ -213,7 +214,7 @@ class _Regularisation:
         """Factorise the Hessian itself, for the certificate."""
         self.support = self.clock("support", self.problem.support, state)
         accepted = self._accepts(self._hessian(state, 0.0))
-        return accepted and (not isinstance(self.factor, Iterative) or self.factor.proves_definite())
+        return accepted and (not self.iterative or self.iterative.proves_definite())
 
     def relax(self) -> None:
         """After a good step: trust the Hessian more, unless it was refused just now."""
@@ -236,13 +237,13 @@ class _Regularisation:
         return data
 
     def _solve(self, gradient: Floats) -> Floats:
-        if not isinstance(self.factor, Iterative):
+        if not self.iterative:
             return self.factor.solve(gradient)
         # inexact at first, and exact enough for quadratic convergence (Eisenstat and Walker 1996, choice 2)
         norm = float(np.linalg.norm(gradient))
         forcing = min(FORCING, 0.9 * (norm / self.norm) ** 2) if self.norm > 0.0 else FORCING
         self.norm = norm
-        return self.factor.solve(gradient, max(forcing, 1e-10))
+        return self.iterative.solve(gradient, max(forcing, 1e-10))
 
     def _accepts(self, data: Floats) -> bool:
         self.count += 1

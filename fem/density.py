@@ -69,6 +69,12 @@ class Density:
                 total += part.reshape(total.shape)
         return energy, stress, tangent
 
+    def energies(self, e: Floats) -> Floats:
+        """(T, Q) at strains e (T, Q, 6), without their derivatives; `self` is spelled out, see `at`."""
+        energy = np.empty(e.shape[:2])
+        _energies(self.stiffness, self.sixfold, self.orientation, self.saturation, e, energy)
+        return energy if self.law is None else energy + self.law(e.reshape(-1, 6))[0].reshape(energy.shape)
+
     @property
     def quadratic(self) -> bool:
         """The stiffness is the same for all strains."""
@@ -98,6 +104,23 @@ def _evaluate(stiffness, sixfold, orientation, saturation, e, energy, stress, ta
                 for a, x, y in ((3, 0.5, 0.0), (4, -0.5, 0.0), (5, 0.0, 0.5)):
                     for b, r, s in ((3, 0.5, 0.0), (4, -0.5, 0.0), (5, 0.0, 0.5)):
                         tangent[t, q, a, b] += x * (h[0, 0] * r + h[0, 1] * s) + y * (h[1, 0] * r + h[1, 1] * s)
+
+
+@loop
+def _energies(stiffness, sixfold, orientation, saturation, e, energy):  # type: ignore[no-untyped-def]
+    h = np.empty((2, 2))
+    for t in range(e.shape[0]):
+        for q in range(e.shape[1]):
+            total = 0.0
+            for a in range(6):
+                value = 0.5 * stiffness[t, q, a, a] * e[t, q, a]
+                for b in range(a):
+                    value += stiffness[t, q, a, b] * e[t, q, b]
+                total += value * e[t, q, a]
+            if sixfold[t, q] != 0.0:
+                u, v = 0.5 * (e[t, q, 3] - e[t, q, 4]), 0.5 * e[t, q, 5]
+                total += _roll(sixfold[t, q], orientation[t, q], saturation[t, q], u, v, h)[0]
+            energy[t, q] = total
 
 
 @formula

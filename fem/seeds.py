@@ -142,7 +142,7 @@ def starts(shell: Shell, factor: Factor, side: Side = "auto", candidates: list[S
     for family in families.values():
         shape = family[0]
         if len(family) > 1:
-            shape = _best_direction(shell, wants.stretch, family) if shell.is_free else min(family, key=frame.energy)
+            shape = _best_direction(shell, wants.stretch, family) if shell.is_free else _best_held(frame, family)
         start = Start(shape, *frame.slid(shape))
         if shape.name not in best or _energy(start) < _energy(best[shape.name]):
             best[shape.name] = start
@@ -153,6 +153,15 @@ def _energy(start: Start) -> float:
     return start.energy if np.isfinite(start.energy) else np.inf
 
 
+def _best_held(frame: Frame, family: list[Shape]) -> Shape:
+    """Of held shapes whose angles go round evenly: every other one is tried, then the neighbours of the best."""
+    energies = {number: frame.energy(family[number]) for number in range(0, len(family), 2)}
+    best = min(energies, key=energies.__getitem__)
+    for number in (best - 1, (best + 1) % len(family)):
+        energies[number] = frame.energy(family[number])
+    return family[min(energies, key=energies.__getitem__)]
+
+
 def _best_direction(shell: Shell, stretch: float, family: list[Shape]) -> Shape:
     """Of free shapes that differ in their angle alone, by their curvatures; off all axes if none is better."""
     energies = []
@@ -161,7 +170,7 @@ def _best_direction(shell: Shell, stretch: float, family: list[Shape]) -> Shape:
         k, m = shape.curvature, shape.across
         bend = np.array([k * c * c + m * s * s, k * s * s + m * c * c, 2.0 * (k - m) * c * s])
         strains = np.concatenate([[0.5, 0.5, 0.0], bend]) * stretch**2 - shell.rest
-        energies.append(float((shell.assembly.weights * shell.density(strains)[0]).sum()))
+        energies.append(float((shell.assembly.weights * shell.density.energies(strains)).sum()))
     best = family[int(np.argmin(energies))]
     if max(energies) - min(energies) <= TIE * abs(min(energies)):
         # axes of symmetry of sheet and lattice may be saddles: from beside them there is a way down

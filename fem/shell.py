@@ -104,7 +104,7 @@ class Shell:
 
     def energies(self, x: Floats) -> dict[str, float]:
         """N mm by part: `sheet`, and where there are any `loads`, `moments`, and `jumps` of the discretisation."""
-        out = {"sheet": float((self.assembly.weights * self.density(self.strains(x))[0]).sum())}
+        out = {"sheet": float((self.assembly.weights * self.density.energies(self.strains(x))).sum())}
         if self.loads.any():
             out["loads"] = -self.progress * float((self.loads * x).sum())
         if self.moments:

@@ -96,11 +96,11 @@ def plain(record: Record) -> dict[str, Any]:
 
 
 def _usable(record: Record) -> Floats | None:
-    """(Q + W,) the quantities and the relief; None if the cell has no answer."""
+    """(Q + 2 W,) the quantities and the relief; None if the cell has no answer."""
     if problem(record) is not None or record.sample is None:
         return None
     bare = record.task.length_mm == 0.0
-    relief = np.array(record.sample["relief"], dtype=float)
+    relief = np.array(record.sample["relief"], dtype=float).ravel()
     return np.concatenate([row(record.sample, record.task.stretch), np.where(bare, 0.0, relief)])
 
 
@@ -142,7 +142,7 @@ def _from_grid(
     unit = units(fabric[:Q], material.lattice.spacing_mm)
     stored = filled(axes[0], _stored(nodes, unit), good)
     whole = np.where(good[..., None], nodes, _known(stored, unit))
-    return Table(stretch, material.lattice.spacing_mm, axes, whole[..., :Q], whole[..., Q:], good, unit)
+    return Table(stretch, material.lattice.spacing_mm, axes, whole[..., :Q], _reliefs(whole), good, unit)
 
 
 def filled(lengths: Floats, stored: Floats, good: Bools) -> Floats:
@@ -180,11 +180,16 @@ def _from_scattered(
     nodes = _known(stored.reshape(*grid.shape[:3], -1), unit)
     nodes[0] = fabric
     good = np.ones(grid.shape[:3], dtype=bool)
-    return Table(stretch, material.lattice.spacing_mm, axes, nodes[..., :Q], nodes[..., Q:], good, unit)
+    return Table(stretch, material.lattice.spacing_mm, axes, nodes[..., :Q], _reliefs(nodes), good, unit)
+
+
+def _reliefs(rows: Floats) -> Floats:
+    """(..., 2, W) of rows (..., Q + 2 W)."""
+    return rows[..., Q:].reshape(*rows.shape[:-1], 2, -1)
 
 
 def _stored(rows: Floats, unit: Floats) -> Floats:
-    """Rows (..., Q + W) in the forms that are interpolated; a relief is interpolated as it is."""
+    """Rows (..., Q + 2 W) in the forms that are interpolated; a relief is interpolated as it is."""
     return np.concatenate([to_stored(rows[..., :Q], unit), rows[..., Q:]], axis=-1)
 
 
@@ -196,7 +201,7 @@ def _known(stored: Floats, unit: Floats) -> Floats:
 def scattered_points(
     sizes: dict[tuple[float, float, float], Floats | None], fabric: Floats, axes: tuple[Floats, Floats, Floats]
 ) -> tuple[Floats, Floats]:
-    """Places (n, 3) in the unit cube and rows (n, Q + W), with bare fabric all over the side of length 0."""
+    """Places (n, 3) in the unit cube and rows (n, Q + 2 W), with bare fabric all over the side of length 0."""
     known = {size: found for size, found in sizes.items() if found is not None}
     bare = [(0.0, float(h), float(w)) for h in axes[1][::2] for w in axes[2]]
     rows = np.vstack([np.array(list(known.values())), np.tile(fabric, (len(bare), 1))])

@@ -8,6 +8,7 @@ axial shifts. Either way the map is linear, so an element's gradient is `T^T g` 
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -103,9 +104,15 @@ class ImageElements:
         transform = self._transform[rows]
         n, big = transform.shape[1:]
         full = np.empty((len(low), n, n), dtype=low.dtype)
-        i, j = np.tril_indices(n)
+        i, j = _lower(n)
         full[:, i, j] = low
         full[:, j, i] = low
         whole = np.matmul(transform.transpose(0, 2, 1), np.matmul(full, transform))
-        i, j = np.tril_indices(big)
+        i, j = _lower(big)
         return np.ascontiguousarray(whole[:, i, j])
+
+
+@functools.cache
+def _lower(n: int) -> tuple[Array, Array]:
+    """Rows and columns of a lower triangle; as long in the making as a cell's Hessian."""
+    return np.tril_indices(n)

@@ -92,7 +92,8 @@ class Table:
     spacing_mm : of the stars.
     axes : nodes of length, thickness and width, mm.
     nodes : (n0, n1, n2, Q) values of `NAMES`; all of length 0 are the bare fabric's.
-    reliefs : (n0, n1, n2, W) mm, amplitudes of the waves of `homogenize.relief`.
+    reliefs : (n0, n1, n2, 2, W) mm and mm^2, amplitudes of the waves of `homogenize.relief`: flat, and more per
+        curvature.
     good : (n0, n1, n2) False where a cell has no answer and the others on its line of lengths stand in: between two
         answers that is the interpolation of a coarser grid; elsewhere the law does not reach.
     units : (Q,) that the forms of the quantities are in, see `units`.
@@ -114,8 +115,9 @@ class Table:
 
     @cached_property
     def _reliefs(self) -> Grid:
-        rules: list[Rule] = ["smooth"] * self.reliefs.shape[-1]
-        return Grid((self.axes[0], np.log(self.axes[1]), np.log(self.axes[2])), self.reliefs, rules)
+        columns = self.reliefs.reshape(*self.reliefs.shape[:3], -1)
+        rules: list[Rule] = ["smooth"] * columns.shape[-1]
+        return Grid((self.axes[0], np.log(self.axes[1]), np.log(self.axes[2])), columns, rules)
 
     @cached_property
     def _limits(self) -> Floats:
@@ -159,11 +161,14 @@ class Table:
         )
 
     def relief(self, length_mm: ArrayLike, thickness_mm: ArrayLike, width_mm: ArrayLike) -> Floats:
-        """(N, W) mm, amplitudes of the stars' heights over the mean surface, for the waves `Law.waves`.
+        """(N, 2, W) mm and mm^2, amplitudes of the stars' heights over the mean surface, of the waves `Law.waves`.
 
-        Beyond the law's range those of the nearest sizes in it.
+        `relief[:, 0] + k * relief[:, 1]` where the sum of the sheet's principal curvatures is k (1/mm, positive with
+        the plastic outside): flat cells give the first, natural tubes the second. Beyond the law's range those of the
+        nearest sizes in it.
         """
-        return self._reliefs(self._places(_rows(length_mm, thickness_mm, width_mm))[1])[0]
+        found = self._reliefs(self._places(_rows(length_mm, thickness_mm, width_mm))[1])[0]
+        return found.reshape(len(found), *self.reliefs.shape[3:])
 
     def _places(self, asked: Floats) -> tuple[Floats, Floats]:
         """Sizes (N, 3) within the range, and their places on the grid."""

@@ -22,7 +22,7 @@ from homogenize.plan import Material
 from pattern.errors import DesignError
 
 # raised when a file's arrays or quantities mean something else than before
-FORMAT = 2
+FORMAT = 3
 PAPER = Path(__file__).parent / "data" / "paper.npz"
 _TEXTS = ("material", "samples", "residuals", "made")
 
@@ -93,7 +93,8 @@ def _arrays(table: Table) -> dict[str, np.ndarray]:
 def _table(arrays: dict[str, np.ndarray]) -> Table:
     axes: tuple[Floats, Floats, Floats] = (arrays["length_mm"], arrays["thickness_mm"], arrays["width_mm"])
     shape = tuple(len(axis) for axis in axes)
-    fit = arrays["nodes"].shape == (*shape, len(NAMES)) and arrays["reliefs"].shape[:3] == shape == arrays["good"].shape
+    fit = arrays["nodes"].shape == (*shape, len(NAMES)) and shape == arrays["good"].shape
+    fit = fit and arrays["reliefs"].ndim == 5 and arrays["reliefs"].shape[:4] == (*shape, 2)
     if not fit:
         raise ValueError("arrays do not fit together")
     stretch, spacing = float(arrays["stretch"]), float(arrays["spacing_mm"])

@@ -1,29 +1,34 @@
 """The curvature that a cell takes on its own: the tube without a moment, on the branch that begins flat.
 
 The path goes by small steps of curvature, each tube laid out and rolled again to be the start of the next one, so that
-stars follow their branch instead of choosing the lowest energy.
+stars follow their branch instead of choosing the lowest energy. The way to the first direction's natural tube serves
+the others as well where sheets do not curl tightly: they begin with that tube, turned. Tight tubes have more branches.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from discrete.elements import Array
 from homogenize.cell import Cell
 from homogenize.relax import Flat
-from homogenize.rolling import Tube, roll, unrolled, unrolled_flat
+from homogenize.rolling import Tube, Unrolled, roll, unrolled, unrolled_flat, unrolled_towards
 
 # curvatures times the spacing of the stars
 FIRST = 0.06  # the first one
 STRIDE = 0.6  # longest step
-SOUGHT = 1.5  # until here a moment towards more curvature is waited for
+SOUGHT = 1.5  # until here a moment towards more curvature is waited for, and directions are alike
 TIGHTEST = 8.0  # a star wraps more than once; such sheets have no meaning, but their law stays continuous
 GROWTH = 2.5  # of the curvature from one step to the next
 FLAT = 1e-3  # of the first tube's moment, below which that of the flat cell is rounding and higher order
 SLIGHT = 0.015  # natural curvatures that are not looked for: so far from its axis, a tube's moment is rounding
 CLOSE = 1e-5  # relative to the curvature, or to one over the spacing, where the natural one is found
 SNAP = 0.5  # mm, bumps that are not just flat
+BEYOND = 1.15  # steps past the place where the moment is expected to vanish, to have its sign on both sides
+TRIALS = 3  # such steps, from a tube of another direction
 Point = tuple[float, float]  # curvature and moment
 
 
@@ -45,8 +50,8 @@ class Curling:
     stiffness: float = 0.0
 
 
-def curl(cell: Cell, flat: Flat, angle: float) -> Curling:
-    """Tubes from a small curvature to the natural one and a little beyond.
+def curl(cell: Cell, flat: Flat, angle: float, known: Curling | None = None) -> Curling:
+    """Tubes from a small curvature to the natural one and a little beyond; `known`: those of another direction.
 
     Curvature grows, the plastic outside, until the moment changes sign; then a parabola through the nearest tubes, kept
     between the last two signs, finds its root. A slight curvature (`SLIGHT`) is that of the energy's parabola. Where
@@ -64,6 +69,11 @@ def curl(cell: Cell, flat: Flat, angle: float) -> Curling:
     if stiffness > 0.0 and abs(rest) < SLIGHT / cell.spacing * stiffness:
         slight = 0.0 if abs(rest) < FLAT * abs(first.moment) else -rest / stiffness
         return Curling(walk.tubes, None, slight, stiffness)
+    if known and known.natural and abs(known.natural.curvature) < SOUGHT / cell.spacing:
+        try:
+            return _Walk(cell, flat, angle, walk.tubes).from_another(known.natural, known.tubes)
+        except ArithmeticError:
+            pass  # then the long way
     if rest > 0.0 and first.moment > 0.0 and not walk.finds_negative(1.0):
         walk = _Walk(cell, flat, angle)
         walk.to(-FIRST / cell.spacing)
@@ -73,7 +83,7 @@ def curl(cell: Cell, flat: Flat, angle: float) -> Curling:
         low = (tube.curvature, tube.moment)
     while walk.tubes[-1].moment * sign < 0.0:
         last = (walk.tubes[-1].curvature, walk.tubes[-1].moment)
-        beyond = 1.15 * sign * _secant(low, last)  # the moment is nearly linear
+        beyond = BEYOND * sign * _secant(low, last)  # the moment is nearly linear
         walk.on(sign, beyond if beyond > 1.1 * abs(last[0]) else np.inf)
         low = last
     return walk.between(low, (walk.tubes[-1].curvature, walk.tubes[-1].moment), sign)
@@ -82,18 +92,19 @@ def curl(cell: Cell, flat: Flat, angle: float) -> Curling:
 class _Walk:
     """Tubes found so far."""
 
-    def __init__(self, cell: Cell, flat: Flat, angle: float) -> None:
+    def __init__(self, cell: Cell, flat: Flat, angle: float, tubes: Sequence[Tube] = ()) -> None:
         self.cell, self.angle = cell, angle
-        self.tubes: list[Tube] = []
-        self._sheet = unrolled_flat(flat, angle)
-        self._bump = flat.bump
+        self.tubes = list(tubes)
+        self._flat = flat
 
     def to(self, curvature: float) -> Tube:
         """The tube of this curvature, from the nearest one."""
-        sheet, bump = self._sheet, self._bump
-        if self.tubes:
-            nearest = min(self.tubes, key=lambda tube: abs(tube.curvature - curvature))
-            sheet, bump = unrolled(self.cell, nearest), nearest.bump
+        if not self.tubes:
+            return self._roll(unrolled_flat(self._flat, self.angle), self._flat.bump, curvature)
+        nearest = min(self.tubes, key=lambda tube: abs(tube.curvature - curvature))
+        return self._roll(unrolled(self.cell, nearest), nearest.bump, curvature)
+
+    def _roll(self, sheet: Unrolled, bump: Array, curvature: float) -> Tube:
         tube = roll(self.cell, sheet, curvature, self.angle)
         side = np.sign(curvature)  # a star that leaves the wrong side finds its branch
         if ((side * bump > SNAP) & (side * tube.bump < -SNAP)).any():
@@ -115,6 +126,33 @@ class _Walk:
             if self.on(sign).moment * sign < 0.0:
                 return True
         return False
+
+    def from_another(self, natural: Tube, known: list[Tube]) -> Curling:
+        """The root near the natural tube of another direction, which curls by nearly as much.
+
+        Raises
+        ------
+        ArithmeticError
+            The branch was left, or the moment's sign did not change nearby.
+        """
+        sign = float(np.sign(natural.curvature))
+        sheet = unrolled_towards(self.cell, natural, self.angle)
+        here = self._roll(sheet, natural.bump, natural.curvature)
+        other = min(known, key=lambda tube: abs(tube.curvature - natural.curvature) or np.inf)
+        slope = (other.moment - natural.moment) / (other.curvature - natural.curvature)
+        for _ in range(TRIALS):
+            if slope <= 0.0:
+                break
+            k = here.curvature - BEYOND * here.moment / slope
+            if not FIRST < sign * k * self.cell.spacing < TIGHTEST:
+                break
+            last, here = here, self.to(k)
+            if here.moment * last.moment < 0.0:
+                ends = sorted((last, here), key=lambda tube: tube.moment * sign)
+                low, high = ((tube.curvature, tube.moment) for tube in ends)
+                return self.between(low, high, sign)
+            slope = (here.moment - last.moment) / (here.curvature - last.curvature)
+        raise ArithmeticError("tube: no natural curvature near that of the other direction")
 
     def between(self, low: Point, high: Point, sign: float) -> Curling:
         """The root between two signs of the moment."""

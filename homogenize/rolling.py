@@ -62,16 +62,29 @@ class Unrolled:
 
 
 def unrolled_flat(flat: Flat, angle: float) -> Unrolled:
-    """A flat cell seen along a tube's axis: lines of equal angle on the tube are lines of equal height y on it."""
-    across = np.linalg.solve(flat.deformation.T, np.array([-np.sin(angle), np.cos(angle)]))
+    """A flat cell seen along the axis of a tube."""
+    return _along(flat.state.positions, flat.state.directors, flat.deformation, angle)
+
+
+def unrolled_towards(cell: Cell, tube: Tube, angle: float) -> Unrolled:
+    """A tube, laid flat and seen along the axis of a tube in another direction."""
+    sheet = unrolled(cell, tube)
+    deformation = np.linalg.solve(cell.cell_vectors, sheet.positions[cell.torus.n_base :, :2]).T
+    return _along(sheet.positions, sheet.directors, deformation, angle)
+
+
+def _along(positions: Array, directors: Array, deformation: Array, angle: float) -> Unrolled:
+    """A laid-out cell turned so that lines of equal angle on the tube are lines of equal y."""
+    across = np.linalg.solve(deformation.T, np.array([-np.sin(angle), np.cos(angle)]))
     hoop = 1.0 / float(np.linalg.norm(across))
     (x, y) = hoop * across
     turn = np.array([[y, -x, 0.0], [x, y, 0.0], [0.0, 0.0, 1.0]])
-    return Unrolled(flat.state.positions @ turn.T, flat.state.directors @ turn.T, hoop)
+    return Unrolled(positions @ turn.T, directors @ turn.T, hoop)
 
 
 def unrolled(cell: Cell, tube: Tube) -> Unrolled:
-    """A tube, slit and laid flat: arc lengths at the mean radius, heights above it."""
+    """A tube, slit and laid flat: arc lengths at the mean radius, heights above it. The cell takes on its images."""
+    cell.tube(tube.curvature, tube.angle)
     n, k = cell.torus.n_base, tube.curvature
     x = tube.state.positions
     angle = _angles(cell, x[:n], k)

@@ -50,8 +50,9 @@ class Sample:
     natural_energy : (D,) N/mm.
     natural_hoop, natural_axial : (D,) stretches of the mean surface on the natural tube.
     natural_membrane : (D, 3, 3) N/mm, tangent on the natural tube, see `homogenize.rolled_membrane`.
-    relief : (W,) mm, amplitudes of the waves of the star's heights over the mean surface of the natural tubes, mean of
-        the directions, see `homogenize.relief`.
+    relief : (2, W), amplitudes of the waves of the star's heights over the mean surface, see `homogenize.relief`: mm on
+        the flat cell, and mm^2, by how much more per curvature of the contracted sheet on the natural tubes (mean of
+        the directions).
     bending : (D,) N mm, `D = 2 (psi_0 - psi_c)/kappa_c^2`; with a slight curvature only, the tangent by kappa.
     sixfold : N mm^2, `c3 = 4 (psi_0 - psi_30)/kappa_c^3`, of the natural energies at 0 and 30 degrees and their mean
         curvature; 0 without natural curvature.
@@ -192,7 +193,7 @@ def _measure(clock: Clock, cell: Cell, angles: tuple[float, ...], found: dict[st
         found["down_energy"] = other.energy - flat.energy
     curves: list[Curling] = []
     for angle in angles:
-        curves.append(clock("tubes", curl, cell, flat, angle))
+        curves.append(clock("tubes", curl, cell, flat, angle, curves[-1] if curves else None))
         found["iterations"] += sum(tube.iterations for tube in curves[-1].tubes)
     found |= _bending(flat, curves)
     ends = [curve.natural or curve.tubes[0] for curve in curves]
@@ -201,18 +202,20 @@ def _measure(clock: Clock, cell: Cell, angles: tuple[float, ...], found: dict[st
     between = found["centre_offset_mm"] + part * (offsets - found["centre_offset_mm"])
     found["natural_centre_offset_mm"] = np.where([curve.natural is None for curve in curves], between, offsets)
     found["natural_membrane"] = np.array([clock("stiffness", rolled_membrane, cell, tube) for tube in ends])
-    found["relief"] = _relief(cell, ends)
+    found["relief"] = _relief(cell, flat, ends)
     lowest = [clock("stability", _tube_stability, cell, tube) for tube in ends]
     found["natural_eigenvalue"] = np.array([one.cell for one in lowest])
     found["natural_supercell_eigenvalue"] = np.array([one.supercell for one in lowest])
 
 
-def _relief(cell: Cell, tubes: list[Tube]) -> Array:
-    """(W,) mm."""
+def _relief(cell: Cell, flat: Flat, tubes: list[Tube]) -> Array:
+    """(2, W) mm and mm^2, on the flat cell and more by curvature."""
     waves = Waves.of(cell.design.lattice)
-    offsets = cell.printed[: cell.torus.n_base] - cell.printed[cell.torus.star_vertices[0]]
-    mean = np.mean([heights(cell, tube) for tube in tubes], axis=0)
-    return waves.amplitudes(offsets, mean, cell.weights)
+    n, star = cell.torus.n_base, cell.torus.star_vertices[0]
+    offsets = cell.printed[:n] - cell.printed[star]
+    lying = waves.amplitudes(offsets, flat.state.positions[:n, 2], cell.weights)
+    rolled = waves.amplitudes(offsets, np.mean([heights(cell, tube) for tube in tubes], axis=0), cell.weights)
+    return np.array([lying, (rolled - lying) / np.mean([tube.contracted for tube in tubes])])
 
 
 def _tube_stability(cell: Cell, tube: Tube) -> Stability:

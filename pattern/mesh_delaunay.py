@@ -21,7 +21,7 @@ from pattern.planar import distance_to_outline, distance_to_segment, inside, tri
 from pattern.triangulate import triangulate
 
 MIN_ANGLE_DEG = 30.0
-# arms and border are split where they touch flatter triangles than this, at most so often
+# arms and border are split where they touch flatter triangles than this, at most so often by default
 POOR_ANGLE_DEG = 25.0
 SPLITS = 3
 # in units of the edge squared: refinement leaves a mean area of .6 of it, that of an equilateral triangle
@@ -40,7 +40,7 @@ class _Frame:
     step: Floats
 
 
-def delaunay_mesh(layout: Layout, edge_mm: float, seed: int = 0, graded: bool = False) -> Mesh:
+def delaunay_mesh(layout: Layout, edge_mm: float, seed: int = 0, graded: bool = False, splits: int = SPLITS) -> Mesh:
     """Triangles of about 30 degrees or more, with even segments along every arm and the border.
 
     Parameters
@@ -49,6 +49,7 @@ def delaunay_mesh(layout: Layout, edge_mm: float, seed: int = 0, graded: bool = 
         other arms or to the border.
     seed : another seed gives another mesh of the same quality, to see how much a result depends on the mesh.
     graded : arms get edges of a fifth of the length, so that the triangles beside them are small.
+    splits : how often segments beside flat triangles are halved at most.
     """
     check_edge(layout, edge_mm)
     pins, tolerance = pin_points(layout), _tolerance(layout)
@@ -60,7 +61,7 @@ def delaunay_mesh(layout: Layout, edge_mm: float, seed: int = 0, graded: bool = 
         length / np.maximum(np.rint(length / (GRADED * edge_mm if graded else edge_mm)), 2),
     )
     best, best_angle = None, -1.0
-    for _ in range(SPLITS + 1):
+    for _ in range(splits + 1):
         mesh = _mesh(layout, frame, pins, edge_mm, seed)
         angles = triangle_angles(mesh.points, mesh.triangles).min(axis=1)
         if angles.min() > best_angle:

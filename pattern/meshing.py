@@ -12,15 +12,18 @@ from pattern.lattice_grid import LatticeGrid
 from pattern.layout import Ints, Layout
 from pattern.mesh import Mesh
 from pattern.mesh_aligned import aligned_mesh
-from pattern.mesh_delaunay import delaunay_mesh
+from pattern.mesh_delaunay import SPLITS, delaunay_mesh
 
 Kind = Literal["auto", "aligned", "delaunay"]
 
 
-def mesh_layout(layout: Layout, edge_mm: float, kind: Kind = "auto", seed: int = 0, graded: bool = False) -> Mesh:
+def mesh_layout(
+    layout: Layout, edge_mm: float, kind: Kind = "auto", seed: int = 0, graded: bool = False, draft: bool = False
+) -> Mesh:
     """Mesh the sheet with edges of about `edge_mm`; "auto" prefers the aligned mesh (`seed` is the Delaunay one's).
 
     `graded`: finer at the arms and their tips; an aligned mesh has as many triangles as without, a Delaunay mesh more.
+    `draft`: good enough to look at; a Delaunay mesh may then have flat triangles where features are close together.
     """
     if kind not in ("auto", "aligned", "delaunay"):
         raise MeshError(f"the mesh kind must be auto, aligned or delaunay, got {kind!r}")
@@ -30,7 +33,7 @@ def mesh_layout(layout: Layout, edge_mm: float, kind: Kind = "auto", seed: int =
         except MeshError:
             if kind == "aligned":
                 raise
-    return delaunay_mesh(layout, edge_mm, seed, graded)
+    return delaunay_mesh(layout, edge_mm, seed, graded, 0 if draft else SPLITS)
 
 
 def can_align(layout: Layout) -> bool:

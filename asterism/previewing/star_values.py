@@ -20,7 +20,7 @@ class StarValues:
     Attributes
     ----------
     value : for each of the law's quantities (S + 1,); the last is the bare fabric's.
-    relief : (S + 1, W) mm, amplitudes of the law's waves.
+    relief : (S + 1, 2, W) mm and mm^2, amplitudes of the law's waves: flat, and more per curvature.
     sizes : (S, 3) mm, length, thickness and width that the law was asked for.
     outside : one line for each star beyond the law's range; it counts as the nearest star in the range.
     tight : stars whose sheet would curl to less than two thirds of their distance.

@@ -51,8 +51,7 @@ class Lens:
 
     def __init__(self, sheet: Sheet, waves: Waves, points: Floats) -> None:
         self.points = np.asarray(points, dtype=float)
-        self._origin = sheet.layout.lattice_origin
-        self._waves = waves
+        self._waves = waves(self.points - sheet.layout.lattice_origin)
         self._at = sheet.space.locate(self.points)
         self.look_at_stars(sheet)
 
@@ -69,12 +68,12 @@ class Lens:
         normals = cross / area[:, None]
         a11, a22, a12 = (np.einsum("nc,nc->n", first[:, i], first[:, j]) for i, j in ((0, 0), (1, 1), (0, 1)))
         b11, b22, b12 = np.einsum("nkc,nc->kn", second, normals)
-        heights = relief_heights(self._waves, values.relief, self._weights, self.points, self._origin)
+        mean_curvature = -0.5 * (a22 * b11 + a11 * b22 - 2.0 * a12 * b12) / area**2
         return Places(
             smooth=self._at.value @ x,
             normals=normals,
-            heights=heights,
-            mean_curvature=-0.5 * (a22 * b11 + a11 * b22 - 2.0 * a12 * b12) / area**2,
+            heights=relief_heights(self._waves, values, self._weights, 2.0 * mean_curvature),
+            mean_curvature=mean_curvature,
             gaussian_curvature=(b11 * b22 - b12**2) / area**2,
         )
 
@@ -82,7 +81,7 @@ class Lens:
 def shown_mesh(design: Design, sheet: Sheet) -> Mesh:
     """Triangles to show, with the arms among their edges: the design's, or coarser ones if those are coarse enough."""
     edge = max(design.mesh.edge_mm, SHOWN * design.lattice.spacing_mm)
-    return mesh_layout(sheet.layout, edge, design.mesh.kind, design.mesh.seed)
+    return mesh_layout(sheet.layout, edge, design.mesh.kind, design.mesh.seed, draft=True)
 
 
 def shape_of(design: Design, sheet: Sheet, mesh: Mesh, places: Places) -> Shape:

@@ -39,7 +39,7 @@ def respond(design: Design, edge_mm: float) -> Answer:
         "natural_curvature": (kappa * three).tolist(),
         "natural_membrane": [membrane.tolist()] * 3,
         "natural_bump_mm": (0.1 * l * three).tolist(),
-        "relief": (0.02 * l * np.arange(12.0)).tolist(),
+        "relief": (0.02 * l * np.arange(24.0)).reshape(2, 12).tolist(),
         "natural_hoop": (lam * three).tolist(),
         "natural_axial": (lam * three).tolist(),
         "bending": (0.5 * np.exp(0.1 * l * h) * three).tolist(),

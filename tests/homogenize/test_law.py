@@ -175,8 +175,9 @@ def test_tight_sheets_are_marked_and_keep_their_values() -> None:
 def test_reliefs_are_those_of_the_cells_and_flat_without_arms() -> None:
     table = LAW.at(1.35)
     found = table.relief(np.array([0.0, 4.0, 5.0]), 0.3, 1.2)
-    assert found.shape == (3, len(LAW.waves)) and (found[0] == 0.0).all()
-    np.testing.assert_allclose(found[1:], 0.02 * np.outer([4.0, 5.0], np.arange(12.0)), atol=1e-3)
+    assert found.shape == (3, 2, len(LAW.waves)) and (found[0] == 0.0).all()
+    expected = 0.02 * np.outer([4.0, 5.0], np.arange(24.0)).reshape(2, 2, 12)
+    np.testing.assert_allclose(found[1:], expected, atol=2e-3)
     np.testing.assert_array_equal(table.relief(99.0, 0.3, 1.2), table.relief(12.0, 0.3, 1.2))
 
 
@@ -225,7 +226,7 @@ def test_files_that_are_no_laws(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         load_law(path)
     path.write_bytes(to_bytes(LAW))
     monkeypatch.setattr("homogenize.law_file.FORMAT", 99)
-    with pytest.raises(LawError, match="has format 2, this version reads 99; make it again"):
+    with pytest.raises(LawError, match="has format 3, this version reads 99; make it again"):
         load_law(path)
 
 

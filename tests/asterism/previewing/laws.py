@@ -32,8 +32,9 @@ def plain_law(stretch: float = 1.35) -> Law:
     }
     nodes = np.stack([value[name] for name in NAMES], axis=-1)
     waves = Waves.of(material.lattice)
-    reliefs = np.zeros((*l.shape, len(waves)))
-    reliefs[..., 0] = 0.1 * l / waves(np.zeros((1, 2)))[0, 0]
+    reliefs = np.zeros((*l.shape, 2, len(waves)))
+    reliefs[..., 0, 0] = 0.1 * l / waves(np.zeros((1, 2)))[0, 0]
+    reliefs[..., 1, 0] = 0.5 * l / waves(np.zeros((1, 2)))[0, 0]
     unit = units(nodes[0, 0, 0], SPACING)
     axes = (lengths, thicknesses, widths)
     table = Table(stretch, SPACING, axes, nodes, reliefs, np.ones(l.shape, dtype=bool), unit)

@@ -59,9 +59,11 @@ def test_bumps_are_as_high_as_the_law_says(curly: Preview) -> None:
     shape = curly.shape()
     bump = shape.point_fields["bump_mm"]
     heights = np.einsum("vi,vi->v", bump, shape.point_fields["normal"])
-    offset = curly.values.relief[0, 0] * curly.law.waves(np.zeros((1, 2)))[0, 0]
+    wave = curly.law.waves(np.zeros((1, 2)))[0, 0]
+    flat, more = curly.values.relief[0, :, 0]
     inner = shape.star_vertices[:7]
-    assert heights[inner] == pytest.approx(offset, rel=0.02)
+    curvature = 2.0 * shape.point_fields["mean_curvature_per_mm"][inner]
+    assert heights[inner] == pytest.approx((flat + more * curvature) * wave, rel=0.02)
     # off the bumps the surface is the shell's
     smooth = curly.at(shape.printed).smooth
     turned = shape.positions - bump

@@ -1,0 +1,64 @@
+"""The law that comes with the package: how good it says it is, and what it is made of."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+
+from homogenize.law import TIGHT, Law
+from homogenize.law_file import load_law
+from homogenize.plan import PAPER, load_material
+
+
+@pytest.fixture(scope="module")
+def law() -> Law:
+    return load_law()
+
+
+def test_it_is_of_the_plan_that_comes_with_it(law: Law) -> None:
+    """And says by which command, with which versions, on what machine and in what time."""
+    assert law.material.to_dict() == load_material(PAPER).to_dict()
+    assert law.made["command"] == "asterism calibrate"
+    assert {"asterism", "numpy", "scipy"} <= set(law.made["versions"]) and law.made["machine"]["cores"] > 0
+    assert law.made["cell_seconds"] > 0.0
+    for table in law.tables:
+        assert [(axis[0], axis[-1]) for axis in table.axes] == [(0.0, 13.0), (0.2, 0.6), (0.8, 1.6)]
+
+
+@pytest.mark.parametrize("stretch", ["1.35", "1.75"])
+def test_cells_that_it_has_not_seen(law: Law, stretch: str) -> None:
+    """Over the stated range, in percent of the cell."""
+    held = law.residuals[stretch]["held_out"]
+    assert held["count"] + held["tight"]["count"] == law.material.plan.held_out and held["count"] > 20
+    allowed = {"lam": 0.2, "lam_n": 0.2, "kappa": 3.0, "bending": 3.0, "a11": 3.0}
+    worst = {name: held["errors"][name]["largest_percent"] for name in allowed}
+    assert all(worst[name] < percent for name, percent in allowed.items()), worst
+
+
+def test_every_cell_of_the_stated_range_is_stable_and_bumps_up(law: Law) -> None:
+    """The natural tube is a minimum among states of 2 x 2 stars that are free to differ."""
+    seen = 0
+    for cell in law.samples:
+        found = cell["sample"]
+        assert found is not None, cell
+        curl = np.mean(found["natural_curvature"]) * found["spacing_mm"]
+        if curl > TIGHT or cell["length_mm"] == 0.0:
+            continue
+        seen += 1
+        assert cell["problem"] is None, cell
+        assert min(found["natural_supercell_eigenvalue"]) > 0.0 and min(found["natural_bump_mm"]) > 0.0
+    assert seen > 0.6 * len(law.samples)
+
+
+def test_a_sheet_of_200_stars_takes_less_than_a_millisecond(law: Law) -> None:
+    """The best of many: other programs only make it longer."""
+    random = np.random.default_rng(0)
+    sizes = [random.uniform(low, high, 200) for low, high in ((2.0, 10.0), (0.25, 0.6), (0.8, 1.6))]
+    table, best = law.tables[0], np.inf
+    for _ in range(100):
+        begin = time.perf_counter()
+        table(*sizes)
+        best = min(best, time.perf_counter() - begin)
+    assert best < 1e-3
