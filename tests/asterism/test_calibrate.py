@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import signal
 import subprocess
@@ -78,6 +79,13 @@ def test_show_writes_a_picture_and_a_table(place: Path) -> None:
         assert image.width > 1000 and np.asarray(image).std() > 5
     summary = json.loads((place / "shown" / "summary.json").read_text())
     assert summary["cells"] == 6 and summary["residuals"]["1.35"]["held_out"]["cells"]
+    cells = list(csv.DictReader((place / "shown" / "cells.csv").read_text().splitlines()))
+    assert len(cells) == 6
+    assert all(cell["answer"] == "yes" and float(cell["natural_supercell_eigenvalue"]) > 0.0 for cell in cells)
+    # of every star: on which branch it is, flat and rolled, and whether the other one is there
+    starred = [cell for cell in cells if float(cell["length_mm"]) > 0.0]
+    assert len(starred) == 5 and all(cell["flat_other_side"] for cell in cells)
+    assert min(float(cell[name]) for cell in starred for name in ("flat_bump_mm", "natural_bump_mm")) > 0.0
 
 
 def test_the_law_that_comes_with_the_package(tmp_path: Path) -> None:
