@@ -15,7 +15,16 @@ Field = ArrayLike | Callable[[Floats], ArrayLike]
 
 
 class FieldError(ValueError):
-    """A field that no sheet can have; one line with place and value."""
+    """A field that no sheet can have; one line with place and value.
+
+    Attributes
+    ----------
+    place : (2,) printed mm.
+    """
+
+    def __init__(self, name: str, place: Floats, values: Floats, why: str) -> None:
+        super().__init__(f"{name} at ({place[0]:.4g}, {place[1]:.4g}) mm: {_row(values)} {why}")
+        self.place = place
 
 
 @dataclass(frozen=True)
@@ -47,7 +56,7 @@ class Fields:
         least = np.minimum(a[..., 0], a[..., 0] * a[..., 1] - a[..., 2] ** 2)
         if least.min() <= 0.0:
             where = np.unravel_index(least.argmin(), least.shape)
-            raise FieldError(f"rest metric at {_place(points[where])}: {_row(a[where])} is not positive definite")
+            raise FieldError("rest metric", points[where], a[where], "is not positive definite")
         return np.concatenate([0.5 * a[..., :2], a[..., 2:], b[..., :2], 2.0 * b[..., 2:]], axis=-1)
 
     def densities(self, points: Floats) -> Density:
@@ -81,12 +90,8 @@ def _at(field: Field, points: Floats, name: str) -> Floats:
     lost = ~np.isfinite(values).all(axis=-1)
     if lost.any():
         where = np.unravel_index(lost.argmax(), lost.shape)
-        raise FieldError(f"{name} at {_place(points[where])}: {_row(values[where])} is not finite")
+        raise FieldError(name, points[where], values[where], "is not finite")
     return values
-
-
-def _place(point: Floats) -> str:
-    return f"({point[0]:.4g}, {point[1]:.4g}) mm"
 
 
 def _row(values: Floats) -> str:

@@ -23,6 +23,7 @@ from fem.seeds import Side
 from fem.shell import Shell
 from fem.solve import follow
 from fem.tabulation import Floats
+from homogenize.errors import LawError
 from homogenize.law import Law
 from homogenize.law_file import load_law
 from pattern.build import layout
@@ -147,7 +148,8 @@ class Preview:
             plan = self._clock("layout", layout, design)
             values = self._clock("law", star_values, design, plan, self.law)
             if not self.sheet.holds(design, plan, self.design):
-                self._begin(design)
+                # complete before it takes the place of the old one
+                vars(self).update(vars(Preview(design, self.law, self.side, self._triangles, self._say)))
                 yield Stage("equilibrium", self.equilibrium.x)
                 return
             self._clock("fields", self._change, design, plan, values)
@@ -164,13 +166,16 @@ class Preview:
 
     def _change(self, design: Design, plan: Layout, values: StarValues) -> None:
         """New stars on the same sheet."""
-        if not np.array_equal(plan.centres, self.sheet.layout.centres):
-            self.sheet.set_stars(design, plan)
-        else:
-            self.sheet.layout = plan
+        before = self.sheet.layout
+        self.sheet.set_stars(design, plan)
+        try:
+            fields = self.sheet.fields(values)
+        except LawError:
+            self.sheet.set_stars(self.design, before)
+            raise
         self.design, self.values = design, values
         self._lens = None
-        self.shell.set_fields(self.sheet.fields(values))
+        self.shell.set_fields(fields)
 
     @one_blas_thread()
     def flip(self) -> Side:

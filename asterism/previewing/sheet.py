@@ -14,10 +14,11 @@ from asterism.previewing.star_cells import StarCells
 from asterism.previewing.star_values import StarValues
 from fem.argyris import Argyris
 from fem.conditions import ConditionError
-from fem.fields import Fields
+from fem.fields import FieldError, Fields
 from fem.loads import area_load
 from fem.shell import ORDER, Shell
 from fem.tabulation import Floats
+from homogenize.errors import LawError
 from pattern.build import layout
 from pattern.design import Design
 from pattern.errors import DesignError
@@ -51,11 +52,16 @@ class Sheet:
         mesh = MeshTri(np.ascontiguousarray(self._mesh.points.T), np.ascontiguousarray(self._mesh.triangles.T))
         self.space = Argyris(mesh)
         self._table = self.space.tabulate(ORDER)
-        self.set_stars(design, self.layout)
+        self._spread(design, self.layout)
 
     def set_stars(self, design: Design, plan: Layout) -> None:
         """Take another layout of the same sheet (`holds`)."""
+        if not np.array_equal(plan.centres, self.layout.centres):
+            self._spread(design, plan)
         self.layout = plan
+
+    def _spread(self, design: Design, plan: Layout) -> None:
+        """The shares of its stars at the quadrature points."""
         self.cells = StarCells(plan, design.lattice)
         points, lattice = self._table.points.reshape(-1, 2), design.lattice
         self._weights: sp.csr_matrix = self.cells.weights(points)
@@ -72,8 +78,22 @@ class Sheet:
         )
 
     def fields(self, values: StarValues) -> Fields:
-        """What the sheet wants to be, at the quadrature points."""
-        return sheet_fields(self._weights, values, self._table.weights.shape, self._arms)
+        """What the sheet wants to be, at the quadrature points.
+
+        Raises
+        ------
+        LawError
+            No sheet can be that: neighbours contract too differently.
+        """
+        fields = sheet_fields(self._weights, values, self._table.weights.shape, self._arms)
+        try:
+            fields.rest(self._table.points)
+        except FieldError as error:
+            star = int(np.linalg.norm(self.layout.centres - error.place, axis=1).argmin())
+            (x, y), lam = self.layout.centres[star], values.value["lam_n"][star]
+            told = f"star {star} at [{x:.1f}, {y:.1f}]: lam_n = {lam:.4g} is too far from its neighbours'"
+            raise LawError(f"{told}: {error}") from None
+        return fields
 
     def loads(self, design: Design) -> Floats:
         """(N, 3) N, the weight."""

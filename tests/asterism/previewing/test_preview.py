@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import asterism
 from asterism.previewing.preview import Preview
 from asterism.verification.comparison import compare
 from homogenize.errors import LawError
+from homogenize.law import NAMES
 from pattern import gallery
 from pattern.build import layout
 from pattern.design import Design
@@ -118,6 +120,11 @@ def test_an_edit_of_the_outline_starts_anew_and_a_refused_one_changes_nothing() 
     with pytest.raises(LawError, match=r"fabric\.thickness_mm"):
         list(preview.edit(design(fabric={"thickness_mm": 0.5})))
     assert preview.design is CURLY and (preview.equilibrium.x == before).all()
+    # what is wrong is found only when the new sheet is held
+    with pytest.raises(DesignError, match="pins"):
+        list(preview.edit(design(pins=[{"edges": [0]}, {"edges": [1], "scale": 0.5}])))
+    assert preview.design is CURLY and (preview.equilibrium.x == before).all()
+    assert preview.shape().summary["design"] == CURLY.to_dict()
     smaller = design(border={"rings": 2})
     assert [stage.name for stage in preview.edit(smaller)] == ["equilibrium"]
     assert len(preview.sheet.layout.centres) == 19
@@ -185,6 +192,27 @@ def test_stars_beyond_the_law_are_warned_of_not_refused() -> None:
     assert not summary["law_in_range"]
     assert summary["stars_outside_law"][0].startswith("star 5 at [")
     assert summary["stars_outside_law"][0] in summary["warnings"]
+
+
+def test_neighbours_that_no_sheet_can_join_are_refused_with_star_and_value() -> None:
+    """Fabric that is stretched threefold, and stars that let it contract by that or not at all."""
+    law = plain_law(3.0)
+    table = law.tables[0]
+    nodes = table.nodes.copy()
+    nodes[7:, ..., NAMES.index("lam_n")] = 0.99
+    law = replace(law, tables=(replace(table, nodes=nodes),))
+    short = [{"star": star, "length_mm": 1.0} for star in range(1, 37)]
+    same = design(fabric={"stretch": 3.0}, stars={"length_mm": 1.0})
+    torn = design(fabric={"stretch": 3.0}, stars={"length_mm": 10.0, "override": short})
+    refused = r"star \d+ at \[.*\]: lam_n = [\d.]+ is too far from its neighbours': rest metric at .* positive definite"
+    with pytest.raises(LawError, match=refused):
+        Preview(torn, law)
+    preview = Preview(same, law)
+    before = preview.equilibrium.x.copy()
+    with pytest.raises(LawError, match=refused):
+        list(preview.edit(torn))
+    assert preview.design is same and (preview.equilibrium.x == before).all()
+    assert [stage.name for stage in preview.edit(same)] == ["linear", "equilibrium"]
 
 
 def test_pins_that_contradict_each_other_are_refused() -> None:
