@@ -95,7 +95,7 @@ def _table(arrays: dict[str, np.ndarray]) -> Table:
     shape = tuple(len(axis) for axis in axes)
     fit = arrays["nodes"].shape == (*shape, len(NAMES)) and shape == arrays["good"].shape
     fit = fit and arrays["reliefs"].ndim == 5 and arrays["reliefs"].shape[:4] == (*shape, 2)
-    if not fit:
-        raise ValueError("arrays do not fit together")
+    if not fit or not all(np.isfinite(array).all() for array in arrays.values()):
+        raise ValueError("arrays do not fit together, or have gaps")
     stretch, spacing = float(arrays["stretch"]), float(arrays["spacing_mm"])
     return Table(stretch, spacing, axes, arrays["nodes"], arrays["reliefs"], arrays["good"], arrays["units"])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 from typing import Any
 
@@ -221,6 +222,12 @@ def test_files_that_are_no_laws(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         load_law(path)
     with pytest.raises(LawError, match="cannot be read: No such file"):
         load_law(tmp_path / "none.npz")
+    with np.load(io.BytesIO(to_bytes(LAW))) as archive:
+        gaps = {name: archive[name] for name in archive.files}
+    gaps["0/nodes"][3, 2, 1, 0] = np.nan
+    np.savez(path, **gaps)
+    with pytest.raises(LawError, match="damaged"):
+        load_law(path)
     np.savez(path, format=np.array({"a": 1}, dtype=object))
     with pytest.raises(LawError):
         load_law(path)
