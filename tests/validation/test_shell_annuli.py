@@ -151,7 +151,7 @@ def test_spherical_annulus_is_found_from_its_metric_alone() -> None:
     assert parts(shell, found.x) == pytest.approx(BUCKLED[0.1][:2], rel=0.01)
 
 
-@pytest.mark.parametrize("name", ["argyris", "bell"])
+@pytest.mark.parametrize("name", SPACES)
 def test_spherical_annulus_converges(name: str) -> None:
     """Second order: that of the polygons that stand for its two circles."""
     errors = []

@@ -11,7 +11,7 @@ from fem.solve import follow
 from tests.fem.meshes import graded
 from tests.fem.spaces import SPACES
 from tests.validation.rolled import turn
-from tests.validation.shells import material
+from tests.validation.shells import material, rate
 
 CURVATURE, POISSON = 1.5, 0.3
 ROLLED = CURVATURE * (1.0 + POISSON)
@@ -49,6 +49,20 @@ def test_long_sheet_rolls_as_an_endless_one(name: str, cells: tuple[int, int], t
     shell = _shell(name, thickness, cells, 6.0)
     expected = turn(thickness, POISSON, CURVATURE, 2.0)
     assert _turn(shell, _rolled(shell)) == pytest.approx(expected, rel=1.5e-3 if name == "lifted" else 3e-4)
+
+
+@pytest.mark.parametrize(
+    ("name", "cells"),
+    [("argyris", (9, 5)), ("bell", (9, 6)), pytest.param("lifted", (14, 7), marks=pytest.mark.slow)],
+)
+def test_long_sheet_converges(name: str, cells: tuple[int, int]) -> None:
+    """Better than fourth order, on meshes that are finer towards the edges and their layers."""
+    expected = turn(0.02, POISSON, CURVATURE, 2.0)
+    errors = []
+    for fine in (1, 2):
+        shell = _shell(name, 0.02, (fine * cells[0], fine * cells[1]), 6.0)
+        errors.append(_turn(shell, _rolled(shell)) / expected - 1.0)
+    assert rate(*errors) > 4.0
 
 
 def test_endless_sheet_reaches_the_cylinder_as_its_edge_layer_shrinks() -> None:
