@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.linalg import qr
+from scipy.linalg import qr, solve_triangular
 from scipy.sparse.csgraph import connected_components
 
 from fem.tabulation import Floats, Ints
@@ -75,28 +75,25 @@ def eliminate(matrix: sp.csr_matrix, right: Floats, tolerance: float) -> Elimina
     rows_out: list[Ints] = []
     columns_out: list[Ints] = []
     entries_out: list[Floats] = []
-    solved: dict[tuple[int, bytes], tuple[Floats, Floats, Ints]] = {}  # components of a vector share equations
+    solved: dict[tuple[int, bytes], _Solved] = {}  # components of a vector share equations
     for rows, columns, block in _groups(matrix):
         key = (len(rows), block.tobytes())
         if key not in solved:
-            solved[key] = qr(block, mode="economic", pivoting=True, check_finite=False)
-        q, r, order = solved[key]
-        rank = int(np.sum(np.abs(np.diag(r)) > DEPENDENT * abs(r[0, 0])))
-        image = q[:, :rank].T @ right[rows]
-        miss = np.abs(right[rows] - q[:, :rank] @ image).max(axis=1)
+            solved[key] = _solve(block)
+        one = solved[key]
+        given = right[rows]
+        image = one.q.T @ given
+        miss = np.abs(given - one.q @ image).max(axis=1)
         if miss.max() > tolerance:
             worst = int(np.argmax(miss))
             raise Contradiction(int(rows[worst]), float(miss[worst]))
-        redundant += len(rows) - rank
-        pivots, rest = columns[order[:rank]], columns[order[rank:]]
+        redundant += len(rows) - len(one.pivots)
+        pivots = columns[one.pivots]
         gone[pivots] = True
-        both = np.asarray(np.linalg.solve(r[:rank, :rank], np.hstack([r[:rank, rank:], image])), dtype=float)
-        constant[pivots] = both[:, len(rest) :]
-        weights = np.where(np.abs(both) < 1e-12, 0.0, -both)[:, : len(rest)]
-        i, j = np.nonzero(weights)
-        rows_out.append(pivots[i])
-        columns_out.append(rest[j])
-        entries_out.append(np.asarray(weights[i, j], dtype=float))
+        constant[pivots] = solve_triangular(one.r, image, check_finite=False)
+        rows_out.append(pivots[one.row])
+        columns_out.append(columns[one.column])
+        entries_out.append(one.weight)
     free = np.flatnonzero(~gone)
     number = np.full(size, -1)
     number[free] = np.arange(len(free))
@@ -106,6 +103,27 @@ def eliminate(matrix: sp.csr_matrix, right: Floats, tolerance: float) -> Elimina
     where = (np.concatenate(rows_out), number[np.concatenate(columns_out)])
     mapping = sp.csr_matrix((np.concatenate(entries_out), where), shape=(size, len(free)))
     return Elimination(mapping, constant, free, redundant)
+
+
+@dataclass(frozen=True)
+class _Solved:
+    """A block `q r` of equations, solved for its pivots: `pivot = weight times other column`, entry by entry."""
+
+    q: Floats
+    r: Floats
+    pivots: Ints
+    row: Ints
+    column: Ints
+    weight: Floats
+
+
+def _solve(block: Floats) -> _Solved:
+    """By QR with column pivoting."""
+    q, r, order = qr(block, mode="economic", pivoting=True, check_finite=False)
+    rank = int(np.sum(np.abs(np.diag(r)) > DEPENDENT * abs(r[0, 0])))
+    weights = -solve_triangular(r[:rank, :rank], r[:rank, rank:], check_finite=False)
+    i, j = np.nonzero(np.abs(weights) >= 1e-12)
+    return _Solved(q[:, :rank], r[:rank, :rank], order[:rank], i, order[rank:][j], weights[i, j])
 
 
 def _groups(matrix: sp.csr_matrix) -> Iterator[tuple[Ints, Ints, Floats]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,7 +48,7 @@ class LatticeGrid:
         k = max(round(float(np.sqrt((a @ a + b @ b) / 2)) / edge_mm), 2)
         return cls(np.asarray(layout.lattice_origin, dtype=float), np.array([a, b]), k)
 
-    @property
+    @cached_property
     def edge_mm(self) -> float:
         """Length of a grid edge (mean of the two axes)."""
         return float(np.linalg.norm(self.basis, axis=1).mean() / self.k)

@@ -13,7 +13,7 @@ from pattern.lattice_grid import LatticeGrid
 from pattern.layout import Floats, Ints, Layout
 from pattern.mesh import Mesh
 from pattern.mesh_check import check_edge, checked
-from pattern.mesh_cut import cut_mesh
+from pattern.mesh_cut import SMOOTHINGS, cut_mesh
 from pattern.pin_vertices import pin_points, pin_vertices
 
 # flatter triangles than this (degrees) are left to the Delaunay mesh, which refines where it is narrow
@@ -24,13 +24,14 @@ WELL_SHAPED = 22.0
 GRADED = 8.0
 
 
-def aligned_mesh(layout: Layout, edge_mm: float, graded: bool = False) -> Mesh:
+def aligned_mesh(layout: Layout, edge_mm: float, graded: bool = False, draft: bool = False) -> Mesh:
     """Refine the lattice of the stars and move the grid points near tips and border onto them.
 
     Parameters
     ----------
     edge_mm : wished length of an edge; the lattice distance is cut into the nearest whole number of edges.
     graded : as many triangles, but finer ones at arms and tips, see `pattern.grading`; for hexagons along the lattice.
+    draft : the strip along other borders is smoothed once only.
 
     Raises
     ------
@@ -49,7 +50,7 @@ def aligned_mesh(layout: Layout, edge_mm: float, graded: bool = False) -> Mesh:
         except MeshError:
             # tips close to the border, pins between grid points: they need points of their own
             pass
-    return checked(cut_mesh(layout, grid), layout, SMALLEST_ANGLE)
+    return checked(cut_mesh(layout, grid, 1 if draft else SMOOTHINGS), layout, SMALLEST_ANGLE)
 
 
 def _hexagon_mesh(layout: Layout, grid: LatticeGrid, hexagon: HexagonBorder, grading: Grading | None = None) -> Mesh:

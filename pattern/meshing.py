@@ -23,13 +23,13 @@ def mesh_layout(
     """Mesh the sheet with edges of about `edge_mm`; "auto" prefers the aligned mesh (`seed` is the Delaunay one's).
 
     `graded`: finer at the arms and their tips; an aligned mesh has as many triangles as without, a Delaunay mesh more.
-    `draft`: good enough to look at; a Delaunay mesh may then have flat triangles where features are close together.
+    `draft`: good enough to look at, and sooner; triangles may be flatter where features or the border are close.
     """
     if kind not in ("auto", "aligned", "delaunay"):
         raise MeshError(f"the mesh kind must be auto, aligned or delaunay, got {kind!r}")
     if kind != "delaunay":
         try:
-            return aligned_mesh(layout, edge_mm, graded)
+            return aligned_mesh(layout, edge_mm, graded, draft)
         except MeshError:
             if kind == "aligned":
                 raise

@@ -58,8 +58,8 @@ def triangulate(
     # Triangle's exact arithmetic is only exact far from overflow and underflow
     unit = (p - centre) / scale
     holes_at = (h - centre) / scale
-    lines = _check_geometry(unit, s)
-    area = _check_region(unit, s, lines, holes_at)
+    lines, tree = _check_geometry(unit, s)
+    area = _check_region(unit, s, lines, tree, holes_at)
     options, room = _options(unit, min_angle_deg, None if max_area is None else max_area / scale**2)
     data = {"vertices": unit, "segments": s.astype(np.int32)}
     if len(h):
@@ -95,10 +95,11 @@ def _arrays(points: ArrayLike, segments: ArrayLike, holes: ArrayLike) -> tuple[F
     return p, s.astype(np.int64), h.reshape(-1, 2)
 
 
-def _check_geometry(p: Floats, s: Ints) -> Lines:
-    """The segments as lines, if the points are distinct and the segments meet at points only."""
-    if cKDTree(p).query_pairs(TOLERANCE):
-        i, j = min(cKDTree(p).query_pairs(TOLERANCE))
+def _check_geometry(p: Floats, s: Ints) -> tuple[Lines, shapely.STRtree]:
+    """The segments as lines, and the points, if these are distinct and the segments meet at points only."""
+    same = cKDTree(p).query_pairs(TOLERANCE)
+    if same:
+        i, j = min(same)
         raise MeshError(f"points {i} and {j} are the same")
     spread = np.linalg.svd(p - p.mean(axis=0), compute_uv=False)
     if spread[1] < TOLERANCE * spread[0]:
@@ -110,7 +111,8 @@ def _check_geometry(p: Floats, s: Ints) -> Lines:
         raise MeshError("a segment is given twice")
     lines = shapely.linestrings(p[s])
     tree = shapely.STRtree(lines)
-    owner, on = shapely.STRtree(shapely.points(p)).query(lines, predicate="dwithin", distance=TOLERANCE)
+    points = shapely.STRtree(shapely.points(p))
+    owner, on = points.query(lines, predicate="dwithin", distance=TOLERANCE)
     touching = np.flatnonzero((s[owner] != on[:, None]).all(axis=1))
     if len(touching):
         k = touching[0]
@@ -121,10 +123,10 @@ def _check_geometry(p: Floats, s: Ints) -> Lines:
     if len(crossing):
         k = crossing[0]
         raise MeshError(f"segments {first[k]} and {second[k]} cross")
-    return lines
+    return lines, points
 
 
-def _check_region(p: Floats, s: Ints, lines: Lines, holes: Floats) -> float:
+def _check_region(p: Floats, s: Ints, lines: Lines, points: shapely.STRtree, holes: Floats) -> float:
     """The area that the segments enclose without the holes, if all points and segments are in it."""
     faces = shapely.get_parts(shapely.polygonize(lines))
     if len(holes):
@@ -144,8 +146,8 @@ def _check_region(p: Floats, s: Ints, lines: Lines, holes: Floats) -> float:
         raise MeshError(f"segment {np.argmax(out)} lies outside what the segments enclose")
     free = np.ones(len(p), dtype=bool)
     free[s] = False
-    loose = np.flatnonzero(free)
-    free[loose[shapely.STRtree(shapely.points(p[free])).query(faces, predicate="contains")[1]]] = False
+    if free.any():
+        free[points.query(faces, predicate="contains")[1]] = False
     if free.any():
         raise MeshError(f"point {np.argmax(free)} lies outside what the segments enclose")
     return float(shapely.area(faces).sum())
