@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
@@ -87,6 +88,11 @@ class Reduction:
     printed: Floats
     target: Floats
     redundant: int
+
+    @cached_property
+    def transposed(self) -> sp.csr_matrix:
+        """(n, 3N), the map's."""
+        return sp.csr_matrix(self.map.T)
 
     def offset(self, progress: float = 1.0) -> Floats:
         """(3N,) mm; held parts move straight from their printed place to their target."""

@@ -26,6 +26,7 @@ from fem.tabulation import Floats
 FIRST_SHIFT = 1e-4  # part of the flat stiffness added to a matrix that is not positive definite
 LAST_SHIFT = 1e4
 FAR = 0.15  # of the sheet's size: a step beyond it is shortened
+TURNED = 0.05  # of the sheet's size: after such moves other unknowns may have to stop the rigid motions
 
 
 @dataclass
@@ -74,7 +75,7 @@ def mixed_newton(
     eps = np.zeros((*shell.assembly.weights.shape, 6)) if strains is None else strains
     found = Mixed(x, eps, np.inf, False, 0, 0, 0, seconds=clock.seconds)
     size = float(np.ptp(shell.flat, axis=0).max())
-    shift = 0.0
+    shift = moved = 0.0
     for number in range(max_iterations + 1):
         e = clock("strains", shell.strains, found.x)
         _, stress, stiffness = clock("law", shell.density, found.strains)
@@ -90,7 +91,8 @@ def mixed_newton(
         if found.converged or number == max_iterations or not np.isfinite(found.residual):
             break
         data = clock("tangent", shell.tangent, found.x, stiffness, stress)
-        support = shell.support(found.x)
+        if number == 0 or moved > TURNED * size:
+            support, moved = clock("support", shell.support, found.x), 0.0
         shift *= 0.1
         while True:
             trial = data + shift * shell.flat_stiffness if shift > 0.0 else data.copy()
@@ -107,7 +109,9 @@ def mixed_newton(
         found.shifted += shift > 0.0
         direction = -clock("solve", factor.solve, gradient)
         step = shell.move(np.zeros_like(found.x), direction)
-        length = FAR * size / max(float(np.abs(step).max()), FAR * size)
+        reach = float(np.abs(step).max())
+        length = FAR * size / max(reach, FAR * size)
+        moved += length * reach
         found.strains = e + length * clock("strains", shell.assembly.strain_changes, found.x, step)
         found.x = found.x + length * step
     found.strains = e

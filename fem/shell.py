@@ -131,7 +131,7 @@ class Shell:
 
     def restricted(self, forces: Floats) -> Floats:
         """(n,) over the free unknowns, from (N, 3)."""
-        return self.reduction.map.T @ forces.ravel()
+        return self.reduction.transposed @ forces.ravel()
 
     def gradient(self, x: Floats) -> Floats:
         """(n,) N over the free unknowns."""
