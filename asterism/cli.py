@@ -138,9 +138,9 @@ def simulate(
 
 
 def _table(s: dict[str, Any]) -> None:
+    from asterism.mesh_error import in_words
+
     extent = " x ".join(f"{size:.1f}" for size in s["extent_mm"])
-    error = s["mesh_error_percent"]
-    doubt = " (a guess: no clear order)" if s["mesh_error_asymptotic"] is False else ""
     rows = {
         "stars": f"{s['stars_up']} of {s['stars_total']} up",
         "height": f"{s['height_mm']:.2f} mm",
@@ -151,7 +151,7 @@ def _table(s: dict[str, Any]) -> None:
         "smallest eigenvalue": f"{s['smallest_eigenvalue']:.3e} N/mm",
         "equilibrium": "stable" if s["is_minimum"] else "no",
         "mesh": f"{s['vertices']} vertices, {s['mesh']}",
-        "mesh error": "-" if error is None else f"about {error:.1f} % of the diameter{doubt}",
+        "mesh error": in_words(s),
         "work": f"{s['iterations']} iterations, {s['factorisations']} factorisations, {s['wall_s']:.1f} s",
     }
     if s["starts"] > 1:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
@@ -14,7 +15,7 @@ from pattern.layout import Floats
 # Order of the distance by the edge length where it cannot be observed: that of a stress which is singular at the arms'
 # tips, and what aligned meshes show in docs/accuracy.md
 ORDER = 1.0
-# observed orders in between are believed; below the lowest, that is taken
+# observed orders in between are believed
 LOWEST, HIGHEST = 0.5, 2.5
 # meshes of nearly the same edge say nothing, and shapes further apart (% of the diameter) are different minima
 SMALLEST_RATIO = 1.2
@@ -27,24 +28,25 @@ class MeshError:
 
     Attributes
     ----------
-    percent : rms over the sheet, in % of the diameter; None if only one mesh was solved, or the shapes on two are so
-        different that they are not two views of the same one.
+    percent : rms over the sheet, in % of the diameter; None where the meshes do not show it.
     order : observed on the last three meshes; None with fewer, or where distances do not fall at all.
-    asymptotic : the order is one that theory knows, so that the estimate can be believed; None with two meshes, unless
-        they are too far apart.
+    change : % of the diameter, rms distance to the shape on the next coarser mesh; None if there is none.
     """
 
     percent: float | None
     order: float | None
-    asymptotic: bool | None
+    change: float | None
 
 
-def mesh_error(fine: Shape, coarser: Sequence[tuple[Floats, Floats]], order: float = ORDER) -> MeshError:
+def mesh_error(
+    fine: Shape, coarser: Sequence[tuple[Floats, Floats]], resolved: bool = True, order: float = ORDER
+) -> MeshError:
     """Richardson's estimate of the discretisation error of `fine`.
 
     Parameters
     ----------
     coarser : (V, 2) printed and (V, 3) deformed vertices (mm) of coarser meshes of the same sheet, the coarsest first.
+    resolved : the mesh of `fine` sees the creases. Meshes that do not may agree on a wrong shape.
     order : assumed where only one of them is of use.
     """
     edge = 1.0 / np.sqrt(len(fine.printed))
@@ -52,28 +54,38 @@ def mesh_error(fine: Shape, coarser: Sequence[tuple[Floats, Floats]], order: flo
     for printed, positions in coarser[-2:]:
         edges.append(1.0 / np.sqrt(len(printed)))
         distances.append(100.0 * rms_distance(fine.at(printed), positions) / diameter(fine.positions))
-    return estimate([*edges, edge], distances, order)
+    return estimate([*edges, edge], distances, resolved, order)
 
 
-def estimate(edges: Sequence[float], distances: Sequence[float], order: float = ORDER) -> MeshError:
+def estimate(
+    edges: Sequence[float], distances: Sequence[float], resolved: bool = True, order: float = ORDER
+) -> MeshError:
     """From one or two distances (%) of coarser shapes to the finest; edges (mm) of all, the finest last.
 
-    An error `c edge^p` leaves the distances `c (edge^p - finest^p)`: two of them have one p.
+    An error `c edge^p` leaves the distances `c (edge^p - finest^p)`: two of them have one p. There is no estimate
+    where p is none that theory knows, where the shapes are not two views of the same one, or unless `resolved`.
     """
     if not distances or edges[-2] / edges[-1] < SMALLEST_RATIO:
         return MeshError(None, None, None)
-    if distances[-1] >= LARGEST_PERCENT:
-        return MeshError(None, None, False)
-    if len(distances) < 2 or edges[-3] / edges[-2] < SMALLEST_RATIO:
-        return MeshError(distances[-1] / ((edges[-2] / edges[-1]) ** order - 1.0), None, None)
-    observed = _observed(edges, distances)
-    used = order
-    if observed is None or observed < LOWEST:
-        used = LOWEST
-    elif observed <= HIGHEST:
-        used = observed
-    percent = distances[-1] / ((edges[-2] / edges[-1]) ** used - 1.0)
-    return MeshError(percent, observed, observed is not None and used == observed)
+    observed = None
+    if len(distances) > 1 and edges[-3] / edges[-2] >= SMALLEST_RATIO:
+        observed = _observed(edges, distances)
+        order = observed or 0.0
+    percent = None
+    if resolved and distances[-1] < LARGEST_PERCENT and LOWEST <= order <= HIGHEST:
+        percent = float(distances[-1] / ((edges[-2] / edges[-1]) ** order - 1.0))
+    return MeshError(percent, observed, distances[-1])
+
+
+def in_words(summary: Mapping[str, Any]) -> str:
+    """What a summary says about the mesh error, in a line."""
+    percent, change = summary["mesh_error_percent"], summary.get("mesh_change_percent")
+    if percent is not None:
+        return f"about {percent:.1f} % of the diameter"
+    if change is None:
+        return "not known, one mesh was solved"
+    why = "the meshes show no order" if summary["creases_resolved"] else "the mesh does not resolve the creases"
+    return f"not known, {why}; {change:.1f} % of the diameter from the next coarser mesh"
 
 
 def _observed(edges: Sequence[float], distances: Sequence[float]) -> float | None:

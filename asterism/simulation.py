@@ -198,15 +198,15 @@ def _summary(model: Model, found: Equilibrium, shape: Shape, seconds: dict[str, 
 
 
 def _mesh_error(model: Model, found: Equilibrium, shape: Shape, levels: list[Level]) -> dict[str, Any]:
-    error = mesh_error(shape, [(level.printed, level.positions) for level in levels[:-1]])
     folds = creases(model, found.state)
+    error = mesh_error(shape, [(level.printed, level.positions) for level in levels[:-1]], folds.resolved)
     return {
         "mesh_error_percent": error.percent,
         "mesh_error_order": error.order,
-        # an order seen on meshes that skip the creases says nothing about those that do not
-        "mesh_error_asymptotic": folds.resolved and error.asymptotic if error.asymptotic is not None else None,
+        "mesh_change_percent": error.change,
         "crease_mm": folds.width,
         "edge_at_arms_mm": folds.edge,
+        "creases_resolved": folds.resolved,
     }
 
 

@@ -76,6 +76,8 @@ def _accuracy(summary: Mapping[str, Any]) -> list[str]:
         lines.append("from the exact model")
     if (mesh := summary.get("mesh_error_percent")) is not None:
         lines.append(f"mesh error about {mesh:.1f} % of the diameter")
+    elif (change := summary.get("mesh_change_percent")) is not None:
+        lines += ["mesh error not known", f"{change:.1f} % from the next coarser mesh"]
     return lines
 
 

@@ -59,7 +59,9 @@ def verify(
 
 def table_lines(s: Mapping[str, Any]) -> list[str]:
     """The numbers of a summary, one a line."""
-    mesh, expected, radius = s["mesh_error_percent"], s["expected_rms_percent"], s["roll_radius_error_percent"]
+    from asterism.mesh_error import in_words
+
+    expected, radius = s["expected_rms_percent"], s["roll_radius_error_percent"]
     release, near = s["starts"]["release"], s["starts"]["preview"]
     apart = f"two minima, {s['starts_distance_percent']:.1f} % apart"
     agree = "both starts in one minimum" if s["starts_agree"] else apart
@@ -70,7 +72,7 @@ def table_lines(s: Mapping[str, Any]) -> list[str]:
         "star centres": f"{s['rms_stars_percent']:.2f} % rms, {s['max_stars_percent']:.1f} % at most",
         "height": _mm(s["heights_mm"]),
         "radius of the roll": "-" if radius is None else _mm(s["roll_radii_mm"]),
-        "exact mesh error": "-" if mesh is None else f"about {mesh:.1f} %",
+        "exact mesh error": in_words(s["exact"]),
         "exact model": f"{agree}; {release['iterations']} iterations, {near['iterations']} from the preview",
         "seconds": f"preview {s['preview_s']:.2f}, again {s['preview_again_s']:.3f}; exact {s['exact_s']:.1f}",
         "speed-up": f"{s['speedup']:.0f}",

@@ -47,14 +47,15 @@ def _verdict(s: Mapping[str, Any]) -> str:
 
 
 def _headline(s: Mapping[str, Any]) -> dict[str, str]:
-    radius = s["roll_radius_error_percent"]
+    radius, mesh = s["roll_radius_error_percent"], s["mesh_error_percent"]
     return {
         "distance of the surfaces, rms": _percent(s["rms_percent"], 2),
         "largest distance": _percent(s["max_percent"], 1),
         "distance of star centres, rms": _percent(s["rms_stars_percent"], 2),
         "height": _signed(s["height_error_percent"]),
         **({} if radius is None else {"radius of the roll": _signed(radius)}),
-        "the exact model's mesh error": _percent(s["mesh_error_percent"], 1),
+        "the exact model's mesh error": "not known" if mesh is None else _percent(mesh, 1),
+        "the exact model, from the next coarser mesh": _percent(s["mesh_change_percent"], 1),
         "faster than the exact model": f"{s['speedup']:.0f} ×",
     }
 

@@ -136,6 +136,7 @@ def _summary(found: Verification, between: Comparison, seconds: dict[str, float]
         "speedup_cold": seconds["exact_s"] / seconds["preview_s"],
         **seconds,
         "mesh_error_percent": exact["mesh_error_percent"],
+        "mesh_change_percent": exact.get("mesh_change_percent"),
         "expected_rms_percent": found.preview.summary.get("expected_rms_percent"),
         "result_from": result,
         "starts_agree": between.rms_percent < SAME_PERCENT and ups[0] == ups[1],
@@ -172,7 +173,13 @@ def warnings(found: Verification) -> list[str]:
             f"the law was made with edges of {edges[0]:g} mm, the exact model's are {edges[1]:g} mm: part of the "
             f"distance is the mesh's, --edge {edges[0]:g} makes them alike"
         )
-    error, distance = exact["mesh_error_percent"], found.comparison.rms_percent
+    error, change = exact["mesh_error_percent"], exact.get("mesh_change_percent")
+    distance = found.comparison.rms_percent
     if error is not None and error > distance:
         lines.append(f"the exact model's own mesh error ({error:.1f} %) is larger than the distance ({distance:.1f} %)")
+    elif error is None and change is not None and change > distance:
+        lines.append(
+            f"the exact model's own mesh error is not known: its shape is {change:.1f} % from that of the next coarser "
+            f"mesh, more than the distance ({distance:.1f} %)"
+        )
     return lines

@@ -20,7 +20,7 @@ BEGIN, END = "<!-- accuracy of the preview -->", "<!-- end of accuracy of the pr
 LOGARITHMIC = ("softness", "expected")
 HEADER = [
     "design", "stars", "held", "rms %", "largest %", "star centres %", "height %", "mean height %", "roll radius %",
-    "normals deg", "same form", "expected %", "mesh error %", "exact shape", "warnings",
+    "normals deg", "same form", "expected %", "exact shape", "warnings",
 ]  # fmt: skip
 
 
@@ -44,7 +44,6 @@ def row(r: dict[str, Any]) -> list[str]:
         f"{r['normals_rms_deg']:.1f}",
         "yes" if r["same_branch"] else "no",
         _number(r["expected_rms_percent"]),
-        _number(r["mesh_error_percent"]),
         starts,
         str(len(r["warnings"])),
     ]

@@ -33,7 +33,6 @@ def quick_row(design: Design, folder: Path, law: Law) -> dict[str, Any]:
         "name": design.name,
         "same_branch": alike(comparison),
         "result_from": found_from,
-        "mesh_error_percent": right.summary["mesh_error_percent"],
         "expected_rms_percent": shown.summary.get("expected_rms_percent"),
         "warnings": list(shown.summary.get("warnings", [])),
         "preview": _kept(shown),
