@@ -24,6 +24,7 @@ from pattern.errors import MeshError
 from pattern.meshing import mesh_layout
 
 COARSE_VERTICES = 1100
+COARSEST = 4.0  # edges between two stars, at least
 LARGEST_RATIO = 3.0  # of vertices between two levels: soft shapes move from mesh to mesh, and far moves are slow
 
 Surface = Callable[[Array], Array]  # printed points (n, 2) to places (n, 3) mm
@@ -121,11 +122,13 @@ def _carried(coarse: Model, state: State, fine: Model, start: Start) -> State | 
 def coarser(model: Model) -> list[Model]:
     """Coarser models of the same design, the coarsest first; none for small ones."""
     ratio = model.n_vertices / COARSE_VERTICES
-    steps = int(np.ceil(np.log(ratio) / np.log(LARGEST_RATIO))) if ratio > 2.0 else 0
     choice = model.design.mesh
+    # many stars need more vertices than that
+    growth = min(np.sqrt(ratio), model.spacing / COARSEST / choice.edge_mm)
+    steps = int(np.ceil(2.0 * np.log(growth) / np.log(LARGEST_RATIO))) if ratio > 2.0 and growth > 1.0 else 0
     models: list[Model] = []
     for step in range(steps, 0, -1):
-        coarse_edge = min(choice.edge_mm * np.sqrt(ratio) ** (step / steps), model.spacing / 4.0)
+        coarse_edge = choice.edge_mm * growth ** (step / steps)
         try:
             mesh = mesh_layout(model.layout, coarse_edge, choice.kind, choice.seed, choice.graded)
         except MeshError:  # arms may be too short for a coarse mesh: start on a finer one
