@@ -89,8 +89,8 @@ def shell_row(triangles: int) -> dict[str, Any]:
 
 def _rolled(preview: Preview) -> np.ndarray:
     """The guess that the preview of a tube starts from."""
-    offered = starts(preview.shell, preview.shell.factor())
-    return next(start.x for start in offered if start.shape.name == "arc")
+    kinds, _ = starts(preview.shell, preview.shell.factor())
+    return next(start.x for start in kinds if start.shape.name == "arc")
 
 
 def scikit_fem_ms(shell: Shell) -> float:

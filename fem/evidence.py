@@ -9,12 +9,13 @@ from fem.tabulation import Floats
 
 @dataclass(frozen=True)
 class Trial:
-    """A start that was followed: its name, and what became of it. Energy in N mm."""
+    """A start that was followed: its name, and what became of it. Energy in N mm, x (N, 3) in mm."""
 
     name: str
     energy: float
     is_minimum: bool
     iterations: int
+    x: Floats
 
 
 @dataclass(frozen=True)

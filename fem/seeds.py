@@ -9,12 +9,14 @@ curvature itself. The side is by the sign of kappa. Sheets too large for their f
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from equilibrium.factor import Factor
+from fem.directions import apart, hollows
 from fem.shapes import Shape
 from fem.shell import Shell
 from fem.slide import Frame
@@ -23,8 +25,6 @@ from fem.tabulation import Floats
 Side = Literal["auto", "up", "down"]
 
 DIRECTIONS = 12  # of arcs: the six axes of a lattice and those between them
-TIE = 1e-3  # energies that differ less, relatively, are equal
-ASKEW = np.radians(8.0)
 FLAT = 1e-2  # Gaussian curvature times size squared that is none
 TURN = 6.0  # radians from end to end: guesses that turn further would pass through themselves
 TURN_ACROSS = 2.0
@@ -130,8 +130,17 @@ def _arc_angle(ratio: float) -> float:
     return low
 
 
-def starts(shell: Shell, factor: Factor, side: Side = "auto", candidates: list[Shape] | None = None) -> list[Start]:
-    """The best guess of every kind, all meeting the conditions, the lowest energy first."""
+def starts(
+    shell: Shell,
+    factor: Factor,
+    side: Side = "auto",
+    candidates: list[Shape] | None = None,
+    turns: Sequence[Floats] = (),
+) -> tuple[list[Start], list[Start]]:
+    """The best guess of every kind, and the best one in other directions; all meet the conditions.
+
+    Both with the lowest energy first. `turns`: see `fem.directions.apart`.
+    """
     wants = trends(shell)
     size = float(np.ptp(shell.space.mesh.p, axis=1).max())
     frame = Frame(shell, factor, wants.centre, wants.stretch)
@@ -139,14 +148,20 @@ def starts(shell: Shell, factor: Factor, side: Side = "auto", candidates: list[S
     for shape in shapes(wants, size, side) if candidates is None else candidates:
         families.setdefault((shape.name, shape.curvature, shape.across), []).append(shape)
     best: dict[str, Start] = {}
+    others: dict[str, list[Shape]] = {}
     for family in families.values():
-        shape = family[0]
-        if len(family) > 1:
-            shape = _best_direction(shell, wants.stretch, family) if shell.is_free else _best_held(frame, family)
+        shape, more = family[0], []
+        if len(family) > 1 and shell.is_free:
+            shape, *more = hollows(shell, wants.stretch, family)
+        elif len(family) > 1:
+            shape = _best_held(frame, family)
         start = Start(shape, *frame.slid(shape))
         if shape.name not in best or _energy(start) < _energy(best[shape.name]):
-            best[shape.name] = start
-    return sorted(best.values(), key=_energy)
+            best[shape.name], others[shape.name] = start, more
+    kinds = sorted(best.values(), key=_energy)
+    first = kinds[0].shape
+    turned = [Start(shape, *frame.slid(shape)) for shape in apart(first, others[first.name], turns)]
+    return kinds, sorted(turned, key=_energy)
 
 
 def _energy(start: Start) -> float:
@@ -160,19 +175,3 @@ def _best_held(frame: Frame, family: list[Shape]) -> Shape:
     for number in (best - 1, (best + 1) % len(family)):
         energies[number] = frame.energy(family[number])
     return family[min(energies, key=energies.__getitem__)]
-
-
-def _best_direction(shell: Shell, stretch: float, family: list[Shape]) -> Shape:
-    """Of free shapes that differ in their angle alone, by their curvatures; off all axes if none is better."""
-    energies = []
-    for shape in family:
-        c, s = np.cos(shape.angle), np.sin(shape.angle)
-        k, m = shape.curvature, shape.across
-        bend = np.array([k * c * c + m * s * s, k * s * s + m * c * c, 2.0 * (k - m) * c * s])
-        strains = np.concatenate([[0.5, 0.5, 0.0], bend]) * stretch**2 - shell.rest
-        energies.append(float((shell.assembly.weights * shell.density.energies(strains)).sum()))
-    best = family[int(np.argmin(energies))]
-    if max(energies) - min(energies) <= TIE * abs(min(energies)):
-        # axes of symmetry of sheet and lattice may be saddles: from beside them there is a way down
-        return replace(best, angle=ASKEW)
-    return best

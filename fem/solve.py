@@ -26,6 +26,7 @@ LONG, SHORT = 30, 12  # iterations of Newton's method with mixed points
 DOWN = 200  # iterations downhill where that failed
 CLOSE = 0.1  # of what the best start saves against a flat sheet
 FOLLOWED = 2  # starts of different kinds that are followed to their ends
+TURNED = 2  # and as many in other directions
 
 
 def relax(
@@ -35,6 +36,8 @@ def relax(
     shapes: Sequence[Shape] | None = None,
     followed: int = FOLLOWED,
     soft_modes: int = 3,
+    turns: Sequence[Floats] = (),
+    tie: float = 0.0,
 ) -> ShellEquilibrium:
     """Equilibrium of lowest energy among those that the most promising starts lead to.
 
@@ -44,20 +47,24 @@ def relax(
         made for this call if none is given.
     side : of the printed plane that the edges go to; by default that of the rest curvature.
     shapes : to start from in place of the usual ones.
-    followed : starts that are followed, each of another kind (cap, arc, saddle, flat).
+    followed : starts that are followed, each of another kind (cap, arc, saddle, flat). If the first one is bent about
+        an axis, so are those about other axes that promise as much.
     soft_modes : how many of the smallest eigenvalues to find.
+    turns : (2, 2) rotations and mirrors of the print that change nothing; axes that they make equal count once.
+    tie : part of the energy within which minima count as equally low; the one whose start was cheapest is then taken.
     """
     if factor is None:
         own = shell.factor()
         try:
-            return relax(shell, own, side, shapes, followed, soft_modes)
+            return relax(shell, own, side, shapes, followed, soft_modes, turns, tie)
         finally:
             own.close()
     begin = time.perf_counter()
-    offered = starts(shell, factor, side, None if shapes is None else list(shapes))
+    kinds, turned = starts(shell, factor, side, None if shapes is None else list(shapes), turns)
     seconds = {"starts": time.perf_counter() - begin}
     found: list[ShellEquilibrium] = []
-    for start in _promising(offered)[:followed]:
+    chosen = _promising(kinds, kinds)[:followed] + _promising(turned, kinds)[:TURNED]
+    for start in sorted(chosen, key=lambda start: start.energy):
         # with a minimum at hand, another start is worth a few iterations, not a long way down
         at_hand = any(each.is_minimum for each in found)
         found.append(follow(shell, start.x, factor, start.shape.name, patient=not at_hand))
@@ -66,6 +73,8 @@ def relax(
             found += filter(None, [by_load_steps(shell, factor, steps)])
     best = min(found, key=_rank)
     if best.is_minimum:
+        enough = best.energy + tie * abs(best.energy)
+        best = next(each for each in found if each.is_minimum and each.energy <= enough)
         if best is not found[-1]:
             held_definite(shell, best.x, shell.hessian(best.x), factor)
         begin = time.perf_counter()
@@ -133,7 +142,7 @@ def _evidence(shell: Shell, settled: Settled, name: str) -> ShellEquilibrium:
         definite=settled.definite,
         soft_modes=np.empty(0),
         start=name,
-        trials=(Trial(name, settled.energy, settled.is_minimum, settled.iterations),),
+        trials=(Trial(name, settled.energy, settled.is_minimum, settled.iterations, x),),
         iterations=settled.iterations,
         factorisations=settled.factorisations,
         saddles_left=settled.saddles_left,
@@ -142,11 +151,11 @@ def _evidence(shell: Shell, settled: Settled, name: str) -> ShellEquilibrium:
     )
 
 
-def _promising(offered: Sequence[Start]) -> list[Start]:
-    """Those not much dearer than the best, compared with a flat sheet."""
-    best = offered[0].energy
-    flat = next((start.energy for start in offered if start.shape.name == "flat"), best)
-    return [start for start in offered if start is offered[0] or start.energy - best <= CLOSE * (flat - best)]
+def _promising(offered: Sequence[Start], kinds: Sequence[Start]) -> list[Start]:
+    """Those not much dearer than the best of all kinds, compared with a flat sheet."""
+    best = kinds[0].energy
+    flat = next((start.energy for start in kinds if start.shape.name == "flat"), best)
+    return [start for start in offered if start is kinds[0] or start.energy - best <= CLOSE * (flat - best)]
 
 
 def _rank(found: ShellEquilibrium) -> tuple[bool, bool, float]:

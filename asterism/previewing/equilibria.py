@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,24 +17,27 @@ from fem.tabulation import Floats
 
 # a free sheet of equal stars that would turn by more from side to side, in rad, is a tube, and not tried as a cap
 TUBE_TURN = 3.0
+TIE = 0.02  # part of the energy by which the law's sheets are wrong at best: it cannot say which of two forms is lower
 CLEAR = 1e-3  # part of the energy by which a cap must be lower to be taken
 STRIDES = 6  # in which later pins move the sheet to their places
 
 
-def settled(shell: Shell, factor: Factor, side: Side, uniform: bool, curls: bool) -> ShellEquilibrium:
+def settled(
+    shell: Shell, factor: Factor, side: Side, uniform: bool, curls: bool, turns: Sequence[Floats] = ()
+) -> ShellEquilibrium:
     """The lowest equilibrium that the most promising simple shapes lead to.
 
-    `uniform`: all stars are alike. `curls`: many stars curl tightly; a free sheet of such stars may fold up on several
-    sides in place of rolling, which a start as a cap finds and costs.
+    `turns`: of the design's symmetries. `uniform`: all stars are alike. `curls`: many stars curl tightly; a free sheet
+    of such stars may fold up on several sides in place of rolling, which a start as a cap finds and costs.
     """
     free = len(shell.held_points) == 0
     wants, size = trends(shell), float(np.ptp(shell.space.mesh.p, axis=1).max())
     if free and uniform and abs(wants.curvature) * wants.stretch * size > TUBE_TURN:
-        tubes = [shape for shape in shapes(wants, size, side) if shape.name == "arc"]
-        found = relax(shell, factor, side, tubes, followed=1)
+        tubes = [shape for shape in shapes(wants, size, side) if shape.name in ("arc", "flat")]
+        found = relax(shell, factor, side, tubes, followed=1, turns=turns, tie=TIE)
         if found.is_minimum:
             return found
-    found = relax(shell, factor, side)
+    found = relax(shell, factor, side, turns=turns, tie=TIE)
     caps = [shape for shape in shapes(wants, size, side) if shape.name == "cap"]
     if not (free and curls and caps) or any(trial.name == "cap" for trial in found.trials):
         return found

@@ -12,19 +12,29 @@ was found by `python -m benchmarks.accuracy`, which compares previews with the e
 - a sheet with two soft motions may rest in another form altogether. (With one, that is often the turn of the axis of a
   roll, which the design's symmetry forgives.)
 
+A minimum that the preview met besides the one it shows (`other_forms`) may be the right one. The law's energies are
+uncertain by a part UNSURE of E, taken as normally distributed; so a form that is a part g of E higher and d % away is
+the lower one with the probability `P = erfc(g/(sqrt(2) UNSURE))/2`, and adds `P d^2` to the square of the distance.
+
 docs/accuracy.md shows how good this is.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
 
+from asterism.previewing.other_forms import OtherForm
 from pattern.layout import Floats
 
 # the distance in % for an amplitude a in %: FACTOR a^POWER
 FACTOR, POWER = 0.21, 0.46
 # second amplitude in % from which another form is near, how sharply, and the distance in % that is added then
 TWO_WAYS, SHARPNESS, ANOTHER_FORM = 20.0, 8.0, 5.0
+# part of the energy by which two forms may differ and the lower one yet be the other
+UNSURE = 0.1
 
 
 def amplitudes_percent(soft_modes: Floats, energy: float, area: float, diameter: float) -> Floats:
@@ -39,13 +49,26 @@ def amplitudes_percent(soft_modes: Floats, energy: float, area: float, diameter:
     return np.sort(100.0 / diameter * np.sqrt(2.0 * max(energy, 0.0) / (safe * area)))[::-1]
 
 
-def expected_rms_percent(amplitudes: Floats) -> float | None:
+def expected_rms_percent(amplitudes: Floats, others: Sequence[OtherForm] = ()) -> float | None:
     """The distance to the exact model to be expected, in % of the diameter; None without two amplitudes."""
     if len(amplitudes) < 2:
         return None
     near = FACTOR * float(np.linalg.norm(amplitudes)) ** POWER
     ratio = (float(amplitudes[1]) / TWO_WAYS) ** SHARPNESS
-    return float(np.hypot(near, ANOTHER_FORM * ratio / (1.0 + ratio)))
+    form = max(
+        [ANOTHER_FORM * ratio / (1.0 + ratio), *(math.sqrt(_chance(o.gap)) * o.distance_percent for o in others)]
+    )
+    return float(np.hypot(near, form))
+
+
+def close_form(others: Sequence[OtherForm]) -> OtherForm | None:
+    """The form that the sheet might as well rest in: the lowest other one, if the law cannot tell which is lower."""
+    return next((form for form in others if form.gap < UNSURE), None)
+
+
+def _chance(gap: float) -> float:
+    """That a form whose energy is a part `gap` higher is the lower one."""
+    return 0.5 * math.erfc(gap / (math.sqrt(2.0) * UNSURE))
 
 
 def another_form_is_near(amplitudes: Floats) -> bool:

@@ -29,6 +29,7 @@ from homogenize.law_file import load_law
 from pattern.build import layout
 from pattern.design import Design
 from pattern.layout import Layout
+from pattern.symmetries import Symmetry, symmetries
 
 Say = Callable[[str], None]
 ALIKE = 0.01  # sizes of stars that differ by less than this part are the same
@@ -113,6 +114,7 @@ class Preview:
         self.design = design
         self.sheet: Sheet = self._clock("mesh", Sheet, design, plan, self._triangles)
         self._lens: Lens | None = None
+        self._symmetries: list[Symmetry] | None = None
         count = self.sheet.space.mesh.nelements
         self._say(f"{len(plan.centres)} stars on {count} triangles")
         self._settle()
@@ -126,7 +128,10 @@ class Preview:
             shell = self._clock("shell", self.sheet.shell, self.design, fields, step)
             factor = shell.factor()
             if step == 0:
-                found: ShellEquilibrium = self._clock("equilibrium", settled, shell, factor, self.side, uniform, curls)
+                turns = [symmetry.turn for symmetry in self.symmetries]
+                found: ShellEquilibrium = self._clock(
+                    "equilibrium", settled, shell, factor, self.side, uniform, curls, turns
+                )
             else:
                 free = len(self.shell.held_points) == 0
                 found = self._clock("pins", taken, shell, factor, found.x, free)
@@ -174,7 +179,7 @@ class Preview:
             self.sheet.set_stars(self.design, before)
             raise
         self.design, self.values = design, values
-        self._lens = None
+        self._lens = self._symmetries = None
         self.shell.set_fields(fields)
 
     @one_blas_thread()
@@ -184,6 +189,13 @@ class Preview:
         self.side = FLIPPED[self.side]
         self._settle()
         return self.side
+
+    @property
+    def symmetries(self) -> list[Symmetry]:
+        """Motions of the print that change nothing."""
+        if self._symmetries is None:
+            self._symmetries = self._clock("symmetries", symmetries, self.design, self.sheet.layout)
+        return self._symmetries
 
     @property
     def seconds(self) -> dict[str, float]:

@@ -8,13 +8,13 @@ import numpy as np
 
 from asterism import __version__
 from asterism.mesh_error import diameter
-from asterism.previewing.expected import amplitudes_percent, another_form_is_near, expected_rms_percent
+from asterism.previewing.expected import amplitudes_percent, another_form_is_near, close_form, expected_rms_percent
+from asterism.previewing.other_forms import OtherForm, other_forms
 from asterism.shape import Shape
 from discrete.likeness import rolled_about
 from pattern.layout import Floats
 from pattern.mesh import Mesh
 from pattern.planar import polygon_area
-from pattern.symmetries import symmetries
 
 if TYPE_CHECKING:
     from asterism.previewing.preview import Preview
@@ -29,6 +29,7 @@ def summary(preview: Preview, shape: Shape, mesh: Mesh, seconds: dict[str, float
     found, layout, law = preview.equilibrium, preview.sheet.layout, preview.law
     axis = _roll_axis(preview)
     size = polygon_area(layout.border), diameter(shape.positions)
+    others = other_forms(preview, size[1])
     amplitudes = amplitudes_percent(found.soft_modes, found.energy, *size)
     return {
         "model": "preview",
@@ -44,14 +45,18 @@ def summary(preview: Preview, shape: Shape, mesh: Mesh, seconds: dict[str, float
         "equivalent_axes_deg": _equivalent_axes(preview, axis),
         "side": preview.side,
         "start": found.start,
-        "starts": [vars(trial) for trial in found.trials],
+        "starts": [
+            {name: getattr(trial, name) for name in ("name", "energy", "is_minimum", "iterations")}
+            for trial in found.trials
+        ],
+        "other_forms": [vars(form) for form in others],
         "law": {
             "material": law.material.name,
             "stretch": law.check(preview.design).stretch,
             "edge_mm": law.edge_mm,
             "made_by": law.made.get("command"),
         },
-        "expected_rms_percent": expected_rms_percent(amplitudes),
+        "expected_rms_percent": expected_rms_percent(amplitudes, others),
         "law_in_range": not preview.values.outside,
         "stars_outside_law": list(preview.values.outside),
         "stars_tight": list(preview.values.tight),
@@ -70,13 +75,15 @@ def summary(preview: Preview, shape: Shape, mesh: Mesh, seconds: dict[str, float
         "height_mm": shape.height_mm,
         "extent_mm": list(shape.extent_mm),
         "contraction": _contraction(preview, shape),
-        "warnings": warnings(preview, axis, another_form_is_near(amplitudes)),
+        "warnings": warnings(preview, axis, another_form_is_near(amplitudes), close_form(others)),
         "version": __version__,
         "design": preview.design.to_dict(),
     }
 
 
-def warnings(preview: Preview, axis: float | None, soft_in_two_ways: bool = False) -> list[str]:
+def warnings(
+    preview: Preview, axis: float | None, soft_in_two_ways: bool = False, other: OtherForm | None = None
+) -> list[str]:
     """One line each."""
     found, values, layout = preview.equilibrium, preview.values, preview.sheet.layout
     lines = list(values.outside)
@@ -94,6 +101,11 @@ def warnings(preview: Preview, axis: float | None, soft_in_two_ways: bool = Fals
         lines.append("an equilibrium that is not stable")
     if soft_in_two_ways:
         lines.append("soft in more than one way: the sheet may rest in another form, as asterism verify would tell")
+    if other is not None:
+        lines.append(
+            f"another form, {other.distance_percent:.0f} % of the diameter away, has nearly the same energy "
+            f"({100.0 * other.gap:+.1f} %): asterism verify tells which one the exact model takes"
+        )
     soft = found.soft_modes
     if axis is not None and len(soft) > 1 and soft[1] > NEUTRAL * soft[0]:
         lines.append(
@@ -124,7 +136,7 @@ def _equivalent_axes(preview: Preview, axis: float | None) -> list[float]:
         return []
     along = np.array([np.cos(np.radians(axis)), np.sin(np.radians(axis))])
     found: list[float] = []
-    for symmetry in symmetries(preview.design, preview.sheet.layout):
+    for symmetry in preview.symmetries:
         x, y = symmetry.turn @ along
         other = float(np.degrees(np.arctan2(y, x)) % 180.0)
         if all(abs((other - known + 90.0) % 180.0 - 90.0) > SAME_AXIS_DEG for known in found):

@@ -1,0 +1,66 @@
+"""Other forms of a sheet: minima that a preview met on its way to the one that it shows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from asterism.previewing.surface import Lens
+from discrete.pin_steps import rigid_fit
+from pattern.layout import Floats
+from pattern.symmetries import Symmetry
+
+if TYPE_CHECKING:
+    from asterism.previewing.preview import Preview
+
+FEWEST = 3  # star centres that tell forms apart
+EQUAL = 2.0  # % of the diameter within which two are one form
+
+
+@dataclass(frozen=True)
+class OtherForm:
+    """A minimum of the sheet that is not the one shown.
+
+    Attributes
+    ----------
+    start : name of the start that led to it.
+    energy_n_mm : its energy.
+    gap : by how much that is above the energy of the form that is shown, as a part of it.
+    distance_percent : rms over the star centres from the form that is shown, after the rigid motion and the symmetry of
+        the design that bring them together, in % of the diameter.
+    """
+
+    start: str
+    energy_n_mm: float
+    gap: float
+    distance_percent: float
+
+
+def other_forms(preview: Preview, diameter_mm: float) -> list[OtherForm]:
+    """The lowest one first; each is further than `EQUAL` from the form that is shown and from the ones before it."""
+    shown, plan = preview.equilibrium, preview.sheet.layout
+    met = sorted((trial for trial in shown.trials if trial.is_minimum), key=lambda trial: trial.energy)
+    if len(met) < 2 or len(plan.centres) < FEWEST:
+        return []
+    lens = Lens(preview.sheet, preview.law.waves, plan.centres)
+    known, found = [lens(shown.x, preview.values).smooth], []
+    for trial in met:
+        centres = lens(trial.x, preview.values).smooth
+        apart = [100.0 / diameter_mm * _distance(centres, form, preview.symmetries) for form in known]
+        if min(apart) > EQUAL:
+            gap = (trial.energy - shown.energy) / abs(shown.energy)
+            found.append(OtherForm(trial.name, trial.energy, gap, apart[0]))
+            known.append(centres)
+    return found
+
+
+def _distance(stars: Floats, others: Floats, symmetries: list[Symmetry]) -> float:
+    """mm, root mean square over the star centres (S, 3) of two forms."""
+    nearest = np.inf
+    for symmetry in symmetries:
+        image = stars[symmetry.star] * (np.array([-1.0, 1.0, 1.0]) if symmetry.mirrors else 1.0)
+        rotation, shift = rigid_fit(image, others)
+        nearest = min(nearest, float(((image @ rotation.T + shift - others) ** 2).sum(axis=1).mean()))
+    return float(np.sqrt(nearest))
