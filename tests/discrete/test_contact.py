@@ -198,6 +198,23 @@ def test_sheet_that_rolls_up_further_than_round() -> None:
     assert found.smallest_eigenvalue == pytest.approx(values[0], abs=2 * found.eigenvalue_error + 1e-8)
 
 
+@pytest.mark.slow
+def test_a_tube_of_37_stars_closes_only_as_far_as_it_can() -> None:
+    """The paper's figure 3 with arms of 0.3 mm: the tube winds through itself without contact, and is wider with it."""
+    across = {}
+    for kind in (Model, ContactModel):
+        sheet = model(kind, 3, 0.3)
+        found = relax(sheet)
+        assert found.is_minimum and found.stars_up == 37
+        through = self_intersections(found.state.positions, sheet.mesh.triangles)
+        assert (through == 0) is (kind is ContactModel)
+        centred = found.state.positions - found.state.positions.mean(axis=0)
+        across[kind] = np.ptp(centred @ np.linalg.svd(centred, full_matrices=False)[2].T, axis=0)
+    # the axis is as long, and the roll thicker
+    assert across[ContactModel][0] == pytest.approx(across[Model][0], rel=0.03)
+    assert across[ContactModel][1:].max() > across[Model][1:].max() + 0.5
+
+
 def test_the_same_digits_on_the_second_run() -> None:
     _, state = folded_model()
     first, second = (folded_model()[0].gradient(state) for _ in range(2))
