@@ -1,12 +1,16 @@
 """Minima of every design of the gallery: the default start from three seeds, and other starts.
 
-python -m benchmarks.branches [NAME ...]    (with names: these only, nothing is written)
+python -m benchmarks.branches [FILE.jsonl] [NAME ...]    (with names: these only, no report is written)
+
+FILE keeps finished designs, one a line, and spares them the next time.
 """
 
 from __future__ import annotations
 
+import json
 import sys
 import time
+from pathlib import Path
 from typing import Any
 
 from asterism.minima import many_minima
@@ -31,10 +35,20 @@ HEADER = [
 ]  # fmt: skip
 
 
-def main(names: list[str]) -> None:
+def main(words: list[str]) -> None:
+    kept = Path(words[0]) if words and words[0].endswith(".jsonl") else None
+    names = words[1:] if kept else words
+    # the gallery has some designs under several names
+    known = {r["design"]: r for r in map(json.loads, kept.read_text().splitlines())} if kept and kept.exists() else {}
     rows: list[dict[str, Any]] = []
     for name in names or gallery.names():
-        rows.append(run(name))
+        design = json.dumps(gallery.load(name).to_dict() | {"name": ""})
+        if design not in known:
+            known[design] = run(name) | {"design": design}
+            if kept:
+                with kept.open("a") as file:
+                    file.write(json.dumps(known[design]) + "\n")
+        rows.append({key: value for key, value in known[design].items() if key != "design"} | {"name": name})
         print("  ".join(row(rows[-1])), flush=True)
     if not names:
         fewer = ", ".join(f"{count} for {name}" for name, count in FEWER.items())

@@ -1,9 +1,9 @@
 """One Newton system of large sheets by factorisation and by multigrid: seconds, and memory of a process of its own.
 
-python -m benchmarks.large [system|laplacian|whole ...]
+python -m benchmarks.large [system|laplacian ...]
 
 system: the Hessian of the convex model (b = 1) where the equilibrium of a coarse mesh is carried to the fine one,
-which is Newton's first system there. laplacian: the one that puts steps together again. whole: `simulate`.
+which is Newton's first system there. laplacian: the one that puts steps together again.
 """
 
 from __future__ import annotations
@@ -17,8 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from asterism.simulation import simulate
-from benchmarks.report import markdown, peak_memory_mb, write_report
+from benchmarks.report import markdown, write_report
 from discrete.model import Model
 from discrete.prolongation import prolonged
 from discrete.solve import relax
@@ -32,7 +31,6 @@ from pattern.meshing import mesh_layout
 SPACING = 17.3205  # mm, of the tube's stars
 DIVISIONS = [12, 25, 36, 52, 81]
 BACKENDS = {"pardiso": 81, "amg": 81, "superlu": 12}  # and the finest mesh worth waiting for
-WHOLE = [(12, "auto"), (12, "amg"), (25, "auto"), (25, "amg"), (36, "auto"), (52, "auto")]
 TOLERANCE = 1e-6  # of the iterative solve: what a step near the minimum asks for
 
 
@@ -125,29 +123,11 @@ def laplacian(divisions: int, backend: str) -> dict[str, Any]:
     }
 
 
-def whole(divisions: int, backend: str) -> dict[str, Any]:
-    """The whole simulation."""
-    summary = dict(simulate(tube(divisions), backend).summary)
-    keys = ("vertices", "wall_s", "is_minimum", "smallest_eigenvalue", "eigenvalue_error", "energy_n_mm", "levels")
-    return {"backend": backend} | {key: summary[key] for key in keys} | {"peak_mb": peak_memory_mb()}
-
-
-CASES = {"system": system, "laplacian": laplacian, "whole": whole}
+CASES = {"system": system, "laplacian": laplacian}
 
 
 def row(kind: str, r: dict[str, Any]) -> list[str]:
     """One line of a table."""
-    if kind == "whole":
-        last = r["levels"][-1]
-        work = f"{last['iterations']}/{last['factorisations']}"
-        return [
-            str(r["vertices"]),
-            r["backend"],
-            f"{r['wall_s']:.0f}",
-            work,
-            str(r["is_minimum"]),
-            f"{r['peak_mb']:.0f}",
-        ]
     numbers = [f"{r['prepare_s']:.2f}", f"{r['solve_s']:.2f}", str(r["iterations"] or "-"), f"{r['mb_for_it']:.0f}"]
     start = [str(r["vertices"]), str(r["unknowns"]), r["backend"]]
     return start + ([f"{r['hessian_s']:.2f}"] if kind == "system" else []) + numbers
@@ -156,7 +136,6 @@ def row(kind: str, r: dict[str, Any]) -> list[str]:
 HEADERS = {
     "system": ["vertices", "unknowns", "backend", "Hessian s", "prepare s", "solve s", "iterations", "MB"],
     "laplacian": ["vertices", "unknowns", "backend", "prepare s", "solve s", "iterations", "MB"],
-    "whole": ["vertices", "backend", "seconds", "finest it/fact", "minimum", "peak MB"],
 }
 
 
@@ -168,7 +147,7 @@ def main(words: list[str]) -> None:
     tables: list[str] = []
     for kind in words or list(CASES):
         found = []
-        for divisions, backend in cases(kind):
+        for divisions, backend in cases():
             command = [sys.executable, "-m", "benchmarks.large", "--case", kind, str(divisions), backend]
             out = subprocess.run(command, capture_output=True, text=True, check=True).stdout
             found.append(json.loads(out.splitlines()[-1]) | {"kind": kind})
@@ -179,10 +158,8 @@ def main(words: list[str]) -> None:
         write_report("large", rows, "\n\n".join(tables))
 
 
-def cases(kind: str) -> list[tuple[int, str]]:
+def cases() -> list[tuple[int, str]]:
     """Edges between two stars, and the backend."""
-    if kind == "whole":
-        return WHOLE
     return [(k, backend) for k in DIVISIONS for backend, finest in BACKENDS.items() if k <= finest]
 
 
