@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import copy
 import functools
+import importlib.metadata
 import importlib.util
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -66,10 +68,30 @@ class Iterative(Factor, Protocol):
 
 @functools.cache
 def _pardiso_library() -> Any:
-    """A solver that is never used itself: looking for MKL's library on the disk takes a tenth of a second."""
-    from pypardiso import PyPardisoSolver
+    """A solver that is never used itself: looking for MKL's library on the disk takes a tenth of a second and more."""
+    with _mkl_shown():
+        from pypardiso import PyPardisoSolver
 
-    return PyPardisoSolver(mtype=2)
+        return PyPardisoSolver(mtype=2)
+
+
+@contextmanager
+def _mkl_shown() -> Iterator[None]:
+    """Tell pypardiso where MKL is, if pip knows: else it looks through the whole environment, twice."""
+    name = "PYPARDISO_MKL_RT"
+    try:
+        files = importlib.metadata.files("mkl") or []
+    except importlib.metadata.PackageNotFoundError:
+        files = []
+    path = next((str(file.locate()) for file in files if "mkl_rt" in file.name), None)
+    if path is None or name in os.environ or not os.path.exists(path):
+        yield
+        return
+    os.environ[name] = path
+    try:
+        yield
+    finally:
+        del os.environ[name]
 
 
 class PardisoFactor:

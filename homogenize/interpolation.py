@@ -47,9 +47,12 @@ class Grid:
         for axis, nodes in enumerate(self.axes):
             for orders, known in list(jets.items()):
                 # slopes of values keep them monotone; slopes of slopes have nothing to keep
-                along = [_slopes(nodes, known[..., q], axis, rule) for q, rule in enumerate(rules)]
+                along = np.empty_like(known)
+                for rule in set(rules):
+                    its = np.array([other == rule for other in rules])
+                    along[..., its] = _slopes(nodes, known[..., its], axis, rule)
                 raised = (*orders[:axis], 1, *orders[axis + 1 :])
-                jets[raised] = np.stack(along, axis=-1)
+                jets[raised] = along
         entries = []
         for basis in product(range(4), repeat=3):
             # 0, 1: value at the lower and upper corner; 2, 3: slope there

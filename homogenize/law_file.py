@@ -10,6 +10,9 @@ import hashlib
 import io
 import json
 import zipfile
+import zlib
+from collections.abc import Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -22,21 +25,49 @@ from homogenize.plan import Material
 from pattern.errors import DesignError
 
 # raised when a file's arrays or quantities mean something else than before
-FORMAT = 3
+FORMAT = 4
 PAPER = Path(__file__).parent / "data" / "paper.npz"
-_TEXTS = ("material", "samples", "residuals", "made")
+_TEXTS = ("material", "residuals", "made")
+
+
+class Packed(Sequence[Any]):
+    """A list as JSON, compressed until someone asks for it: a preview never asks for the cells of its law."""
+
+    def __init__(self, packed: bytes) -> None:
+        self._packed = packed
+
+    @classmethod
+    def of(cls, rows: Sequence[Any]) -> Packed:
+        """The rows, packed; themselves if they are."""
+        return rows if isinstance(rows, cls) else cls(zlib.compress(json.dumps(list(rows)).encode()))
+
+    @property
+    def packed(self) -> bytes:
+        """What `Packed` is made of."""
+        return self._packed
+
+    @cached_property
+    def _rows(self) -> list[Any]:
+        rows = json.loads(zlib.decompress(self._packed))
+        return rows if isinstance(rows, list) else []
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def __getitem__(self, number: Any) -> Any:
+        return self._rows[number]
 
 
 def to_bytes(law: Law) -> bytes:
     """The content of the law's file; equal laws made in the same run time give equal bytes."""
     texts: dict[str, Any] = {
         "material": law.material.to_dict(),
-        "samples": list(law.samples),
         "residuals": law.residuals,
         "made": law.made,
     }
     arrays: dict[str, np.ndarray] = {"format": np.array(FORMAT), "names": np.array(NAMES)}
     arrays |= {name: np.frombuffer(json.dumps(text).encode(), np.uint8) for name, text in texts.items()}
+    arrays["samples"] = np.frombuffer(Packed.of(law.samples).packed, np.uint8)
     for number, table in enumerate(law.tables):
         arrays |= {f"{number}/{name}": array for name, array in _arrays(table).items()}
     stream = io.BytesIO()
@@ -46,7 +77,7 @@ def to_bytes(law: Law) -> bytes:
 
 def digest(law: Law) -> str:
     """Hash of all that a law says: the same for the same plan, however and whenever it was computed."""
-    parts = [json.dumps([law.material.to_dict(), law.samples, law.residuals], sort_keys=True).encode()]
+    parts = [json.dumps([law.material.to_dict(), list(law.samples), law.residuals], sort_keys=True).encode()]
     parts += [array.tobytes() for table in law.tables for array in _arrays(table).values()]
     return hashlib.sha256(b"".join(parts)).hexdigest()[:16]
 
@@ -67,7 +98,8 @@ def load_law(path: str | Path | None = None) -> Law:
                 raise LawError(f"{path}: {made}, this version reads {FORMAT}; make it again: asterism calibrate")
             if tuple(archive["names"]) != NAMES:
                 raise LawError(f"{path}: holds other quantities than this version; make it again: asterism calibrate")
-            material, samples, residuals, made = (json.loads(archive[name].tobytes()) for name in _TEXTS)
+            samples = Packed(archive["samples"].tobytes())
+            material, residuals, made = (json.loads(archive[name].tobytes()) for name in _TEXTS)
             count = len({name.split("/")[0] for name in archive.files if "/" in name})
             tables = tuple(_table({k: archive[f"{n}/{k}"] for k in _ARRAYS}) for n in range(count))
         return Law(Material.from_dict(material), tables, samples, residuals, made)

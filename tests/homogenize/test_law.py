@@ -233,7 +233,7 @@ def test_files_that_are_no_laws(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         load_law(path)
     path.write_bytes(to_bytes(LAW))
     monkeypatch.setattr("homogenize.law_file.FORMAT", 99)
-    with pytest.raises(LawError, match="has format 3, this version reads 99; make it again"):
+    with pytest.raises(LawError, match="has format 4, this version reads 99; make it again"):
         load_law(path)
 
 
