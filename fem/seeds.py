@@ -19,13 +19,15 @@ from equilibrium.factor import Factor
 from fem.directions import apart, hollows
 from fem.shapes import Shape
 from fem.shell import Shell
-from fem.slide import Frame
+from fem.slide import Frame, Start
 from fem.tabulation import Floats
 
 Side = Literal["auto", "up", "down"]
 
 DIRECTIONS = 12  # of arcs: the six axes of a lattice and those between them
 FLAT = 1e-2  # Gaussian curvature times size squared that is none
+# over what a flat sheet stores: by so much dearer than the best, a guess is left out; or moved only once
+HOPELESS, WORSE = 20.0, 0.5
 TURN = 6.0  # radians from end to end: guesses that turn further would pass through themselves
 TURN_ACROSS = 2.0
 
@@ -49,15 +51,6 @@ class Trends:
     curvature: float
     poisson: float
     chord: float
-
-
-@dataclass(frozen=True)
-class Start:
-    """A state to start from: the shape it was made of, and its energy in N mm."""
-
-    shape: Shape
-    x: Floats
-    energy: float
 
 
 def trends(shell: Shell) -> Trends:
@@ -139,7 +132,8 @@ def starts(
 ) -> tuple[list[Start], list[Start]]:
     """The best guess of every kind, and the best one in other directions; all meet the conditions.
 
-    Both with the lowest energy first. `turns`: see `fem.directions.apart`.
+    Both with the lowest energy first. `turns`: see `fem.directions.apart`. Guesses that cost far more than the best one
+    are not moved within themselves any further, or left out.
     """
     wants = trends(shell)
     size = float(np.ptp(shell.space.mesh.p, axis=1).max())
@@ -147,20 +141,33 @@ def starts(
     families: dict[tuple[str, float, float], list[Shape]] = {}
     for shape in shapes(wants, size, side) if candidates is None else candidates:
         families.setdefault((shape.name, shape.curvature, shape.across), []).append(shape)
-    best: dict[str, Start] = {}
-    others: dict[str, list[Shape]] = {}
+    offered: list[Start] = []
+    others: dict[Shape, list[Shape]] = {}
+    known: dict[int, int] = {}
     for family in families.values():
         shape, more = family[0], []
         if len(family) > 1 and shell.is_free:
             shape, *more = hollows(shell, wants.stretch, family)
         elif len(family) > 1:
-            shape = _best_held(frame, family)
-        start = Start(shape, *frame.slid(shape))
-        if shape.name not in best or _energy(start) < _energy(best[shape.name]):
-            best[shape.name], others[shape.name] = start, more
+            # families that differ in their curvatures alone have the same best direction
+            if len(family) not in known:
+                known[len(family)] = _best_held(frame, family)
+            shape = family[known[len(family)]]
+        offered.append(frame.bent(shape))
+        others[shape] = more
+    gain = shell.energies(shell.held(shell.flat))["sheet"]  # no shape can save more
+    best: dict[str, Start] = {}
+    least = np.inf
+    for start in sorted(offered, key=_energy):
+        if _energy(start) - least > HOPELESS * gain:
+            break
+        slid = frame.slid(start, least + WORSE * gain)
+        least = min(least, _energy(slid))
+        if slid.shape.name not in best or _energy(slid) < _energy(best[slid.shape.name]):
+            best[slid.shape.name] = slid
     kinds = sorted(best.values(), key=_energy)
     first = kinds[0].shape
-    turned = [Start(shape, *frame.slid(shape)) for shape in apart(first, others[first.name], turns)]
+    turned = [frame.slid(frame.bent(shape)) for shape in apart(first, others[first], turns)]
     return kinds, sorted(turned, key=_energy)
 
 
@@ -168,10 +175,10 @@ def _energy(start: Start) -> float:
     return start.energy if np.isfinite(start.energy) else np.inf
 
 
-def _best_held(frame: Frame, family: list[Shape]) -> Shape:
+def _best_held(frame: Frame, family: list[Shape]) -> int:
     """Of held shapes whose angles go round evenly: every other one is tried, then the neighbours of the best."""
-    energies = {number: frame.energy(family[number]) for number in range(0, len(family), 2)}
+    energies = {number: _energy(frame.bent(family[number])) for number in range(0, len(family), 2)}
     best = min(energies, key=energies.__getitem__)
-    for number in (best - 1, (best + 1) % len(family)):
-        energies[number] = frame.energy(family[number])
-    return family[min(energies, key=energies.__getitem__)]
+    for number in ((best - 1) % len(family), (best + 1) % len(family)):
+        energies[number] = _energy(frame.bent(family[number]))
+    return min(energies, key=energies.__getitem__)

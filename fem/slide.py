@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from equilibrium.factor import Factor
@@ -12,6 +14,15 @@ from fem.tabulation import Evaluation, Floats
 
 SLIDES = 3
 SLIGHT = 0.1  # of the energy: corrections that gain less are the last
+
+
+@dataclass(frozen=True)
+class Start:
+    """A state to start from: the shape it was made of, and its energy in N mm."""
+
+    shape: Shape
+    x: Floats
+    energy: float
 
 
 class Frame:
@@ -32,34 +43,33 @@ class Frame:
         data[diagonal[shell.support(shell.flat)]] += STOP * data[diagonal].max()
         self._ready = factor.factorise(data)
 
-    def energy(self, shape: Shape) -> float:
-        """N mm, before sliding."""
-        return self._shell.energy(self._held(shape.over(self._shell.space, self._plane)))
+    def bent(self, shape: Shape) -> Start:
+        """A shape as the conditions hold it."""
+        x = self._held(shape.over(self._shell.space, self._plane))
+        return Start(shape, x, self._shell.energy(x))
 
-    def slid(self, shape: Shape) -> tuple[Floats, float]:
-        """State (N, 3) and energy in N mm of a shape, its plane moved as its membrane stresses ask for.
+    def slid(self, start: Start, enough: float = np.inf) -> Start:
+        """A bent shape, its plane moved as its membrane stresses ask for; once, if its energy is not below `enough`.
 
         The moves solve the flat sheet's linear membrane problem for the strains that the bent one has.
         """
-        shell = self._shell
+        shell, shape = self._shell, start.shape
         moves = np.zeros_like(shell.flat)
-        x = self._held(shape.over(shell.space, self._plane))
-        energy = shell.energy(x)
         for _ in range(SLIDES if self._ready else 0):
-            strains = shell.strains(x)
+            strains = shell.strains(start.x)
             strains[..., 3:] = 0.0
             stress = shell.linear_stress(strains)
             stress[..., 3:] = 0.0
             moves = shell.move(moves, -self._pulled(stress))
-            trial = self._held(shape.over(shell.space, self._moved(moves)))
-            reached = shell.energy(trial)
-            if not reached < energy:
+            x = self._held(shape.over(shell.space, self._moved(moves)))
+            trial = Start(shape, x, shell.energy(x))
+            if not trial.energy < start.energy:
                 break
-            enough = energy - reached < SLIGHT * abs(energy)
-            x, energy = trial, reached
-            if enough:
+            slight = start.energy - trial.energy < SLIGHT * abs(start.energy)
+            start = trial
+            if slight or start.energy >= enough:
                 break
-        return x, energy
+        return start
 
     def _pulled(self, stress: Floats) -> Floats:
         """(n,) the flat sheet's answer to a stress."""
