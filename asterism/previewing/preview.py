@@ -128,7 +128,7 @@ class Preview:
             shell = self._clock("shell", self.sheet.shell, self.design, fields, step)
             factor = shell.factor()
             if step == 0:
-                turns = [symmetry.turn for symmetry in self.symmetries]
+                turns = [symmetry.turn for symmetry in self.symmetries] if shell.is_free else []
                 found: ShellEquilibrium = self._clock(
                     "equilibrium", settled, shell, factor, self.side, uniform, curls, turns
                 )
