@@ -9,6 +9,7 @@ import numpy as np
 
 from discrete.pin_steps import rigid_fit
 from equilibrium.factor import Factor
+from equilibrium.solve import held_definite
 from fem.evidence import ShellEquilibrium
 from fem.seeds import Side, shapes, trends
 from fem.shell import Shell
@@ -18,6 +19,7 @@ from fem.tabulation import Floats
 # a free sheet of equal stars that would turn by more from side to side, in rad, is a tube, and not tried as a cap
 TUBE_TURN = 3.0
 TIE = 0.02  # part of the energy by which the law's sheets are wrong at best: it cannot say which of two forms is lower
+CAPS = (1.0, 0.7)  # parts of a cap's curvature to start from: from afar it takes luck to reach the lowest fold
 CLEAR = 1e-3  # part of the energy by which a cap must be lower to be taken
 STRIDES = 6  # in which later pins move the sheet to their places
 
@@ -41,13 +43,16 @@ def settled(
     caps = [shape for shape in shapes(wants, size, side) if shape.name == "cap"]
     if not (free and curls and caps) or any(trial.name == "cap" for trial in found.trials):
         return found
-    cap = relax(shell, factor, side, caps, followed=1)
-    best = found
-    if cap.is_minimum and (cap.energy < found.energy - CLEAR * abs(found.energy) or not found.is_minimum):
-        best = cap
-    else:
-        follow(shell, found.x, factor)  # so that the factor holds this state's Hessian again
-    return replace(best, trials=found.trials + cap.trials)
+    best, trials = found, found.trials
+    for cap in (replace(caps[-1], curvature=share * caps[-1].curvature) for share in CAPS):
+        folded = relax(shell, factor, side, [cap], followed=1)
+        trials += folded.trials
+        if folded.is_minimum and (folded.energy < best.energy - CLEAR * abs(best.energy) or not best.is_minimum):
+            best = folded
+        if folded.is_minimum and abs(folded.energy - found.energy) <= CLEAR * abs(found.energy):
+            break  # caps and arcs lead to the same form
+    held_definite(shell, best.x, shell.hessian(best.x), factor)  # the factor is to hold the best state's Hessian
+    return replace(best, trials=trials)
 
 
 def taken(shell: Shell, factor: Factor, x: Floats, was_free: bool) -> ShellEquilibrium:

@@ -1,0 +1,40 @@
+"""Sheets that curl tightly at their border are started from caps too."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from asterism.previewing.equilibria import settled
+from fem.argyris import Argyris
+from fem.fields import Fields, of_stretch
+from fem.shell import Shell
+from tests.fem.hexagons import density, hexagon, radius
+
+FOLDS = of_stretch(density(100.0), 0.8, lambda p: -0.06 * radius(p) ** 2)
+ROLLS = of_stretch(density(100.0), 0.8, lambda p: -0.012 - 0.001 * radius(p) ** 2)
+
+
+@pytest.mark.parametrize("fields", [FOLDS, ROLLS])
+def test_caps_never_cost_energy(fields: Fields) -> None:
+    shell = Shell(Argyris(hexagon(1)), fields)
+    factor = shell.factor()
+    plain = settled(shell, factor, "auto", uniform=False, curls=False)
+    found = settled(shell, factor, "auto", uniform=False, curls=True)
+    assert found.is_minimum
+    assert found.energy <= plain.energy * (1.0 + 1e-9)
+    assert "cap" in {trial.name for trial in found.trials}
+    assert found.energy == pytest.approx(shell.energy(found.x))
+    # the factor is left with the Hessian of what was found, its rigid motions held
+    data = shell.hessian(found.x)
+    low = shell.pattern.lower(data).toarray()
+    push = (low + np.tril(low, -1).T) @ np.random.default_rng(0).normal(size=len(low))
+    moved = factor.solve(push)
+    assert np.allclose((low + np.tril(low, -1).T) @ moved, push, atol=1e-6 * np.abs(push).max())
+    factor.close()
+
+
+def test_a_folded_sheet_is_found() -> None:
+    shell = Shell(Argyris(hexagon(1)), FOLDS)
+    plain, found = (settled(shell, shell.factor(), "auto", uniform=False, curls=curls) for curls in (False, True))
+    assert found.is_minimum and found.energy < 0.98 * plain.energy
