@@ -3,6 +3,7 @@
 The grid of a cell has a whole number of edges between stars. An arm that is not a whole number of edges long is cut
 into one more or one less, and the mesh is distorted to meet its end. Either changes the answers by a few percent, in
 opposite senses. The mean of both, weighted by nearness, has no jumps and nearly no kinks over the length of the arms.
+A free mesh has no grid to be distorted: its arms are cut into the nearest number.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import math
 
 import numpy as np
 
-from homogenize.cell import constant
+from homogenize.star_torus import constant, lattice_lines
 from homogenize.torus import divisions
 from pattern.design import Design
 
@@ -22,6 +23,8 @@ WHOLE = 1e-3
 def arm_segments(design: Design, edge_mm: float) -> tuple[tuple[int, float], ...]:
     """One or two (number of edges, weight); the weights add up to 1."""
     vectors = np.asarray(design.lattice.vectors)
+    if lattice_lines(design.lattice) is None:
+        return ((max(1, round(constant(design, "length_mm") / edge_mm)), 1.0),)
     k = divisions(vectors, edge_mm)
     edge = float(np.linalg.norm(vectors, axis=1).min()) / k
     cut = constant(design, "length_mm") / edge

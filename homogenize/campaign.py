@@ -21,7 +21,7 @@ from homogenize.code_version import code_version
 from homogenize.plan import Material, Task
 from homogenize.workers import local, on_dask
 from pattern.design import Design
-from pattern.errors import DesignError
+from pattern.errors import DesignError, MeshError
 from pattern.files import read_table, write_table
 
 # raised when a sample's file means something else than before
@@ -144,6 +144,8 @@ def _one(
             raise RuntimeError("the worker has another version of asterism")
         answer = respond(design, edge_mm)
         sample, failed = answer.to_dict(), answer.failed
+    except (DesignError, MeshError) as error:  # stars that cannot be printed, or have no mesh
+        sample, failed = None, str(error)
     except Exception as error:  # one bad cell must not end a campaign of hundreds
         sample, crashed, failed = None, True, f"{type(error).__name__}: {error}"
     reason = None if failed is None else " ".join(str(failed).split())

@@ -20,7 +20,8 @@ from equilibrium.factor import Factor
 from equilibrium.sparse_pattern import SparsePattern
 from equilibrium.support import independent_dofs
 from homogenize.images import ImageElements, Images
-from homogenize.torus import STEPS, Torus, torus_mesh
+from homogenize.star_torus import constant, star_torus
+from homogenize.torus import Torus
 from pattern.design import Design
 from pattern.layout import Layout
 from pattern.mesh import Mesh
@@ -49,7 +50,7 @@ class Cell(System):
         self, design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1), segments: int | None = None
     ) -> None:
         self.design = design
-        self.torus = _inner_first(_star_torus(design, edge_mm, repeat, segments))
+        self.torus = _inner_first(star_torus(design, edge_mm, repeat, segments))
         self.printed, self.cell_vectors = self.torus.points, self.torus.cell_vectors
         self.model = _unfolded_model(design, self.torus, self.printed)
         self._known: dict[bool, tuple[Array, Array, SparsePattern]] = {}
@@ -243,29 +244,6 @@ def _inner_first(torus: Torus) -> Torus:
     if len(torus.around):  # triangles bend with their neighbours
         reach = patches(torus.triangles, torus.points, torus.around).vertices
     return replace(torus, triangles=torus.triangles[order(reach)], hinges=torus.hinges[order(torus.hinges)])
-
-
-def _star_torus(design: Design, edge_mm: float, repeat: tuple[int, int], segments: int | None) -> Torus:
-    lattice, vectors = design.lattice, np.asarray(design.lattice.vectors)
-    along = STEPS @ vectors
-    along = along / np.linalg.norm(along, axis=1, keepdims=True)
-    match = np.asarray(lattice.arm_directions) @ along.T
-    if not (match.max(axis=1) > 1.0 - 1e-9).all():
-        raise ValueError("the arms do not lie on lattice lines: a cell needs them there")
-    length = constant(design, "length_mm")
-    arms, directions = (lattice.arms, match.argmax(axis=1)) if length else (0, np.empty(0, dtype=np.int64))
-    surrounded = design.fabric.bending == "consistent"
-    return torus_mesh(vectors, directions, np.full(arms, length), edge_mm, repeat, segments, surrounded)
-
-
-def constant(design: Design, name: str) -> float:
-    """A size of the stars, which must be a number, mm."""
-    value = getattr(design.stars, name)
-    if name == "length_mm" and isinstance(design.stars.length_fraction, int | float):
-        value = design.stars.length_fraction * design.lattice.spacing_mm
-    if not isinstance(value, int | float):
-        raise ValueError(f"stars.{name} must be a number in a cell: all its stars are equal")
-    return float(value)
 
 
 def _unfolded_model(design: Design, torus: Torus, printed: Array) -> Model:

@@ -15,10 +15,11 @@ import pattern
 SOURCES = {
     discrete: ("*.py",),
     equilibrium: ("*.py",),
-    pattern: ("lattice.py", "layout.py", "materials.py", "mesh.py"),
+    pattern: ("arms.py", "lattice.py", "layout.py", "materials.py", "mesh.py", "planar.py"),
     homogenize: (
-        "arm_segments.py", "blend.py", "cell.py", "images.py", "isotropy.py", "natural.py", "objective.py", "relax.py",
-        "relief.py", "rolled_membrane.py", "rolling.py", "sample.py", "stability.py", "torus.py",
+        "arm_segments.py", "blend.py", "cell.py", "directions.py", "free_points.py", "images.py", "isotropy.py",
+        "natural.py", "objective.py", "periodic_delaunay.py", "relax.py", "relief.py", "rolled_membrane.py",
+        "rolling.py", "sample.py", "stability.py", "star_torus.py", "torus.py", "torus_free.py", "unfolding.py",
     ),
 }  # fmt: skip
 

@@ -11,7 +11,7 @@ from discrete.elements import Array
 from equilibrium.newton import Clock
 from homogenize.arm_segments import arm_segments
 from homogenize.blend import blended
-from homogenize.cell import Cell, constant
+from homogenize.cell import Cell
 from homogenize.isotropy import off_isotropic
 from homogenize.natural import Curling, curl
 from homogenize.objective import Linear, linear_response, mean_height
@@ -20,6 +20,7 @@ from homogenize.relief import Waves
 from homogenize.rolled_membrane import rolled_membrane
 from homogenize.rolling import Tube, centre_offset, heights
 from homogenize.stability import Stability, stability
+from homogenize.star_torus import constant
 from pattern.design import Design
 
 ANGLES = (0.0, np.pi / 12, np.pi / 6)
@@ -143,7 +144,7 @@ def respond(design: Design, edge_mm: float, angles: tuple[float, ...] = ANGLES) 
     Raises
     ------
     ValueError
-        The design has no cell: its stars are not equal, or their arms not on lattice lines.
+        The design has no cell: its stars are not equal, or their arms overlap.
     """
     clock = Clock()
     cuts = arm_segments(design, edge_mm)

@@ -14,6 +14,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 
+from homogenize.unfolding import Unfolding, others
 from pattern.layout import Floats, Ints
 
 # grid steps along which edges run, in the order of their angle
@@ -116,7 +117,7 @@ def torus_mesh(
     if surrounded:
         near = [[(-1, 1), (0, 0), (0, 1)], [(1, -1), (1, 0), (0, 0)], [(1, 0), (2, 0), (1, 1)]]
         near.append([(0, 1), (1, 1), (0, 2)])
-        around = _others(np.concatenate([np.column_stack([at(*step) for step in three]) for three in near]), triangles)
+        around = others(np.concatenate([np.column_stack([at(*step) for step in three]) for three in near]), triangles)
     base, image = numbering.unfolded()
     cell = lattice_vectors * np.array(repeat)[:, None]
     return Torus(
@@ -132,13 +133,6 @@ def torus_mesh(
         cell_vectors=cell,
         n_base=n * m,
     )
-
-
-def _others(some: Ints, known: Ints) -> Ints:
-    """Those of some triangles, each once, that are not among the known ones."""
-    every = np.concatenate([known, some])
-    first = np.unique(np.sort(every, axis=1), axis=0, return_index=True)[1]
-    return every[np.sort(first[first >= len(known)])]
 
 
 def divisions(lattice_vectors: Floats, edge_mm: float) -> int:
@@ -204,27 +198,15 @@ def _displacement(n: int, m: int, k: int, lattice_vectors: Floats, links: _Links
 
 
 class _Numbering:
-    """Numbers of unfolded points: base points first, images as they are asked for."""
+    """Numbers of unfolded grid points."""
 
     def __init__(self, n: int, m: int) -> None:
         self._n, self._m = n, m
-        self._images: dict[tuple[int, int, int], int] = {}
+        self._number = Unfolding(n * m)
 
     def __call__(self, i: Ints, j: Ints) -> Ints:
         i, j = np.asarray(i), np.asarray(j)
-        point = (i % self._n) * self._m + j % self._m
-        out = np.empty(len(point), dtype=np.int64)
-        for place, (p, a, b) in enumerate(zip(point, i // self._n, j // self._m, strict=True)):
-            if a == 0 and b == 0:
-                out[place] = p
-            else:
-                key = (int(p), int(a), int(b))
-                out[place] = self._images.setdefault(key, self._n * self._m + len(self._images))
-        return out
+        return self._number((i % self._n) * self._m + j % self._m, i // self._n, j // self._m)
 
     def unfolded(self) -> tuple[Ints, Ints]:
-        """Base point (U,) and image (U, 2) of all points numbered so far."""
-        own = np.arange(self._n * self._m)
-        images = np.array(list(self._images), dtype=np.int64).reshape(-1, 3)
-        base = np.concatenate([own, images[:, 0]])
-        return base, np.concatenate([np.zeros((len(own), 2), dtype=np.int64), images[:, 1:]])
+        return self._number.unfolded()

@@ -124,11 +124,13 @@ def test_mistakes_are_one_line(words: list[str], expected: str, tmp_path: Path) 
 
 
 def test_cells_that_all_fail_are_status_one(tmp_path: Path) -> None:
-    """Arms that are not on lattice lines have no cell."""
-    (tmp_path / "m.toml").write_text(PLAN + "[lattice]\norientation_deg = 7\n")
+    """Arms of neighbouring stars that overlap have no cell."""
+    (tmp_path / "m.toml").write_text(PLAN.replace("5.0, 10.0", "12.0, 14.0") + "[lattice]\narms = 5\n")
     result = run("calibrate", "m.toml", "--jobs", "2", cwd=tmp_path)
     assert result.returncode == 1
-    assert "has no answer" in result.stderr.splitlines()[-1] and "Traceback" not in result.stderr
+    last = result.stderr.splitlines()[-1]
+    assert "fewer than half of the cells" in last and "shorten or turn them" in last
+    assert "Traceback" not in result.stderr
     assert not list(tmp_path.glob("*.npz"))
 
 

@@ -24,9 +24,9 @@ def design(length: float = 10.0, thickness: float = 0.4, **more: Any) -> Design:
 
 
 @functools.cache
-def relaxed(length: float, thickness: float, edge: float = EDGE) -> tuple[Cell, Flat]:
+def relaxed(length: float, thickness: float, edge: float = EDGE, turn: float = 0.0) -> tuple[Cell, Flat]:
     """A flat relaxed cell; a test that rolls it must not expect it flat afterwards."""
-    cell = Cell(design(length, thickness), edge)
+    cell = Cell(design(length, thickness, lattice={"orientation_deg": turn}), edge)
     return cell, relax(cell)[0]
 
 

@@ -196,8 +196,8 @@ def test_the_same_start_gives_the_same_digits():
 
 
 def test_cells_that_cannot_be_are_refused():
-    with pytest.raises(ValueError, match="lattice lines"):
-        Cell(design(lattice={"arms": 4}), EDGE)
+    with pytest.raises(ValueError, match=r"arms of the stars at .* overlap"):
+        Cell(design(12.0, lattice={"arms": 4}), EDGE)
     with pytest.raises(ValueError, match="length_mm must be a number"):
         Cell(design(stars={"length_mm": {"formula": "4 + 0.1*r"}}), EDGE)
     with pytest.raises(ValueError, match="weight"):

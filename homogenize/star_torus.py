@@ -1,0 +1,73 @@
+"""The mesh of a design's cell: on lattice lines where all arms lie on them, free otherwise."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from homogenize.torus import STEPS, Torus, torus_mesh
+from homogenize.torus_free import SAME, free_torus
+from pattern.arms import check_clear
+from pattern.design import Design
+from pattern.errors import MeshError
+from pattern.lattice import Lattice
+from pattern.layout import Floats, Ints
+
+# a star, and those around whose arms may touch its own, by lattice vectors
+_AROUND = np.array(sorted(([i, j] for i in range(-3, 4) for j in range(-3, 4)), key=lambda ij: ij != [0, 0]))
+
+
+def star_torus(design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1), segments: int | None = None) -> Torus:
+    """Mesh of `repeat` cells of the design's star; see `torus_mesh` and `free_torus`.
+
+    Raises
+    ------
+    ValueError
+        Stars are not equal, or their arms overlap.
+    """
+    lattice, vectors = design.lattice, np.asarray(design.lattice.vectors)
+    length, surrounded = constant(design, "length_mm"), design.fabric.bending == "consistent"
+    on_lines = lattice_lines(lattice)
+    if on_lines is not None:
+        directions = on_lines if length else on_lines[:0]
+        lengths = np.full(len(directions), length)
+        return torus_mesh(vectors, directions, lengths, edge_mm, repeat, segments, surrounded)
+    free = _directions(lattice) if length else np.empty((0, 2))
+    if length > lattice.spacing_mm * (1.0 + SAME):
+        raise MeshError(f"arms of {length:g} mm are longer than the spacing, {lattice.spacing_mm:g} mm")
+    _check_clear(vectors, free, length, constant(design, "width_mm"))
+    return free_torus(vectors, free, length, edge_mm, repeat, segments, surrounded)
+
+
+def lattice_lines(lattice: Lattice) -> Ints | None:
+    """(arms,) the lines, indices into `homogenize.torus.STEPS`, that the arms lie on; None unless all lie on one."""
+    along = STEPS @ np.asarray(lattice.vectors)
+    along = along / np.linalg.norm(along, axis=1, keepdims=True)
+    match = np.asarray(lattice.arm_directions) @ along.T
+    return match.argmax(axis=1) if (match.max(axis=1) > 1.0 - 1e-9).all() else None
+
+
+def constant(design: Design, name: str) -> float:
+    """A size of the stars, which must be a number, mm."""
+    value = getattr(design.stars, name)
+    if name == "length_mm" and isinstance(design.stars.length_fraction, int | float):
+        value = design.stars.length_fraction * design.lattice.spacing_mm
+    if not isinstance(value, int | float):
+        raise ValueError(f"stars.{name} must be a number in a cell: all its stars are equal")
+    return float(value)
+
+
+def _directions(lattice: Lattice) -> Floats:
+    """(arms, 2) unit vectors: the same, digit by digit, for a star that is turned onto itself."""
+    sector = 360.0 / lattice.arms
+    turn = round(lattice.orientation_deg % sector, 9) % sector
+    angle = np.radians(turn - 90.0 + sector * np.arange(lattice.arms))
+    return np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+def _check_clear(vectors: Floats, directions: Floats, length: float, width: float) -> None:
+    """Refuse what a sheet refuses too: arms of different stars that cross or print as one."""
+    centres = np.repeat(_AROUND @ vectors, len(directions), axis=0)
+    tips = centres + length * np.tile(directions, (len(_AROUND), 1))
+    star = np.repeat(np.arange(len(_AROUND)), len(directions))
+    if len(star):
+        check_clear(centres, tips, star, np.full((len(star), 2), width), SAME * float(np.linalg.norm(vectors[0])))
