@@ -68,8 +68,9 @@ def strains(name: str) -> dict[str, Any]:
     mesh = MeshTri(outline.points.T.copy(), outline.triangles.T.copy())
     space = Argyris(mesh)
     at = space.tabulate(ORDER).points
-    weights = StarCells(plan, design.lattice).weights(at.reshape(-1, 2))
-    fields = sheet_fields(weights, star_values(design, plan, load_law()), at.shape[:2])
+    values = star_values(design, plan, load_law())
+    weights = StarCells(plan, design.lattice).shares(at.reshape(-1, 2))(values.sizes[:, 0])
+    fields = sheet_fields(weights, values, at.shape[:2])
     last = max((pin.step for pin in plan.pins), default=0)
     shell = Shell(space, fields, conditions(plan, outline, mesh, last))
     found = settle(shell, soft_modes=0)

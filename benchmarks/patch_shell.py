@@ -36,7 +36,7 @@ def shell_stars(design: Design, stars: Sample, bare: Sample) -> tuple[np.ndarray
     outline = sheet_mesh(plan.border, EDGE)
     space = Argyris(MeshTri(outline.points.T.copy(), outline.triangles.T.copy()))
     points = space.tabulate(ORDER).points
-    weights = StarCells(plan, design.lattice).weights(points.reshape(-1, 2))
+    weights = StarCells(plan, design.lattice).shares(points.reshape(-1, 2))(np.full(count, stars.length_mm))
     shell = Shell(space, sheet_fields(weights, values, points.shape[:2]))
     kappa = float(stars.natural_curvature.mean())
     found = relax(shell, shapes=[Shape("arc", -kappa, angle) for angle in AXES], soft_modes=0)

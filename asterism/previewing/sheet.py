@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy.sparse as sp
 from skfem import MeshTri
 
 from asterism.previewing.held_sheet import conditions, held_points, held_sides, weight
@@ -64,9 +63,9 @@ class Sheet:
         """The shares of its stars at the quadrature points."""
         self.cells = StarCells(plan, design.lattice)
         points, lattice = self._table.points.reshape(-1, 2), design.lattice
-        self._weights: sp.csr_matrix = self.cells.weights(points)
+        self._shares = self.cells.shares(points)
         back = BACK * lattice.spacing_mm
-        self._arms = [(along, self.cells.weights(points - back * along)) for along in lattice.arm_directions]
+        self._arms = [(along, self.cells.shares(points - back * along)) for along in lattice.arm_directions]
 
     def holds(self, design: Design, plan: Layout, before: Design) -> bool:
         """Whether a design that follows `before` has the same print but for its stars and material."""
@@ -85,7 +84,9 @@ class Sheet:
         LawError
             No sheet can be that: neighbours contract too differently.
         """
-        fields = sheet_fields(self._weights, values, self._table.weights.shape, self._arms)
+        length = values.sizes[:, 0]
+        arms = [(along, shares(length)) for along, shares in self._arms]
+        fields = sheet_fields(self._shares(length), values, self._table.weights.shape, arms)
         try:
             fields.rest(self._table.points)
         except FieldError as error:
@@ -97,7 +98,7 @@ class Sheet:
 
     def loads(self, design: Design) -> Floats:
         """(N, 3) N, the weight."""
-        return area_load(self.space, lambda points: weight(design, self.layout, self.cells.weights(points)))
+        return area_load(self.space, lambda points: weight(design, self.layout, self.cells.shares(points).wide))
 
     def shell(self, design: Design, fields: Fields, step: int) -> Shell:
         """The shell with the pins up to a step; `DesignError` if they contradict each other."""

@@ -14,6 +14,15 @@ both directions rolls to a tube of curvature `(1 + nu) c`, and gains `D ((1 + nu
 the contracted sheet; a tube of radius r has `b = lam^2/r` per printed length squared. **Sixfold.**
 `b = -kappa lam^2 t t^T` has `Re[...] = -(kappa lam^2)^3 cos(6 phi)/8` for t at the angle phi to the x axis. The law's
 `c3` is `4 (psi_0 - psi_30)/kappa^3`, with angles from y: phi = 90 and 120 degrees, where cos(6 phi) is -1 and 1.
+
+**Curled sheets contract more.** `lam` is that of the natural tube; held flat, most stars are longer, `lam_flat`. The
+lengths at rest follow the curvature,
+
+    a = (lam^2 + EARLY (lam_flat^2 - lam^2) (1 + tr b / (kappa lam^2))) I,
+
+which on the natural tube, where `tr b = -kappa lam^2`, is `lam^2 I` again: tubes stay the law's. It couples membrane
+and bending, since strains are measured from there. In cells of long thin stars most of the way is made at a fraction of
+the natural curvature, so that a straight line through sheets that are curled a little starts below the flat cell.
 """
 
 from __future__ import annotations
@@ -33,7 +42,9 @@ from pattern.layout import Floats
 POISSON = 0.2
 # saturation over the natural curvature's `|(b11 - b22)/2 + i b12|`, and the least one, per mm
 BEYOND, LEAST = 3.0, 1e-3
-_LOGS = ("lam_n", "bending", "a11")
+# part of the way from the natural tube's lengths to the flat cell's that counts, and the least curvature, per mm
+EARLY, CURLED = 0.3, 3e-3
+_LOGS = ("lam_n", "lam", "bending", "a11")
 _PLAIN = ("kappa", "a12", "c3")
 
 
@@ -54,7 +65,7 @@ def sheet_fields(
     def mean(of: Floats, shares: sp.csr_matrix = weights) -> Floats:
         return np.asarray(of[-1] + shares @ (of[:-1] - of[-1])).reshape(shape)
 
-    lam, bending, a11 = (np.exp(mean(np.log(values.value[name]))) for name in _LOGS)
+    lam, flat, bending, a11 = (np.exp(mean(np.log(values.value[name]))) for name in _LOGS)
     kappa, a12, c3 = (mean(values.value[name]) for name in _PLAIN)
     square, zero = lam**2, np.zeros(shape)
     metric = np.stack([square, square, zero], axis=-1)
@@ -62,10 +73,22 @@ def sheet_fields(
         along = [np.exp(mean(np.log(values.value["lam_n"]), shares)) for _, shares in arms]
         metric = arm_metric(lam, np.stack(along, axis=-1), np.array([direction for direction, _ in arms]))
     bend = -kappa * square / (1.0 + poisson)
+    longer = np.where(np.abs(kappa) > CURLED, EARLY * (flat**2 - square), 0.0)
+    # half of what the metric changes by per trace of the curvature, which at rest is twice `bend`
+    coupling = 0.5 * longer / (np.where(longer == 0.0, 1.0, kappa) * square)
+    metric = metric * (1.0 + longer * (1.0 - 2.0 / (1.0 + poisson)) / square)[..., None]
     density = Density(
-        stiffness=isotropic(a11, bending / lam**4, a12 / a11, poisson),
+        stiffness=_coupled(isotropic(a11, bending / lam**4, a12 / a11, poisson), coupling),
         sixfold=(1.0 + 1.0 / BEYOND**2) * c3 / lam**6,
         orientation=zero,
         saturation=np.maximum(BEYOND * 0.5 * np.abs(kappa) * square, LEAST),
     )
     return Fields(density, metric, np.stack([bend, bend, zero], axis=-1))
+
+
+def _coupled(stiffness: Floats, coupling: Floats) -> Floats:
+    """(..., 6, 6) where membrane strains count from `coupling` (mm) times the curvature's trace in all directions."""
+    change = np.zeros((*coupling.shape, 6, 6))
+    change[...] = np.eye(6)
+    change[..., :2, 3:5] = -coupling[..., None, None]
+    return np.asarray(np.swapaxes(change, -1, -2) @ stiffness @ change)

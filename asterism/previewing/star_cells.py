@@ -4,9 +4,15 @@ The cell of a star are the places nearer to it than to any other site of its lat
 covers is bare fabric: the rim, and sites without a star. A shell on coarse triangles needs fields without jumps, so
 every place takes the mean over its neighbourhood with the weights `exp(-r^2/(2 w^2))` of a Gaussian, counting only what
 is on the sheet.
+
+**How far a star reaches.** Long arms leave their cell, and the fabric beyond the border's stars is not bare there: w is
+a quarter of the spacing. Stars with short arms keep to their cells, and the rim around them is bare: w is as small as
+the grid allows. In between a place takes the mean of both, by the length of the arms around it.
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
@@ -17,8 +23,10 @@ from equilibrium.compiled import loop
 from pattern.lattice import Lattice
 from pattern.layout import Floats, Ints, Layout
 
-# width of the Gaussian over the spacing of the stars: a cell's own standard deviation is .26 of it
-WIDTH = 0.25
+# widths of the Gaussian over the spacing of the stars: a cell's own standard deviation is .26 of it
+WIDTH, NARROW = 0.25, 0.08
+# lengths of arms over the spacing up to which the narrow one counts, and from which on the wide one
+SHORT, LONG = 0.29, 0.55
 # grid points per spacing, and where the Gaussian ends, in widths
 FINENESS, REACH = 20, 3.0
 # stars that may share a place
@@ -27,24 +35,54 @@ MOST = 24
 OFF = 1e-6
 
 
+@dataclass(frozen=True)
+class Shares:
+    """Of n places, whatever the length of the arms.
+
+    Attributes
+    ----------
+    wide, narrow : (n, S) share of each star by either width of the Gaussian; what is missing to 1 is bare fabric.
+    spacing_mm : of the stars.
+    """
+
+    wide: sp.csr_matrix
+    narrow: sp.csr_matrix
+    spacing_mm: float
+
+    def __call__(self, length: Floats) -> sp.csr_matrix:
+        """(n, S) share of each star, its arms being of a length (S,) mm."""
+        long = np.clip((length / self.spacing_mm - SHORT) / (LONG - SHORT), 0.0, 1.0)
+        if (long == 1.0).all():
+            return self.wide
+        part = (self.wide @ long) / np.maximum(self.wide @ np.ones(len(long)), OFF)
+        return sp.csr_matrix(_scaled(self.wide, part) + _scaled(self.narrow, 1.0 - part))
+
+
+def _scaled(matrix: sp.csr_matrix, rows: Floats) -> sp.csr_matrix:
+    """Every row times a number."""
+    data = matrix.data * np.repeat(rows, np.diff(matrix.indptr))
+    return sp.csr_matrix((data, matrix.indices, matrix.indptr), shape=matrix.shape)
+
+
 class StarCells:
     """The smoothed cells of a layout's stars.
 
     Parameters
     ----------
-    width : of the Gaussian, over the spacing of the stars.
+    widths : wide and narrow, of the Gaussian, over the spacing of the stars.
 
     Attributes
     ----------
-    width_mm : of the Gaussian.
+    width_mm : the wider one.
     """
 
-    def __init__(self, layout: Layout, lattice: Lattice, width: float = WIDTH) -> None:
-        self.width_mm = width * lattice.spacing_mm
+    def __init__(self, layout: Layout, lattice: Lattice, widths: tuple[float, float] = (WIDTH, NARROW)) -> None:
+        self._spacing = lattice.spacing_mm
+        self._widths = tuple(width * lattice.spacing_mm for width in widths)
+        self.width_mm = self._widths[0]
         self._stars = len(layout.centres)
-        self._step = min(lattice.spacing_mm / FINENESS, self.width_mm / 1.5)
-        self._reach = int(np.ceil(REACH * self.width_mm / self._step))
-        margin = (self._reach + 1) * self._step
+        self._step = min(lattice.spacing_mm / FINENESS, self._widths[1] / 1.5)
+        margin = REACH * self.width_mm + 2.0 * self._step
         low, high = layout.border.min(axis=0) - margin, layout.border.max(axis=0) + margin
         self._origin = low
         counts = np.ceil((high - low) / self._step).astype(int) + 1
@@ -54,11 +92,17 @@ class StarCells:
         shapely.prepare(sheet)
         self._count = np.where(shapely.contains_xy(sheet, grid.reshape(-1, 2)), 1.0, OFF).reshape(counts)
 
-    def weights(self, points: Floats) -> sp.csr_matrix:
-        """(n, S) share of each star at printed points (n, 2) mm; what is missing to 1 is bare fabric."""
+    def shares(self, points: Floats) -> Shares:
+        """Of the stars at printed points (n, 2) mm."""
+        wide, narrow = (self._weights(points, width) for width in self._widths)
+        return Shares(wide, narrow, self._spacing)
+
+    def _weights(self, points: Floats, width: float) -> sp.csr_matrix:
+        """(n, S) share of each star."""
         place = (np.asarray(points, dtype=float) - self._origin) / self._step
         star, share = np.full((len(place), MOST), -1), np.zeros((len(place), MOST))
-        _gather(place, self._owner, self._count, self._reach, self._step / self.width_mm, star, share)
+        reach = int(np.ceil(REACH * width / self._step))
+        _gather(place, self._owner, self._count, reach, self._step / width, star, share)
         row = np.broadcast_to(np.arange(len(place))[:, None], star.shape)
         kept = (star >= 0) & (star < self._stars)
         return sp.csr_matrix((share[kept], (row[kept], star[kept])), shape=(len(place), self._stars))

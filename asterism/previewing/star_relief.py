@@ -1,9 +1,17 @@
 """The bumps of the stars, laid on the smooth surface of the shell.
 
 The law gives each star the heights of its cell over the mean surface, as amplitudes of a few waves of the lattice
-(`homogenize.relief`): those of the flat cell, and how they change as the sheet curls. Amplitudes are shared between
-stars as everything else is, so that the relief has no jumps and ends on the bare rim. A printed point moves by its
-height along the shell's normal.
+(`homogenize.relief`): those of the flat cell, and how they change as the sheet curls to its natural tube. Amplitudes
+are shared between stars as everything else is, so that the relief has no jumps and ends on the bare rim. A printed
+point moves by its height along the shell's normal.
+
+**Between flat and natural.** Stars that hardly buckle while flat do so soon after the sheet begins to curl. In cells of
+long thin stars seven tenths of the way are made where a star turns by half a radian over its spacing d, whatever its
+natural curvature kappa. The way at a curvature k is
+
+    s(k) = tanh(k d / .55) / tanh(kappa d / .55),
+
+a straight line for stars that curl little. Bent the other way the star loses as much.
 """
 
 from __future__ import annotations
@@ -14,11 +22,15 @@ import scipy.sparse as sp
 from asterism.previewing.star_values import StarValues
 from pattern.layout import Floats
 
-# curvatures over a star's own up to which its relief was seen to follow them: bent the other way, and a dome
-MOST = (-1.0, 2.0)
+# turn over a star's spacing, rad, that takes its relief most of the way to the natural one
+TURN = 0.55
+# a natural turn below which stars have one relief
+LEAST = 1e-4
 
 
-def relief_heights(waves: Floats, values: StarValues, weights: sp.csr_matrix, curvature: Floats) -> Floats:
+def relief_heights(
+    waves: Floats, values: StarValues, weights: sp.csr_matrix, curvature: Floats, spacing: float
+) -> Floats:
     """(n,) mm over the shell.
 
     Parameters
@@ -26,10 +38,11 @@ def relief_heights(waves: Floats, values: StarValues, weights: sp.csr_matrix, cu
     waves : (n, W) the law's waves at the points.
     weights : (n, S) share of each star at the points.
     curvature : (n,) 1/mm, sum of the shell's principal curvatures, positive where the plastic side is convex.
+    spacing : mm, of the stars.
     """
     flat, more = np.moveaxis(_shared(weights, values.relief), 1, 0)
-    own = np.abs(_shared(weights, values.value["kappa"]))
-    bent = np.clip(curvature, MOST[0] * own, MOST[1] * own)
+    own = np.maximum(np.abs(_shared(weights, values.value["kappa"])) * spacing, LEAST)
+    bent = own / spacing * np.tanh(curvature * spacing / TURN) / np.tanh(own / TURN)
     return np.einsum("nw,nw->n", flat + bent[:, None] * more, waves)
 
 

@@ -52,12 +52,13 @@ class Lens:
     def __init__(self, sheet: Sheet, waves: Waves, points: Floats) -> None:
         self.points = np.asarray(points, dtype=float)
         self._waves = waves(self.points - sheet.layout.lattice_origin)
+        self._spacing = float(np.linalg.norm(sheet.layout.lattice_vectors, axis=1).min())
         self._at = sheet.space.locate(self.points)
         self.look_at_stars(sheet)
 
     def look_at_stars(self, sheet: Sheet) -> None:
         """Follow a change of the sheet's stars."""
-        self._weights = sheet.cells.weights(self.points)
+        self._shares = sheet.cells.shares(self.points)
 
     def __call__(self, x: Floats, values: StarValues) -> Places:
         """Where positions x (N, 3) of the shell's dofs take the points."""
@@ -69,10 +70,11 @@ class Lens:
         a11, a22, a12 = (np.einsum("nc,nc->n", first[:, i], first[:, j]) for i, j in ((0, 0), (1, 1), (0, 1)))
         b11, b22, b12 = np.einsum("nkc,nc->kn", second, normals)
         mean_curvature = -0.5 * (a22 * b11 + a11 * b22 - 2.0 * a12 * b12) / area**2
+        weights = self._shares(values.sizes[:, 0])
         return Places(
             smooth=self._at.value @ x,
             normals=normals,
-            heights=relief_heights(self._waves, values, self._weights, 2.0 * mean_curvature),
+            heights=relief_heights(self._waves, values, weights, 2.0 * mean_curvature, self._spacing),
             mean_curvature=mean_curvature,
             gaussian_curvature=(b11 * b22 - b12**2) / area**2,
         )

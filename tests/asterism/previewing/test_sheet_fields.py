@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from asterism.previewing.sheet_fields import POISSON, sheet_fields
+from asterism.previewing.sheet_fields import EARLY, POISSON, sheet_fields
 from asterism.previewing.star_values import star_sizes, star_values
 from fem.tabulation import Floats
 from homogenize.errors import LawError
@@ -55,6 +55,27 @@ def test_the_natural_curvature_is_the_best_one() -> None:
     energies = [tube_energy(k, 75.0) for k in curvatures]
     assert curvatures[int(np.argmin(energies))] == pytest.approx(kappa, rel=0.011)
     assert tube_energy(-kappa, 75.0) > 0.0
+
+
+def test_a_sheet_held_flat_is_longer_than_a_tube_by_part_of_what_the_cells_are() -> None:
+    lam, kappa = VALUES.value["lam_n"][0], VALUES.value["kappa"][0]
+    flat = VALUES.value["lam"].copy()
+    flat[:-1] = 1.03 * lam
+    values = replace(VALUES, value=VALUES.value | {"lam": flat, "c3": np.zeros(STARS + 1)})
+    fields = sheet_fields(sp.csr_matrix(np.eye(1, STARS)), values, (1, 1))
+    rest = fields.rest(np.zeros((1, 1, 2)))[0, 0]
+
+    def stress(a: float, k: float) -> Floats:
+        state = np.r_[0.5 * a, 0.5 * a, 0.0, -k * lam**2, 0.0, 0.0]
+        return fields.density((state - rest)[None, None])[1][0, 0]  # type: ignore[operator, no-any-return]
+
+    part = EARLY * ((1.03 * lam) ** 2 - lam**2)
+    scale = np.abs(stress(1.03 * lam**2, 0.0)[:2]).max()
+    assert np.abs(stress(lam**2, kappa)[:3]).max() < 1e-12 * scale
+    assert np.abs(stress(lam**2 + part, 0.0)[:3]).max() < 1e-12 * scale
+    assert np.abs(stress(lam**2 - 0.5 * part, 1.5 * kappa)[:3]).max() < 1e-12 * scale
+    # a natural tube stays in equilibrium
+    assert abs(stress(lam**2, kappa)[3]) < 1e-12 * abs(stress(lam**2, 0.0)[3])
 
 
 def test_the_rim_is_bare_fabric() -> None:

@@ -12,10 +12,11 @@ from pattern.design import Design
 
 TUBE = gallery.load("tube")
 PLAN = layout(TUBE)
+COUNT = len(PLAN.centres)
 
 
 def test_a_star_rules_its_own_centre() -> None:
-    weights = StarCells(PLAN, TUBE.lattice).weights(PLAN.centres).toarray()
+    weights = StarCells(PLAN, TUBE.lattice).shares(PLAN.centres).wide.toarray()
     # a Gaussian of a quarter of the spacing has more than .9 of its weight in a circle of half the spacing
     assert np.diag(weights)[:7] == pytest.approx(0.89, abs=0.02)
     assert (weights.argmax(axis=1) == np.arange(len(PLAN.centres))).all()
@@ -28,7 +29,7 @@ def test_a_wide_rim_is_bare() -> None:
     plan = layout(design)
     cells = StarCells(plan, design.lattice)
     x = np.linspace(0.0, 70.0, 200)
-    share = cells.weights(np.column_stack([x, np.zeros(200)])).toarray().sum(axis=1)
+    share = cells.shares(np.column_stack([x, np.zeros(200)])).wide.toarray().sum(axis=1)
     assert (np.diff(share) < 1e-9).all()
     outermost = plan.centres[:, 0].max() + design.lattice.spacing_mm
     assert share[0] == pytest.approx(1.0)
@@ -38,18 +39,18 @@ def test_a_wide_rim_is_bare() -> None:
 def test_inside_the_shares_add_up_and_have_no_jumps() -> None:
     cells = StarCells(PLAN, TUBE.lattice)
     line = np.column_stack([np.linspace(-20, 20, 2001), np.zeros(2001)])
-    weights = cells.weights(line).toarray()
+    weights = cells.shares(line).wide.toarray()
     assert weights.sum(axis=1) == pytest.approx(1.0)
     assert np.abs(np.diff(weights, axis=0)).max() < 0.01
     # equal neighbours have equal shares half way between them
-    middle = cells.weights(PLAN.centres[PLAN.neighbours].mean(axis=1)[:6]).toarray()
+    middle = cells.shares(PLAN.centres[PLAN.neighbours].mean(axis=1)[:6]).wide.toarray()
     top = np.sort(middle, axis=1)[:, -2:]
     assert top[:, 0] == pytest.approx(top[:, 1], abs=0.03)
 
 
 def test_a_narrow_kernel_gives_the_cells_themselves() -> None:
     points = np.random.default_rng(0).uniform(-30, 30, (300, 2))
-    weights = StarCells(PLAN, TUBE.lattice, width=0.005).weights(points).toarray()
+    weights = StarCells(PLAN, TUBE.lattice, (0.25, 0.005)).shares(points).narrow.toarray()
     nearest = np.linalg.norm(points[:, None] - PLAN.centres[None], axis=2).argmin(axis=1)
     assert np.mean(weights.argmax(axis=1) == nearest) > 0.97
 
@@ -60,7 +61,7 @@ def test_a_removed_star_is_bare_fabric() -> None:
     design = Design.from_dict(data)
     plan = layout(design)
     assert len(plan.centres) == len(PLAN.centres) - 1
-    share = StarCells(plan, design.lattice).weights(np.zeros((1, 2))).sum()
+    share = StarCells(plan, design.lattice).shares(np.zeros((1, 2))).wide.sum()
     assert share < 0.3
 
 
@@ -69,5 +70,25 @@ def test_a_tongue_narrower_than_the_grid_has_an_answer() -> None:
     tongue = [[-30, -30], [30, -30], [30, -0.2], [60, -0.2], [60, 0.2], [30, 0.2], [30, 30], [-30, 30]]
     data["border"] = {"polygon_mm": tongue}
     design = Design.from_dict(data)
-    weights = StarCells(layout(design), design.lattice).weights(np.array([[55.0, 0.0]]))
-    assert 0.0 <= weights.sum() <= 1.0
+    shares = StarCells(layout(design), design.lattice).shares(np.array([[55.0, 0.0]]))
+    assert 0.0 <= shares.wide.sum() <= 1.0 and 0.0 <= shares.narrow.sum() <= 1.0
+
+
+def test_long_arms_reach_out_of_their_cells_and_short_ones_do_not() -> None:
+    cells = StarCells(PLAN, TUBE.lattice)
+    corner = PLAN.border[np.abs(PLAN.border).argmax(axis=0)[0]]
+    line = np.linspace(0.0, 1.0, 400)[:, None] * corner
+    shares = cells.shares(line)
+    spacing = TUBE.lattice.spacing_mm
+    short, between, long = (shares(np.full(COUNT, part * spacing)) for part in (0.25, 0.42, 0.6))
+    assert (short != shares.narrow).nnz == 0 and (long != shares.wide).nnz == 0
+    half = 0.5 * (short + long).toarray()
+    assert between.toarray() == pytest.approx(half)
+    # the rim has bare fabric, more of it where arms are short
+    rim = [float(one[-40:].sum(axis=1).mean()) for one in (short, between, long)]
+    assert rim[0] < rim[1] < rim[2] < 1.0
+    # where arms differ, a place goes by those around it
+    mixed = np.where(np.arange(COUNT) == 0, 10.0, 4.0)
+    assert shares(mixed)[0].toarray() == pytest.approx(long[0].toarray(), abs=0.1)
+    assert shares(mixed)[-1].toarray() == pytest.approx(short[-1].toarray(), abs=0.01)
+    assert shares(mixed).sum(axis=1).max() <= 1.0 + 1e-9
