@@ -1,0 +1,119 @@
+"""The sheets of the paper's figures by both models, and what is looked at in them."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from asterism.previewing.run import preview
+from asterism.shape import Shape
+from asterism.simulation import simulate
+from asterism.verification.comparison import Comparison, compare
+from homogenize.campaign import Record
+from homogenize.fit import fit
+from homogenize.law import Law
+from homogenize.plan import Material
+from homogenize.sample import respond
+from pattern import gallery
+from pattern.build import layout
+from pattern.design import Design
+from pattern.layout import Floats
+from pattern.symmetries import symmetries
+
+EDGE = 3.5  # mm, of the exact model's meshes
+MIDDLE = 20.0  # mm of print around the middle
+
+
+def figure(name: str) -> Design:
+    """A design of the gallery on a coarse mesh."""
+    data = gallery.load(name).to_dict()
+    return Design.from_dict(data | {"mesh": data["mesh"] | {"edge_mm": EDGE}})
+
+
+@cache
+def both(name: str) -> Comparison:
+    """Exact model, the reference, and preview."""
+    return compared(name, None)
+
+
+def compared(name: str, law: Law | None) -> Comparison:
+    """The same with a law of one's own."""
+    design = figure(name)
+    plan = layout(design)
+    return compare(exact(name), preview(design, law), plan, symmetries(design, plan))
+
+
+@cache
+def exact(name: str) -> Shape:
+    return simulate(figure(name))
+
+
+def middles(found: Comparison) -> tuple[Floats, Floats]:
+    """Principal curvatures (2,) per mm in the middle of the cell means, exact and preview, the larger one first.
+
+    Positive where the sheet curls more: the sign of the larger one is taken out.
+    """
+    printed = found.reference.printed
+    near = np.linalg.norm(printed, axis=1) < MIDDLE
+    return _curvatures(printed[near], found.reference_mean[near]), _curvatures(printed[near], found.other_mean[near])
+
+
+def _curvatures(printed: Floats, places: Floats) -> Floats:
+    """(2,) of the quadratic surface nearest to n places (n, 3) over printed points (n, 2)."""
+    x, y = printed.T
+    table = np.column_stack([np.ones_like(x), x, y, x * x / 2, x * y, y * y / 2])
+    first = np.linalg.lstsq(table, places, rcond=None)[0]
+    slope, bend = first[1:3], first[3:]
+    normal = np.cross(slope[0], slope[1])
+    xx, xy, yy = bend @ (normal / np.linalg.norm(normal))
+    both = np.linalg.eigvals(np.linalg.solve(slope @ slope.T, np.array([[xx, xy], [xy, yy]]))).real
+    both = both[np.argsort(-np.abs(both))]
+    return np.asarray(both * np.sign(both[0]))
+
+
+def profile(found: Comparison, radii: Floats) -> tuple[Floats, Floats]:
+    """Heights of the cell means over the print's radius (R,) mm, from 1 in the middle to 0 at the border."""
+    radius = np.linalg.norm(found.reference.printed, axis=1)
+    out = []
+    for mean in (found.reference_mean, found.other_mean):
+        z = mean[:, 2] * np.sign(mean[radius < 5.0, 2].mean() - mean[radius > 50.0, 2].mean())
+        ring = np.array([z[np.abs(radius - r) < 4.0].mean() for r in radii])
+        out.append((ring - ring[-1]) / (ring[0] - ring[-1]))
+    return out[0], out[1]
+
+
+def bumps(shape: Shape) -> Floats:
+    """(S,) mm, star centres over the mean of their tips, towards the plastic."""
+    tips: dict[int, list[int]] = {}
+    for path in shape.rods:
+        tips.setdefault(int(shape.star[path[0]]), []).append(int(path[-1]))
+    out = np.zeros(len(shape.star_vertices))
+    for star, centre in enumerate(shape.star_vertices):
+        ends = sorted(tips[star], key=lambda v: np.arctan2(*(shape.printed[v] - shape.printed[centre])[::-1]))
+        a, b, c = shape.positions[ends]
+        normal = np.cross(b - a, c - a)
+        out[star] = (shape.positions[centre] - (a + b + c) / 3.0) @ normal / np.linalg.norm(normal)
+    return out
+
+
+@cache
+def own_law(name: str) -> Law:
+    """The law of a design with equal stars, from cells of their size (and of a shorter one) on the design's mesh."""
+    design = figure(name)
+    data, sizes = design.to_dict(), design.to_dict()["stars"]
+    fabric = {key: value for key, value in data["fabric"].items() if key != "density_kg_m3"}
+    plan = {
+        "lengths_mm": [0.9 * sizes["length_mm"], sizes["length_mm"]],
+        "thicknesses_mm": [sizes["thickness_mm"]],
+        "widths_mm": [sizes["width_mm"]],
+        "edge_mm": data["mesh"]["edge_mm"],
+        "held_out": 0,
+    }
+    parts = {"fabric": fabric, "plastic": data["plastic"], "lattice": data["lattice"], "plan": plan}
+    material = Material.from_dict({"name": design.name, **parts})
+    records = []
+    for task in material.tasks():
+        found = respond(material.design(task), material.plan.edge_mm)
+        records.append(Record(task, found.to_dict(), found.failed, False, sum(found.seconds.values())))
+    return fit(material, records)
