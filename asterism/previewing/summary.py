@@ -31,6 +31,7 @@ def summary(preview: Preview, shape: Shape, mesh: Mesh, seconds: dict[str, float
     size = polygon_area(layout.border), diameter(shape.positions)
     others = other_forms(preview, size[1])
     amplitudes = amplitudes_percent(found.soft_modes, found.energy, *size)
+    forgiven = bool(layout.pins) or len(preview.symmetries) > 1
     return {
         "model": "preview",
         "converged": found.converged,
@@ -40,6 +41,7 @@ def summary(preview: Preview, shape: Shape, mesh: Mesh, seconds: dict[str, float
         "energy_n_mm": found.energy,
         "energy_parts_n_mm": found.energies,
         "soft_modes_n_mm3": [float(value) for value in found.soft_modes],
+        "soft_amplitudes_percent": [float(value) for value in amplitudes],
         "stars": len(layout.centres),
         "roll_axis_deg": axis,
         "equivalent_axes_deg": _equivalent_axes(preview, axis),
@@ -56,7 +58,7 @@ def summary(preview: Preview, shape: Shape, mesh: Mesh, seconds: dict[str, float
             "edge_mm": law.edge_mm,
             "made_by": law.made.get("command"),
         },
-        "expected_rms_percent": expected_rms_percent(amplitudes, others),
+        "expected_rms_percent": expected_rms_percent(amplitudes, others, forgiven),
         "law_in_range": not preview.values.outside,
         "stars_outside_law": list(preview.values.outside),
         "stars_tight": list(preview.values.tight),

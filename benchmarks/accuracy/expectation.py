@@ -1,0 +1,153 @@
+"""How good the preview's own expectation is, on designs that it was fitted to and on designs that it was not.
+
+python -m benchmarks.accuracy.expectation FOLDER [--kept]
+
+The numbers in `asterism/previewing/expected.py` belong to the study and twelve further designs. Here they are fitted
+again without each of these, which then is predicted; and twelve more are drawn, which no number was ever fitted to.
+FOLDER is that of the study, which comes first; --kept as there.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.optimize import minimize
+
+from asterism.previewing.expected import FLOOR, FORGIVEN, SHARE, TWO_WAYS
+from asterism.verification.numbers import LIKE_PERCENT
+from benchmarks.accuracy.__main__ import kept
+from benchmarks.accuracy.designs import RANDOM, designs, drawn
+from benchmarks.accuracy.report import announced, missed, put_into_docs, row
+from benchmarks.report import markdown, write_report
+from homogenize.errors import LawError
+from homogenize.law import Law
+from homogenize.law_file import load_law
+from pattern.build import layout
+from pattern.design import Design
+from pattern.symmetries import symmetries
+
+FITTED, UNSEEN = 12, 12  # designs with the seeds that follow the study's, and with those that follow them
+BEGIN, END = "<!-- expectation of the preview -->", "<!-- end of expectation of the preview -->"
+COLUMNS = (0, 1, 2, 3, 10, 11, 13)  # of the study's table
+NAMES = ["design", "stars", "held", "rms %", "same form", "expected %", "warnings"]
+
+Row = dict[str, Any]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.accuracy.expectation")
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--kept", action="store_true")
+    options = parser.parse_args()
+    law = load_law()
+    more = [drawn(seed) for seed in range(RANDOM, RANDOM + FITTED + UNSEEN)]
+    known = _rows([*designs(), *more[:FITTED]], options.folder, law, options.kept)
+    unseen = _rows(more[FITTED:], options.folder, law, options.kept)
+    text = section(known, unseen)
+    print(text)
+    write_report("accuracy.expectation", unseen, text)
+    put_into_docs(text, BEGIN, END)
+
+
+def _rows(some: Sequence[Design], folder: Path, law: Law, as_is: bool) -> list[Row]:
+    rows = []
+    for design in some:
+        try:
+            law.check(design)
+        except LawError:
+            continue
+        one = kept(design, folder, law, starts=False, as_is=as_is)
+        plan = layout(design)
+        free = not plan.pins and len(symmetries(design, plan)) == 1
+        amplitude = float(np.linalg.norm(one["preview"]["soft_amplitudes_percent"]))
+        rows.append(one | {"asymmetric": free, "amplitude": amplitude})
+        print("  ".join(row(rows[-1])), flush=True)
+    return rows
+
+
+def section(known: Sequence[Row], unseen: Sequence[Row]) -> str:
+    """Markdown."""
+    fits = [fitted([other for other in known if other is not one]) for one in known]
+    again = [one | {"expected_rms_percent": _again(one, fit)} for one, fit in zip(known, fits, strict=True)]
+    lines = [
+        ["designs that it was fitted to", *_goodness(known)],
+        ["each of them, predicted by a fit to the others", *_goodness(again)],
+        ["designs drawn afterwards, never fitted to", *_goodness(unseen)],
+    ]
+    header = ["", "designs", "distance over expected, median", "nine in ten", "misses", "of these announced"]
+    numbers = [["floor %", "share, free without symmetry", "share, others"]]
+    numbers += [[f"{x:.3f}" for x in fit] for fit in ((FLOOR, SHARE, FORGIVEN), fitted(known))]
+    numbers += [
+        [f"{low:.3f} to {high:.3f}" for low, high in zip(np.min(fits, axis=0), np.max(fits, axis=0), strict=True)]
+    ]
+    names = ["", "in use", "fitted", "fitted without one"]
+    table = [[cells[number] for number in COLUMNS] for cells in map(row, unseen)]
+    return "\n\n".join(
+        [
+            markdown(header, lines),
+            markdown(
+                [names[0], *numbers[0]], [[name, *line] for name, line in zip(names[1:], numbers[1:], strict=True)]
+            ),
+            "The designs drawn afterwards:",
+            markdown(NAMES, table),
+        ]
+    )
+
+
+def _headed(lines: list[list[str]]) -> tuple[list[str], list[list[str]]]:
+    return lines[0], lines[1:]
+
+
+def fitted(rows: Sequence[Row]) -> tuple[float, float, float]:
+    """FLOOR, SHARE and FORGIVEN: least squares of the logarithms, then scaled from the median to the mean square.
+
+    From designs within 10 % of the exact shape that are not soft in two ways, or have no symmetry to be broken.
+    """
+    some = [one for one in rows if one["rms_percent"] < LIKE_PERCENT and (one["asymmetric"] or _second(one) < TWO_WAYS)]
+    size, asymmetric = (np.array([one[name] for one in some]) for name in ("amplitude", "asymmetric"))
+    distance = np.log([one["rms_percent"] for one in some])
+
+    def off(w: np.ndarray) -> np.ndarray:
+        return np.asarray(distance - np.log(np.hypot(w[0], np.where(asymmetric, w[1], w[2]) * size)))
+
+    best = minimize(lambda w: float((off(w) ** 2).sum()), (FLOOR, SHARE, FORGIVEN), method="Nelder-Mead").x
+    floor, share, forgiven = np.abs(best) * np.exp(off(best).var())
+    return float(floor), float(share), float(forgiven)
+
+
+def _again(one: Row, fit: tuple[float, float, float]) -> float | None:
+    """What another fit expects: the part for the near form is exchanged, that for other forms stays."""
+    if one["expected_rms_percent"] is None:
+        return None
+    form = one["expected_rms_percent"] ** 2 - _near(one, (FLOOR, SHARE, FORGIVEN)) ** 2
+    return float(np.sqrt(max(form, 0.0) + _near(one, fit) ** 2))
+
+
+def _near(one: Row, fit: tuple[float, float, float]) -> float:
+    return float(np.hypot(fit[0], (fit[1] if one["asymmetric"] else fit[2]) * one["amplitude"]))
+
+
+def _second(one: Row) -> float:
+    return float(one["preview"]["soft_amplitudes_percent"][1])
+
+
+def _goodness(rows: Sequence[Row]) -> list[str]:
+    ratio = [
+        one["rms_percent"] / one["expected_rms_percent"] for one in rows if one["expected_rms_percent"] is not None
+    ]
+    far = [one for one in rows if missed(one)]
+    return [
+        str(len(rows)),
+        f"{np.median(ratio):.2f}",
+        f"{np.quantile(ratio, 0.9):.2f}",
+        str(len(far)),
+        str(sum(announced(one) for one in far)),
+    ]
+
+
+if __name__ == "__main__":
+    main()
