@@ -7,11 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from asterism.previewing.expected import amplitudes_percent, another_form_is_near
 from discrete.pin_steps import rigid_fit
 from equilibrium.factor import Factor
 from equilibrium.solve import held_definite
 from fem.evidence import ShellEquilibrium
 from fem.seeds import Side, shapes, trends
+from fem.shapes import Shape
 from fem.shell import Shell
 from fem.solve import follow, relax
 from fem.tabulation import Floats
@@ -30,7 +32,8 @@ def settled(
     """The lowest equilibrium that the most promising simple shapes lead to.
 
     `turns`: of the design's symmetries. `uniform`: all stars are alike. `curls`: many stars curl tightly; a free sheet
-    of such stars may fold up on several sides in place of rolling, which a start as a cap finds and costs.
+    of such stars may fold up on several sides in place of rolling, which a start as a cap finds and costs. Where a
+    free sheet without symmetry is soft in two ways, starts of other kinds are followed too.
     """
     free = len(shell.held_points) == 0
     wants, size = trends(shell), float(np.ptp(shell.space.mesh.p, axis=1).max())
@@ -40,19 +43,33 @@ def settled(
         if found.is_minimum:
             return found
     found = relax(shell, factor, side, turns=turns, tie=TIE)
-    caps = [shape for shape in shapes(wants, size, side) if shape.name == "cap"]
-    if not (free and curls and caps) or any(trial.name == "cap" for trial in found.trials):
+    if not free:
         return found
+    guesses = shapes(wants, size, side)
+    tried = {trial.name for trial in found.trials} | {"flat"}
+    offers: list[list[Shape]] = []
+    caps = [shape for shape in guesses if shape.name == "cap"]
+    if curls and caps and "cap" not in tried:
+        offers = [[replace(caps[-1], curvature=share * caps[-1].curvature)] for share in CAPS]
+    elif soft_in_two_ways(shell, found, wants.stretch * size) and len(turns) <= 1:
+        offers = [[shape for shape in guesses if shape.name not in tried]]
     best, trials = found, found.trials
-    for cap in (replace(caps[-1], curvature=share * caps[-1].curvature) for share in CAPS):
-        folded = relax(shell, factor, side, [cap], followed=1)
-        trials += folded.trials
-        if folded.is_minimum and (folded.energy < best.energy - CLEAR * abs(best.energy) or not best.is_minimum):
-            best = folded
-        if folded.is_minimum and abs(folded.energy - found.energy) <= CLEAR * abs(found.energy):
-            break  # caps and arcs lead to the same form
-    held_definite(shell, best.x, shell.hessian(best.x), factor)  # the factor is to hold the best state's Hessian
+    for offer in filter(None, offers):
+        other = relax(shell, factor, side, offer, followed=1, turns=turns)
+        trials += other.trials
+        if other.is_minimum and (other.energy < best.energy - CLEAR * abs(best.energy) or not best.is_minimum):
+            best = other
+        if other.is_minimum and abs(other.energy - found.energy) <= CLEAR * abs(found.energy):
+            break  # they all lead to the same form
+    if len(trials) > len(found.trials):
+        held_definite(shell, best.x, shell.hessian(best.x), factor)  # the factor is to hold the best state's Hessian
     return replace(best, trials=trials)
+
+
+def soft_in_two_ways(shell: Shell, found: ShellEquilibrium, size: float) -> bool:
+    """Whether another form is likely to be near a minimum of a sheet that is about `size` mm large."""
+    area = float(shell.assembly.weights.sum())
+    return another_form_is_near(amplitudes_percent(found.soft_modes, found.energy, area, size))
 
 
 def taken(shell: Shell, factor: Factor, x: Floats, was_free: bool) -> ShellEquilibrium:
