@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 
 from asterism.law_cells import stable
+from asterism.law_directions import directions_line
 from homogenize.law import NAMES, Law, Table
 
 COLUMNS = ("lam", "lam_n", "kappa", "bending", "a11", "a12", "c3", "offset_mm")
@@ -15,7 +16,7 @@ def law_table(law: Law) -> list[str]:
     lines = []
     for table in law.tables:
         lines += ["", *_values(table), *_errors(law, table)]
-    return [*_head(law), *lines, *_branches(law), *_problems(law)]
+    return [*_head(law), *lines, *_branches(law), *_directions(law), *_problems(law)]
 
 
 def _head(law: Law) -> list[str]:
@@ -80,6 +81,11 @@ def _branches(law: Law) -> list[str]:
         f"{sum(one['down_energy'] is not None for one in found)}",
         f"  flat stiffness, distance from isotropic: at most {max(one['anisotropy'] for one in found):.1e}",
     ]
+
+
+def _directions(law: Law) -> list[str]:
+    line = directions_line(law)
+    return ["", f"  {line}"] if line else []
 
 
 def _problems(law: Law) -> list[str]:

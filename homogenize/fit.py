@@ -9,6 +9,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator, RBFInterpolator
 
 from homogenize.campaign import Record
+from homogenize.directions import averaged
 from homogenize.errors import CampaignError
 from homogenize.interpolation import Bools, Floats
 from homogenize.isotropy import isotropic
@@ -44,10 +45,12 @@ def row(sample: dict[str, Any], stretch: float) -> Floats:
     """(Q,) what the law holds of one sample.
 
     Directions are averaged over the first and the last, 0 and 30 degrees: a sixfold function has its extremes there.
+    Stars without threefold symmetry have six directions, and all of them are averaged.
     The membrane's constants are those of the isotropic tensor nearest to the natural tubes'.
     """
+    chosen = averaged(sample["natural_curvature"])
     ends = {
-        name: np.array(sample[name], dtype=float)[[0, -1]]
+        name: np.array(sample[name], dtype=float)[chosen]
         for name in ("natural_curvature", "natural_hoop", "natural_axial", "natural_membrane", "bending")
     }
     a11, a12 = isotropic(ends["natural_membrane"].mean(axis=0))
@@ -62,7 +65,7 @@ def row(sample: dict[str, Any], stretch: float) -> Floats:
         "a11": a11,
         "a12": a12,
         "c3": float(sample["sixfold"]) if curled else 0.0,
-        "offset_mm": 0.0 if bare or offset is None else float(np.mean(np.array(offset, dtype=float)[[0, -1]])),
+        "offset_mm": 0.0 if bare or offset is None else float(np.mean(np.array(offset, dtype=float)[chosen])),
     }
     return np.array([found[name] for name in NAMES])
 

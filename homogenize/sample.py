@@ -12,6 +12,7 @@ from equilibrium.newton import Clock
 from homogenize.arm_segments import arm_segments
 from homogenize.blend import blended
 from homogenize.cell import Cell
+from homogenize.directions import all_around, directions, is_threefold
 from homogenize.isotropy import off_isotropic
 from homogenize.natural import Curling, curl
 from homogenize.objective import Linear, linear_response, mean_height
@@ -22,8 +23,6 @@ from homogenize.rolling import Tube, centre_offset, heights
 from homogenize.stability import Stability, stability
 from homogenize.star_torus import constant
 from pattern.design import Design
-
-ANGLES = (0.0, np.pi / 12, np.pi / 6)
 
 
 @dataclass(frozen=True)
@@ -56,7 +55,7 @@ class Sample:
         the directions).
     bending : (D,) N mm, `D = 2 (psi_0 - psi_c)/kappa_c^2`; with a slight curvature only, the tangent by kappa.
     sixfold : N mm^2, `c3 = 4 (psi_0 - psi_30)/kappa_c^3`, of the natural energies at 0 and 30 degrees and their mean
-        curvature; 0 without natural curvature.
+        curvature; 0 without natural curvature, and for stars without threefold symmetry.
     curve_curvature, curve_energy, curve_moment, curve_hoop : per direction, all tubes solved by growing curvature:
         1/mm of the print, N/mm, N (derivative by the print's curvature) and the hoop stretch.
     stiffness : (6, 6) `[A B; B^T D]` of strain and curvature of the mean surface, see `homogenize.objective`.
@@ -138,8 +137,10 @@ def _arrays(name: str, value: Any) -> Any:
     return [np.array(one) for one in value] if name.startswith("curve_") else np.array(value)
 
 
-def respond(design: Design, edge_mm: float, angles: tuple[float, ...] = ANGLES) -> Sample:
+def respond(design: Design, edge_mm: float, angles: tuple[float, ...] | None = None) -> Sample:
     """Solve the cell of the design's star; what cannot be solved is said in `failed`.
+
+    `angles`: of the tubes, rad; by default those that a law needs (`homogenize.directions`).
 
     Raises
     ------
@@ -147,6 +148,7 @@ def respond(design: Design, edge_mm: float, angles: tuple[float, ...] = ANGLES) 
         The design has no cell: its stars are not equal, or their arms overlap.
     """
     clock = Clock()
+    angles = directions(design.lattice) if angles is None else angles
     cuts = arm_segments(design, edge_mm)
     each: list[dict[str, Any]] = []
     for segments, _ in cuts:
@@ -193,8 +195,9 @@ def _measure(clock: Clock, cell: Cell, angles: tuple[float, ...], found: dict[st
     if other is not None:
         found["down_energy"] = other.energy - flat.energy
     curves: list[Curling] = []
+    alike = is_threefold(cell.design.lattice)  # else the next direction's natural tube may be another form
     for angle in angles:
-        curves.append(clock("tubes", curl, cell, flat, angle, curves[-1] if curves else None))
+        curves.append(clock("tubes", curl, cell, flat, angle, curves[-1] if alike and curves else None))
         found["iterations"] += sum(tube.iterations for tube in curves[-1].tubes)
     found |= _bending(flat, curves)
     ends = [curve.natural or curve.tubes[0] for curve in curves]
@@ -241,7 +244,7 @@ def _bending(flat: Flat, curves: list[Curling]) -> dict[str, Any]:
     tangent = np.array([curve.stiffness for curve in curves]) * hoop**2
     bending = np.where([curve.natural is None for curve in curves], tangent, secant)
     mean = 0.5 * (curvature[0] + curvature[-1])
-    sixfold = float(4.0 * (energy[0] - energy[-1]) / mean**3) if mean else 0.0
+    sixfold = 0.0 if all_around(curves) or not mean else float(4.0 * (energy[0] - energy[-1]) / mean**3)
     ordered = [curve.tubes for curve in curves]
     return {
         "natural_curvature": curvature,

@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from asterism import __version__
+from asterism.law_directions import directions_line
 from asterism.mesh_error import diameter
 from asterism.previewing.expected import amplitudes_percent, another_form_is_near, close_form, expected_rms_percent
 from asterism.previewing.other_forms import OtherForm, other_forms
 from asterism.shape import Shape
 from discrete.likeness import rolled_about
+from homogenize.directions import left_out
 from pattern.layout import Floats
 from pattern.mesh import Mesh
 from pattern.planar import polygon_area
@@ -58,7 +60,10 @@ def summary(preview: Preview, shape: Shape, mesh: Mesh, seconds: dict[str, float
             "edge_mm": law.edge_mm,
             "made_by": law.made.get("command"),
         },
-        "expected_rms_percent": expected_rms_percent(amplitudes, others, forgiven),
+        # found with three-armed stars, whose law is the same in all directions
+        "expected_rms_percent": None
+        if left_out(preview.design.lattice)
+        else expected_rms_percent(amplitudes, others, forgiven),
         "law_in_range": not preview.values.outside,
         "stars_outside_law": list(preview.values.outside),
         "stars_tight": list(preview.values.tight),
@@ -89,6 +94,8 @@ def warnings(
     """One line each."""
     found, values, layout = preview.equilibrium, preview.values, preview.sheet.layout
     lines = list(values.outside)
+    if line := directions_line(preview.law):
+        lines.append(line)
     if values.tight:
         lines.append(
             f"{len(values.tight)} of {len(layout.centres)} stars curl to less than two thirds of their distance, where "

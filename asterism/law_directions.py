@@ -1,0 +1,28 @@
+"""What a law leaves out where stars are not the same in all directions, in one line for its users."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from homogenize.directions import left_out, spread
+from homogenize.fit import CURLED
+from homogenize.law import TIGHT, Law
+
+
+def directions_line(law: Law) -> str | None:
+    """What is left out, and how far natural curvatures are from the law's for it; None if nothing is.
+
+    Of the cells that curl, but not tightly: the direction that is furthest off.
+    """
+    missing = left_out(law.material.lattice)
+    if missing is None:
+        return None
+    found = [cell["sample"] for cell in law.samples if cell["problem"] is None and cell["length_mm"] > 0]
+    curled = [c for c in found if CURLED < abs(np.mean(c["natural_curvature"])) * c["spacing_mm"] < TIGHT]
+    if not curled:
+        return missing
+    off = 100.0 * np.array([spread(cell["natural_curvature"]) for cell in curled])
+    return (
+        f"{missing}: natural curvature of the direction that is furthest off differs by {np.median(off):.0f} % in the "
+        f"median of {len(off)} cells, by {off.max():.0f} % at most"
+    )

@@ -1,0 +1,64 @@
+"""The directions that a cell is rolled in, and what a law with one curvature and one sixfold term makes of them.
+
+The law holds means over directions, and the part of the energy that goes as cos 6 phi, with angles from the print's y
+axis. Where lattice and star repeat after a third of a turn, all there is beyond is its sine, which vanishes if arms and
+lattice lines lie at multiples of 30 degrees. Elsewhere there are parts with fewer periods, usually larger ones, and the
+law is the mean over directions without any of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from discrete.elements import Array
+from pattern.lattice import Lattice
+
+# radians from y: a function of sixfold symmetry has its extremes at the first and the last
+THREEFOLD = (0.0, np.pi / 12, np.pi / 6)
+# the mean over these is that over all directions for functions with up to five periods in half a turn
+AROUND = tuple(np.pi / 6 * k for k in range(6))
+NEAR = 1e-6
+
+
+def directions(lattice: Lattice) -> tuple[float, ...]:
+    """Angles of the tubes that a law of such stars needs."""
+    return THREEFOLD if is_threefold(lattice) else AROUND
+
+
+def averaged(tubes: Sequence[object] | Array) -> list[int]:
+    """Which of the directions, or of what belongs to them, the law takes the mean of."""
+    return list(range(len(AROUND))) if all_around(tubes) else [0, -1]
+
+
+def all_around(tubes: Sequence[object] | Array) -> bool:
+    """Whether these are the directions of stars without threefold symmetry."""
+    return len(tubes) == len(AROUND)
+
+
+def is_threefold(lattice: Lattice) -> bool:
+    """Whether lattice and star repeat after a third of a turn."""
+    vectors = np.asarray(lattice.vectors)
+    turn = np.array([[-0.5, np.sqrt(0.75)], [-np.sqrt(0.75), -0.5]])
+    steps = vectors @ turn @ np.linalg.inv(vectors)
+    return lattice.arms % 3 == 0 and bool(np.abs(steps - np.round(steps)).max() < NEAR)
+
+
+def spread(curvatures: Sequence[float] | Array) -> float:
+    """How far natural curvatures are at most from what the law has, over their mean; directions as of a law's cells."""
+    found = np.asarray(curvatures, dtype=float)
+    mean = found[averaged(found)].mean()
+    sixfold = 0.0 if all_around(found) else 0.5 * (found[0] - found[-1])
+    return float(np.abs(found - mean - sixfold * np.linspace(1.0, -1.0, len(found))).max() / abs(mean))
+
+
+def left_out(lattice: Lattice) -> str | None:
+    """What the law of such stars leaves out, in one line; None if a smooth sheet of them has no more to it."""
+    if not is_threefold(lattice):
+        return "stars curl and bend differently in each direction; the law is the mean over directions"
+    lines = np.vstack([np.asarray(lattice.arm_directions)[:1], np.asarray(lattice.vectors)[:1]])
+    angle = np.degrees(np.arctan2(lines[:, 1], lines[:, 0])) / 30.0
+    if np.abs(angle - np.round(angle)).max() < NEAR:
+        return None
+    return "stars that are turned may roll about other axes than multiples of 30 degrees; the law has these only"

@@ -1,0 +1,66 @@
+"""The law of stars that are not the same in all directions, from its campaign to a preview."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from asterism.law_directions import directions_line
+from asterism.previewing.preview import Preview
+from homogenize.errors import LawError
+from homogenize.law import Law
+from homogenize.law_file import load_law
+from pattern.design import Design
+from tests.asterism.test_calibrate import PLAN, run
+
+MEAN = "the law is the mean over directions"
+
+
+@pytest.fixture(scope="module")
+def five(tmp_path_factory: pytest.TempPathFactory) -> tuple[Law, str]:
+    """A law of five-armed stars, whose longest arms overlap, and what its command printed."""
+    folder: Path = tmp_path_factory.mktemp("five")
+    plan = PLAN.replace("[5.0, 10.0]", "[4.0, 7.0, 12.0]").replace("held_out = 1", "held_out = 0")
+    (folder / "five.toml").write_text(plan + "[lattice]\narms = 5\n")
+    result = run("calibrate", "five.toml", "--jobs", "2", cwd=folder)
+    assert result.returncode == 0, result.stderr
+    return load_law(folder / "five.npz"), result.stdout
+
+
+def sheet(arms: int, length: float = 6.0) -> Design:
+    stars = {"length_mm": length, "thickness_mm": 0.4}
+    return Design.from_dict({"lattice": {"arms": arms}, "stars": stars, "border": {"rings": 1}})
+
+
+def test_the_law_says_what_it_leaves_out(five: tuple[Law, str]) -> None:
+    law, printed = five
+    line = directions_line(law)
+    assert line is not None and MEAN in line and "% at most" in line
+    assert line in printed
+    samples = [cell["sample"] for cell in law.samples if cell["sample"] and cell["length_mm"] > 0]
+    assert len(samples) == 4
+    assert all(len(sample["natural_curvature"]) == 6 for sample in samples)
+    values = law.at(1.35)(np.array([0.0, 4.0, 7.0]), 0.3, 1.2).value
+    assert values["lam"][0] * 1.35 == pytest.approx(1.0, abs=1e-8)
+    assert values["kappa"][0] == 0.0 < values["kappa"][1:].min()
+    np.testing.assert_array_equal(values["c3"], 0.0)
+
+
+def test_arms_that_overlap_are_cells_without_an_answer(five: tuple[Law, str]) -> None:
+    law, printed = five
+    overlapping = [cell for cell in law.samples if cell["length_mm"] == 12.0]
+    assert len(overlapping) == 2
+    assert all("shorten or turn them" in cell["problem"] for cell in overlapping)
+    assert "cells without an answer" in printed
+    assert not law.at(1.35)(10.0, 0.3, 1.2).inside[0]
+
+
+def test_previews_warn_and_expect_nothing(five: tuple[Law, str]) -> None:
+    law = five[0]
+    summary = Preview(sheet(5), law).shape().summary
+    assert any(MEAN in warning for warning in summary["warnings"])
+    assert summary["expected_rms_percent"] is None
+    with pytest.raises(LawError, match=r"lattice\.arms = 5, the design's 3"):
+        Preview(sheet(3), law)
