@@ -107,7 +107,8 @@ class Walk:
         iterations, saddles = result.iterations, 0
         while True:
             pair = self._lowest(model, result.state, factor, "certificate")
-            if not result.converged or pair.value > -pair.error or saddles == KICKS:
+            # near a saddle on a fine mesh the gradient may not fall below the tolerance
+            if not (result.converged or result.idle) or pair.value > -pair.error or saddles == KICKS:
                 break
             saddles += 1
             away = left(model, result.state, pair)

@@ -27,6 +27,7 @@ RAISE = {"blended": 30.0, "shifted": 10.0}
 LEAST = 1e-3  # stiffness added where the convex model has none, over the median diagonal entry
 FORCING = 1e-2  # largest relative residual of an iterative solve
 STOP = 1e3  # stiffness of a support over the largest diagonal entry
+IDLE = 10  # iterations in a row that change nothing, after which there is no more to come
 
 
 class Problem(Protocol):
@@ -75,7 +76,7 @@ class Minimum:
     """Where Newton stopped, and the evidence.
 
     `definite`: the exact Hessian (plus `shift`) at the last state, on its support, is positive definite; False too
-    if that was not asked for.
+    if that was not asked for. `idle`: it has not converged, but rounding allows no more.
     """
 
     state: State
@@ -87,6 +88,7 @@ class Minimum:
     factorisations: int
     seconds: dict[str, float] = field(default_factory=dict)
     history: list[Iteration] = field(default_factory=list)
+    idle: bool = False
 
 
 class Clock:
@@ -129,11 +131,15 @@ def minimise(
     regularise = _Regularisation(problem, factor, method, shift, clock, blend)
     step = 0.0
     stuck = False
+    lowest, least, since = energy, norm, 0
     for number in range(max_iterations + 1):
         history.append(Iteration(number, energy, norm, regularise.amount, step))
         if report:
             report(history[-1])
-        if norm <= tolerance or stuck or number == max_iterations or not np.isfinite(norm):
+        # steps at the end may lower the energy by less than its rounding, but then the gradient falls
+        if energy < lowest - _rounding(energy, largest) or norm < 0.9 * least:
+            lowest, least, since = min(lowest, energy), min(least, norm), number
+        if norm <= tolerance or stuck or number == max_iterations or not np.isfinite(norm) or number >= since + IDLE:
             break
         direction = regularise.direction(state, gradient)
         path, longest = problem.path(state, direction, method == "shifted")
@@ -158,6 +164,7 @@ def minimise(
         regularise.count,
         clock.seconds,
         history,
+        tolerance < norm and number >= since + IDLE,
     )
 
 
@@ -250,6 +257,10 @@ class _Regularisation:
         return bool(self.clock("factorisation", self.factor.factorise, data))
 
 
+def _rounding(energy: float, largest: float) -> float:
+    return max(1e-13 * abs(energy), 1e-16 * largest)
+
+
 def _line_search(
     problem: Problem,
     path: Callable[[float], State],
@@ -265,7 +276,7 @@ def _line_search(
     cancel now), a smaller gradient decides.
     """
     a = longest
-    rounding = max(1e-13 * abs(energy), 1e-16 * largest)
+    rounding = _rounding(energy, largest)
     while a > 1e-8:
         state = path(a)
         trial = problem.energy(state)

@@ -249,3 +249,15 @@ def test_noise_of_terms_that_cancel_does_not_stop_the_last_steps(method):
     assert found.converged and found.iterations < 12
     found = run(problem, [1e-8, -2e-8, 3e-8], tolerance=1e-9, method=method)
     assert found.converged and found.iterations < 12
+
+
+@METHODS
+def test_gradients_that_are_only_noise_end_it(method):
+    """Energy and gradient are as low as rounding lets them: going on would change nothing, and it has not converged."""
+    problem = Analytic(
+        lambda x: 1586.0 + 0.5 * (x @ x), lambda x: x + 2e-7 * np.sin(1e12 * x + 1.0), lambda x: np.eye(3), 3
+    )
+    found = run(problem, [1.0, -2.0, 0.7], tolerance=1e-9, method=method)
+    assert found.idle and not found.converged and found.iterations < 60
+    assert np.abs(found.state).max() < 1e-6
+    assert not run(problem, [1.0, -2.0, 0.7], tolerance=1e-5, method=method).idle
