@@ -22,7 +22,8 @@ from fem.tabulation import Floats
 TUBE_TURN = 3.0
 TIE = 0.02  # part of the energy by which the law's sheets are wrong at best: it cannot say which of two forms is lower
 CAPS = (1.0, 0.7)  # parts of a cap's curvature to start from: from afar it takes luck to reach the lowest fold
-CLEAR = 1e-3  # part of the energy by which a cap must be lower to be taken
+EQUAL = 1e-3  # part of the energy within which two minima are the same form
+ROLLED = {"arc", "bent", "saddle"}
 STRIDES = 6  # in which later pins move the sheet to their places
 
 
@@ -47,6 +48,8 @@ def settled(
         return found
     guesses = shapes(wants, size, side)
     tried = {trial.name for trial in found.trials} | {"flat"}
+    if tried & ROLLED:
+        tried |= ROLLED  # in several directions
     offers: list[list[Shape]] = []
     caps = [shape for shape in guesses if shape.name == "cap"]
     if curls and caps and "cap" not in tried:
@@ -56,11 +59,13 @@ def settled(
     best, trials = found, found.trials
     for offer in filter(None, offers):
         other = relax(shell, factor, side, offer, followed=1, turns=turns)
+        known = [trial.energy for trial in trials if trial.is_minimum]
         trials += other.trials
-        if other.is_minimum and (other.energy < best.energy - CLEAR * abs(best.energy) or not best.is_minimum):
+        margin = EQUAL * abs(other.energy)
+        if other.is_minimum and all(other.energy < energy - margin for energy in known):
             best = other
-        if other.is_minimum and abs(other.energy - found.energy) <= CLEAR * abs(found.energy):
-            break  # they all lead to the same form
+        elif other.is_minimum and any(abs(other.energy - energy) <= margin for energy in known):
+            break  # all starts lead to the same forms
     if len(trials) > len(found.trials):
         held_definite(shell, best.x, shell.hessian(best.x), factor)  # the factor is to hold the best state's Hessian
     return replace(best, trials=trials)
