@@ -59,6 +59,12 @@ def middles(found: Comparison) -> tuple[Floats, Floats]:
     return _curvatures(printed[near], found.reference_mean[near]), _curvatures(printed[near], found.other_mean[near])
 
 
+def middle(shape: Shape) -> Floats:
+    """(2,) of one shape, bumps and all."""
+    near = np.linalg.norm(shape.printed, axis=1) < MIDDLE
+    return _curvatures(shape.printed[near], shape.positions[near])
+
+
 def _curvatures(printed: Floats, places: Floats) -> Floats:
     """(2,) of the quadratic surface nearest to n places (n, 3) over printed points (n, 2)."""
     x, y = printed.T
