@@ -6,7 +6,8 @@ import csv
 import io
 from typing import Any
 
-from homogenize.law import TIGHT, Law
+from homogenize.law import Law
+from homogenize.table import TIGHT
 
 HEADER = (
     "stretch", "length_mm", "thickness_mm", "width_mm", "held_out", "mesh_edges_per_arm", "answer", "lambda",

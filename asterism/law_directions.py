@@ -6,7 +6,8 @@ import numpy as np
 
 from homogenize.directions import left_out, spread
 from homogenize.fit import CURLED
-from homogenize.law import TIGHT, Law
+from homogenize.law import Law
+from homogenize.table import TIGHT
 
 
 def directions_line(law: Law) -> str | None:

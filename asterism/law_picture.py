@@ -12,7 +12,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from asterism.chart_axes import INK, PALE, tidy, with_grid
-from homogenize.law import NAMES, Law, Table
+from homogenize.law import Law
+from homogenize.table import NAMES, Table
 
 CURVES = {
     "lam": "length over printed length, flat",

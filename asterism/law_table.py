@@ -6,7 +6,8 @@ from collections import Counter
 
 from asterism.law_cells import stable
 from asterism.law_directions import directions_line
-from homogenize.law import NAMES, Law, Table
+from homogenize.law import Law
+from homogenize.table import NAMES, Table
 
 COLUMNS = ("lam", "lam_n", "kappa", "bending", "a11", "a12", "c3", "offset_mm")
 

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.report import markdown, write_report
-from homogenize.law import NAMES
 from homogenize.law_file import load_law
+from homogenize.table import NAMES
 
 STARS, TIMES = 200, 500
 

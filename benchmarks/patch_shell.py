@@ -14,8 +14,8 @@ from fem.shapes import Shape
 from fem.shell import ORDER, Shell
 from fem.solve import relax
 from homogenize.fit import row
-from homogenize.law import NAMES
 from homogenize.sample import Sample
+from homogenize.table import NAMES
 from pattern.build import layout
 from pattern.design import Design
 

@@ -13,9 +13,10 @@ from homogenize.directions import averaged
 from homogenize.errors import CampaignError
 from homogenize.interpolation import Bools, Floats
 from homogenize.isotropy import isotropic
-from homogenize.law import NAMES, QUANTITIES, Law, Table, from_stored, to_stored, units
+from homogenize.law import Law
 from homogenize.plan import Material
 from homogenize.residuals import residuals
+from homogenize.table import NAMES, QUANTITIES, Table, from_stored, to_stored, units
 
 Q = len(NAMES)
 # natural curvature times spacing below which the energies of two directions differ by rounding only

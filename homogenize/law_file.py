@@ -20,8 +20,9 @@ import numpy as np
 
 from homogenize.errors import LawError
 from homogenize.interpolation import Floats
-from homogenize.law import NAMES, Law, Table
+from homogenize.law import Law
 from homogenize.plan import Material
+from homogenize.table import NAMES, Table
 from pattern.errors import DesignError
 
 # raised when a file's arrays or quantities mean something else than before

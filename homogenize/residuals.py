@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from homogenize.interpolation import Bools, Floats, Grid
-from homogenize.law import NAMES, QUANTITIES, TIGHT, Table, from_stored, to_stored
 from homogenize.plan import Task
+from homogenize.table import NAMES, QUANTITIES, TIGHT, Table, from_stored, to_stored
 
 # relative errors are of the cell's value, or of this part of the table's largest where it is smaller: little for what
 # has one sign, more for what changes it

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from homogenize.errors import LawError
-from homogenize.law import NAMES, Law
+from homogenize.law import Law
+from homogenize.table import NAMES
 from pattern.design import Design
 from pattern.layout import Floats, Layout
 

@@ -9,8 +9,8 @@ import pytest
 
 from homogenize.directions import AROUND, THREEFOLD, averaged, directions, left_out, spread
 from homogenize.fit import row
-from homogenize.law import NAMES
 from homogenize.sample import respond
+from homogenize.table import NAMES
 from pattern.lattice import Lattice
 from tests.homogenize.cells import EDGE, design
 

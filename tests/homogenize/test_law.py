@@ -15,9 +15,10 @@ from homogenize.campaign import Record
 from homogenize.errors import LawError
 from homogenize.fit import fit
 from homogenize.interpolation import Grid
-from homogenize.law import NAMES, Law
+from homogenize.law import Law
 from homogenize.law_file import digest, load_law, to_bytes
 from homogenize.plan import Material
+from homogenize.table import NAMES
 from pattern.design import Design
 from tests.homogenize import fake
 

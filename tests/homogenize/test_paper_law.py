@@ -7,9 +7,10 @@ import time
 import numpy as np
 import pytest
 
-from homogenize.law import TIGHT, Law
+from homogenize.law import Law
 from homogenize.law_file import load_law
 from homogenize.plan import PAPER, load_material
+from homogenize.table import TIGHT
 
 
 @pytest.fixture(scope="module")

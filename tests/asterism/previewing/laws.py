@@ -6,9 +6,10 @@ from functools import cache
 
 import numpy as np
 
-from homogenize.law import NAMES, Law, Table, units
+from homogenize.law import Law
 from homogenize.plan import Material
 from homogenize.relief import Waves
+from homogenize.table import NAMES, Table, units
 
 SPACING = 10.0 * np.sqrt(3.0)
 

@@ -14,7 +14,7 @@ from asterism.previewing.preview import Preview
 from asterism.previewing.star_relief import TURN
 from asterism.verification.comparison import compare
 from homogenize.errors import LawError
-from homogenize.law import NAMES
+from homogenize.table import NAMES
 from pattern import gallery
 from pattern.build import layout
 from pattern.design import Design

@@ -12,7 +12,7 @@ from asterism.previewing.sheet_fields import EARLY, POISSON, sheet_fields
 from asterism.previewing.star_values import star_sizes, star_values
 from fem.tabulation import Floats
 from homogenize.errors import LawError
-from homogenize.law import NAMES
+from homogenize.table import NAMES
 from pattern import gallery
 from pattern.build import layout
 from pattern.design import Design
