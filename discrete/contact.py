@@ -64,7 +64,8 @@ class Contact:
         self.neighbourhood = NEIGHBOURS * (longest + stretch * distance)
         self._mesh = self._ipc.CollisionMesh(*(np.asfortranarray(a) for a in (printed, edges, triangles)))
         pairs = np.sort(cKDTree(mesh.points).query_pairs(self.neighbourhood, output_type="ndarray"), axis=1)
-        apart = dict.fromkeys(zip(*pairs.T.tolist(), strict=True), False)
+        number = np.arange(len(mesh.points)).astype(object)  # every number once, however many pairs it is in
+        apart = dict.fromkeys(zip(*number[pairs.T], strict=True), False)
         self._mesh.can_collide = self._ipc.make_sparse_filter(apart, True)
         self._potential = self._ipc.BarrierPotential(self._range, modulus, True)
         self._positions: Array | None = None
