@@ -102,7 +102,11 @@ def test_an_edit_gives_the_shape_of_a_new_preview() -> None:
     assert (linear.name, final.name) == ("linear", "equilibrium")
     fresh = Preview(thicker, plain_law())
     assert preview.equilibrium.is_minimum
-    assert preview.equilibrium.energy == pytest.approx(fresh.equilibrium.energy, rel=1e-6)
+    # the sheet may have more than one form, but it is the same sheet
+    x = preview.equilibrium.x
+    assert fresh.shell.energy(x) == pytest.approx(preview.equilibrium.energy, rel=1e-9)
+    assert np.linalg.norm(fresh.shell.gradient(x)) < 2.0 * preview.equilibrium.tolerance
+    assert preview.equilibrium.energy == pytest.approx(fresh.equilibrium.energy, rel=0.01)
     assert preview.shape().height_mm == pytest.approx(fresh.shape().height_mm, rel=1e-3)
 
 
@@ -139,7 +143,11 @@ def test_a_removed_star_is_bare_fabric_after_an_edit_too() -> None:
     list(preview.edit(gone))
     fresh = Preview(gone, plain_law())
     assert len(preview.values.sizes) == 36
-    assert preview.equilibrium.energy == pytest.approx(fresh.equilibrium.energy, rel=1e-6)
+    # the sheet may have more than one form, but it is the same sheet
+    x = preview.equilibrium.x
+    assert fresh.shell.energy(x) == pytest.approx(preview.equilibrium.energy, rel=1e-9)
+    assert np.linalg.norm(fresh.shell.gradient(x)) < 2.0 * preview.equilibrium.tolerance
+    assert preview.equilibrium.energy == pytest.approx(fresh.equilibrium.energy, rel=0.01)
 
 
 def test_a_dome_can_be_flipped() -> None:
