@@ -82,7 +82,7 @@ class StarCells:
         self.width_mm = self._widths[0]
         self._stars = len(layout.centres)
         self._step = min(lattice.spacing_mm / FINENESS, self._widths[1] / 1.5)
-        margin = REACH * self.width_mm + 2.0 * self._step
+        margin = (np.ceil(REACH * self.width_mm / self._step) + 1) * self._step
         low, high = layout.border.min(axis=0) - margin, layout.border.max(axis=0) + margin
         self._origin = low
         counts = np.ceil((high - low) / self._step).astype(int) + 1
