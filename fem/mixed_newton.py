@@ -91,7 +91,7 @@ def mixed_newton(
         if found.converged or number == max_iterations or not np.isfinite(found.residual):
             break
         data = clock("tangent", shell.tangent, found.x, stiffness, stress)
-        if number == 0 or moved > TURNED * size:
+        if number == 0 or moved > TURNED * size or not shell.floats:
             support, moved = clock("support", shell.support, found.x), 0.0
         shift *= 0.1
         while True:

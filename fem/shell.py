@@ -200,11 +200,15 @@ class Shell:
         """Nothing is held."""
         return self.reduction.map.shape[1] == self.flat.size
 
+    @property
+    def floats(self) -> bool:
+        """Nothing holds or pulls the sheet: wherever it is, all rigid motions are free."""
+        return self.is_free and not self.loads.any() and not self.moments
+
     def rigid_modes(self, x: Floats) -> Floats:
         """(n, k) orthonormal rigid motions that the conditions leave free, and that cost nothing."""
         motions = np.linalg.qr(admissible_motions(x, self._shifts, self.reduction.map, self.reduction.free))[0]
-        loaded = bool(self.loads.any()) or len(self.moments) > 0
-        if motions.shape[1] == 0 or (self.is_free and not loaded):
+        if motions.shape[1] == 0 or self.floats:
             return motions
         data = self.hessian(x)
         least = 1e-10 * float(np.median(np.abs(data[self.pattern.diagonal]))) + 10.0 * float(

@@ -196,9 +196,11 @@ def to_stored(rows: Floats, units: Floats) -> Floats:
 
 def from_stored(stored: Floats, units: Floats) -> Floats:
     """The inverse of `to_stored`."""
-    return units * np.where(_LOG, np.exp(np.where(_LOG, stored, 0.0)), np.where(_ASINH, np.sinh(stored), stored))
+    return units * np.where(
+        _LOG, np.exp(np.where(_LOG, stored, 0.0)), np.where(_ASINH, np.sinh(np.where(_ASINH, stored, 0.0)), stored)
+    )
 
 
 def _rate(stored: Floats, units: Floats) -> Floats:
     """Derivative of `from_stored`."""
-    return units * np.where(_LOG, np.exp(np.where(_LOG, stored, 0.0)), np.where(_ASINH, np.cosh(stored), 1.0))
+    return units * np.where(_LOG, np.exp(np.where(_LOG, stored, 0.0)), np.cosh(np.where(_ASINH, stored, 0.0)))
