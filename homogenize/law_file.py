@@ -35,21 +35,16 @@ class Packed(Sequence[Any]):
     """A list as JSON, compressed until someone asks for it: a preview never asks for the cells of its law."""
 
     def __init__(self, packed: bytes) -> None:
-        self._packed = packed
+        self.packed = packed
 
     @classmethod
     def of(cls, rows: Sequence[Any]) -> Packed:
         """The rows, packed; themselves if they are."""
         return rows if isinstance(rows, cls) else cls(zlib.compress(json.dumps(list(rows)).encode()))
 
-    @property
-    def packed(self) -> bytes:
-        """What `Packed` is made of."""
-        return self._packed
-
     @cached_property
     def _rows(self) -> list[Any]:
-        rows = json.loads(zlib.decompress(self._packed))
+        rows = json.loads(zlib.decompress(self.packed))
         return rows if isinstance(rows, list) else []
 
     def __len__(self) -> int:

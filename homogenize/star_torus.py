@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from homogenize.torus import STEPS, Torus, torus_mesh
-from homogenize.torus_free import SAME, free_torus
+from homogenize.torus_free import AROUND, SAME, free_torus
 from pattern.arms import check_clear
 from pattern.design import Design
 from pattern.errors import MeshError
@@ -13,7 +13,7 @@ from pattern.lattice import Lattice
 from pattern.layout import Floats, Ints
 
 # a star, and those around whose arms may touch its own, by lattice vectors
-_AROUND = np.array(sorted(([i, j] for i in range(-3, 4) for j in range(-3, 4)), key=lambda ij: ij != [0, 0]))
+_STARS = np.vstack([[[0, 0]], AROUND])
 
 
 def star_torus(design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1), segments: int | None = None) -> Torus:
@@ -66,8 +66,8 @@ def _directions(lattice: Lattice) -> Floats:
 
 def _check_clear(vectors: Floats, directions: Floats, length: float, width: float) -> None:
     """Refuse what a sheet refuses too: arms of different stars that cross or print as one."""
-    centres = np.repeat(_AROUND @ vectors, len(directions), axis=0)
-    tips = centres + length * np.tile(directions, (len(_AROUND), 1))
-    star = np.repeat(np.arange(len(_AROUND)), len(directions))
+    centres = np.repeat(_STARS @ vectors, len(directions), axis=0)
+    tips = centres + length * np.tile(directions, (len(_STARS), 1))
+    star = np.repeat(np.arange(len(_STARS)), len(directions))
     if len(star):
         check_clear(centres, tips, star, np.full((len(star), 2), width), SAME * float(np.linalg.norm(vectors[0])))

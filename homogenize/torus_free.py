@@ -24,7 +24,7 @@ SLACK = 0.25
 # of the spacing, closer than which the ends of arms are one point
 SAME = 1e-6
 # stars this many lattice vectors away have arms that may come close, none longer than the spacing
-_AROUND = np.array([[i, j] for i in range(-3, 4) for j in range(-3, 4) if (i, j) != (0, 0)])
+AROUND = np.array([[i, j] for i in range(-3, 4) for j in range(-3, 4) if (i, j) != (0, 0)])
 _FINE = 256
 
 
@@ -106,8 +106,8 @@ def _stations(
     """(n + 1,) mm along an arm: even, and closer where arms of other stars are near."""
     even = length / max(1, segments or round(length / edge_mm))
     along = np.linspace(0.0, length, _FINE + 1)
-    stars = np.repeat(_AROUND @ vectors, len(directions), axis=0)
-    tips = stars + length * np.tile(directions, (len(_AROUND), 1))
+    stars = np.repeat(AROUND @ vectors, len(directions), axis=0)
+    tips = stars + length * np.tile(directions, (len(AROUND), 1))
     apart = np.linalg.norm(tips - length * direction, axis=1) > SAME * np.linalg.norm(vectors)
     gap = distance_to_segment((along[:, None] * direction)[:, None], stars[apart], tips[apart]).min(axis=1)
     wish = np.minimum(even, BESIDE * gap)

@@ -13,7 +13,7 @@ from pattern.lattice_grid import LatticeGrid
 from pattern.layout import Floats, Ints, Layout
 from pattern.mesh import Mesh
 from pattern.mesh_check import check_edge, checked
-from pattern.mesh_cut import SMOOTHINGS, cut_mesh
+from pattern.mesh_cut import cut_mesh
 from pattern.pin_vertices import pin_points, pin_vertices
 
 # flatter triangles than this (degrees) are left to the Delaunay mesh, which refines where it is narrow
@@ -31,7 +31,7 @@ def aligned_mesh(layout: Layout, edge_mm: float, graded: bool = False, draft: bo
     ----------
     edge_mm : wished length of an edge; the lattice distance is cut into the nearest whole number of edges.
     graded : as many triangles, but finer ones at arms and tips, see `pattern.grading`; for hexagons along the lattice.
-    draft : the strip along other borders is smoothed once only.
+    draft : the strip along other borders is smoothed only until its triangles will do.
 
     Raises
     ------
@@ -50,7 +50,8 @@ def aligned_mesh(layout: Layout, edge_mm: float, graded: bool = False, draft: bo
         except MeshError:
             # tips close to the border, pins between grid points: they need points of their own
             pass
-    return checked(cut_mesh(layout, grid, 1 if draft else SMOOTHINGS), layout, SMALLEST_ANGLE)
+    strip = cut_mesh(layout, grid, SMALLEST_ANGLE) if draft else cut_mesh(layout, grid)
+    return checked(strip, layout, SMALLEST_ANGLE)
 
 
 def _hexagon_mesh(layout: Layout, grid: LatticeGrid, hexagon: HexagonBorder, grading: Grading | None = None) -> Mesh:

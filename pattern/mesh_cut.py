@@ -23,14 +23,17 @@ MARGIN = 0.7
 ARM_MARGIN = 0.1
 # arms with tips nearer than this get edges of half the length,
 HALVED = 0.3
-# and points nearer than this are smoothed, so many times by default
+# and points nearer than this are smoothed, so many times at most
 STRIP, SMOOTHINGS = 2.6, 4
 # points are added at flatter triangles (degrees): beside tips that end close to the border
 REFINE_DEG = 28.0
 
 
-def cut_mesh(layout: Layout, grid: LatticeGrid, smoothings: int = SMOOTHINGS) -> Mesh:
-    """The grid with its points moved onto arms and pins, cut off at the border and triangulated with it."""
+def cut_mesh(layout: Layout, grid: LatticeGrid, enough: float = np.inf) -> Mesh:
+    """The grid with its points moved onto arms and pins, cut off at the border and triangulated with it.
+
+    The strip along the border is smoothed until all angles are `enough` (degrees), at least once.
+    """
     tolerance = ON_LINE * grid.edge_mm * grid.k
     pins = pin_points(layout)
     patch = _patch_around(layout, grid)
@@ -61,7 +64,7 @@ def cut_mesh(layout: Layout, grid: LatticeGrid, smoothings: int = SMOOTHINGS) ->
         [np.column_stack([border, np.roll(border, -1)]), *(np.column_stack([r[:-1], r[1:]]) for r in rods)]
     )
     still = np.concatenate([np.ones(len(outline), dtype=bool), fixed[keep] | (distance[keep] > STRIP * grid.edge_mm)])
-    points, triangles = _smoothed(np.concatenate([outline, points[keep]]), segments, still, smoothings)
+    points, triangles = _smoothed(np.concatenate([outline, points[keep]]), segments, still, enough)
     return Mesh(
         points=points,
         triangles=triangles,
@@ -104,15 +107,17 @@ def _halved(points: Floats, arms: list[Ints], layout: Layout, edge_mm: float) ->
     return points, arms
 
 
-def _smoothed(points: Floats, segments: Ints, still: NDArray[np.bool_], times: int) -> tuple[Floats, Ints]:
+def _smoothed(points: Floats, segments: Ints, still: NDArray[np.bool_], enough: float) -> tuple[Floats, Ints]:
     """Triangulate, and move the points that are not still to where their triangles are best, a few times."""
     points, triangles = triangulate(points, segments, min_angle_deg=REFINE_DEG)
     still = np.pad(still, (0, len(points) - len(still)))
     best, best_angle = (points, triangles), triangle_angles(points, triangles).min()
-    for _ in range(times):
+    for _ in range(SMOOTHINGS):
         points = np.where(still[:, None], points, mean_circumcentres(points, triangles))
         points, triangles = triangulate(points, segments)
         angle = triangle_angles(points, triangles).min()
         if angle > best_angle:
             best, best_angle = (points, triangles), angle
+        if best_angle >= enough:
+            break
     return best

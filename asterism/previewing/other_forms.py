@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from asterism.previewing.surface import Lens
 from discrete.pin_steps import rigid_fit
 from pattern.layout import Floats
 from pattern.symmetries import Symmetry
@@ -44,10 +43,10 @@ def other_forms(preview: Preview, diameter_mm: float) -> list[OtherForm]:
     met = sorted((trial for trial in shown.trials if trial.is_minimum), key=lambda trial: trial.energy)
     if len(met) < 2 or len(plan.centres) < FEWEST:
         return []
-    lens = Lens(preview.sheet, preview.law.waves, plan.centres)
-    known, found = [lens(shown.x, preview.values).smooth], []
+    stars = preview.sheet.space.locate(plan.centres).value
+    known, found = [stars @ shown.x], []
     for trial in met:
-        centres = lens(trial.x, preview.values).smooth
+        centres = stars @ trial.x
         apart = [100.0 / diameter_mm * _distance(centres, form, preview.symmetries) for form in known]
         if min(apart) > EQUAL:
             gap = (trial.energy - shown.energy) / abs(shown.energy)

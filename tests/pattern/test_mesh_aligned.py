@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from pattern import build, gallery
 from pattern.errors import MeshError
 from pattern.mesh_aligned import SMALLEST_ANGLE, aligned_mesh
 from pattern.planar import triangle_angles
@@ -154,6 +155,15 @@ def test_any_border(border, length, edge):
     assert mesh.kind == "aligned"
     assert even_rods(mesh)
     assert smallest_angle(mesh) > 20
+
+
+@pytest.mark.parametrize("name", ["u-shape", "roof", "tunnel"])
+def test_a_draft_will_do(name):
+    sheet = build.layout(gallery.load(name))
+    draft, whole = (aligned_mesh(sheet, 2.5, draft=draft) for draft in (True, False))
+    obey(sheet, draft)
+    assert SMALLEST_ANGLE <= smallest_angle(draft) <= smallest_angle(whole)
+    assert len(draft.points) == len(whole.points)
 
 
 def test_border_is_even():
