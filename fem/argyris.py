@@ -113,18 +113,17 @@ class Argyris:
     def penalty(self, modulus: Floats | float = 1.0) -> None:
         """Nothing: the functions are C1."""
 
-    def interpolate(self, position: Map, gradient: Map, hessian: Map) -> Floats:
+    def interpolate(self, jets: Map) -> Floats:
         """(N, 3) coefficients of a map of the printed sheet into space.
 
-        `position`, `gradient` and `hessian` take (n, 2) mm to (n, 3), (n, 3, 2) and (n, 3, 3), second derivatives
-        in the order 11, 22, 12.
+        `jets` takes (n, 2) mm to (n, 6, 3), its value and derivatives 1, 2, 11, 22, 12.
         """
-        points = self.mesh.p.T
-        jet = np.concatenate([np.asarray(position(points))[..., None], gradient(points), hessian(points)], axis=2)
+        count = self.mesh.nvertices
+        table = jets(np.concatenate([self.mesh.p.T, self._middles]) if self.mid_normals else self.mesh.p.T)
         out = np.empty((self.size, 3))
-        out[self.vertex_dofs] = np.swapaxes(jet, 1, 2) * (self.vertex_scale[:, None] ** ORDERS)[..., None]
+        out[self.vertex_dofs] = table[:count] * (self.vertex_scale[:, None] ** ORDERS)[..., None]
         if self.mid_normals:
-            slopes = np.einsum("nca,na->nc", gradient(self._middles), self.normals)
+            slopes = np.matmul(self.normals[:, None], table[count:, 1:3])[:, 0]
             out[self.edge_dofs] = slopes * self._lengths[:, None]
         return out
 

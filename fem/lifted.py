@@ -82,14 +82,9 @@ class Lifted:
         rows, columns = np.repeat(dofs, dofs.shape[1], axis=1), np.tile(dofs, dofs.shape[1])
         return sp.csr_matrix((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(self.size, self.size))
 
-    def interpolate(
-        self,
-        position: Callable[[Floats], Floats],
-        gradient: Callable[[Floats], Floats] | None = None,
-        hessian: Callable[[Floats], Floats] | None = None,
-    ) -> Floats:
-        """(N, 3) coefficients of a map from (n, 2) to (n, 3); its derivatives are not needed here."""
-        return np.asarray(position(self.nodes), dtype=float)
+    def interpolate(self, jets: Callable[[Floats], Floats]) -> Floats:
+        """(N, 3) coefficients of a map from (n, 2) to (n, 6, 3), value and derivatives; only the value is needed."""
+        return np.ascontiguousarray(jets(self.nodes)[:, 0])
 
     def jets(self, triangles: Ints, points: Floats) -> tuple[Ints, Floats]:
         """Dofs (n, m) and (n, m, 6) value and derivatives 1, 2, 11, 22, 12, of the triangle's polynomial alone."""

@@ -8,6 +8,7 @@ from skfem import MeshTri
 from fem.tabulation import Floats, Ints
 
 SLACK = 0.3  # of a triangle's height: how far outside the mesh a point may lie, where polynomials are still good
+PAIRS = 1 << 18  # of points and triangles that are looked at together
 
 
 def triangles_at(mesh: MeshTri, points: Floats) -> Ints:
@@ -19,18 +20,17 @@ def triangles_at(mesh: MeshTri, points: Floats) -> Ints:
         A point is further outside than SLACK; the message names the first one.
     """
     points = np.asarray(points, dtype=float)
-    if len(points) == 0:
-        return np.empty(0, dtype=np.int64)
-    try:
-        return np.asarray(mesh.element_finder()(*points.T))
-    except ValueError:  # one of them lies outside
-        pass
-    every = np.arange(mesh.nelements)
-    places = np.broadcast_to(points.T[:, None], (2, len(every), len(points)))
-    local = mesh.mapping().invF(places, every)
-    depth = np.minimum(np.minimum(local[0], local[1]), 1.0 - local[0] - local[1])
-    found = depth.argmax(axis=0)
-    lost = np.flatnonzero(depth.max(axis=0) < -SLACK)
-    if len(lost):
-        raise ValueError(f"point ({points[lost[0], 0]:g}, {points[lost[0], 1]:g}) is outside of the sheet")
+    found = np.empty(len(points), dtype=np.int64)
+    mapping, size = mesh.mapping(), max(PAIRS // mesh.nelements, 1)
+    slopes = np.moveaxis(mapping.invA, 2, 1)  # of the two local coordinates of every triangle
+    origin = np.einsum("atb,bt->at", slopes, mapping.b)
+    for start in range(0, len(points), size):
+        # as scikit-fem's own finder does, which refuses points that rounding has moved over the border
+        one, two = slopes @ points[start : start + size].T - origin[..., None]
+        depth = np.minimum(np.minimum(one, two), 1.0 - one - two)
+        found[start : start + size] = depth.argmax(axis=0)
+        lost = np.flatnonzero(depth.max(axis=0) < -SLACK)
+        if len(lost):
+            x, y = points[start + lost[0]]
+            raise ValueError(f"point ({x:g}, {y:g}) is outside of the sheet")
     return found

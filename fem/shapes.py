@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import factorial
 
 import numpy as np
 
 from fem.space import Space
 from fem.tabulation import Floats
 
-STEP = 1e-3  # of the sheet's size, for derivatives by differences: a guess needs no better ones
+# takes printed points (n, 2) to (n, 6, 2): points in the plane and derivatives 1, 2, 11, 22, 12
+Plane = Callable[[Floats], Floats]
 
-CROSS = np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
-SQUARE = np.array([*CROSS, [1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0], [0.0, 0.0]])
-
-# takes printed points (n, 2) to points in the plane (n, 2) with derivatives (n, 2, 2) and (n, 2, 3): 11, 22, 12
-Plane = Callable[[Floats], tuple[Floats, Floats, Floats]]
+# sin(r)/r as a power series in r^2, and its first two derivatives by r^2: exact to rounding up to r = 3
+_SINC = np.array([(-1.0) ** n / factorial(2 * n + 1) for n in range(16)])
+SERIES = [np.polynomial.polynomial.polyder(_SINC, order) for order in range(3)]
 
 
 @dataclass(frozen=True)
@@ -43,70 +43,87 @@ class Shape:
 
     def over(self, space: Space, plane: Plane) -> Floats:
         """(N, 3) on a sheet that was first moved within its plane."""
-        step = STEP * float(np.ptp(space.mesh.p, axis=1).max())
-
-        def position(points: Floats) -> Floats:
-            return self._place(plane(points)[0])
-
-        def gradient(points: Floats) -> Floats:
-            p, first, _ = plane(points)
-            return np.einsum("nca,nai->nci", self._gradient(p, step), first)
-
-        def hessian(points: Floats) -> Floats:
-            p, first, second = plane(points)
-            bend = self._hessian(p, step)[..., [[0, 2], [2, 1]]]
-            curved = np.einsum("ncab,nai,nbj->ncij", bend, first, first)
-            return curved[..., [0, 1, 0], [0, 1, 1]] + np.einsum("nca,nak->nck", self._gradient(p, step), second)
-
-        return space.interpolate(position, gradient, hessian)
-
-    def _place(self, p: Floats) -> Floats:
-        """(n, 3) of points of the plane (n, 2)."""
-        k, m = self.curvature, self.across
         cos, sin = np.cos(self.angle), np.sin(self.angle)
-        u, v = cos * p[:, 0] + sin * p[:, 1], cos * p[:, 1] - sin * p[:, 0]
-        if self.name == "cap":
-            r = np.hypot(u, v)
-            return np.column_stack([_sine(k, r)[:, None] * p, _rise(k, r)])
-        lift = _rise(m, v)  # of the meridian, which turns about an axis at the height 1/k
-        along, across = (1.0 - k * lift) * _sine(k, u) * u, _sine(m, v) * v
-        return np.column_stack(
-            [cos * along - sin * across, sin * along + cos * across, _rise(k, u) + lift * np.cos(k * u)]
+        turn = np.array([[cos, sin], [-sin, cos]])
+        bend = self._cap if self.name == "cap" else self._torus
+
+        def jets(points: Floats) -> Floats:
+            inner = plane(points) @ turn.T
+            out = _chain(inner) @ bend(inner[:, 0])
+            out[..., :2] = out[..., :2] @ turn
+            return out
+
+        return space.interpolate(jets)
+
+    def _torus(self, p: Floats) -> Floats:
+        """(n, 6, 3) of points (n, 2): place and derivatives."""
+        k, m = self.curvature, self.across
+        u, v = p.T
+        cu, su, cv, sv = np.cos(k * u), np.sin(k * u), np.cos(m * v), np.sin(m * v)
+        along, across, lift = np.sinc(k * u / np.pi) * u, np.sinc(m * v / np.pi) * v, _rise(m, v)
+        inward = 1.0 - k * lift  # the meridian turns about an axis at the height 1/k
+        rows = [
+            (inward * along, across, _rise(k, u) + lift * cu),
+            (inward * cu, 0.0, inward * su),
+            (-k * sv * along, cv, sv * cu),
+            (-k * inward * su, 0.0, k * inward * cu),
+            (-k * m * cv * along, -m * sv, m * cv * cu),
+            (-k * sv * cu, 0.0, -k * sv * su),
+        ]
+        return _filled(rows, len(p))
+
+    def _cap(self, p: Floats) -> Floats:
+        """(n, 6, 3) of points (n, 2): place and derivatives."""
+        k, (u, v) = self.curvature, p.T
+        square = u * u + v * v
+        ray, slope, bend = (
+            (k * k) ** order * np.polynomial.polynomial.polyval(k * k * square, series)
+            for order, series in enumerate(SERIES)
         )
-
-    def _gradient(self, p: Floats, step: float) -> Floats:
-        """(n, 3, 2) by central differences."""
-        right, left, up, down = self._around(p, step * CROSS)
-        return np.stack([right - left, up - down], axis=2) / (2.0 * step)
-
-    def _hessian(self, p: Floats, step: float) -> Floats:
-        """(n, 3, 3) by central differences."""
-        right, left, up, down, *corners, middle = self._around(p, step * SQUARE)
-        mixed = 0.25 * (corners[0] - corners[1] - corners[2] + corners[3])
-        return np.stack([right + left - 2.0 * middle, up + down - 2.0 * middle, mixed], axis=2) / step**2
-
-    def _around(self, p: Floats, moves: Floats) -> Floats:
-        """(k, n, 3) of points moved by each of (k, 2): all at once, as a guess has few points."""
-        return self._place((p + moves[:, None]).reshape(-1, 2)).reshape(len(moves), -1, 3)
+        first, third = 2.0 * slope, 4.0 * bend
+        rows = [
+            (ray * u, ray * v, _rise(k, np.sqrt(square))),
+            (ray + first * u * u, first * u * v, k * ray * u),
+            (first * u * v, ray + first * v * v, k * ray * v),
+            ((3.0 * first + third * u * u) * u, (first + third * u * u) * v, k * (ray + first * u * u)),
+            ((first + third * v * v) * u, (3.0 * first + third * v * v) * v, k * (ray + first * v * v)),
+            ((first + third * u * u) * v, (first + third * v * v) * u, k * first * u * v),
+        ]
+        return _filled(rows, len(p))
 
 
 def similar(centre: Floats, stretch: float) -> Plane:
     """The printed plane, scaled, `centre` at the origin."""
+    slopes = np.zeros((6, 2))
+    slopes[1:3] = stretch * np.eye(2)
 
-    def plane(points: Floats) -> tuple[Floats, Floats, Floats]:
-        count = len(points)
-        return (
-            stretch * (points - centre),
-            np.broadcast_to(stretch * np.eye(2), (count, 2, 2)),
-            np.zeros((count, 2, 3)),
-        )
+    def plane(points: Floats) -> Floats:
+        out = np.tile(slopes, (len(points), 1, 1))
+        out[:, 0] = stretch * (points - centre)
+        return out
 
     return plane
 
 
-def _sine(k: float, s: Floats) -> Floats:
-    """sin(k s)/(k s)."""
-    return np.sinc(k * s / np.pi)
+def _chain(inner: Floats) -> Floats:
+    """(n, 6, 6) from derivatives by inner coordinates to those by the coordinates that these (n, 6, 2) depend on."""
+    out = np.zeros((len(inner), 6, 6))
+    out[:, 0, 0] = 1.0
+    out[:, 1:, 1:3] = inner[:, 1:]
+    one, two = inner[:, 1], inner[:, 2]
+    for row, (a, b) in enumerate(((one, one), (two, two), (one, two)), start=3):
+        out[:, row, 3:5] = a * b
+        out[:, row, 5] = a[:, 0] * b[:, 1] + a[:, 1] * b[:, 0]
+    return out
+
+
+def _filled(rows: Sequence[Sequence[Floats | float]], count: int) -> Floats:
+    """(n, 6, 3) from its entries, (n,) or the same for all."""
+    out = np.empty((count, 6, 3))
+    for row, entries in enumerate(rows):
+        for column, entry in enumerate(entries):
+            out[:, row, column] = entry
+    return out
 
 
 def _rise(k: float, s: Floats) -> Floats:

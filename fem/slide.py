@@ -60,7 +60,8 @@ class Frame:
             strains[..., 3:] = 0.0
             stress = shell.linear_stress(strains)
             stress[..., 3:] = 0.0
-            moves = shell.move(moves, -self._pulled(stress))
+            pull = shell.restricted(shell.assembly.forces(shell.flat, stress))
+            moves = shell.move(moves, -self._factor.solve(pull))
             x = self._held(shape.over(shell.space, self._moved(moves)))
             trial = Start(shape, x, shell.energy(x))
             if not trial.energy < start.energy:
@@ -71,25 +72,16 @@ class Frame:
                 break
         return start
 
-    def _pulled(self, stress: Floats) -> Floats:
-        """(n,) the flat sheet's answer to a stress."""
-        shell = self._shell
-        return self._factor.solve(shell.restricted(shell.assembly.forces(shell.flat, stress)))
-
     def _moved(self, moves: Floats) -> Plane:
         """The plane after moves (N, 3) within it."""
 
-        def plane(points: Floats) -> tuple[Floats, Floats, Floats]:
+        def plane(points: Floats) -> Floats:
             key = points.tobytes()
             if key not in self._located:
                 self._located[key] = self._shell.space.locate(points)
-            at, count = self._located[key], len(points)
-            p, first, second = self._plane(points)
-            return (
-                p + at.value @ moves[:, :2],
-                first + np.swapaxes((at.gradient @ moves[:, :2]).reshape(count, 2, 2), 1, 2),
-                second + np.swapaxes((at.hessian @ moves[:, :2]).reshape(count, 3, 2), 1, 2),
-            )
+            at = self._located[key]
+            moved = [(part @ moves[:, :2]).reshape(len(points), -1, 2) for part in (at.value, at.gradient, at.hessian)]
+            return self._plane(points) + np.concatenate(moved, axis=1)
 
         return plane
 
@@ -105,6 +97,4 @@ class Frame:
         stepped = shell.held(x)
         if not self._ready:
             return stepped
-        return shell.move(
-            stepped, -self._pulled(shell.linear_stress(shell.assembly.strain_changes(shell.flat, stepped - x)))
-        )
+        return shell.move(stepped, -self._factor.solve(shell.flat_forces(stepped - x)))

@@ -19,5 +19,5 @@ class Space(edge_rows.Space, Protocol):
     def penalty(self, modulus: Floats | float = 1.0) -> sp.csr_matrix | None:
         """(N, N) quadratic form that holds the functions together where they are not C1, per bending modulus."""
 
-    def interpolate(self, position: Map, gradient: Map, hessian: Map) -> Floats:
-        """(N, 3) coefficients of a map from (n, 2) to (n, 3) with its derivatives (n, 3, 2) and (n, 3, 3)."""
+    def interpolate(self, jets: Map) -> Floats:
+        """(N, 3) coefficients of a map from (n, 2) to (n, 6, 3), its value and derivatives 1, 2, 11, 22, 12."""

@@ -52,7 +52,7 @@ class Evaluation:
 
 
 def _matrix(dofs: Ints, table: Floats, size: int) -> sp.csr_matrix:
-    points, _, parts = table.shape
-    rows = np.arange(points * parts).reshape(points, 1, parts)
-    rows, columns = np.broadcast_arrays(rows, dofs[..., None])
-    return sp.csr_matrix((table.ravel(), (rows.ravel(), columns.ravel())), shape=(points * parts, size))
+    points, entries, parts = table.shape
+    ends = entries * np.arange(points * parts + 1)
+    columns = np.repeat(dofs[:, None], parts, axis=1)
+    return sp.csr_matrix((np.swapaxes(table, 1, 2).ravel(), columns.ravel(), ends), shape=(points * parts, size))

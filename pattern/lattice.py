@@ -80,6 +80,17 @@ class Lattice(Section):
         i, j = (np.arange(a, b + 1, dtype=np.int64) for a, b in zip(first, last, strict=True))
         return np.stack(np.meshgrid(i, j, indexing="ij"), axis=-1).reshape(-1, 2)
 
+    def nearest(self, points: Floats) -> Ints:
+        """(n, 2) the lattice cell whose centre is nearest to each of the points (n, 2) mm."""
+        # triangles of a shortest basis are not obtuse: the nearest centre is one of the four around
+        place = (points - np.asarray(self.origin_mm)) @ np.linalg.inv(self.vectors)
+        low = np.floor(place)
+        corners = np.array([[0, 0], [0, 1], [1, 0], [1, 1]])
+        centres = corners @ self.vectors
+        # their squared distances, but for a part that is the same for all four
+        far = (centres**2).sum(axis=1) - 2.0 * (place - low) @ (self.vectors @ centres.T)
+        return low.astype(np.int64) + corners[far.argmin(axis=1)]
+
     def neighbours(self, cells: Ints) -> Ints:
         """(N, 2) pairs of rows of `cells` at the distance `spacing_mm`."""
         offsets = np.array([[i, j] for i in range(-2, 3) for j in range(-2, 3) if (i, j) > (0, 0)])

@@ -17,7 +17,6 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 import shapely
-from scipy.spatial import cKDTree
 
 from equilibrium.compiled import loop
 from pattern.lattice import Lattice
@@ -84,7 +83,9 @@ class StarCells:
         self._step = min(lattice.spacing_mm / FINENESS, self._widths[1] / 1.5)
         margin = (np.ceil(REACH * self.width_mm / self._step) + 1) * self._step
         low, high = layout.border.min(axis=0) - margin, layout.border.max(axis=0) + margin
-        self._origin = low
+        # from the middle between two points a star and its mirrored image see the same grid
+        middle = np.asarray(lattice.origin_mm) + 0.5 * self._step
+        self._origin = low = middle + self._step * np.floor((low - middle) / self._step)
         counts = np.ceil((high - low) / self._step).astype(int) + 1
         grid = low + self._step * np.stack(np.meshgrid(*map(np.arange, counts), indexing="ij"), axis=-1)
         self._owner = _owners(grid.reshape(-1, 2), layout, lattice).reshape(counts)
@@ -122,14 +123,18 @@ def _gather(place, owner, count, reach, step, star, share):  # type: ignore[no-u
                 along[a, k] = np.exp(-0.5 * ((first[a] + k - place[p, a]) * step) ** 2)
         total = 0.0
         for i in range(size):
-            for j in range(size):
-                weight = along[0, i] * along[1, j] * count[first[0] + i, first[1] + j]
-                who = owner[first[0] + i, first[1] + j]
-                total += weight
+            j = 0
+            while j < size:  # a row crosses few cells
+                who, part = owner[first[0] + i, first[1] + j], 0.0
+                while j < size and owner[first[0] + i, first[1] + j] == who:
+                    part += along[1, j] * count[first[0] + i, first[1] + j]
+                    j += 1
+                part *= along[0, i]
+                total += part
                 for k in range(star.shape[1]):
                     if star[p, k] == who or star[p, k] < 0:
                         star[p, k] = who
-                        share[p, k] += weight
+                        share[p, k] += part
                         break
         for k in range(star.shape[1]):
             share[p, k] /= total
@@ -137,8 +142,9 @@ def _gather(place, owner, count, reach, step, star, share):  # type: ignore[no-u
 
 def _owners(points: Floats, layout: Layout, lattice: Lattice) -> Ints:
     """(n,) the star whose cell holds each point, S for bare fabric."""
-    low, high = points.min(axis=0) - lattice.spacing_mm, points.max(axis=0) + lattice.spacing_mm
-    sites = lattice.place(lattice.cells_within(low, high))
-    star = np.full(len(sites), len(layout.centres))
-    star[cKDTree(sites).query(layout.centres)[1]] = np.arange(len(layout.centres))
-    return star[cKDTree(sites).query(points)[1]]
+    cells = lattice.nearest(points)
+    own = lattice.nearest(layout.centres)
+    low = cells.min(axis=0)
+    star = np.full(cells.max(axis=0) - low + 1, len(own))
+    star[tuple((own - low).T)] = np.arange(len(own))
+    return star[tuple((cells - low).T)]

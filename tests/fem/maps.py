@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
+from fem.placement import Placement
 from fem.tabulation import Floats
-
-Maps = tuple[Callable[[Floats], Floats], Callable[[Floats], Floats], Callable[[Floats], Floats]]
 
 
 def stacked(rows: list[list[Floats | float]], points: Floats) -> Floats:
@@ -17,7 +14,7 @@ def stacked(rows: list[list[Floats | float]], points: Floats) -> Floats:
     return np.stack(parts, axis=2)
 
 
-def arc(curvature: float) -> Maps:
+def arc(curvature: float) -> Placement:
     """Cylinder about the second axis, concave towards its normal for a positive curvature per mm."""
     k = curvature
 
@@ -31,4 +28,4 @@ def arc(curvature: float) -> Maps:
         flat = [0.0, 0.0, 0.0]
         return stacked([[-k * np.sin(k * p[:, 0]), 0.0, k * np.cos(k * p[:, 0])], flat, flat], p)
 
-    return position, gradient, hessian
+    return Placement(position, gradient, hessian)

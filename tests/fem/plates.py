@@ -38,7 +38,7 @@ def deflection(space, conditions: list[Condition], load: np.ndarray, poisson: fl
     reduction = reduce(space, conditions)
     out, inplane = np.diag([0.0, 0.0, 1.0]), np.diag([STIFF, STIFF, 0.0])
     matrix = sp.kron(plate_matrix(space, poisson), out) + sp.kron(sp.identity(space.size), inplane)
-    forces = STIFF * space.interpolate(*(getattr(flat(), name) for name in ("position", "gradient", "hessian")))
+    forces = STIFF * space.interpolate(flat().jets)
     forces[:, 2] = load
     offset = reduction.offset()
     right = reduction.map.T @ (forces.ravel() - matrix @ offset)

@@ -156,11 +156,8 @@ def test_held_parts_move_straight_to_their_target(space_of) -> None:
     for progress, expected in [(0.0, [1.0, 0.0, 0.0]), (0.5, [0.95, 0.05, 0.0]), (1.0, [0.9, 0.1, 0.0])]:
         assert np.allclose(corner @ reduction.positions(np.zeros(reduction.map.shape[1]), progress), expected)
     sheet = rectangle(2, 2).p.T
-    q = reduction.project(space.interpolate(*(getattr(flat(0.8, (0.5, 0.5)), n) for n in FIELDS)))
+    q = reduction.project(space.interpolate(flat(0.8, (0.5, 0.5)).jets))
     assert np.allclose(space.locate(sheet).value @ reduction.positions(q), flat(0.8, (0.5, 0.5)).position(sheet))
-
-
-FIELDS = ("position", "gradient", "hessian")
 
 
 @spaces

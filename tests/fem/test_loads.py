@@ -13,8 +13,7 @@ spaces = pytest.mark.parametrize("space_of", SPACES.values(), ids=SPACES.keys())
 
 
 def _place(space, matrix, offset=(0.0, 0.0, 0.0)):
-    place = affine(matrix, offset)
-    return space.interpolate(place.position, place.gradient, place.hessian)
+    return space.interpolate(affine(matrix, offset).jets)
 
 
 def _work(space, loads, matrix, offset=(0.0, 0.0, 0.0)) -> float:

@@ -32,7 +32,7 @@ def _rolled(name: str, progress: float) -> tuple[Shell, Floats]:
         [EndMoment(space, ends[1], 0.2, (0, -1, 0), near=np.pi)],
     )
     shell.progress = progress
-    x = space.interpolate(*arc(2.2))
+    x = space.interpolate(arc(2.2).jets)
     return shell, shell.held(x + 0.02 * np.random.default_rng(0).standard_normal(x.shape))
 
 
@@ -59,7 +59,7 @@ def test_a_free_sheet_may_be_moved_and_turned(name: str) -> None:
     """VALIDATION V2: no force and no moment on the whole, whatever the state."""
     mesh = rectangle(3, 2, 2.0, 1.0, amount=0.15)
     shell = Shell(SPACES[name](mesh), of_stretch(Density(isotropic(3.0, 0.2, 0.3)), 0.9, 0.4))
-    x = shell.space.interpolate(*arc(2.2)) + 0.02 * np.random.default_rng(0).standard_normal(shell.flat.shape)
+    x = shell.space.interpolate(arc(2.2).jets) + 0.02 * np.random.default_rng(0).standard_normal(shell.flat.shape)
     modes, forces = shell.rigid_modes(x), shell.gradient(x)
     assert modes.shape[1] == 6
     assert np.abs(modes.T @ forces).max() < 1e-11 * np.linalg.norm(forces)

@@ -8,6 +8,7 @@ from equilibrium.solve import held_definite
 from fem.density import Density, isotropic, on_metric
 from fem.fields import Fields
 from fem.mixed_newton import mixed_newton
+from fem.placement import Placement
 from fem.shell import Shell
 from fem.solve import TOLERANCE
 from fem.space import Space
@@ -66,7 +67,7 @@ def guess(space: Space, place: Callable[[Floats], Floats], step: float) -> Float
         mixed = place(p + one + two) + place(p - one - two) - place(p + one - two) - place(p - one + two)
         return np.stack([*straight, 0.25 * mixed], axis=2) / step**2
 
-    return space.interpolate(place, gradient, hessian)
+    return space.interpolate(Placement(place, gradient, hessian).jets)
 
 
 def parts(shell: Shell, x: Floats) -> list[float]:

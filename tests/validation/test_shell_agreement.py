@@ -88,11 +88,6 @@ def test_same_shape_where_the_rest_metric_jumps() -> None:
     found = relax(one, soft_modes=0)
     assert found.is_minimum
 
-    def seen(parts: str, count: int):
-        return lambda p: (getattr(one.space.locate(p), parts) @ found.x).reshape(-1, count, 3).transpose(0, 2, 1)
-
-    value = seen("value", 1)
-    start = other.space.interpolate(lambda p: value(p)[..., 0], seen("gradient", 2), seen("hessian", 3))
-    second = follow(other, start, other.factor())
+    second = follow(other, np.asarray(one.space.locate(other.space.nodes).value @ found.x), other.factor())
     assert second.is_minimum
     assert _distance(_places(other, second.x), _places(one, found.x)) < 1e-3

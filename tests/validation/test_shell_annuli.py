@@ -59,7 +59,7 @@ def _slit_annulus(name: str, around: int, across: int, polar: bool) -> dict[floa
         mesh = MeshTri(_arc(mesh.p.T)[:, :2].T, mesh.t)
         space, fields, held = SPACES[name](mesh), Fields(Density(SLIT)), HeldEdge(start, clamped=True)
     shell = Shell(space, fields, [held], edge_load(space, end, (0.0, 0.0, 0.8)), order=8)
-    x = space.interpolate(ANNULUS.position, ANNULUS.gradient, ANNULUS.hessian) if polar else shell.flat
+    x = space.interpolate(ANNULUS.jets) if polar else shell.flat
     states = zip(SHARES, stepped(shell, x, SHARES), strict=True)
     return {share: at(shell, x, *corners)[:, 2] for share, x in states if share in TABLE}
 
