@@ -13,15 +13,12 @@ from typing import Any, TextIO
 from asterism import __version__
 from asterism.files import OutputError, check_writable, write_file
 from asterism.law_table import law_table
-from homogenize import campaign, law_file, plan
+from homogenize import campaign, law_file
 from homogenize.code_version import code_version
 from homogenize.fit import fit
-from homogenize.law import Law
-
-
-def law_path(material: Path | None, output: Path | None) -> Path:
-    """Where the law goes: as asked, or beside the material's file; the paper's into the working directory."""
-    return output or (Path("paper.npz") if material is None else material.with_suffix(".npz"))
+from homogenize.law import WITHOUT_BENDING, Law
+from homogenize.plan import Material
+from pattern.errors import DesignError
 
 
 def samples_folder(law: Path) -> Path:
@@ -29,25 +26,35 @@ def samples_folder(law: Path) -> Path:
     return law.with_suffix(".samples")
 
 
-def calibrate(material: Path | None, output: Path, jobs: int, dask: str | None, command: str) -> Law:
+def calibrate(
+    material: Material, output: Path, jobs: int = 1, dask: str | None = None, command: str = "asterism in Python"
+) -> Law:
     """Solve the plan's cells, those that are not there yet, fit the law and write it.
+
+    Parameters
+    ----------
+    material : with its plan, see `asterism.own_law`.
+    jobs : processes of this machine.
+    dask : address of a scheduler to use in their place.
+    command : that the law's file names as its origin.
 
     Raises
     ------
     DesignError
-        The material's file is wrong.
+        There is no law of such a material.
     AddressError
         No cluster answers at the address.
     CampaignError
         There is no law: too many cells without an answer, or workers that have ended.
     """
-    stuff = plan.load_material(material or plan.PAPER)
+    if material.fabric.bending == "none":
+        raise DesignError("fabric.bending", WITHOUT_BENDING, "none")
     check_writable(output.parent)
     folder = samples_folder(output)
     watch = CampaignProgress()
     start = time.perf_counter()
     try:
-        records = campaign.run(stuff, folder, jobs, dask, watch.report)
+        records = campaign.run(material, folder, jobs, dask, watch.report)
     except OSError as error:
         raise OutputError(f"cannot write {folder}: {(error.strerror or str(error)).lower()}") from None
     finally:
@@ -60,7 +67,7 @@ def calibrate(material: Path | None, output: Path, jobs: int, dask: str | None, 
         "cell_seconds": sum(record.seconds for record in records),
         "wall_seconds_of_last_run": time.perf_counter() - start,
     }
-    law = fit(stuff, records, made)
+    law = fit(material, records, made)
     write_file(output, law_file.to_bytes(law))
     return law
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import signal
 import sys
 from pathlib import Path
+from shlex import quote
 from typing import Annotated, Any
 
 import typer
@@ -178,32 +179,43 @@ class _Mistake(Exception):
 
 @app.command()
 def calibrate(
-    material: Annotated[
-        Path | None, typer.Argument(help="The material and plan (.toml or .json); none: the paper's material.")
+    file: Annotated[
+        Path | None,
+        typer.Argument(help="A material and plan, or a design, for its stars alone; none: the paper's material."),
     ] = None,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="The law's file (MATERIAL.npz).")] = None,
+    output: Annotated[
+        Path | None, typer.Option("-o", "--output", help="The law's file (MATERIAL.npz or DESIGN-law.npz).")
+    ] = None,
+    material: Annotated[
+        Path | None, typer.Option(help="A material's file: its fabric and plastic in place of the design's.")
+    ] = None,
     jobs: Annotated[int | None, typer.Option(min=1, max=1000, help="Processes (one per core).")] = None,
     dask: Annotated[str | None, typer.Option(help="Address of a Dask scheduler to use in their place.")] = None,
 ) -> None:
-    """The law of the sheet for a material, from many unit cells.
+    """The law of the sheet for a material, from many unit cells; for a design's own stars, from a few.
 
     Goes on where an earlier run has stopped: finished cells are kept beside the law, in LAW.samples. Exit status 1 if
     too many cells have no answer.
     """
     from asterism import calibrate_command as command
+    from asterism.own_law import is_design, law_path, material_of
 
-    path = command.law_path(material, output)
+    path = law_path(file, output)
     if path.suffix != ".npz":
         raise _Mistake(f"--output: {str(path)!r} must end with .npz")
     if jobs is not None and dask is not None:
         raise _Mistake("--jobs: goes with processes of this machine, not with --dask")
-    line = " ".join(["asterism calibrate", *([material.name] if material else [])])
+    made_for = material_of(file, material)
+    line = " ".join(["asterism calibrate", *([file.name] if file else [])])
+    line += f" --material {material.name}" if material else ""
     try:
-        law = command.calibrate(material, path, jobs or command.default_jobs(), dask, line)
+        law = command.calibrate(made_for, path, jobs or command.default_jobs(), dask, line)
     except KeyboardInterrupt:
         folder = command.samples_folder(path)
         _stop(f"interrupted; finished cells are in {folder}, the same command goes on from there", 130)
     typer.echo("\n".join(command.report_lines(law, path)))
+    if is_design(file):
+        typer.echo(f"now run  asterism preview {quote(str(file))} --law {quote(str(path))}")
 
 
 @law.command("show")

@@ -7,6 +7,10 @@ class LawError(ValueError):
     """A law that cannot be read, or does not go with a design."""
 
 
+class ForeignLaw(LawError):
+    """A law that was made for another material, lattice or stretch; one of the design's own would do."""
+
+
 class AddressError(ValueError):
     """No cluster answers."""
 

@@ -11,6 +11,7 @@ from typing import Any, Literal, Self
 import numpy as np
 from pydantic import Field, ValidationError, field_validator, model_validator
 
+from homogenize.reach import least_length
 from pattern.design import Design
 from pattern.errors import DesignError, from_validation
 from pattern.files import read_table
@@ -50,7 +51,7 @@ class Plan(Section):
 
     kind: Literal["grid", "halton", "sobol"] = "grid"
     stretches: Nodes | None = Field(None, min_length=1, max_length=20)
-    lengths_mm: Nodes = Field((2.0, 4.0, 5.5, 7.0, 8.5, 10.0, 11.5, 13.0), min_length=2, max_length=200)
+    lengths_mm: Nodes = Field((2.0, 4.0, 5.5, 7.0, 8.5, 10.0, 11.5, 13.0), min_length=1, max_length=200)
     thicknesses_mm: Nodes = Field((0.2, 0.25, 0.3, 0.4, 0.5, 0.6), min_length=1, max_length=200)
     widths_mm: Nodes = Field((0.8, 1.2, 1.6), min_length=1, max_length=200)
     length_range_mm: Point = (1.0, 13.0)
@@ -79,6 +80,8 @@ class Plan(Section):
         printed = [v for v in values if v != 0]
         if not all(v >= SHORTEST_ARM_MM for v in printed):
             raise DesignError("", f"must be at least {SHORTEST_ARM_MM:g}: shorter arms are not printed", list(values))
+        if not printed:
+            raise DesignError("", "must hold a length above 0: the bare fabric is always there", list(values))
         return values
 
     @field_validator("thicknesses_mm", "thickness_range_mm")
@@ -131,10 +134,12 @@ class Plan(Section):
             points = engine(3, seed=np.random.default_rng(self.seed)).random(self.count)
         return _rows(points, (self.length_range_mm, self.thickness_range_mm, self.width_range_mm))
 
-    def tests(self) -> list[tuple[float, float, float]]:
-        """Length, thickness and width of the held-out cells."""
+    def tests(self, spacing_mm: float) -> list[tuple[float, float, float]]:
+        """Length, thickness and width of the held-out cells, of the lengths that the law answers for."""
         (_, longest), *others = self.ranges
         low = min(max(SHORTEST_ARM_MM, 1.5), longest)
+        if self.kind == "grid":
+            low = max(low, least_length(self.lengths_mm, spacing_mm))
         points = np.random.default_rng(self.seed + 1).random((self.held_out, 3))
         return _rows(points, ((low, longest), *others))
 
@@ -173,7 +178,8 @@ class Material(Section):
     def tasks(self) -> list[Task]:
         """Every cell of the plan, sorted; the bare fabric once per stretch."""
         (_, (thin, _), (narrow, _)) = self.plan.ranges
-        own, tests = [(0.0, thin, narrow), *self.plan.sizes()], self.plan.tests()
+        own = [(0.0, thin, narrow), *self.plan.sizes()]
+        tests = self.plan.tests(self.lattice.spacing_mm)
         every = ((False, own), (True, tests))
         return sorted({Task(s, held, *sizes) for s in self.stretches for held, rows in every for sizes in rows})
 
@@ -229,5 +235,5 @@ def _within(values: Nodes | None, limits: tuple[float, float]) -> Nodes | None:
 def _rows(points: np.ndarray, ranges: tuple[Point, ...]) -> list[tuple[float, float, float]]:
     """Points of the unit cube (n, 3) spread over the ranges, to a thousandth so that files stay readable."""
     low, high = np.transpose(ranges)
-    rows = np.round(low + points * (high - low), 3)
+    rows = np.clip(np.round(low + points * (high - low), 3), low, high)
     return [(float(a), float(b), float(c)) for a, b, c in rows]

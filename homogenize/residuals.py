@@ -70,12 +70,15 @@ def _held_out(table: Table, pairs: Sequence[tuple[Task, Floats | None]]) -> dict
 
 
 def _leave_one_out(table: Table) -> dict[str, Any]:
-    """Every inner cell of a line of lengths, from the others on it: harder than the law's own task."""
+    """Every inner cell of a line of lengths, from the others on it: harder than the law's own task.
+
+    The first cells are not inner ones where the law begins with them.
+    """
     lengths = table.axes[0]
     stored = to_stored(table.nodes, table.units)
     rules = [quantity.rule for quantity in QUANTITIES.values()]
     errors = []
-    for i in range(1, len(lengths) - 1):
+    for i in range(2 if table.least_length_mm else 1, len(lengths) - 1):
         others = np.delete(np.arange(len(lengths)), i)
         across = tuple(np.arange(float(n)) for n in stored.shape[1:3])
         grid = Grid((lengths[others], *across), stored[others], rules)

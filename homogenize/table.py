@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from homogenize.interpolation import Bools, Floats, Grid, Rule
+from homogenize.reach import least_length
 
 SIZES = ("length_mm", "thickness_mm", "width_mm")
 
@@ -63,7 +64,8 @@ class Values:
     value : for each of `NAMES` (N,).
     slope : the derivatives by length, thickness and width in mm, (N, 3).
     inside : (N,) False where the law does not reach; there the values are those of the nearest sizes in its range,
-        and the slopes across the range are zero.
+        and the slopes across the range are zero. Between bare fabric and first cells that are far from it (`reach`),
+        the values are still those of the curve that joins them.
     outside : one line for each such star.
     tight : (N,) True where a sheet of such stars curls to less than two thirds of their distance (`TIGHT`): the values
         are those of its cell, but sheets of different stars need not follow them. The law's stated accuracy ends there.
@@ -113,9 +115,15 @@ class Table:
         return Grid((self.axes[0], np.log(self.axes[1]), np.log(self.axes[2])), columns, rules)
 
     @cached_property
+    def least_length_mm(self) -> float:
+        """The shortest arms that the law answers for; 0 if all are."""
+        return least_length(self.axes[0], self.spacing_mm)
+
+    @cached_property
     def _limits(self) -> Floats:
         """(2, 3) least and largest sizes, with room for rounding."""
         low, high = (np.array([axis[end] for axis in self.axes]) for end in (0, -1))
+        low[0] = self.least_length_mm
         return np.array([low - 1e-9 * (high + 1), high + 1e-9 * (high + 1)])
 
     @cached_property
@@ -134,8 +142,8 @@ class Table:
         asked = _rows(length_mm, thickness_mm, width_mm)
         low, high = self._limits
         within = (asked >= low) & (asked <= high)
-        # without arms there is neither thickness nor width
-        within[:, 1:] |= asked[:, :1] == 0.0
+        # without arms there is neither thickness nor width, and bare fabric is always known
+        within |= asked[:, :1] == 0.0
         sizes, places = self._places(asked)
         value, slope = self._grid(places)
         slope[:, 1:] /= sizes[:, 1:, None]
@@ -169,9 +177,11 @@ class Table:
         return sizes, np.column_stack([sizes[:, 0], np.log(sizes[:, 1]), np.log(sizes[:, 2])])
 
     def _why(self, star: int, sizes: Floats, within: Bools) -> str:
-        for name, size, axis, fine in zip(SIZES, sizes, self.axes, within, strict=True):
+        ends = np.array([[self.least_length_mm, *(axis[0] for axis in self.axes[1:])], [a[-1] for a in self.axes]])
+        for name, size, (low, high), fine in zip(SIZES, sizes, ends.T, within, strict=True):
             if not fine:
-                return f"star {star}: {name} = {size:g} is outside the law's {axis[0]:g} to {axis[-1]:g}"
+                its = f"{low:g}" if low == high else f"{low:g} to {high:g}"
+                return f"star {star}: {name} = {size:g} is outside the law's {its}"
         l_h_w = ", ".join(f"{name} = {size:g}" for name, size in zip(SIZES, sizes, strict=True))
         return f"star {star}: no cell was solved near {l_h_w}"
 

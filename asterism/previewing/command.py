@@ -29,18 +29,19 @@ def preview(
     """
     from asterism.files import check_writable
     from asterism.material import with_material
+    from asterism.own_law import law_for
     from asterism.previewing.run import preview as run
     from asterism.progress import Progress
     from asterism.results import write_results
-    from homogenize.law_file import load_law
     from pattern.design import load_design
 
     plan = with_material(load_design(design), material)
     directory = output or design.with_suffix("")
     check_writable(directory)
+    sheet = law_for(plan, law, design, material)
     progress = Progress()
     try:
-        shape = run(plan, load_law(law), side, progress.say)
+        shape = run(plan, sheet, side, progress.say)
     finally:
         progress.close()
     files = write_results(shape, directory)

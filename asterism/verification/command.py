@@ -31,17 +31,16 @@ def verify(
     from asterism.files import check_writable
     from asterism.material import with_material
     from asterism.overrides import changed
+    from asterism.own_law import law_for
     from asterism.progress import Progress
     from asterism.verification.results import write_verification
     from asterism.verification.run import verify as run
-    from homogenize.law_file import load_law
     from pattern.design import load_design
 
     plan = changed(with_material(load_design(design), material), {"--edge": ("mesh.edge_mm", edge)})
     directory = output or design.with_suffix("")
     check_writable(directory)
-    sheet = load_law(law)
-    sheet.check(plan)  # before anything takes time
+    sheet = law_for(plan, law, design, material)  # before anything takes time
     progress = Progress()
     try:
         found = run(plan, sheet, backend, progress.report, progress.say)

@@ -141,6 +141,30 @@ def test_out_of_range_is_said_and_clamped(sizes: tuple[float, float, float], wor
     assert (values.slope["kappa"][1, axis] == 0).all()
 
 
+@pytest.mark.parametrize("lengths", [[9.0], [9.0, 10.0]])
+def test_one_length_answers_for_itself_and_not_for_shorter_arms(lengths: list[float], tmp_path: Path) -> None:
+    own = law(stretches=[1.35], lengths_mm=lengths, thicknesses_mm=[0.3], widths_mm=[1.2], held_out=0)
+    values = own.at(1.35)([0.0, 9.0, 5.0, 9.0, 9.0], [0.3, 0.3, 0.3, 0.31, 0.3], [1.2, 1.2, 1.2, 1.2, 1.3])
+    assert values.inside.tolist() == [True, True, False, False, False]
+    its = "9" if len(lengths) == 1 else "9 to 10"
+    assert values.outside[0].endswith(f"length_mm = 5 is outside the law's {its}")
+    assert values.outside[1].endswith("thickness_mm = 0.31 is outside the law's 0.3")
+    cell = fake.respond(design(stars__length_mm=9.0, stars__thickness_mm=0.3, stars__width_mm=1.2), 2.0).data
+    assert values.value["lam"][1] == pytest.approx(cell["lam"], rel=1e-12)
+    assert values.value["kappa"][1] == pytest.approx(cell["natural_curvature"][0], rel=1e-12)
+    (tmp_path / "own.npz").write_bytes(to_bytes(own))
+    assert load_law(tmp_path / "own.npz").at(1.35)(9.0, 0.3, 1.2).inside.all()
+
+
+def test_cells_that_begin_far_from_bare_fabric_are_tested_where_they_are() -> None:
+    """A quarter of the spacing of 17.3 mm is near."""
+    far, near = (law(lengths_mm=[first, 6.0, 8.0, 10.0]) for first in (4.5, 4.0))
+    assert (far.at(1.35).least_length_mm, near.at(1.35).least_length_mm) == (4.5, 0.0)
+    tested = [cell["length_mm"] for cell in far.residuals["1.35"]["held_out"]["cells"]]
+    assert len(tested) == 10 and min(tested) >= 4.5 and far.residuals["1.35"]["held_out"]["outside"] == 0
+    assert far.residuals["1.35"]["leave_one_out"]["count"] == 2 * 4 * 3
+
+
 def test_cells_without_an_answer_are_marked_with_their_surroundings() -> None:
     holed = law(fake.fails_when_thin)
     table = holed.at(1.35)

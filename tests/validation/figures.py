@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 
+from asterism.own_law import own_material
 from asterism.previewing.run import preview
 from asterism.shape import Shape
 from asterism.simulation import simulate
@@ -13,7 +14,6 @@ from asterism.verification.comparison import Comparison, compare
 from homogenize.campaign import Record
 from homogenize.fit import fit
 from homogenize.law import Law
-from homogenize.plan import Material
 from homogenize.sample import respond
 from pattern import gallery
 from pattern.build import layout
@@ -105,19 +105,8 @@ def bumps(shape: Shape) -> Floats:
 
 @cache
 def own_law(name: str) -> Law:
-    """The law of a design with equal stars, from cells of their size (and of a shorter one) on the design's mesh."""
-    design = figure(name)
-    data, sizes = design.to_dict(), design.to_dict()["stars"]
-    fabric = {key: value for key, value in data["fabric"].items() if key != "density_kg_m3"}
-    plan = {
-        "lengths_mm": [0.9 * sizes["length_mm"], sizes["length_mm"]],
-        "thicknesses_mm": [sizes["thickness_mm"]],
-        "widths_mm": [sizes["width_mm"]],
-        "edge_mm": data["mesh"]["edge_mm"],
-        "held_out": 0,
-    }
-    parts = {"fabric": fabric, "plastic": data["plastic"], "lattice": data["lattice"], "plan": plan}
-    material = Material.from_dict({"name": design.name, **parts})
+    """The law of a design's own stars, from cells on the design's mesh."""
+    material = own_material(figure(name), EDGE)
     records = []
     for task in material.tasks():
         found = respond(material.design(task), material.plan.edge_mm)

@@ -1,0 +1,89 @@
+"""What a law is made for: a material with its plan, or the stars of one design; and how a design comes by its law."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from shlex import quote
+
+from asterism.material import with_material
+from asterism.previewing.star_values import star_sizes
+from homogenize.errors import ForeignLaw, LawError
+from homogenize.law import Law
+from homogenize.law_file import load_law
+from homogenize.own_plan import own_plan
+from homogenize.plan import PAPER, Material, load_material
+from pattern.build import layout
+from pattern.design import Design, load_design
+from pattern.errors import DesignError
+from pattern.files import read_table
+
+
+def law_path(file: Path | None, output: Path | None) -> Path:
+    """Where the law goes: as asked, or beside the file it is made from; the paper's into the working directory.
+
+    A design's own name is that of its results, so that its law has another.
+    """
+    if output is not None or file is None:
+        return output or Path("paper.npz")
+    return own_law_path(file) if is_design(file) else file.with_suffix(".npz")
+
+
+def own_law_path(design: Path) -> Path:
+    """Where the law of a design's own stars goes."""
+    return design.with_name(f"{design.stem}-law.npz")
+
+
+def is_design(file: Path | None) -> bool:
+    """Whether a file holds a sheet, of whose stars a law can be made, and not a material with its plan."""
+    return file is not None and bool({"stars", "border"} & read_table(file).keys())
+
+
+def material_of(file: Path | None, other: Path | None = None) -> Material:
+    """The material and plan in a file; of a design, its own material, and cells for its own stars.
+
+    Parameters
+    ----------
+    file : the paper's material if there is none.
+    other : a material's file, whose fabric and plastic take the place of the design's.
+
+    Raises
+    ------
+    DesignError
+        The file is wrong, or there is no law of its material.
+    """
+    if file is None or not is_design(file):
+        if other is not None:
+            raise DesignError("--material", "goes with a design, whose fabric and plastic it replaces", str(other))
+        return load_material(file or PAPER)
+    design = with_material(load_design(file), other)
+    try:
+        return own_material(design)
+    except DesignError as error:
+        raise error.within(file) from None
+
+
+def own_material(design: Design, edge_mm: float | None = None) -> Material:
+    """The material of a design, with a plan of cells for its own stars (`homogenize.own_plan`)."""
+    return own_plan(design, star_sizes(layout(design), design.lattice.arms), edge_mm)
+
+
+def law_for(design: Design, law: Path | None, file: Path, other: Path | None = None) -> Law:
+    """The law in a file (the paper's material's if there is none), if it is for the design.
+
+    Parameters
+    ----------
+    file, other : that the design was read from, and the material's file that changed it.
+
+    Raises
+    ------
+    LawError
+        The file is not a law, or one for something else; says what would make one for this design.
+    """
+    found = load_law(law)
+    try:
+        found.check(design)
+    except ForeignLaw as error:
+        material = f" --material {quote(str(other))}" if other else ""
+        command = f"asterism calibrate {quote(str(file))}{material}"
+        raise LawError(f"{error}; {command} makes its law, for --law {quote(str(own_law_path(file)))}") from None
+    return found
