@@ -8,15 +8,20 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
+from asterism.calibrate_command import calibrate, default_jobs
 from asterism.files import write_file
+from asterism.own_law import own_material
 from asterism.previewing.run import preview
 from benchmarks.gallery import picture
 from benchmarks.report import RESULTS, markdown, write_report
-from homogenize.errors import LawError
+from homogenize.errors import ForeignLaw, LawError
+from homogenize.law import Law
 from homogenize.law_file import load_law
 from pattern import gallery
+from pattern.design import Design
 
 PAGE = Path(__file__).parent.parent / "docs" / "preview-gallery.md"
 INTRODUCTION = """# Previews of the gallery
@@ -25,6 +30,9 @@ Every design of the [gallery](gallery.md) as the [preview](preview.md) shows it,
 [exact model](exact-model.md). Printed by `python -m benchmarks.preview_gallery`, which also makes this page; heights of
 the exact model are those of `python -m benchmarks.gallery`. How far the two are apart is measured in
 [verification](verification.md).
+
+Designs of another material than the paper's take a [law of their own stars](calibration.md#for-one-design), as
+`asterism calibrate NAME.toml` makes it; their lines say so.
 """
 HEADER = [
     "design", "stars", "tightly curled", "triangles", "iterations", "start", "height mm", "exact height mm",
@@ -36,13 +44,16 @@ def main(names: list[str]) -> None:
     law = load_law()
     rows: list[dict[str, Any]] = []
     for name in names or gallery.names():
+        design = gallery.load(name)
         try:
-            shape = preview(gallery.load(name), law)
+            its = law_of(design, law)
+            shape = preview(design, its)
         except LawError as error:
             rows.append({"name": name, "refused": str(error)})
             print(f"{name}: {error}", flush=True)
             continue
-        rows.append({key: value for key, value in shape.summary.items() if key != "design"} | {"name": name})
+        kept = {key: value for key, value in shape.summary.items() if key != "design"}
+        rows.append(kept | {"name": name, "own_law": its is not law})
         picture(shape, f"preview-{name}", name)
         print("  ".join(row(rows[-1], {})), flush=True)
     if not names:
@@ -52,11 +63,21 @@ def main(names: list[str]) -> None:
         write_file(PAGE, page(table, rows))
 
 
+def law_of(design: Design, paper: Law) -> Law:
+    """The paper's law, or one of the design's own stars where that is for another material."""
+    try:
+        paper.check(design)
+    except ForeignLaw:
+        with TemporaryDirectory() as folder:
+            return calibrate(own_material(design), Path(folder) / "law.npz", default_jobs())
+    return paper
+
+
 def row(r: dict[str, Any], exact: dict[str, Any]) -> list[str]:
     """One line of the table."""
     other = (f"{exact['height_mm']:.1f}", _ratio(exact["contraction"])) if exact else ("-", "-")
     return [
-        r["name"] + ("" if r["is_minimum"] else " (no minimum)"),
+        r["name"] + (", own law" if r["own_law"] else "") + ("" if r["is_minimum"] else " (no minimum)"),
         str(r["stars"]),
         str(len(r["stars_tight"])),
         str(r["shell_triangles"]),
