@@ -102,6 +102,7 @@ def simulate(
     Writes summary.json, shape.vtu, rods.vtu and shape.png, and minimum-2.vtu, minimum-2.png, ... if --starts has found
     other minima. Exit status 1 if what was found is not an equilibrium.
     """
+    from asterism.compiling import told_of_compiling
     from asterism.files import check_writable
     from asterism.material import with_material
     from asterism.overrides import changed
@@ -124,7 +125,8 @@ def simulate(
     check_writable(directory)
     progress = Progress()
     try:
-        shape = run(plan, backend, progress.report, progress.say, starts)
+        with told_of_compiling(progress.say):
+            shape = run(plan, backend, progress.report, progress.say, starts)
     finally:
         progress.close()
     files = write_results(shape, directory)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from asterism.compiling import told_of_compiling
 from asterism.export.job import Job
 from asterism.export.rounded import changes, exact
 from asterism.export.shape_change import shape_change
@@ -40,7 +41,8 @@ def printed_shape(job: Job, preview: bool, simulate: bool) -> Found:
         from asterism.simulation import simulate as solve
 
         try:
-            return _both(job, lambda plan: solve(plan, report=progress.report, say=progress.say), "exact")
+            with told_of_compiling(progress.say):
+                return _both(job, lambda plan: solve(plan, report=progress.report, say=progress.say), "exact")
         finally:
             progress.close()
     if not preview and not _is_rounded(job):
@@ -48,7 +50,8 @@ def printed_shape(job: Job, preview: bool, simulate: bool) -> Found:
     from asterism.previewing.run import preview as fast
 
     try:
-        shape, change = _both(job, fast, "preview")
+        with told_of_compiling(Progress().say):
+            shape, change = _both(job, fast, "preview")
     except LawError as error:
         if preview:
             raise

@@ -27,6 +27,7 @@ def preview(
 
     Writes summary.json, shape.vtu, rods.vtu and shape.png. Exit status 1 if what was found is not an equilibrium.
     """
+    from asterism.compiling import told_of_compiling
     from asterism.files import check_writable
     from asterism.material import with_material
     from asterism.own_law import law_for
@@ -41,7 +42,8 @@ def preview(
     sheet = law_for(plan, law, design, material)
     progress = Progress()
     try:
-        shape = run(plan, sheet, side, progress.say)
+        with told_of_compiling(progress.say):
+            shape = run(plan, sheet, side, progress.say)
     finally:
         progress.close()
     files = write_results(shape, directory)

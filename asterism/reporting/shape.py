@@ -20,13 +20,14 @@ def shape_of(
     ----------
     results : a directory of results, or its shape.vtu.
     beside : where results usually are; taken only if they are of this very design.
-    say : called with a line if there is no shape.
+    say : called with a line if something takes long the first time, and if there is no shape.
 
     Raises
     ------
     DesignError
         The results are not of this design, or cannot be read.
     """
+    from asterism.compiling import told_of_compiling
     from asterism.previewing.run import preview
     from homogenize.errors import LawError
     from homogenize.law_file import load_law
@@ -45,7 +46,8 @@ def shape_of(
             if _is_of(shape, design):
                 return shape, _kind(shape)
     try:
-        shape = preview(design, load_law(None))
+        with told_of_compiling(say):
+            shape = preview(design, load_law(None))
     except LawError as error:
         say(f"the page has no picture: {error}; give --results")
         return None, "not known: no law of this material"

@@ -28,6 +28,7 @@ def verify(
 
     Writes report.html, summary.json, exact.vtu and preview.vtu. Exit status 1 if the exact model finds no minimum.
     """
+    from asterism.compiling import told_of_compiling
     from asterism.files import check_writable
     from asterism.material import with_material
     from asterism.overrides import changed
@@ -43,7 +44,8 @@ def verify(
     sheet = law_for(plan, law, design, material)  # before anything takes time
     progress = Progress()
     try:
-        found = run(plan, sheet, backend, progress.report, progress.say)
+        with told_of_compiling(progress.say):
+            found = run(plan, sheet, backend, progress.report, progress.say)
     finally:
         progress.close()
     progress.say("writing the report")
