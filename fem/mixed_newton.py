@@ -21,10 +21,12 @@ import numpy as np
 from equilibrium.factor import Factor
 from equilibrium.newton import STOP, Clock
 from fem.shell import Shell
-from fem.tabulation import Floats
+from fem.tabulation import Floats, Ints
 
 FIRST_SHIFT = 1e-4  # part of the flat stiffness added to a matrix that is not positive definite
 LAST_SHIFT = 1e4
+# a step that leaves less of the residual, and is shorter than this part of the size, is followed by one with its factor
+AGAIN, NEAR = 0.03, 1e-3
 FAR = 0.15  # of the sheet's size: a step beyond it is shortened
 TURNED = 0.05  # of the sheet's size: after such moves other unknowns may have to stop the rigid motions
 
@@ -76,6 +78,7 @@ def mixed_newton(
     found = Mixed(x, eps, np.inf, False, 0, 0, 0, seconds=clock.seconds)
     size = float(np.ptp(shell.flat, axis=0).max())
     shift = moved = 0.0
+    reach = np.inf
     for number in range(max_iterations + 1):
         e = clock("strains", shell.strains, found.x)
         _, stress, stiffness = clock("law", shell.density, found.strains)
@@ -84,35 +87,43 @@ def mixed_newton(
         own = ahead if shell.density.quadratic else shell.density(e)[1]
         gradient = shell.restricted(clock("forces", shell.assembly.forces, found.x, ahead) + outer)
         exact = gradient if own is ahead else shell.restricted(shell.assembly.forces(found.x, own) + outer)
-        found.residual = float(np.linalg.norm(exact))
+        before, found.residual = found.residual, float(np.linalg.norm(exact))
         found.history.append(found.residual)
         found.iterations = number
         found.converged = found.residual <= tolerance
         if found.converged or number == max_iterations or not np.isfinite(found.residual):
             break
-        data = clock("tangent", shell.tangent, found.x, stiffness, stress)
-        if number == 0 or moved > TURNED * size or not shell.floats:
-            support, moved = clock("support", shell.support, found.x), 0.0
-        shift *= 0.1
-        while True:
-            trial = data + shift * shell.flat_stiffness if shift > 0.0 else data.copy()
-            diagonal = shell.pattern.diagonal
-            trial[diagonal[support]] += STOP * trial[diagonal].max()
-            found.factorisations += 1
-            if clock("factorisation", factor.factorise, trial):
-                break
-            shift = max(10.0 * shift, FIRST_SHIFT)
-            if shift > LAST_SHIFT:
+        if shift > 0.0 or found.residual > AGAIN * before or reach > NEAR * size:
+            data = clock("tangent", shell.tangent, found.x, stiffness, stress)
+            if number == 0 or moved > TURNED * size or not shell.floats:
+                support, moved = clock("support", shell.support, found.x), 0.0
+            tried = clock("factorisation", _factorised, found, shell, factor, data, support, 0.1 * shift)
+            if tried is None:
                 return found
-        if shift < FIRST_SHIFT:
-            shift = 0.0
-        found.shifted += shift > 0.0
+            shift = tried
         direction = -clock("solve", factor.solve, gradient)
         step = shell.move(np.zeros_like(found.x), direction)
         reach = float(np.abs(step).max())
         length = FAR * size / max(reach, FAR * size)
-        moved += length * reach
+        reach *= length
+        moved += reach
         found.strains = e + length * clock("strains", shell.assembly.strain_changes, found.x, step)
         found.x = found.x + length * step
     found.strains = e
     return found
+
+
+def _factorised(found: Mixed, shell: Shell, factor: Factor, data: Floats, support: Ints, shift: float) -> float | None:
+    """Factorise a matrix, its rigid motions held: the part of the flat stiffness that it took, at least `shift`."""
+    diagonal = shell.pattern.diagonal
+    while shift <= LAST_SHIFT:
+        if shift < FIRST_SHIFT:
+            shift = 0.0
+        trial = data + shift * shell.flat_stiffness if shift > 0.0 else data.copy()
+        trial[diagonal[support]] += STOP * trial[diagonal].max()
+        found.factorisations += 1
+        if factor.factorise(trial):
+            found.shifted += shift > 0.0
+            return shift
+        shift = max(10.0 * shift, FIRST_SHIFT)
+    return None

@@ -92,6 +92,7 @@ class StarCells:
         sheet = shapely.polygons(layout.border)
         shapely.prepare(sheet)
         self._count = np.where(shapely.contains_xy(sheet, grid.reshape(-1, 2)), 1.0, OFF).reshape(counts)
+        self._ends = _ends(self._owner, self._count)
 
     def shares(self, points: Floats) -> Shares:
         """Of the stars at printed points (n, 2) mm."""
@@ -103,41 +104,51 @@ class StarCells:
         place = (np.asarray(points, dtype=float) - self._origin) / self._step
         star, share = np.full((len(place), MOST), -1), np.zeros((len(place), MOST))
         reach = int(np.ceil(REACH * width / self._step))
-        _gather(place, self._owner, self._count, reach, self._step / width, star, share)
+        _gather(place, self._owner, self._count, self._ends, reach, self._step / width, star, share)
         row = np.broadcast_to(np.arange(len(place))[:, None], star.shape)
         kept = (star >= 0) & (star < self._stars)
         return sp.csr_matrix((share[kept], (row[kept], star[kept])), shape=(len(place), self._stars))
 
 
 @loop
-def _gather(place, owner, count, reach, step, star, share):  # type: ignore[no-untyped-def]
-    """star and share (n, MOST): who owns the grid around each place (n, 2), by the Gaussian's weight."""
+def _gather(place, owner, count, ends, reach, step, star, share):  # type: ignore[no-untyped-def]
+    """star and share (n, MOST): who owns the grid around each place (n, 2), by the Gaussian's weight.
+
+    `ends`: where along its row the run of equal owners and counts ends that a grid point is in.
+    """
     size = 2 * reach + 1
-    along = np.empty((2, size))
+    first, across, along = np.empty(2, dtype=np.int64), np.empty(size), np.zeros(size + 1)
     for p in range(place.shape[0]):
-        first = np.empty(2, dtype=np.int64)
         for a in range(2):
-            nearest = int(np.rint(place[p, a]))
-            first[a] = min(max(nearest, reach), owner.shape[a] - reach - 1) - reach
-            for k in range(size):
-                along[a, k] = np.exp(-0.5 * ((first[a] + k - place[p, a]) * step) ** 2)
+            first[a] = min(max(int(np.rint(place[p, a])), reach), owner.shape[a] - reach - 1) - reach
+        for k in range(size):
+            across[k] = np.exp(-0.5 * ((first[0] + k - place[p, 0]) * step) ** 2)
+            along[k + 1] = along[k] + np.exp(-0.5 * ((first[1] + k - place[p, 1]) * step) ** 2)
         total = 0.0
         for i in range(size):
-            j = 0
-            while j < size:  # a row crosses few cells
-                who, part = owner[first[0] + i, first[1] + j], 0.0
-                while j < size and owner[first[0] + i, first[1] + j] == who:
-                    part += along[1, j] * count[first[0] + i, first[1] + j]
-                    j += 1
-                part *= along[0, i]
-                total += part
+            row, j = first[0] + i, 0
+            while j < size:
+                who, weight = owner[row, first[1] + j], across[i] * count[row, first[1] + j]
+                end = min(ends[row, first[1] + j] - first[1], size)
+                weight *= along[end] - along[j]
+                j = end
+                total += weight
                 for k in range(star.shape[1]):
                     if star[p, k] == who or star[p, k] < 0:
                         star[p, k] = who
-                        share[p, k] += part
+                        share[p, k] += weight
                         break
         for k in range(star.shape[1]):
             share[p, k] /= total
+
+
+def _ends(*grids: Floats | Ints) -> Ints:
+    """Of every grid point, the number along its row of the next point that is different."""
+    shape = grids[0].shape
+    ends = np.full(shape, shape[1])
+    row, column = np.nonzero(np.any([grid[:, 1:] != grid[:, :-1] for grid in grids], axis=0))
+    ends[row, column] = column + 1
+    return np.minimum.accumulate(ends[:, ::-1], axis=1)[:, ::-1].copy()
 
 
 def _owners(points: Floats, layout: Layout, lattice: Lattice) -> Ints:
