@@ -41,7 +41,12 @@ def compared(name: str, law: Law | None) -> Comparison:
     """The same with a law of one's own."""
     design = figure(name)
     plan = layout(design)
-    return compare(exact(name), preview(design, law), plan, symmetries(design, plan))
+    return compare(exact(name), shown(name) if law is None else preview(design, law), plan, symmetries(design, plan))
+
+
+@cache
+def shown(name: str) -> Shape:
+    return preview(figure(name))
 
 
 @cache
@@ -49,13 +54,15 @@ def exact(name: str) -> Shape:
     return simulate(figure(name))
 
 
-def middles(found: Comparison) -> tuple[Floats, Floats]:
-    """Principal curvatures (2,) per mm in the middle of the cell means, exact and preview, the larger one first.
+def middles(found: Comparison, within: float = MIDDLE) -> tuple[Floats, Floats]:
+    """Principal curvatures (2,) per mm of the cell means, exact and preview, the larger one first.
+
+    Those of the middle, `within` so many mm of the print.
 
     Positive where the sheet curls more: the sign of the larger one is taken out.
     """
     printed = found.reference.printed
-    near = np.linalg.norm(printed, axis=1) < MIDDLE
+    near = np.linalg.norm(printed, axis=1) < within
     return _curvatures(printed[near], found.reference_mean[near]), _curvatures(printed[near], found.other_mean[near])
 
 
@@ -101,6 +108,15 @@ def bumps(shape: Shape) -> Floats:
         normal = np.cross(b - a, c - a)
         out[star] = (shape.positions[centre] - (a + b + c) / 3.0) @ normal / np.linalg.norm(normal)
     return out
+
+
+def contractions(found: Comparison, shape: Shape) -> tuple[Floats, Floats]:
+    """(P,) distance of neighbouring star centres over the printed one, and (P, 2) mm, where on the print."""
+    pairs, printed = found.layout.neighbours, found.layout.centres
+    now, before = (
+        np.linalg.norm(c[pairs[:, 0]] - c[pairs[:, 1]], axis=1) for c in (shape.positions[shape.star_vertices], printed)
+    )
+    return now / before, printed[pairs].mean(axis=1)
 
 
 @cache
