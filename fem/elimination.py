@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.linalg import qr, solve_triangular
+from scipy.linalg import qr
 from scipy.sparse.csgraph import connected_components
 
 from fem.tabulation import Floats, Ints
@@ -82,15 +82,14 @@ def eliminate(matrix: sp.csr_matrix, right: Floats, tolerance: float) -> Elimina
             solved[key] = _solve(block)
         one = solved[key]
         given = right[rows]
-        image = one.q.T @ given
-        miss = np.abs(given - one.q @ image).max(axis=1)
+        miss = np.abs(given - one.q @ (one.q.T @ given)).max(axis=1)
         if miss.max() > tolerance:
             worst = int(np.argmax(miss))
             raise Contradiction(int(rows[worst]), float(miss[worst]))
         redundant += len(rows) - len(one.pivots)
         pivots = columns[one.pivots]
         gone[pivots] = True
-        constant[pivots] = solve_triangular(one.r, image, check_finite=False)
+        constant[pivots] = one.given @ given
         rows_out.append(pivots[one.row])
         columns_out.append(columns[one.column])
         entries_out.append(one.weight)
@@ -107,10 +106,13 @@ def eliminate(matrix: sp.csr_matrix, right: Floats, tolerance: float) -> Elimina
 
 @dataclass(frozen=True)
 class _Solved:
-    """A block `q r` of equations, solved for its pivots: `pivot = weight times other column`, entry by entry."""
+    """A block of equations, solved for its pivots: `pivots = given @ right side + weight times other column`.
+
+    `q` are orthonormal combinations of the equations; the weights come entry by entry.
+    """
 
     q: Floats
-    r: Floats
+    given: Floats
     pivots: Ints
     row: Ints
     column: Ints
@@ -121,9 +123,11 @@ def _solve(block: Floats) -> _Solved:
     """By QR with column pivoting."""
     q, r, order = qr(block, mode="economic", pivoting=True, check_finite=False)
     rank = int(np.sum(np.abs(np.diag(r)) > DEPENDENT * abs(r[0, 0])))
-    weights = -solve_triangular(r[:rank, :rank], r[:rank, rank:], check_finite=False)
+    q = q[:, :rank]
+    solved = np.linalg.solve(r[:rank, :rank], np.hstack([q.T, -r[:rank, rank:]]))
+    given, weights = solved[:, : len(block)], solved[:, len(block) :]
     i, j = np.nonzero(np.abs(weights) >= 1e-12)
-    return _Solved(q[:, :rank], r[:rank, :rank], order[:rank], i, order[rank:][j], weights[i, j])
+    return _Solved(q, given, order[:rank], i, order[rank:][j], weights[i, j])
 
 
 def _groups(matrix: sp.csr_matrix) -> Iterator[tuple[Ints, Ints, Floats]]:

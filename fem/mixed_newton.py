@@ -8,6 +8,8 @@ solves
 where A and S belong to eps, B and e'' to x. Large rotations enter e(x) at second order in d but not eps, so the steps
 of a thin sheet are not spoilt by membrane stresses that are not there, and a handful suffices.
 
+A step that is short and leaves little of the residual is followed by one with the same matrix: most edits need but one.
+
 The method finds stationary points; whether one is a minimum is asked afterwards. Where the matrix is not positive
 definite a part of the flat sheet's stiffness is added to it.
 """

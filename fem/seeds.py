@@ -26,8 +26,7 @@ Side = Literal["auto", "up", "down"]
 
 DIRECTIONS = 12  # of arcs: the six axes of a lattice and those between them
 FLAT = 1e-2  # Gaussian curvature times size squared that is none
-# over what a flat sheet stores: by so much dearer than the best, a guess is left out; or moved only once
-HOPELESS, WORSE = 20.0, 0.5
+HOPELESS = 20.0  # over what a flat sheet stores: a guess that is dearer than the best by so much is left out
 TURN = 6.0  # radians from end to end: guesses that turn further would pass through themselves
 TURN_ACROSS = 2.0
 
@@ -161,7 +160,7 @@ def starts(
     for start in sorted(offered, key=_energy):
         if _energy(start) - least > HOPELESS * gain:
             break
-        slid = frame.slid(start, least + WORSE * gain)
+        slid = frame.slid(start, least)
         least = min(least, _energy(slid))
         if slid.shape.name not in best or _energy(slid) < _energy(best[slid.shape.name]):
             best[slid.shape.name] = slid

@@ -14,6 +14,9 @@ from fem.tabulation import Evaluation, Floats
 
 SLIDES = 3
 SLIGHT = 0.1  # of the energy: corrections that gain less are the last
+LATER = (
+    0.25  # of what a correction gains: as much as all later ones; in 95 of 100 guesses each gains a fifth of the last
+)
 
 
 @dataclass(frozen=True)
@@ -48,8 +51,8 @@ class Frame:
         x = self._held(shape.over(self._shell.space, self._plane))
         return Start(shape, x, self._shell.energy(x))
 
-    def slid(self, start: Start, enough: float = np.inf) -> Start:
-        """A bent shape, its plane moved as its membrane stresses ask for; once, if its energy is not below `enough`.
+    def slid(self, start: Start, least: float = np.inf) -> Start:
+        """A bent shape, its plane moved as its membrane stresses ask for, while it may still come below `least` N mm.
 
         The moves solve the flat sheet's linear membrane problem for the strains that the bent one has.
         """
@@ -66,9 +69,10 @@ class Frame:
             trial = Start(shape, x, shell.energy(x))
             if not trial.energy < start.energy:
                 break
-            slight = start.energy - trial.energy < SLIGHT * abs(start.energy)
+            gained = start.energy - trial.energy
+            slight = gained < SLIGHT * abs(start.energy)
             start = trial
-            if slight or start.energy >= enough:
+            if slight or start.energy - LATER * gained > least:
                 break
         return start
 

@@ -113,13 +113,14 @@ def shape_of(design: Design, sheet: Sheet, mesh: Mesh, places: Places) -> Shape:
 
 def _rod_fields(sheet: Sheet, mesh: Mesh) -> dict[str, np.ndarray]:
     """Of every edge of every arm: arm, star, and the section in its middle."""
-    layout, arm, middle = sheet.layout, [], []
-    for number, path in enumerate(mesh.rods):
-        step = np.linalg.norm(np.diff(mesh.points[path], axis=0), axis=1)
-        along = np.cumsum(step)
-        arm.append(np.full(len(step), number))
-        middle.append((along - 0.5 * step) / along[-1])
-    arms, part = np.concatenate(arm), np.concatenate(middle)
+    layout, counts = sheet.layout, np.array([len(path) for path in mesh.rods])
+    arm = np.repeat(np.arange(len(counts)), counts)
+    step = np.linalg.norm(np.diff(mesh.points[np.concatenate(mesh.rods)], axis=0), axis=1)
+    within = arm[1:] == arm[:-1]  # the others lead from one arm to the next
+    arms, step = arm[1:][within], step[within]
+    total = np.bincount(arms, step)
+    before = np.cumsum(total) - total
+    part = (np.cumsum(step) - 0.5 * step - before[arms]) / total[arms]
     ends = {"thickness_mm": layout.arm_thickness, "width_mm": layout.arm_width}
     return {
         "arm": arms,
