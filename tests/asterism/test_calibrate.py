@@ -19,7 +19,7 @@ from homogenize.law_file import load_law
 PLAN = """
 name = "small"
 [plan]
-lengths_mm = [4.0, 10.0]
+lengths_mm = [3.0, 10.0]
 thicknesses_mm = [0.3, 0.5]
 widths_mm = [1.2]
 held_out = 1
@@ -57,7 +57,7 @@ def test_a_law_with_all_that_made_it(place: Path) -> None:
     assert law.made["command"] == "asterism calibrate m.toml" and law.made["cell_seconds"] > 0
     assert len(list((place / "m.samples").glob("*.json"))) == 6
     table = law.at(1.35)
-    values = table([0.0, 4.0, 10.0], 0.3, 1.2).value
+    values = table([0.0, 3.0, 10.0], 0.3, 1.2).value
     assert abs(values["lam"][0] * 1.35 - 1) < 1e-12 and values["kappa"][0] == 0
     assert (np.diff(values["lam"]) > 0).all() and (np.diff(values["kappa"]) > 0).all()
 
@@ -125,7 +125,7 @@ def test_mistakes_are_one_line(words: list[str], expected: str, tmp_path: Path) 
 
 def test_cells_that_all_fail_are_status_one(tmp_path: Path) -> None:
     """Arms of neighbouring stars that overlap have no cell."""
-    (tmp_path / "m.toml").write_text(PLAN.replace("4.0, 10.0", "12.0, 14.0") + "[lattice]\narms = 5\n")
+    (tmp_path / "m.toml").write_text(PLAN.replace("3.0, 10.0", "12.0, 14.0") + "[lattice]\narms = 5\n")
     result = run("calibrate", "m.toml", "--jobs", "2", cwd=tmp_path)
     assert result.returncode == 1
     last = result.stderr.splitlines()[-1]

@@ -22,7 +22,7 @@ MEAN = "the law is the mean over directions"
 def five(tmp_path_factory: pytest.TempPathFactory) -> tuple[Law, str]:
     """A law of five-armed stars, whose longest arms overlap, and what its command printed."""
     folder: Path = tmp_path_factory.mktemp("five")
-    plan = PLAN.replace("[4.0, 10.0]", "[4.0, 7.0, 12.0]").replace("held_out = 1", "held_out = 0")
+    plan = PLAN.replace("[3.0, 10.0]", "[4.0, 7.0, 12.0]").replace("held_out = 1", "held_out = 0")
     (folder / "five.toml").write_text(plan + "[lattice]\narms = 5\n")
     result = run("calibrate", "five.toml", "--jobs", "2", cwd=folder)
     assert result.returncode == 0, result.stderr

@@ -157,11 +157,11 @@ def test_one_length_answers_for_itself_and_not_for_shorter_arms(lengths: list[fl
 
 
 def test_cells_that_begin_far_from_bare_fabric_are_tested_where_they_are() -> None:
-    """A quarter of the spacing of 17.3 mm is near."""
-    far, near = (law(lengths_mm=[first, 6.0, 8.0, 10.0]) for first in (4.5, 4.0))
-    assert (far.at(1.35).least_length_mm, near.at(1.35).least_length_mm) == (4.5, 0.0)
+    """A fifth of the spacing of 17.3 mm is near."""
+    far, near = (law(lengths_mm=[first, 6.0, 8.0, 10.0]) for first in (3.6, 3.4))
+    assert (far.at(1.35).least_length_mm, near.at(1.35).least_length_mm) == (3.6, 0.0)
     tested = [cell["length_mm"] for cell in far.residuals["1.35"]["held_out"]["cells"]]
-    assert len(tested) == 10 and min(tested) >= 4.5 and far.residuals["1.35"]["held_out"]["outside"] == 0
+    assert len(tested) == 10 and min(tested) >= 3.6 and far.residuals["1.35"]["held_out"]["outside"] == 0
     assert far.residuals["1.35"]["leave_one_out"]["count"] == 2 * 4 * 3
 
 
