@@ -14,9 +14,7 @@ from fem.tabulation import Evaluation, Floats
 
 SLIDES = 3
 SLIGHT = 0.1  # of the energy: corrections that gain less are the last
-LATER = (
-    0.25  # of what a correction gains: as much as all later ones; in 95 of 100 guesses each gains a fifth of the last
-)
+LATER = 0.25  # of what a correction gains: as much as all later ones; mostly each gains a fifth of the one before
 
 
 @dataclass(frozen=True)
