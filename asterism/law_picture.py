@@ -21,6 +21,8 @@ CURVES = {
     "bending": "bending stiffness, N mm",
     "a11": "membrane stiffness, N/mm",
 }
+# 1/mm, up to which curvatures are drawn to a linear scale
+SLIGHT = 2e-3
 
 
 def draw_law(law: Law, path_or_file: str | Path | IO[bytes]) -> None:
@@ -47,7 +49,7 @@ def draw_law(law: Law, path_or_file: str | Path | IO[bytes]) -> None:
     title = f"{law.material.name}: the law of the sheet"
     figure.text(0.012, 1 - 0.35 / height, title, fontsize=14, weight="bold", color=INK, parse_math=False)
     note = f"{len(law.samples)} cells, mesh edges of {law.edge_mm:g} mm"
-    note += "; dots are cells, curves the law, dotted where a sheet curls too tightly for it, or no cell has an answer"
+    note += "; dots are cells, curves the law, dotted where a sheet curls too tightly for it, or no cell with an answer is near"
     figure.text(0.012, 1 - 0.6 / height, note, fontsize=9, color=PALE)
     figure.savefig(path_or_file, format="png", dpi=100)
 
@@ -68,8 +70,11 @@ def _curves(axes: Axes, table: Table, name: str) -> None:
         nodes = table.nodes[good, j, middle, NAMES.index(name)]
         axes.plot(lengths[good], nodes, "o", color=colour, markersize=3)
     if name == "kappa":
-        # curvature differs by a factor of twenty between thin and thick stars
-        axes.set_yscale("symlog", linthresh=2e-3, linscale=0.4)
+        if np.abs(table.nodes[..., NAMES.index(name)]).max() > SLIGHT:
+            # curvature differs by a factor of twenty between thin and thick stars
+            axes.set_yscale("symlog", linthresh=SLIGHT, linscale=0.4)
+        else:
+            axes.set_ylim(-SLIGHT, SLIGHT)
 
 
 def _errors(axes: Axes, residuals: dict[str, Any]) -> None:
