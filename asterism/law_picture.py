@@ -49,7 +49,7 @@ def draw_law(law: Law, path_or_file: str | Path | IO[bytes]) -> None:
     title = f"{law.material.name}: the law of the sheet"
     figure.text(0.012, 1 - 0.35 / height, title, fontsize=14, weight="bold", color=INK, parse_math=False)
     note = f"{len(law.samples)} cells, mesh edges of {law.edge_mm:g} mm"
-    note += "; dots are cells, curves the law, dotted where a sheet curls too tightly for it, or no cell with an answer is near"
+    note += "; dots are cells, curves the law, dotted where a sheet curls too tightly for it, or no cell is near"
     figure.text(0.012, 1 - 0.6 / height, note, fontsize=9, color=PALE)
     figure.savefig(path_or_file, format="png", dpi=100)
 
