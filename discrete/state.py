@@ -39,9 +39,19 @@ def carried(state: State, edges: Array, positions: Array, turn: Array) -> State:
 
     Works with complex numbers, so that derivatives along it can be taken by complex steps.
     """
-    t0, t1 = tangents(state.positions, edges), tangents(positions, edges)
-    along = (state.directors * t1).sum(axis=1) / (1.0 + (t0 * t1).sum(axis=1))
-    d = state.directors - along[:, None] * (t0 + t1)
+    t1 = tangents(positions, edges)
+    d = transported(state.directors, tangents(state.positions, edges), t1)
     d = np.cos(turn)[:, None] * d + np.sin(turn)[:, None] * np.cross(t1, d)
-    d = d - (d * t1).sum(axis=1, keepdims=True) * t1
-    return State(positions, d / np.sqrt((d * d).sum(axis=1, keepdims=True)))
+    return State(positions, _upright(d, t1))
+
+
+def transported(directors: Array, before: Array, after: Array) -> Array:
+    """(R, 3) directors carried by parallel transport from the unit tangents `before` (R, 3) to those `after`."""
+    along = (directors * after).sum(axis=1) / (1.0 + (before * after).sum(axis=1))
+    return _upright(directors - along[:, None] * (before + after), after)
+
+
+def _upright(directors: Array, t: Array) -> Array:
+    """What rounding has left along the tangents is taken out."""
+    d = directors - (directors * t).sum(axis=1, keepdims=True) * t
+    return d / np.sqrt((d * d).sum(axis=1, keepdims=True))

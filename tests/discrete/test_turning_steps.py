@@ -1,0 +1,95 @@
+"""Steps that turn: what they are, and that their rounding is small enough for tiny triangles."""
+
+from __future__ import annotations
+
+from contextlib import closing
+
+import numpy as np
+import pytest
+
+from discrete.model import Model
+from discrete.solve import relax
+from discrete.state import State
+from equilibrium.newton import minimise
+from pattern import gallery
+from pattern.build import layout
+from pattern.design import Design
+from pattern.meshing import mesh_layout
+
+FINE = 17.3205 / 36  # mm; graded: 0.11 mm along the arms, triangles beside them 0.1 mm high
+
+
+def star(edge: float, graded: bool = False, **changes: object) -> Model:
+    data = gallery.load("tube").to_dict() | {"border": {"rings": 0}, "mesh": {"edge_mm": edge, "graded": graded}}
+    design = Design.from_dict(data | changes)
+    plan = layout(design)
+    return Model(design, plan, mesh_layout(plan, edge, graded=graded))
+
+
+@pytest.fixture(scope="module")
+def plate() -> Model:
+    """One star on a mesh with tiny edges, with the plate."""
+    return star(FINE, True, fabric=gallery.load("tube").to_dict()["fabric"] | {"bending": "consistent"})
+
+
+@pytest.fixture(scope="module")
+def relaxed(plate: Model) -> State:
+    return relax(plate).state
+
+
+def direction(model: Model, size: float, seed: int = 0) -> np.ndarray:
+    """(free,) moves that are smooth over the sheet, and some noise."""
+    rng = np.random.default_rng(seed)
+    x = model.mesh.points / np.abs(model.mesh.points).max()
+    move = np.einsum("vk,kc->vc", np.column_stack([x, x**2, x[:, :1] * x[:, 1:]]), rng.normal(size=(5, 3)))
+    full = np.concatenate([(move + 0.01 * rng.normal(size=move.shape)).ravel(), rng.normal(size=len(model.edges))])
+    return size * full[model.free]
+
+
+def test_a_rigid_turn_is_followed_as_one() -> None:
+    model = star(4.0)
+    state = relax(model).state
+    spin = np.array([0.3, -0.5, 0.4])
+    centre = state.positions.mean(axis=0)
+    t = np.diff(state.positions[model.edges], axis=1)[:, 0]
+    twist = t @ spin / np.linalg.norm(t, axis=1)
+    move = np.cross(spin, state.positions - centre)
+    path, longest = model.path(state, np.concatenate([move.ravel(), twist])[model.free])
+    assert longest > 1.0
+    angle, axis = np.linalg.norm(spin), spin / np.linalg.norm(spin)
+    k = np.cross(np.eye(3), axis)
+    turn = np.eye(3) + np.sin(angle) * k + (1.0 - np.cos(angle)) * k @ k
+    np.testing.assert_allclose(path(1.0).positions, centre + (state.positions - centre) @ turn.T, atol=1e-9)
+    assert model.energy(path(1.0)) == pytest.approx(model.energy(state), rel=1e-9)
+
+
+@pytest.mark.parametrize("pins", [[], [{"where": "border", "scale": 0.8}], [{"corners": [1], "slide": "z"}]])
+def test_a_step_sets_out_in_the_direction_it_is_given(pins: list[dict]) -> None:
+    model = star(4.0, pins=pins)
+    state = relax(model).state
+    d = direction(model, 1.0)
+    path, _ = model.path(state, d)
+    slope = (path(1e-4).positions - path(-1e-4).positions) / 2e-4
+    np.testing.assert_allclose(slope, model.spread(d)[0], atol=1e-6)
+    held = model.constraints.held
+    np.testing.assert_array_equal(path(0.3).positions[held], state.positions[held])
+
+
+def test_a_small_step_has_the_rounding_of_its_coordinates(plate: Model, relaxed: State) -> None:
+    """It turns by second order, 1e-18 mm here: all else that it has beyond a straight one is rounding."""
+    assert np.linalg.norm(np.diff(plate.mesh.points[plate.edges], axis=1), axis=2).min() < 0.11
+    d = direction(plate, 1e-9)
+    turned, straight = (plate.path(relaxed, d, way)[0](1.0) for way in (False, True))
+    apart = np.abs(turned.positions - straight.positions).max()
+    assert apart <= 2.0 * np.spacing(np.abs(relaxed.positions).max())
+
+
+def test_newton_goes_down_to_the_rounding_of_the_coordinates(plate: Model, relaxed: State) -> None:
+    """Moving every coordinate by its last digit changes the gradient by so much: nothing else may be in the way."""
+    last = np.spacing(np.abs(relaxed.positions))
+    sign = np.random.default_rng(0).choice([-1.0, 1.0], size=last.shape)
+    moved = State(relaxed.positions + sign * last, relaxed.directors)
+    floor = np.linalg.norm(plate.gradient(moved) - plate.gradient(relaxed))
+    with closing(plate.factor()) as factor:
+        found = minimise(plate, relaxed, factor, 0.0, max_iterations=8)
+    assert min(step.gradient_norm for step in found.history) < floor
