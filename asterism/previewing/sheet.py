@@ -6,6 +6,7 @@ import numpy as np
 from skfem import MeshTri
 
 from asterism.previewing.held_sheet import conditions, held_points, held_sides, weight
+from asterism.previewing.point_pins import giving_way, pinned_points, softness
 from asterism.previewing.sheet_fields import sheet_fields
 from asterism.previewing.sheet_mesh import sheet_mesh
 from asterism.previewing.star_arms import BACK
@@ -52,11 +53,13 @@ class Sheet:
         self.space = Argyris(mesh)
         self._table = self.space.tabulate(ORDER)
         self._spread(design, self.layout)
+        self._pin(design, self.layout)
 
     def set_stars(self, design: Design, plan: Layout) -> None:
         """Take another layout of the same sheet (`holds`)."""
         if not np.array_equal(plan.centres, self.layout.centres):
             self._spread(design, plan)
+        self._pin(design, plan)
         self.layout = plan
 
     def _spread(self, design: Design, plan: Layout) -> None:
@@ -66,6 +69,11 @@ class Sheet:
         self._shares = self.cells.shares(points)
         back = BACK * lattice.spacing_mm
         self._arms = [(along, self.cells.shares(points - back * along)) for along in lattice.arm_directions]
+
+    def _pin(self, design: Design, plan: Layout) -> None:
+        """How soft the sheet is around single points that are held; None without any."""
+        pins = pinned_points(plan)
+        self._soft = softness(self._mesh, pins, self._table.points, design.mesh.edge_mm) if len(pins) else None
 
     def holds(self, design: Design, plan: Layout, before: Design) -> bool:
         """Whether a design that follows `before` has the same print but for its stars and material."""
@@ -86,7 +94,11 @@ class Sheet:
         """
         length = values.sizes[:, 0]
         arms = [(along, shares(length)) for along, shares in self._arms]
-        fields = sheet_fields(self._shares(length), values, self._table.weights.shape, arms)
+        shares = self._shares(length)
+        fields = sheet_fields(shares, values, self._table.weights.shape, arms)
+        if self._soft is not None:
+            bare = 1.0 - np.asarray(shares.sum(axis=1)).reshape(self._soft.shape)
+            fields = giving_way(fields, self._soft, bare)
         try:
             fields.rest(self._table.points)
         except FieldError as error:
