@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from equilibrium.compiled import loop
 from fem.density import Law
 from fem.fields import Fields
 from fem.tabulation import Floats
@@ -28,40 +29,46 @@ def stretched_fabric(fields: Fields, stiffness: Floats, bare: Floats) -> Law:
     """
     metric = np.asarray(fields.metric, dtype=float).reshape(-1, 3)
     square = 0.5 * (metric[:, 0] + metric[:, 1])
-    membrane, share = stiffness[..., :3, :3].reshape(-1, 3, 3), bare.ravel()
-    poisson = membrane[:, 0, 1] / membrane[:, 0, 0]
-    plane = membrane[:, 0, 0] * square**2
-    mu, lam = 0.5 * (1.0 - poisson) * plane, poisson * plane
-    small = plane[:, None, None] * np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.0]])
-    small[:, 0, 1] = small[:, 1, 0] = lam
-    small[:, 2, 2] = mu
+    membrane = stiffness[..., :3, :3].reshape(-1, 3, 3)
+    plane = bare.ravel() * membrane[:, 0, 0] * square**2
+    lam = plane * membrane[:, 0, 1] / membrane[:, 0, 0]
+    mu = 0.5 * (plane - lam)
 
     def law(e: Floats) -> tuple[Floats, Floats, Floats]:
-        strain = e[:, :3] / square[:, None]
-        c11, c22, c12 = 1.0 + 2.0 * strain[:, 0], 1.0 + 2.0 * strain[:, 1], strain[:, 2]
-        det = c11 * c22 - c12**2
-        log, first, second = _half_log(det)
-        slope = lam * log - mu  # of W by ln J
-        stress = np.matmul(small, strain[..., None])[..., 0]
-        energy = 0.5 * mu * (c11 + c22 - 2.0) - mu * log + 0.5 * lam * log**2 - 0.5 * (stress * strain).sum(axis=1)
-        turn = np.column_stack([2.0 * c22, 2.0 * c11, -2.0 * c12])  # of det C by the strain
-        gradient, hessian = np.zeros((len(e), 6)), np.zeros((len(e), 6, 6))
-        gradient[:, :3] = (slope * first)[:, None] * turn - stress
-        gradient[:, :2] += mu[:, None]
-        rate = lam * first**2 + slope * second
-        hessian[:, :3, :3] = rate[:, None, None] * turn[:, :, None] * turn[:, None] - small
-        bend = 4.0 * slope * first
-        hessian[:, 0, 1] += bend
-        hessian[:, 1, 0] += bend
-        hessian[:, 2, 2] -= 0.5 * bend
-        one, two = share / square, share / square**2
-        return share * energy, one[:, None] * gradient, two[:, None, None] * hessian
+        energy, gradient, hessian = np.zeros(len(e)), np.zeros((len(e), 6)), np.zeros((len(e), 6, 6))
+        _beyond_quadratic(np.ascontiguousarray(e), square, mu, lam, energy, gradient, hessian)
+        return energy, gradient, hessian
 
     return law
 
 
-def _half_log(det: Floats) -> tuple[Floats, Floats, Floats]:
-    """`ln(det)/2` with its first and second derivative."""
-    at = np.maximum(det, LEAST)
-    by = (det - at) / at
-    return 0.5 * (np.log(at) + by - 0.5 * by**2), 0.5 * (1.0 - by) / at, -0.5 / at**2
+@loop
+def _beyond_quadratic(e, square, mu, lam, energy, gradient, hessian):  # type: ignore[no-untyped-def]
+    """Energy (P,) at strains e (P, 6), and its derivatives."""
+    turn, stress = np.empty(3), np.empty(3)
+    for p in range(e.shape[0]):
+        one, two, both = e[p, 0] / square[p], e[p, 1] / square[p], e[p, 2] / square[p]
+        c11, c22 = 1.0 + 2.0 * one, 1.0 + 2.0 * two
+        det = c11 * c22 - both * both
+        at = max(det, LEAST)
+        by = (det - at) / at
+        log = 0.5 * (np.log(at) + by - 0.5 * by * by)  # ln J, and its derivatives by det C
+        first, second = 0.5 * (1.0 - by) / at, -0.5 / (at * at)
+        slope = lam[p] * log - mu[p]  # of W by ln J
+        rate = lam[p] * first * first + slope * second
+        turn[0], turn[1], turn[2] = 2.0 * c22, 2.0 * c11, -2.0 * both  # of det C by the strain
+        stress[0] = 2.0 * mu[p] * one + lam[p] * (one + two)
+        stress[1] = 2.0 * mu[p] * two + lam[p] * (one + two)
+        stress[2] = mu[p] * both
+        energy[p] = mu[p] * (one + two - log) + 0.5 * lam[p] * log * log
+        energy[p] -= 0.5 * (stress[0] * one + stress[1] * two + stress[2] * both)
+        for a in range(3):
+            gradient[p, a] = (slope * first * turn[a] - stress[a] + (mu[p] if a < 2 else 0.0)) / square[p]
+            for b in range(3):
+                value = rate * turn[a] * turn[b]
+                if a < 2 and b < 2:
+                    value -= lam[p]
+                    value += -2.0 * mu[p] if a == b else 4.0 * slope * first
+                if a == 2 and b == 2:
+                    value -= mu[p] + 2.0 * slope * first
+                hessian[p, a, b] = value / (square[p] * square[p])
