@@ -44,7 +44,7 @@ SHELL = [
 ]  # fmt: skip
 WHOLE = [
     "design", "stars", "triangles", "cold s", "cold processor s", "again ms", "again processor ms", "equilibrium ms",
-    "edit ms", "edit processor ms", "slowest edit ms", "linear response ms", "exact s", "exact / again",
+    "edit ms", "edit processor ms", "slowest edit ms", "linear response ms", "its solve ms", "exact s", "exact / again",
     "exact, law's mesh s", "that / again", "that / edit",
 ]  # fmt: skip
 
@@ -138,13 +138,14 @@ def design_row(name: str) -> dict[str, Any]:
     again = timed(lambda: Preview(design).shape())
     preview = Preview(design)
     exact, fine = simulate(design), simulate(on_the_laws_mesh(design))
-    linear, whole, processor, minima = [], [], [], True
+    linear, solve, whole, processor, minima = [], [], [], [], True
     for size, share in EDITS:
         for edited in (changed(design, size, share), design) * 2:
             begin, used = time.perf_counter(), time.process_time()
             for stage in preview.edit(edited):
                 if stage.name == "linear":
                     linear.append(1e3 * (time.perf_counter() - begin))
+                    solve.append(1e3 * preview.seconds["linear response"])
             whole.append(1e3 * (time.perf_counter() - begin))
             processor.append(1e3 * (time.process_time() - used))
             minima = minima and preview.equilibrium.is_minimum
@@ -163,6 +164,7 @@ def design_row(name: str) -> dict[str, Any]:
         "edit_processor_ms": statistics.median(processor),
         "slowest_edit_ms": max(processor),
         "linear_ms": statistics.median(linear),
+        "linear_solve_ms": statistics.median(solve),
         "exact_s": exact.summary["wall_s"],
         "fine_s": fine.summary["wall_s"],
         "fine_vertices": fine.summary["vertices"],
@@ -242,6 +244,7 @@ def design_line(r: dict[str, Any]) -> list[str]:
         f"{r['edit_processor_ms']:.0f}",
         f"{r['slowest_edit_ms']:.0f}",
         f"{r['linear_ms']:.1f}",
+        f"{r['linear_solve_ms']:.2f}",
         f"{r['exact_s']:.1f}",
         f"{1e3 * r['exact_s'] / r['again_ms']:.0f}",
         f"{r['fine_s']:.1f}",

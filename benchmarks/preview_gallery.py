@@ -8,20 +8,16 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
-from asterism.calibrate_command import calibrate, default_jobs
 from asterism.files import write_file
-from asterism.own_law import own_material
 from asterism.previewing.run import preview
 from benchmarks.gallery import picture
+from benchmarks.laws import law_of
 from benchmarks.report import RESULTS, markdown, write_report
-from homogenize.errors import ForeignLaw, LawError
-from homogenize.law import Law
+from homogenize.errors import LawError
 from homogenize.law_file import load_law
 from pattern import gallery
-from pattern.design import Design
 
 PAGE = Path(__file__).parent.parent / "docs" / "preview-gallery.md"
 INTRODUCTION = """# Previews of the gallery
@@ -61,16 +57,6 @@ def main(names: list[str]) -> None:
         table = markdown(HEADER, [row(r, exact.get(r["name"], {})) for r in rows if "refused" not in r])
         write_report("preview_gallery", rows, table)
         write_file(PAGE, page(table, rows))
-
-
-def law_of(design: Design, paper: Law) -> Law:
-    """The paper's law, or one of the design's own stars where that is for another material."""
-    try:
-        paper.check(design)
-    except ForeignLaw:
-        with TemporaryDirectory() as folder:
-            return calibrate(own_material(design), Path(folder) / "law.npz", default_jobs())
-    return paper
 
 
 def row(r: dict[str, Any], exact: dict[str, Any]) -> list[str]:

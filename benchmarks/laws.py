@@ -1,0 +1,22 @@
+"""The law that a benchmark takes for a design."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from asterism.calibrate_command import calibrate, default_jobs
+from asterism.own_law import own_material
+from homogenize.errors import ForeignLaw
+from homogenize.law import Law
+from pattern.design import Design
+
+
+def law_of(design: Design, paper: Law) -> Law:
+    """The paper's law, or one of the design's own stars where that is for another material."""
+    try:
+        paper.check(design)
+    except ForeignLaw:
+        with TemporaryDirectory() as folder:
+            return calibrate(own_material(design), Path(folder) / "law.npz", default_jobs())
+    return paper
