@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from skfem import MeshTri
 
+from asterism.previewing.free_rim import free_normals
 from asterism.previewing.held_sheet import conditions, held_points, held_sides, weight
 from asterism.previewing.point_pins import giving_way, pinned_points, softness
 from asterism.previewing.sheet_fields import sheet_fields
@@ -69,6 +70,7 @@ class Sheet:
         self._shares = self.cells.shares(points)
         back = BACK * lattice.spacing_mm
         self._arms = [(along, self.cells.shares(points - back * along)) for along in lattice.arm_directions]
+        self._normals = free_normals(plan, points)
 
     def _pin(self, design: Design, plan: Layout) -> None:
         """How soft the sheet is around single points that are held; None without any."""
@@ -95,7 +97,7 @@ class Sheet:
         length = values.sizes[:, 0]
         arms = [(along, shares(length)) for along, shares in self._arms]
         shares = self._shares(length)
-        fields = sheet_fields(shares, values, self._table.weights.shape, arms)
+        fields = sheet_fields(shares, values, self._table.weights.shape, arms, self._normals)
         if self._soft is not None:
             bare = 1.0 - np.asarray(shares.sum(axis=1)).reshape(self._soft.shape)
             fields = giving_way(fields, self._soft, bare)

@@ -23,6 +23,8 @@ lengths at rest follow the curvature,
 which on the natural tube, where `tr b = -kappa lam^2`, is `lam^2 I` again: tubes stay the law's. It couples membrane
 and bending, since strains are measured from there. In cells of long thin stars most of the way is made at a fraction of
 the natural curvature, so that a straight line through sheets that are curled a little starts below the flat cell.
+
+**Free rims** of bare fabric curl on their own (`asterism.previewing.free_rim`).
 """
 
 from __future__ import annotations
@@ -32,6 +34,7 @@ from collections.abc import Sequence
 import numpy as np
 import scipy.sparse as sp
 
+from asterism.previewing.free_rim import rim_curvature
 from asterism.previewing.star_arms import arm_metric
 from asterism.previewing.star_values import StarValues
 from fem.density import Density, isotropic
@@ -53,12 +56,14 @@ def sheet_fields(
     values: StarValues,
     shape: tuple[int, ...],
     arms: Sequence[tuple[Floats, sp.csr_matrix]] = (),
+    normals: Floats | None = None,
     poisson: float = POISSON,
 ) -> Fields:
     """The fields at places where stars count with weights (n, S), bare fabric with what is missing to 1.
 
     `shape`: of the arrays, (T, Q) with n = T Q. `arms`: for each arm of a star its direction (2,) and the weights half
-    a spacing back along it (`asterism.previewing.star_arms`); without them the metric is `lam^2 I`. The sixfold term is
+    a spacing back along it (`asterism.previewing.star_arms`); without them the metric is `lam^2 I`. `normals`: (n, 2)
+    of free rims (`asterism.previewing.free_rim.free_normals`); without them rims do not curl. The sixfold term is
     larger by what its saturation takes away from it at the natural curvature.
     """
 
@@ -83,7 +88,10 @@ def sheet_fields(
         orientation=zero,
         saturation=np.maximum(BEYOND * 0.5 * np.abs(kappa) * square, LEAST),
     )
-    return Fields(density, metric, np.stack([bend, bend, zero], axis=-1))
+    curvature = np.stack([bend, bend, zero], axis=-1)
+    if normals is not None:
+        curvature -= square[..., None] * rim_curvature(weights, values, normals).reshape(*shape, 3)
+    return Fields(density, metric, curvature)
 
 
 def _coupled(stiffness: Floats, coupling: Floats) -> Floats:

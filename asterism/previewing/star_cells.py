@@ -6,7 +6,7 @@ every place takes the mean over its neighbourhood with the weights `exp(-r^2/(2 
 is on the sheet.
 
 **How far a star reaches.** Long arms leave their cell, and the fabric beyond the border's stars is not bare there: w is
-a quarter of the spacing. Stars with short arms keep to their cells, and the rim around them is bare: w is as small as
+a fifth of the spacing. Stars with short arms keep to their cells, and the rim around them is bare: w is as small as
 the grid allows. In between a place takes the mean of both, by the length of the arms around it.
 """
 
@@ -23,7 +23,7 @@ from pattern.lattice import Lattice
 from pattern.layout import Floats, Ints, Layout
 
 # widths of the Gaussian over the spacing of the stars: a cell's own standard deviation is .26 of it
-WIDTH, NARROW = 0.25, 0.08
+WIDTH, NARROW = 0.2, 0.08
 # lengths of arms over the spacing up to which the narrow one counts, and from which on the wide one
 SHORT, LONG = 0.29, 0.55
 # grid points per spacing, and where the Gaussian ends, in widths

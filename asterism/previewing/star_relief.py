@@ -2,8 +2,8 @@
 
 The law gives each star the heights of its cell over the mean surface, as amplitudes of a few waves of the lattice
 (`homogenize.relief`): those of the flat cell, and how they change as the sheet curls to its natural tube. Amplitudes
-are shared between stars as everything else is, so that the relief has no jumps and ends on the bare rim. A printed
-point moves by its height along the shell's normal.
+are shared between stars as everything else is, so that the relief has no jumps. The bare rim lies as low as the tips of
+the arms beside it (`asterism.previewing.free_rim`). A printed point moves by its height along the shell's normal.
 
 **Between flat and natural.** Stars that hardly buckle while flat do so soon after the sheet begins to curl. In cells of
 long thin stars seven tenths of the way are made where a star turns by half a radian over its spacing d, whatever its
@@ -19,6 +19,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
+from asterism.previewing.free_rim import beside, stars_share
 from asterism.previewing.star_values import StarValues
 from pattern.layout import Floats
 
@@ -41,9 +42,20 @@ def relief_heights(
     spacing : mm, of the stars.
     """
     flat, more = np.moveaxis(_shared(weights, values.relief), 1, 0)
-    own = np.maximum(np.abs(_shared(weights, values.value["kappa"])) * spacing, LEAST)
-    bent = own / spacing * np.tanh(curvature * spacing / TURN) / np.tanh(own / TURN)
-    return np.einsum("nw,nw->n", flat + bent[:, None] * more, waves)
+    bent = _bent(_shared(weights, values.value["kappa"]), curvature, spacing)
+    stars = np.einsum("nw,nw->n", flat + bent[:, None] * more, waves)
+    near = beside(weights, values.value["kappa"][:-1])
+    # no deeper than stars half as much again as the natural tube makes them
+    most = 1.5 * np.abs(near)
+    low, lower = beside(weights, values.tips[:-1]).T
+    rim = np.minimum(low + np.clip(_bent(near, curvature, spacing), -most, most) * lower, 0.0)
+    return np.asarray(stars + (1.0 - stars_share(weights)) * rim)
+
+
+def _bent(kappa: Floats, curvature: Floats, spacing: float) -> Floats:
+    """(n,) 1/mm, the way from flat to natural: 0 at no curvature, and the natural one at that."""
+    own = np.maximum(np.abs(kappa) * spacing, LEAST)
+    return np.asarray(own / spacing * np.tanh(curvature * spacing / TURN) / np.tanh(own / TURN))
 
 
 def _shared(weights: sp.csr_matrix, values: Floats) -> Floats:

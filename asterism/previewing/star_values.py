@@ -13,6 +13,9 @@ from homogenize.table import NAMES
 from pattern.design import Design
 from pattern.layout import Floats, Layout
 
+# a star's cell ends there, over the spacing; and arms below which a bump is no cap
+REACH, SHORTEST = 0.6, 0.17
+
 
 @dataclass(frozen=True)
 class StarValues:
@@ -25,6 +28,9 @@ class StarValues:
     sizes : (S, 3) mm, length, thickness and width that the law was asked for.
     outside : one line for each star beyond the law's range; it counts as the nearest star in the range.
     tight : stars whose sheet would curl to less than two thirds of their distance.
+    tips : (S + 1, 2) mm and mm^2, the relief at the tips of a star's arms, mean over the arms: flat, and more per
+        curvature.
+    caps : (S + 1,) 1/mm, curvature `2 B / l^2` of a star's bump of height B over arms of length l, on its natural tube.
     """
 
     value: dict[str, Floats]
@@ -32,6 +38,8 @@ class StarValues:
     sizes: Floats
     outside: tuple[str, ...]
     tight: tuple[int, ...]
+    tips: Floats
+    caps: Floats
 
 
 def star_sizes(layout: Layout, arms: int) -> Floats:
@@ -62,7 +70,21 @@ def star_values(design: Design, layout: Layout, law: Law) -> StarValues:
         _check(star, place, {name: float(found.value[name][star]) for name in NAMES})
     outside = tuple(_placed(line, where) for line in found.outside)
     tight = tuple(int(star) for star in np.flatnonzero(found.tight[:-1]))
-    return StarValues(found.value, table.relief(*asked.T), sizes, outside, tight)
+    relief = table.relief(*asked.T)
+    tips, caps = _bumps(design, law, asked[:, 0], relief, found.value["kappa"])
+    return StarValues(found.value, relief, sizes, outside, tight, tips, caps)
+
+
+def _bumps(design: Design, law: Law, length: Floats, relief: Floats, kappa: Floats) -> tuple[Floats, Floats]:
+    """`tips` and `caps` of stars with arms of a length (n,) mm, relief (n, 2, W) and natural curvature (n,)."""
+    lattice = design.lattice
+    reach = np.minimum(length, REACH * lattice.spacing_mm)
+    waves = [law.waves(reach[:, None] * np.asarray(direction)) for direction in lattice.arm_directions]
+    tips = np.einsum("nkw,nw->nk", relief, np.mean(waves, axis=0))
+    tops = relief @ law.waves(np.zeros((1, 2)))[0]
+    flat, more = (tops - tips).T
+    caps = 2.0 * (flat + kappa * more) / np.maximum(reach, SHORTEST * lattice.spacing_mm) ** 2
+    return tips, np.where(length > 0.0, caps, 0.0)
 
 
 def _placed(line: str, where: Sequence[str]) -> str:

@@ -1,8 +1,6 @@
 """What the paper says of figure 10, by the exact model on coarse meshes and by the preview.
 
-Not alike in the two models: the free corners of the doubly-curved roof. In the exact model, released from the flat
-print, they stick out, higher than the held ones; in the preview they hang down, lower than those. The exact model has
-that form too, with nearly the same energy, and takes it if it is started there. The preview says that it is unsure.
+Both have the free corners of the doubly-curved roof stick out, higher than the held ones.
 """
 
 from __future__ import annotations
@@ -98,13 +96,17 @@ def test_big_stars_at_the_free_corners_contract_less_and_buckle(model: int) -> N
     assert corner > 2.5 * held
 
 
-def test_the_shapes_are_minima_and_the_previews_say_where_they_may_be_off() -> None:
-    expected = {}
+@MODELS
+def test_the_free_corners_of_the_doubly_curved_roof_stick_out(model: int) -> None:
+    printed, mean = both("doubly-curved").reference.printed, shapes("doubly-curved", model)[1]
+    free, held = (mean[in_direction(printed, angles), 2].mean() for angles in (FREE, FIXED))
+    assert free > held + 3.0
+
+
+def test_the_shapes_are_minima_and_the_previews_are_near() -> None:
     for name in ("tunnel", "u-shape", "doubly-curved"):
-        summary = shown(name).summary
-        assert exact(name).summary["is_minimum"] and summary["is_minimum"]
-        expected[name] = summary["expected_rms_percent"]
+        assert exact(name).summary["is_minimum"] and shown(name).summary["is_minimum"]
         found = both(name).rms_percent
-        assert found < 2.0 or name == "doubly-curved"
-        assert found < 1.3 * expected[name]
-    assert expected["doubly-curved"] > 4.0
+        assert found < 2.0
+        # what is expected leaves out the error of the exact model's coarse mesh, which counts where a sheet is soft
+        assert found < 1.3 * shown(name).summary["expected_rms_percent"] or name == "doubly-curved"

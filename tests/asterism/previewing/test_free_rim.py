@@ -1,0 +1,83 @@
+"""Free rims lie as low as the arms' tips and curl across, not along; held ones do not curl."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from asterism.previewing import free_rim
+from asterism.previewing.free_rim import CURL, free_normals, rim_curvature
+from asterism.previewing.preview import Preview
+from asterism.previewing.star_relief import relief_heights
+from asterism.previewing.star_values import star_values
+from pattern import gallery
+from pattern.build import layout
+from pattern.design import Design
+from tests.asterism.previewing.laws import SPACING, plain_law
+
+TUBE = gallery.load("tube")
+PLAN = layout(TUBE)
+VALUES = star_values(TUBE, PLAN, plain_law())
+COUNT = len(PLAN.centres)
+
+
+def rectangle(pins: list[dict[str, object]]) -> Design:
+    data = TUBE.to_dict() | {"border": {"rectangle_mm": [80.0, 60.0]}, "pins": pins}
+    return Design.from_dict(data)
+
+
+def test_normals_are_those_of_the_nearest_side_and_vanish_where_it_is_held() -> None:
+    places = np.array([[35.0, 0.0], [-35.0, 2.0], [0.0, 25.0], [3.0, -25.0]])
+    free = layout(rectangle([]))
+    expected = np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
+    assert free_normals(free, places) == pytest.approx(expected)
+    middle = 0.5 * (free.border + np.roll(free.border, -1, axis=0))
+    held = int(middle[:, 0].argmax())
+    plan = layout(rectangle([{"edges": [held], "scale": 0.8}]))
+    assert free_normals(plan, places) == pytest.approx(expected * np.array([[0.0], [1.0], [1.0], [1.0]]))
+
+
+def test_bare_fabric_curls_across_the_rim_by_the_bumps_beside_it() -> None:
+    share = np.array([1.0, 0.6, 0.0])
+    weights = sp.csr_matrix(share[:, None] * np.eye(1, COUNT))
+    normals = np.tile([0.6, 0.8], (3, 1))
+    found = rim_curvature(weights, VALUES, normals)
+    # the plain law: one wave, 1 on the star
+    wave = plain_law().waves(np.vstack([np.zeros((1, 2)), 10.0 * np.asarray(TUBE.lattice.arm_directions)]))[:, 0]
+    top = (0.1 + 0.5 * VALUES.value["kappa"][0]) * 10.0
+    cap = 2.0 * top * (1.0 - wave[1:].mean() / wave[0]) / 10.0**2
+    assert found[1] == pytest.approx(CURL * 0.4 * cap * np.array([0.36, 0.64, 0.48]))
+    assert found[[0, 2]] == pytest.approx(0.0)  # among stars, and far from all of them
+
+
+def test_the_bare_rim_lies_as_low_as_the_tips() -> None:
+    weights = sp.csr_matrix(np.array([[0.2], [1e-9]]) * np.eye(1, COUNT))
+    kappa = VALUES.value["kappa"][0]
+    heights = relief_heights(np.zeros((2, len(plain_law().waves))), VALUES, weights, np.full(2, kappa), SPACING)
+    tip = VALUES.tips[0] @ np.array([1.0, kappa])
+    assert tip < 0.0
+    assert heights == pytest.approx([0.8 * tip, 0.0], abs=1e-6)
+
+
+@pytest.mark.parametrize("pins", [[], [{"where": "border", "scale": 0.78}]])
+def test_rims_of_free_sheets_turn_down_and_those_of_held_ones_stay(
+    pins: list[dict[str, object]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    design = rectangle(pins)
+    plan = layout(design)
+    # a little inside of each side, in its middle
+    middle = 0.97 * 0.5 * (plan.border + np.roll(plan.border, -1, axis=0))
+
+    def tilt() -> np.ndarray:
+        normals = Preview(design, plain_law()).at(np.vstack([0.6 * middle, middle])).normals
+        inner, outer = np.split(normals, 2)
+        return np.asarray(np.degrees(np.arccos((inner * outer).sum(axis=1))))
+
+    curled = tilt()
+    monkeypatch.setattr(free_rim, "CURL", 0.0)
+    straight = tilt()
+    if pins:
+        assert curled == pytest.approx(straight)
+    else:
+        assert (curled - straight).mean() > 2.0
