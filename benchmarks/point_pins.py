@@ -33,18 +33,20 @@ from pattern.meshing import mesh_layout
 RADIUS, STRETCH = 60.0, 1.35
 EXACT_MM, TURNED_DEG, SHELL_MM = (2.0, 1.6, 1.2), (0.0, 11.0, 30.0, 90.0), (20.0, 30.0)
 FABRIC = Design.from_dict({"stars": {"length_mm": 1.0, "thickness_mm": 0.3}, "border": {"rings": 1}}).fabric
+KEYS = ("c", "d", "lack", "gain", "stiffer")
+STIFFER = f"stiffness, shell of {SHELL_MM[0]:.0f} mm over exact of {EXACT_MM[-1]} mm"
 
 
 def main() -> None:
     rows = [measured(angle) for angle in ANGLES_DEG]
-    lines = [[f"{row['angle_deg']:.0f}", *(f"{row[key]:.2f}" for key in ("c", "d", "lack", "gain"))] for row in rows]
-    text = markdown(["angle, deg", "exact, c", "shell, d", "d - c", "g"], lines)
+    lines = [[f"{row['angle_deg']:.0f}", *(f"{row[key]:.2f}" for key in KEYS)] for row in rows]
+    text = markdown(["angle, deg", "exact, c", "shell, d", "d - c", "g", STIFFER], lines)
     print(text)
     write_report("point_pins", rows, text)
 
 
 def measured(angle: float) -> dict[str, float]:
-    """c, d, d - c and g for one angle in degrees, means over several meshes."""
+    """c, d, d - c and g for one angle in degrees, means over several meshes; and how much stiffer the shell is."""
     meshes = [(edge, turned) for edge in EXACT_MM for turned in TURNED_DEG]
     c = np.mean([ease(exact_stiffness(angle, *mesh), angle) - np.log(RADIUS / mesh[0]) for mesh in meshes])
     d, gain = [], []
@@ -52,8 +54,9 @@ def measured(angle: float) -> dict[str, float]:
         (hard, edge), (soft, _) = (shell_stiffness(angle, size, amount) for amount in (0.0, 1.0))
         d.append(ease(hard, angle) - np.log(RADIUS / edge))
         gain.append(ease(soft, angle) - ease(hard, angle))
-    lack = float(np.mean(d) - c)
-    return {"angle_deg": angle, "c": float(c), "d": float(np.mean(d)), "lack": lack, "gain": float(np.mean(gain))}
+    found = {"angle_deg": angle, "c": float(c), "d": float(np.mean(d)), "gain": float(np.mean(gain))}
+    fine, coarse = np.log(RADIUS / EXACT_MM[-1]) + found["c"], np.log(RADIUS / SHELL_MM[0]) + found["d"]
+    return found | {"lack": found["d"] - found["c"], "stiffer": float(fine / coarse)}
 
 
 def ease(stiffness: float, angle: float) -> float:
