@@ -14,6 +14,7 @@ from discrete.contact_model import ContactModel
 from discrete.contact_prolongation import prolonged_apart
 from discrete.elements import Array
 from discrete.evidence import Equilibrium
+from discrete.extrapolation import extrapolated
 from discrete.model import Model
 from discrete.prolongation import fitted, prolonged
 from discrete.solve import Start, relax
@@ -86,9 +87,11 @@ def carried_up(
     """The equilibrium of the last model, from one of the first model through those between."""
     levels = [_level(models[0], found, found.seconds)]
     path = found.path
+    before: tuple[Model, State] | None = None
     for previous, level in pairwise(models):
         begun = time.perf_counter()
-        state = _carried(previous, found.state, level, start)
+        state = _carried(previous, found.state, level, start, before)
+        before = previous, found.state
         prepared = time.perf_counter() - begun
         found = relax(level, state, None, seed, backend, method, max_iterations, _named(report, level))
         path += found.path
@@ -112,11 +115,22 @@ def _level(model: Model, found: Equilibrium, seconds: dict[str, float]) -> Level
     return Level(model.n_vertices, *work, seconds, model.mesh.points, found.state.positions)
 
 
-def _carried(coarse: Model, state: State, fine: Model, start: Start) -> State | Start:
-    """The state on a finer mesh; where its parts cannot be kept apart there, that mesh starts from the print."""
+def _carried(
+    coarse: Model, state: State, fine: Model, start: Start, before: tuple[Model, State] | None
+) -> State | Start:
+    """The state on a finer mesh, moved on as it did from the mesh `before`.
+
+    Where its parts cannot be kept apart there, that mesh starts from the print.
+    """
     if isinstance(fine, ContactModel):
         return prolonged_apart(coarse, state, fine) or start
-    return prolonged(coarse, state, fine)
+    here = prolonged(coarse, state, fine)
+    if before is None:
+        return here
+    # an error in proportion to the edge; never further than the last move
+    edges = [1.0 / np.sqrt(m.n_vertices) for m in (before[0], coarse, fine)]
+    share = min((edges[1] - edges[2]) / (edges[0] - edges[1]), 1.0)
+    return extrapolated(fine, prolonged(*before, fine), here, share)
 
 
 def coarser(model: Model) -> list[Model]:

@@ -29,13 +29,13 @@ def fitted(model: Model, surface: Array) -> State:
     smooth = np.where(held, model.constraints.places(model.release), surface)
     length = model.parts["rod_stretch"].params[:, 1:]
     positions = model.reconstruction.fitted(smooth, length * tangents(smooth, model.edges))
-    return State(positions, _plastic_normals(model, positions))
+    return State(positions, plastic_normals(model, positions))
 
 
 def flatly_prolonged(coarse: Model, state: State, fine: Model) -> State:
     """The fine model's state on the coarse triangles themselves: parts that were apart stay apart, about."""
     positions = _interpolated(coarse, state, fine, LinearNDInterpolator)
-    return State(positions, _plastic_normals(fine, positions))
+    return State(positions, plastic_normals(fine, positions))
 
 
 def _interpolated(coarse: Model, state: State, fine: Model, interpolator: Any) -> Array:
@@ -53,7 +53,7 @@ def _lifted(points: Array) -> Array:
     return np.column_stack([points, np.zeros(len(points))])
 
 
-def _plastic_normals(model: Model, positions: Array) -> Array:
+def plastic_normals(model: Model, positions: Array) -> Array:
     """(R, 3) mean normal of the sheet along every rod edge, orthogonal to it."""
     t = tangents(positions, model.edges)
     d = vertex_normals(positions, model.mesh.triangles)[model.edges].sum(axis=1)

@@ -87,13 +87,13 @@ class Reconstruction:
 
     def moved(self, state: State, guess: Array) -> State:
         """The state with its held components as in `guess` (V, 3), everything else deformed as little as possible."""
-        f, e = self._gradients(state.positions - guess)
+        f, e = self.gradients(state.positions - guess)
         positions = guess + self.correction(f, e)
         return carried(state, self._edges, positions, np.zeros(len(e)))
 
     def fitted(self, positions: Array, edge_target: Array) -> Array:
         """(V, 3) positions with the gradients of the given ones, but rod edges like `edge_target` (R, 3)."""
-        lack = edge_target - self._gradients(positions)[1]
+        lack = edge_target - self.gradients(positions)[1]
         return positions + self.correction(np.zeros((len(self._triangles), 3, 2)), lack)
 
     def path(self, state: State, move: Array, turn: Array) -> tuple[Callable[[float], State], float]:
@@ -102,8 +102,8 @@ class Reconstruction:
         The Laplacian is solved for the difference to a straight step, which is of second order: solved for positions it
         would leave an error of 1e-10 mm, and the bending of small triangles would answer with 1e-6 N.
         """
-        f, e = self._gradients(state.positions)
-        df, de = self._gradients(move)
+        f, e = self.gradients(state.positions)
+        df, de = self.gradients(move)
         spin = triangle_spin(f, df)
         columns = f.transpose(0, 2, 1)
         rate = df.transpose(0, 2, 1) - np.cross(spin[:, None, :], columns)
@@ -122,7 +122,7 @@ class Reconstruction:
         fastest = np.sqrt(max((w**2).sum(axis=1).max(initial=0.0) for w in (spin, edge_spin)))
         return at, LARGEST_TURN / max(fastest, 1e-30)
 
-    def _gradients(self, positions: Array) -> tuple[Array, Array]:
+    def gradients(self, positions: Array) -> tuple[Array, Array]:
         """Deformation gradients (T, 3, 2) of the triangles and edge vectors (R, 3)."""
         f = np.einsum("tic,tik->tck", positions[self._triangles], self._b)
         return f, positions[self._edges[:, 1]] - positions[self._edges[:, 0]]
