@@ -2,7 +2,8 @@
 
 python -m benchmarks.profile_exact [divisions ...]
 
-The gallery's tube with so many edges between two stars (12: 6487 vertices, 16: 11719, 36: 58381).
+The gallery's tube with so many edges between two stars (12: 6487 vertices, 16: 11719, 36: 58381); 16g: graded, with
+the plate.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import sys
 from asterism.simulation import simulate
 from benchmarks.large import tube
 from benchmarks.report import markdown
+from pattern.design import Design
 
 # functions whose time, with all they call, is one row; that of the smooth surface has a reconstruction in it, with
 # its analysis and solve, and the others do not call each other
@@ -32,11 +34,22 @@ PARTS = {
 }
 
 
-def profile(divisions: int) -> tuple[int, float, dict[str, float]]:
+def design(word: str) -> Design:
+    """The tube of a word of the command line."""
+    even = tube(int(word.rstrip("g")))
+    if not word.endswith("g"):
+        return even
+    data = even.to_dict()
+    data["mesh"] |= {"graded": True}
+    data["fabric"] |= {"bending": "consistent"}
+    return Design.from_dict(data)
+
+
+def profile(word: str) -> tuple[int, float, dict[str, float]]:
     """Vertices, seconds of all, and seconds by part."""
     recorder = cProfile.Profile()
     recorder.enable()
-    summary = simulate(tube(divisions)).summary
+    summary = simulate(design(word)).summary
     recorder.disable()
     stats = pstats.Stats(recorder).stats  # type: ignore[attr-defined]
     seconds = dict.fromkeys(PARTS, 0.0)
@@ -48,8 +61,9 @@ def profile(divisions: int) -> tuple[int, float, dict[str, float]]:
 
 
 def main(words: list[str]) -> None:
-    simulate(tube(5))  # compiled loops and MKL are loaded now
-    found = [profile(int(word)) for word in words or ("12", "16", "36")]
+    for word in ("5", "5g"):
+        simulate(design(word))  # compiled loops and MKL are loaded now
+    found = [profile(word) for word in words or ("12", "16", "36")]
     header = ["seconds", *(f"{vertices} vertices" for vertices, _, _ in found)]
     rows = [[part, *(f"{seconds[part]:.2f}" for _, _, seconds in found)] for part in PARTS]
     rows.append(["whole", *(f"{wall:.2f}" for _, wall, _ in found)])
