@@ -33,7 +33,8 @@ def summary(preview: Preview, shape: Shape, mesh: Mesh, seconds: dict[str, float
     size = polygon_area(layout.border), diameter(shape.positions)
     others = other_forms(preview, size[1])
     amplitudes = amplitudes_percent(found.soft_modes, found.energy, *size)
-    forgiven = bool(layout.pins) or len(preview.symmetries) > 1
+    held = bool(layout.pins)
+    forgiven = held or len(preview.symmetries) > 1
     return {
         "model": "preview",
         "converged": found.converged,
@@ -63,7 +64,7 @@ def summary(preview: Preview, shape: Shape, mesh: Mesh, seconds: dict[str, float
         # found with three-armed stars, whose law is the same in all directions
         "expected_rms_percent": None
         if left_out(preview.design.lattice)
-        else expected_rms_percent(amplitudes, others, forgiven),
+        else expected_rms_percent(amplitudes, others, forgiven, held),
         "law_in_range": not preview.values.outside,
         "stars_outside_law": list(preview.values.outside),
         "stars_tight": list(preview.values.tight),
@@ -82,7 +83,7 @@ def summary(preview: Preview, shape: Shape, mesh: Mesh, seconds: dict[str, float
         "height_mm": shape.height_mm,
         "extent_mm": list(shape.extent_mm),
         "contraction": _contraction(preview, shape),
-        "warnings": warnings(preview, axis, another_form_is_near(amplitudes), close_form(others)),
+        "warnings": warnings(preview, axis, another_form_is_near(amplitudes, held), close_form(others)),
         "version": __version__,
         "design": preview.design.to_dict(),
     }

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize
 
-from asterism.previewing.expected import FLOOR, FORGIVEN, SHARE, TWO_WAYS
+from asterism.previewing.expected import FLOOR, FORGIVEN, SHARE, another_form_is_near
 from asterism.verification.numbers import LIKE_PERCENT
 from benchmarks.accuracy.__main__ import kept
 from benchmarks.accuracy.designs import RANDOM, designs, drawn
@@ -107,7 +107,7 @@ def fitted(rows: Sequence[Row]) -> tuple[float, float, float]:
 
     From designs within 10 % of the exact shape that are not soft in two ways, or have no symmetry to be broken.
     """
-    some = [one for one in rows if one["rms_percent"] < LIKE_PERCENT and (one["asymmetric"] or _second(one) < TWO_WAYS)]
+    some = [one for one in rows if one["rms_percent"] < LIKE_PERCENT and (one["asymmetric"] or not _two_ways(one))]
     size, asymmetric = (np.array([one[name] for one in some]) for name in ("amplitude", "asymmetric"))
     distance = np.log([one["rms_percent"] for one in some])
 
@@ -131,8 +131,8 @@ def _near(one: Row, fit: tuple[float, float, float]) -> float:
     return float(np.hypot(fit[0], (fit[1] if one["asymmetric"] else fit[2]) * one["amplitude"]))
 
 
-def _second(one: Row) -> float:
-    return float(one["preview"]["soft_amplitudes_percent"][1])
+def _two_ways(one: Row) -> bool:
+    return another_form_is_near(one["preview"]["soft_amplitudes_percent"], bool(one["design"].get("pins")))
 
 
 def _goodness(rows: Sequence[Row]) -> list[str]:

@@ -35,6 +35,12 @@ def test_one_soft_motion_is_forgiven():
     assert two > 2.0 * one
 
 
+def test_held_sheets_take_less_to_have_another_form():
+    edges = np.array([16.0, 15.0, 15.0])
+    assert another_form_is_near(edges, held=True) and not another_form_is_near(edges)
+    assert expected_rms_percent(edges, forgiven=True, held=True) > 2.0 * expected_rms_percent(edges, forgiven=True)
+
+
 def test_nothing_is_expected_of_what_is_not_stable():
     assert expected_rms_percent(np.empty(0)) is None
     assert not another_form_is_near(np.empty(0))
