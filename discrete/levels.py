@@ -12,6 +12,7 @@ import numpy as np
 
 from discrete.contact_model import ContactModel
 from discrete.contact_prolongation import prolonged_apart
+from discrete.creases import creases
 from discrete.elements import Array
 from discrete.evidence import Equilibrium
 from discrete.extrapolation import extrapolated
@@ -125,7 +126,7 @@ def _carried(
     if isinstance(fine, ContactModel):
         return prolonged_apart(coarse, state, fine) or start
     here = prolonged(coarse, state, fine)
-    if before is None:
+    if before is None or creases(coarse, state).resolved:  # what moves a sheet from mesh to mesh ends there
         return here
     # an error in proportion to the edge; never further than the last move
     edges = [1.0 / np.sqrt(m.n_vertices) for m in (before[0], coarse, fine)]
