@@ -1,13 +1,14 @@
 """What an equilibrium does when fields, loads or conditions change a little: one solve with the factor at hand.
 
 The factor holds the exact Hessian of the old equilibrium, as `fem.solve.relax` and `follow` leave it. The answer is the
-first step of Newton's method with mixed points, so `follow(shell, *response, ...)` goes on from it: an edit costs one
+first step of Newton's method with mixed points, so `follow` goes on from its x and strains: an edit costs one
 iteration less than it would.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -16,11 +17,24 @@ from fem.shell import Shell
 from fem.tabulation import Floats
 
 
-class Response(NamedTuple):
-    """Positions x (N, 3) and strains (T, Q, 6) after the change, to first order."""
+@dataclass(frozen=True)
+class Response:
+    """An equilibrium after the change, to first order.
+
+    Attributes
+    ----------
+    x : (N, 3).
+    """
 
     x: Floats
-    strains: Floats
+    _shell: Shell
+    _start: Floats
+    _before: Floats
+
+    @cached_property
+    def strains(self) -> Floats:
+        """(T, Q, 6); whoever shows x does not wait for them."""
+        return self._before + self._shell.assembly.strain_changes(self._start, self.x - self._start)
 
 
 def linear_response(shell: Shell, x: Floats, factor: Factor) -> Response:
@@ -36,5 +50,4 @@ def linear_response(shell: Shell, x: Floats, factor: Factor) -> Response:
     step = -factor.solve(gradient)
     modes = shell.rigid_modes(start)
     step = step - modes @ (modes.T @ step)
-    move = shell.move(np.zeros_like(start), step)
-    return Response(start + move, strains + shell.assembly.strain_changes(start, move))
+    return Response(start + shell.move(np.zeros_like(start), step), shell, start, strains)
