@@ -27,8 +27,9 @@ from fem.tabulation import Floats, Ints
 
 FIRST_SHIFT = 1e-4  # part of the flat stiffness added to a matrix that is not positive definite
 LAST_SHIFT = 1e4
-# a step that leaves less of the residual, and is shorter than this part of the size, is followed by one with its factor
-AGAIN, NEAR = 0.03, 1e-3
+# a step that leaves less of the residual, and so many tolerances at most, and is shorter than this part of the size, is
+# followed by one with its factor
+AGAIN, NEARLY, NEAR = 0.03, 3e3, 1e-3
 FAR = 0.15  # of the sheet's size: a step beyond it is shortened
 TURNED = 0.05  # of the sheet's size: after such moves other unknowns may have to stop the rigid motions
 
@@ -95,7 +96,7 @@ def mixed_newton(
         found.converged = found.residual <= tolerance
         if found.converged or number == max_iterations or not np.isfinite(found.residual):
             break
-        if shift > 0.0 or found.residual > AGAIN * before or reach > NEAR * size:
+        if shift > 0.0 or found.residual > min(AGAIN * before, NEARLY * tolerance) or reach > NEAR * size:
             data = clock("tangent", shell.tangent, found.x, stiffness, stress)
             if number == 0 or moved > TURNED * size or not shell.floats:
                 support, moved = clock("support", shell.support, found.x), 0.0
