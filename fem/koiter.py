@@ -134,20 +134,29 @@ def strain_changes(table, dofs, x, move, out):  # type: ignore[no-untyped-def]
 @loop
 def forces(table, dofs, weights, x, stress, out):  # type: ignore[no-untyped-def]
     """out (N, 3): derivative by x of the integral of stress (T, Q, 6) by e; added to what is there."""
+    m = dofs.shape[1]
     jet, dual, n, rows, pull = np.empty((5, 3)), np.empty((2, 3)), np.empty(3), np.empty((6, 15)), np.empty(15)
+    own = np.empty((3, m))
     for t in range(table.shape[0]):
+        own[:] = 0.0
         for q in range(table.shape[1]):
-            jet_of(table[t, q], x, dofs[t], jet)
+            basis = table[t, q]
+            jet_of(basis, x, dofs[t], jet)
             frame_of(jet, dual, n)
             strain_rows(jet, dual, n, rows)
             for i in range(15):
                 pull[i] = 0.0
                 for k in range(6):
                     pull[i] += weights[t, q] * stress[t, q, k] * rows[k, i]
-            for i in range(dofs.shape[1]):
-                for a in range(5):
-                    for c in range(3):
-                        out[dofs[t, i], c] += table[t, q, a, i] * pull[3 * a + c]
+            b0, b1, b2, b3, b4 = basis[0], basis[1], basis[2], basis[3], basis[4]
+            for c in range(3):
+                line = own[c]
+                p0, p1, p2, p3, p4 = pull[c], pull[3 + c], pull[6 + c], pull[9 + c], pull[12 + c]
+                for i in range(m):
+                    line[i] += p0 * b0[i] + p1 * b1[i] + p2 * b2[i] + p3 * b3[i] + p4 * b4[i]
+        for i in range(m):
+            for c in range(3):
+                out[dofs[t, i], c] += own[c, i]
 
 
 @loop

@@ -33,6 +33,14 @@ def admissible_motions(x: Floats, shifts: Floats, columns: sp.csr_matrix, free: 
     return reduced @ rows[blocked < 1e-9 * np.sqrt(x.size)].T
 
 
+def spread(points: Floats) -> bool:
+    """Whether points (n, 3) are not all on one line: holding them stops every rigid motion."""
+    if len(points) < 3:
+        return False
+    sizes = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    return bool(sizes[1] > 1e-3 * sizes[0])
+
+
 def costless(motions: Floats, stiffness: Floats, push: Floats, least: float) -> Floats:
     """(n, k) orthonormal motions among orthonormal ones (n, j) that nothing pushes along and nothing resists.
 

@@ -19,7 +19,7 @@ from fem.fields import Fields
 from fem.plain_maps import constant, flat_positions
 from fem.pulling import pulling
 from fem.reduced import Reduced
-from fem.rigid import admissible_motions, costless
+from fem.rigid import admissible_motions, costless, spread
 from fem.space import Space
 from fem.tabulation import Floats, Ints
 
@@ -216,6 +216,8 @@ class Shell:
 
     def rigid_modes(self, x: Floats) -> Floats:
         """(n, k) orthonormal rigid motions that the conditions leave free, and that cost nothing."""
+        if spread(x[self.held_points]):
+            return np.empty((self.pattern.size, 0))
         motions = np.linalg.qr(admissible_motions(x, self._shifts, self.reduction.map, self.reduction.free))[0]
         if motions.shape[1] == 0 or self.floats:
             return motions

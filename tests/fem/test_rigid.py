@@ -12,6 +12,7 @@ from fem.density import Density, isotropic
 from fem.fields import Fields
 from fem.loads import area_load
 from fem.mixed_newton import mixed_newton
+from fem.rigid import spread
 from fem.shell import Shell
 from fem.solve import follow
 from fem.tabulation import Floats
@@ -65,3 +66,14 @@ def test_pins_stop_motions_one_by_one(pins: int, left: int) -> None:
     assert modes.shape[1] == left
     assert len(shell.support(shell.flat)) == left
     assert np.allclose(modes.T @ modes, np.eye(left))
+
+
+def test_points_beside_a_line_stop_every_motion() -> None:
+    """On one line they leave the turn about it."""
+    mesh = rectangle(4, 2, 10.0, 2.0)
+    for places, free in (([[0.0, 0.0], [5.0, 0.0], [10.0, 0.0]], 1), ([[0.0, 0.0], [5.0, 2.0], [10.0, 0.0]], 0)):
+        at = np.array(places)
+        pins = HeldPoints(vertices_at(mesh, at), np.column_stack([at, np.zeros(3)]))
+        shell = Shell(Argyris(mesh), Fields(Density(isotropic(100.0, 50.0, 0.3))), [pins])
+        assert spread(shell.flat[shell.held_points]) == (free == 0)
+        assert shell.rigid_modes(shell.flat).shape == (shell.pattern.size, free)
