@@ -17,6 +17,7 @@ import scipy.sparse as sp
 
 from asterism.previewing.star_values import StarValues
 from pattern.layout import Floats, Layout
+from pattern.planar import distance_to_segment
 
 # curvature of bare fabric over that of the bumps beside it. Shares are smoothed, and less than half of the outline is
 # bare: more than 1 it must be. With 3 to 4 previews are nearest to the exact model
@@ -27,17 +28,10 @@ ALONE = 0.02
 
 def free_normals(layout: Layout, points: Floats) -> Floats:
     """(n, 2) unit normals of the sides nearest to printed points (n, 2) mm; zero where that side is held."""
-    start = layout.border
-    along = np.roll(start, -1, axis=0) - start
-    length = np.linalg.norm(along, axis=1)
-    nearest, least = np.zeros(len(points), dtype=np.int64), np.full(len(points), np.inf)
-    for side in range(len(start)):
-        offset = points - start[side]
-        part = np.clip(offset @ along[side] / length[side] ** 2, 0.0, 1.0)
-        distance = np.linalg.norm(offset - part[:, None] * along[side], axis=1)
-        closer = distance < least
-        nearest[closer], least[closer] = side, distance[closer]
-    normal = np.column_stack([along[:, 1], -along[:, 0]]) / length[:, None]
+    start, end = layout.border, np.roll(layout.border, -1, axis=0)
+    along = end - start
+    nearest = distance_to_segment(points[:, None], start, end).argmin(axis=1)
+    normal = np.column_stack([along[:, 1], -along[:, 0]]) / np.linalg.norm(along, axis=1)[:, None]
     normal[[edge for pin in layout.pins for edge in pin.edges]] = 0.0
     return np.asarray(normal[nearest])
 
