@@ -17,19 +17,22 @@ STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; color: #26262b; background: #fff; max-width: 1080px; margin: 2.5rem auto;
        padding: 0 1.5rem; }
 h1 { font-size: 1.7rem; margin: 0 0 .2rem; } h2 { font-size: 1.15rem; margin: 2.2rem 0 .6rem; }
-.lead { color: #7a7a82; margin: 0 0 1.4rem; }
-.tiles { display: flex; flex-wrap: wrap; gap: .8rem; margin: 1rem 0; }
-.tile { flex: 1 1 9rem; background: #f4f3ef; border-radius: 8px; padding: .7rem .9rem; }
+.lead { font-size: 1.1rem; margin: 0 0 1.2rem; }
+.small { color: #62626a; font-size: .9rem; max-width: 52rem; }
+.tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(9.5rem, 1fr)); gap: .8rem; margin: 1rem 0; }
+.tile { background: #f4f3ef; border-radius: 8px; padding: .7rem .9rem; }
 .tile b { display: block; font-size: 1.5rem; font-weight: 600; } .tile span { color: #62626a; font-size: .85rem; }
 .row { display: flex; flex-wrap: wrap; gap: 1rem; align-items: flex-end; }
 figure { flex: 1 1 300px; margin: 0; } figure img { width: 100%; height: auto; display: block; }
 figcaption { color: #62626a; font-size: .85rem; margin-top: .3rem; }
 .good { color: #2a6f3c; } .bad { color: #a3361f; }
-ul.warnings { background: #fdf3e7; border-left: 4px solid #ed7829; margin: 1rem 0; padding: .6rem 1rem .6rem 2rem; }
+.warnings { background: #fdf3e7; border-left: 4px solid #ed7829; margin: 1rem 0; padding: .6rem 1rem; }
+.warnings ul { margin: .2rem 0 0; padding-left: 1.2rem; }
+.wide { overflow-x: auto; }
 table { border-collapse: collapse; margin: .4rem 0; font-variant-numeric: tabular-nums; }
 th, td { text-align: left; padding: .22rem 1.2rem .22rem 0; border-bottom: 1px solid #e8e6e0; vertical-align: top; }
 td.n, th.n { text-align: right; } th { font-weight: 600; }
-td { overflow-wrap: anywhere; }
+td { overflow-wrap: anywhere; } td.n, td:first-child { overflow-wrap: normal; }
 footer { color: #7a7a82; font-size: .85rem; margin: 2.5rem 0 1rem; }
 """
 
@@ -45,14 +48,15 @@ def page(title: str, parts: Sequence[str]) -> str:
     )
 
 
-def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Text in the first column, numbers to the right in the others."""
+def table(header: Sequence[str], rows: Sequence[Sequence[str]], numbers: bool = True) -> str:
+    """Text in the first column; numbers, to the right, in the others, or text there too."""
 
     def line(cells: Sequence[str], tag: str) -> str:
-        kinds = ["", *([' class="n"'] * (len(cells) - 1))]
+        kinds = ["", *([' class="n"' if numbers else ""] * (len(cells) - 1))]
         return "<tr>" + "".join(f"<{tag}{k}>{escape(c)}</{tag}>" for k, c in zip(kinds, cells, strict=True)) + "</tr>"
 
-    return "<table>\n" + "\n".join([line(header, "th"), *(line(row, "td") for row in rows)]) + "\n</table>"
+    lines = [line(header, "th"), *(line(row, "td") for row in rows)]
+    return '<div class="wide"><table>\n' + "\n".join(lines) + "\n</table></div>"
 
 
 def tiles(values: Mapping[str, str]) -> str:

@@ -39,16 +39,14 @@ def distance_map(comparison: Comparison) -> bytes:
 
 def profiles(comparison: Comparison) -> bytes:
     """PNG: two cuts through the middle of the print, along it and across, each seen in its own plane."""
-    figure = Figure(figsize=(10.0, 3.6), dpi=130, layout="constrained")
+    curves = {name: _in_plane(*cut(comparison, way)) for name, way in directions(comparison).items()}
+    tallest = max(float(np.divide(*np.ptp(np.concatenate(pair), axis=0)[::-1])) for pair in curves.values())
+    # flat cuts leave no empty paper
+    figure = Figure(figsize=(10.0, float(np.clip(1.3 + 4.4 * tallest, 2.0, 4.6))), dpi=130, layout="constrained")
     FigureCanvasAgg(figure)
-    for axes, (name, direction) in zip(figure.subplots(1, 2), directions(comparison).items(), strict=True):
-        exact, preview = cut(comparison, direction)
-        plane = _plane(exact)
-        for curve, style, colour, label in (
-            (exact, "-", BLUE, "exact"),
-            (preview, "-", ORANGE, "preview"),
-        ):
-            axes.plot(*((curve - exact.mean(axis=0)) @ plane.T).T, style, color=colour, label=label, linewidth=1.6)
+    for axes, (name, pair) in zip(figure.subplots(1, 2), curves.items(), strict=True):
+        for curve, colour, label in zip(pair, (BLUE, ORANGE), ("exact", "preview"), strict=True):
+            axes.plot(*curve.T, color=colour, label=label, linewidth=1.6)
         axes.set(aspect="equal", title=name, xlabel="mm", ylabel="mm")
         axes.grid(color="0.92")
     figure.legend(*figure.axes[0].get_legend_handles_labels(), frameon=False, loc="outside upper center", ncols=2)
@@ -81,6 +79,12 @@ def _ends(border: Floats, middle: Floats, direction: Floats) -> tuple[float, flo
     way = gap[crossing] / (gap[crossing] - after[crossing])
     at = along[crossing] + way * (beyond - along)[crossing]
     return INSIDE * float(at[at < 0.0].max()), INSIDE * float(at[at > 0.0].min())
+
+
+def _in_plane(exact: Floats, preview: Floats) -> tuple[Floats, Floats]:
+    """(n, 2) mm, both curves in the plane nearest to the exact one, seen from its middle."""
+    plane, middle = _plane(exact), exact.mean(axis=0)
+    return (exact - middle) @ plane.T, (preview - middle) @ plane.T
 
 
 def _plane(curve: Floats) -> Floats:

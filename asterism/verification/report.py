@@ -7,11 +7,13 @@ from collections.abc import Mapping
 from html import escape
 from typing import Any
 
+from asterism.mesh_error import in_words
 from asterism.verification.html import figures, page, png, table, tiles
 from asterism.verification.plots import distance_map, profiles
 from asterism.verification.run import PREVIEW, RELEASE, Verification
 from asterism.verification.views import views
 
+MINIMA = ["exact model", "energy, N mm", "stars up", "certain to stay", "from the preview", "iterations"]
 NAMES = {RELEASE: "released from the flat print", PREVIEW: "started from the preview"}
 
 
@@ -22,19 +24,20 @@ def report(found: Verification) -> str:
         f"<h1>{escape(name)}</h1>",
         f'<p class="lead">{_verdict(s)}</p>',
         tiles(_headline(s)),
+        f'<p class="small">{_how(s)}</p>',
         _warnings(s["warnings"]),
         *_pictures(found),
         "<h2>Numbers</h2>",
         table(["", "exact", "preview", "difference"], _numbers(s)),
+        f"<p>Mesh error of the exact shape: {escape(in_words(s['exact']))}.</p>",
         "<h2>Minima seen</h2>",
-        table(["exact model", "energy, N mm", "stars up", "minimum", "preview is away", "iterations"], _minima(s)),
+        table(MINIMA, _minima(s)),
         f"<p>{_agreement(s)}</p>",
         "<h2>Seconds</h2>",
         table(["", "s"], _seconds(s)),
         "<h2>The design</h2>",
-        table(["", "as it was computed, with defaults"], _design(s["design"])),
-        f"<footer>asterism {escape(s['version'])}. Distances are between the same printed points, after the best rigid "
-        "motion, in % of the exact shape's diameter. Surfaces are compared by their means over a star's cell.</footer>",
+        table(["", "as it was computed, with defaults"], _design(s["design"]), numbers=False),
+        f"<footer>asterism {escape(s['version'])}</footer>",
     ]
     return page(f"{name}: preview and exact model", parts)
 
@@ -42,8 +45,19 @@ def report(found: Verification) -> str:
 def _verdict(s: Mapping[str, Any]) -> str:
     branch = "the same form" if s["same_branch"] else '<span class="bad">another form</span>'
     expected = s["expected_rms_percent"]
-    told = "" if expected is None else f", and had expected to be {expected:.1f} % off"
-    return f"The preview shows {branch} as the exact model, {s['rms_percent']:.2f} % of the diameter away{told}."
+    told = "" if expected is None else f" It had expected {expected:.1f} %."
+    distance = f"{s['rms_percent']:.2f} % of its diameter ({s['rms_percent'] * s['diameter_mm'] / 100.0:.2g} mm)"
+    return f"The preview shows {branch} as the exact model, {distance} away.{told}"
+
+
+def _how(s: Mapping[str, Any]) -> str:
+    """What is measured, for those who have not read the documentation."""
+    return (
+        "Distances are between the places of the same printed points, after the preview has been turned and shifted "
+        f"onto the exact shape. Per cent are of the exact shape's diameter, {s['diameter_mm']:.0f} mm from end to end. "
+        "Surfaces are compared without the stars' bumps (means over the cell of a star), star centres with them. "
+        "rms: root mean square."
+    )
 
 
 def _headline(s: Mapping[str, Any]) -> dict[str, str]:
@@ -52,17 +66,20 @@ def _headline(s: Mapping[str, Any]) -> dict[str, str]:
         "distance of the surfaces, rms": _percent(s["rms_percent"], 2),
         "largest distance": _percent(s["max_percent"], 1),
         "distance of star centres, rms": _percent(s["rms_stars_percent"], 2),
-        "height": _signed(s["height_error_percent"]),
-        **({} if radius is None else {"radius of the roll": _signed(radius)}),
-        "the exact model's mesh error": "not known" if mesh is None else _percent(mesh, 1),
-        "the exact model, from the next coarser mesh": _percent(s["mesh_change_percent"], 1),
+        "height of the preview, against the exact one": _signed(s["height_error_percent"]),
+        **({} if radius is None else {"radius of the preview's roll, against the exact one": _signed(radius)}),
+        **(
+            {"the exact shape, from that on a coarser mesh": _percent(s["mesh_change_percent"], 1)}
+            if mesh is None
+            else {"the exact model's own mesh error": _percent(mesh, 1)}
+        ),
         "faster than the exact model": f"{s['speedup']:.0f} ×",
     }
 
 
 def _warnings(lines: list[str]) -> str:
     each = "".join(f"<li>{escape(line)}</li>" for line in lines)
-    return f'<ul class="warnings">{each}</ul>' if lines else ""
+    return f'<div class="warnings"><b>Before you trust these numbers</b><ul>{each}</ul></div>' if lines else ""
 
 
 def _pictures(found: Verification) -> list[str]:
@@ -99,14 +116,16 @@ def _numbers(s: Mapping[str, Any]) -> list[list[str]]:
         cm3 = [volume / 1000.0 for volume in s["volumes_mm3"]]
         rows.append(["volume under the sheet, cm³", *_pair(cm3, 2), _signed(s["volume_error_percent"])])
     axes = ["-" if axis is None else f"{axis:.0f}" for axis in s["roll_axes_deg"]]
+    if axes != ["-", "-"]:
+        rows.append(["axis of the roll on the print, deg", *axes, ""])
     return [
         *rows,
-        ["axis of the roll on the print, deg", *axes, ""],
         ["normals, rms", "", "", f"{s['normals_rms_deg']:.1f}°"],
         ["surface, rms", "", "", _percent(s["rms_percent"], 2)],
         ["surface, largest", "", "", _percent(s["max_percent"], 2)],
         ["star centres, rms", "", "", _percent(s["rms_stars_percent"], 2)],
         ["star centres, largest", "", "", _percent(s["max_stars_percent"], 2)],
+        ["surface, rms, as the preview expected", "", "", _percent(s["expected_rms_percent"], 2)],
         ["diameter, mm", f"{s['diameter_mm']:.1f}", "", ""],
     ]
 
@@ -128,7 +147,8 @@ def _minima(s: Mapping[str, Any]) -> list[list[str]]:
 def _agreement(s: Mapping[str, Any]) -> str:
     if s["starts_agree"]:
         return "Both starts end in the same minimum."
-    return f"The two starts end in different minima, {s['starts_distance_percent']:.1f} % of the diameter apart."
+    apart = f"{s['starts_distance_percent']:.1f} % of the diameter apart"
+    return f"The two starts end in different minima, {apart}. The certain one of lower energy counts."
 
 
 def _seconds(s: Mapping[str, Any]) -> list[list[str]]:

@@ -142,11 +142,7 @@ def _summary(found: Verification, between: Comparison, seconds: dict[str, float]
         "starts_agree": between.rms_percent < SAME_PERCENT and ups[0] == ups[1],
         "starts_distance_percent": between.rms_percent,
         "starts": {
-            name: numbers(found.comparisons[name])
-            | {
-                key: shape.summary[key]
-                for key in ("energy_n_mm", "is_minimum", "stars_up", "iterations", "factorisations")
-            }
+            name: numbers(found.comparisons[name]) | {key: shape.summary[key] for key in KEPT}
             for name, shape in found.exact.items()
         },
         "warnings": warnings(found),
@@ -171,7 +167,7 @@ def warnings(found: Verification) -> list[str]:
     if edges[0] is not None and not 1.0 / ALIKE < edges[0] / edges[1] < ALIKE:
         lines.append(
             f"the law was made with edges of {edges[0]:g} mm, the exact model's are {edges[1]:g} mm: part of the "
-            f"distance is the mesh's, --edge {edges[0]:g} makes them alike"
+            f"distance is the mesh's, asterism verify --edge {edges[0]:g} makes them alike"
         )
     error, change = exact["mesh_error_percent"], exact.get("mesh_change_percent")
     distance = found.comparison.rms_percent

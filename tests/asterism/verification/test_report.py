@@ -78,6 +78,15 @@ def test_page_needs_nothing_else(folder):
     assert text.count("data:image/png;base64,") == 8
 
 
+def test_page_says_what_counts(found, folder):
+    """Distance in mm too, what the preview expected, and what is to be known before."""
+    s, text = found.summary, (folder / "report.html").read_text(encoding="utf-8")
+    assert f"({s['rms_percent'] * s['diameter_mm'] / 100:.2g} mm) away" in text
+    assert "<li>a star is beyond the law&#x27;s range</li>" in text
+    released = s["starts"]["release"]
+    assert f'<td class="n">{released["energy_n_mm"]:.4f}</td>' in text and "from end to end" in text
+
+
 @pytest.mark.skipif(browser() is None, reason="no Chromium, Chrome or Edge on this machine")
 def test_page_in_a_browser(folder, tmp_path):
     """Every picture is decoded and as large as it should be, nothing sticks out, and the page is not blank."""
@@ -92,9 +101,11 @@ def test_page_in_a_browser(folder, tmp_path):
         assert band.min() < 120 and band.max() > 250
     _ask(page, "[document.title, document.images.length, [...document.images].every(i => i.naturalWidth > 200), "
                "document.documentElement.scrollWidth <= innerWidth]")  # fmt: skip
-    answer = json.loads(re.search("ANSWER(.*?)REWSNA", opened(page, tmp_path / "profile", "--dump-dom"))[1])
     title = f"{NAME}: preview and exact model"
-    assert answer == [title.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;"), 8, True, True]
+    for width in (1200, 500):  # a desk, a phone
+        text = opened(page, tmp_path / "profile", "--dump-dom", f"--window-size={width},900")
+        answer = json.loads(re.search("ANSWER(.*?)REWSNA", text)[1])
+        assert answer == [title.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;"), 8, True, True]
 
 
 def _ask(page: Path, question: str) -> None:
