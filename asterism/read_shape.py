@@ -12,6 +12,7 @@ import meshio
 import numpy as np
 from scipy.spatial import cKDTree
 
+from asterism.results import VERIFICATION
 from asterism.shape import Shape
 from pattern.errors import DesignError
 from pattern.layout import Floats, Ints
@@ -20,7 +21,7 @@ from pattern.layout import Floats, Ints
 def read_shape(path: str | Path) -> Shape:
     """The shape in a result's directory, or in a `.vtu` file of one.
 
-    Without rods.vtu it has no arms, without summary.json no summary.
+    Without rods.vtu it has no arms; without summary.json, or with that of a verification, no summary.
 
     Raises
     ------
@@ -99,4 +100,4 @@ def _summary(path: Path) -> dict[str, Any]:
         summary = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise DesignError("", f"cannot be read as JSON: {error}", file=path) from None
-    return summary if isinstance(summary, dict) else {}
+    return summary if isinstance(summary, dict) and summary.get("model") != VERIFICATION else {}

@@ -12,6 +12,7 @@ from asterism.files import LAST, staged
 from asterism.picture import draw
 from asterism.shape import Shape
 
+VERIFICATION = "verification"  # the `model` of a summary that is of two shapes
 # files of further minima: those of an earlier run would be taken for this one's
 MINIMUM = r"minimum-\d+\.(vtu|png)"
 

@@ -13,7 +13,7 @@ import typer
 def verify(
     design: Annotated[Path, typer.Argument(help="The design file (.toml or .json).")],
     output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Directory of the report (design's name).")
+        Path | None, typer.Option("-o", "--output", help="Directory of the report (DESIGN-verified).")
     ] = None,
     law: Annotated[Path | None, typer.Option(help="The law's file (.npz); none: the paper's material.")] = None,
     edge: Annotated[
@@ -36,10 +36,13 @@ def verify(
     from asterism.progress import Progress
     from asterism.verification.results import write_verification
     from asterism.verification.run import verify as run
+    from equilibrium.factor import check_backend
     from pattern.design import load_design
 
     plan = changed(with_material(load_design(design), material), {"--edge": ("mesh.edge_mm", edge)})
-    directory = output or design.with_suffix("")
+    check_backend(backend)
+    # simulate and preview write to the design's name, and a summary belongs to the files beside it
+    directory = output or design.with_name(f"{design.stem}-verified")
     check_writable(directory)
     sheet = law_for(plan, law, design, material)  # before anything takes time
     progress = Progress()

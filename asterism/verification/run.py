@@ -10,6 +10,7 @@ from typing import Any
 
 from asterism import __version__
 from asterism.previewing.run import preview
+from asterism.results import VERIFICATION
 from asterism.shape import Shape
 from asterism.simulation import Say, simulate
 from asterism.verification.comparison import Comparison, compare
@@ -130,6 +131,7 @@ def _summary(found: Verification, between: Comparison, seconds: dict[str, float]
     near = nearer or between.rms_percent < FORM_PERCENT
     ups = [shape.summary["stars_up"] for shape in found.exact.values()]
     return {
+        "model": VERIFICATION,
         **numbers(found.comparison),
         "same_branch": bool(near and alike(found.comparison)),
         "speedup": seconds["exact_s"] / seconds["preview_again_s"],

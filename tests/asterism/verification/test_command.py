@@ -22,16 +22,16 @@ edge_mm = 3.5
 def test_verify_writes_a_report_and_a_table(tmp_path: Path) -> None:
     (tmp_path / "d.toml").write_text(SEVEN)
     (tmp_path / "law.npz").write_bytes(to_bytes(plain_law()))
-    result = run("verify", "d.toml", "--law", "law.npz", "-o", "out", cwd=tmp_path)
+    result = run("verify", "d.toml", "--law", "law.npz", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     assert "% of the diameter rms" in result.stdout and "same form" in result.stdout
     # what is seen while waiting
     said = ("preview done in", "released from the flat print", "started from the preview", "comparing", "report")
     assert [result.stderr.index(text) for text in said] == sorted(result.stderr.index(text) for text in said)
-    assert sorted(file.name for file in (tmp_path / "out").iterdir()) == [
+    assert sorted(file.name for file in (tmp_path / "d-verified").iterdir()) == [
         "exact.vtu", "preview.vtu", "report.html", "summary.json",
     ]  # fmt: skip
-    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    summary = json.loads((tmp_path / "d-verified" / "summary.json").read_text())
     assert summary["preview"]["model"] == "preview" and summary["exact"]["is_minimum"]
     assert 0.0 < summary["rms_percent"] < 30.0
 
@@ -41,6 +41,7 @@ def test_mistakes_are_one_line_and_leave_nothing(tmp_path: Path) -> None:
     (tmp_path / "not.npz").write_text("a law?")
     assert "not.npz" in mistake(run("verify", "d.toml", "--law", "not.npz", cwd=tmp_path))
     assert "no.toml" in mistake(run("verify", "no.toml", cwd=tmp_path))
+    assert "backend: 'none'" in mistake(run("verify", "d.toml", "--backend", "none", cwd=tmp_path))
     assert "--edge" in mistake(run("verify", "d.toml", "--edge", "1000", cwd=tmp_path))
     (tmp_path / "other.toml").write_text(SEVEN + "[plastic]\nmodulus_ratio = 100.0\n")
     assert "modulus_ratio" in mistake(run("verify", "other.toml", cwd=tmp_path))

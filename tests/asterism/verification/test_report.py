@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from asterism.read_shape import read_shape
+from asterism.results import write_results
 from asterism.simulation import simulate
 from asterism.verification.results import write_verification
 from asterism.verification.run import Verification, verify
@@ -67,6 +69,14 @@ def test_files(found, folder):
     # the preview is laid on the exact shape
     assert np.abs(exact.mean(axis=0) - preview.mean(axis=0)).max() < 1.0
     assert np.abs(np.ptp(exact, axis=0) - np.ptp(preview, axis=0)).max() < 2.0
+
+
+def test_another_result_in_its_folder_is_not_taken_for_a_verified_one(found, tmp_path):
+    """`asterism report` must not say of any shape what a verification's summary says of two."""
+    write_results(found.exact["release"], tmp_path)
+    assert read_shape(tmp_path).summary["is_minimum"]
+    write_verification(found, tmp_path)
+    assert read_shape(tmp_path).summary == {}
 
 
 def test_page_needs_nothing_else(folder):
