@@ -163,8 +163,9 @@ def warnings(found: Verification) -> list[str]:
         lines.append("the exact shape is not certified to be a minimum")
     if exact["self_intersections"]:
         lines.append(f"the exact sheet passes through itself ({exact['self_intersections']} pairs of triangles)")
-    if exact["stars_up"] < exact["stars_total"]:
-        lines.append(f"{exact['stars_total'] - exact['stars_up']} stars of the exact shape are down")
+    if down := exact["stars_down"]:
+        few = ", ".join(map(str, down[:8])) + (", ..." if len(down) > 8 else "")
+        lines.append(f"{len(down)} of {exact['stars_total']} stars of the exact shape bump down: stars {few}")
     edges = found.preview.summary.get("law", {}).get("edge_mm"), exact["edge_mm"]
     if edges[0] is not None and not 1.0 / ALIKE < edges[0] / edges[1] < ALIKE:
         lines.append(

@@ -16,7 +16,7 @@ from asterism.read_shape import read_shape
 from asterism.results import write_results
 from asterism.simulation import simulate
 from asterism.verification.results import write_verification
-from asterism.verification.run import Verification, verify
+from asterism.verification.run import Verification, verify, warnings
 from pattern.design import Design
 from tests.asterism.verification.browser import browser, opened
 from tests.asterism.verification.printed import design
@@ -60,6 +60,15 @@ def test_summary(found):
     assert s["starts"]["preview"]["iterations"] < 0.5 * s["starts"]["release"]["iterations"]
     assert s["warnings"][0] == "a star is beyond the law's range"
     assert s["preview"] and s["design"]["name"] == NAME
+
+
+def test_stars_that_bump_down_are_named(found):
+    exact = {
+        name: replace(shape, summary={**shape.summary, "stars_down": [2, 5], "stars_up": 5})
+        for name, shape in found.exact.items()
+    }
+    assert "2 of 7 stars of the exact shape bump down: stars 2, 5" in warnings(replace(found, exact=exact))
+    assert not any("down" in line for line in warnings(found))
 
 
 def test_files(found, folder):
