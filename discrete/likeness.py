@@ -59,7 +59,7 @@ def rolled_about(layout: Layout, normal: Array) -> float | None:
     pairs = np.concatenate([layout.neighbours, layout.neighbours[:, ::-1]])
     step = layout.centres[pairs[:, 1]] - layout.centres[pairs[:, 0]]
     change = normal[pairs[:, 1]] - normal[pairs[:, 0]]
-    spacing = float(np.linalg.norm(layout.lattice_vectors, axis=1).min())
+    spacing = layout.spacing_mm
     total, fitted = np.zeros((2, 2)), 0
     for star in range(len(layout.centres)):
         own = pairs[:, 0] == star

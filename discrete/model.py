@@ -118,7 +118,7 @@ class Model(System):
     @property
     def spacing(self) -> float:
         """mm, nearest distance of two stars of the lattice."""
-        return float(np.linalg.norm(self.layout.lattice_vectors, axis=1).min())
+        return self.layout.spacing_mm
 
     def flat_state(self) -> State:
         """The print as it lies: flat, plastic up, held vertices at their places for the present progress."""

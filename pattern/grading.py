@@ -31,7 +31,7 @@ class Grading:
     @classmethod
     def of(cls, layout: Layout) -> Grading:
         """For all arms of a layout."""
-        spacing = float(np.linalg.norm(layout.lattice_vectors, axis=1).min())
+        spacing = layout.spacing_mm
         start, step = layout.centres[layout.arm_star], layout.arm_tip - layout.centres[layout.arm_star]
         longest = float(layout.arm_length.max(initial=0.0))
         along = np.linspace(0.0, 1.0, max(int(np.ceil(SAMPLES * longest / spacing)), 1) + 1)

@@ -83,6 +83,11 @@ class Layout:
         return tuple(sorted({0, *(pin.step for pin in self.pins)}))
 
     @property
+    def spacing_mm(self) -> float:
+        """Of the stars: the shorter of the lattice's vectors."""
+        return float(np.linalg.norm(self.lattice_vectors, axis=1).min())
+
+    @property
     def arm_length(self) -> Floats:
         """(A,) mm."""
         return np.linalg.norm(self.arm_tip - self.centres[self.arm_star], axis=1)

@@ -145,4 +145,4 @@ def _scattered(layout: Layout, points: Floats, edge_mm: float, seed: int) -> Flo
 
 def _tolerance(layout: Layout) -> float:
     """Places closer than this, in mm, are one vertex."""
-    return MERGE * float(np.linalg.norm(layout.lattice_vectors, axis=1).min())
+    return MERGE * layout.spacing_mm

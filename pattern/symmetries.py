@@ -49,7 +49,7 @@ def symmetries(design: Design, layout: Layout) -> list[Symmetry]:
     The identity comes first. Every one maps the centre of the stars to itself, and the lattice onto itself but for a
     shift.
     """
-    near = NEAR * float(np.linalg.norm(layout.lattice_vectors, axis=1).min())
+    near = NEAR * layout.spacing_mm
     centre = layout.centres.mean(axis=0)
     found = []
     for turn in _candidates(layout.lattice_vectors):

@@ -7,7 +7,8 @@ bump of height B over arms of length l is a cap of curvature `2 B / l^2`. So bar
     b_r = -CURL 2 B / l^2 lam^2 n n^T
 
 across the nearest side of the outline, n being normal to it, and none along it. Without it, free rims of previews are
-straight where the exact model's turn down by another .2 to .4 rad. A side that is held along its length keeps none.
+straight where the exact model's turn down by another .2 to .4 rad. A side that is held keeps none, along its length or
+at points: between points that are held the fabric is pulled along the rim, and straight.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
+from asterism.previewing.held_sheet import held_points
 from asterism.previewing.star_values import StarValues
 from pattern.layout import Floats, Layout
 from pattern.planar import distance_to_segment
@@ -24,15 +26,24 @@ from pattern.planar import distance_to_segment
 CURL = 3.5
 # share of the stars below which a place has no star beside it
 ALONE = 0.02
+# how near to a side a point of it is held, over the spacing
+NEAR = 0.5
 
 
 def free_normals(layout: Layout, points: Floats) -> Floats:
-    """(n, 2) unit normals of the sides nearest to printed points (n, 2) mm; zero where that side is held."""
+    """(n, 2) unit normals of the sides nearest to printed points (n, 2) mm; zero where that side is held.
+
+    A side is held along its length, or at a point of it in a sheet that is held at two points or more.
+    """
     start, end = layout.border, np.roll(layout.border, -1, axis=0)
     along = end - start
     nearest = distance_to_segment(points[:, None], start, end).argmin(axis=1)
     normal = np.column_stack([along[:, 1], -along[:, 0]]) / np.linalg.norm(along, axis=1)[:, None]
     normal[[edge for pin in layout.pins for edge in pin.edges]] = 0.0
+    pins = held_points(layout)
+    if len(pins) > 1:
+        near = NEAR * layout.spacing_mm
+        normal[(distance_to_segment(pins[:, None], start, end) < near).any(axis=0)] = 0.0
     return np.asarray(normal[nearest])
 
 

@@ -132,7 +132,7 @@ def _few(stars: tuple[int, ...] | list[int]) -> str:
 def _star_places(preview: Preview) -> tuple[Floats, Floats]:
     """(S, 3) star centres on their bumps, and (S, 3) normals."""
     places = preview.at(preview.sheet.layout.centres)
-    return places.bumpy, places.normals
+    return places.bumpy, places.surface.normals
 
 
 def _roll_axis(preview: Preview) -> float | None:

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from asterism.previewing.arm_relief import Arms
 from asterism.previewing.sheet import Sheet
+from asterism.previewing.smooth_surface import SmoothSurface, smooth_surface
 from asterism.previewing.star_relief import relief_heights
 from asterism.previewing.star_values import StarValues
 from asterism.shape import Shape
@@ -27,23 +29,22 @@ class Places:
 
     Attributes
     ----------
-    smooth : (n, 3) mm on the shell.
-    normals : (n, 3) unit normals, on the plastic side.
-    heights : (n,) mm of the stars' relief over it.
-    mean_curvature, gaussian_curvature : (n,) of the shell, 1/mm and 1/mm^2; the mean one is positive where the plastic
-        side is convex.
+    surface : of the shell.
+    bumps : (n, 3) mm, from there to the sheet with its stars.
     """
 
-    smooth: Floats
-    normals: Floats
-    heights: Floats
-    mean_curvature: Floats
-    gaussian_curvature: Floats
+    surface: SmoothSurface
+    bumps: Floats
+
+    @property
+    def smooth(self) -> Floats:
+        """(n, 3) mm, on the shell."""
+        return self.surface.places
 
     @property
     def bumpy(self) -> Floats:
         """(n, 3) mm."""
-        return self.smooth + self.heights[:, None] * self.normals
+        return self.smooth + self.bumps
 
 
 class Lens:
@@ -52,32 +53,20 @@ class Lens:
     def __init__(self, sheet: Sheet, waves: Waves, points: Floats) -> None:
         self.points = np.asarray(points, dtype=float)
         self._waves = waves(self.points - sheet.layout.lattice_origin)
-        self._spacing = float(np.linalg.norm(sheet.layout.lattice_vectors, axis=1).min())
+        self._spacing = sheet.layout.spacing_mm
         self._at = sheet.space.locate(self.points)
-        self.look_at_stars(sheet)
-
-    def look_at_stars(self, sheet: Sheet) -> None:
-        """Follow a change of the sheet's stars."""
         self._shares = sheet.cells.shares(self.points)
+        self._arms = Arms(sheet.layout, sheet.space)
+        self._out, self._lifted = self._arms.beside(self.points)
 
     def __call__(self, x: Floats, values: StarValues) -> Places:
         """Where positions x (N, 3) of the shell's dofs take the points."""
-        first = (self._at.gradient @ x).reshape(-1, 2, 3)
-        second = (self._at.hessian @ x).reshape(-1, 3, 3)
-        cross = np.cross(first[:, 0], first[:, 1])
-        area = np.linalg.norm(cross, axis=1)
-        normals = cross / area[:, None]
-        a11, a22, a12 = (np.einsum("nc,nc->n", first[:, i], first[:, j]) for i, j in ((0, 0), (1, 1), (0, 1)))
-        b11, b22, b12 = np.einsum("nkc,nc->kn", second, normals)
-        mean_curvature = -0.5 * (a22 * b11 + a11 * b22 - 2.0 * a12 * b12) / area**2
+        smooth = smooth_surface(self._at, x)
         weights = self._shares(values.sizes[:, 0])
-        return Places(
-            smooth=self._at.value @ x,
-            normals=normals,
-            heights=relief_heights(self._waves, values, weights, 2.0 * mean_curvature, self._spacing),
-            mean_curvature=mean_curvature,
-            gaussian_curvature=(b11 * b22 - b12**2) / area**2,
-        )
+        heights = relief_heights(self._waves, values, weights, 2.0 * smooth.mean_curvature, self._spacing)
+        out, lifted = self._arms.moves(x, values.value["kappa"])
+        bumps = heights[:, None] * smooth.normals + self._out @ out + self._lifted @ lifted
+        return Places(smooth, bumps)
 
 
 def shown_mesh(design: Design, sheet: Sheet) -> Mesh:
@@ -101,10 +90,10 @@ def shape_of(design: Design, sheet: Sheet, mesh: Mesh, places: Places) -> Shape:
         rods=mesh.rods,
         star_vertices=mesh.star_vertices,
         point_fields={
-            "bump_mm": places.heights[:, None] * places.normals,
-            "normal": places.normals,
-            "mean_curvature_per_mm": places.mean_curvature,
-            "gaussian_curvature_per_mm2": places.gaussian_curvature,
+            "bump_mm": places.bumps,
+            "normal": places.surface.normals,
+            "mean_curvature_per_mm": places.surface.mean_curvature,
+            "gaussian_curvature_per_mm2": places.surface.gaussian_curvature,
         },
         cell_fields=cell_fields(mesh.points, places.smooth, mesh.triangles, design.fabric.stretch_xy),
         rod_fields=_rod_fields(sheet, mesh),

@@ -32,7 +32,7 @@ def causes(design: Design, law: Law) -> dict[str, Any]:
         value = star_values(design, plan, law).value
     except LawError:
         return {}
-    spacing = float(np.linalg.norm(plan.lattice_vectors, axis=1).min())
+    spacing = plan.spacing_mm
     cell = abs(float(np.linalg.det(plan.lattice_vectors)))
     lam, turn = value["lam_n"][:-1], value["kappa"][:-1] * value["lam_n"][:-1] * spacing
     i, j = plan.neighbours.T

@@ -36,6 +36,11 @@ def test_normals_are_those_of_the_nearest_side_and_vanish_where_it_is_held() -> 
     held = int(middle[:, 0].argmax())
     plan = layout(rectangle([{"edges": [held], "scale": 0.8}]))
     assert free_normals(plan, places) == pytest.approx(expected * np.array([[0.0], [1.0], [1.0], [1.0]]))
+    # points on the right side and near the lower one
+    pulled = layout(rectangle([{"points_mm": [[40.0, 5.0], [10.0, -28.0]], "scale": 0.8}]))
+    assert free_normals(pulled, places) == pytest.approx(expected * np.array([[0.0], [1.0], [1.0], [0.0]]))
+    alone = layout(rectangle([{"points_mm": [[40.0, 25.0]], "scale": 0.8}]))
+    assert free_normals(alone, places) == pytest.approx(expected)
 
 
 def test_bare_fabric_curls_across_the_rim_by_the_bumps_beside_it() -> None:
@@ -70,7 +75,7 @@ def test_rims_of_free_sheets_turn_down_and_those_of_held_ones_stay(
     middle = 0.97 * 0.5 * (plan.border + np.roll(plan.border, -1, axis=0))
 
     def tilt() -> np.ndarray:
-        normals = Preview(design, plain_law()).at(np.vstack([0.6 * middle, middle])).normals
+        normals = Preview(design, plain_law()).at(np.vstack([0.6 * middle, middle])).surface.normals
         inner, outer = np.split(normals, 2)
         return np.asarray(np.degrees(np.arccos((inner * outer).sum(axis=1))))
 

@@ -1,0 +1,100 @@
+"""How arms lie on the smooth sheet: longer than it, and straighter.
+
+The relief of the cells (`asterism.previewing.star_relief`) moves the sheet along its normal, and is the same for all
+arms of a star. Arms are rods, which adds three things. Let f be the drop of an arm's tip under the plane that touches
+the smooth sheet at the star's centre:
+
+- **An arm keeps its length** l where the sheet shrinks to `lam l`: its tip lies `(1 - lam) l` further out.
+- **It bends like the sheet around it**, not only as that bends along the arm, as rods do that meet at a rigid joint:
+  it drops by `(1 - RIGID) f + RIGID H l^2 / 2`, H being the sheet's mean curvature. On a tube, arms along the axis
+  curl, though the sheet there is straight.
+- **A last arm**, with no star ahead, has only fabric beyond its tip. That cannot bend it back: the tip drops by no less
+  than `KEPT kappa l^2 / 4`, a part of what it does on the natural tube. Such tips often are a sheet's lowest points.
+
+The fabric beside an arm follows it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.spatial import cKDTree
+
+from asterism.previewing.smooth_surface import smooth_surface
+from fem.argyris import Argyris
+from pattern.layout import Floats, Layout
+from pattern.planar import distance_to_segment
+
+# part of the bending along an arm that is that of all directions: .13 to .41 in rolled cells
+RIGID = 0.3
+# part of its natural drop that a last arm keeps
+KEPT = 0.5
+# largest lift over an arm's length
+MOST = 0.15
+# the fabric follows an arm by exp(-r/b) at a distance r: b over the spacing, fitted to flat cells
+BESIDE = 0.15
+# where that ends, over b
+REACH = 4.0
+# an arm is a last one if there is no star within this part of the spacing from where the next one would be
+AHEAD = 0.6
+
+
+class Arms:
+    """The arms of a layout on shells of one sheet."""
+
+    def __init__(self, layout: Layout, space: Argyris) -> None:
+        self.layout = layout
+        self._centre = layout.centres[layout.arm_star]
+        self._length = np.maximum(layout.arm_length, 1e-12)
+        self.direction = (layout.arm_tip - self._centre) / self._length[:, None]
+        self._spacing = layout.spacing_mm
+        ahead = cKDTree(layout.centres).query(self._centre + self._spacing * self.direction)[0]
+        self.last = ahead > AHEAD * self._spacing
+        self._at_centres, self._at_tips = space.locate(layout.centres), space.locate(layout.arm_tip)
+        self._room = np.minimum(BESIDE * self._spacing, _to_held(layout) / REACH)
+
+    def moves(self, x: Floats, kappa: Floats) -> tuple[Floats, Floats]:
+        """(A, 3) mm each: how far tips lie further out, and how far they are lifted.
+
+        Parameters
+        ----------
+        x : (N, 3) mm, of the shell's dofs.
+        kappa : (S,) 1/mm, natural curvature of the stars.
+        """
+        star, length, d = self.layout.arm_star, self._length, self.direction
+        centre, tip = smooth_surface(self._at_centres, x), smooth_surface(self._at_tips, x)
+        along = np.einsum("ai,aic->ac", d, tip.tangents)
+        stretch = np.linalg.norm(along, axis=1)
+        out = (np.maximum(1.0 - stretch, 0.0) * length / stretch)[:, None] * along
+        drop = np.einsum("ac,ac->a", centre.places[star] - tip.places - out, centre.normals[star])
+        lift = RIGID * (drop - 0.5 * centre.mean_curvature[star] * length**2)
+        natural = np.maximum(drop, 0.25 * KEPT * kappa[star] * length**2)
+        lift = np.where(self.last, drop - natural, lift)
+        return out, np.clip(lift, -MOST * length, MOST * length)[:, None] * tip.normals
+
+    def beside(self, points: Floats) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+        """(n, A) each: by how much of its tip's moves, outwards and lifted, each arm takes along points (n, 2)."""
+        reach = 0.5 * self._length.max() + REACH * self._room.max()
+        tree = cKDTree(self._centre + 0.5 * self._length[:, None] * self.direction)
+        pairs = cKDTree(points).sparse_distance_matrix(tree, reach, output_type="ndarray")
+        point, arm = pairs["i"], pairs["j"]
+        offset, (dx, dy) = points[point] - self._centre[arm], self.direction[arm].T
+        along, aside = offset[:, 0] * dx + offset[:, 1] * dy, offset[:, 1] * dx - offset[:, 0] * dy
+        part = np.clip(along / self._length[arm], 0.0, 1.0)
+        beyond = np.maximum(along - self._length[arm], 0.0)
+        near = np.exp(-np.hypot(aside, beyond) / self._room[arm])
+        shape = (len(points), len(self._length))
+        first, second = (sp.csr_matrix((share * near, (point, arm)), shape=shape) for share in (part, part**2))
+        return first, second
+
+
+def _to_held(layout: Layout) -> Floats:
+    """(A,) mm from each tip to the nearest place that is held."""
+    far = np.full(len(layout.arm_tip), np.inf)
+    start, end = layout.border, np.roll(layout.border, -1, axis=0)
+    for pin in layout.pins:
+        for edge in pin.edges:
+            far = np.minimum(far, distance_to_segment(layout.arm_tip, start[edge], end[edge]))
+        for point in np.reshape(pin.points, (-1, 2)):
+            far = np.minimum(far, np.linalg.norm(layout.arm_tip - point, axis=1))
+    return np.maximum(far, 1e-3)

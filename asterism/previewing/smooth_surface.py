@@ -1,0 +1,42 @@
+"""The shell's smooth surface at printed points: place, directions, normal and curvature."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.tabulation import Evaluation, Floats
+
+
+@dataclass(frozen=True)
+class SmoothSurface:
+    """At n printed points.
+
+    Attributes
+    ----------
+    places : (n, 3) mm.
+    tangents : (n, 2, 3) derivatives of the place by the print's coordinates.
+    normals : (n, 3) unit normals, on the plastic side.
+    mean_curvature, gaussian_curvature : (n,) 1/mm and 1/mm^2; the mean one is positive where the plastic side is
+        convex.
+    """
+
+    places: Floats
+    tangents: Floats
+    normals: Floats
+    mean_curvature: Floats
+    gaussian_curvature: Floats
+
+
+def smooth_surface(at: Evaluation, x: Floats) -> SmoothSurface:
+    """Where positions x (N, 3) mm of the shell's dofs take the points of an evaluation."""
+    first = (at.gradient @ x).reshape(-1, 2, 3)
+    second = (at.hessian @ x).reshape(-1, 3, 3)
+    cross = np.cross(first[:, 0], first[:, 1])
+    area = np.linalg.norm(cross, axis=1)
+    normals = cross / area[:, None]
+    a11, a22, a12 = (np.einsum("nc,nc->n", first[:, i], first[:, j]) for i, j in ((0, 0), (1, 1), (0, 1)))
+    b11, b22, b12 = np.einsum("nkc,nc->kn", second, normals)
+    mean = -0.5 * (a22 * b11 + a11 * b22 - 2.0 * a12 * b12) / area**2
+    return SmoothSurface(at.value @ x, first, normals, mean, (b11 * b22 - b12**2) / area**2)

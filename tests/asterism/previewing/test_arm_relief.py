@@ -1,0 +1,101 @@
+"""Arms of previews keep their length, bend like cells' arms, and leave alone what is held."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from asterism.previewing import arm_relief
+from asterism.previewing.arm_relief import KEPT, RIGID, Arms
+from asterism.previewing.preview import Preview
+from homogenize.cell import Cell
+from homogenize.natural import curl
+from homogenize.rolling import heights
+from pattern import gallery
+from pattern.design import Design
+from pattern.meshing import mesh_layout
+from tests.asterism.previewing.laws import plain_law
+from tests.homogenize.cells import design as cell_design
+from tests.homogenize.cells import relaxed
+
+EDGE = 1.15
+
+
+def sheet(pins: list[dict[str, object]], rings: int = 2) -> Preview:
+    data = gallery.load("tube").to_dict() | {"border": {"rings": rings}, "pins": pins}
+    return Preview(Design.from_dict(data), plain_law())
+
+
+def ends(preview: Preview) -> tuple[np.ndarray, np.ndarray]:
+    plan = preview.sheet.layout
+    return preview.at(plan.centres).bumpy[plan.arm_star], preview.at(plan.arm_tip).bumpy
+
+
+def test_arms_keep_their_length_where_the_sheet_shrinks() -> None:
+    preview = sheet([])
+    plan = preview.sheet.layout
+    one, other = ends(preview)
+    smooth = preview.at(plan.arm_tip).smooth - preview.at(plan.centres).smooth[plan.arm_star]
+    assert np.median(np.linalg.norm(smooth, axis=1) / plan.arm_length) < 0.9
+    assert np.median(np.linalg.norm(other - one, axis=1) / plan.arm_length) == pytest.approx(1.0, abs=0.04)
+
+
+@pytest.mark.parametrize(("length", "off"), [(10.0, 0.30), (7.0, 0.30), (5.0, 0.45)])
+def test_fabric_beside_arms_follows_them_as_in_a_flat_cell(length: float, off: float) -> None:
+    cell, flat = relaxed(length, 0.4, EDGE)
+    count, offset = cell.torus.n_base, _from_star(cell)
+    right = flat.state.positions[:count, :2] - cell.printed[:count] @ flat.deformation.T
+    weights = cell.weights / cell.weights.sum()
+    preview = Preview(cell_design(length, 0.4, border={"rings": 3}), plain_law())
+    arms = Arms(preview.sheet.layout, preview.sheet.space)
+    found = arms.beside(offset)[0] @ ((1.0 - flat.stretch) * length * arms.direction)
+    right, found = right - weights @ right, found - weights @ found
+    assert np.sqrt(weights @ ((found - right) ** 2).sum(axis=1)) < off * np.sqrt(weights @ (right**2).sum(axis=1))
+
+
+@pytest.mark.parametrize("angle", [0.0, np.pi / 6.0])
+def test_arms_of_a_rolled_cell_bend_by_a_part_of_the_mean(angle: float) -> None:
+    length = 7.0
+    cell, flat = relaxed(length, 0.3, EDGE)
+    tube = curl(cell, flat, angle).natural
+    assert tube is not None
+    offset = _from_star(cell)
+    directions = np.asarray(cell.design.lattice.arm_directions)
+    tips = [np.linalg.norm(offset - length * d, axis=1).argmin() for d in directions]
+    around = (directions @ [-np.sin(angle), np.cos(angle)]) ** 2
+    lift = heights(cell, tube)[tips]
+    bend = 0.5 * length**2 * tube.contracted * (around - around.mean())
+    assert (lift @ bend) / (bend @ bend) == pytest.approx(RIGID, abs=0.15)
+
+
+def test_last_arms_keep_their_curl_and_others_are_not_last(monkeypatch: pytest.MonkeyPatch) -> None:
+    preview = sheet([{"where": "border", "scale": 0.8}])
+    plan, kappa = preview.sheet.layout, preview.values.value["kappa"]
+    arms = Arms(plan, preview.sheet.space)
+    inner = np.linalg.norm(plan.centres, axis=1)[plan.arm_star] < 20.0
+    assert not arms.last[inner].any()
+    assert 0 < arms.last.sum() < np.count_nonzero(~inner)
+    monkeypatch.setattr(arm_relief, "MOST", np.inf)
+    out, lift = arms.moves(preview.equilibrium.x, kappa)
+    centre, tip = preview.at(plan.centres).surface, preview.at(plan.arm_tip).surface
+    normal = centre.normals[plan.arm_star]
+    under = centre.places[plan.arm_star] - tip.places - out
+    drop = (under * normal).sum(axis=1) - (lift * tip.normals).sum(axis=1)
+    least = 0.25 * KEPT * kappa[plan.arm_star] * plan.arm_length**2
+    assert (drop[arms.last] >= least[arms.last] - 1e-9).all()
+    assert ((lift * tip.normals).sum(axis=1)[arms.last] <= 1e-9).all()
+
+
+def test_what_is_held_stays() -> None:
+    preview = sheet([{"where": "border", "scale": 0.8}])
+    mesh = mesh_layout(preview.sheet.layout, 4.0)
+    out, lifted = Arms(preview.sheet.layout, preview.sheet.space).beside(mesh.points[mesh.pin_vertices[0]])
+    assert max(out.max(), lifted.max()) < 0.02
+
+
+def _from_star(cell: Cell) -> np.ndarray:
+    """(n, 2) mm, of the cell's vertices from the centre of the star that they are nearest to."""
+    lattice = cell.design.lattice
+    offset = cell.printed[: cell.torus.n_base] - cell.printed[cell.torus.star_vertices[0]]
+    place = offset + np.asarray(lattice.origin_mm)
+    return np.asarray(offset - lattice.nearest(place) @ np.asarray(lattice.vectors))
