@@ -8,6 +8,8 @@ from asterism.verification.comparison import Comparison
 
 # shapes further apart than this, in % of the diameter, or rolled about axes that differ by more, are different ones
 LIKE_PERCENT, LIKE_DEG = 10.0, 20.0
+# exact minima that are nearer to each other, in % of the diameter, are one form
+FORM_PERCENT = 2.5
 
 
 def numbers(comparison: Comparison) -> dict[str, Any]:
@@ -42,6 +44,18 @@ def alike(comparison: Comparison) -> bool:
         return True
     apart = abs(one - other) % 180.0
     return min(apart, 180.0 - apart) < LIKE_DEG
+
+
+def same_branch(comparison: Comparison, with_other: Comparison, apart_percent: float) -> bool:
+    """Whether a shape is of the form that counts, where the exact model has found another minimum too.
+
+    Parameters
+    ----------
+    comparison, with_other : of the shape, with the exact shape that counts and with the other one.
+    apart_percent : of the diameter, distance of the two exact shapes; the near ones are one form.
+    """
+    nearer = comparison.rms_percent <= with_other.rms_percent
+    return bool((nearer or apart_percent < FORM_PERCENT) and alike(comparison))
 
 
 def _relative(right: float, other: float) -> float | None:

@@ -14,7 +14,7 @@ from asterism.results import VERIFICATION
 from asterism.shape import Shape
 from asterism.simulation import Say, simulate
 from asterism.verification.comparison import Comparison, compare
-from asterism.verification.numbers import alike, numbers
+from asterism.verification.numbers import numbers, same_branch
 from discrete.branches import SAME_PERCENT
 from discrete.walk import Report
 from homogenize.law import Law
@@ -23,7 +23,6 @@ from pattern.design import Design
 from pattern.symmetries import symmetries
 
 RELEASE, PREVIEW = "release", "preview"
-FORM_PERCENT = 2.5  # of the diameter: minima that are nearer to each other are one form
 ALIKE = 1.3  # largest ratio of two edge lengths that count as one
 AGAIN = 3  # previews of which the fastest counts, once everything is loaded
 KEPT = ("energy_n_mm", "is_minimum", "stars_up", "iterations", "factorisations")
@@ -126,14 +125,11 @@ def _timed(make: Callable[[Design], Shape], design: Design) -> tuple[Shape, floa
 def _summary(found: Verification, between: Comparison, seconds: dict[str, float]) -> dict[str, Any]:
     result, other = found.result, next(name for name in found.exact if name != found.result)
     exact = found.exact[result].summary
-    # of two forms the exact model has found, the preview must be nearer to the one that counts
-    nearer = found.comparison.rms_percent <= found.comparisons[other].rms_percent
-    near = nearer or between.rms_percent < FORM_PERCENT
     ups = [shape.summary["stars_up"] for shape in found.exact.values()]
     return {
         "model": VERIFICATION,
         **numbers(found.comparison),
-        "same_branch": bool(near and alike(found.comparison)),
+        "same_branch": same_branch(found.comparison, found.comparisons[other], between.rms_percent),
         "speedup": seconds["exact_s"] / seconds["preview_again_s"],
         "speedup_cold": seconds["exact_s"] / seconds["preview_s"],
         **seconds,

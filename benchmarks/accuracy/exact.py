@@ -31,16 +31,24 @@ def exact(design: Design, folder: Path, near: Callable[[], Shape] | None = None)
     return shape
 
 
-def lowest(design: Design, folder: Path) -> tuple[Shape, str]:
-    """The exact shape that counts, and from what it was found: from a preview only if the folder has such a one."""
+def known(design: Design, folder: Path) -> dict[str, Shape]:
+    """The exact shapes of a design by what they were found from, that which counts first.
+
+    One that was found from a preview is there only if the folder has it.
+    """
     released = exact(design, folder)
     if not (folder / design.name / "near" / "summary.json").exists():
-        return released, "release"
+        return {"release": released}
     near = exact(design, folder, near=lambda: released)
     better = near.summary["is_minimum"] and (
         not released.summary["is_minimum"] or near.summary["energy_n_mm"] < released.summary["energy_n_mm"]
     )
-    return (near, "preview") if better else (released, "release")
+    return {"preview": near, "release": released} if better else {"release": released, "preview": near}
+
+
+def lowest(design: Design, folder: Path) -> Shape:
+    """The exact shape that counts."""
+    return next(iter(known(design, folder).values()))
 
 
 def main(words: list[str]) -> None:
