@@ -13,7 +13,7 @@ from asterism.shape import Shape
 from pattern.layout import Floats
 
 # Order of the distance by the edge length where it cannot be observed: that of a stress which is singular at the arms'
-# tips, and what aligned meshes show in docs/accuracy.md
+# tips, and what aligned meshes show in docs/mesh.md
 ORDER = 1.0
 # observed orders in between are believed
 LOWEST, HIGHEST = 0.5, 2.5

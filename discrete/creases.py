@@ -29,7 +29,7 @@ class Creases:
 
     @property
     def resolved(self) -> bool:
-        """Beside an arm lies more than one triangle to a width: from there on tubes converge, see docs/accuracy.md."""
+        """Beside an arm lies more than one triangle to a width: from there on tubes converge, see docs/mesh.md."""
         return self.edge <= RESOLVED * self.width
 
 

@@ -27,7 +27,7 @@ class StarValues:
     relief : (S + 1, 2, W) mm and mm^2, amplitudes of the law's waves: flat, and more per curvature.
     sizes : (S, 3) mm, length, thickness and width that the law was asked for.
     outside : one line for each star beyond the law's range; it counts as the nearest star in the range.
-    tight : stars whose sheet would curl to less than two thirds of their distance.
+    tight : stars whose sheet would curl to a radius below two thirds of their spacing.
     tips : (S + 1, 2) mm and mm^2, the relief at the tips of a star's arms, mean over the arms: flat, and more per
         curvature.
     caps : (S + 1,) 1/mm, curvature `2 B / l^2` of a star's bump of height B over arms of length l, on its natural tube.

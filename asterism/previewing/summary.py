@@ -99,8 +99,8 @@ def warnings(
         lines.append(line)
     if values.tight:
         lines.append(
-            f"{len(values.tight)} of {len(layout.centres)} stars curl to less than two thirds of their distance, where "
-            f"a smooth sheet says little: stars {_few(values.tight)}"
+            f"{len(values.tight)} of {len(layout.centres)} stars curl to a radius below two thirds of their spacing, "
+            f"where a smooth sheet says little: stars {_few(values.tight)}"
         )
     down = [int(star) for star in np.flatnonzero(layout.star_branch < 0)]
     if down:
@@ -110,7 +110,7 @@ def warnings(
     elif not found.definite:
         lines.append("an equilibrium that is not stable")
     if soft_in_two_ways:
-        lines.append("soft in more than one way: the sheet may rest in another form, as asterism verify would tell")
+        lines.append("soft in more than one way: the sheet may rest in another form: asterism verify tells")
     if other is not None:
         lines.append(
             f"another form, {other.distance_percent:.0f} % of the diameter away, has nearly the same energy "
