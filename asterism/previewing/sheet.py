@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from skfem import MeshTri
 
+from asterism.previewing.arm_relief import Arms
 from asterism.previewing.free_rim import free_normals
 from asterism.previewing.held_sheet import conditions, held_points, held_sides, weight
 from asterism.previewing.point_pins import giving_way, pinned_points, softness
@@ -62,6 +65,12 @@ class Sheet:
             self._spread(design, plan)
         self._pin(design, plan)
         self.layout = plan
+        vars(self).pop("arms", None)
+
+    @cached_property
+    def arms(self) -> Arms:
+        """Of its stars, on its shells."""
+        return Arms(self.layout, self.space)
 
     def _spread(self, design: Design, plan: Layout) -> None:
         """The shares of its stars at the quadrature points."""

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asterism.previewing.arm_relief import Arms
 from asterism.previewing.sheet import Sheet
 from asterism.previewing.smooth_surface import SmoothSurface, smooth_surface
 from asterism.previewing.star_relief import relief_heights
@@ -56,7 +55,7 @@ class Lens:
         self._spacing = sheet.layout.spacing_mm
         self._at = sheet.space.locate(self.points)
         self._shares = sheet.cells.shares(self.points)
-        self._arms = Arms(sheet.layout, sheet.space)
+        self._arms = sheet.arms
         self._out, self._lifted = self._arms.beside(self.points)
 
     def __call__(self, x: Floats, values: StarValues) -> Places:
