@@ -28,15 +28,18 @@ from pattern.planar import distance_to_segment
 # part of the bending along an arm that is that of all directions: .13 to .41 in rolled cells
 RIGID = 0.3
 # part of its natural drop that a last arm keeps
-KEPT = 0.5
+KEPT = 0.6
 # largest lift over an arm's length
 MOST = 0.15
-# the fabric follows an arm by exp(-r/b) at a distance r: b over the spacing, fitted to flat cells
-BESIDE = 0.15
+# fabric beside an arm by q, or beyond its tip by q, follows it by exp(-q/b): b over the spacing, fitted to flat cells
+BESIDE, BEYOND = 0.15, 0.25
 # where that ends, over b
 REACH = 4.0
+# part of the way from a tip to where the sheet is held that the tip moves at most
+ROOM = 0.25
 # an arm is a last one if there is no star within this part of the spacing from where the next one would be
 AHEAD = 0.6
+NOTHING = 1e-9  # mm
 
 
 class Arms:
@@ -45,36 +48,37 @@ class Arms:
     def __init__(self, layout: Layout, space: Argyris) -> None:
         self.layout = layout
         self._centre = layout.centres[layout.arm_star]
-        self._length = np.maximum(layout.arm_length, 1e-12)
+        self._length = np.maximum(layout.arm_length, NOTHING)
         self.direction = (layout.arm_tip - self._centre) / self._length[:, None]
         self._spacing = layout.spacing_mm
         ahead = cKDTree(layout.centres).query(self._centre + self._spacing * self.direction)[0]
         self.last = ahead > AHEAD * self._spacing
         self._at_centres, self._at_tips = space.locate(layout.centres), space.locate(layout.arm_tip)
-        self._room = np.minimum(BESIDE * self._spacing, _to_held(layout) / REACH)
+        self._room = _to_held(layout)
 
     def moves(self, x: Floats, kappa: Floats) -> tuple[Floats, Floats]:
-        """(A, 3) mm each: how far tips lie further out, and how far they are lifted.
+        """Of the tips: (A, 2) mm of the print, by which they lie further out on the sheet, and (A,) mm, their lift.
 
         Parameters
         ----------
         x : (N, 3) mm, of the shell's dofs.
         kappa : (S,) 1/mm, natural curvature of the stars.
         """
-        star, length, d = self.layout.arm_star, self._length, self.direction
+        star, length = self.layout.arm_star, self._length
         centre, tip = smooth_surface(self._at_centres, x), smooth_surface(self._at_tips, x)
-        along = np.einsum("ai,aic->ac", d, tip.tangents)
-        stretch = np.linalg.norm(along, axis=1)
-        out = (np.maximum(1.0 - stretch, 0.0) * length / stretch)[:, None] * along
-        drop = np.einsum("ac,ac->a", centre.places[star] - tip.places - out, centre.normals[star])
+        stretch = np.linalg.norm(np.einsum("ai,aic->ac", self.direction, tip.tangents), axis=1)
+        further = np.clip((1.0 - stretch) * length, 0.0, ROOM * self._room)
+        out = (further / stretch)[:, None] * self.direction
+        place = tip.places + tip.moved(out)
+        drop = np.einsum("ac,ac->a", centre.places[star] - place, centre.normals[star])
         lift = RIGID * (drop - 0.5 * centre.mean_curvature[star] * length**2)
         natural = np.maximum(drop, 0.25 * KEPT * kappa[star] * length**2)
         lift = np.where(self.last, drop - natural, lift)
-        return out, np.clip(lift, -MOST * length, MOST * length)[:, None] * tip.normals
+        return out, np.clip(lift, -MOST * length, MOST * length)
 
     def beside(self, points: Floats) -> tuple[sp.csr_matrix, sp.csr_matrix]:
         """(n, A) each: by how much of its tip's moves, outwards and lifted, each arm takes along points (n, 2)."""
-        reach = 0.5 * self._length.max() + REACH * self._room.max()
+        reach = 0.5 * self._length.max() + REACH * BEYOND * self._spacing
         tree = cKDTree(self._centre + 0.5 * self._length[:, None] * self.direction)
         pairs = cKDTree(points).sparse_distance_matrix(tree, reach, output_type="ndarray")
         point, arm = pairs["i"], pairs["j"]
@@ -82,7 +86,8 @@ class Arms:
         along, aside = offset[:, 0] * dx + offset[:, 1] * dy, offset[:, 1] * dx - offset[:, 0] * dy
         part = np.clip(along / self._length[arm], 0.0, 1.0)
         beyond = np.maximum(along - self._length[arm], 0.0)
-        near = np.exp(-np.hypot(aside, beyond) / self._room[arm])
+        near = np.exp(-np.hypot(aside / BESIDE, beyond / BEYOND) / self._spacing)
+        near *= np.maximum(1.0 - np.hypot(aside, beyond) / self._room[arm], 0.0)
         shape = (len(points), len(self._length))
         first, second = (sp.csr_matrix((share * near, (point, arm)), shape=shape) for share in (part, part**2))
         return first, second
@@ -97,4 +102,4 @@ def _to_held(layout: Layout) -> Floats:
             far = np.minimum(far, distance_to_segment(layout.arm_tip, start[edge], end[edge]))
         for point in np.reshape(pin.points, (-1, 2)):
             far = np.minimum(far, np.linalg.norm(layout.arm_tip - point, axis=1))
-    return np.maximum(far, 1e-3)
+    return np.maximum(far, NOTHING)

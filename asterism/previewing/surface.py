@@ -63,9 +63,9 @@ class Lens:
         smooth = smooth_surface(self._at, x)
         weights = self._shares(values.sizes[:, 0])
         heights = relief_heights(self._waves, values, weights, 2.0 * smooth.mean_curvature, self._spacing)
-        out, lifted = self._arms.moves(x, values.value["kappa"])
-        bumps = heights[:, None] * smooth.normals + self._out @ out + self._lifted @ lifted
-        return Places(smooth, bumps)
+        out, lift = self._arms.moves(x, values.value["kappa"])
+        heights += self._lifted @ lift
+        return Places(smooth, smooth.moved(self._out @ out) + heights[:, None] * smooth.normals)
 
 
 def shown_mesh(design: Design, sheet: Sheet) -> Mesh:

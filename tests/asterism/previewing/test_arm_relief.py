@@ -40,7 +40,7 @@ def test_arms_keep_their_length_where_the_sheet_shrinks() -> None:
     assert np.median(np.linalg.norm(other - one, axis=1) / plan.arm_length) == pytest.approx(1.0, abs=0.04)
 
 
-@pytest.mark.parametrize(("length", "off"), [(10.0, 0.30), (7.0, 0.30), (5.0, 0.45)])
+@pytest.mark.parametrize(("length", "off"), [(10.0, 0.28), (7.0, 0.18), (5.0, 0.23)])
 def test_fabric_beside_arms_follows_them_as_in_a_flat_cell(length: float, off: float) -> None:
     cell, flat = relaxed(length, 0.4, EDGE)
     count, offset = cell.torus.n_base, _from_star(cell)
@@ -79,11 +79,11 @@ def test_last_arms_keep_their_curl_and_others_are_not_last(monkeypatch: pytest.M
     out, lift = arms.moves(preview.equilibrium.x, kappa)
     centre, tip = preview.at(plan.centres).surface, preview.at(plan.arm_tip).surface
     normal = centre.normals[plan.arm_star]
-    under = centre.places[plan.arm_star] - tip.places - out
-    drop = (under * normal).sum(axis=1) - (lift * tip.normals).sum(axis=1)
+    under = centre.places[plan.arm_star] - tip.places - tip.moved(out)
+    drop = (under * normal).sum(axis=1) - lift
     least = 0.25 * KEPT * kappa[plan.arm_star] * plan.arm_length**2
     assert (drop[arms.last] >= least[arms.last] - 1e-9).all()
-    assert ((lift * tip.normals).sum(axis=1)[arms.last] <= 1e-9).all()
+    assert (lift[arms.last] <= 1e-9).all()
 
 
 def test_what_is_held_stays() -> None:

@@ -60,8 +60,8 @@ def test_a_free_sheet_rolls_with_the_plastic_outside(curly: Preview) -> None:
 
 
 def test_bumps_are_as_high_as_the_law_says(curly: Preview, monkeypatch: pytest.MonkeyPatch) -> None:
-    nothing = np.zeros((len(curly.sheet.layout.arm_tip), 3))
-    monkeypatch.setattr(Arms, "moves", lambda *_: (nothing, nothing))
+    tips = len(curly.sheet.layout.arm_tip)
+    monkeypatch.setattr(Arms, "moves", lambda *_: (np.zeros((tips, 2)), np.zeros(tips)))
     shape = curly.shape()
     bump = shape.point_fields["bump_mm"]
     heights = np.einsum("vi,vi->v", bump, shape.point_fields["normal"])
