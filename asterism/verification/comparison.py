@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from asterism.mesh_error import diameter
 from asterism.shape import Shape
@@ -20,6 +21,7 @@ from pattern.normals import triangle_normals, vertex_normals
 from pattern.symmetries import Symmetry
 
 SAMPLES = 500  # vertices by which the nearest image is chosen
+WHOLE = 0.01  # of the spacing: a cell whose middle is further from its point is cut
 
 
 @dataclass(frozen=True)
@@ -37,6 +39,7 @@ class Comparison:
     symmetry : of the design; the compared shape stands for all its images, and this is the nearest one.
     reference_mean, other_mean : (V, 3) mm, cell means at the vertices of the reference.
     diameter_mm : of the reference, the largest distance of two of its points.
+    whole : (V,) whether the cell around a vertex is not cut by the outline.
     """
 
     reference: Shape
@@ -46,6 +49,7 @@ class Comparison:
     reference_mean: Floats
     other_mean: Floats
     diameter_mm: float
+    whole: NDArray[np.bool_]
 
     @cached_property
     def distance_mm(self) -> Floats:
@@ -87,6 +91,16 @@ class Comparison:
     def mean_heights_mm(self) -> tuple[float, float]:
         """Extents along z of the cell means."""
         return float(np.ptp(self.reference_mean[:, 2])), float(np.ptp(self.other_mean[:, 2]))
+
+    @cached_property
+    def relief_error_percent(self) -> float | None:
+        """Root mean square of the distance of the two reliefs, what the cell means leave of the surfaces, in % of that
+        of the reference's own; over the printed area whose cells are not cut, None where all are."""
+        weights, own = self.reference.weights * self.whole, self.reference.positions - self.reference_mean
+        if not weights.any():
+            return None
+        other = self.other.at(self.reference.printed) - self.other_mean
+        return float(100.0 * np.sqrt((weights @ (other - own) ** 2).sum() / (weights @ own**2).sum()))
 
     @cached_property
     def roll_axes_deg(self) -> tuple[float | None, float | None]:
@@ -167,6 +181,7 @@ def compare(reference: Shape, other: Shape, layout: Layout, symmetries: Sequence
         reference_mean,
         near_mean @ rotation.T + shift,
         diameter(reference.positions),
+        np.linalg.norm(mean(reference.printed) - reference.printed, axis=1) < WHOLE * layout.spacing_mm,
     )
 
 

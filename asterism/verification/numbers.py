@@ -25,6 +25,7 @@ def numbers(comparison: Comparison) -> dict[str, Any]:
         "height_error_percent": _relative(reference, other),
         "mean_height_error_percent": _relative(*comparison.mean_heights_mm),
         "heights_mm": [reference, other],
+        "relief_error_percent": comparison.relief_error_percent,
         "volume_error_percent": None if volumes is None else _relative(*volumes),
         "volumes_mm3": None if volumes is None else list(volumes),
         "roll_radius_error_percent": None if radii is None else _relative(*radii),

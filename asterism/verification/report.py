@@ -125,6 +125,7 @@ def _numbers(s: Mapping[str, Any]) -> list[list[str]]:
         ["surface, largest", "", "", _percent(s["max_percent"], 2)],
         ["star centres, rms", "", "", _percent(s["rms_stars_percent"], 2)],
         ["star centres, largest", "", "", _percent(s["max_stars_percent"], 2)],
+        ["stars' bumps, rms, of their size", "", "", _percent(s["relief_error_percent"], 0)],
         ["surface, rms, as the preview expected", "", "", _percent(s["expected_rms_percent"], 2)],
         ["diameter, mm", f"{s['diameter_mm']:.1f}", "", ""],
     ]

@@ -21,8 +21,8 @@ BEGIN, END = "<!-- accuracy of the preview -->", "<!-- end of accuracy of the pr
 FAR = 2.5  # % of the diameter, and more is a miss
 LOGARITHMIC = ("softness", "expected")
 HEADER = [
-    "design", "stars", "held", "rms %", "largest %", "star centres %", "height %", "mean height %", "roll radius %",
-    "normals deg", "same form", "expected %", "exact shape", "warnings",
+    "design", "stars", "down", "held", "rms %", "largest %", "star centres %", "height %", "mean height %",
+    "roll radius %", "normals deg", "same form", "expected %", "exact shape", "warnings",
 ]  # fmt: skip
 
 
@@ -36,6 +36,7 @@ def row(r: dict[str, Any]) -> list[str]:
     return [
         r["name"],
         str(r["stars"]),
+        str(len(r["exact"]["stars_down"]) if "exact" in r else r["stars_down"]),
         r["causes"].get("held", "-"),
         f"{r['rms_percent']:.2f}",
         f"{r['max_percent']:.1f}",
@@ -63,6 +64,11 @@ def totals(rows: list[dict[str, Any]]) -> str:
         ["height, bumps included", "within 6 %", _within(heights, 6.0)],
         ["height of the cell means", "within 6 %", _within(means, 6.0)],
         ["radius of the roll", "within 6 %", _within(radii, 6.0)],
+        [
+            "stars' bumps: distance over their size",
+            "",
+            f"median {np.median(_known(rows, 'relief_error_percent')):.0f} %",
+        ],
         ["same form", "nine in ten", f"{sum(r['same_branch'] for r in rows)} of {len(rows)}"],
     ]
     lines.append(["time of the exact model over a preview's", "at least 100", speedups()])

@@ -29,12 +29,13 @@ def quick_row(design: Design, folder: Path, law: Law) -> dict[str, Any]:
     shapes, shown, plan = known(design, folder), preview(design, law), layout(design)
     same = symmetries(design, plan)
     comparison, *others = [compare(shape, shown, plan, same) for shape in shapes.values()]
+    right, *other = shapes.values()
     form = alike(comparison)
     if others:
-        right, other = shapes.values()
-        form = same_branch(comparison, others[0], compare(right, other, plan, same).rms_percent)
+        form = same_branch(comparison, *others, compare(right, *other, plan, same).rms_percent)
     return numbers(comparison) | {
         "name": design.name,
+        "stars_down": len(right.summary["stars_down"]),
         "same_branch": form,
         "result_from": next(iter(shapes)),
         "expected_rms_percent": shown.summary.get("expected_rms_percent"),
@@ -44,7 +45,7 @@ def quick_row(design: Design, folder: Path, law: Law) -> dict[str, Any]:
 
 
 def _short(summary: dict[str, Any]) -> dict[str, Any]:
-    exact_kept = ("stars_total", "stars_up", "vertices", "edge_mm", "is_minimum", "energy_n_mm")
+    exact_kept = ("stars_total", "stars_up", "stars_down", "vertices", "edge_mm", "is_minimum", "energy_n_mm")
     return {key: value for key, value in summary.items() if key not in ("design", "exact", "preview")} | {
         "exact": {key: summary["exact"][key] for key in exact_kept},
         "preview": {key: value for key, value in summary["preview"].items() if key != "design"},

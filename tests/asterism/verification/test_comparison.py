@@ -38,7 +38,20 @@ def test_a_shape_is_at_no_distance_from_itself():
     assert found.max_stars_percent == pytest.approx(0.0, abs=1e-9)
     assert found.normals_rms_deg == pytest.approx(0.0, abs=1e-6)
     assert found.heights_mm[0] == pytest.approx(found.heights_mm[1])
+    assert found.relief_error_percent == pytest.approx(0.0, abs=1e-6)
     assert not found.symmetry.mirrors
+
+
+def test_the_relief_is_what_repeats_from_star_to_star():
+    plan = layout(UNIFORM)
+    one = shape(UNIFORM, rolled(30.0))
+    waves = 2.0 * np.pi * one.printed @ np.linalg.inv(plan.lattice_vectors)
+    bumps = np.column_stack([np.zeros((len(waves), 2)), np.cos(waves).sum(axis=1)])
+    right = replace(one, positions=one.positions + bumps)
+    other = replace(one, positions=one.positions + 0.7 * bumps)
+    found = compared(UNIFORM, right, other)
+    assert found.relief_error_percent == pytest.approx(30.0, abs=4.0)
+    assert found.rms_percent < 0.2
 
 
 @settings(max_examples=15, deadline=None)
