@@ -1,17 +1,19 @@
 """How arms lie on the smooth sheet: longer than it, and straighter.
 
 The relief of the cells (`asterism.previewing.star_relief`) moves the sheet along its normal, and is the same for all
-arms of a star. Arms are rods, which adds three things. Let f be the drop of an arm's tip under the plane that touches
-the smooth sheet at the star's centre:
+arms of a star. But arms are rods:
 
-- **An arm keeps its length** l where the sheet shrinks to `lam l`: its tip lies `(1 - lam) l` further out.
-- **It bends like the sheet around it**, not only as that bends along the arm, as rods do that meet at a rigid joint:
-  it drops by `(1 - RIGID) f + RIGID H l^2 / 2`, H being the sheet's mean curvature. On a tube, arms along the axis
-  curl, though the sheet there is straight.
-- **A last arm**, with no star ahead, has only fabric beyond its tip. That cannot bend it back: the tip drops by no less
-  than `KEPT kappa l^2 / 4`, a part of what it does on the natural tube. Such tips often are a sheet's lowest points.
+- **An arm keeps its length** l where the sheet shrinks to `lam l`: its tip lies `(1 - lam) l` further out on the sheet.
+  Where tips meet tips both get a little shorter.
+- **It bends like the sheet around it**, not only as that bends along the arm, as rods do that meet at a rigid joint.
+  If there the sheet is f under the plane that touches it at the star's centre, the tip is under it by
+  `(1 - RIGID) f + RIGID H l^2 / 2`, H being the sheet's mean curvature. On a tube, arms along the axis curl, though the
+  sheet is straight.
+- **A last arm**, with no star ahead, has only fabric beyond its tip, which cannot bend it back. Instead, its tip is
+  under that plane by f, and by no less than `KEPT kappa l^2 / 4`, a part of what it is on the natural tube. Such tips
+  often are a sheet's lowest points.
 
-The fabric beside an arm follows it.
+The fabric beside an arm follows it. What is held stays.
 """
 
 from __future__ import annotations
@@ -20,6 +22,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
+from asterism.previewing.held_sheet import held_points
 from asterism.previewing.smooth_surface import smooth_surface
 from fem.argyris import Argyris
 from pattern.layout import Floats, Layout
@@ -33,12 +36,12 @@ KEPT = 0.6
 MOST = 0.15
 # fabric beside an arm by q, or beyond its tip by q, follows it by exp(-q/b): b over the spacing, fitted to flat cells
 BESIDE, BEYOND = 0.15, 0.25
-# where that ends, over b
-REACH = 4.0
+# where that is round, over b, and how far beyond tips it is counted
+ROUND, REACH = 0.1, 4.0
 # part of the way from a tip to where the sheet is held that the tip moves at most
 ROOM = 0.25
-# an arm is a last one if there is no star within this part of the spacing from where the next one would be
-AHEAD = 0.6
+# an arm is a last one if what is ahead is this part of the spacing further away than in an endless lattice
+AHEAD = 0.3
 NOTHING = 1e-9  # mm
 
 
@@ -51,10 +54,12 @@ class Arms:
         self._length = np.maximum(layout.arm_length, NOTHING)
         self.direction = (layout.arm_tip - self._centre) / self._length[:, None]
         self._spacing = layout.spacing_mm
-        ahead = cKDTree(layout.centres).query(self._centre + self._spacing * self.direction)[0]
-        self.last = ahead > AHEAD * self._spacing
+        ahead = self._spacing * self.direction
+        found = cKDTree(layout.centres).query(self._centre + ahead)[0]
+        self.last = found > cKDTree(_others(layout)).query(ahead)[0] + AHEAD * self._spacing
         self._at_centres, self._at_tips = space.locate(layout.centres), space.locate(layout.arm_tip)
         self._room = _to_held(layout)
+        self._pins = held_points(layout)
 
     def moves(self, x: Floats, kappa: Floats) -> tuple[Floats, Floats]:
         """Of the tips: (A, 2) mm of the print, by which they lie further out on the sheet, and (A,) mm, their lift.
@@ -62,19 +67,20 @@ class Arms:
         Parameters
         ----------
         x : (N, 3) mm, of the shell's dofs.
-        kappa : (S,) 1/mm, natural curvature of the stars.
+        kappa : (S,) or more, 1/mm, natural curvature of the stars.
         """
         star, length = self.layout.arm_star, self._length
         centre, tip = smooth_surface(self._at_centres, x), smooth_surface(self._at_tips, x)
         stretch = np.linalg.norm(np.einsum("ai,aic->ac", self.direction, tip.tangents), axis=1)
         further = np.clip((1.0 - stretch) * length, 0.0, ROOM * self._room)
-        out = (further / stretch)[:, None] * self.direction
+        out = (further / np.maximum(stretch, NOTHING))[:, None] * self.direction
         place = tip.places + tip.moved(out)
         drop = np.einsum("ac,ac->a", centre.places[star] - place, centre.normals[star])
         lift = RIGID * (drop - 0.5 * centre.mean_curvature[star] * length**2)
-        natural = np.maximum(drop, 0.25 * KEPT * kappa[star] * length**2)
-        lift = np.where(self.last, drop - natural, lift)
-        return out, np.clip(lift, -MOST * length, MOST * length)
+        side, kept = np.sign(kappa[star]), 0.25 * KEPT * np.abs(kappa[star]) * length**2
+        lift = np.where(self.last, side * np.minimum(side * drop - kept, 0.0), lift)
+        most = np.minimum(MOST * length, ROOM * self._room)
+        return out, np.clip(lift, -most, most)
 
     def beside(self, points: Floats) -> tuple[sp.csr_matrix, sp.csr_matrix]:
         """(n, A) each: by how much of its tip's moves, outwards and lifted, each arm takes along points (n, 2)."""
@@ -86,11 +92,21 @@ class Arms:
         along, aside = offset[:, 0] * dx + offset[:, 1] * dy, offset[:, 1] * dx - offset[:, 0] * dy
         part = np.clip(along / self._length[arm], 0.0, 1.0)
         beyond = np.maximum(along - self._length[arm], 0.0)
-        near = np.exp(-np.hypot(aside / BESIDE, beyond / BEYOND) / self._spacing)
+        far = np.hypot(aside / BESIDE, beyond / BEYOND) / self._spacing
+        near = np.exp(ROUND - np.hypot(ROUND, far))
         near *= np.maximum(1.0 - np.hypot(aside, beyond) / self._room[arm], 0.0)
+        if len(self._pins):
+            to_pin = cKDTree(self._pins).query(points)[0] / (BESIDE * self._spacing)
+            near *= np.minimum(to_pin, 1.0)[point]
         shape = (len(points), len(self._length))
         first, second = (sp.csr_matrix((share * near, (point, arm)), shape=shape) for share in (part, part**2))
         return first, second
+
+
+def _others(layout: Layout) -> Floats:
+    """(n, 2) mm, the sites of the lattice around one, without it."""
+    steps = np.stack(np.meshgrid(*[np.arange(-3, 4)] * 2, indexing="ij"), axis=-1).reshape(-1, 2)
+    return np.asarray(steps[steps.any(axis=1)] @ layout.lattice_vectors)
 
 
 def _to_held(layout: Layout) -> Floats:

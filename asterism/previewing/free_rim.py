@@ -8,7 +8,7 @@ bump of height B over arms of length l is a cap of curvature `2 B / l^2`. So bar
 
 across the nearest side of the outline, n being normal to it, and none along it. Without it, free rims of previews are
 straight where the exact model's turn down by another .2 to .4 rad. A side that is held keeps none, along its length or
-at points: between points that are held the fabric is pulled along the rim, and straight.
+at a point of it where the sheet is held at more than one: there the fabric is pulled along the rim, and straight.
 """
 
 from __future__ import annotations

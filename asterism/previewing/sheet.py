@@ -78,7 +78,7 @@ class Sheet:
         points, lattice = self._table.points.reshape(-1, 2), design.lattice
         self._shares = self.cells.shares(points)
         back = BACK * lattice.spacing_mm
-        self._arms = [(along, self.cells.shares(points - back * along)) for along in lattice.arm_directions]
+        self._arm_shares = [(along, self.cells.shares(points - back * along)) for along in lattice.arm_directions]
         self._normals = free_normals(plan, points)
 
     def _pin(self, design: Design, plan: Layout) -> None:
@@ -104,7 +104,7 @@ class Sheet:
             No sheet can be that: neighbours contract too differently.
         """
         length = values.sizes[:, 0]
-        arms = [(along, shares(length)) for along, shares in self._arms]
+        arms = [(along, shares(length)) for along, shares in self._arm_shares]
         shares = self._shares(length)
         fields = sheet_fields(shares, values, self._table.weights.shape, arms, self._normals)
         if self._soft is not None:

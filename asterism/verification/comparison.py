@@ -95,12 +95,13 @@ class Comparison:
     @cached_property
     def relief_error_percent(self) -> float | None:
         """Root mean square of the distance of the two reliefs, what the cell means leave of the surfaces, in % of that
-        of the reference's own; over the printed area whose cells are not cut, None where all are."""
+        of the reference's own; over the printed area whose cells are not cut. None without a relief."""
         weights, own = self.reference.weights * self.whole, self.reference.positions - self.reference_mean
-        if not weights.any():
+        size = float((weights @ own**2).sum())
+        if size == 0.0:
             return None
         other = self.other.at(self.reference.printed) - self.other_mean
-        return float(100.0 * np.sqrt((weights @ (other - own) ** 2).sum() / (weights @ own**2).sum()))
+        return float(100.0 * np.sqrt((weights @ (other - own) ** 2).sum() / size))
 
     @cached_property
     def roll_axes_deg(self) -> tuple[float | None, float | None]:
