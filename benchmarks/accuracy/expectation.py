@@ -21,7 +21,7 @@ from asterism.previewing.expected import FLOOR, FORGIVEN, SHARE, another_form_is
 from asterism.verification.numbers import LIKE_PERCENT
 from benchmarks.accuracy.__main__ import kept
 from benchmarks.accuracy.designs import RANDOM, designs, drawn
-from benchmarks.accuracy.report import announced, missed, put_into_docs, row
+from benchmarks.accuracy.report import HEADER, announced, missed, put_into_docs, row
 from benchmarks.report import markdown, write_report
 from homogenize.errors import LawError
 from homogenize.law import Law
@@ -32,7 +32,7 @@ from pattern.symmetries import symmetries
 
 FITTED, UNSEEN = 12, 12  # designs with the seeds that follow the study's, and with those that follow them
 BEGIN, END = "<!-- expectation of the preview -->", "<!-- end of expectation of the preview -->"
-COLUMNS = (0, 1, 2, 3, 10, 11, 13)  # of the study's table
+# columns of the study's table
 NAMES = ["design", "stars", "held", "rms %", "same form", "expected %", "warnings"]
 
 Row = dict[str, Any]
@@ -85,7 +85,7 @@ def section(known: Sequence[Row], unseen: Sequence[Row]) -> str:
         [f"{low:.3f} to {high:.3f}" for low, high in zip(np.min(fits, axis=0), np.max(fits, axis=0), strict=True)]
     ]
     names = ["", "in use", "fitted", "fitted without one"]
-    table = [[cells[number] for number in COLUMNS] for cells in map(row, unseen)]
+    table = [[cells[HEADER.index(name)] for name in NAMES] for cells in map(row, unseen)]
     return "\n\n".join(
         [
             markdown(header, lines),
@@ -96,10 +96,6 @@ def section(known: Sequence[Row], unseen: Sequence[Row]) -> str:
             markdown(NAMES, table),
         ]
     )
-
-
-def _headed(lines: list[list[str]]) -> tuple[list[str], list[list[str]]]:
-    return lines[0], lines[1:]
 
 
 def fitted(rows: Sequence[Row]) -> tuple[float, float, float]:
