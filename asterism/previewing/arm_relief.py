@@ -87,6 +87,7 @@ class Arms:
         reach = 0.5 * self._length.max() + REACH * BEYOND * self._spacing
         tree = cKDTree(self._centre + 0.5 * self._length[:, None] * self.direction)
         pairs = cKDTree(points).sparse_distance_matrix(tree, reach, output_type="ndarray")
+        pairs = pairs[np.argsort(pairs["i"], kind="stable")]
         point, arm = pairs["i"], pairs["j"]
         offset, (dx, dy) = points[point] - self._centre[arm], self.direction[arm].T
         along, aside = offset[:, 0] * dx + offset[:, 1] * dy, offset[:, 1] * dx - offset[:, 0] * dy
@@ -98,8 +99,8 @@ class Arms:
         if len(self._pins):
             to_pin = cKDTree(self._pins).query(points)[0] / (BESIDE * self._spacing)
             near *= np.minimum(to_pin, 1.0)[point]
-        shape = (len(points), len(self._length))
-        first, second = (sp.csr_matrix((share * near, (point, arm)), shape=shape) for share in (part, part**2))
+        shape, ends = (len(points), len(self._length)), np.searchsorted(point, np.arange(len(points) + 1))
+        first, second = (sp.csr_matrix((share * near, arm, ends), shape=shape) for share in (part, part**2))
         return first, second
 
 

@@ -14,7 +14,6 @@ from asterism.previewing.other_forms import OtherForm, other_forms
 from asterism.shape import Shape
 from discrete.likeness import rolled_about
 from homogenize.directions import left_out
-from pattern.layout import Floats
 from pattern.mesh import Mesh
 from pattern.planar import polygon_area
 
@@ -29,7 +28,7 @@ SAME_AXIS_DEG = 2.0
 def summary(preview: Preview, shape: Shape, mesh: Mesh, seconds: dict[str, float]) -> dict[str, Any]:
     """Keys as in a simulation's summary where they mean the same."""
     found, layout, law = preview.equilibrium, preview.sheet.layout, preview.law
-    axis = _roll_axis(preview)
+    axis = _roll_axis(preview, shape)
     size = polygon_area(layout.border), diameter(shape.positions)
     others = other_forms(preview, size[1])
     amplitudes = amplitudes_percent(found.soft_modes, found.energy, *size)
@@ -129,15 +128,9 @@ def _few(stars: tuple[int, ...] | list[int]) -> str:
     return ", ".join(map(str, stars[:8])) + (", ..." if len(stars) > 8 else "")
 
 
-def _star_places(preview: Preview) -> tuple[Floats, Floats]:
-    """(S, 3) star centres on their bumps, and (S, 3) normals."""
-    places = preview.at(preview.sheet.layout.centres)
-    return places.bumpy, places.surface.normals
-
-
-def _roll_axis(preview: Preview) -> float | None:
+def _roll_axis(preview: Preview, shape: Shape) -> float | None:
     """Axis of a rolled sheet in print coordinates, 0 to 180 deg from the x axis; None for other shapes."""
-    return rolled_about(preview.sheet.layout, _star_places(preview)[1])
+    return rolled_about(preview.sheet.layout, shape.point_fields["normal"][shape.star_vertices])
 
 
 def _equivalent_axes(preview: Preview, axis: float | None) -> list[float]:
