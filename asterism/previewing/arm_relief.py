@@ -22,7 +22,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
-from asterism.previewing.held_sheet import held_points
+from asterism.previewing.held_sheet import held_edges, held_points
 from asterism.previewing.smooth_surface import smooth_surface
 from fem.argyris import Argyris
 from pattern.layout import Floats, Layout
@@ -112,11 +112,7 @@ def _others(layout: Layout) -> Floats:
 
 def _to_held(layout: Layout) -> Floats:
     """(A,) mm from each tip to the nearest place that is held."""
-    far = np.full(len(layout.arm_tip), np.inf)
-    start, end = layout.border, np.roll(layout.border, -1, axis=0)
-    for pin in layout.pins:
-        for edge in pin.edges:
-            far = np.minimum(far, distance_to_segment(layout.arm_tip, start[edge], end[edge]))
-        for point in np.reshape(pin.points, (-1, 2)):
-            far = np.minimum(far, np.linalg.norm(layout.arm_tip - point, axis=1))
-    return np.maximum(far, NOTHING)
+    held, pins, tips = held_edges(layout), held_points(layout), layout.arm_tip[:, None]
+    start, end = layout.border[held], np.roll(layout.border, -1, axis=0)[held]
+    far = np.hstack([distance_to_segment(tips, start, end), np.linalg.norm(tips - pins, axis=-1)])
+    return np.maximum(far.min(axis=1, initial=np.inf), NOTHING)

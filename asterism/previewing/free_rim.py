@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
-from asterism.previewing.held_sheet import held_points
+from asterism.previewing.held_sheet import held_edges, held_points
 from asterism.previewing.star_values import StarValues
 from pattern.layout import Floats, Layout
 from pattern.planar import distance_to_segment
@@ -39,7 +39,7 @@ def free_normals(layout: Layout, points: Floats) -> Floats:
     along = end - start
     nearest = distance_to_segment(points[:, None], start, end).argmin(axis=1)
     normal = np.column_stack([along[:, 1], -along[:, 0]]) / np.linalg.norm(along, axis=1)[:, None]
-    normal[[edge for pin in layout.pins for edge in pin.edges]] = 0.0
+    normal[held_edges(layout)] = 0.0
     pins = held_points(layout)
     if len(pins) > 1:
         near = NEAR * layout.spacing_mm

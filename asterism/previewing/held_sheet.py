@@ -23,6 +23,11 @@ def held_sides(layout: Layout) -> list[tuple[int, ...]]:
     return [pin.edges for pin in layout.pins if pin.edges]
 
 
+def held_edges(layout: Layout) -> list[int]:
+    """Sides of the border that are held, by whatever pin."""
+    return [edge for sides in held_sides(layout) for edge in sides]
+
+
 def conditions(layout: Layout, sheet: SheetMesh, mesh: MeshTri, step: int) -> list[Condition]:
     """What holds the shell once the pins up to `step` have taken hold; `mesh` is that of `sheet`."""
     found: list[Condition] = []

@@ -99,11 +99,11 @@ def warnings(
     if values.tight:
         lines.append(
             f"{len(values.tight)} of {len(layout.centres)} stars curl to a radius below two thirds of their spacing, "
-            f"where a smooth sheet says little: stars {_few(values.tight)}"
+            f"where a smooth sheet says little: stars {few(values.tight)}"
         )
     down = [int(star) for star in np.flatnonzero(layout.star_branch < 0)]
     if down:
-        lines.append(f"the law's stars bump up, but {len(down)} of the design start down: stars {_few(down)}")
+        lines.append(f"the law's stars bump up, but {len(down)} of the design start down: stars {few(down)}")
     if not found.converged:
         lines.append(f"not an equilibrium: gradient {found.gradient_norm:.1e} N, above {found.tolerance:.1e} N")
     elif not found.definite:
@@ -124,7 +124,8 @@ def warnings(
     return lines
 
 
-def _few(stars: tuple[int, ...] | list[int]) -> str:
+def few(stars: tuple[int, ...] | list[int]) -> str:
+    """The numbers of the first stars, in words."""
     return ", ".join(map(str, stars[:8])) + (", ..." if len(stars) > 8 else "")
 
 

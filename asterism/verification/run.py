@@ -10,6 +10,7 @@ from typing import Any
 
 from asterism import __version__
 from asterism.previewing.run import preview
+from asterism.previewing.summary import few
 from asterism.results import VERIFICATION
 from asterism.shape import Shape
 from asterism.simulation import Say, simulate
@@ -160,8 +161,7 @@ def warnings(found: Verification) -> list[str]:
     if exact["self_intersections"]:
         lines.append(f"the exact sheet passes through itself ({exact['self_intersections']} pairs of triangles)")
     if down := exact["stars_down"]:
-        few = ", ".join(map(str, down[:8])) + (", ..." if len(down) > 8 else "")
-        lines.append(f"{len(down)} of {exact['stars_total']} stars of the exact shape bump down: stars {few}")
+        lines.append(f"{len(down)} of {exact['stars_total']} stars of the exact shape bump down: stars {few(down)}")
     edges = found.preview.summary.get("law", {}).get("edge_mm"), exact["edge_mm"]
     if edges[0] is not None and not 1.0 / ALIKE < edges[0] / edges[1] < ALIKE:
         lines.append(

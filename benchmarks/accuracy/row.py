@@ -28,11 +28,11 @@ def quick_row(design: Design, folder: Path, law: Law) -> dict[str, Any]:
     """The comparison with the lowest exact shape that the folder has; the exact model is only released, if it must."""
     shapes, shown, plan = known(design, folder), preview(design, law), layout(design)
     same = symmetries(design, plan)
-    comparison, *others = [compare(shape, shown, plan, same) for shape in shapes.values()]
     right, *other = shapes.values()
+    comparison, *with_other = [compare(shape, shown, plan, same) for shape in shapes.values()]
     form = alike(comparison)
-    if others:
-        form = same_branch(comparison, *others, compare(right, *other, plan, same).rms_percent)
+    if other:
+        form = same_branch(comparison, with_other[0], compare(right, other[0], plan, same).rms_percent)
     return numbers(comparison) | {
         "name": design.name,
         "stars_down": len(right.summary["stars_down"]),
