@@ -50,11 +50,16 @@ class Shares:
 
     def __call__(self, length: Floats) -> sp.csr_matrix:
         """(n, S) share of each star, its arms being of a length (S,) mm."""
-        long = np.clip((length / self.spacing_mm - SHORT) / (LONG - SHORT), 0.0, 1.0)
+        long = long_arms(length, self.spacing_mm)
         if (long == 1.0).all():
             return self.wide
         part = (self.wide @ long) / np.maximum(self.wide @ np.ones(len(long)), OFF)
         return sp.csr_matrix(_scaled(self.wide, part) + _scaled(self.narrow, 1.0 - part))
+
+
+def long_arms(length: Floats, spacing: float) -> Floats:
+    """(n,) how far arms of a length (n,) leave their cell: 0 for short ones, up to 1."""
+    return np.clip((length / spacing - SHORT) / (LONG - SHORT), 0.0, 1.0)
 
 
 def _scaled(matrix: sp.csr_matrix, rows: Floats) -> sp.csr_matrix:

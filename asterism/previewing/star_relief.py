@@ -3,7 +3,8 @@
 The law gives each star the heights of its cell over the mean surface, as amplitudes of a few waves of the lattice
 (`homogenize.relief`): those of the flat cell, and how they change as the sheet curls to its natural tube. Amplitudes
 are shared between stars as everything else is, so that the relief has no jumps. The bare rim lies as low as the tips of
-the arms beside it (`asterism.previewing.free_rim`). A printed point moves by its height along the shell's normal.
+the arms beside it, and goes on down where it is free (`asterism.previewing.free_rim`). A printed point moves by its
+height along the shell's normal.
 
 **Between flat and natural.** Stars that hardly buckle while flat do so soon after the sheet begins to curl. In cells of
 long thin stars seven tenths of the way are made where a star turns by half a radian over its spacing d, whatever its
@@ -19,7 +20,7 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sp
 
-from asterism.previewing.free_rim import beside, stars_share
+from asterism.previewing.free_rim import beside, rim_fall, stars_share
 from asterism.previewing.star_values import StarValues
 from pattern.layout import Floats
 
@@ -30,7 +31,7 @@ LEAST = 1e-4
 
 
 def relief_heights(
-    waves: Floats, values: StarValues, weights: sp.csr_matrix, curvature: Floats, spacing: float
+    waves: Floats, values: StarValues, weights: sp.csr_matrix, curvature: Floats, beyond: Floats, spacing: float
 ) -> Floats:
     """(n,) mm over the shell.
 
@@ -39,6 +40,7 @@ def relief_heights(
     waves : (n, W) the law's waves at the points.
     weights : (n, S) share of each star at the points.
     curvature : (n,) 1/mm, sum of the shell's principal curvatures, positive where the plastic side is convex.
+    beyond : (n,) mm, from the stars to the points where the rim is free.
     spacing : mm, of the stars.
     """
     flat, more = np.moveaxis(_shared(weights, values.relief), 1, 0)
@@ -48,7 +50,9 @@ def relief_heights(
     # no deeper than stars half as much again as the natural tube makes them
     most = 1.5 * np.abs(near)
     low, lower = beside(weights, values.tips[:-1]).T
-    rim = np.minimum(low + np.clip(_bent(near, curvature, spacing), -most, most) * lower, 0.0)
+    rim = np.minimum(low + np.clip(_bent(near, curvature, spacing), -most, most) * lower, 0.0) - rim_fall(
+        weights, values, beyond, spacing
+    )
     return np.asarray(stars + (1.0 - stars_share(weights)) * rim)
 
 

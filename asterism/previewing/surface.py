@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from asterism.previewing.free_rim import beyond_stars
 from asterism.previewing.sheet import Sheet
 from asterism.previewing.smooth_surface import SmoothSurface, smooth_surface
 from asterism.previewing.star_relief import relief_heights
@@ -55,6 +56,7 @@ class Lens:
         self._spacing = sheet.layout.spacing_mm
         self._at = sheet.space.locate(self.points)
         self._shares = sheet.cells.shares(self.points)
+        self._beyond = beyond_stars(sheet.layout, self.points)
         self._arms = sheet.arms
         self._out, self._lifted = self._arms.beside(self.points)
 
@@ -62,7 +64,8 @@ class Lens:
         """Where positions x (N, 3) of the shell's dofs take the points."""
         smooth = smooth_surface(self._at, x)
         weights = self._shares(values.sizes[:, 0])
-        heights = relief_heights(self._waves, values, weights, 2.0 * smooth.mean_curvature, self._spacing)
+        curvature = 2.0 * smooth.mean_curvature
+        heights = relief_heights(self._waves, values, weights, curvature, self._beyond, self._spacing)
         out, lift = self._arms.moves(x, values.value["kappa"])
         heights += self._lifted @ lift
         return Places(smooth, smooth.moved(self._out @ out) + heights[:, None] * smooth.normals)

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy.sparse as sp
 
 from asterism.previewing import free_rim
-from asterism.previewing.free_rim import CURL, free_normals, rim_curvature
+from asterism.previewing.free_rim import CURL, FALL, ROUND, beyond_stars, free_normals, rim_curvature, rim_fall
 from asterism.previewing.preview import Preview
 from asterism.previewing.star_relief import relief_heights
 from asterism.previewing.star_values import star_values
+from asterism.simulation import simulate
 from pattern import gallery
 from pattern.build import layout
 from pattern.design import Design
@@ -59,10 +63,26 @@ def test_bare_fabric_curls_across_the_rim_by_the_bumps_beside_it() -> None:
 def test_the_bare_rim_lies_as_low_as_the_tips() -> None:
     weights = sp.csr_matrix(np.array([[0.2], [1e-9]]) * np.eye(1, COUNT))
     kappa = VALUES.value["kappa"][0]
-    heights = relief_heights(np.zeros((2, len(plain_law().waves))), VALUES, weights, np.full(2, kappa), SPACING)
+    waves, curvature = np.zeros((2, len(plain_law().waves))), np.full(2, kappa)
+    heights = relief_heights(waves, VALUES, weights, curvature, np.zeros(2), SPACING)
     tip = VALUES.tips[0] @ np.array([1.0, kappa])
     assert tip < 0.0
     assert heights == pytest.approx([0.8 * tip, 0.0], abs=1e-6)
+
+
+def test_free_rims_go_on_down_by_their_distance_from_the_stars() -> None:
+    free, held = layout(rectangle([])), layout(rectangle([{"where": "border", "scale": 0.78}]))
+    corner = free.border.max(axis=0)
+    far = np.linalg.norm(free.centres - corner, axis=1).min() - 0.5 * SPACING
+    assert far > 0.0
+    assert beyond_stars(free, np.vstack([corner, free.centres[0]])) == pytest.approx([far, 0.0])
+    assert beyond_stars(held, np.vstack([corner, free.centres[0]])) == pytest.approx([0.0, 0.0])
+    weights = sp.csr_matrix(np.array([[0.2], [0.2]]) * np.eye(1, COUNT))
+    flat = replace(VALUES, caps=0.0 * VALUES.caps)
+    assert rim_fall(weights, flat, np.array([4.0, 0.0]), SPACING) == pytest.approx([4.0 * FALL, 0.0])
+    # where bumps are round it curls instead
+    rounded = replace(VALUES, caps=np.full_like(VALUES.caps, ROUND / SPACING))
+    assert rim_fall(weights, rounded, np.array([4.0, 0.0]), SPACING) == pytest.approx([0.0, 0.0])
 
 
 @pytest.mark.parametrize("pins", [[], [{"where": "border", "scale": 0.78}]])
@@ -86,3 +106,22 @@ def test_rims_of_free_sheets_turn_down_and_those_of_held_ones_stay(
         assert curled == pytest.approx(straight)
     else:
         assert (curled - straight).mean() > 2.0
+
+
+def test_the_rim_of_a_lone_star_is_as_deep_as_in_the_exact_model(monkeypatch: pytest.MonkeyPatch) -> None:
+    design = Design.from_dict(gallery.load("star").to_dict() | {"mesh": {"edge_mm": 1.15}})
+    preview = Preview(design)
+    tips, corners = preview.sheet.layout.arm_tip, preview.sheet.layout.border
+
+    def fall(places: Callable[[np.ndarray], np.ndarray]) -> float:
+        """From the plane through the tips to the sheet's corners, mm."""
+        a, b, c = places(tips)
+        normal = np.cross(b - a, c - a)
+        return float(-((places(0.999 * corners) - a) @ normal).mean() / np.linalg.norm(normal))
+
+    exact = fall(simulate(design).at)
+    found = fall(lambda points: preview.at(points).bumpy)
+    monkeypatch.setattr(free_rim, "FALL", 0.0)
+    without = fall(lambda points: preview.at(points).bumpy)
+    assert exact > 2.0
+    assert abs(found - exact) < 0.6 * abs(without - exact)
