@@ -70,7 +70,8 @@ def new(
     if path.exists() and not (path.is_file() and path.read_bytes() == content):
         raise _Mistake(f"--output: {str(path)!r} exists already and is left as it is; choose another name")
     write_file(path, content)
-    typer.echo(f"{path}: now run  asterism simulate {path}")
+    where = quote(str(path))
+    typer.echo(f"{path}: now run  asterism preview {where}  for its shape at once, or  asterism verify {where}")
 
 
 @app.command()

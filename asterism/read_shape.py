@@ -1,4 +1,4 @@
-"""A shape from the files of a result: shape.vtu, and rods.vtu and summary.json beside it if they are there."""
+"""A shape from the files of a result: shape.vtu or exact.vtu, with rods.vtu and summary.json if they are beside it."""
 
 from __future__ import annotations
 
@@ -17,11 +17,14 @@ from asterism.shape import Shape
 from pattern.errors import DesignError
 from pattern.layout import Floats, Ints
 
+SHAPE, EXACT = "shape.vtu", "exact.vtu"
+
 
 def read_shape(path: str | Path) -> Shape:
-    """The shape in a result's directory, or in a `.vtu` file of one.
+    """The shape in a result's directory, the exact one in that of a verification, or that in a `.vtu` file.
 
-    Without rods.vtu it has no arms; without summary.json, or with that of a verification, no summary.
+    Without rods.vtu it has no arms; without summary.json no summary. Beside exact.vtu and preview.vtu of a verification
+    it is the part of the summary that is of that shape.
 
     Raises
     ------
@@ -29,7 +32,10 @@ def read_shape(path: str | Path) -> Shape:
         There is no shape, or not one of asterism's; the message names the file.
     """
     path = Path(path)
-    sheet = path / "shape.vtu" if path.is_dir() else path
+    sheet = path
+    if path.is_dir():
+        verified = not (path / SHAPE).exists() and (path / EXACT).exists()
+        sheet = path / (EXACT if verified else SHAPE)
     mesh = _read(sheet)
     printed, triangles = _printed(mesh, sheet), _cells(mesh, "triangle", sheet)
     star = np.asarray(mesh.point_data.get("star", np.full(len(mesh.points), -1)), dtype=np.int64)
@@ -45,7 +51,7 @@ def read_shape(path: str | Path) -> Shape:
         point_fields={k: np.asarray(v) for k, v in mesh.point_data.items() if k not in ("printed_mm", "star")},
         cell_fields={name: np.asarray(values[0]) for name, values in mesh.cell_data.items()},
         rod_fields=rod_fields,
-        summary=_summary(sheet.with_name("summary.json")),
+        summary=_summary(sheet.with_name("summary.json"), sheet.stem),
     )
 
 
@@ -93,11 +99,13 @@ def _cells(mesh: meshio.Mesh, kind: str, path: Path) -> Ints:
     return np.asarray(cells, dtype=np.int64)
 
 
-def _summary(path: Path) -> dict[str, Any]:
+def _summary(path: Path, of: str) -> dict[str, Any]:
     if not path.exists():
         return {}
     try:
         summary = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise DesignError("", f"cannot be read as JSON: {error}", file=path) from None
-    return summary if isinstance(summary, dict) and summary.get("model") != VERIFICATION else {}
+    if isinstance(summary, dict) and summary.get("model") == VERIFICATION:
+        summary = summary.get(of)
+    return summary if isinstance(summary, dict) else {}

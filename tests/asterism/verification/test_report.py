@@ -88,6 +88,14 @@ def test_another_result_in_its_folder_is_not_taken_for_a_verified_one(found, tmp
     assert read_shape(tmp_path).summary == {}
 
 
+def test_both_shapes_of_a_verification_can_be_read_again(found, folder):
+    exact, preview = read_shape(folder), read_shape(folder / "preview.vtu")
+    assert exact.positions == pytest.approx(found.comparison.reference.positions, abs=1e-6)
+    assert exact.summary["is_minimum"] and exact.summary["design"] == found.design.to_dict()
+    assert preview.positions == pytest.approx(found.comparison.other.positions, abs=1e-6)
+    assert preview.summary == found.summary["preview"]
+
+
 def test_page_needs_nothing_else(folder):
     text = (folder / "report.html").read_text(encoding="utf-8")
     assert "<script" not in text
