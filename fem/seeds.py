@@ -110,7 +110,8 @@ def shapes(wants: Trends, size: float, side: Side = "auto") -> list[Shape]:
             )
             angles = np.pi * np.arange(DIRECTIONS) / DIRECTIONS
             out += [Shape(name, k, angle, 0.0 if name == "arc" else m) for angle in angles]
-    return out + [Shape("cap", sign * min(k, TURN_ACROSS / length)) for k in caps if k * length > 0.02]
+    out += [Shape("cap", sign * min(k, TURN_ACROSS / length)) for k in caps if k * length > 0.02]
+    return list(dict.fromkeys(out))  # what turns too far is cut back to the same
 
 
 def _arc_angle(ratio: float) -> float:

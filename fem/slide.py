@@ -39,6 +39,7 @@ class Frame:
         self._shell, self._factor = shell, factor
         self._plane = similar(centre, stretch)
         self._located: dict[bytes, Evaluation] = {}
+        self._bent: dict[Shape, Start] = {}
         data = shell.flat_stiffness.copy()
         diagonal = shell.pattern.diagonal
         data[diagonal[shell.support(shell.flat)]] += STOP * data[diagonal].max()
@@ -46,8 +47,10 @@ class Frame:
 
     def bent(self, shape: Shape) -> Start:
         """A shape as the conditions hold it."""
-        x = self._held(shape.over(self._shell.space, self._plane))
-        return Start(shape, x, self._shell.energy(x))
+        if shape not in self._bent:
+            x = self._held(shape.over(self._shell.space, self._plane))
+            self._bent[shape] = Start(shape, x, self._shell.energy(x))
+        return self._bent[shape]
 
     def slid(self, start: Start, least: float = np.inf) -> Start:
         """A bent shape, its plane moved as its membrane stresses ask for, while it may still come below `least` N mm.
