@@ -58,8 +58,7 @@ def triangulate(
     # Triangle's exact arithmetic is only exact far from overflow and underflow
     unit = (p - centre) / scale
     holes_at = (h - centre) / scale
-    lines, tree = _check_geometry(unit, s)
-    area = _check_region(unit, s, lines, tree, holes_at)
+    area = _check_region(unit, s, _check_geometry(unit, s), holes_at)
     options, room = _options(unit, min_angle_deg, None if max_area is None else max_area / scale**2)
     data = {"vertices": unit, "segments": s.astype(np.int32)}
     if len(h):
@@ -95,8 +94,8 @@ def _arrays(points: ArrayLike, segments: ArrayLike, holes: ArrayLike) -> tuple[F
     return p, s.astype(np.int64), h.reshape(-1, 2)
 
 
-def _check_geometry(p: Floats, s: Ints) -> tuple[Lines, shapely.STRtree]:
-    """The segments as lines, and the points, if these are distinct and the segments meet at points only."""
+def _check_geometry(p: Floats, s: Ints) -> Lines:
+    """The segments as lines, if the points are distinct and the segments meet at points only."""
     same = cKDTree(p).query_pairs(TOLERANCE)
     if same:
         i, j = min(same)
@@ -104,29 +103,32 @@ def _check_geometry(p: Floats, s: Ints) -> tuple[Lines, shapely.STRtree]:
     spread = np.linalg.svd(p - p.mean(axis=0), compute_uv=False)
     if spread[1] < TOLERANCE * spread[0]:
         raise MeshError("the points lie on one line")
-    ordered = np.sort(s, axis=1)
     if (s[:, 0] == s[:, 1]).any():
         raise MeshError(f"segment {np.argmax(s[:, 0] == s[:, 1])} has no length")
-    if len(np.unique(ordered, axis=0)) < len(s):
+    if len(np.unique(_codes(s, len(p)))) < len(s):
         raise MeshError("a segment is given twice")
-    lines = shapely.linestrings(p[s])
-    tree = shapely.STRtree(lines)
-    points = shapely.STRtree(shapely.points(p))
-    owner, on = points.query(lines, predicate="dwithin", distance=TOLERANCE)
-    touching = np.flatnonzero((s[owner] != on[:, None]).all(axis=1))
+    lines, points = shapely.linestrings(p[s]), shapely.points(p)
+    # pairs whose boxes meet, without the many that belong together, before their geometry is looked at
+    low, high = p[s].min(axis=1) - TOLERANCE, p[s].max(axis=1) + TOLERANCE
+    owner, on = shapely.STRtree(points).query(shapely.box(*low.T, *high.T))
+    other = (s[owner] != on[:, None]).all(axis=1)
+    owner, on = owner[other], on[other]
+    touching = np.flatnonzero(shapely.dwithin(lines[owner], points[on], TOLERANCE))
     if len(touching):
         k = touching[0]
         raise MeshError(f"point {on[k]} lies on segment {owner[k]} between its ends")
-    first, second = tree.query(lines, predicate="crosses")
+    first, second = shapely.STRtree(lines).query(lines)
     # segments with a common end cannot cross: each has the other's end beside it only by rounding
-    crossing = np.flatnonzero((s[first][:, :, None] != s[second][:, None, :]).all(axis=(1, 2)))
+    apart = (s[first][:, :, None] != s[second][:, None, :]).all(axis=(1, 2))
+    first, second = first[apart], second[apart]
+    crossing = np.flatnonzero(shapely.crosses(lines[first], lines[second]))
     if len(crossing):
         k = crossing[0]
         raise MeshError(f"segments {first[k]} and {second[k]} cross")
-    return lines, points
+    return lines
 
 
-def _check_region(p: Floats, s: Ints, lines: Lines, points: shapely.STRtree, holes: Floats) -> float:
+def _check_region(p: Floats, s: Ints, lines: Lines, holes: Floats) -> float:
     """The area that the segments enclose without the holes, if all points and segments are in it."""
     faces = shapely.get_parts(shapely.polygonize(lines))
     if len(holes):
@@ -146,8 +148,9 @@ def _check_region(p: Floats, s: Ints, lines: Lines, points: shapely.STRtree, hol
         raise MeshError(f"segment {np.argmax(out)} lies outside what the segments enclose")
     free = np.ones(len(p), dtype=bool)
     free[s] = False
-    if free.any():
-        free[points.query(faces, predicate="contains")[1]] = False
+    shapely.prepare(faces)
+    for face in faces:
+        free[free] = ~shapely.contains_xy(face, p[free])
     if free.any():
         raise MeshError(f"point {np.argmax(free)} lies outside what the segments enclose")
     return float(shapely.area(faces).sum())
@@ -190,8 +193,8 @@ def _check_result(p: Floats, t: Ints, s: Ints, area: float) -> None:
 
 def _codes(pairs: Ints, n: int) -> Ints:
     """One number for every unordered pair of indices below n."""
-    low, high = np.sort(pairs, axis=1).T
-    return low * n + high
+    one, two = pairs.T
+    return np.minimum(one, two) * n + np.maximum(one, two)
 
 
 def _edges(t: Ints, n: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
