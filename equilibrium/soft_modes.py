@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.linalg import eigh
 
 from equilibrium.factor import Factor
 from equilibrium.sparse_pattern import Floats
 
-GUARDS = 4  # further vectors that iterate along: the first ones converge at the pace of the first that is left out
+GUARD = 1  # a further vector in every block: multiple eigenvalues need as many vectors as they count
 SETTLED = 1e-7  # relative change of the eigenvalues at which they are taken
-MOST = 60  # iterations
+NOTHING = 1e-20  # square of a length that is rounding, over that of a unit vector
 
 
 def soft_modes(mass: sp.csr_matrix, factor: Factor, rigid: Floats, count: int) -> tuple[Floats, Floats]:
     """(k,) smallest eigenvalues of `H v = value M v` and their modes (size, k), `v M v = 1`, rigid motions left out.
 
-    By subspace iteration (Bathe 1971) with the inverse of H.
+    By a block Lanczos method with the inverse of H (Golub and Underwood 1977), every block kept orthogonal to all.
 
     Parameters
     ----------
@@ -26,24 +25,38 @@ def soft_modes(mass: sp.csr_matrix, factor: Factor, rigid: Floats, count: int) -
     rigid : (size, r) motions that H maps to zero; r may be 0.
     count : modes wanted; fewer come back if there are fewer.
     """
-    size = mass.shape[0]
-    count = min(count, size - rigid.shape[1])
+    size, motions = rigid.shape
+    count = min(count, size - motions)
     if count < 1:
         return np.empty(0), np.empty((size, 0))
-    weighted = mass @ rigid
-    inner = np.linalg.inv(rigid.T @ weighted) if rigid.shape[1] else np.empty((0, 0))
-    width = min(count + GUARDS, size - rigid.shape[1])
-    forces = mass @ np.random.default_rng(0).standard_normal((size, width))
-    values = np.zeros(width)
-    for _ in range(MOST):
-        # forces in equilibrium with themselves leave the support alone
-        forces = forces - weighted @ (inner @ (rigid.T @ forces))
-        vectors = np.ascontiguousarray(factor.solve(forces))
-        vectors -= rigid @ (inner @ (weighted.T @ vectors))
-        images = mass @ vectors
-        before = values
-        values, turn = eigh(vectors.T @ forces, vectors.T @ images)
-        vectors, forces = vectors @ turn, images @ turn
-        if np.abs(values - before)[:count].max() <= SETTLED * abs(values[count - 1]):
+    least = NOTHING * float(mass.diagonal().max())
+    # vectors of length 1 in M, the rigid motions first; their images M v; and what the forces M v do to the sheet
+    vectors, images = _orthonormal(rigid, mass @ rigid, least)
+    solved = np.empty((size, 0))
+    block = np.random.default_rng(0).standard_normal((size, count + GUARD))
+    values, turn = np.empty(0), np.empty((0, 0))
+    while True:
+        block = block / np.maximum(np.linalg.norm(block, axis=0), least)
+        for _ in range(2):  # once leaves too much of what is nearly parallel
+            block = block - vectors @ (images.T @ block)
+        block, image = _orthonormal(block, mass @ block, least)
+        if not block.shape[1]:  # these are all that there are
             break
-    return values[:count], vectors[:, :count]
+        vectors, images = np.hstack([vectors, block]), np.hstack([images, image])
+        # forces that do no work on rigid motions leave the support alone
+        block = factor.solve(image)
+        solved = np.hstack([solved, block])
+        before = values
+        inverse, turn = np.linalg.eigh(images[:, motions:].T @ solved)
+        values, turn = 1.0 / inverse[: -count - 1 : -1], turn[:, : -count - 1 : -1]
+        if len(values) == len(before) and np.abs(values - before).max() <= SETTLED * abs(values[-1]):
+            break
+    return values, vectors[:, motions:] @ turn
+
+
+def _orthonormal(vectors: Floats, images: Floats, least: float) -> tuple[Floats, Floats]:
+    """Combinations of vectors v (size, k) with `v M v = 1`, and their images M v; those below `least` are left out."""
+    square, turn = np.linalg.eigh(vectors.T @ images)
+    kept = square > least
+    turn = turn[:, kept] / np.sqrt(square[kept])
+    return vectors @ turn, images @ turn

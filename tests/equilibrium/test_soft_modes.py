@@ -33,3 +33,15 @@ def test_a_floating_chain(count: int) -> None:
     assert np.allclose(values, exact[: len(values)], rtol=1e-5)
     assert np.allclose(vectors.T @ mass @ vectors, np.eye(len(values)), atol=1e-8)
     assert np.abs(rigid.T @ (mass @ vectors)).max() < 1e-8
+
+
+@pytest.mark.parametrize("count", [2, 9])
+def test_eigenvalues_that_are_all_the_same(count: int) -> None:
+    size = 7
+    pattern = SparsePattern.of_lower(sp.csc_matrix(sp.identity(size)))
+    factor = make_factor(pattern)
+    assert factor.factorise(np.full(size, 6.0))
+    mass = sp.csr_matrix(2.0 * sp.identity(size))
+    values, vectors = soft_modes(mass, factor, np.empty((size, 0)), count)
+    assert np.allclose(values, np.full(min(count, size), 3.0))
+    assert np.allclose(vectors.T @ mass @ vectors, np.eye(len(values)), atol=1e-12)
