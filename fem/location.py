@@ -27,7 +27,8 @@ def triangles_at(mesh: MeshTri, points: Floats) -> Ints:
     for start in range(0, len(points), size):
         # as scikit-fem's own finder does, which refuses points that rounding has moved over the border
         one, two = slopes @ points[start : start + size].T - origin[..., None]
-        depth = np.minimum(np.minimum(one, two), 1.0 - one - two)
+        depth = 1.0 - one - two
+        np.minimum(np.minimum(one, two, out=one), depth, out=depth)
         found[start : start + size] = depth.argmax(axis=0)
         lost = np.flatnonzero(depth.max(axis=0) < -SLACK)
         if len(lost):

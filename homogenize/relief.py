@@ -58,7 +58,10 @@ class Waves:
     def __call__(self, offsets: Array) -> Array:
         """(N, W) the waves at printed offsets (N, 2) mm from a star's centre."""
         phase = np.einsum("wga,na->nwg", self.reciprocal, offsets)
-        return np.where(self.odd, np.sin(phase).mean(axis=2), np.cos(phase).mean(axis=2))
+        waves = np.empty(phase.shape[:2])
+        for kind, function in ((self.odd, np.sin), (~self.odd, np.cos)):
+            waves[:, kind] = function(phase[:, kind]).mean(axis=2)
+        return waves
 
     def amplitudes(self, offsets: Array, heights: Array, weights: Array) -> Array:
         """(W,) mm, of the relief nearest to heights (N,) in the mean square with weights (N,)."""

@@ -110,9 +110,9 @@ class StarCells:
         star, share = np.full((len(place), MOST), -1), np.zeros((len(place), MOST))
         reach = int(np.ceil(REACH * width / self._step))
         _gather(place, self._owner, self._count, self._ends, reach, self._step / width, star, share)
-        row = np.broadcast_to(np.arange(len(place))[:, None], star.shape)
         kept = (star >= 0) & (star < self._stars)
-        return sp.csr_matrix((share[kept], (row[kept], star[kept])), shape=(len(place), self._stars))
+        ends = np.concatenate([[0], np.cumsum(kept.sum(axis=1))])
+        return sp.csr_matrix((share[kept], star[kept], ends), shape=(len(place), self._stars))
 
 
 @loop
