@@ -66,6 +66,7 @@ class Argyris:
         self.normals = np.column_stack([along[:, 1], -along[:, 0]]) / self._lengths[:, None]
         self._middles = 0.5 * (ends[0] + ends[1])
         self.coefficients = np.linalg.inv(self._functionals())
+        self._tabulations: dict[int, Tabulation] = {}
 
     def _functionals(self) -> Floats:
         """(T, 21, 21) dofs of the scaled monomials of every triangle."""
@@ -91,11 +92,16 @@ class Argyris:
 
         Points (n, 2) in printed mm may lie outside of the triangles (n,): the polynomials go on.
         """
-        table = monomials(POWERS, self._local(triangles, points)) / self._scale[triangles, None, None] ** ORDERS
+        table = monomials(POWERS, self._local(triangles, points)) / (self._scale[:, None, None] ** ORDERS)[triangles]
         return self.dofs[triangles], np.matmul(np.swapaxes(self.coefficients[triangles], 1, 2), table)
 
     def tabulate(self, order: int) -> Tabulation:
-        """Quadrature exact for polynomials of degree `order`."""
+        """Quadrature exact for polynomials of degree `order`; the same object every time."""
+        if order not in self._tabulations:
+            self._tabulations[order] = self._tabulated(order)
+        return self._tabulations[order]
+
+    def _tabulated(self, order: int) -> Tabulation:
         local, share = get_quadrature(self.mesh.refdom, order)
         count, per = self.mesh.nelements, len(share)
         points = np.moveaxis(self.mesh.mapping().F(local), 0, 2)

@@ -28,19 +28,15 @@ class Reduced:
         size = columns.shape[1]
         if size == columns.shape[0] and (columns != sp.identity(size, format="csr")).nnz == 0:
             return
-        column = np.repeat(np.arange(pattern.size), np.diff(pattern.indptr))
-        row = pattern.indices.astype(np.int64)
-        entry = np.arange(pattern.nnz)
-        off = row != column  # these stand for two entries of the symmetric matrix
-        row, column, entry = (
-            np.concatenate([row, column[off]]),
-            np.concatenate([column, row[off]]),
-            np.concatenate([entry, entry[off]]),
-        )
-        i, j, source, weight = _expanded(columns, row, column, entry)
-        low = i >= j
+        row, column = pattern.indices, np.repeat(np.arange(pattern.size), np.diff(pattern.indptr))
+        i, j, source, weight = _expanded(columns, row, column)
+        # off the diagonal an entry stands for two of the symmetric matrix, of which one is in the lower triangle
+        off, both = i != j, (row != column)[source]
+        weight[both & ~off] *= 2.0
+        weight[off & ~both] *= 0.5
         diagonal = np.arange(size, dtype=np.int64) * (size + 1)
-        keys, number = np.unique(np.concatenate([diagonal, j[low] * size + i[low]]), return_inverse=True)
+        keys = np.concatenate([diagonal, np.minimum(i, j) * size + np.maximum(i, j)])
+        keys, number = np.unique(keys, return_inverse=True)
         lower = sp.csc_matrix(
             (
                 np.ones(len(keys)),
@@ -50,21 +46,22 @@ class Reduced:
             shape=(size, size),
         )
         self.pattern = SparsePattern.of_lower(lower)
-        self._map = sp.csr_matrix((weight[low], (number[size:], source[low])), shape=(len(keys), pattern.nnz))
+        self._map = sp.csr_matrix((weight, (number[size:], source)), shape=(len(keys), pattern.nnz))
 
     def __call__(self, data: Floats) -> Floats:
         """(nnz of the restricted pattern,) from the entries (nnz,) of a matrix."""
         return data if self._map is None else self._map @ data
 
 
-def _expanded(columns: sp.csr_matrix, row: Ints, column: Ints, entry: Ints) -> tuple[Ints, Ints, Ints, Floats]:
-    """All products `T_ri T_cj` of the entries (r, c): i, j, the entry's number, and the product."""
+def _expanded(columns: sp.csr_matrix, row: Ints, column: Ints) -> tuple[Ints, Ints, Ints, Floats]:
+    """All products `T_ri T_cj` of entries (r, c): i, j, the entry's number, and the product."""
     count = np.diff(columns.indptr)
-    first, second = count[row], count[column]
-    total = first * second
-    which = np.repeat(np.arange(len(row)), total)
-    within = np.arange(total.sum()) - np.repeat(np.cumsum(total) - total, total)
-    one = columns.indptr[row[which]] + within // second[which]
-    two = columns.indptr[column[which]] + within % second[which]
+    second = count[column]
+    total = count[row] * second
+    entry = np.repeat(np.arange(len(row)), total)
+    within = np.arange(len(entry)) - np.repeat(np.cumsum(total) - total, total)
+    one, two = np.divmod(within, second[entry])
+    one += columns.indptr[row[entry]]
+    two += columns.indptr[column[entry]]
     i, j = columns.indices[one].astype(np.int64), columns.indices[two].astype(np.int64)
-    return i, j, entry[which], columns.data[one] * columns.data[two]
+    return i, j, entry, columns.data[one] * columns.data[two]
