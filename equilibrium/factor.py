@@ -24,6 +24,7 @@ from equilibrium.sparse_pattern import Floats, Ints, SparsePattern
 # entries of a triangle below which a second thread waits more than it works; one thread also adds in one order, so that
 # small problems give the same digits on every run
 FEW = 1_000_000
+SMALL = 200_000  # entries of a triangle below which nested dissection takes longer than it saves
 SHARE = 0.5  # of the machine's memory that a factorisation may take
 
 
@@ -109,7 +110,7 @@ class PardisoFactor:
             (np.ones(pattern.nnz), pattern.indices, pattern.indptr), shape=(pattern.size, pattern.size)
         )
         self._solver.set_iparm(1, 1)
-        self._solver.set_iparm(2, 2)  # nested dissection
+        self._solver.set_iparm(2, 0 if pattern.nnz < SMALL else 2)  # minimum degree, nested dissection
         self._solver.set_iparm(8, 0)
         # the two-level factorisation is a few percent faster and misses negative pivots of unconnected dofs
         self._solver.set_iparm(24, 0)

@@ -60,6 +60,7 @@ class Argyris:
         around = np.bincount(mesh.t.ravel(), minlength=mesh.nvertices)
         total = np.bincount(mesh.t.ravel(), np.tile(self._scale, 3), minlength=mesh.nvertices)
         self.vertex_scale = np.asarray(total / np.maximum(around, 1), dtype=float)
+        self._vertex_scales: Floats = self.vertex_scale[:, None] ** ORDERS
         ends = mesh.p.T[mesh.facets]
         along = ends[1] - ends[0]
         self._lengths: Floats = np.sqrt((along**2).sum(axis=1))
@@ -127,7 +128,7 @@ class Argyris:
         count = self.mesh.nvertices
         table = jets(np.concatenate([self.mesh.p.T, self._middles]) if self.mid_normals else self.mesh.p.T)
         out = np.empty((self.size, 3))
-        out[self.vertex_dofs] = table[:count] * (self.vertex_scale[:, None] ** ORDERS)[..., None]
+        out[self.vertex_dofs] = table[:count] * self._vertex_scales[..., None]
         if self.mid_normals:
             slopes = np.matmul(self.normals[:, None], table[count:, 1:3])[:, 0]
             out[self.edge_dofs] = slopes * self._lengths[:, None]
