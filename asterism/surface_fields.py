@@ -67,29 +67,21 @@ def mean_curvature(positions: Floats, triangles: Ints) -> Floats:
     return _per_area(along_normal / 2, positions, triangles)
 
 
-def principal_strains(flat: Floats, positions: Floats, triangles: Ints) -> Floats:
-    """Principal stretches less one of the map from a flat sheet into space.
+def deformation_gradients(flat: Floats, positions: Floats, triangles: Ints) -> Floats:
+    """(T, 3, 2), edges in space times the inverse of those of a flat sheet (V, 2) mm, which counts as unstrained."""
+    (ux, uy), (vx, vy) = (flat[triangles[:, k]].T - flat[triangles[:, 0]].T for k in (1, 2))
+    u, v = (positions[triangles[:, k]].T - positions[triangles[:, 0]].T for k in (1, 2))
+    return np.stack([u * vy - v * uy, v * ux - u * vx]).transpose(2, 1, 0) / (ux * vy - uy * vx)[:, None, None]
 
-    Parameters
-    ----------
-    flat : (V, 2) mm, the sheet that counts as unstrained: as printed, or `rest_places(printed, stretch)`.
-    positions : (V, 3) mm.
-    triangles : (T, 3).
 
-    Returns
-    -------
-    (T, 2), the larger first: singular values of the deformation gradient, less one.
-    """
-    metric = np.einsum("tia,tib->tab", *([_deformation_gradients(flat, positions, triangles)] * 2))
-    half_trace = (metric[:, 0, 0] + metric[:, 1, 1]) / 2
-    radius = np.hypot((metric[:, 0, 0] - metric[:, 1, 1]) / 2, metric[:, 0, 1])
+def principal_strains(gradients: Floats) -> Floats:
+    """(T, 2) singular values of deformation gradients (T, 3, 2), less one; the larger first."""
+    one, two = gradients.transpose(2, 0, 1)
+    first, second = np.einsum("ti,ti->t", one, one), np.einsum("ti,ti->t", two, two)
+    half_trace = (first + second) / 2
+    radius = np.hypot((first - second) / 2, np.einsum("ti,ti->t", one, two))
     squares = np.column_stack([half_trace + radius, half_trace - radius])
     return np.sqrt(np.maximum(squares, 0.0)) - 1
-
-
-def rest_places(printed: Floats, stretch: float | tuple[float, float]) -> Floats:
-    """(V, 2) mm, the fabric before it was stretched: printed places over the stretch of each direction."""
-    return printed / np.broadcast_to(np.asarray(stretch, dtype=float), (2,))
 
 
 def point_fields(positions: Floats, triangles: Ints) -> dict[str, Floats]:
@@ -105,21 +97,16 @@ def cell_fields(
     printed: Floats, positions: Floats, triangles: Ints, stretch: float | tuple[float, float]
 ) -> dict[str, Floats]:
     """Strains per triangle from the sheet as printed and from the fabric at rest, for reports and exports."""
-    from_print = principal_strains(printed, positions, triangles)
-    from_rest = principal_strains(rest_places(printed, stretch), positions, triangles)
+    gradients = deformation_gradients(printed, positions, triangles)
+    from_print = principal_strains(gradients)
+    # at rest lengths are the printed ones over the stretch of each direction
+    from_rest = principal_strains(gradients * np.asarray(stretch, dtype=float))
     return {
         "strain_from_print_max": from_print[:, 0],
         "strain_from_print_min": from_print[:, 1],
         "strain_from_rest_max": from_rest[:, 0],
         "strain_from_rest_min": from_rest[:, 1],
     }
-
-
-def _deformation_gradients(flat: Floats, positions: Floats, triangles: Ints) -> Floats:
-    """(T, 3, 2), edges in space times the inverse of the flat edges."""
-    flat_edges = np.stack([flat[triangles[:, k]] - flat[triangles[:, 0]] for k in (1, 2)], axis=-1)
-    edges = np.stack([positions[triangles[:, k]] - positions[triangles[:, 0]] for k in (1, 2)], axis=-1)
-    return edges @ np.linalg.inv(flat_edges)
 
 
 def _cotangents(positions: Floats, triangles: Ints) -> tuple[Floats, Floats]:
