@@ -8,7 +8,7 @@ from skfem import MeshTri
 from fem.tabulation import Floats, Ints
 
 SLACK = 0.3  # of a triangle's height: how far outside the mesh a point may lie, where polynomials are still good
-PAIRS = 1 << 18  # of points and triangles that are looked at together
+PAIRS = 1 << 16  # of points and triangles that are looked at together: they stay in the processor's cache
 
 
 def triangles_at(mesh: MeshTri, points: Floats) -> Ints:
