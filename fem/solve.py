@@ -28,6 +28,7 @@ DOWN = 200  # iterations downhill where that failed
 CLOSE = 0.1  # of what the best start saves against a flat sheet
 FOLLOWED = 2  # starts of different kinds that are followed to their ends
 TURNED = 2  # and as many in other directions
+SOFTEST = 3  # soft modes
 
 
 def relax(
@@ -36,7 +37,7 @@ def relax(
     side: Side = "auto",
     shapes: Sequence[Shape] | None = None,
     followed: int = FOLLOWED,
-    soft_modes: int = 3,
+    soft_modes: int = SOFTEST,
     turns: Sequence[Floats] = (),
     tie: float = 0.0,
 ) -> ShellEquilibrium:
@@ -126,7 +127,7 @@ def by_load_steps(shell: Shell, factor: Factor, steps: int) -> ShellEquilibrium 
     return None if found is None else replace(found, load_steps=steps)
 
 
-def modes_of(shell: Shell, x: Floats, factor: Factor, count: int) -> tuple[Floats, Floats]:
+def modes_of(shell: Shell, x: Floats, factor: Factor, count: int = SOFTEST) -> tuple[Floats, Floats]:
     """(k,) N/mm^3 and (n, k) softest modes over the free unknowns; the factor holds the Hessian at the minimum x."""
     return softest(shell.mass, factor, shell.rigid_modes(x), count)
 

@@ -21,7 +21,7 @@ from fem.evidence import ShellEquilibrium
 from fem.linear_response import linear_response
 from fem.seeds import Side
 from fem.shell import Shell
-from fem.solve import follow
+from fem.solve import follow, modes_of
 from fem.tabulation import Floats
 from homogenize.errors import LawError
 from homogenize.law import Law
@@ -141,7 +141,8 @@ class Preview:
         """Change the design: first the linear response, at once, and then the equilibrium.
 
         Where outline, pins, lattice and gravity are the same the shape goes on from what it was; otherwise, and where
-        that leads nowhere, it starts anew, without a linear response.
+        that leads nowhere, it starts anew, without a linear response. Only starts meet other forms: after an edit that
+        goes on, the summary knows of none.
 
         Raises
         ------
@@ -215,6 +216,7 @@ class Preview:
     @one_blas_thread()
     def shape(self) -> Shape:
         """The sheet with its stars' bumps, as files and pictures show it."""
+        self._find_soft_modes()
         mesh = self._clock("shown", shown_mesh, self.design, self.sheet)
         if self._lens is None:
             self._lens = self._clock("shown", Lens, self.sheet, self.law.waves, mesh.points)
@@ -223,3 +225,10 @@ class Preview:
         if not self.sheet.layout.pins:
             shape = shape.aligned()
         return replace(shape, summary=summary(self, shape, mesh, self.seconds))
+
+    def _find_soft_modes(self) -> None:
+        """What the error to be expected follows from; an edit does not wait for it. The factor is the equilibrium's."""
+        found = self.equilibrium
+        if found.is_minimum and not len(found.soft_modes):
+            values, _ = self._clock("soft modes", modes_of, self.shell, found.x, self._factor)
+            self.equilibrium = replace(found, soft_modes=values)

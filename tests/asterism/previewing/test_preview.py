@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import asterism
+import asterism.previewing.preview as preview_module
 from asterism.previewing.arm_relief import Arms
 from asterism.previewing.preview import Preview
 from asterism.previewing.star_relief import TURN
@@ -111,6 +112,28 @@ def test_an_edit_gives_the_shape_of_a_new_preview() -> None:
     assert np.linalg.norm(fresh.shell.gradient(x)) < 2.0 * preview.equilibrium.tolerance
     assert preview.equilibrium.energy == pytest.approx(fresh.equilibrium.energy, rel=0.01)
     assert preview.shape().height_mm == pytest.approx(fresh.shape().height_mm, rel=1e-3)
+
+
+@pytest.mark.parametrize("step", [0, 1])
+def test_softness_is_known_after_edits_and_pins_too(step: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No edit waits for it; it is found once, when a summary is asked for."""
+    asked: list[None] = []
+    find = preview_module.modes_of
+    monkeypatch.setattr(preview_module, "modes_of", lambda *given: asked.append(None) or find(*given))
+    pins = [{"edges": [0]}, {"points_mm": [[0.0, -60.0]], "target_mm": [[0.0, -45.0, 5.0]], "step": step}]
+    one, other = (design(stars={"thickness_mm": t}, pins=pins, mesh={"edge_mm": 4.0}) for t in (0.3, 0.303))
+    preview, fresh = Preview(one, plain_law()), Preview(other, plain_law())
+    before = preview.shape().summary
+    assert before["expected_rms_percent"] is not None and len(asked) == step
+    list(preview.edit(other))
+    assert len(asked) == step
+    after, new = preview.shape().summary, fresh.shape().summary
+    assert after["energy_n_mm"] == pytest.approx(new["energy_n_mm"], rel=1e-6)  # one form
+    for key in ("soft_modes_n_mm3", "soft_amplitudes_percent", "expected_rms_percent", "warnings"):
+        assert after[key] == (new[key] if key == "warnings" else pytest.approx(new[key], rel=1e-4)), key
+    assert after["expected_rms_percent"] != pytest.approx(before["expected_rms_percent"], rel=1e-4)
+    count = len(asked)
+    assert preview.shape().summary["soft_modes_n_mm3"] == after["soft_modes_n_mm3"] and len(asked) == count
 
 
 def test_the_linear_response_is_right_to_first_order() -> None:
