@@ -6,10 +6,10 @@ import json
 from pathlib import Path
 
 from asterism.calibrate_command import summary
-from asterism.files import staged
 from asterism.law_cells import law_cells
 from asterism.law_picture import draw_law
 from asterism.law_table import law_table
+from asterism.results import staged_result
 from homogenize.law_file import PAPER, load_law
 
 
@@ -23,7 +23,7 @@ def show(path: Path | None, output: Path | None) -> list[str]:
     """
     law = load_law(path or PAPER)
     directory = output or (Path("paper-law") if path is None else path.with_suffix(""))
-    with staged(directory) as folder:
+    with staged_result(directory) as folder:
         draw_law(law, folder / "law.png")
         (folder / "cells.csv").write_text(law_cells(law), encoding="utf-8")
         (folder / "summary.json").write_text(json.dumps(summary(law), indent=1) + "\n", encoding="utf-8")

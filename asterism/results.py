@@ -1,9 +1,15 @@
-"""The files of a result: summary.json, shape.vtu, rods.vtu, shape.png, and a pair for every further minimum."""
+"""The files of results: which there are, and those of a shape.
+
+A shape's are summary.json, shape.vtu, rods.vtu, shape.png, and a pair for every further minimum.
+"""
 
 from __future__ import annotations
 
 import json
 import math
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +19,31 @@ from asterism.picture import draw
 from asterism.shape import Shape
 
 VERIFICATION = "verification"  # the `model` of a summary that is of two shapes
-# files of further minima: those of an earlier run would be taken for this one's
-MINIMUM = r"minimum-\d+\.(vtu|png)"
+# Files that belong to a summary.json, of whatever kind: those of an earlier one would be taken for the new one's.
+BESIDE_SUMMARY = "|".join(
+    (
+        r"shape\.(vtu|png)|rods\.vtu|minimum-\d+\.(vtu|png)",  # simulate, preview
+        r"report\.html|exact\.vtu|preview\.vtu",  # verify
+        r"compare\.png",  # compare
+        r"law\.png|cells\.csv",  # law show
+    )
+)
+
+
+@contextmanager
+def staged_result(directory: str | Path) -> Iterator[Path]:
+    """As `staged`, for files that belong to a summary.json: those of an earlier one, of whatever kind, go away.
+
+    A folder without a summary.json holds no result: nothing goes away there, whatever it is called.
+
+    Raises
+    ------
+    OutputError
+        They cannot be written there.
+    """
+    holds_result = os.path.isfile(Path(directory) / LAST)
+    with staged(directory, stale=BESIDE_SUMMARY if holds_result else None) as folder:
+        yield folder
 
 
 def write_results(shape: Shape, directory: str | Path) -> list[str]:
@@ -25,7 +54,7 @@ def write_results(shape: Shape, directory: str | Path) -> list[str]:
     OutputError
         They cannot be written there.
     """
-    with staged(directory, stale=MINIMUM) as folder:
+    with staged_result(directory) as folder:
         write_shape_vtu(shape, folder / "shape.vtu")
         write_rods_vtu(shape, folder / "rods.vtu")
         draw(shape, shape.summary["design"]["name"], folder / "shape.png")

@@ -17,8 +17,9 @@ from asterism.compare.picture import draw_outline, draw_scan
 from asterism.compare.scan import extent, read_scan
 from asterism.compare.silhouette import Fitted, fit_outline, silhouette
 from asterism.compare.units import check_size
-from asterism.files import LAST, check_writable, staged
+from asterism.files import LAST, OutputError, check_writable
 from asterism.read_shape import read_shape
+from asterism.results import staged_result
 from asterism.shape import Shape
 
 # farther off, the scan may not have been laid on the shape rightly
@@ -39,6 +40,8 @@ def compare(shape: Path, scan: Path, output: Path | None, unit: str, view: str, 
     """
     found = read_shape(shape)
     directory = output or scan.with_name(f"{scan.stem}-compared")
+    if directory.resolve() == (shape if shape.is_dir() else shape.parent).resolve() and (directory / LAST).exists():
+        raise OutputError(f"--output: {str(directory)!r} is where the shape is and stays; choose another name")
     check_writable(directory)
     name = found.summary.get("design", {}).get("name", shape.stem)
     title = f"{name} and {scan.name}"
@@ -47,7 +50,7 @@ def compare(shape: Path, scan: Path, output: Path | None, unit: str, view: str, 
         fitted = _outline(found, scan, unit, view, trim)
         numbers = {**about, "view": view, **outline_numbers(fitted)}
         rows = _outline_rows(numbers)
-        with staged(directory) as folder:
+        with staged_result(directory) as folder:
             seen = "above" if view == "above" else f"the {view}"
             draw_outline(fitted, f"{title}, seen from {seen}", _line(rows), folder / "compare.png")
             _write(folder, numbers)
@@ -62,7 +65,7 @@ def compare(shape: Path, scan: Path, output: Path | None, unit: str, view: str, 
             **comparison.summary(),
         }
         rows = _scan_rows(numbers)
-        with staged(directory) as folder:
+        with staged_result(directory) as folder:
             draw_scan(comparison, title, folder / "compare.png")
             _write(folder, numbers)
     return [*(f"  {name:<22} {value}" for name, value in rows.items()), f"{directory}: compare.png, {LAST}"]

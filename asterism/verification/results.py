@@ -6,8 +6,8 @@ import json
 from pathlib import Path
 
 from asterism.export_vtu import write_shape_vtu
-from asterism.files import LAST, staged
-from asterism.results import plain
+from asterism.files import LAST
+from asterism.results import plain, staged_result
 from asterism.verification.report import report
 from asterism.verification.run import Verification
 
@@ -24,7 +24,7 @@ def write_verification(found: Verification, directory: str | Path) -> list[str]:
     OutputError
         They cannot be written there.
     """
-    with staged(directory) as folder:
+    with staged_result(directory) as folder:
         (folder / "report.html").write_text(report(found), encoding="utf-8")
         write_shape_vtu(found.comparison.reference, folder / "exact.vtu")
         write_shape_vtu(found.comparison.other, folder / "preview.vtu")

@@ -79,3 +79,13 @@ def test_mistakes(
     done = command(["compare", str(folder / shape), str(folder / file)], capsys, monkeypatch)
     assert done.status == 2 and problem in done.line
     assert sorted(folder.iterdir()) == before
+
+
+def test_a_comparison_does_not_replace_its_shape(folder: Path, capsys, monkeypatch) -> None:
+    (folder / "summary.json").write_text("{}")
+    scan(folder / "scan.obj")
+    for named in (folder, folder / "shape.vtu"):
+        words = ["compare", str(named), str(folder / "scan.obj"), "-o", str(folder)]
+        refused = command(words, capsys, monkeypatch)
+        assert refused.status == 2 and "is where the shape is" in refused.line
+    assert sorted(file.name for file in folder.iterdir()) == ["scan.obj", "shape.vtu", "summary.json"]
