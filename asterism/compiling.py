@@ -1,7 +1,8 @@
-"""A line before the silence: loops are compiled when they are first called, and kept for later runs."""
+"""Loops are compiled when first called, and kept for later runs: a line before the silence, and a fair clock."""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -43,3 +44,17 @@ def told_of_compiling(say: Callable[[str], None]) -> Iterator[None]:
 
     with event.install_listener("numba:compile", Watch()):
         yield
+
+
+@contextmanager
+def clock_without_compiling() -> Iterator[Callable[[], float]]:
+    """A clock (s) that stands still while loops are compiled, or their machine code is read from the disk."""
+    if not HAVE_NUMBA:
+        yield time.perf_counter
+        return
+    from numba.core import event
+
+    spent = event.TimingListener()
+    # held whenever a loop gets its machine code, from wherever
+    with event.install_listener("numba:compiler_lock", spent):
+        yield lambda: time.perf_counter() - (spent.duration if spent.done else 0.0)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import importlib.util
+import time
 from pathlib import Path
 from types import ModuleType
 
 import pytest
 
-from asterism.compiling import told_of_compiling
+from asterism.compiling import clock_without_compiling, told_of_compiling
 from pattern import gallery
 from pattern.errors import MeshError
 from tests.asterism.commands import command
@@ -67,6 +68,19 @@ def test_nothing_is_said_after_the_block(tmp_path: Path) -> None:
     with told_of_compiling(lines.append):
         pass
     assert fresh(tmp_path, "fem.loops").first(1) == 3 and lines == []
+
+
+def test_a_clock_stands_still_while_loops_are_compiled_or_read(tmp_path: Path) -> None:
+    for name in ("fem.loops", "fem.again"):  # the second finds the machine code of the first
+        module = fresh(tmp_path, name)
+        with clock_without_compiling() as clock:
+            begun, by_the_clock = time.perf_counter(), clock()
+            module.first(3)
+            spent, counted = time.perf_counter() - begun, clock() - by_the_clock
+            assert counted < 0.9 * spent, name
+            begun, by_the_clock = time.perf_counter(), clock()
+            time.sleep(0.05)
+            assert clock() - by_the_clock == pytest.approx(time.perf_counter() - begun, abs=0.03)
 
 
 @pytest.mark.parametrize(

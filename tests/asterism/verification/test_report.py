@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,9 +16,11 @@ from PIL import Image
 from asterism.read_shape import read_shape
 from asterism.results import write_results
 from asterism.simulation import simulate
+from asterism.verification import run
 from asterism.verification.results import write_verification
 from asterism.verification.run import Verification, verify, warnings
 from pattern.design import Design
+from tests.asterism.test_compiling import fresh
 from tests.asterism.verification.browser import browser, opened
 from tests.asterism.verification.printed import design
 
@@ -60,6 +63,23 @@ def test_summary(found):
     assert s["starts"]["preview"]["iterations"] < 0.5 * s["starts"]["release"]["iterations"]
     assert s["warnings"][0] == "a star is beyond the law's range"
     assert s["preview"] and s["design"]["name"] == NAME
+
+
+def test_compiling_counts_for_neither_model(found, tmp_path, monkeypatch):
+    """It happens in the first run only, mostly within the exact model."""
+    pytest.importorskip("numba")
+    spent: list[float] = []
+
+    def compiled_first(*_, **__):
+        begun = time.perf_counter()
+        fresh(tmp_path, f"discrete.loops{len(spent)}").first(3)
+        spent.append(time.perf_counter() - begun)
+        return found.exact["release"]
+
+    monkeypatch.setattr(run, "simulate", compiled_first)
+    s = run.verify(OF, shown=lambda _: found.preview).summary
+    assert len(spent) == 2 and s["exact_s"] < 0.5 * spent[0] and s["exact_from_preview_s"] < 0.5 * spent[1]
+    assert s["speedup_cold"] == pytest.approx(s["exact_s"] / s["preview_s"])
 
 
 def test_stars_that_bump_down_are_named(found):
