@@ -10,12 +10,12 @@ from typing import Any
 from asterism import __version__
 from asterism.compiling import clock_without_compiling
 from asterism.previewing.run import preview
-from asterism.previewing.summary import few
 from asterism.results import VERIFICATION
 from asterism.shape import Shape
 from asterism.simulation import Say, simulate
 from asterism.verification.comparison import Comparison, compare
 from asterism.verification.numbers import numbers, same_branch
+from asterism.verification.warnings import warnings
 from discrete.branches import SAME_PERCENT
 from discrete.walk import Report
 from homogenize.law import Law
@@ -24,7 +24,6 @@ from pattern.design import Design
 from pattern.symmetries import symmetries
 
 RELEASE, PREVIEW = "release", "preview"
-ALIKE = 1.3  # largest ratio of two edge lengths that count as one
 AGAIN = 3  # previews of which the fastest counts, once everything is loaded
 KEPT = ("energy_n_mm", "is_minimum", "stars_up", "iterations", "factorisations")
 
@@ -155,31 +154,3 @@ def _summary(found: Verification, between: Comparison, seconds: dict[str, float]
         "exact": dict(exact),
         "design": found.design.to_dict(),
     }
-
-
-def warnings(found: Verification) -> list[str]:
-    """What a reader should know before trusting the numbers."""
-    exact = found.exact[found.result].summary
-    lines = [str(line) for line in found.preview.summary.get("warnings", [])]
-    if not exact["is_minimum"]:
-        lines.append("the exact shape is not certified to be a minimum")
-    if exact["self_intersections"]:
-        lines.append(f"the exact sheet passes through itself ({exact['self_intersections']} pairs of triangles)")
-    if down := exact["stars_down"]:
-        lines.append(f"{len(down)} of {exact['stars_total']} stars of the exact shape bump down: stars {few(down)}")
-    edges = found.preview.summary.get("law", {}).get("edge_mm"), exact["edge_mm"]
-    if edges[0] is not None and not 1.0 / ALIKE < edges[0] / edges[1] < ALIKE:
-        lines.append(
-            f"the law was made with edges of {edges[0]:g} mm, the exact model's are {edges[1]:g} mm: part of the "
-            f"distance is the mesh's, asterism verify --edge {edges[0]:g} makes them alike"
-        )
-    error, change = exact["mesh_error_percent"], exact.get("mesh_change_percent")
-    distance = found.comparison.rms_percent
-    if error is not None and error > distance:
-        lines.append(f"the exact model's own mesh error ({error:.1f} %) is larger than the distance ({distance:.1f} %)")
-    elif error is None and change is not None and change > distance:
-        lines.append(
-            f"the exact model's own mesh error is not known: its shape is {change:.1f} % from that of the next coarser "
-            f"mesh, more than the distance ({distance:.1f} %)"
-        )
-    return lines

@@ -18,7 +18,7 @@ from asterism.results import write_results
 from asterism.simulation import simulate
 from asterism.verification import run
 from asterism.verification.results import write_verification
-from asterism.verification.run import Verification, verify, warnings
+from asterism.verification.run import Verification, verify
 from pattern.design import Design
 from tests.asterism.test_compiling import fresh
 from tests.asterism.verification.browser import browser, opened
@@ -80,15 +80,6 @@ def test_compiling_counts_for_neither_model(found, tmp_path, monkeypatch):
     s = run.verify(OF, shown=lambda _: found.preview).summary
     assert len(spent) == 2 and s["exact_s"] < 0.5 * spent[0] and s["exact_from_preview_s"] < 0.5 * spent[1]
     assert s["speedup_cold"] == pytest.approx(s["exact_s"] / s["preview_s"])
-
-
-def test_stars_that_bump_down_are_named(found):
-    exact = {
-        name: replace(shape, summary={**shape.summary, "stars_down": [2, 5], "stars_up": 5})
-        for name, shape in found.exact.items()
-    }
-    assert "2 of 7 stars of the exact shape bump down: stars 2, 5" in warnings(replace(found, exact=exact))
-    assert not any("down" in line for line in warnings(found))
 
 
 def test_files(found, folder):

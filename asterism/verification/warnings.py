@@ -1,0 +1,74 @@
+"""What a reader of a verification should know before trusting its numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+from asterism.previewing.summary import few
+from asterism.verification.comparison import Comparison
+
+if TYPE_CHECKING:
+    from asterism.verification.run import Verification
+
+ALIKE = 1.3  # largest ratio of two edge lengths that count as one
+SURPRISE = 2.0  # times the distance that the preview expected
+HEIGHTS_PERCENT = 10.0  # by which heights may differ
+FLAT = 1e-3  # part of the diameter: heights that differ by less are those of flat sheets
+
+
+def warnings(found: Verification) -> list[str]:
+    """One line each."""
+    preview, exact = found.preview.summary, found.exact[found.result].summary
+    return [
+        *map(str, preview.get("warnings", [])),
+        *_exact_shape(exact),
+        *_surprises(found.comparison, preview.get("expected_rms_percent")),
+        *_meshes(exact, preview.get("law", {}).get("edge_mm"), found.comparison.rms_percent),
+    ]
+
+
+def _exact_shape(exact: Mapping[str, Any]) -> Iterator[str]:
+    if not exact["is_minimum"]:
+        yield "the exact shape is not certified to be a minimum"
+    if exact["self_intersections"]:
+        yield f"the exact sheet passes through itself ({exact['self_intersections']} pairs of triangles)"
+    down, off, total = exact["stars_down"], exact["stars_off_branch"], exact["stars_total"]
+    if down:
+        yield f"{len(down)} of {total} stars of the exact shape bump down: stars {few(down)}"
+    if set(off) - set(down):  # sent down, and up again
+        yield (
+            f"{len(off)} of {total} stars of the exact shape are not on the side that the design asks for: "
+            f"stars {few(off)}"
+        )
+
+
+def _surprises(comparison: Comparison, expected: float | None) -> Iterator[str]:
+    """What "the same form" does not say."""
+    distance = comparison.rms_percent
+    if expected is not None and distance > SURPRISE * expected:
+        yield f"the distance ({distance:.1f} %) is more than twice what the preview expected ({expected:.1f} %)"
+    exact, preview = comparison.heights_mm
+    off = abs(preview - exact)
+    if off > FLAT * comparison.diameter_mm and off > HEIGHTS_PERCENT / 100.0 * exact:
+        yield (
+            f"the preview is {preview:.1f} mm high, the exact shape {exact:.1f} mm: the preview's height is not to be "
+            "trusted here"
+        )
+
+
+def _meshes(exact: Mapping[str, Any], of_law: float | None, distance: float) -> Iterator[str]:
+    edge = exact["edge_mm"]
+    if of_law is not None and not 1.0 / ALIKE < of_law / edge < ALIKE:
+        yield (
+            f"the law was made with edges of {of_law:g} mm, the exact model's are {edge:g} mm: part of the distance is "
+            f"the mesh's, asterism verify --edge {of_law:g} makes them alike"
+        )
+    error, change = exact["mesh_error_percent"], exact.get("mesh_change_percent")
+    if error is not None and error > distance:
+        yield f"the exact model's own mesh error ({error:.1f} %) is larger than the distance ({distance:.1f} %)"
+    elif error is None and change is not None and change > distance:
+        yield (
+            f"the exact model's own mesh error is not known: its shape is {change:.1f} % from that of the next coarser "
+            f"mesh, more than the distance ({distance:.1f} %)"
+        )

@@ -1,0 +1,88 @@
+"""What a verification warns of, and that it does so only where it is true."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from asterism.verification.comparison import compare
+from asterism.verification.run import Verification
+from asterism.verification.warnings import warnings
+from pattern.build import layout
+from pattern.layout import Floats
+from pattern.symmetries import symmetries
+from tests.asterism.verification.printed import design, shape
+
+OF = design()
+PLAN = layout(OF)
+EXACT = {
+    "is_minimum": True, "self_intersections": 0, "stars_total": 7, "stars_down": [], "stars_off_branch": [],
+    "edge_mm": 1.15, "mesh_error_percent": None, "mesh_change_percent": None, "energy_n_mm": 1.0,
+}  # fmt: skip
+
+
+def bowl(depth: float) -> Any:
+    def place(points: Floats) -> Floats:
+        return np.column_stack([points, depth * (points**2).sum(axis=1)])
+
+    return place
+
+
+@cache
+def bowls(exact: float, preview: float) -> Verification:
+    one, other = replace(shape(OF, bowl(exact)), summary=EXACT), shape(OF, bowl(preview))
+    return Verification(OF, other, {"release": one}, {"release": compare(one, other, PLAN, symmetries(OF, PLAN))})
+
+
+def said(depths: tuple[float, float] = (0.01, 0.01), preview: dict[str, Any] | None = None, **exact: Any) -> list[str]:
+    found = bowls(*depths)
+    one = replace(found.exact["release"], summary=EXACT | exact)
+    return warnings(replace(found, preview=replace(found.preview, summary=preview or {}), exact={"release": one}))
+
+
+def test_nothing_is_said_of_shapes_that_are_alike() -> None:
+    assert said(preview={"expected_rms_percent": 1.0, "law": {"edge_mm": 1.15}}) == []
+    assert said(preview={"warnings": ["a star is beyond the law's range"]}) == ["a star is beyond the law's range"]
+
+
+@pytest.mark.parametrize(("times", "surprising"), [(1.9, False), (2.1, True)])
+def test_a_distance_far_above_the_expected_one_is_told_with_both_numbers(times: float, surprising: bool) -> None:
+    distance = bowls(0.01, 0.0107).comparison.rms_percent
+    lines = said((0.01, 0.0107), {"expected_rms_percent": distance / times})
+    line = f"the distance ({distance:.1f} %) is more than twice what the preview expected ({distance / times:.1f} %)"
+    assert lines == ([line] if surprising else [])
+
+
+@pytest.mark.parametrize(
+    ("depths", "wrong"),
+    [((0.01, 0.0107), False), ((0.01, 0.0093), False), ((0.01, 0.0115), True), ((0.01, 0.0085), True),
+     ((1e-6, 3e-6), False)],
+)  # fmt: skip
+def test_heights_that_differ_are_told_unless_the_sheet_is_flat(depths: tuple[float, float], wrong: bool) -> None:
+    exact, preview = bowls(*depths).comparison.heights_mm
+    line = (
+        f"the preview is {preview:.1f} mm high, the exact shape {exact:.1f} mm: "
+        "the preview's height is not to be trusted here"
+    )
+    assert said(depths) == ([line] if wrong else [])
+
+
+@pytest.mark.parametrize(
+    ("down", "off", "line"),
+    [
+        ([2, 5], [2, 5], "2 of 7 stars of the exact shape bump down: stars 2, 5"),
+        ([2, 5], [], "2 of 7 stars of the exact shape bump down: stars 2, 5"),
+        ([], [3], "1 of 7 stars of the exact shape are not on the side that the design asks for: stars 3"),
+    ],
+)
+def test_stars_on_another_side_are_named_once(down: list[int], off: list[int], line: str) -> None:
+    assert said(stars_down=down, stars_off_branch=off) == [line]
+
+
+def test_an_exact_shape_that_cannot_be_is_told() -> None:
+    assert said(is_minimum=False) == ["the exact shape is not certified to be a minimum"]
+    assert said(self_intersections=4) == ["the exact sheet passes through itself (4 pairs of triangles)"]
