@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from asterism.export_vtu import write_shape_vtu
 from asterism.read_shape import read_shape
 from asterism.results import write_results
 from asterism.simulation import simulate
@@ -71,8 +72,11 @@ def test_compiling_counts_for_neither_model(found, tmp_path, monkeypatch):
     spent: list[float] = []
 
     def compiled_first(*_, **__):
+        folder = tmp_path / str(len(spent))
+        folder.mkdir()
+        loops = fresh(folder, f"discrete.loops{len(spent)}")
         begun = time.perf_counter()
-        fresh(tmp_path, f"discrete.loops{len(spent)}").first(3)
+        loops.first(3)
         spent.append(time.perf_counter() - begun)
         return found.exact["release"]
 
@@ -91,12 +95,18 @@ def test_files(found, folder):
     assert np.abs(np.ptp(exact, axis=0) - np.ptp(preview, axis=0)).max() < 2.0
 
 
-def test_another_result_in_its_folder_is_not_taken_for_a_verified_one(found, tmp_path):
+def test_another_shape_in_its_folder_is_not_taken_for_a_verified_one(found, folder, tmp_path):
     """`asterism report` must not say of any shape what a verification's summary says of two."""
-    write_results(found.exact["release"], tmp_path)
-    assert read_shape(tmp_path).summary["is_minimum"]
-    write_verification(found, tmp_path)
+    write_shape_vtu(found.exact["release"], tmp_path / "shape.vtu")
+    (tmp_path / "summary.json").write_bytes((folder / "summary.json").read_bytes())
     assert read_shape(tmp_path).summary == {}
+
+
+def test_it_takes_the_place_of_another_result(found, tmp_path):
+    write_results(found.exact["release"], tmp_path)
+    files = write_verification(found, tmp_path)
+    assert sorted(file.name for file in tmp_path.iterdir()) == files
+    assert read_shape(tmp_path).positions == pytest.approx(found.comparison.reference.positions, abs=1e-6)
 
 
 def test_both_shapes_of_a_verification_can_be_read_again(found, folder):
