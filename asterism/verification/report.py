@@ -61,20 +61,25 @@ def _how(s: Mapping[str, Any]) -> str:
 
 
 def _headline(s: Mapping[str, Any]) -> dict[str, str]:
-    radius, mesh = s["roll_radius_error_percent"], s["mesh_error_percent"]
+    radius = s["roll_radius_error_percent"]
     return {
         "distance of the surfaces, rms": _percent(s["rms_percent"], 2),
         "largest distance": _percent(s["max_percent"], 1),
         "distance of star centres, rms": _percent(s["rms_stars_percent"], 2),
         "height of the preview, against the exact one": _signed(s["height_error_percent"]),
         **({} if radius is None else {"radius of the preview's roll, against the exact one": _signed(radius)}),
-        **(
-            {"the exact shape, from that on a coarser mesh": _percent(s["mesh_change_percent"], 1)}
-            if mesh is None
-            else {"the exact model's own mesh error": _percent(mesh, 1)}
-        ),
+        **_mesh(s["mesh_error_percent"], s["mesh_change_percent"]),
         "faster than the exact model": f"{s['speedup']:.0f} ×",
     }
+
+
+def _mesh(error: float | None, change: float | None) -> dict[str, str]:
+    """What is known of the exact model's mesh."""
+    if error is not None:
+        return {"the exact model's own mesh error": _percent(error, 1)}
+    if change is not None:
+        return {"the exact shape, from that on a coarser mesh": _percent(change, 1)}
+    return {"the exact model's own mesh error: one mesh was solved": "not known"}
 
 
 def _warnings(lines: list[str]) -> str:

@@ -18,6 +18,7 @@ from asterism.read_shape import read_shape
 from asterism.results import write_results
 from asterism.simulation import simulate
 from asterism.verification import run
+from asterism.verification.report import report
 from asterism.verification.results import write_verification
 from asterism.verification.run import Verification, verify
 from pattern.design import Design
@@ -133,6 +134,20 @@ def test_page_says_what_counts(found, folder):
     assert "<li>a star is beyond the law&#x27;s range</li>" in text
     released = s["starts"]["release"]
     assert f'<td class="n">{released["energy_n_mm"]:.4f}</td>' in text and "from end to end" in text
+
+
+@pytest.mark.parametrize(
+    ("error", "change", "tile"),
+    [
+        (1.23, 4.0, "<b>1.2 %</b><span>the exact model&#x27;s own mesh error</span>"),
+        (None, 4.0, "<b>4.0 %</b><span>the exact shape, from that on a coarser mesh</span>"),
+        (None, None, "<b>not known</b><span>the exact model&#x27;s own mesh error: one mesh was solved</span>"),
+    ],
+)
+def test_page_says_what_is_known_of_the_mesh(found, error, change, tile, monkeypatch):
+    monkeypatch.setattr("asterism.verification.report._pictures", lambda _: [])  # they take seconds
+    known = {"mesh_error_percent": error, "mesh_change_percent": change}
+    assert tile in report(replace(found, summary=found.summary | known))
 
 
 @pytest.mark.skipif(browser() is None, reason="no Chromium, Chrome or Edge on this machine")

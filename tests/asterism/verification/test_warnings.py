@@ -86,3 +86,28 @@ def test_stars_on_another_side_are_named_once(down: list[int], off: list[int], l
 def test_an_exact_shape_that_cannot_be_is_told() -> None:
     assert said(is_minimum=False) == ["the exact shape is not certified to be a minimum"]
     assert said(self_intersections=4) == ["the exact sheet passes through itself (4 pairs of triangles)"]
+
+
+@pytest.mark.parametrize(
+    ("edge", "line"),
+    [
+        (1.0, None),
+        (2.5, "part of the distance is the error of the exact model's coarser mesh; "
+              "asterism verify --edge 1.15 makes them alike"),
+        (0.8, "part of the distance is the error of the law's coarser mesh"),
+    ],
+)  # fmt: skip
+def test_the_coarser_of_two_meshes_is_told(edge: float, line: str | None) -> None:
+    """Nobody who asked for a fine mesh is sent back to the law's."""
+    lines = said(preview={"law": {"edge_mm": 1.15}}, edge_mm=edge)
+    made = f"the law was made with edges of 1.15 mm, the exact model's are {edge:g} mm: "
+    assert lines == ([] if line is None else [made + line])
+
+
+def test_a_mesh_error_above_the_distance_is_told() -> None:
+    distance = bowls(0.01, 0.0107).comparison.rms_percent
+    lines = said((0.01, 0.0107), mesh_error_percent=1.1 * distance)
+    assert len(lines) == 1 and lines[0].endswith(f"is larger than the distance ({distance:.1f} %)")
+    lines = said((0.01, 0.0107), mesh_change_percent=1.1 * distance)
+    assert len(lines) == 1 and lines[0].endswith(f"more than the distance ({distance:.1f} %)")
+    assert said((0.01, 0.0107), mesh_error_percent=0.9 * distance, mesh_change_percent=1.1 * distance) == []
