@@ -49,7 +49,7 @@ def calibrate(
     """
     if material.fabric.bending == "none":
         raise DesignError("fabric.bending", WITHOUT_BENDING, "none")
-    check_writable(output.parent)
+    check_writable(output.parent, output.name)
     folder = samples_folder(output)
     watch = CampaignProgress()
     start = time.perf_counter()

@@ -66,11 +66,13 @@ def staged(directory: str | Path, stale: str | None = None) -> Iterator[Path]:
     ['summary.json']
     """
     directory = Path(directory)
-    # inside an existing directory the disk is certainly the same; a missing one appears by a single renaming
-    beside = directory if directory.exists() else directory.parent
-    staging = beside / f".asterism-{secrets.token_hex(4)}"
-    made = [parent for parent in (beside, *beside.parents) if not parent.exists()]
+    staging: Path | None = None
+    made: list[Path] = []
     try:
+        # inside an existing directory the disk is certainly the same; a missing one appears by a single renaming
+        beside = directory if directory.exists() else directory.parent
+        made = [parent for parent in (beside, *beside.parents) if not parent.exists()]
+        staging = beside / f".asterism-{secrets.token_hex(4)}"
         staging.mkdir(parents=True)
         yield staging
         with _signals_held():
@@ -78,17 +80,18 @@ def staged(directory: str | Path, stale: str | None = None) -> Iterator[Path]:
     except OSError as error:
         raise OutputError(_sentence(error, directory)) from error
     finally:
-        shutil.rmtree(staging, ignore_errors=True)
+        if staging is not None:
+            shutil.rmtree(staging, ignore_errors=True)
         for parent in made:
             # those that hold results now are not empty, and stay
             with suppress(OSError):
                 parent.rmdir()
 
 
-def check_writable(directory: str | Path) -> None:
-    """Raise OutputError now if results could not be written into `directory` later; leaves no trace."""
+def check_writable(directory: str | Path, name: str = LAST) -> None:
+    """Raise OutputError now if a file could not be written into `directory` later; leaves no trace."""
     with suppress(_Rehearsal), staged(directory) as folder:
-        (folder / LAST).write_text("{}")
+        (folder / name).write_text("{}")
         raise _Rehearsal
 
 
@@ -174,8 +177,10 @@ def _signals_held() -> Iterator[None]:
 
 def _sentence(error: OSError, directory: Path) -> str:
     """One line: what could not be written, and why."""
-    where = Path(error.filename) if error.filename else directory
-    if any(part.startswith(".asterism-") for part in where.parts):
-        where = directory
+    where = Path(error.filename or directory)
+    for number, part in enumerate(where.parts):
+        if part.startswith(".asterism-"):
+            where = directory.joinpath(*where.parts[number + 1 :])
+            break
     reason = REASONS.get(error.errno or 0, (error.strerror or str(error)).lower())
     return f"cannot write {where}: {reason}"

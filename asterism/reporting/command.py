@@ -35,7 +35,7 @@ def report(
     if path.suffix.lower() != ".pdf":
         raise OutputError(f"--output: {str(path)!r} must end with .pdf")
     plan = with_material(load_design(design), material)
-    check_writable(path.parent)
+    check_writable(path.parent, path.name)
     machine, profile = load_printer(printer), load_plastic(plastic)
     prepare(plan, machine, profile)  # before anything is computed: most mistakes are found here
     shape, source = shape_of(plan, results, design.with_suffix(""), _say)

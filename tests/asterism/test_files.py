@@ -175,6 +175,14 @@ def test_things_in_the_way_are_named(tmp_path: Path) -> None:
     assert contents(tmp_path) == {"file": "mine"}
 
 
+def test_a_name_that_is_too_long_is_named(tmp_path: Path) -> None:
+    name = 300 * "x"
+    for check in (lambda: check_writable(tmp_path / name), lambda: check_writable(tmp_path / "new", name)):
+        with pytest.raises(OutputError, match=rf"^cannot write .*{name}: the name is too long$"):
+            check()
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_no_permission_is_said_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(self: Path, *args: object, **kwargs: object) -> None:
         raise PermissionError(errno.EACCES, "Permission denied", str(self))
