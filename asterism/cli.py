@@ -1,250 +1,63 @@
-"""The command line. Every mistake is one line on standard error and exit status 2; no answer is status 1."""
+"""The command line. Every mistake is one line on standard error and exit status 2; no answer is status 1.
+
+Nothing is imported before Ctrl-C is listened to.
+"""
 
 from __future__ import annotations
 
-import signal
+import errno
+import os
 import sys
-from pathlib import Path
-from shlex import quote
-from typing import Annotated, Any
+from typing import NoReturn
 
-import typer
+from asterism import interruption
 
-from asterism import __version__
-from asterism.compare.cli import compare
-from asterism.compare.errors import ScanError
-from asterism.csv_cells import TableError
-from asterism.export_command import export, printers
-from asterism.previewing.command import preview
-from asterism.reporting.command import report
-from asterism.strips.cli import app as strips
-from asterism.strips.errors import NoMaterial
-from asterism.verification.command import verify
-
-app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
-
-# what the option parser raises for a wrong command line; some versions of typer bring their own click
-_UsageError: type[Exception] = typer.BadParameter.__mro__[1]
-
-law = typer.Typer(help="What a law of the sheet says.", no_args_is_help=True)
-app.add_typer(law, name="law")
-app.command()(preview)
-app.command()(verify)
-app.command()(export)
-app.command()(compare)
-app.command()(report)
-app.command()(printers)
-app.add_typer(strips, name="strips")
-
-
-@app.callback(invoke_without_command=True)
-def _root(
-    context: typer.Context,
-    version: Annotated[bool, typer.Option("--version", help="Print the version and stop.")] = False,
-) -> None:
-    """The shape of plastic stars printed on stretched fabric."""
-    if version:
-        typer.echo(__version__)
-    elif context.invoked_subcommand is None:
-        typer.echo(context.get_help())
-
-
-@app.command()
-def new(
-    name: Annotated[str | None, typer.Argument(help="A design of the gallery; none: list them.")] = None,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="The file to write (NAME.toml).")] = None,
-) -> None:
-    """Write a design of the gallery to a file, to be looked at and changed."""
-    from asterism.files import write_file
-    from pattern import gallery
-
-    if name is None:
-        typer.echo("\n".join(gallery.names()))
-        return
-    if name not in gallery.names():
-        raise _Mistake(f"NAME: {name!r} is not in the gallery; there are {', '.join(gallery.names())}")
-    path = output or Path(f"{name}.toml")
-    if path.suffix != ".toml":
-        raise _Mistake(f"--output: {str(path)!r} must end with .toml")
-    content = gallery.path(name).read_bytes()
-    if path.exists() and not (path.is_file() and path.read_bytes() == content):
-        raise _Mistake(f"--output: {str(path)!r} exists already and is left as it is; choose another name")
-    write_file(path, content)
-    where = quote(str(path))
-    typer.echo(f"{path}: now run  asterism preview {where}  for its shape at once, or  asterism verify {where}")
-
-
-@app.command()
-def simulate(
-    design: Annotated[Path, typer.Argument(help="The design file (.toml or .json).")],
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Directory of the results (design's name).")
-    ] = None,
-    edge: Annotated[float | None, typer.Option(help="Edge length of the mesh in mm, in place of the design's.")] = None,
-    start: Annotated[str | None, typer.Option(help="bump or flat, in place of the design's.")] = None,
-    seed: Annotated[int | None, typer.Option(help="Seed of the start's noise, in place of the design's.")] = None,
-    starts: Annotated[
-        int, typer.Option(min=1, max=1000, help="Starts to look for other minima; the lowest found is the result.")
-    ] = 1,
-    fabric_bending: Annotated[
-        str | None, typer.Option(help="paper, consistent or none, in place of the design's.")
-    ] = None,
-    contact: Annotated[
-        bool | None,
-        typer.Option("--contact/--no-contact", help="Keep the sheet from passing through itself (needs ipctk)."),
-    ] = None,
-    material: Annotated[
-        Path | None, typer.Option(help="A material's file: its fabric and plastic in place of the design's.")
-    ] = None,
-    backend: Annotated[str, typer.Option(help="Linear solver: auto, pardiso, cholmod, superlu or amg.")] = "auto",
-) -> None:
-    """The exact model: the shape of a design, certified to be an equilibrium.
-
-    Writes summary.json, shape.vtu, rods.vtu and shape.png, and minimum-2.vtu, minimum-2.png, ... if --starts has found
-    other minima. Exit status 1 if what was found is not an equilibrium.
-    """
-    from asterism.compiling import told_of_compiling
-    from asterism.files import check_writable
-    from asterism.material import with_material
-    from asterism.overrides import changed
-    from asterism.progress import Progress
-    from asterism.results import write_results
-    from asterism.simulation import simulate as run
-    from pattern.design import load_design
-
-    plan = changed(
-        with_material(load_design(design), material),
-        {
-            "--edge": ("mesh.edge_mm", edge),
-            "--start": ("solver.start", start),
-            "--seed": ("solver.seed", seed),
-            "--fabric-bending": ("fabric.bending", fabric_bending),
-            "--contact": ("solver.contact", contact),
-        },
-    )
-    directory = output or design.with_suffix("")
-    check_writable(directory)
-    progress = Progress()
-    try:
-        with told_of_compiling(progress.say):
-            shape = run(plan, backend, progress.report, progress.say, starts)
-    finally:
-        progress.close()
-    files = write_results(shape, directory)
-    _table(dict(shape.summary))
-    typer.echo(f"{directory}: {', '.join(files)}")
-    if through := shape.summary["self_intersections"]:
-        advice = "" if plan.solver.contact else "; --contact keeps it apart"
-        print(f"asterism: the sheet passes through itself ({through} pairs of triangles){advice}", file=sys.stderr)
-    if not shape.summary["is_minimum"]:
-        print("asterism: not an equilibrium: " + _why(dict(shape.summary)), file=sys.stderr)
-        raise typer.Exit(1)
-
-
-def _table(s: dict[str, Any]) -> None:
-    from asterism.mesh_error import in_words
-
-    extent = " x ".join(f"{size:.1f}" for size in s["extent_mm"])
-    rows = {
-        "stars": f"{s['stars_up']} of {s['stars_total']} up",
-        "height": f"{s['height_mm']:.2f} mm",
-        "extent": f"{extent} mm",
-        "contraction": "-" if s["contraction"] is None else f"{s['contraction']:.4f}",
-        "energy": f"{s['energy_n_mm']:.4f} N mm",
-        "gradient": f"{s['gradient_norm']:.1e} N",
-        "smallest eigenvalue": f"{s['smallest_eigenvalue']:.3e} N/mm",
-        "equilibrium": "stable" if s["is_minimum"] else "no",
-        "mesh": f"{s['vertices']} vertices, {s['mesh']}",
-        "mesh error": in_words(s),
-        "work": f"{s['iterations']} iterations, {s['factorisations']} factorisations, {s['wall_s']:.1f} s",
-    }
-    if s["starts"] > 1:
-        rows |= {f"minimum {number}": _minimum(m) for number, m in enumerate(s["minima"], 1)}
-    for name, value in rows.items():
-        typer.echo(f"  {name:<20} {value}")
-
-
-def _minimum(m: dict[str, Any]) -> str:
-    axis = "" if m["roll_axis_deg"] is None else f", rolled about {m['roll_axis_deg']:.0f} deg"
-    away = f"{m['distance_percent']:.1f} % away, " if m["distance_percent"] >= 0.05 else ""
-    return f"{m['energy_n_mm']:.4f} N mm, {m['stars_up']} up{axis}; {away}{m['starts']} starts"
-
-
-def _why(s: dict[str, Any]) -> str:
-    if not s["converged"]:
-        return f"gradient {s['gradient_norm']:.1e} N is above {s['gradient_tolerance']:.1e} N"
-    return f"smallest eigenvalue {s['smallest_eigenvalue']:.1e} N/mm is not positive"
-
-
-class _Mistake(Exception):
-    """What the user typed cannot be done; one line."""
-
-
-@app.command()
-def calibrate(
-    file: Annotated[
-        Path | None,
-        typer.Argument(help="A material and plan, or a design, for its stars alone; none: the paper's material."),
-    ] = None,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="The law's file (MATERIAL.npz or DESIGN-law.npz).")
-    ] = None,
-    material: Annotated[
-        Path | None, typer.Option(help="A material's file: its fabric and plastic in place of the design's.")
-    ] = None,
-    jobs: Annotated[int | None, typer.Option(min=1, max=1000, help="Processes (one per core).")] = None,
-    dask: Annotated[str | None, typer.Option(help="Address of a Dask scheduler to use in their place.")] = None,
-) -> None:
-    """The law of the sheet for a material, from many unit cells; for a design's own stars, from a few.
-
-    Goes on where an earlier run has stopped: finished cells are kept beside the law, in LAW.samples. Exit status 1 if
-    too many cells have no answer.
-    """
-    from asterism import calibrate_command as command
-    from asterism.own_law import is_design, law_path, material_of
-
-    path = law_path(file, output)
-    if path.suffix != ".npz":
-        raise _Mistake(f"--output: {str(path)!r} must end with .npz")
-    if jobs is not None and dask is not None:
-        raise _Mistake("--jobs: goes with processes of this machine, not with --dask")
-    made_for = material_of(file, material)
-    line = " ".join(["asterism calibrate", *([file.name] if file else [])])
-    line += f" --material {material.name}" if material else ""
-    try:
-        law = command.calibrate(made_for, path, jobs or command.default_jobs(), dask, line)
-    except KeyboardInterrupt:
-        folder = command.samples_folder(path)
-        _stop(f"interrupted; finished cells are in {folder}, the same command goes on from there", 130)
-    typer.echo("\n".join(command.report_lines(law, path)))
-    if is_design(file):
-        typer.echo(f"now run  asterism preview {quote(str(file))} --law {quote(str(path))}")
-
-
-@law.command("show")
-def law_show(
-    path: Annotated[Path | None, typer.Argument(help="The law's file (.npz); none: the paper's material.")] = None,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="Directory (the law's name).")] = None,
-) -> None:
-    """A law as a table, and as a picture in law.png, with its errors."""
-    from asterism.law_command import show
-
-    typer.echo("\n".join(show(path, output)))
+# what printing fails with; files that cannot be written have their own error, or a name
+FULL_OR_GONE = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF, errno.EPIPE}
 
 
 def main() -> None:
     """Run the command line; exits with 0 done, 1 no answer, 2 wrong input, 130 interrupted."""
+    try:
+        interruption.listen()
+        status = _run()
+    except KeyboardInterrupt:
+        status = 130
+    except Exception:
+        if not interruption.arrived():
+            raise
+        status = 130
+    if status == 130:
+        stop("interrupted; nothing was written", 130)
+    sys.exit(status)
+
+
+def stop(line: str, status: int) -> NoReturn:
+    """End with one line."""
+    print("asterism: " + " ".join(line.split()), file=sys.stderr)
+    sys.exit(status)
+
+
+def _run() -> int:
+    """The exit status of the command that was typed."""
+    import typer
+
+    from asterism.commands import Mistake, UsageError, app
+    from asterism.compare.errors import ScanError
+    from asterism.csv_cells import TableError
     from asterism.files import OutputError
+    from asterism.strips.errors import NoMaterial
     from equilibrium.factor import BackendError
     from homogenize.errors import AddressError, CampaignError, LawError
     from pattern.errors import DesignError, MeshError
 
-    # a polite request to end is an interruption like Ctrl-C
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         status = app(standalone_mode=False)
-    except _UsageError as error:
-        _stop(error.format_message(), 2)  # type: ignore[attr-defined]
+        if sys.stdout is not None:
+            sys.stdout.flush()
+        return status if isinstance(status, int) else 0
+    except UsageError as error:
+        stop(error.format_message(), 2)  # type: ignore[attr-defined]
     except (
         DesignError,
         MeshError,
@@ -254,20 +67,21 @@ def main() -> None:
         AddressError,
         TableError,
         ScanError,
-        _Mistake,
+        Mistake,
     ) as error:
-        _stop(str(error), 2)
+        stop(str(error), 2)
     except (CampaignError, NoMaterial) as error:
-        _stop(str(error), 1)
-    except (KeyboardInterrupt, typer.Abort):
-        status = 130
+        stop(str(error), 1)
+    except typer.Abort:
+        return 130
     except MemoryError:
-        _stop("not enough memory: a larger mesh.edge_mm needs less", 1)
-    if status == 130:
-        _stop("interrupted; nothing was written", 130)
-    sys.exit(status if isinstance(status, int) else 0)
-
-
-def _stop(line: str, status: int) -> None:
-    print("asterism: " + " ".join(line.split()), file=sys.stderr)
-    sys.exit(status)
+        stop("not enough memory: a larger mesh.edge_mm needs less", 1)
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        if error.filename is not None:
+            stop(f"{error.filename}: {reason}", 2)
+        if error.errno not in FULL_OR_GONE:
+            raise
+        # what has not been printed is dropped: Python would try again at its end, and complain
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        stop(f"cannot print: {reason}", 1)

@@ -6,6 +6,7 @@ import sys
 import time
 from typing import TextIO
 
+from asterism import interruption
 from equilibrium.newton import Iteration
 
 
@@ -21,12 +22,14 @@ class Progress:
 
     def say(self, text: str) -> None:
         """A line of its own."""
+        interruption.check()
         self._finish()
         self._stream.write(text + "\n")
         self._stream.flush()
 
     def report(self, stage: str, iteration: Iteration) -> None:
         """An iteration of a stage; `stage` is how much of the stretch is released, or what else is going on."""
+        interruption.check()
         if stage != self._stage and not self._live and self._last:
             self._stream.write(self._last + "\n")
             self._stream.flush()

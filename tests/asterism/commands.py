@@ -30,11 +30,12 @@ class Outcome:
 def command(words: list[str], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Outcome:
     """Run `asterism WORDS`."""
     monkeypatch.setattr(sys, "argv", ["asterism", *words])
-    before = signal.getsignal(signal.SIGTERM)
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         with pytest.raises(SystemExit) as stop:
             main()
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
     printed = capsys.readouterr()
     return Outcome(int(stop.value.code or 0), printed.out, printed.err)

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.asterism.commands import command
+
 SMALL = """
 [stars]
 length_mm = 10.0
@@ -24,8 +26,9 @@ edge_mm = 4.0
 
 
 def run(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "asterism", *words]
-    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=300)
+    return subprocess.run(
+        [sys.executable, "-m", "asterism", *words], cwd=cwd, capture_output=True, text=True, timeout=300
+    )
 
 
 def mistake(result: subprocess.CompletedProcess[str]) -> str:
@@ -85,9 +88,9 @@ def test_mistakes_are_one_line(words: list[str], expected: str, tmp_path: Path) 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_interrupt_leaves_nothing(number: int, tmp_path: Path) -> None:
     (tmp_path / "d.toml").write_text(SMALL.replace("rings = 0", "rings = 3").replace("4.0", "1.5"))
-    command = [sys.executable, "-m", "asterism", "simulate", "d.toml", "-o", "out"]
+    words = [sys.executable, "-m", "asterism", "simulate", "d.toml", "-o", "out"]
     with open(tmp_path / "errors", "w") as errors:
-        process = subprocess.Popen(command, cwd=tmp_path, stderr=errors)
+        process = subprocess.Popen(words, cwd=tmp_path, stderr=errors)
     while "iteration" not in (tmp_path / "errors").read_text():
         time.sleep(0.05)
         assert process.poll() is None
@@ -95,6 +98,73 @@ def test_interrupt_leaves_nothing(number: int, tmp_path: Path) -> None:
     assert process.wait(timeout=60) == 130
     assert (tmp_path / "errors").read_text().splitlines()[-1] == "asterism: interrupted; nothing was written"
     assert sorted(file.name for file in tmp_path.iterdir()) == ["d.toml", "errors"]
+
+
+# a Ctrl-C at the moment when a package is looked for
+INTERRUPTED = """
+import signal, sys
+class Interruption:
+    def find_spec(self, name, *others):
+        if name == {package!r}:
+            sys.meta_path.remove(self)
+            {how}
+sys.meta_path.insert(0, Interruption())
+sys.argv = ["asterism", "simulate", "d.toml", "-o", "out"]
+from asterism.cli import main
+main()
+"""
+RAISED = "signal.raise_signal(signal.SIGINT)"
+SWALLOWED = f"""try:
+                {RAISED}
+            except BaseException:
+                pass"""
+CHANGED = f"""try:
+                {RAISED}
+            except BaseException:
+                raise RuntimeError from None"""
+
+
+@pytest.mark.parametrize(
+    ("package", "how"),
+    [("typer", RAISED), ("homogenize.errors", RAISED), ("numpy", RAISED), ("scipy", CHANGED), ("numba", SWALLOWED)],
+)
+def test_interrupt_while_packages_are_loaded(package: str, how: str, tmp_path: Path) -> None:
+    """Some packages swallow it, others make an error of it."""
+    (tmp_path / "d.toml").write_text(SMALL)
+    program = [sys.executable, "-c", INTERRUPTED.format(package=package, how=how)]
+    ended = subprocess.run(program, cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    # Python passes the signal on where the interruption has left code that was given as a text, as a shell would: 130
+    assert ended.returncode in (130, -signal.SIGINT)
+    assert ended.stderr == "asterism: interrupted; nothing was written\n"
+    assert [file.name for file in tmp_path.iterdir()] == ["d.toml"]
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no file that is always full")
+def test_what_cannot_be_printed_is_said_in_one_line(tmp_path: Path) -> None:
+    (tmp_path / "d.toml").write_text(SMALL)
+    for words in (["new"], ["--help"], ["simulate", "d.toml", "-o", "out"]):
+        with open("/dev/full", "w") as full:
+            program = [sys.executable, "-m", "asterism", *words]
+            ended = subprocess.run(program, cwd=tmp_path, stdout=full, stderr=subprocess.PIPE, text=True, timeout=300)
+        assert ended.returncode == 1
+        assert ended.stderr.splitlines()[-1] == "asterism: cannot print: no space left on device"
+        assert "Traceback" not in ended.stderr and "Exception" not in ended.stderr
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["is_minimum"]  # and results stay
+
+
+def test_names_that_are_too_long_are_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "d.toml").write_text(SMALL)
+    name = 300 * "x"
+    commands = [[word, "d.toml", "-o", name] for word in ("simulate", "preview", "verify", "export")]
+    commands += [["new", "dome", "-o", f"{name}.toml"], ["report", "d.toml", "-o", f"{name}.pdf"]]
+    commands += [["calibrate", "d.toml", "-o", f"{name}.npz"], ["simulate", f"{name}.toml"]]
+    for words in commands:
+        refused = command(words, capsys, monkeypatch)
+        assert refused.status == 2 and name in refused.line and "too long" in refused.line
+    assert [file.name for file in tmp_path.iterdir()] == ["d.toml"]
 
 
 def test_no_equilibrium_is_status_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
