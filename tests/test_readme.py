@@ -1,4 +1,4 @@
-"""The documentation's commands are those that are tested, its designs load, its links lead somewhere."""
+"""The documentation: its commands are those that are tested, designs load, Python runs, links lead somewhere."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
+import asterism
 from pattern import gallery
-from pattern.design import load_design
+from pattern.design import Design, load_design, save_design
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -21,6 +22,9 @@ TEXT = {page: page.read_text(encoding="utf-8") for page in PAGES}
 
 LINKS = [(page, link) for page in PAGES for link in re.findall(r"\]\(([^)\s]+)\)", TEXT[page])]
 DESIGNS = [(page, block) for page in PAGES for block in re.findall(r"```toml\n(.*?)```", TEXT[page], re.DOTALL)]
+BLOCKS = [(page, block) for page in PAGES for block in re.findall(r"```python\n(.*?)```", TEXT[page], re.DOTALL)]
+# those of the shell's pages have tests of their own
+PYTHON = [(page, block) for page, block in BLOCKS if "import asterism\n" in block]
 
 command = runpy.run_path(str(ROOT / ".ci" / "readme.py"))["command"]
 
@@ -96,3 +100,15 @@ def test_designs_in_the_text_load(page: Path, block: str, tmp_path: Path) -> Non
         file = tmp_path / "design.toml"
         file.write_text(text, encoding="utf-8")
         load_design(file)
+
+
+@pytest.mark.parametrize(("page", "block"), PYTHON, ids=[f"{page.name}-{i}" for i, (page, _) in enumerate(PYTHON)])
+def test_python_in_the_text_runs(page: Path, block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With a small design in place of the gallery's, in a folder that holds it as a file."""
+    small = gallery.load("dome").to_dict() | {"border": {"rings": 1}, "mesh": {"edge_mm": 5.0}}
+    small["stars"] |= {"length_mm": 8.0}
+    design = Design.from_dict(small)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(asterism, "new", lambda name: design, raising=False)
+    save_design(design, tmp_path / "dome.toml")
+    exec(compile(block, page.name, "exec"), {})
