@@ -6,11 +6,12 @@ import os
 import platform
 import sys
 import time
+from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, TextIO
 
-from asterism import __version__
+from asterism import __version__, interruption
 from asterism.files import OutputError, check_writable, write_file
 from asterism.law_table import law_table
 from homogenize import campaign, law_file
@@ -59,6 +60,9 @@ def calibrate(
         raise OutputError(f"cannot write {folder}: {(error.strerror or str(error)).lower()}") from None
     finally:
         watch.close()
+        # a folder with finished cells is not empty, and stays
+        with suppress(OSError):
+            folder.rmdir()
     made = {
         "command": command,
         "code": code_version(),
@@ -90,6 +94,7 @@ class CampaignProgress:
 
     def report(self, progress: campaign.Progress) -> None:
         """A cell is finished, or the campaign begins."""
+        interruption.check()
         record = progress.last
         if record is not None and record.failed is not None:
             task = record.task

@@ -212,6 +212,8 @@ def calibrate(
         law = command.calibrate(made_for, path, jobs or command.default_jobs(), dask, line)
     except KeyboardInterrupt:
         folder = command.samples_folder(path)
+        if not folder.exists():
+            raise
         stop(f"interrupted; finished cells are in {folder}, the same command goes on from there", 130)
     typer.echo("\n".join(command.report_lines(law, path)))
     if is_design(file):

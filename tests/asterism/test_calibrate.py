@@ -14,7 +14,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from asterism.calibrate_command import CampaignProgress
 from homogenize.law_file import load_law
+from tests.asterism.commands import command
 
 PLAN = """
 name = "small"
@@ -28,8 +30,8 @@ edge_mm = 4.0
 
 
 def run(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "asterism", *words]
-    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=300)
+    program = [sys.executable, "-m", "asterism", *words]
+    return subprocess.run(program, cwd=cwd, capture_output=True, text=True, timeout=300)
 
 
 def mistake(result: subprocess.CompletedProcess[str], status: int = 2) -> str:
@@ -134,11 +136,24 @@ def test_cells_that_all_fail_are_status_one(tmp_path: Path) -> None:
     assert not list(tmp_path.glob("*.npz"))
 
 
+def test_interrupted_before_a_cell_is_finished(
+    place: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(watch: CampaignProgress, progress: object) -> None:
+        raise KeyboardInterrupt
+
+    (tmp_path / "m.toml").write_text(PLAN)
+    monkeypatch.setattr(CampaignProgress, "report", interrupted)
+    ended = command(["calibrate", str(tmp_path / "m.toml"), "--jobs", "1"], capsys, monkeypatch)
+    assert ended.status == 130 and ended.line == "asterism: interrupted; nothing was written"
+    assert [file.name for file in tmp_path.iterdir()] == ["m.toml"]
+
+
 def test_interrupted_and_resumed(place: Path, tmp_path: Path) -> None:
     (tmp_path / "m.toml").write_text(PLAN)
     with open(tmp_path / "errors", "w") as errors:
-        command = [sys.executable, "-m", "asterism", "calibrate", "m.toml", "--jobs", "1"]
-        process = subprocess.Popen(command, cwd=tmp_path, stderr=errors)
+        words = [sys.executable, "-m", "asterism", "calibrate", "m.toml", "--jobs", "1"]
+        process = subprocess.Popen(words, cwd=tmp_path, stderr=errors)
     samples = tmp_path / "m.samples"
     while not (samples.exists() and list(samples.glob("*.json"))):
         time.sleep(0.02)
