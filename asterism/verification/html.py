@@ -33,7 +33,6 @@ table { border-collapse: collapse; margin: .4rem 0; font-variant-numeric: tabula
 th, td { text-align: left; padding: .22rem 1.2rem .22rem 0; border-bottom: 1px solid #e8e6e0; vertical-align: top; }
 td.n, th.n { text-align: right; } th { font-weight: 600; }
 td { overflow-wrap: anywhere; } td.n, td:first-child { overflow-wrap: normal; }
-footer { color: #7a7a82; font-size: .85rem; margin: 2.5rem 0 1rem; }
 """
 
 

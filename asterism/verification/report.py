@@ -9,6 +9,7 @@ from typing import Any
 
 from asterism.mesh_error import in_words
 from asterism.verification.html import figures, page, png, table, tiles
+from asterism.verification.origins import origins
 from asterism.verification.plots import distance_map, profiles
 from asterism.verification.run import PREVIEW, RELEASE, Verification
 from asterism.verification.views import views
@@ -37,7 +38,8 @@ def report(found: Verification) -> str:
         table(["", "s"], _seconds(s)),
         "<h2>The design</h2>",
         table(["", "as it was computed, with defaults"], _design(s["design"]), numbers=False),
-        f"<footer>asterism {escape(s['version'])}</footer>",
+        "<h2>Made from</h2>",
+        table(["", "enough to make it again"], origins(s), numbers=False),
     ]
     return page(f"{name}: preview and exact model", parts)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
@@ -72,6 +72,7 @@ def verify(
     released: Shape | None = None,
     near: Shape | None = None,
     shown: Callable[[Design], Shape] | None = None,
+    command: str | None = None,
 ) -> Verification:
     """Preview a design, simulate it from the flat print and from the preview, and compare.
 
@@ -81,6 +82,7 @@ def verify(
     backend, report, say : as in `simulate`.
     released, near : what the exact model has found from the flat print and from a preview, if that is known already.
     shown : what is compared with the exact model in place of `preview`.
+    command : the line that asked for it, for the report.
 
     Raises
     ------
@@ -116,7 +118,7 @@ def verify(
         "exact_s": exact_s,
         "exact_from_preview_s": near_s,
     }
-    return Verification(design, quick, exact, comparisons, _summary(found, between, seconds))
+    return replace(found, summary=_summary(found, between, seconds) | {"command": command})
 
 
 def _timed(clock: Callable[[], float], make: Callable[[], Shape], known: Shape | None = None) -> tuple[Shape, float]:

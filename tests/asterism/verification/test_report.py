@@ -13,7 +13,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from asterism import __version__
 from asterism.export_vtu import write_shape_vtu
+from asterism.previewing.run import preview
 from asterism.read_shape import read_shape
 from asterism.results import write_results
 from asterism.simulation import simulate
@@ -22,6 +24,7 @@ from asterism.verification.report import report
 from asterism.verification.results import write_verification
 from asterism.verification.run import Verification, verify
 from pattern.design import Design
+from tests.asterism.previewing.laws import plain_law
 from tests.asterism.test_compiling import fresh
 from tests.asterism.verification.browser import browser, opened
 from tests.asterism.verification.printed import design
@@ -40,7 +43,7 @@ def stand_in(of: Design):
 
 @pytest.fixture(scope="module")
 def found() -> Verification:
-    return verify(OF, shown=stand_in)
+    return verify(OF, shown=stand_in, command="asterism verify <stars>.toml --edge 2.5")
 
 
 @pytest.fixture(scope="module")
@@ -134,6 +137,21 @@ def test_page_says_what_counts(found, folder):
     assert "<li>a star is beyond the law&#x27;s range</li>" in text
     released = s["starts"]["release"]
     assert f'<td class="n">{released["energy_n_mm"]:.4f}</td>' in text and "from end to end" in text
+
+
+def test_page_says_what_it_was_made_from(found, folder, monkeypatch):
+    text = (folder / "report.html").read_text(encoding="utf-8").split("Made from")[1]
+    exact = found.summary["exact"]
+    assert "asterism verify &lt;stars&gt;.toml --edge 2.5" in text and f"<td>{__version__}</td>" in text
+    assert f"edges of 2.5 mm, {exact['triangles']} triangles" in text and f"solver {exact['backend']}" in text
+    assert "<td>law</td>" not in text  # the stand-in has none
+    monkeypatch.setattr("asterism.verification.report._pictures", lambda _: [])  # they take seconds
+    law = replace(plain_law(), made={"command": "asterism calibrate my.toml"})
+    made = preview(OF, law).summary
+    text = report(replace(found, summary=found.summary | {"preview": made, "command": None})).split("Made from")[1]
+    edges = f"edges of {law.edge_mm:g} mm"
+    assert f"<td>plain, fabric stretched 1.35, {edges}, made by asterism calibrate my.toml</td>" in text
+    assert f"{made['shell_triangles']} triangles, side auto" in text and "<td>command</td>" not in text
 
 
 @pytest.mark.parametrize(
