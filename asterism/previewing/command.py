@@ -58,6 +58,7 @@ def preview(
 def table_lines(s: Mapping[str, Any]) -> list[str]:
     """The numbers of a summary, one a line."""
     outside, tight = len(s["stars_outside_law"]), len(s["stars_tight"])
+    expected = s["expected_rms_percent"]
     axes = [f"{axis:.0f}" for axis in s["equivalent_axes_deg"]]
     rows = {
         "stars": f"{s['stars']}, {outside} outside the law, {tight} curled tightly",
@@ -68,6 +69,7 @@ def table_lines(s: Mapping[str, Any]) -> list[str]:
         "energy": f"{s['energy_n_mm']:.4f} N mm",
         "softest modes": ", ".join(f"{value:.1e}" for value in s["soft_modes_n_mm3"]) + " N/mm3",
         "equilibrium": "stable" if s["is_minimum"] else "no",
+        "expected distance": "not known" if expected is None else f"{expected:.1f} % of the diameter",
         "law": f"{s['law']['material']}, stretch {s['law']['stretch']:g}, edges of {s['law']['edge_mm']:g} mm",
         "shell": f"{s['shell_triangles']} triangles, {s['dofs']} unknowns",
         "work": f"{s['iterations']} iterations, {s['wall_s']:.2f} s",

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from asterism.previewing.command import table_lines
 from homogenize.law_file import to_bytes
 from tests.asterism.commands import command
 from tests.asterism.previewing.laws import plain_law
@@ -40,6 +41,9 @@ def test_writes_the_files_of_a_simulation(
     summary = json.loads((folder / "out" / "summary.json").read_text())
     assert summary["is_minimum"] and summary["law"]["material"] == "plain"
     assert "equilibrium          stable" in done.out
+    expected = f"expected distance    {summary['expected_rms_percent']:.1f} % of the diameter"
+    assert expected in done.out
+    assert "expected distance    not known" in "\n".join(table_lines(summary | {"expected_rms_percent": None}))
 
 
 @pytest.mark.parametrize(
