@@ -21,9 +21,9 @@ def read_table(path: Path) -> dict[str, Any]:
         return DesignError("", problem, file=path)
 
     suffix = _suffix(path)
+    if os.path.isdir(path):
+        raise wrong("is a folder, not a design file")
     try:
-        if path.is_dir():
-            raise wrong("is a folder, not a design file")
         with path.open("rb") as stream:
             raw = stream.read(LARGEST_BYTES + 1)
     except (OSError, ValueError) as error:

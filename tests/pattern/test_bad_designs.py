@@ -249,8 +249,9 @@ def test_bad_file(tmp_path, name, content, words):
 
 def test_folder_is_not_a_file(tmp_path):
     (tmp_path / "a.toml").mkdir()
-    with pytest.raises(DesignError, match="is a folder"):
+    with pytest.raises(DesignError) as caught:
         load_design(tmp_path / "a.toml")
+    assert str(caught.value) == f"{tmp_path / 'a.toml'}: is a folder, not a design file"
 
 
 def test_good_design_is_good():
