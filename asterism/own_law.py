@@ -85,5 +85,17 @@ def law_for(design: Design, law: Path | None, file: Path, other: Path | None = N
     except ForeignLaw as error:
         material = f" --material {quote(str(other))}" if other else ""
         command = f"asterism calibrate {quote(str(file))}{material}"
-        raise LawError(f"{error}; {command} makes its law, for --law {quote(str(own_law_path(file)))}") from None
+        refused = str(error)
+        if law is not None:
+            refused = f"{law}: {error}" + ("; without --law the package's own is taken" if _is_papers(design) else "")
+        raise LawError(f"{refused}; {command} makes its law, for --law {quote(str(own_law_path(file)))}") from None
     return found
+
+
+def _is_papers(design: Design) -> bool:
+    """Whether the law that comes with the package is for the design."""
+    try:
+        load_law().check(design)
+    except ForeignLaw:
+        return False
+    return True

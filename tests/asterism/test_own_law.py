@@ -8,8 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from homogenize.law_file import load_law
+from homogenize.law_file import load_law, to_bytes
 from tests.asterism.commands import command
+from tests.asterism.previewing.laws import plain_law
 
 DESIGN = """
 name = "thick"
@@ -69,6 +70,20 @@ def test_another_material_is_part_of_the_command(
     refused = command(["preview", "d.toml", "--material", "m.toml"], capsys, monkeypatch)
     assert "; asterism calibrate d.toml --material m.toml makes its law" in refused.line
     assert refused.line.endswith("for --law d-law.npz")
+
+
+def test_a_law_for_something_else_is_named(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And so is the package's own, where that one would do."""
+    (folder / "foreign.npz").write_bytes(to_bytes(plain_law(1.2)))
+    advice = "; without --law the package's own is taken"
+    for thickness, papers in ((0.8, True), (1.0, False)):
+        write(folder / "d.toml", thickness)
+        refused = command(["preview", "d.toml", "--law", "foreign.npz"], capsys, monkeypatch)
+        assert refused.status == 2 and "asterism: foreign.npz: the law " in refused.line
+        assert (advice in refused.line) == papers
+        assert refused.line.endswith("for --law d-law.npz")
 
 
 def test_a_stretch_the_law_does_not_have(
