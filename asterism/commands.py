@@ -13,6 +13,7 @@ from asterism import __version__
 from asterism.cli import stop
 from asterism.compare.cli import compare
 from asterism.export_command import export, printers
+from asterism.output_option import output_option
 from asterism.previewing.command import preview
 from asterism.reporting.command import report
 from asterism.strips.cli import app as strips
@@ -49,7 +50,7 @@ def _root(
 @app.command()
 def new(
     name: Annotated[str | None, typer.Argument(help="A design of the gallery; none: list them.")] = None,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="The file to write (NAME.toml).")] = None,
+    output: Annotated[Path | None, output_option("The file to write (NAME.toml).")] = None,
 ) -> None:
     """Write a design of the gallery to a file, to be looked at and changed."""
     from asterism.files import write_file
@@ -74,9 +75,7 @@ def new(
 @app.command()
 def simulate(
     design: Annotated[Path, typer.Argument(help="The design file (.toml or .json).")],
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Directory of the results (design's name).")
-    ] = None,
+    output: Annotated[Path | None, output_option("Directory of the results (design's name).")] = None,
     edge: Annotated[float | None, typer.Option(help="Edge length of the mesh in mm, in place of the design's.")] = None,
     start: Annotated[str | None, typer.Option(help="bump or flat, in place of the design's.")] = None,
     seed: Annotated[int | None, typer.Option(help="Seed of the start's noise, in place of the design's.")] = None,
@@ -183,9 +182,7 @@ def calibrate(
         Path | None,
         typer.Argument(help="A material and plan, or a design, for its stars alone; none: the paper's material."),
     ] = None,
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="The law's file (MATERIAL.npz or DESIGN-law.npz).")
-    ] = None,
+    output: Annotated[Path | None, output_option("The law's file (MATERIAL.npz or DESIGN-law.npz).")] = None,
     material: Annotated[
         Path | None, typer.Option(help="A material's file: its fabric and plastic in place of the design's.")
     ] = None,
@@ -223,7 +220,7 @@ def calibrate(
 @law.command("show")
 def law_show(
     path: Annotated[Path | None, typer.Argument(help="The law's file (.npz); none: the paper's material.")] = None,
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="Directory (the law's name).")] = None,
+    output: Annotated[Path | None, output_option("Directory (the law's name).")] = None,
 ) -> None:
     """A law as a table, and as a picture in law.png, with its errors."""
     from asterism.law_command import show

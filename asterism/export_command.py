@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from asterism.output_option import output_option
+
 if TYPE_CHECKING:
     from asterism.export.job import Job
     from asterism.export.printer import Printer
@@ -16,7 +18,7 @@ if TYPE_CHECKING:
 
 def export(
     design: Annotated[Path, typer.Argument(help="The design file (.toml or .json).")],
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="Directory (DESIGN-print).")] = None,
+    output: Annotated[Path | None, output_option("Directory (DESIGN-print).")] = None,
     printer: Annotated[str, typer.Option(help="A printer by name, or its file; see asterism printers.")] = "ultimaker2",
     plastic: Annotated[str, typer.Option(help="A plastic by name, or its file.")] = "tpu95a",
     material: Annotated[

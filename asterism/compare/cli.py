@@ -8,6 +8,8 @@ from typing import Annotated
 
 import typer
 
+from asterism.output_option import output_option
+
 
 class _Unit(StrEnum):
     mm = "mm"
@@ -26,7 +28,7 @@ class _View(StrEnum):
 def compare(
     shape: Annotated[Path, typer.Argument(help="Results of simulate or preview, or their shape.vtu.")],
     scan: Annotated[Path, typer.Argument(help="A scan (.obj, .stl, .ply) or a photographed outline (.svg, .csv).")],
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="Directory (SCAN-compared).")] = None,
+    output: Annotated[Path | None, output_option("Directory (SCAN-compared).")] = None,
     units: Annotated[_Unit, typer.Option(help="Of the scan's numbers.")] = _Unit.mm,
     view: Annotated[_View, typer.Option(help="From where an outline was photographed.")] = _View.above,
     trim: Annotated[

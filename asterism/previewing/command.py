@@ -9,12 +9,12 @@ from typing import Annotated, Any, Literal
 
 import typer
 
+from asterism.output_option import output_option
+
 
 def preview(
     design: Annotated[Path, typer.Argument(help="The design file (.toml or .json).")],
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Directory of the results (design's name).")
-    ] = None,
+    output: Annotated[Path | None, output_option("Directory of the results (design's name).")] = None,
     law: Annotated[Path | None, typer.Option(help="The law's file (.npz); none: the paper's material.")] = None,
     side: Annotated[
         Literal["auto", "up", "down"], typer.Option(help="Side to which the edges go; auto: what the stars want.")

@@ -8,10 +8,12 @@ from typing import Annotated
 
 import typer
 
+from asterism.output_option import output_option
+
 
 def report(
     design: Annotated[Path, typer.Argument(help="The design file (.toml or .json).")],
-    output: Annotated[Path | None, typer.Option("-o", "--output", help="The page (DESIGN-report.pdf).")] = None,
+    output: Annotated[Path | None, output_option("The page (DESIGN-report.pdf).")] = None,
     results: Annotated[
         Path | None, typer.Option(help="Results of simulate or preview (those beside the design, or a new preview).")
     ] = None,

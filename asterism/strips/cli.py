@@ -9,6 +9,8 @@ from typing import Annotated
 
 import typer
 
+from asterism.output_option import output_option
+
 app = typer.Typer(help="Measure a plastic and a fabric with printed strips.", no_args_is_help=True)
 
 
@@ -25,7 +27,7 @@ class _KappaBar(StrEnum):
 
 @app.command()
 def new(
-    output: Annotated[Path, typer.Option("-o", "--output", help="Directory of the files.")] = Path("strips"),
+    output: Annotated[Path, output_option("Directory of the files.")] = Path("strips"),
     printer: Annotated[str, typer.Option(help="A printer's name or file, for the size of its bed.")] = "ultimaker2",
     thickness: Annotated[
         list[float] | None, typer.Option(help="Of strips, in mm; give it several times (.3 .35 .4 .45).")
@@ -48,9 +50,7 @@ def new(
 @app.command()
 def fit(
     strips: Annotated[Path, typer.Argument(help="The table of measured strips (.csv).")],
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="The material's file (material.toml beside the table).")
-    ] = None,
+    output: Annotated[Path | None, output_option("The material's file (material.toml beside the table).")] = None,
     rest_curvature: Annotated[_Formula, typer.Option(help="The material's convention.")] = _Formula.paper,
     kappa_bar: Annotated[_KappaBar, typer.Option(help="Curvature of peeled plastic.")] = _KappaBar.constant,
     stretch: Annotated[

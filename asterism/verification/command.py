@@ -9,12 +9,12 @@ from typing import Annotated, Any
 
 import typer
 
+from asterism.output_option import output_option
+
 
 def verify(
     design: Annotated[Path, typer.Argument(help="The design file (.toml or .json).")],
-    output: Annotated[
-        Path | None, typer.Option("-o", "--output", help="Directory of the report (DESIGN-verified).")
-    ] = None,
+    output: Annotated[Path | None, output_option("Directory of the report (DESIGN-verified).")] = None,
     law: Annotated[Path | None, typer.Option(help="The law's file (.npz); none: the paper's material.")] = None,
     edge: Annotated[
         float | None, typer.Option(help="Edge length of the exact model's mesh in mm, in place of the design's.")

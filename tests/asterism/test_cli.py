@@ -167,6 +167,18 @@ def test_names_that_are_too_long_are_one_line(
     assert [file.name for file in tmp_path.iterdir()] == ["d.toml"]
 
 
+def test_an_empty_output_is_not_the_working_directory(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "d.toml").write_text(SMALL)
+    with_design = ("simulate", "preview", "verify", "export", "report", "calibrate")
+    for words in [*([word, "d.toml"] for word in with_design), ["new", "dome"], ["law", "show"], ["strips", "new"]]:
+        refused = command([*words, "-o", ""], capsys, monkeypatch)
+        assert refused.status == 2 and "--output" in refused.line and "must not be empty" in refused.line
+    assert [file.name for file in tmp_path.iterdir()] == ["d.toml"]
+
+
 def test_no_equilibrium_is_status_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A state that is not converged is written, said to be none, and ends with status 1."""
     import discrete.levels
