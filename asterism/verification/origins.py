@@ -1,4 +1,4 @@
-"""What a verification was made from: enough to make it again."""
+"""What a verification was made from, besides the design."""
 
 from __future__ import annotations
 

@@ -35,21 +35,21 @@ def report(found: Verification) -> str:
         table(MINIMA, _minima(s)),
         f"<p>{_agreement(s)}</p>",
         "<h2>Seconds</h2>",
-        table(["", "s"], _seconds(s)),
+        table(["without compiling", "s"], _seconds(s)),
         "<h2>The design</h2>",
         table(["", "as it was computed, with defaults"], _design(s["design"]), numbers=False),
         "<h2>Made from</h2>",
-        table(["", "enough to make it again"], origins(s), numbers=False),
+        table(["", "besides the design"], origins(s), numbers=False),
     ]
     return page(f"{name}: preview and exact model", parts)
 
 
 def _verdict(s: Mapping[str, Any]) -> str:
-    branch = "the same form" if s["same_branch"] else '<span class="bad">another form</span>'
+    branch = "the same form as" if s["same_branch"] else '<span class="bad">another form</span> than'
     expected = s["expected_rms_percent"]
     told = "" if expected is None else f" It had expected {expected:.1f} %."
     distance = f"{s['rms_percent']:.2f} % of its diameter ({s['rms_percent'] * s['diameter_mm'] / 100.0:.2g} mm)"
-    return f"The preview shows {branch} as the exact model, {distance} away.{told}"
+    return f"The preview shows {branch} the exact model, {distance} away.{told}"
 
 
 def _how(s: Mapping[str, Any]) -> str:

@@ -134,6 +134,7 @@ def test_page_says_what_counts(found, folder):
     """Distance in mm too, what the preview expected, and what is to be known before."""
     s, text = found.summary, (folder / "report.html").read_text(encoding="utf-8")
     assert f"({s['rms_percent'] * s['diameter_mm'] / 100:.2g} mm) away" in text
+    assert "The preview shows the same form as the exact model, " in text
     assert "<li>a star is beyond the law&#x27;s range</li>" in text
     released = s["starts"]["release"]
     assert f'<td class="n">{released["energy_n_mm"]:.4f}</td>' in text and "from end to end" in text
@@ -152,6 +153,12 @@ def test_page_says_what_it_was_made_from(found, folder, monkeypatch):
     edges = f"edges of {law.edge_mm:g} mm"
     assert f"<td>plain, fabric stretched 1.35, {edges}, made by asterism calibrate my.toml</td>" in text
     assert f"{made['shell_triangles']} triangles, side auto" in text and "<td>command</td>" not in text
+
+
+def test_page_says_that_the_form_is_another_one(found, monkeypatch):
+    monkeypatch.setattr("asterism.verification.report._pictures", lambda _: [])  # they take seconds
+    text = report(replace(found, summary=found.summary | {"same_branch": False}))
+    assert 'The preview shows <span class="bad">another form</span> than the exact model, ' in text
 
 
 @pytest.mark.parametrize(
