@@ -28,6 +28,8 @@ def main() -> None:
             raise
         status = 130
     if status == 130:
+        # Python would end by a signal if the interruption has left code given as text; other such code clears its note
+        exec("")
         stop("interrupted; nothing was written", 130)
     sys.exit(status)
 
