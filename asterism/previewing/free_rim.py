@@ -10,11 +10,19 @@ across the nearest side of the outline, n being normal to it, and none along it.
 straight where the exact model's turn down by another .2 to .4 rad. A side that is held keeps none, along its length or
 at a point of it where the sheet is held at more than one: there the fabric is pulled along the rim, and straight.
 
+**Arms carry their curvature on.** The fabric between two stars lies under the arm of one of them only
+(`asterism.previewing.star_arms`), and a rim under arms that point outwards curls along them, where the next star would
+be flat. Sheets of three-armed stars get three corners that hang from it, or roll about an axis that it chooses. In a
+free sheet the natural curvature of bare fabric is that of a strain rosette of the stars half a spacing back along each
+arm, less what is the same in all directions.
+
 **Long arms turn it further.** In the exact model the rim beyond long arms goes down steeply even where bumps are flat.
 So the relief of bare fabric falls by `FALL` per distance from the stars, less where bumps make it curl anyway.
 """
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 import scipy.sparse as sp
@@ -28,7 +36,9 @@ from pattern.planar import distance_to_segment
 
 # curvature of bare fabric over that of the bumps beside it. Shares are smoothed, and less than half of the outline is
 # bare: more than 1 it must be. With 3 to 4 previews are nearest to the exact model
-CURL = 3.5
+CURL = 3.0
+# part of the natural curvature that arms carry on: .3 to .5 is right for most free sheets
+REACH = 0.4
 # rad, by which long arms turn it further, and the curvature of their bumps over the spacing at which they do no more:
 # fitted to rims of 22 free sheets, whose distance from the exact model's sinks by a fifth
 FALL, ROUND = 0.25, 0.75
@@ -64,6 +74,22 @@ def rim_curvature(weights: sp.csr_matrix, values: StarValues, normals: Floats) -
     size = CURL * (1.0 - share) * beside(weights, values.caps[:-1])
     x, y = normals.T
     return np.asarray(size[:, None] * np.column_stack([x * x, y * y, x * y]))
+
+
+def arm_curvature(
+    weights: sp.csr_matrix, values: StarValues, normals: Floats, arms: Sequence[tuple[Floats, sp.csr_matrix]]
+) -> Floats:
+    """(n, 3) 1/mm, components 11, 22, 12 of `4/N sum_k (s_k - m) (d_k d_k - I/2)` times the natural curvature beside.
+
+    `arms`: direction d_k of each of N arms, and the weights half a spacing back along it, whose sums are s_k with the
+    mean m; `weights` and `normals` as for `rim_curvature`. It vanishes among stars, and where the rim is held.
+    """
+    share = np.column_stack([stars_share(along) for _, along in arms])
+    rest = 4.0 / len(arms) * (share - share.mean(axis=1, keepdims=True))
+    x, y = np.array([direction for direction, _ in arms]).T
+    deviator = np.column_stack([rest @ (x * x - 0.5), rest @ (y * y - 0.5), rest @ (x * y)])
+    near = np.where(normals.any(axis=1), beside(weights, values.value["kappa"][:-1]), 0.0)
+    return np.asarray(near[:, None] * deviator)
 
 
 def beyond_stars(layout: Layout, points: Floats) -> Floats:

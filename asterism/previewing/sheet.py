@@ -8,10 +8,10 @@ import numpy as np
 from skfem import MeshTri
 
 from asterism.previewing.arm_relief import Arms
-from asterism.previewing.free_rim import free_normals
+from asterism.previewing.free_rim import REACH, free_normals
 from asterism.previewing.held_sheet import conditions, held_points, held_sides, weight
 from asterism.previewing.point_pins import giving_way, pinned_points, softness
-from asterism.previewing.sheet_fields import sheet_fields
+from asterism.previewing.sheet_fields import EARLY, free_early, sheet_fields
 from asterism.previewing.sheet_mesh import sheet_mesh
 from asterism.previewing.star_arms import BACK
 from asterism.previewing.star_cells import StarCells
@@ -106,7 +106,9 @@ class Sheet:
         length = values.sizes[:, 0]
         arms = [(along, shares(length)) for along, shares in self._arm_shares]
         shares = self._shares(length)
-        fields = sheet_fields(shares, values, self._table.weights.shape, arms, self._normals)
+        free = not self.layout.pins
+        early, reach = (free_early(values, self.layout.spacing_mm), REACH) if free else (EARLY, 0.0)
+        fields = sheet_fields(shares, values, self._table.weights.shape, arms, self._normals, early, reach)
         if self._soft is not None:
             bare = 1.0 - np.asarray(shares.sum(axis=1)).reshape(self._soft.shape)
             fields = giving_way(fields, self._soft, bare)
