@@ -9,11 +9,13 @@ The law's energies are wrong by a small part of E, so that the shape is off by a
 was found by comparing previews with the exact model over many designs (`python -m benchmarks.accuracy.expectation`):
 
 - the mean square of the distance is `FLOOR^2 + (share a)^2`, a being the amplitude of all soft motions together;
-- the share is .07 for free sheets without symmetry, and less than half of that for others. Errors of the law have the
-  symmetry of the design, and do not push along motions that break it, such as the turn of the axis of a roll; nor is a
-  held sheet pushed far;
+- the share is .07 for free sheets without symmetry, and less than half of that for held ones, which are not pushed far,
+  and for those that a turn maps to themselves: errors of the law have the symmetry of the design, and do not push along
+  motions that break it, such as the turn of the axis of a roll. A mirror alone leaves the softest motions free: it is
+  .15 for such sheets, which mostly are rectangles, whose rims are bare by different widths;
 - a sheet with two soft motions may rest in another form altogether; a held one, whose edges and corners alone are free,
-  with motions that are less soft.
+  with motions that are less soft;
+- no smooth sheet is like one whose stars curl tighter than their spacing: free ones add ANOTHER_FORM times their part.
 
 A minimum that the preview met besides the one it shows (`other_forms`) may be the right one. The law's energies are
 uncertain by a part UNSURE of E, taken as normally distributed; so a form that is a part g of E higher and d % away is
@@ -31,10 +33,11 @@ import numpy as np
 
 from asterism.previewing.other_forms import OtherForm
 from pattern.layout import Floats
+from pattern.symmetries import Symmetry
 
-# the distance in % for an amplitude a in %: FLOOR and a share of a; for sheets that are free and have no symmetry, and
-# for the others
-FLOOR, SHARE, FORGIVEN = 0.5, 0.07, 0.03
+# the distance in % for an amplitude a in %: FLOOR and a share of a; for free sheets without symmetry, those that have a
+# mirror alone, and the others
+FLOOR, SHARE, MIRRORED, FORGIVEN = 0.5, 0.07, 0.15, 0.03
 # second amplitude in % from which another form is near, of free sheets and of held ones; how sharply, and the distance
 # in % that is added then
 TWO_WAYS, HELD_TWO_WAYS, SHARPNESS, ANOTHER_FORM = 20.0, 13.0, 8.0, 5.0
@@ -55,20 +58,32 @@ def amplitudes_percent(soft_modes: Floats, energy: float, area: float, diameter:
 
 
 def expected_rms_percent(
-    amplitudes: Floats, others: Sequence[OtherForm] = (), forgiven: bool = False, held: bool = False
+    amplitudes: Floats,
+    others: Sequence[OtherForm] = (),
+    share: float = SHARE,
+    held: bool = False,
+    tight: float = 0.0,
 ) -> float | None:
     """The distance to the exact model to be expected, in % of the diameter; None without two amplitudes.
 
-    `forgiven`: the sheet is held or has symmetries. Over many designs it is a root mean square: most are nearer.
+    `share`: see `share_of`; `tight`: part of the stars. Over many designs it is a root mean square: most are nearer.
     """
     if len(amplitudes) < 2:
         return None
-    near = math.hypot(FLOOR, (FORGIVEN if forgiven else SHARE) * float(np.linalg.norm(amplitudes)))
+    curled = 0.0 if held else ANOTHER_FORM * tight
+    near = math.hypot(FLOOR, share * float(np.linalg.norm(amplitudes)), curled)
     ratio = (float(amplitudes[1]) / _two_ways(held)) ** SHARPNESS
     form = max(
         [ANOTHER_FORM * ratio / (1.0 + ratio), *(math.sqrt(_chance(o.gap)) * o.distance_percent for o in others)]
     )
     return float(np.hypot(near, form))
+
+
+def share_of(held: bool, symmetries: Sequence[Symmetry]) -> float:
+    """The share of the amplitudes that the law's errors push a sheet with these symmetries, the identity among them."""
+    if held or sum(not symmetry.mirrors for symmetry in symmetries) > 1:
+        return FORGIVEN
+    return MIRRORED if len(symmetries) > 1 else SHARE
 
 
 def close_form(others: Sequence[OtherForm]) -> OtherForm | None:

@@ -51,8 +51,8 @@ from pattern.layout import Floats
 POISSON = 0.2
 # saturation over the natural curvature's `|(b11 - b22)/2 + i b12|`, and the least one, per mm
 BEYOND, LEAST = 3.0, 1e-3
-# part of the way from the natural tube's lengths to the flat cell's that counts in held sheets, the turn over a spacing,
-# rad, in which cells make most of it, and the least curvature, per mm
+# part of the way from the natural tube's lengths to the flat cell's that counts in held sheets; the turn over a
+# spacing, rad, in which cells make most of it; the least curvature, per mm
 EARLY, TURN, CURLED = 0.3, 1.5, 3e-3
 _PLAIN = ("kappa", "a12", "c3")
 
@@ -71,10 +71,10 @@ def sheet_fields(
 
     `shape`: of the arrays, (T, Q) with n = T Q. `arms`: for each arm of a star its direction (2,) and the weights half
     a spacing back along it (`asterism.previewing.star_arms`); without them the metric is `lam^2 I`. `normals`: (n, 2)
-    of free rims (`asterism.previewing.free_rim.free_normals`); without them rims do not curl. `early`: e above, of all or
-    of each star (S + 1,), see `free_early`. `reach`: part of the natural curvature that arms carry on into a free rim
-    (`asterism.previewing.free_rim.arm_curvature`). The sixfold term is larger by what its saturation takes away from it
-    at the natural curvature.
+    of free rims (`asterism.previewing.free_rim.free_normals`); without them rims do not curl. `early`: e above, of all
+    or of each star (S + 1,), see `free_early`. `reach`: part of the natural curvature that arms carry on into a free
+    rim (`asterism.previewing.free_rim.arm_curvature`). The sixfold term is larger by what its saturation takes away
+    from it at the natural curvature.
     """
 
     def mean(of: Floats, shares: sp.csr_matrix = weights) -> Floats:

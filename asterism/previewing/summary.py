@@ -9,7 +9,13 @@ import numpy as np
 from asterism import __version__
 from asterism.law_directions import directions_line
 from asterism.mesh_error import diameter
-from asterism.previewing.expected import amplitudes_percent, another_form_is_near, close_form, expected_rms_percent
+from asterism.previewing.expected import (
+    amplitudes_percent,
+    another_form_is_near,
+    close_form,
+    expected_rms_percent,
+    share_of,
+)
 from asterism.previewing.other_forms import OtherForm, other_forms
 from asterism.shape import Shape
 from discrete.likeness import rolled_about
@@ -33,7 +39,8 @@ def summary(preview: Preview, shape: Shape, mesh: Mesh, seconds: dict[str, float
     others = other_forms(preview, size[1])
     amplitudes = amplitudes_percent(found.soft_modes, found.energy, *size)
     held = bool(layout.pins)
-    forgiven = held or len(preview.symmetries) > 1
+    share = share_of(held, preview.symmetries)
+    tight = len(preview.values.tight) / len(layout.centres)
     return {
         "model": "preview",
         "converged": found.converged,
@@ -63,7 +70,7 @@ def summary(preview: Preview, shape: Shape, mesh: Mesh, seconds: dict[str, float
         # found with three-armed stars, whose law is the same in all directions
         "expected_rms_percent": None
         if left_out(preview.design.lattice)
-        else expected_rms_percent(amplitudes, others, forgiven, held),
+        else expected_rms_percent(amplitudes, others, share, held, tight),
         "law_in_range": not preview.values.outside,
         "stars_outside_law": list(preview.values.outside),
         "stars_tight": list(preview.values.tight),

@@ -23,6 +23,29 @@ def designs(edge_mm: float = EDGE_MM) -> list[Design]:
     ]
 
 
+# mm, lengths and thicknesses of equal stars on rectangles of two sides, and on hexagons of some rings
+RECTANGLES = [
+    (70, 62, 8, 0.35), (70, 62, 8, 0.3), (70, 62, 8, 0.5), (90, 70, 9, 0.4), (90, 70, 6, 0.3), (90, 70, 7, 0.35),
+    (100, 40, 8, 0.35), (100, 75, 7, 0.4), (60, 100, 8, 0.35), (130, 100, 7, 0.3), (120, 90, 10, 0.4),
+    (100, 85, 8, 0.35),
+]  # fmt: skip
+HEXAGONS = [
+    (2, 8, 0.35), (2, 6, 0.3), (1, 8, 0.3), (1, 8, 0.35), (2, 7, 0.4), (3, 6, 0.3), (2, 10, 0.4), (1, 10, 0.4),
+]  # fmt: skip
+
+
+def even(edge_mm: float = EDGE_MM) -> list[Design]:
+    """Small free sheets of equal stars, as one would try first."""
+
+    def sheet(name: str, border: dict[str, Any], length: float, thickness: float) -> Design:
+        stars = {"length_mm": float(length), "thickness_mm": thickness}
+        data = {"name": f"{name}-l{length}-h{thickness}", "border": border, "stars": stars}
+        return Design.from_dict(data | {"mesh": {"edge_mm": edge_mm}})
+
+    rectangles = [sheet(f"{x}x{y}", {"rectangle_mm": [float(x), float(y)]}, *stars) for x, y, *stars in RECTANGLES]
+    return rectangles + [sheet(f"rings{rings}", {"rings": rings}, *stars) for rings, *stars in HEXAGONS]
+
+
 def drawn(seed: int, edge_mm: float = EDGE_MM) -> Design:
     """A design at random: outline, stretch, length and thickness over the sheet, width, and how it is held.
 

@@ -2,8 +2,9 @@
 
 python -m benchmarks.accuracy.expectation FOLDER [--kept]
 
-The numbers in `asterism/previewing/expected.py` belong to the study and twelve further designs. Here they are fitted
-again without each of these, which then is predicted; and twelve more are drawn, which no number was ever fitted to.
+The numbers in `asterism/previewing/expected.py` belong to the study, twelve further designs and small even sheets. Here
+they are fitted again without each of these, which then is predicted; and twelve more are drawn, which no number was
+ever fitted to.
 FOLDER is that of the study, which comes first; --kept as there.
 """
 
@@ -17,10 +18,10 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize
 
-from asterism.previewing.expected import FLOOR, FORGIVEN, SHARE, another_form_is_near
+from asterism.previewing.expected import FLOOR, FORGIVEN, MIRRORED, SHARE, another_form_is_near, share_of
 from asterism.verification.numbers import LIKE_PERCENT
 from benchmarks.accuracy.__main__ import kept
-from benchmarks.accuracy.designs import RANDOM, designs, drawn
+from benchmarks.accuracy.designs import RANDOM, designs, drawn, even
 from benchmarks.accuracy.report import HEADER, announced, missed, put_into_docs, row
 from benchmarks.report import markdown, write_report
 from homogenize.errors import LawError
@@ -33,7 +34,8 @@ from pattern.symmetries import symmetries
 FITTED, UNSEEN = 12, 12  # designs with the seeds that follow the study's, and with those that follow them
 BEGIN, END = "<!-- expectation of the preview -->", "<!-- end of expectation of the preview -->"
 # columns of the study's table
-NAMES = ["design", "stars", "held", "rms %", "same form", "expected %", "warnings"]
+NAMES = ["design", "stars", "held", "rms %", "height %", "same form", "expected %", "warnings"]
+IN_USE = (FLOOR, SHARE, MIRRORED, FORGIVEN)
 
 Row = dict[str, Any]
 
@@ -46,10 +48,11 @@ def main() -> None:
     law = load_law()
     more = [drawn(seed) for seed in range(RANDOM, RANDOM + FITTED + UNSEEN)]
     known = _rows([*designs(), *more[:FITTED]], options.folder, law, options.kept)
+    small = _rows(even(), options.folder, law, options.kept)
     unseen = _rows(more[FITTED:], options.folder, law, options.kept)
-    text = section(known, unseen)
+    text = section(known, small, unseen)
     print(text)
-    write_report("accuracy.expectation", unseen, text)
+    write_report("accuracy.expectation", [*small, *unseen], text)
     put_into_docs(text, BEGIN, END)
 
 
@@ -62,69 +65,76 @@ def _rows(some: Sequence[Design], folder: Path, law: Law, as_is: bool) -> list[R
             continue
         one = kept(design, folder, law, starts=False, as_is=as_is)
         plan = layout(design)
-        free = not plan.pins and len(symmetries(design, plan)) == 1
+        share = share_of(bool(plan.pins), symmetries(design, plan))
         amplitude = float(np.linalg.norm(one["preview"]["soft_amplitudes_percent"]))
-        rows.append(one | {"asymmetric": free, "amplitude": amplitude})
+        rows.append(one | {"kind": IN_USE.index(share), "amplitude": amplitude})
         print("  ".join(row(rows[-1])), flush=True)
     return rows
 
 
-def section(known: Sequence[Row], unseen: Sequence[Row]) -> str:
+def section(study: Sequence[Row], small: Sequence[Row], unseen: Sequence[Row]) -> str:
     """Markdown."""
+    known = [*study, *small]
     fits = [fitted([other for other in known if other is not one]) for one in known]
     again = [one | {"expected_rms_percent": _again(one, fit)} for one, fit in zip(known, fits, strict=True)]
     lines = [
-        ["designs that it was fitted to", *_goodness(known)],
-        ["each of them, predicted by a fit to the others", *_goodness(again)],
+        ["the study and twelve more", *_goodness(study)],
+        ["small free sheets of equal stars", *_goodness(small)],
+        ["each of these, predicted by a fit to the others", *_goodness(again)],
         ["designs drawn afterwards, never fitted to", *_goodness(unseen)],
     ]
     header = ["", "designs", "distance over expected, median", "nine in ten", "misses", "of these announced"]
-    numbers = [["floor %", "share, free without symmetry", "share, others"]]
-    numbers += [[f"{x:.3f}" for x in fit] for fit in ((FLOOR, SHARE, FORGIVEN), fitted(known))]
+    numbers = [["floor %", "share, free without symmetry", "with a mirror alone", "others"]]
+    numbers += [[f"{x:.3f}" for x in fit] for fit in (IN_USE, fitted(known))]
     numbers += [
         [f"{low:.3f} to {high:.3f}" for low, high in zip(np.min(fits, axis=0), np.max(fits, axis=0), strict=True)]
     ]
     names = ["", "in use", "fitted", "fitted without one"]
-    table = [[cells[HEADER.index(name)] for name in NAMES] for cells in map(row, unseen)]
+    tables = [[[cells[HEADER.index(name)] for name in NAMES] for cells in map(row, rows)] for rows in (small, unseen)]
     return "\n\n".join(
         [
             markdown(header, lines),
             markdown(
                 [names[0], *numbers[0]], [[name, *line] for name, line in zip(names[1:], numbers[1:], strict=True)]
             ),
+            "Small free sheets of equal stars (lengths l and thicknesses h in mm):",
+            markdown(NAMES, tables[0]),
             "The designs drawn afterwards:",
-            markdown(NAMES, table),
+            markdown(NAMES, tables[1]),
         ]
     )
 
 
-def fitted(rows: Sequence[Row]) -> tuple[float, float, float]:
-    """FLOOR, SHARE and FORGIVEN: least squares of the logarithms, then scaled from the median to the mean square.
+def fitted(rows: Sequence[Row]) -> tuple[float, ...]:
+    """FLOOR and the three shares: least squares of the logarithms, then scaled from the median to the mean square.
 
     From designs within 10 % of the exact shape that are not soft in two ways, or have no symmetry to be broken.
     """
-    some = [one for one in rows if one["rms_percent"] < LIKE_PERCENT and (one["asymmetric"] or not _two_ways(one))]
-    size, asymmetric = (np.array([one[name] for one in some]) for name in ("amplitude", "asymmetric"))
+    some = [
+        one
+        for one in rows
+        if one["rms_percent"] < LIKE_PERCENT and (one["kind"] < IN_USE.index(FORGIVEN) or not _two_ways(one))
+    ]
+    size, kind = (np.array([one[name] for one in some]) for name in ("amplitude", "kind"))
     distance = np.log([one["rms_percent"] for one in some])
 
     def off(w: np.ndarray) -> np.ndarray:
-        return np.asarray(distance - np.log(np.hypot(w[0], np.where(asymmetric, w[1], w[2]) * size)))
+        return np.asarray(distance - np.log(np.hypot(w[0], w[kind] * size)))
 
-    best = minimize(lambda w: float((off(w) ** 2).sum()), (FLOOR, SHARE, FORGIVEN), method="Nelder-Mead").x
-    floor, share, forgiven = np.abs(best) * np.exp(off(best).var())
-    return float(floor), float(share), float(forgiven)
+    best = minimize(lambda w: float((off(w) ** 2).sum()), IN_USE, method="Nelder-Mead").x
+    return tuple(float(x) for x in np.abs(best) * np.exp(off(best).var()))
 
 
-def _again(one: Row, fit: tuple[float, float, float]) -> float | None:
+def _again(one: Row, fit: tuple[float, ...]) -> float | None:
     """What another fit expects: the part for the near form is exchanged, that for other forms stays."""
     if one["expected_rms_percent"] is None:
         return None
-    form = one["expected_rms_percent"] ** 2 - _near(one, (FLOOR, SHARE, FORGIVEN)) ** 2
+    form = one["expected_rms_percent"] ** 2 - _near(one, IN_USE) ** 2
     return float(np.sqrt(max(form, 0.0) + _near(one, fit) ** 2))
 
 
-def _near(one: Row, fit: tuple[float, float, float]) -> float:
-    return float(np.hypot(fit[0], (fit[1] if one["asymmetric"] else fit[2]) * one["amplitude"]))
+def _near(one: Row, fit: tuple[float, ...]) -> float:
+    return float(np.hypot(fit[0], fit[one["kind"]] * one["amplitude"]))
 
 
 def _two_ways(one: Row) -> bool:

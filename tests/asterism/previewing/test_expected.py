@@ -7,7 +7,19 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from asterism.previewing.expected import amplitudes_percent, another_form_is_near, expected_rms_percent
+from asterism.previewing.expected import (
+    FORGIVEN,
+    MIRRORED,
+    SHARE,
+    amplitudes_percent,
+    another_form_is_near,
+    expected_rms_percent,
+    share_of,
+)
+from pattern import gallery
+from pattern.build import layout
+from pattern.design import Design
+from pattern.symmetries import symmetries
 
 
 def test_amplitudes_take_the_energy():
@@ -24,21 +36,42 @@ def test_softer_sheets_expect_more():
 
 def test_symmetry_and_pins_forgive_soft_motions():
     soft = np.array([30.0, 12.0, 8.0])
-    assert expected_rms_percent(soft, forgiven=True) < 0.5 * expected_rms_percent(soft)
+    assert expected_rms_percent(soft, share=FORGIVEN) < 0.5 * expected_rms_percent(soft)
+
+
+@pytest.mark.parametrize(
+    ("border", "share"),
+    [
+        ({"rings": 1}, FORGIVEN),
+        ({"rectangle_mm": [70.0, 62.0]}, MIRRORED),
+        ({"polygon_mm": [[-40.0, -30.0], [45.0, -35.0], [30.0, 40.0]]}, SHARE),
+    ],
+)
+def test_a_mirror_alone_forgives_nothing(border, share):
+    design = Design.from_dict(gallery.load("tube").to_dict() | {"border": border})
+    same = symmetries(design, layout(design))
+    assert share_of(False, same) == share
+    assert share_of(True, same) == FORGIVEN
+
+
+def test_stars_that_curl_tightly_are_beyond_a_smooth_sheet():
+    soft = np.array([3.0, 2.0, 1.0])
+    assert expected_rms_percent(soft, share=FORGIVEN, tight=1.0) > 4.0
+    assert expected_rms_percent(soft, share=FORGIVEN, tight=1.0, held=True) < 1.0
 
 
 def test_one_soft_motion_is_forgiven():
     """The turn of a tube's axis alone does not make another form."""
     assert not another_form_is_near(np.array([80.0, 10.0]))
     assert another_form_is_near(np.array([80.0, 40.0]))
-    one, two = (expected_rms_percent(np.array([80.0, second]), forgiven=True) for second in (10.0, 40.0))
+    one, two = (expected_rms_percent(np.array([80.0, second]), share=FORGIVEN) for second in (10.0, 40.0))
     assert two > 2.0 * one
 
 
 def test_held_sheets_take_less_to_have_another_form():
     edges = np.array([16.0, 15.0, 15.0])
     assert another_form_is_near(edges, held=True) and not another_form_is_near(edges)
-    assert expected_rms_percent(edges, forgiven=True, held=True) > 2.0 * expected_rms_percent(edges, forgiven=True)
+    assert expected_rms_percent(edges, share=FORGIVEN, held=True) > 2.0 * expected_rms_percent(edges, share=FORGIVEN)
 
 
 def test_nothing_is_expected_of_what_is_not_stable():
