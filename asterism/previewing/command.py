@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping
 from pathlib import Path
+from shlex import join
 from typing import Annotated, Any, Literal
 
 import typer
@@ -51,6 +52,10 @@ def preview(
     typer.echo(f"{directory}: {', '.join(files)}")
     for line in shape.summary["warnings"]:
         print(f"asterism: {line}", file=sys.stderr)
+    if shape.summary["warnings"]:
+        same = {"--law": law, "--material": material}
+        words = [str(design), *(word for option, file in same.items() if file for word in (option, str(file)))]
+        print(f"asterism: the exact model tells:  asterism verify {join(words)}", file=sys.stderr)
     if not shape.summary["is_minimum"]:
         raise typer.Exit(1)
 

@@ -19,6 +19,7 @@ class SmoothSurface:
     tangents : (n, 2, 3) derivatives of the place by the print's coordinates.
     seconds : (n, 3, 3) 1/mm, its derivatives 11, 22, 12.
     normals : (n, 3) unit normals, on the plastic side.
+    area : (n,) of the surface per printed area.
     mean_curvature, gaussian_curvature : (n,) 1/mm and 1/mm^2; the mean one is positive where the plastic side is
         convex.
     """
@@ -27,6 +28,7 @@ class SmoothSurface:
     tangents: Floats
     seconds: Floats
     normals: Floats
+    area: Floats
     mean_curvature: Floats
     gaussian_curvature: Floats
 
@@ -47,4 +49,4 @@ def smooth_surface(at: Evaluation, x: Floats) -> SmoothSurface:
     a11, a22, a12 = (np.einsum("nc,nc->n", first[:, i], first[:, j]) for i, j in ((0, 0), (1, 1), (0, 1)))
     b11, b22, b12 = np.einsum("nkc,nc->kn", second, normals)
     mean = -0.5 * (a22 * b11 + a11 * b22 - 2.0 * a12 * b12) / area**2
-    return SmoothSurface(at.value @ x, first, second, normals, mean, (b11 * b22 - b12**2) / area**2)
+    return SmoothSurface(at.value @ x, first, second, normals, area, mean, (b11 * b22 - b12**2) / area**2)

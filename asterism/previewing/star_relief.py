@@ -13,6 +13,10 @@ natural curvature kappa. The way at a curvature k is
     s(k) = tanh(k d / .55) / tanh(kappa d / .55),
 
 a straight line for stars that curl little. Bent the other way the star loses as much.
+
+**Held apart.** A sheet that is held wider than its flat cell is pulled flat. A bump has some length to spare, and what
+is taken of it counts by the square of the height: where lengths are by a part e longer than those of the flat cell,
+the height is that of the free cell times `sqrt(1 - e / APART)`, and nothing from APART on.
 """
 
 from __future__ import annotations
@@ -28,6 +32,8 @@ from pattern.layout import Floats
 TURN = 0.55
 # a natural turn below which stars have one relief
 LEAST = 1e-4
+# part by which sheets without bumps are longer
+APART = 0.08
 
 
 def relief_heights(
@@ -54,6 +60,12 @@ def relief_heights(
         weights, values, beyond, spacing
     )
     return np.asarray(stars + (1.0 - stars_share(weights)) * rim)
+
+
+def pulled_flat(values: StarValues, weights: sp.csr_matrix, area: Floats) -> Floats:
+    """(n,) height of bumps over that of a sheet that nothing holds apart; area (n,) of the sheet per printed area."""
+    lam = np.maximum(beside(weights, values.value["lam"][:-1]), values.value["lam"].min())
+    return np.sqrt(np.clip(1.0 - (np.sqrt(area) / lam - 1.0) / APART, 0.0, 1.0))
 
 
 def _bent(kappa: Floats, curvature: Floats, spacing: float) -> Floats:

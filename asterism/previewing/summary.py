@@ -116,11 +116,11 @@ def warnings(
     elif not found.definite:
         lines.append("an equilibrium that is not stable")
     if soft_in_two_ways:
-        lines.append("soft in more than one way: the sheet may rest in another form: asterism verify tells")
+        lines.append("soft in more than one way: the sheet may rest in another form")
     if other is not None:
         lines.append(
             f"another form, {other.distance_percent:.0f} % of the diameter away, has nearly the same energy "
-            f"({100.0 * other.gap:+.1f} %): asterism verify tells which one the exact model takes"
+            f"({100.0 * other.gap:+.1f} %): the exact model may take that one"
         )
     soft = found.soft_modes
     if axis is not None and len(soft) > 1 and soft[1] > NEUTRAL * soft[0]:

@@ -9,7 +9,7 @@ import numpy as np
 from asterism.previewing.free_rim import beyond_stars
 from asterism.previewing.sheet import Sheet
 from asterism.previewing.smooth_surface import SmoothSurface, smooth_surface
-from asterism.previewing.star_relief import relief_heights
+from asterism.previewing.star_relief import pulled_flat, relief_heights
 from asterism.previewing.star_values import StarValues
 from asterism.shape import Shape
 from asterism.surface_fields import cell_fields
@@ -53,7 +53,7 @@ class Lens:
     def __init__(self, sheet: Sheet, waves: Waves, points: Floats) -> None:
         self.points = np.asarray(points, dtype=float)
         self._waves = waves(self.points - sheet.layout.lattice_origin)
-        self._spacing = sheet.layout.spacing_mm
+        self._spacing, self._held = sheet.layout.spacing_mm, bool(sheet.layout.pins)
         self._at = sheet.space.locate(self.points)
         self._shares = sheet.cells.shares(self.points)
         self._beyond = beyond_stars(sheet.layout, self.points)
@@ -68,6 +68,8 @@ class Lens:
         heights = relief_heights(self._waves, values, weights, curvature, self._beyond, self._spacing)
         out, lift = self._arms.moves(x, values.value["kappa"])
         heights += self._lifted @ lift
+        if self._held:
+            heights *= pulled_flat(values, weights, smooth.area)
         return Places(smooth, smooth.moved(self._out @ out) + heights[:, None] * smooth.normals)
 
 

@@ -81,3 +81,6 @@ def test_stars_outside_the_law_are_named(
     done = command(["preview", "small.toml", "--law", "plain.npz"], capsys, monkeypatch)
     assert done.status == 0
     assert "star 0 at [0.0, 0.0]: thickness_mm = 0.9 is outside" in done.err
+    assert done.err.endswith("asterism: the exact model tells:  asterism verify small.toml --law plain.npz\n")
+    summary = json.loads((folder / "small" / "summary.json").read_text())
+    assert not any("asterism verify" in line for line in summary["warnings"])
