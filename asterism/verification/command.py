@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -48,7 +49,8 @@ def verify(
     progress = Progress()
     try:
         with told_of_compiling(progress.say):
-            found = run(plan, sheet, backend, progress.report, progress.say)
+            asked = shlex.join(["asterism", *sys.argv[1:]])
+            found = run(plan, sheet, backend, progress.report, progress.say, command=asked)
     finally:
         progress.close()
     progress.say("writing the report")
