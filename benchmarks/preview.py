@@ -32,7 +32,7 @@ from fem.solve import TOLERANCE, follow
 from pattern import gallery
 from pattern.design import Design
 
-TRIANGLES = [24, 96, 384]
+TRIANGLES = [54, 96, 384]
 DESIGNS = ["tube", "dome", "u-shape"]
 REPEATS = 5
 # what is edited, and back: a size of all stars times a share
