@@ -37,7 +37,8 @@ from pattern.planar import distance_to_segment
 # curvature of bare fabric over that of the bumps beside it. Shares are smoothed, and less than half of the outline is
 # bare: more than 1 it must be. With 3 to 4 previews are nearest to the exact model
 CURL = 3.0
-# part of the natural curvature that arms carry on: .3 to .5 is right for most free sheets, with more tubes lose their axis
+# part of the natural curvature that arms carry on: .3 to .5 is right for most free sheets; with more, tubes lose their
+# axis
 REACH = 0.3
 # rad, by which long arms turn it further, and the curvature of their bumps over the spacing at which they do no more:
 # fitted to rims of 22 free sheets, whose distance from the exact model's sinks by a fifth
