@@ -9,8 +9,17 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from asterism.previewing import free_rim
-from asterism.previewing.free_rim import CURL, FALL, ROUND, beyond_stars, free_normals, rim_curvature, rim_fall
+from asterism.previewing import free_rim, sheet
+from asterism.previewing.free_rim import (
+    CURL,
+    FALL,
+    ROUND,
+    arm_curvature,
+    beyond_stars,
+    free_normals,
+    rim_curvature,
+    rim_fall,
+)
 from asterism.previewing.preview import Preview
 from asterism.previewing.star_relief import relief_heights
 from asterism.previewing.star_values import star_values
@@ -125,3 +134,45 @@ def test_the_rim_of_a_lone_star_is_as_deep_as_in_the_exact_model(monkeypatch: py
     without = fall(lambda points: preview.at(points).bumpy)
     assert exact > 2.0
     assert abs(found - exact) < 0.6 * abs(without - exact)
+
+
+def test_arms_carry_their_curvature_into_a_free_rim() -> None:
+    """Where only the star back along the first arm reaches, that direction curls, and the other one by as much less."""
+    directions = np.asarray(TUBE.lattice.arm_directions)
+    beside = sp.csr_matrix(np.full((3, 1), 0.5) * np.eye(1, COUNT))
+    reaches, nothing = sp.csr_matrix(np.ones((3, 1)) * np.eye(1, COUNT)), sp.csr_matrix((3, COUNT))
+    arms = [(directions[0], reaches), *((along, nothing) for along in directions[1:])]
+    normals = np.array([[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]])
+    found = arm_curvature(beside, VALUES, normals, arms)
+    kappa = VALUES.value["kappa"][0]
+    x, y = directions[0]
+    assert found[0] @ [x * x, y * y, 2.0 * x * y] == pytest.approx(2.0 / 3.0 * kappa)
+    assert found[0, 0] + found[0, 1] == pytest.approx(0.0)
+    assert found[1] == pytest.approx(found[0])
+    assert found[2] == pytest.approx(0.0)  # where the rim is held
+    among = [(along, reaches) for along in directions]
+    assert arm_curvature(beside, VALUES, normals, among) == pytest.approx(0.0)
+
+
+def test_corners_under_arms_hang_from_a_free_hexagon(monkeypatch: pytest.MonkeyPatch) -> None:
+    design = Design.from_dict(
+        {
+            "border": {"rings": 1},
+            "stars": {"length_mm": 8.0, "thickness_mm": 0.35},
+            "mesh": {"edge_mm": 1.6},
+        }
+    )
+    exact = simulate(design)
+    corners = 0.99 * Preview(design).sheet.layout.border
+
+    def turns(places: np.ndarray) -> float:
+        """mm, by how much three corners of the hexagon lie higher than the other three."""
+        heights = places - places.mean(axis=0)
+        normal = np.linalg.svd(heights)[2][2]
+        return float(abs((heights[::2] - heights[1::2]).mean(axis=0) @ normal))
+
+    right, found = turns(exact.at(corners)), turns(Preview(design).at(corners).bumpy)
+    monkeypatch.setattr(sheet, "REACH", 0.0)
+    without = turns(Preview(design).at(corners).bumpy)
+    assert right > 1.0
+    assert abs(found - right) < 0.7 * abs(without - right), (right, found, without)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from asterism.previewing.sheet_fields import EARLY, POISSON, sheet_fields
+from asterism.previewing.sheet_fields import EARLY, POISSON, TURN, free_early, sheet_fields
 from asterism.previewing.star_values import star_sizes, star_values
 from fem.tabulation import Floats
 from homogenize.errors import LawError
@@ -151,3 +151,22 @@ def test_an_arm_cut_short_counts_as_it_is() -> None:
     sizes = star_sizes(plan, 3)
     assert sizes[:, 0].min() < 9.9 < sizes[:, 0].max() == pytest.approx(10.0)
     assert sizes[:, 1:] == pytest.approx(np.tile([0.4, 1.2], (len(sizes), 1)))
+
+
+def test_stars_and_bare_fabric_bend_in_series() -> None:
+    weights = sp.csr_matrix(np.array([[1.0], [0.5], [0.0]]) * np.eye(1, STARS))
+    bending, natural = VALUES.value["bending"], VALUES.value["lam_n"]
+    fields = sheet_fields(weights, VALUES, (3, 1), early=0.0)
+    found = 1.0 / fields.density.stiffness[:, 0, 3, 3]  # type: ignore[index]
+    lam = np.exp(np.array([1.0, 0.5, 0.0]) * np.log(natural[0] / natural[-1])) * natural[-1]
+    alone = np.array([1.0 / bending[0], 0.5 / bending[0] + 0.5 / bending[-1], 1.0 / bending[-1]])
+    assert found / found[0] == pytest.approx(lam**4 * alone / (lam[0] ** 4 * alone[0]))
+
+
+def test_free_stars_that_curl_little_shorten_with_their_curvature_and_others_are_done() -> None:
+    curls = np.array([0.0, 0.02, 0.5])
+    found = free_early(replace(VALUES, value=VALUES.value | {"kappa": curls}), 17.3)
+    turn = 0.02 * 17.3 / TURN
+    # the slope of tanh at the natural turn, over that of a straight line from flat
+    slope = turn / np.cosh(turn) ** 2 / np.tanh(turn)
+    assert found == pytest.approx([1.0, slope, 0.0], abs=1e-3)
