@@ -13,7 +13,7 @@ from asterism import __version__
 from asterism.cli import stop
 from asterism.compare.cli import compare
 from asterism.export_command import export, printers
-from asterism.output_option import output_option
+from asterism.options import Backend, DesignFile, MaterialFile, output_option
 from asterism.previewing.command import preview
 from asterism.reporting.command import report
 from asterism.strips.cli import app as strips
@@ -74,7 +74,7 @@ def new(
 
 @app.command()
 def simulate(
-    design: Annotated[Path, typer.Argument(help="The design file (.toml or .json).")],
+    design: DesignFile,
     output: Annotated[Path | None, output_option("Directory of the results (design's name).")] = None,
     edge: Annotated[float | None, typer.Option(help="Edge length of the mesh in mm, in place of the design's.")] = None,
     start: Annotated[str | None, typer.Option(help="bump or flat, in place of the design's.")] = None,
@@ -89,10 +89,8 @@ def simulate(
         bool | None,
         typer.Option("--contact/--no-contact", help="Keep the sheet from passing through itself (needs ipctk)."),
     ] = None,
-    material: Annotated[
-        Path | None, typer.Option(help="A material's file: its fabric and plastic in place of the design's.")
-    ] = None,
-    backend: Annotated[str, typer.Option(help="Linear solver: auto, pardiso, cholmod, superlu or amg.")] = "auto",
+    material: MaterialFile = None,
+    backend: Backend = "auto",
 ) -> None:
     """The exact model: the shape of a design, certified to be an equilibrium.
 
@@ -183,9 +181,7 @@ def calibrate(
         typer.Argument(help="A material and plan, or a design, for its stars alone; none: the paper's material."),
     ] = None,
     output: Annotated[Path | None, output_option("The law's file (MATERIAL.npz or DESIGN-law.npz).")] = None,
-    material: Annotated[
-        Path | None, typer.Option(help="A material's file: its fabric and plastic in place of the design's.")
-    ] = None,
+    material: MaterialFile = None,
     jobs: Annotated[int | None, typer.Option(min=1, max=1000, help="Processes (one per core).")] = None,
     dask: Annotated[str | None, typer.Option(help="Address of a Dask scheduler to use in their place.")] = None,
 ) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from asterism.output_option import output_option
+from asterism.options import DesignFile, MaterialFile, output_option
 
 if TYPE_CHECKING:
     from asterism.export.job import Job
@@ -17,13 +17,11 @@ if TYPE_CHECKING:
 
 
 def export(
-    design: Annotated[Path, typer.Argument(help="The design file (.toml or .json).")],
+    design: DesignFile,
     output: Annotated[Path | None, output_option("Directory (DESIGN-print).")] = None,
     printer: Annotated[str, typer.Option(help="A printer by name, or its file; see asterism printers.")] = "ultimaker2",
     plastic: Annotated[str, typer.Option(help="A plastic by name, or its file.")] = "tpu95a",
-    material: Annotated[
-        Path | None, typer.Option(help="A material's file: its fabric and plastic in place of the design's.")
-    ] = None,
+    material: MaterialFile = None,
     shape: Annotated[Path | None, typer.Option(help="Results of asterism simulate, or their shape.vtu.")] = None,
     preview: Annotated[
         bool, typer.Option("--preview", help="Write the printed shape's files too, from the fast preview.")

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from asterism.output_option import output_option
+from asterism.options import output_option
 
 
 class _Unit(StrEnum):

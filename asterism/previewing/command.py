@@ -10,19 +10,17 @@ from typing import Annotated, Any, Literal
 
 import typer
 
-from asterism.output_option import output_option
+from asterism.options import DesignFile, MaterialFile, output_option
 
 
 def preview(
-    design: Annotated[Path, typer.Argument(help="The design file (.toml or .json).")],
+    design: DesignFile,
     output: Annotated[Path | None, output_option("Directory of the results (design's name).")] = None,
     law: Annotated[Path | None, typer.Option(help="The law's file (.npz); none: the paper's material.")] = None,
     side: Annotated[
         Literal["auto", "up", "down"], typer.Option(help="Side to which the edges go; auto: what the stars want.")
     ] = "auto",
-    material: Annotated[
-        Path | None, typer.Option(help="A material's file: its fabric and plastic in place of the design's.")
-    ] = None,
+    material: MaterialFile = None,
 ) -> None:
     """The fast preview: the shape of a design as a smooth sheet, with the stars' bumps laid on it.
 

@@ -29,6 +29,7 @@ import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
 from asterism.previewing.held_sheet import held_edges, held_points
+from asterism.previewing.star_arms import rosette
 from asterism.previewing.star_cells import long_arms
 from asterism.previewing.star_values import StarValues
 from pattern.layout import Floats, Layout
@@ -80,15 +81,13 @@ def rim_curvature(weights: sp.csr_matrix, values: StarValues, normals: Floats) -
 def arm_curvature(
     weights: sp.csr_matrix, values: StarValues, normals: Floats, arms: Sequence[tuple[Floats, sp.csr_matrix]]
 ) -> Floats:
-    """(n, 3) 1/mm, components 11, 22, 12 of `4/N sum_k (s_k - m) (d_k d_k - I/2)` times the natural curvature beside.
+    """(n, 3) 1/mm, the rosette of the shares of stars along the arms times the natural curvature beside.
 
-    `arms`: direction d_k of each of N arms, and the weights half a spacing back along it, whose sums are s_k with the
-    mean m; `weights` and `normals` as for `rim_curvature`. It vanishes among stars, and where the rim is held.
+    `arms`: direction of each of N arms, and the weights half a spacing back along it; `weights` and `normals` as for
+    `rim_curvature`. It vanishes among stars, and where the rim is held.
     """
-    share = np.column_stack([stars_share(along) for _, along in arms])
-    rest = 4.0 / len(arms) * (share - share.mean(axis=1, keepdims=True))
-    x, y = np.array([direction for direction, _ in arms]).T
-    deviator = np.column_stack([rest @ (x * x - 0.5), rest @ (y * y - 0.5), rest @ (x * y)])
+    shares = np.column_stack([stars_share(along) for _, along in arms])
+    deviator = rosette(shares, np.array([direction for direction, _ in arms]))
     near = np.where(normals.any(axis=1), beside(weights, values.value["kappa"][:-1]), 0.0)
     return np.asarray(near[:, None] * deviator)
 

@@ -36,7 +36,17 @@ def arm_metric(lam: Floats, along: Floats, directions: Floats) -> Floats:
     """
     stretch = (along / np.exp(np.log(along).mean(axis=-1, keepdims=True))) ** 2
     mean = stretch.mean(axis=-1)
+    return (lam**2)[..., None] * (mean[..., None] * np.array([1.0, 1.0, 0.0]) + rosette(stretch, directions))
+
+
+def rosette(along: Floats, directions: Floats) -> Floats:
+    """(..., 3) components 11, 22, 12 of `4/N sum_k (s_k - m) (d_k d_k - I/2)`: a strain rosette less its mean.
+
+    Parameters
+    ----------
+    along : (..., N) s_k along each direction; m is their mean.
+    directions : (N, 2) unit vectors d_k.
+    """
     x, y = directions.T
-    rest = 4.0 / len(directions) * (stretch - mean[..., None])
-    deviator = np.stack([rest @ (x * x - 0.5), rest @ (y * y - 0.5), rest @ (x * y)], axis=-1)
-    return (lam**2)[..., None] * (mean[..., None] * np.array([1.0, 1.0, 0.0]) + deviator)
+    rest = 4.0 / len(directions) * (along - along.mean(axis=-1, keepdims=True))
+    return np.stack([rest @ (x * x - 0.5), rest @ (y * y - 0.5), rest @ (x * y)], axis=-1)

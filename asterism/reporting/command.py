@@ -8,20 +8,18 @@ from typing import Annotated
 
 import typer
 
-from asterism.output_option import output_option
+from asterism.options import DesignFile, MaterialFile, output_option
 
 
 def report(
-    design: Annotated[Path, typer.Argument(help="The design file (.toml or .json).")],
+    design: DesignFile,
     output: Annotated[Path | None, output_option("The page (DESIGN-report.pdf).")] = None,
     results: Annotated[
         Path | None, typer.Option(help="Results of simulate or preview (those beside the design, or a new preview).")
     ] = None,
     printer: Annotated[str, typer.Option(help="A printer by name, or its file; see asterism printers.")] = "ultimaker2",
     plastic: Annotated[str, typer.Option(help="A plastic by name, or its file.")] = "tpu95a",
-    material: Annotated[
-        Path | None, typer.Option(help="A material's file: its fabric and plastic in place of the design's.")
-    ] = None,
+    material: MaterialFile = None,
 ) -> None:
     """One page about a design as PDF: parameters, picture, layout, needles, accuracy, material."""
     from asterism.export.job import prepare

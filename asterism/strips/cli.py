@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from asterism.output_option import output_option
+from asterism.options import output_option
 
 app = typer.Typer(help="Measure a plastic and a fabric with printed strips.", no_args_is_help=True)
 

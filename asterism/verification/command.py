@@ -10,20 +10,18 @@ from typing import Annotated, Any
 
 import typer
 
-from asterism.output_option import output_option
+from asterism.options import Backend, DesignFile, MaterialFile, output_option
 
 
 def verify(
-    design: Annotated[Path, typer.Argument(help="The design file (.toml or .json).")],
+    design: DesignFile,
     output: Annotated[Path | None, output_option("Directory of the report (DESIGN-verified).")] = None,
     law: Annotated[Path | None, typer.Option(help="The law's file (.npz); none: the paper's material.")] = None,
     edge: Annotated[
         float | None, typer.Option(help="Edge length of the exact model's mesh in mm, in place of the design's.")
     ] = None,
-    material: Annotated[
-        Path | None, typer.Option(help="A material's file: its fabric and plastic in place of the design's.")
-    ] = None,
-    backend: Annotated[str, typer.Option(help="Linear solver: auto, pardiso, cholmod, superlu or amg.")] = "auto",
+    material: MaterialFile = None,
+    backend: Backend = "auto",
 ) -> None:
     """Preview and exact model of a design, compared.
 
