@@ -66,7 +66,7 @@ class Shape:
     @property
     def extent_mm(self) -> tuple[float, float, float]:
         """Sizes along the axes of `aligned()`, the largest first; the same however the sheet lies in space."""
-        first, second, third = sorted(np.ptp(self.positions @ self._upright().T, axis=0), reverse=True)
+        first, second, third = sorted(np.ptp(self.positions @ self.upright().T, axis=0), reverse=True)
         return float(first), float(second), float(third)
 
     def at(self, printed_points: Floats) -> Floats:
@@ -91,7 +91,7 @@ class Shape:
 
     def aligned(self) -> Shape:
         """A centred copy, its principal axes along x, y and z, the largest first, the plastic side up."""
-        rotation, weights = self._upright(), self.weights
+        rotation, weights = self.upright(), self.weights
         turned = {
             name: values @ rotation.T if values.ndim == 2 and values.shape[1] == 3 else values
             for name, values in self.point_fields.items()
@@ -99,8 +99,8 @@ class Shape:
         moved = (self.positions - weights @ self.positions) @ rotation.T
         return replace(self, positions=moved, point_fields=turned)
 
-    def _upright(self) -> Floats:
-        """(3, 3) rotation to the principal axes."""
+    def upright(self) -> Floats:
+        """(3, 3) the rotation of `aligned()`; its rows are the principal axes."""
         plastic_side = triangle_normals(self.positions, self.triangles).sum(axis=0)
         return upright_rotation(self.printed, self.positions, self.weights, plastic_side)
 

@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 
 from asterism.previewing.equilibria import settled, taken
+from asterism.previewing.expected_height import height_doubts
 from asterism.previewing.sheet import Sheet
 from asterism.previewing.star_values import StarValues, star_values
 from asterism.previewing.summary import summary
@@ -222,9 +223,13 @@ class Preview:
             self._lens = self._clock("shown", Lens, self.sheet, self.law.waves, mesh.points)
         places = self._clock("shown", self._lens, self.equilibrium.x, self.values)
         shape = self._clock("shown", shape_of, self.design, self.sheet, mesh, places)
+        up = np.eye(3)[2]
         if not self.sheet.layout.pins:
-            shape = shape.aligned()
-        return replace(shape, summary=summary(self, shape, mesh, self.seconds))
+            shape, up = shape.aligned(), shape.upright()[2]
+        doubts = None
+        if self.equilibrium.is_minimum:
+            doubts = self._clock("expected height", height_doubts, self, shape, up, self._factor)
+        return replace(shape, summary=summary(self, shape, mesh, doubts, self.seconds))
 
     def _find_soft_modes(self) -> None:
         """What the error to be expected follows from; an edit does not wait for it. The factor is the equilibrium's."""

@@ -16,6 +16,7 @@ from asterism.previewing.expected import (
     expected_rms_percent,
     share_of,
 )
+from asterism.previewing.expected_height import HeightDoubts, expected_height_percent
 from asterism.previewing.other_forms import OtherForm, other_forms
 from asterism.shape import Shape
 from discrete.likeness import rolled_about
@@ -31,7 +32,9 @@ NEUTRAL = 5.0
 SAME_AXIS_DEG = 2.0
 
 
-def summary(preview: Preview, shape: Shape, mesh: Mesh, seconds: dict[str, float]) -> dict[str, Any]:
+def summary(
+    preview: Preview, shape: Shape, mesh: Mesh, doubts: HeightDoubts | None, seconds: dict[str, float]
+) -> dict[str, Any]:
     """Keys as in a simulation's summary where they mean the same."""
     found, layout, law = preview.equilibrium, preview.sheet.layout, preview.law
     axis = _roll_axis(preview, shape)
@@ -41,6 +44,8 @@ def summary(preview: Preview, shape: Shape, mesh: Mesh, seconds: dict[str, float
     held = bool(layout.pins)
     share = share_of(held, preview.symmetries)
     tight = len(preview.values.tight) / len(layout.centres)
+    # what is expected was found with three-armed stars, whose law is the same in all directions
+    known = not left_out(preview.design.lattice)
     return {
         "model": "preview",
         "converged": found.converged,
@@ -67,10 +72,9 @@ def summary(preview: Preview, shape: Shape, mesh: Mesh, seconds: dict[str, float
             "edge_mm": law.edge_mm,
             "made_by": law.made.get("command"),
         },
-        # found with three-armed stars, whose law is the same in all directions
-        "expected_rms_percent": None
-        if left_out(preview.design.lattice)
-        else expected_rms_percent(amplitudes, others, share, held, tight),
+        "expected_rms_percent": expected_rms_percent(amplitudes, others, share, held, tight) if known else None,
+        "expected_height_percent": expected_height_percent(doubts, share) if known and doubts else None,
+        "height_doubts_mm": vars(doubts) if doubts else None,
         "law_in_range": not preview.values.outside,
         "stars_outside_law": list(preview.values.outside),
         "stars_tight": list(preview.values.tight),

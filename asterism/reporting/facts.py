@@ -74,6 +74,8 @@ def _accuracy(summary: Mapping[str, Any]) -> list[str]:
     if (expected := summary.get("expected_rms_percent")) is not None:
         lines.append(f"expected rms {expected:.1f} % of the diameter")
         lines.append("from the exact model")
+    if (height := summary.get("expected_height_percent")) is not None:
+        lines.append(f"height give or take {height:.0f} %")
     if (mesh := summary.get("mesh_error_percent")) is not None:
         lines.append(f"mesh error about {mesh:.1f} % of the diameter")
     elif (change := summary.get("mesh_change_percent")) is not None:

@@ -65,14 +65,14 @@ def table_lines(s: Mapping[str, Any]) -> list[str]:
     """The numbers of a summary, one a line."""
     from asterism.mesh_error import in_words
 
-    expected, radius = s["expected_rms_percent"], s["roll_radius_error_percent"]
+    radius, expected = s["roll_radius_error_percent"], (s["expected_rms_percent"], s["expected_height_percent"])
     release, near = s["starts"]["release"], s["starts"]["preview"]
     apart = f"two minima, {s['starts_distance_percent']:.1f} % apart"
     agree = "both starts in one minimum" if s["starts_agree"] else apart
     rows = {
         "same form": "yes" if s["same_branch"] else "no",
         "distance": f"{s['rms_percent']:.2f} % of the diameter rms, {s['max_percent']:.1f} % at most",
-        "expected": "-" if expected is None else f"{expected:.1f} %",
+        "expected": "-" if None in expected else "{:.1f} %, height {:.0f} %".format(*expected),
         "star centres": f"{s['rms_stars_percent']:.2f} % rms, {s['max_stars_percent']:.1f} % at most",
         "height": _mm(s["heights_mm"]),
         "radius of the roll": "-" if radius is None else _mm(s["roll_radii_mm"]),

@@ -134,6 +134,7 @@ def _numbers(s: Mapping[str, Any]) -> list[list[str]]:
         ["star centres, largest", "", "", _percent(s["max_stars_percent"], 2)],
         ["stars' bumps, rms, of their size", "", "", _percent(s["relief_error_percent"], 0)],
         ["surface, rms, as the preview expected", "", "", _percent(s["expected_rms_percent"], 2)],
+        ["height, as the preview expected", "", "", _percent(s["expected_height_percent"], 1)],
         ["diameter, mm", f"{s['diameter_mm']:.1f}", "", ""],
     ]
 

@@ -143,6 +143,7 @@ def _summary(found: Verification, between: Comparison, seconds: dict[str, float]
         "mesh_error_percent": exact["mesh_error_percent"],
         "mesh_change_percent": exact.get("mesh_change_percent"),
         "expected_rms_percent": found.preview.summary.get("expected_rms_percent"),
+        "expected_height_percent": found.preview.summary.get("expected_height_percent"),
         "result_from": result,
         "starts_agree": between.rms_percent < SAME_PERCENT and ups[0] == ups[1],
         "starts_distance_percent": between.rms_percent,

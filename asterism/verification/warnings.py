@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from asterism.verification.run import Verification
 
 ALIKE = 1.3  # largest ratio of two edge lengths that count as one
-SURPRISE = 2.0  # times the distance that the preview expected
-HEIGHTS_PERCENT = 10.0  # by which heights may differ
+SURPRISE = 2.0  # times the error that the preview expected
+HEIGHTS_PERCENT = 10.0  # by which heights may differ where it expected none
 FLAT = 1e-3  # part of the diameter: heights that differ by less are those of flat sheets
 
 
@@ -23,7 +23,8 @@ def warnings(found: Verification) -> list[str]:
     return [
         *map(str, preview.get("warnings", [])),
         *_exact_shape(exact),
-        *_surprises(found.comparison, preview.get("expected_rms_percent")),
+        *_far(found.comparison, preview.get("expected_rms_percent")),
+        *_high(found.comparison, preview.get("expected_height_percent")),
         *_meshes(exact, preview.get("law", {}).get("edge_mm"), found.comparison.rms_percent),
     ]
 
@@ -43,18 +44,21 @@ def _exact_shape(exact: Mapping[str, Any]) -> Iterator[str]:
         )
 
 
-def _surprises(comparison: Comparison, expected: float | None) -> Iterator[str]:
+def _far(comparison: Comparison, expected: float | None) -> Iterator[str]:
     """What "the same form" does not say."""
     distance = comparison.rms_percent
     if expected is not None and distance > SURPRISE * expected:
         yield f"the distance ({distance:.1f} %) is more than twice what the preview expected ({expected:.1f} %)"
+
+
+def _high(comparison: Comparison, expected: float | None) -> Iterator[str]:
+    """Heights that differ by more than the preview had said."""
     exact, preview = comparison.heights_mm
-    off = abs(preview - exact)
-    if off > FLAT * comparison.diameter_mm and off > HEIGHTS_PERCENT / 100.0 * exact:
-        yield (
-            f"the preview is {preview:.1f} mm high, the exact shape {exact:.1f} mm: the preview's height is not to be "
-            "trusted here"
-        )
+    off, most = 100.0 * abs(preview - exact), HEIGHTS_PERCENT if expected is None else SURPRISE * expected
+    if off > 100.0 * FLAT * comparison.diameter_mm and off > most * exact:
+        heights = f"the preview is {preview:.1f} mm high, the exact shape {exact:.1f} mm"
+        told = "" if expected is None else f", more than twice what it expected ({expected:.1f} %)"
+        yield f"{heights}: {off / exact:.0f} % off{told}"
 
 
 def _meshes(exact: Mapping[str, Any], of_law: float | None, distance: float) -> Iterator[str]:

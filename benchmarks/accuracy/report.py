@@ -19,10 +19,12 @@ from benchmarks.report import RESULTS, markdown
 DOCS = Path(__file__).parents[2] / "docs"
 BEGIN, END = "<!-- accuracy of the preview -->", "<!-- end of accuracy of the preview -->"
 FAR = 2.5  # % of the diameter, and more is a miss
+HEIGHT_FAR = 6.0  # % of the height, and more is a miss
 LOGARITHMIC = ("softness", "expected")
 HEADER = [
-    "design", "stars", "down", "held", "rms %", "largest %", "star centres %", "height %", "mean height %",
-    "roll radius %", "normals deg", "same form", "expected %", "exact shape", "warnings",
+    "design", "stars", "down", "held", "rms %", "largest %", "star centres %", "height %",
+    "expected height %", "mean height %", "roll radius %", "normals deg", "same form", "expected %", "exact shape",
+    "warnings",
 ]  # fmt: skip
 
 
@@ -42,6 +44,7 @@ def row(r: dict[str, Any]) -> list[str]:
         f"{r['max_percent']:.1f}",
         f"{r['rms_stars_percent']:.2f}",
         _signed(r["height_error_percent"]),
+        _number(r.get("expected_height_percent"), 1),
         _signed(r.get("mean_height_error_percent")),
         _signed(r["roll_radius_error_percent"]),
         f"{r['normals_rms_deg']:.1f}",
@@ -78,6 +81,11 @@ def totals(rows: list[dict[str, Any]]) -> str:
         lines.append(["distance over what was expected", "", found])
     far = [r for r in rows if missed(r)]
     lines.append(["misses that were announced", "all", f"{sum(map(announced, far))} of {len(far)}"])
+    off, near = ([r for r in rows if height_missed(r) == far] for far in (True, False))
+    told = f"{sum(map(height_announced, off))} of {len(off)}, {sum(map(height_expected, off))} by the number"
+    lines.append(["heights off by more than 6 % that were announced", "all", told])
+    told = f"{sum(map(height_announced, near))} of {len(near)}, {sum(map(height_expected, near))} by the number"
+    lines.append(["heights within 6 % that were announced too", "few", told])
     return markdown(["", "wanted", "found"], lines)
 
 
@@ -99,7 +107,27 @@ def missed(r: dict[str, Any]) -> bool:
 def announced(r: dict[str, Any]) -> bool:
     """Whether the preview expected to be as far off as counts as a miss, or warned of another form."""
     expected = r["expected_rms_percent"]
-    return (expected is not None and expected > FAR) or any("another form" in line for line in r["warnings"])
+    return (expected is not None and expected > FAR) or _another_form(r)
+
+
+def height_missed(r: dict[str, Any]) -> bool:
+    """A height that is off by more than 6 %."""
+    return abs(r["height_error_percent"]) > HEIGHT_FAR
+
+
+def height_announced(r: dict[str, Any]) -> bool:
+    """Whether the preview expected its height to be off by as much as counts as a miss, or warned of another form."""
+    return height_expected(r) or _another_form(r)
+
+
+def height_expected(r: dict[str, Any]) -> bool:
+    """Whether it expected its height to be off by as much as counts as a miss."""
+    expected = r["expected_height_percent"]
+    return expected is not None and bool(expected > HEIGHT_FAR)
+
+
+def _another_form(r: dict[str, Any]) -> bool:
+    return any("another form" in line for line in r["warnings"])
 
 
 def misses(rows: list[dict[str, Any]]) -> str:
@@ -179,8 +207,8 @@ def _within(errors: np.ndarray, limit: float) -> str:
     return f"{(errors <= limit).sum()} of {len(errors)}, median {np.median(errors):.1f} %, largest {errors.max():.1f} %"
 
 
-def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:.2f}"
+def _number(value: float | None, digits: int = 2) -> str:
+    return "-" if value is None else f"{value:.{digits}f}"
 
 
 def _signed(value: float | None) -> str:

@@ -39,6 +39,7 @@ def quick_row(design: Design, folder: Path, law: Law) -> dict[str, Any]:
         "same_branch": form,
         "result_from": next(iter(shapes)),
         "expected_rms_percent": shown.summary.get("expected_rms_percent"),
+        "expected_height_percent": shown.summary.get("expected_height_percent"),
         "warnings": list(shown.summary.get("warnings", [])),
         "preview": _kept(shown),
     }

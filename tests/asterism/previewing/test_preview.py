@@ -129,9 +129,13 @@ def test_softness_is_known_after_edits_and_pins_too(step: int, monkeypatch: pyte
     assert len(asked) == step
     after, new = preview.shape().summary, fresh.shape().summary
     assert after["energy_n_mm"] == pytest.approx(new["energy_n_mm"], rel=1e-6)  # one form
-    for key in ("soft_modes_n_mm3", "soft_amplitudes_percent", "expected_rms_percent", "warnings"):
+    for key in (
+        "soft_modes_n_mm3", "soft_amplitudes_percent", "expected_rms_percent", "expected_height_percent",
+        "height_doubts_mm", "warnings",
+    ):  # fmt: skip
         assert after[key] == (new[key] if key == "warnings" else pytest.approx(new[key], rel=1e-4)), key
-    assert after["expected_rms_percent"] != pytest.approx(before["expected_rms_percent"], rel=1e-4)
+    for key in ("expected_rms_percent", "expected_height_percent"):
+        assert after[key] != pytest.approx(before[key], rel=1e-4), key
     count = len(asked)
     assert preview.shape().summary["soft_modes_n_mm3"] == after["soft_modes_n_mm3"] and len(asked) == count
 

@@ -44,6 +44,9 @@ def test_writes_the_files_of_a_simulation(
     expected = f"expected distance    {summary['expected_rms_percent']:.1f} % of the diameter"
     assert expected in done.out
     assert "expected distance    not known" in "\n".join(table_lines(summary | {"expected_rms_percent": None}))
+    height, off = summary["height_mm"], summary["expected_height_percent"]
+    assert f"  height               {height:.2f} mm, give or take {off:.0f} %\n" in done.out
+    assert f"height               {height:.2f} mm" in table_lines(summary | {"expected_height_percent": None})[1]
 
 
 @pytest.mark.parametrize(

@@ -37,6 +37,8 @@ def test_verify_writes_a_report_and_a_table(tmp_path: Path) -> None:
     summary = json.loads((tmp_path / "d-verified" / "summary.json").read_text())
     assert summary["preview"]["model"] == "preview" and summary["exact"]["is_minimum"]
     assert 0.0 < summary["rms_percent"] < 30.0
+    expected, height = (summary[f"expected_{what}_percent"] for what in ("rms", "height"))
+    assert f"  expected             {expected:.1f} %, height {height:.0f} %\n" in result.stdout
 
 
 def test_mistakes_are_one_line_and_leave_nothing(tmp_path: Path) -> None:

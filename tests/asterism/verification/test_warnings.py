@@ -64,11 +64,22 @@ def test_a_distance_far_above_the_expected_one_is_told_with_both_numbers(times: 
 )  # fmt: skip
 def test_heights_that_differ_are_told_unless_the_sheet_is_flat(depths: tuple[float, float], wrong: bool) -> None:
     exact, preview = bowls(*depths).comparison.heights_mm
-    line = (
-        f"the preview is {preview:.1f} mm high, the exact shape {exact:.1f} mm: "
-        "the preview's height is not to be trusted here"
-    )
+    off = 100.0 * abs(preview / exact - 1.0)
+    line = f"the preview is {preview:.1f} mm high, the exact shape {exact:.1f} mm: {off:.0f} % off"
     assert said(depths) == ([line] if wrong else [])
+
+
+@pytest.mark.parametrize(("times", "surprising"), [(1.9, False), (2.1, True)])
+@pytest.mark.parametrize("depths", [(0.01, 0.0105), (0.01, 0.008)])
+def test_heights_that_were_expected_to_differ_are_no_surprise(
+    depths: tuple[float, float], times: float, surprising: bool
+) -> None:
+    """However little or much they do."""
+    exact, preview = bowls(*depths).comparison.heights_mm
+    expected = 100.0 * abs(preview / exact - 1.0) / times
+    lines = said(depths, {"expected_height_percent": expected})
+    assert len(lines) == surprising
+    assert all(line.endswith(f"% off, more than twice what it expected ({expected:.1f} %)") for line in lines)
 
 
 @pytest.mark.parametrize(
