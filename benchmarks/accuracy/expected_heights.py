@@ -18,8 +18,8 @@ Row = dict[str, Any]
 IN_USE = (LOWEST, SOFT, PART, TURNED)
 NAMES = ["LOWEST", "SOFT", "PART", "TURNED"]
 HEADER = [
-    "", "designs", "error over expected, median", "nine in ten", "more than 6 % off", "of these expected",
-    "or another form warned of", "within 6 %", "of these expected to be off by more", "or another form warned of",
+    "", "designs", "error over expected, median", "nine in ten", "more than twice that", "more than 6 % off",
+    "of these expected", "or another form warned of", "within 6 %", "of these expected to be off by more", "or another form warned of",
 ]  # fmt: skip
 PREDICTED, AFTERWARDS = "each of these, predicted by a fit to the others", "designs drawn afterwards, never fitted to"
 
@@ -64,6 +64,7 @@ def goodness(rows: Sequence[Row]) -> list[str]:
         str(len(rows)),
         f"{np.median(ratio):.2f}",
         f"{np.quantile(ratio, 0.9):.2f}",
+        str((ratio > 2.0).sum()),
         *(str(count) for line in counts for count in line),
     ]
 

@@ -59,6 +59,7 @@ def test_parameters_picture_layout_needles_and_material(design: Path, capsys, mo
         "thickness 0.4, width 1.2 mm",
         "sheet 104.0 x 70.0 mm",
         "by the preview",
+        "height give or take ",
         "g, ",
         "Layout 1:1",
         "Needles: 4",
