@@ -19,7 +19,8 @@ IN_USE = (LOWEST, SOFT, PART, TURNED)
 NAMES = ["LOWEST", "SOFT", "PART", "TURNED"]
 HEADER = [
     "", "designs", "error over expected, median", "nine in ten", "more than twice that", "more than 6 % off",
-    "of these expected", "or another form warned of", "within 6 %", "of these expected to be off by more", "or another form warned of",
+    "of these expected", "or another form warned of", "within 6 %",
+    "of these expected to be off by more", "or another form warned of",
 ]  # fmt: skip
 PREDICTED, AFTERWARDS = "each of these, predicted by a fit to the others", "designs drawn afterwards, never fitted to"
 
