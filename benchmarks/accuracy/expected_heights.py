@@ -27,7 +27,7 @@ PREDICTED, AFTERWARDS = "each of these, predicted by a fit to the others", "desi
 
 def section(groups: dict[str, Sequence[Row]], unseen: Sequence[Row]) -> str:
     """Markdown: how good it is on rows it was fitted to, in groups, and on others, and the fits."""
-    known = [one for rows in groups.values() for one in rows]
+    known = [one for rows in groups.values() for one in rows if one["expected_height_percent"] is not None]
     fits = [fitted([other for other in known if other is not one]) for one in known]
     again = [one | {"expected_height_percent": expected(one, fit)} for one, fit in zip(known, fits, strict=True)]
     groups = groups | {PREDICTED: again, AFTERWARDS: unseen}
@@ -58,6 +58,7 @@ def expected(one: Row, fit: Sequence[float]) -> float:
 
 
 def goodness(rows: Sequence[Row]) -> list[str]:
+    rows = [one for one in rows if one["expected_height_percent"] is not None]
     ratio = np.array([abs(one["height_error_percent"]) / one["expected_height_percent"] for one in rows])
     split = [[one for one in rows if height_missed(one) == far] for far in (True, False)]
     counts = [[len(some), sum(map(height_expected, some)), sum(map(height_announced, some))] for some in split]
