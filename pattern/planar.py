@@ -68,3 +68,14 @@ def distance_to_outline(points: Floats, polygon: Floats) -> Floats:
     ring = shapely.linearrings(polygon)
     shapely.prepare(ring)
     return np.asarray(shapely.distance(ring, shapely.points(points)), dtype=float)
+
+
+def distance_along(points: Floats, direction: Floats, polygon: Floats) -> Floats:
+    """Distance (n,) from points to a polygon's outline along a unit vector (2,); infinite where that never meets it."""
+    start, edge = polygon, np.roll(polygon, -1, axis=0) - polygon
+    to, turn = start - points[:, None], cross(direction, edge)
+    crosses = np.abs(turn) > 1e-12 * np.linalg.norm(edge, axis=1)  # others run along
+    safe = np.where(crosses, turn, 1.0)
+    along, part = cross(to, edge) / safe, cross(to, direction) / safe
+    meets = crosses & (along >= 0.0) & (part >= 0.0) & (part <= 1.0)
+    return np.asarray(np.where(meets, along, np.inf).min(axis=1))

@@ -10,37 +10,28 @@ across the nearest side of the outline, n being normal to it, and none along it.
 straight where the exact model's turn down by another .2 to .4 rad. A side that is held keeps none, along its length or
 at a point of it where the sheet is held at more than one: there the fabric is pulled along the rim, and straight.
 
-**Arms carry their curvature on.** The fabric between two stars lies under the arm of one of them only
-(`asterism.previewing.star_arms`), and a rim under arms that point outwards curls along them, where the next star would
-be flat. Sheets of three-armed stars get three corners that hang from it, or roll about an axis that it chooses. In a
-free sheet the natural curvature of bare fabric is that of a strain rosette of the stars half a spacing back along each
-arm, less what is the same in all directions.
+Under arms that point outwards it curls along them too: `asterism.previewing.rim_arms`.
 
 **Long arms turn it further.** In the exact model the rim beyond long arms goes down steeply even where bumps are flat.
-So the relief of bare fabric falls by `FALL` per distance from the stars, less where bumps make it curl anyway.
+So the relief of bare fabric falls by `FALL` per distance from the stars, less where bumps make it curl anyway. It does
+so out to the corners of wide rims, far from all stars.
 """
 
 from __future__ import annotations
-
-from collections.abc import Sequence
 
 import numpy as np
 import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
 from asterism.previewing.held_sheet import held_edges, held_points
-from asterism.previewing.star_arms import rosette
 from asterism.previewing.star_cells import long_arms
 from asterism.previewing.star_values import StarValues
-from pattern.layout import Floats, Layout
+from pattern.layout import Floats, Ints, Layout
 from pattern.planar import distance_to_segment
 
 # curvature of bare fabric over that of the bumps beside it. Shares are smoothed, and less than half of the outline is
 # bare: more than 1 it must be. With 3 to 4 previews are nearest to the exact model
 CURL = 3.0
-# part of the natural curvature that arms carry on: .3 to .5 is right for most free sheets; with more, tubes lose their
-# axis
-REACH = 0.3
 # rad, by which long arms turn it further, and the curvature of their bumps over the spacing at which they do no more:
 # fitted to rims of 22 free sheets, whose distance from the exact model's sinks by a fifth
 FALL, ROUND = 0.25, 0.75
@@ -78,34 +69,24 @@ def rim_curvature(weights: sp.csr_matrix, values: StarValues, normals: Floats) -
     return np.asarray(size[:, None] * np.column_stack([x * x, y * y, x * y]))
 
 
-def arm_curvature(
-    weights: sp.csr_matrix, values: StarValues, normals: Floats, arms: Sequence[tuple[Floats, sp.csr_matrix]]
-) -> Floats:
-    """(n, 3) 1/mm, the rosette of the shares of stars along the arms times the natural curvature beside.
+def beyond_stars(layout: Layout, points: Floats) -> tuple[Floats, Ints]:
+    """(n,) mm of free rim between printed points (n, 2) mm and the stars, and (n,) the nearest star.
 
-    `arms`: direction of each of N arms, and the weights half a spacing back along it; `weights` and `normals` as for
-    `rim_curvature`. It vanishes among stars, and where the rim is held.
+    Stars reach half a spacing far.
     """
-    shares = np.column_stack([stars_share(along) for _, along in arms])
-    deviator = rosette(shares, np.array([direction for direction, _ in arms]))
-    near = np.where(normals.any(axis=1), beside(weights, values.value["kappa"][:-1]), 0.0)
-    return np.asarray(near[:, None] * deviator)
-
-
-def beyond_stars(layout: Layout, points: Floats) -> Floats:
-    """(n,) mm of free rim between printed points (n, 2) mm and the stars, which reach half a spacing far."""
+    far, nearest = cKDTree(layout.centres).query(points)
     free = free_normals(layout, points).any(axis=1)
-    return np.where(free, np.maximum(cKDTree(layout.centres).query(points)[0] - 0.5 * layout.spacing_mm, 0.0), 0.0)
+    return np.where(free, np.maximum(far - 0.5 * layout.spacing_mm, 0.0), 0.0), nearest
 
 
-def rim_fall(weights: sp.csr_matrix, values: StarValues, beyond: Floats, spacing: float) -> Floats:
+def rim_fall(weights: sp.csr_matrix, nearest: Ints, values: StarValues, beyond: Floats, spacing: float) -> Floats:
     """(n,) rad times mm, by which bare fabric lies under the stars' tips, down being where the edges go.
 
-    `weights`: (n, S) share of each star at the places, `beyond`: (n,) mm, see `beyond_stars`.
+    `weights`: (n, S) share of each star at the places, `beyond` and `nearest`: (n,), see `beyond_stars`.
     """
     straight = np.maximum(1.0 - np.abs(values.caps[:-1]) * spacing / ROUND, 0.0)
     turn = FALL * np.sign(values.value["kappa"][:-1]) * long_arms(values.sizes[:, 0], spacing) * straight
-    return beside(weights, turn) * beyond
+    return beside(weights, turn, nearest) * beyond
 
 
 def stars_share(weights: sp.csr_matrix) -> Floats:
@@ -113,8 +94,17 @@ def stars_share(weights: sp.csr_matrix) -> Floats:
     return np.asarray(weights.sum(axis=1)).ravel()
 
 
-def beside(weights: sp.csr_matrix, of: Floats) -> Floats:
-    """(n, ...) mean over the stars beside a place of what each has (S, ...); it vanishes far from all stars."""
-    mean = weights @ of
-    share = np.maximum(stars_share(weights), ALONE)
-    return np.asarray(mean / share.reshape(-1, *[1] * (mean.ndim - 1)))
+def beside(weights: sp.csr_matrix, of: Floats, nearest: Ints | None = None) -> Floats:
+    """(n, ...) mean over the stars beside a place of what each has (S, ...).
+
+    Far from all stars it is that of the `nearest` one (n,), or vanishes if that is not given.
+    """
+    mean, share = weights @ of, stars_share(weights)
+    if nearest is None:
+        return np.asarray(mean / _rows(np.maximum(share, ALONE), mean))
+    return np.asarray((mean + ALONE * of[nearest]) / _rows(share + ALONE, mean))
+
+
+def _rows(of: Floats, like: Floats) -> Floats:
+    """(n, 1, ...) of (n,), to divide another array's rows by."""
+    return of.reshape(-1, *[1] * (like.ndim - 1))

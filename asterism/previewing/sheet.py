@@ -8,9 +8,10 @@ import numpy as np
 from skfem import MeshTri
 
 from asterism.previewing.arm_relief import Arms
-from asterism.previewing.free_rim import REACH, free_normals
+from asterism.previewing.free_rim import free_normals
 from asterism.previewing.held_sheet import conditions, held_points, held_sides, weight
 from asterism.previewing.point_pins import giving_way, pinned_points, softness
+from asterism.previewing.rim_arms import carried
 from asterism.previewing.sheet_fields import EARLY, free_early, sheet_fields
 from asterism.previewing.sheet_mesh import sheet_mesh
 from asterism.previewing.star_arms import BACK
@@ -80,6 +81,7 @@ class Sheet:
         back = BACK * lattice.spacing_mm
         self._arm_shares = [(along, self.cells.shares(points - back * along)) for along in lattice.arm_directions]
         self._normals = free_normals(plan, points)
+        self._carried = carried(plan, lattice.arm_directions)
 
     def _pin(self, design: Design, plan: Layout) -> None:
         """How soft the sheet is around single points that are held; None without any."""
@@ -106,9 +108,9 @@ class Sheet:
         length = values.sizes[:, 0]
         arms = [(along, shares(length)) for along, shares in self._arm_shares]
         shares = self._shares(length)
-        free = not self.layout.pins
-        early, reach = (free_early(values, self.layout.spacing_mm), REACH) if free else (EARLY, 0.0)
-        fields = sheet_fields(shares, values, self._table.weights.shape, arms, self._normals, early, reach)
+        shape, free = self._table.weights.shape, not self.layout.pins
+        early, part = (free_early(values, self.layout.spacing_mm), self._carried) if free else (EARLY, None)
+        fields = sheet_fields(shares, values, shape, arms, self._normals, early, part)
         if self._soft is not None:
             bare = 1.0 - np.asarray(shares.sum(axis=1)).reshape(self._soft.shape)
             fields = giving_way(fields, self._soft, bare)

@@ -40,15 +40,18 @@ from collections.abc import Sequence
 import numpy as np
 import scipy.sparse as sp
 
-from asterism.previewing.free_rim import arm_curvature, beside, rim_curvature, stars_share
+from asterism.previewing.free_rim import beside, rim_curvature, stars_share
+from asterism.previewing.rim_arms import arm_curvature
 from asterism.previewing.star_arms import arm_metric
 from asterism.previewing.star_values import StarValues
 from fem.density import Density, isotropic
 from fem.fields import Fields
 from pattern.layout import Floats
 
-# Poisson's ratio of bending: it shapes no tube, and caps only a little
-POISSON = 0.2
+# Poisson's ratio of bending: it shapes no tube, but caps. Small free sheets are nearest to the exact model with 0 to .1
+POISSON = 0.05
+# sixfold term over that of the cells: in exact strips of long thin stars directions differ by up to twice as much
+SIXFOLD = 1.3
 # saturation over the natural curvature's `|(b11 - b22)/2 + i b12|`, and the least one, per mm
 BEYOND, LEAST = 3.0, 1e-3
 # part of the way from the natural tube's lengths to the flat cell's that counts in held sheets; the turn over a
@@ -64,7 +67,7 @@ def sheet_fields(
     arms: Sequence[tuple[Floats, sp.csr_matrix]] = (),
     normals: Floats | None = None,
     early: float | Floats = EARLY,
-    reach: float = 0.0,
+    carried: Floats | None = None,
     poisson: float = POISSON,
 ) -> Fields:
     """The fields at places where stars count with weights (n, S), bare fabric with what is missing to 1.
@@ -72,9 +75,9 @@ def sheet_fields(
     `shape`: of the arrays, (T, Q) with n = T Q. `arms`: for each arm of a star its direction (2,) and the weights half
     a spacing back along it (`asterism.previewing.star_arms`); without them the metric is `lam^2 I`. `normals`: (n, 2)
     of free rims (`asterism.previewing.free_rim.free_normals`); without them rims do not curl. `early`: e above, of all
-    or of each star (S + 1,), see `free_early`. `reach`: part of the natural curvature that arms carry on into a free
-    rim (`asterism.previewing.free_rim.arm_curvature`). The sixfold term is larger by what its saturation takes away
-    from it at the natural curvature.
+    or of each star (S + 1,), see `free_early`. `carried`: (S, N) part of the natural curvature that arms carry on into
+    a free rim (`asterism.previewing.rim_arms`). The sixfold term is larger by what its saturation takes away from it at
+    the natural curvature.
     """
 
     def mean(of: Floats, shares: sp.csr_matrix = weights) -> Floats:
@@ -97,15 +100,15 @@ def sheet_fields(
     metric = metric * (1.0 + longer * (1.0 - 2.0 / (1.0 + poisson)) / square)[..., None]
     density = Density(
         stiffness=_coupled(isotropic(a11, bending / lam**4, a12 / a11, poisson), coupling),
-        sixfold=(1.0 + 1.0 / BEYOND**2) * c3 / lam**6,
+        sixfold=SIXFOLD * (1.0 + 1.0 / BEYOND**2) * c3 / lam**6,
         orientation=zero,
         saturation=np.maximum(BEYOND * 0.5 * np.abs(kappa) * square, LEAST),
     )
     curvature = np.stack([bend, bend, zero], axis=-1)
     if normals is not None:
         rim = rim_curvature(weights, values, normals)
-        if reach > 0.0:
-            rim += reach / (1.0 + poisson) * arm_curvature(weights, values, normals, arms)
+        if carried is not None:
+            rim += arm_curvature(weights, values, normals, arms, carried) / (1.0 + poisson)
         curvature -= square[..., None] * rim.reshape(*shape, 3)
     return Fields(density, metric, curvature)
 

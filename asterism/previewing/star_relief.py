@@ -26,7 +26,7 @@ import scipy.sparse as sp
 
 from asterism.previewing.free_rim import beside, rim_fall, stars_share
 from asterism.previewing.star_values import StarValues
-from pattern.layout import Floats
+from pattern.layout import Floats, Ints
 
 # turn over a star's spacing, rad, that takes its relief most of the way to the natural one
 TURN = 0.55
@@ -37,7 +37,13 @@ APART = 0.08
 
 
 def relief_heights(
-    waves: Floats, values: StarValues, weights: sp.csr_matrix, curvature: Floats, beyond: Floats, spacing: float
+    waves: Floats,
+    values: StarValues,
+    weights: sp.csr_matrix,
+    curvature: Floats,
+    beyond: Floats,
+    nearest: Ints,
+    spacing: float,
 ) -> Floats:
     """(n,) mm over the shell.
 
@@ -46,19 +52,18 @@ def relief_heights(
     waves : (n, W) the law's waves at the points.
     weights : (n, S) share of each star at the points.
     curvature : (n,) 1/mm, sum of the shell's principal curvatures, positive where the plastic side is convex.
-    beyond : (n,) mm, from the stars to the points where the rim is free.
+    beyond, nearest : (n,) mm, from the stars to the points where the rim is free, and the nearest star.
     spacing : mm, of the stars.
     """
     flat, more = np.moveaxis(_shared(weights, values.relief), 1, 0)
     bent = _bent(_shared(weights, values.value["kappa"]), curvature, spacing)
     stars = np.einsum("nw,nw->n", flat + bent[:, None] * more, waves)
-    near = beside(weights, values.value["kappa"][:-1])
+    near = beside(weights, values.value["kappa"][:-1], nearest)
     # no deeper than stars half as much again as the natural tube makes them
     most = 1.5 * np.abs(near)
-    low, lower = beside(weights, values.tips[:-1]).T
-    rim = np.minimum(low + np.clip(_bent(near, curvature, spacing), -most, most) * lower, 0.0) - rim_fall(
-        weights, values, beyond, spacing
-    )
+    low, lower = beside(weights, values.tips[:-1], nearest).T
+    rim = np.minimum(low + np.clip(_bent(near, curvature, spacing), -most, most) * lower, 0.0)
+    rim -= rim_fall(weights, nearest, values, beyond, spacing)
     return np.asarray(stars + (1.0 - stars_share(weights)) * rim)
 
 

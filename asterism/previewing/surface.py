@@ -56,7 +56,7 @@ class Lens:
         self._spacing, self._held = sheet.layout.spacing_mm, bool(sheet.layout.pins)
         self._at = sheet.space.locate(self.points)
         self._shares = sheet.cells.shares(self.points)
-        self._beyond = beyond_stars(sheet.layout, self.points)
+        self._beyond, self._nearest = beyond_stars(sheet.layout, self.points)
         self._arms = sheet.arms
         self._out, self._lifted = self._arms.beside(self.points)
 
@@ -65,7 +65,8 @@ class Lens:
         smooth = smooth_surface(self._at, x)
         weights = self._shares(values.sizes[:, 0])
         curvature = 2.0 * smooth.mean_curvature
-        heights = relief_heights(self._waves, values, weights, curvature, self._beyond, self._spacing)
+        rim = self._beyond, self._nearest
+        heights = relief_heights(self._waves, values, weights, curvature, *rim, self._spacing)
         out, lift = self._arms.moves(x, values.value["kappa"])
         heights += self._lifted @ lift
         if self._held:
