@@ -23,16 +23,23 @@ from equilibrium.compiled import formula, loop
 
 
 @formula
-def jet_of(table, x, dofs, jet):  # type: ignore[no-untyped-def]
-    """jet (5, 3): derivatives 1, 2, 11, 22, 12 of the position from the table (5, m) and dofs x (N, 3)."""
-    for a in range(5):
-        for c in range(3):
-            jet[a, c] = 0.0
+def gather(x, dofs, own):  # type: ignore[no-untyped-def]
+    """own (3, m): the dofs of a triangle, of x (N, 3)."""
     for i in range(dofs.shape[0]):
         for c in range(3):
-            value = x[dofs[i], c]
-            for a in range(5):
-                jet[a, c] += table[a, i] * value
+            own[c, i] = x[dofs[i], c]
+
+
+@formula
+def jet_of(table, own, jet):  # type: ignore[no-untyped-def]
+    """jet (5, 3): derivatives 1, 2, 11, 22, 12 of the position from the table (5, m) and dofs (3, m)."""
+    for a in range(5):
+        one = two = three = 0.0
+        for i in range(own.shape[1]):
+            one += table[a, i] * own[0, i]
+            two += table[a, i] * own[1, i]
+            three += table[a, i] * own[2, i]
+        jet[a, 0], jet[a, 1], jet[a, 2] = one, two, three
 
 
 @formula
@@ -71,39 +78,44 @@ def covariant(basis, jet, dual, bends):  # type: ignore[no-untyped-def]
 
 @formula
 def second_derivative(jet, dual, n, stiffness, stress, weight, h):  # type: ignore[no-untyped-def]
-    """h (15, 15): weight times `B' A B` and the stress by second derivatives of e.
+    """h (6, 5, 5): weight times `B' A B` and the stress by second derivatives of e.
 
-    By the components, running fastest, of dx_1, dx_2 and the second derivatives of dx that `covariant` makes.
+    By dx_1, dx_2 and the second derivatives of dx that `covariant` makes, one table for each pair of components of the
+    position: 00, 10, 11, 20, 21, 22.
     """
-    pull = np.empty(6)
-    bend = stress[3] * dot(n, jet[2]) + stress[4] * dot(n, jet[3]) + 2.0 * stress[5] * dot(n, jet[4])
-    for a in range(2):
-        for c in range(3):
-            for k in range(6):  # A times the derivative of e by this component
-                pull[k] = weight * (stiffness[k, a] * jet[a, c] + stiffness[k, 2] * jet[1 - a, c])
-            for b in range(2):
-                both = weight * bend * dot(dual[a], dual[b])
-                for d in range(3):
-                    h[3 * a + c, 3 * b + d] = jet[b, d] * pull[b] + jet[1 - b, d] * pull[2] - both * n[c] * n[d]
-                h[3 * a + c, 3 * b + c] += weight * (stress[a] if a == b else stress[2])
+    bend = weight * (stress[3] * dot(n, jet[2]) + stress[4] * dot(n, jet[3]) + 2.0 * stress[5] * dot(n, jet[4]))
+    pair = 0
+    for c in range(3):
+        for d in range(c + 1):
+            part, both = h[pair], n[c] * n[d]
+            for a in range(2):
+                for b in range(2):
+                    # A times the derivative of e by component c, and that by component d
+                    one = stiffness[b, a] * jet[a, c] + stiffness[b, 2] * jet[1 - a, c]
+                    two = stiffness[2, a] * jet[a, c] + stiffness[2, 2] * jet[1 - a, c]
+                    value = one * jet[b, d] + two * jet[1 - b, d]
+                    if c == d:
+                        value += stress[a] if a == b else stress[2]
+                    part[a, b] = weight * value - bend * dot(dual[a], dual[b]) * both
+                for k in range(3):
+                    one = stiffness[3 + k, a] * jet[a, c] + stiffness[3 + k, 2] * jet[1 - a, c]
+                    two = stiffness[3 + k, a] * jet[a, d] + stiffness[3 + k, 2] * jet[1 - a, d]
+                    part[a, 2 + k] = weight * (one * n[d] - stress[3 + k] * n[c] * dual[a, d])
+                    part[2 + k, a] = weight * (two * n[c] - stress[3 + k] * n[d] * dual[a, c])
             for k in range(3):
-                for d in range(3):
-                    value = pull[3 + k] * n[d] - weight * stress[3 + k] * n[c] * dual[a, d]
-                    h[3 * a + c, 6 + 3 * k + d] = h[6 + 3 * k + d, 3 * a + c] = value
-    for k in range(3):
-        for j in range(3):
-            for c in range(3):
-                for d in range(3):
-                    h[6 + 3 * k + c, 6 + 3 * j + d] = weight * stiffness[3 + k, 3 + j] * n[c] * n[d]
+                for j in range(3):
+                    part[2 + k, 2 + j] = weight * stiffness[3 + k, 3 + j] * both
+            pair += 1
 
 
 @loop
 def strains(table, dofs, x, rest, out):  # type: ignore[no-untyped-def]
     """out (T, Q, 6): e of positions x (N, 3); rest (T, Q, 6) is what `(a/2, b)` is at rest, shear as in e."""
-    jet, dual, n = np.empty((5, 3)), np.empty((2, 3)), np.empty(3)
+    own, jet, dual, n = np.empty((3, dofs.shape[1])), np.empty((5, 3)), np.empty((2, 3)), np.empty(3)
     for t in range(table.shape[0]):
+        gather(x, dofs[t], own)
         for q in range(table.shape[1]):
-            jet_of(table[t, q], x, dofs[t], jet)
+            jet_of(table[t, q], own, jet)
             a11, a22, a12 = frame_of(jet, dual, n)
             e, r = out[t, q], rest[t, q]
             e[0], e[1], e[2] = 0.5 * a11 - r[0], 0.5 * a22 - r[1], a12 - r[2]
@@ -113,11 +125,14 @@ def strains(table, dofs, x, rest, out):  # type: ignore[no-untyped-def]
 @loop
 def strain_changes(table, dofs, x, move, out):  # type: ignore[no-untyped-def]
     """out (T, Q, 6): derivative of e at x along move (N, 3)."""
+    own, moves = np.empty((3, dofs.shape[1])), np.empty((3, dofs.shape[1]))
     jet, change, dual, n = np.empty((5, 3)), np.empty((5, 3)), np.empty((2, 3)), np.empty(3)
     for t in range(table.shape[0]):
+        gather(x, dofs[t], own)
+        gather(move, dofs[t], moves)
         for q in range(table.shape[1]):
-            jet_of(table[t, q], x, dofs[t], jet)
-            jet_of(table[t, q], move, dofs[t], change)
+            jet_of(table[t, q], own, jet)
+            jet_of(table[t, q], moves, change)
             frame_of(jet, dual, n)
             e = out[t, q]
             e[0], e[1] = dot(jet[0], change[0]), dot(jet[1], change[1])
@@ -134,12 +149,13 @@ def forces(table, dofs, weights, x, stress, out):  # type: ignore[no-untyped-def
     """out (N, 3): derivative by x of the integral of stress (T, Q, 6) by e; added to what is there."""
     m = dofs.shape[1]
     jet, dual, n, pull = np.empty((5, 3)), np.empty((2, 3)), np.empty(3), np.empty((5, 3))
-    own = np.empty((3, m))
+    own, total = np.empty((3, m)), np.empty((3, m))
     for t in range(table.shape[0]):
-        own[:] = 0.0
+        gather(x, dofs[t], own)
+        total[:] = 0.0
         for q in range(table.shape[1]):
             basis, s, weight = table[t, q], stress[t, q], weights[t, q]
-            jet_of(basis, x, dofs[t], jet)
+            jet_of(basis, own, jet)
             frame_of(jet, dual, n)
             w = (weight * s[3], weight * s[4], 2.0 * weight * s[5])
             one = w[0] * dot(dual[0], jet[2]) + w[1] * dot(dual[0], jet[3]) + w[2] * dot(dual[0], jet[4])
@@ -151,13 +167,13 @@ def forces(table, dofs, weights, x, stress, out):  # type: ignore[no-untyped-def
                     pull[2 + k, c] = w[k] * n[c]
             b0, b1, b2, b3, b4 = basis[0], basis[1], basis[2], basis[3], basis[4]
             for c in range(3):
-                line = own[c]
+                line = total[c]
                 p0, p1, p2, p3, p4 = pull[0, c], pull[1, c], pull[2, c], pull[3, c], pull[4, c]
                 for i in range(m):
                     line[i] += p0 * b0[i] + p1 * b1[i] + p2 * b2[i] + p3 * b3[i] + p4 * b4[i]
         for i in range(m):
             for c in range(3):
-                out[dofs[t, i], c] += own[c, i]
+                out[dofs[t, i], c] += total[c, i]
 
 
 @loop
@@ -166,46 +182,58 @@ def tangent(table, dofs, weights, x, stiffness, stress, places, indptr, data):  
 
     stiffness A (T, Q, 6, 6), B the derivatives of e; places (T, m (m + 1)/2) as in `fem.assembly`.
     """
-    m = dofs.shape[1]
-    wide = 8 * ((3 * m + 7) // 8)  # whole vectors of the processor: what is beyond 3 m is not used
-    jet, dual, n, h = np.empty((5, 3)), np.empty((2, 3)), np.empty(3), np.empty((15, 15))
-    basis, right, element = np.empty((5, m)), np.zeros((15, wide)), np.empty((3 * m, wide))
+    points, m = table.shape[1], dofs.shape[1]
+    own, jet, dual, n, h = np.empty((3, m)), np.empty((5, 3)), np.empty((2, 3)), np.empty(3), np.empty((6, 5, 5))
+    basis, right, element = np.empty((points, 5, m)), np.empty((points, 5, 6, m)), np.empty((m, 6 * m))
     for t in range(table.shape[0]):
-        element[:] = 0.0
-        for q in range(table.shape[1]):
-            jet_of(table[t, q], x, dofs[t], jet)
+        gather(x, dofs[t], own)
+        for q in range(points):
+            jet_of(table[t, q], own, jet)
             frame_of(jet, dual, n)
-            basis[:2] = table[t, q, :2]
-            covariant(table[t, q], jet, dual, basis[2:])
+            basis[q, :2] = table[t, q, :2]
+            covariant(table[t, q], jet, dual, basis[q, 2:])
             second_derivative(jet, dual, n, stiffness[t, q], stress[t, q], weights[t, q], h)
-            for i in range(15):
-                for j in range(m):
-                    for d in range(3):
-                        value = 0.0
-                        for b in range(5):
-                            value += h[i, 3 * b + d] * basis[b, j]
-                        right[i, 3 * j + d] = value
-            for i in range(m):
-                b0, b1, b2, b3, b4 = basis[0, i], basis[1, i], basis[2, i], basis[3, i], basis[4, i]
-                end = 8 * ((3 * i + 10) // 8)
-                for c in range(3):
-                    line = element[3 * i + c]
-                    r0, r1, r2, r3, r4 = right[c], right[3 + c], right[6 + c], right[9 + c], right[12 + c]
-                    for k in range(end):
-                        line[k] += b0 * r0[k] + b1 * r1[k] + b2 * r2[k] + b3 * r3[k] + b4 * r4[k]
-        scatter(element, dofs[t], places[t], indptr, data)
+            b0, b1, b2, b3, b4 = basis[q, 0], basis[q, 1], basis[q, 2], basis[q, 3], basis[q, 4]
+            for a in range(5):
+                for pair in range(6):
+                    line = right[q, a, pair]
+                    h0, h1, h2, h3, h4 = h[pair, a, 0], h[pair, a, 1], h[pair, a, 2], h[pair, a, 3], h[pair, a, 4]
+                    for j in range(m):
+                        line[j] = h0 * b0[j] + h1 * b1[j] + h2 * b2[j] + h3 * b3[j] + h4 * b4[j]
+        # one dense product for all quadrature points: half of the work is here, and BLAS does it fastest
+        np.dot(basis.reshape(5 * points, m).T, right.reshape(5 * points, 6 * m), element)
+        scatter(element.reshape(m, 6, m), dofs[t], places[t], indptr, data)
 
 
 @formula
 def scatter(element, dofs, places, indptr, data):  # type: ignore[no-untyped-def]
-    """Add the lower triangle of an element matrix (3 m, 3 m) to the data of the pattern of `fem.assembly`."""
-    pair = 0
+    """Add the lower triangle of an element matrix to the data of the pattern of `fem.assembly`.
+
+    element (m, 6, m): rows of component c and columns of component d, for the pairs of `second_derivative`.
+    """
+    entry = 0
     for i in range(dofs.shape[0]):
         for j in range(i + 1):
-            place, low = places[pair], min(dofs[i], dofs[j])
-            lower = place == 0 or dofs[i] > dofs[j]
-            pair += 1
-            for d in range(3):
-                start = indptr[3 * low + d] + 3 * place - d
-                for c in range(0 if place else d, 3):  # a dof with itself: rows below the diagonal only
-                    data[start + c] += element[3 * i + c, 3 * j + d] if lower else element[3 * i + d, 3 * j + c]
+            place, low = places[entry], min(dofs[i], dofs[j])
+            entry += 1
+            row, column = (i, j) if place == 0 or dofs[i] > dofs[j] else (j, i)
+            here, turned = element[row, :, column], element[column, :, row]
+            first, second, third = indptr[3 * low], indptr[3 * low + 1], indptr[3 * low + 2]
+            if place:
+                first, second, third = first + 3 * place, second + 3 * place - 1, third + 3 * place - 2
+                data[first] += here[0]
+                data[first + 1] += here[1]
+                data[first + 2] += here[3]
+                data[second] += turned[1]
+                data[second + 1] += here[2]
+                data[second + 2] += here[4]
+                data[third] += turned[3]
+                data[third + 1] += turned[4]
+                data[third + 2] += here[5]
+            else:  # a dof with itself: rows below the diagonal only
+                data[first] += here[0]
+                data[first + 1] += here[1]
+                data[first + 2] += here[3]
+                data[second] += here[2]
+                data[second + 1] += here[4]
+                data[third] += here[5]
