@@ -15,7 +15,7 @@ from skfem.assembly.dofs import Dofs
 from skfem.quadrature import get_quadrature
 
 from fem.location import triangles_at
-from fem.monomials import monomials, powers
+from fem.monomials import monomials, polynomials, powers
 from fem.tabulation import Evaluation, Floats, Ints, Tabulation
 
 Map = Callable[[Floats], Floats]
@@ -137,5 +137,12 @@ class Argyris:
     def locate(self, points: Floats) -> Evaluation:
         """Value, gradient and Hessian at printed points (n, 2) mm."""
         points = np.asarray(points, dtype=float)
-        dofs, jets = self.jets(triangles_at(self.mesh, points), points)
-        return Evaluation.of(dofs, jets, self.size)
+        triangles = triangles_at(self.mesh, points)
+        local = self._local(triangles, points)
+
+        def jets(x: Floats) -> Floats:
+            out = np.empty((len(points), 6, x.shape[1]))
+            polynomials(POWERS, np.matmul(self.coefficients, x[self.dofs]), self._scale, triangles, local, out)
+            return out
+
+        return Evaluation(lambda: self.jets(triangles, points), self.size, jets)

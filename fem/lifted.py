@@ -94,7 +94,7 @@ class Lifted:
         """Value, gradient and discrete Hessian at printed points (n, 2) mm."""
         points = np.asarray(points, dtype=float)
         triangles = triangles_at(self.mesh, points)
-        return Evaluation.of(self._dofs[triangles], self._lifted_jets(triangles, points), self.size)
+        return Evaluation(lambda: (self._dofs[triangles], self._lifted_jets(triangles, points)), self.size)
 
     def _lifted_jets(self, triangles: Ints, points: Floats) -> Floats:
         own = self._basis.jets(triangles, points)

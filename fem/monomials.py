@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from equilibrium.compiled import loop
 from fem.tabulation import Floats, Ints
 
 
@@ -29,3 +30,30 @@ def monomials(exponents: Ints, points: Floats) -> Floats:
 def _falling(n: Ints, k: int) -> Ints:
     """n (n-1) ... down to k factors."""
     return np.ones_like(n) if k == 0 else n * _falling(n - 1, k - 1)
+
+
+@loop
+def polynomials(exponents, factors, scale, pieces, points, out):  # type: ignore[no-untyped-def]
+    """out (n, 6, c): values and derivatives 1, 2, 11, 22, 12 of c polynomials at points (n, 2).
+
+    Polynomial pieces (n,) have the factors (T, k, c) and a unit of length `scale` (T,), in which the points are.
+    """
+    top = exponents.max()
+    ladder = np.ones((2, top + 1))
+    row = np.empty(6)
+    for p in range(points.shape[0]):
+        own, unit = factors[pieces[p]], 1.0 / scale[pieces[p]]
+        for power in range(1, top + 1):
+            for a in range(2):
+                ladder[a, power] = ladder[a, power - 1] * points[p, a]
+        out[p] = 0.0
+        for k in range(exponents.shape[0]):
+            i, j = exponents[k, 0], exponents[k, 1]
+            u, v = ladder[0, i], ladder[1, j]
+            du, dv = i * ladder[0, max(i - 1, 0)] * unit, j * ladder[1, max(j - 1, 0)] * unit
+            ddu = i * (i - 1) * ladder[0, max(i - 2, 0)] * unit * unit
+            ddv = j * (j - 1) * ladder[1, max(j - 2, 0)] * unit * unit
+            row[0], row[1], row[2], row[3], row[4], row[5] = u * v, du * v, u * dv, ddu * v, u * ddv, du * dv
+            for a in range(6):
+                for c in range(own.shape[1]):
+                    out[p, a, c] += row[a] * own[k, c]

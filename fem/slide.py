@@ -84,9 +84,7 @@ class Frame:
             key = points.tobytes()
             if key not in self._located:
                 self._located[key] = self._shell.space.locate(points)
-            at = self._located[key]
-            moved = [(part @ moves[:, :2]).reshape(len(points), -1, 2) for part in (at.value, at.gradient, at.hessian)]
-            return self._plane(points) + np.concatenate(moved, axis=1)
+            return self._plane(points) + self._located[key].jets(moves[:, :2])
 
         return plane
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
@@ -10,6 +12,7 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
+Functions = Callable[[], tuple[Ints, Floats]]
 
 
 @dataclass(frozen=True)
@@ -34,25 +37,51 @@ class Tabulation:
     points: Floats
 
 
-@dataclass(frozen=True)
 class Evaluation:
-    """Sparse matrices (n, N) from dofs to values at printed points, and (2n, N), (3n, N) to derivatives there.
+    """Of a space's functions at n printed points.
 
-    `gradient` and `hessian` have their components 1, 2 and 11, 22, 12 one after the other for each point.
+    Parameters
+    ----------
+    functions : gives dofs (n, m) of the points and (n, m, 6) value and derivatives 1, 2, 11, 22, 12 of their functions;
+        called when a matrix is asked for.
+    size : number N of scalar dofs.
+    jets : takes coefficients (N, k) to (n, 6, k), where there is a shorter way than by matrices.
     """
 
-    value: sp.csr_matrix
-    gradient: sp.csr_matrix
-    hessian: sp.csr_matrix
+    def __init__(self, functions: Functions, size: int, jets: Callable[[Floats], Floats] | None = None) -> None:
+        self._functions, self._size, self._jets = functions, size, jets
 
-    @classmethod
-    def of(cls, dofs: Ints, jets: Floats, size: int) -> Evaluation:
-        """From dofs (n, m) of the points and (n, m, 6) value and derivatives 1, 2, 11, 22, 12."""
-        return cls(*(_matrix(dofs, jets[..., part], size) for part in (slice(0, 1), slice(1, 3), slice(3, 6))))
+    def jets(self, x: Floats) -> Floats:
+        """(n, 6, k) value and derivatives 1, 2, 11, 22, 12 of functions with coefficients x (N, k)."""
+        if self._jets is not None:
+            return self._jets(x)
+        dofs, table = self._known
+        return np.matmul(np.swapaxes(table, 1, 2), x[dofs])
 
+    @cached_property
+    def _known(self) -> tuple[Ints, Floats]:
+        return self._functions()
 
-def _matrix(dofs: Ints, table: Floats, size: int) -> sp.csr_matrix:
-    points, entries, parts = table.shape
-    ends = entries * np.arange(points * parts + 1)
-    columns = np.repeat(dofs[:, None], parts, axis=1)
-    return sp.csr_matrix((np.swapaxes(table, 1, 2).ravel(), columns.ravel(), ends), shape=(points * parts, size))
+    @cached_property
+    def value(self) -> sp.csr_matrix:
+        """(n, N) matrix from dofs to values."""
+        return self._matrix(slice(0, 1))
+
+    @cached_property
+    def gradient(self) -> sp.csr_matrix:
+        """(2n, N), to derivatives 1, 2, one after the other for each point."""
+        return self._matrix(slice(1, 3))
+
+    @cached_property
+    def hessian(self) -> sp.csr_matrix:
+        """(3n, N), to derivatives 11, 22, 12."""
+        return self._matrix(slice(3, 6))
+
+    def _matrix(self, part: slice) -> sp.csr_matrix:
+        dofs, jets = self._known
+        table = jets[..., part]
+        points, entries, parts = table.shape
+        ends = entries * np.arange(points * parts + 1)
+        columns = np.repeat(dofs[:, None], parts, axis=1)
+        shape = (points * parts, self._size)
+        return sp.csr_matrix((np.swapaxes(table, 1, 2).ravel(), columns.ravel(), ends), shape=shape)

@@ -41,12 +41,12 @@ class SmoothSurface:
 
 def smooth_surface(at: Evaluation, x: Floats) -> SmoothSurface:
     """Where positions x (N, 3) mm of the shell's dofs take the points of an evaluation."""
-    first = (at.gradient @ x).reshape(-1, 2, 3)
-    second = (at.hessian @ x).reshape(-1, 3, 3)
+    jets = at.jets(x)
+    first, second = jets[:, 1:3], jets[:, 3:]
     cross = np.cross(first[:, 0], first[:, 1])
     area = np.linalg.norm(cross, axis=1)
     normals = cross / area[:, None]
     a11, a22, a12 = (np.einsum("nc,nc->n", first[:, i], first[:, j]) for i, j in ((0, 0), (1, 1), (0, 1)))
     b11, b22, b12 = np.einsum("nkc,nc->kn", second, normals)
     mean = -0.5 * (a22 * b11 + a11 * b22 - 2.0 * a12 * b12) / area**2
-    return SmoothSurface(at.value @ x, first, second, normals, area, mean, (b11 * b22 - b12**2) / area**2)
+    return SmoothSurface(jets[:, 0], first, second, normals, area, mean, (b11 * b22 - b12**2) / area**2)
