@@ -34,18 +34,14 @@ class Stations:
 
 
 @dataclass
-class _Link:
-    """The grid points ahead of a star: `count` edges to the place `end` (mm), `taken` of them under the arm."""
+class _Links:
+    """The grid points ahead of the star of each arm (A, ...): `count` edges to the place `end` (mm), `taken` by it."""
 
     start: Ints
     step: Ints
-    count: int
+    count: Ints
     end: Floats
-    taken: int
-    length: float
-
-    def points(self, first: int, last: int) -> Ints:
-        return self.start + np.arange(first, last + 1)[:, None] * self.step
+    taken: Ints
 
 
 Border = Callable[[Ints, Ints], tuple[int, Floats] | None]
@@ -61,75 +57,102 @@ def arm_stations(layout: Layout, grid: LatticeGrid, border: Border, grading: Gra
     border : for a grid point and a direction, the number of grid edges to the border and the place (mm) of the
         grid point there; None where the border takes no grid points.
     """
-    links = _links(layout, grid, border)
-    ends = {(*link.start, *link.step): arm for arm, link in enumerate(links)}
+    links, centres = _links(layout, grid, border), grid.centres(layout)
+    centre, tip, length = layout.centres[layout.arm_star], layout.arm_tip, layout.arm_length
+    other = _others(links)
+    facing = other >= 0
     tolerance = ON_LINE * grid.edge_mm * grid.k
-    centres = grid.centres(layout)
-    ij, places = [centres], [layout.centres]
-    for arm, link in enumerate(links):
-        centre, tip = layout.centres[layout.arm_star[arm]], layout.arm_tip[arm]
-        last, end = link.count, link.end
-        other = ends.get((*(link.start + link.count * link.step), *-link.step))
-        if other is not None:
-            end = layout.arm_tip[other]
-            if link.length + links[other].length > np.linalg.norm(link.end - centre) + tolerance:
-                raise MeshError(f"arms {arm} and {other} overlap")
-            if arm < other:
-                _share(link, links[other], float(np.linalg.norm(end - tip)) <= tolerance)
-            last -= links[other].taken
-        ij.append(link.points(0, link.taken))
-        if grading is None:
-            places.append(np.linspace(centre, tip, link.taken + 1))
-        else:
-            places.append(centre + grading.along(link.length, link.taken)[:, None] * (tip - centre))
-        squeezed = link.length / link.taken
-        if last > link.taken:
-            if grading is None:
-                ij.append(link.points(link.taken, last))
-                places.append(np.linspace(tip, end, last - link.taken + 1))
-            squeezed = min(squeezed, float(np.linalg.norm(end - tip)) / (last - link.taken))
-        if squeezed < SMALLEST_EDGE * grid.edge_mm:
-            raise MeshError(f"arm {arm} leaves too little room for a mesh edge at its tip")
-    arms = tuple(link.points(0, link.taken) for link in links)
+    overlap = facing & (length + length[other] > np.linalg.norm(links.end - centre, axis=1) + tolerance)
+    if overlap.any():
+        arm = int(np.argmax(overlap))
+        raise MeshError(f"arms {arm} and {other[arm]} overlap")
+    meeting = np.linalg.norm(tip[other] - tip, axis=1) <= tolerance
+    for arm in np.flatnonzero(facing & (np.arange(len(other)) < other)):
+        pair = [arm, other[arm]]
+        links.taken[pair] = _shared(int(links.count[arm]), links.taken[pair], length[pair], bool(meeting[arm]))
+    left = links.count - np.where(facing, links.taken[other], 0) - links.taken
+    end = np.where(facing[:, None], tip[other], links.end)
+    edge = length / links.taken
+    edge = np.where(left > 0, np.minimum(edge, np.linalg.norm(end - tip, axis=1) / np.maximum(left, 1)), edge)
+    if (edge < SMALLEST_EDGE * grid.edge_mm).any():
+        arm = int(np.argmax(edge < SMALLEST_EDGE * grid.edge_mm))
+        raise MeshError(f"arm {arm} leaves too little room for a mesh edge at its tip")
+    arm, number = _numbered(links.taken)
+    on_arms = links.start[arm] + number[:, None] * links.step[arm]
+    if grading is None:
+        gap = np.flatnonzero(left > 0)
+        which, ahead = _numbered(left[gap])
+        in_gaps = (links.start + links.taken[:, None] * links.step)[gap][which] + ahead[:, None] * links.step[gap][
+            which
+        ]
+        ij = [in_gaps, centres, on_arms]
+        places = [_even(tip[gap], end[gap], left[gap]), layout.centres, _even(centre, tip, links.taken)]
+    else:
+        part = np.concatenate([grading.along(*one) for one in zip(length, links.taken, strict=True)])
+        ij = [centres, on_arms]
+        places = [layout.centres, centre[arm] + part[:, None] * (tip - centre)[arm]]
+    arms = tuple(np.split(on_arms, np.cumsum(links.taken + 1)[:-1]))
     return Stations(centres, arms, np.concatenate(ij), np.concatenate(places))
 
 
-def _links(layout: Layout, grid: LatticeGrid, border: Border) -> list[_Link]:
+def _links(layout: Layout, grid: LatticeGrid, border: Border) -> _Links:
     """The link of every arm: up to the lattice point at or behind its tip, or to the border."""
-    centres, directions = grid.centres(layout), grid.directions(layout)
-    star_at = {(*ij,): star for star, ij in enumerate(centres.tolist())}
-    links = []
-    for arm, (star, step, length) in enumerate(zip(layout.arm_star, directions, layout.arm_length, strict=True)):
-        start, spacing = centres[star], float(np.linalg.norm(step @ grid.basis))
-        steps = max(int(np.ceil(length / spacing - ON_LINE)), 1)
-        passed = [star_at.get((*(start + n * grid.k * step).tolist(),)) for n in range(1, steps)]
-        if any(p is not None for p in passed):
+    centres, step, length = grid.centres(layout), grid.directions(layout), layout.arm_length
+    start, centre = centres[layout.arm_star], layout.centres[layout.arm_star]
+    spacing = np.linalg.norm(step @ grid.basis, axis=1)
+    steps = np.maximum(np.ceil(length / spacing - ON_LINE), 1).astype(np.int64)
+    stars = {(*ij,) for ij in centres.tolist()}
+    for arm in np.flatnonzero(steps > 1):
+        if any((*(start[arm] + n * grid.k * step[arm]).tolist(),) in stars for n in range(1, steps[arm])):
             raise MeshError(f"arm {arm} runs through another star")
-        count, end = steps * grid.k, grid.place(start + steps * grid.k * step)
-        edge = border(start, step)
-        if edge is not None and edge[0] < count:
-            count, end = edge
-        reach = float(np.linalg.norm(end - layout.centres[star]))
-        if length <= 0 or count < 1 or length > reach + ON_LINE * spacing:
-            raise MeshError(f"arm {arm} has no length, or leaves the sheet")
-        taken = count
-        if np.linalg.norm(end - layout.arm_tip[arm]) > ON_LINE * spacing:
-            taken = int(np.clip(round(length / reach * count), 1, count - 1))
-            if not taken:
-                raise MeshError(f"arm {arm} needs a shorter mesh edge")
-        links.append(_Link(start, step, count, end, taken, length))
-    return links
+    count = steps * grid.k
+    end = grid.place(start + count[:, None] * step)
+    for arm, edge in enumerate(map(border, start, step)):
+        if edge is not None and edge[0] < count[arm]:
+            count[arm], end[arm] = edge
+    reach = np.linalg.norm(end - centre, axis=1)
+    off = (length <= 0) | (count < 1) | (length > reach + ON_LINE * spacing)
+    if off.any():
+        raise MeshError(f"arm {np.argmax(off)} has no length, or leaves the sheet")
+    part = np.clip(np.rint(length / reach * count), 1, count - 1).astype(np.int64)
+    taken = np.where(np.linalg.norm(end - layout.arm_tip, axis=1) > ON_LINE * spacing, part, count)
+    if not taken.all():
+        raise MeshError(f"arm {np.argmin(taken)} needs a shorter mesh edge")
+    return _Links(start, step, count, end, taken)
 
 
-def _share(one: _Link, other: _Link, meeting: bool) -> None:
-    """Divide the grid edges of a link between the arms from both its ends: all if they meet, else leave one."""
-    room = one.count if meeting else one.count - 1
+def _others(links: _Links) -> Ints:
+    """(A,) the arm that comes from the other end of each link, -1 for none."""
+    ends = {(*row,): arm for arm, row in enumerate(np.hstack([links.start, links.step]).tolist())}
+    ahead = np.hstack([links.start + links.count[:, None] * links.step, -links.step])
+    return np.array([ends.get((*row,), -1) for row in ahead.tolist()], dtype=np.int64)
+
+
+def _shared(count: int, taken: Ints, length: Floats, meeting: bool) -> Ints:
+    """(2,) the grid edges of a link, divided between the arms from both its ends: all if they meet, else leave one."""
+    room = count if meeting else count - 1
     if room < 2:
         raise MeshError("arms from both ends of a link need a shorter mesh edge")
+    one, other = (int(number) for number in taken)
     if meeting:
-        one.taken = int(np.clip(round(one.length / (one.length + other.length) * room), 1, room - 1))
-        other.taken = room - one.taken
-    while one.taken + other.taken > room:
+        one = min(max(round(float(length[0] / length.sum()) * room), 1), room - 1)
+        other = room - one
+    while one + other > room:
         # the arm whose edges are the shorter ones gives one up
-        shorter = min((one, other), key=lambda link: link.length / link.taken if link.taken > 1 else np.inf)
-        shorter.taken -= 1
+        edges = [part / number if number > 1 else np.inf for part, number in zip(length, (one, other), strict=True)]
+        one, other = (one - 1, other) if edges[0] <= edges[1] else (one, other - 1)
+    return np.array([one, other])
+
+
+def _numbered(count: Ints) -> tuple[Ints, Ints]:
+    """Row and number 0 ... n of the points of rows that have `count` (A,) n edges each."""
+    row = np.repeat(np.arange(len(count)), count + 1)
+    return row, np.arange(len(row)) - (np.cumsum(count + 1) - count - 1)[row]
+
+
+def _even(first: Floats, last: Floats, count: Ints) -> Floats:
+    """(P, 2) places from each first one (A, 2) to the last, n equal edges apart; the ends exactly."""
+    row, number = _numbered(count)
+    places = number[:, None] * ((last - first) / count[:, None])[row] + first[row]
+    places[np.cumsum(count + 1) - 1] = last
+    return places

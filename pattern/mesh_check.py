@@ -33,10 +33,13 @@ def checked(mesh: Mesh, layout: Layout, smallest_angle_deg: float) -> Mesh:
     angle = float(triangle_angles(mesh.points, mesh.triangles).min())
     if angle < smallest_angle_deg:
         raise MeshError(f"the mesh has an angle of {angle:.1f} degrees, below {smallest_angle_deg:g}")
-    n = len(mesh.points)
-    t = mesh.triangles
+    n, t = len(mesh.points), mesh.triangles
     edges = np.sort(np.concatenate([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]]), axis=1)
-    rods = np.concatenate([np.zeros((0, 2), dtype=np.int64), *(np.column_stack([r[:-1], r[1:]]) for r in mesh.rods)])
+    path, arm = (
+        np.concatenate([np.zeros(0, dtype=np.int64), *mesh.rods]),
+        np.repeat(np.arange(len(mesh.rods)), [len(rod) for rod in mesh.rods]),
+    )
+    rods = np.column_stack([path[:-1], path[1:]])[arm[1:] == arm[:-1]]
     off = ~np.isin(np.sort(rods, axis=1) @ [n, 1], edges @ [n, 1])
     if off.any():
         x, y = mesh.points[rods[np.argmax(off), 0]]

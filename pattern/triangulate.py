@@ -10,14 +10,16 @@ from scipy.spatial import cKDTree
 
 from pattern.errors import MeshError
 from pattern.layout import Floats, Ints
-from pattern.planar import triangle_areas
+from pattern.near_segments import crossings, near_segments
+from pattern.planar import distance_to_segment, triangle_areas
 
 # closer than this, relative to the extent of the input, points count as one and segments as touching
 TOLERANCE = 1e-8
 MAX_TRIANGLES = 2_000_000
 MAX_ANGLE_DEG = 33.0
 
-Lines = NDArray[np.object_]
+# loose ends that are taken off lines of segments, one segment at a time, before loops are looked for
+PEELED = 30
 
 
 def triangulate(
@@ -58,7 +60,8 @@ def triangulate(
     # Triangle's exact arithmetic is only exact far from overflow and underflow
     unit = (p - centre) / scale
     holes_at = (h - centre) / scale
-    area = _check_region(unit, s, _check_geometry(unit, s), holes_at)
+    _check_geometry(unit, s)
+    area = _check_region(unit, s, holes_at)
     options, room = _options(unit, min_angle_deg, None if max_area is None else max_area / scale**2)
     data = {"vertices": unit, "segments": s.astype(np.int32)}
     if len(h):
@@ -94,8 +97,8 @@ def _arrays(points: ArrayLike, segments: ArrayLike, holes: ArrayLike) -> tuple[F
     return p, s.astype(np.int64), h.reshape(-1, 2)
 
 
-def _check_geometry(p: Floats, s: Ints) -> Lines:
-    """The segments as lines, if the points are distinct and the segments meet at points only."""
+def _check_geometry(p: Floats, s: Ints) -> None:
+    """Refuse points that are not distinct, and segments that meet elsewhere than at points."""
     same = cKDTree(p).query_pairs(TOLERANCE)
     if same:
         i, j = min(same)
@@ -107,53 +110,60 @@ def _check_geometry(p: Floats, s: Ints) -> Lines:
         raise MeshError(f"segment {np.argmax(s[:, 0] == s[:, 1])} has no length")
     if len(np.unique(_codes(s, len(p)))) < len(s):
         raise MeshError("a segment is given twice")
-    lines, points = shapely.linestrings(p[s]), shapely.points(p)
-    # pairs whose boxes meet, without the many that belong together, before their geometry is looked at
-    low, high = p[s].min(axis=1) - TOLERANCE, p[s].max(axis=1) + TOLERANCE
-    owner, on = shapely.STRtree(points).query(shapely.box(*low.T, *high.T))
-    other = (s[owner] != on[:, None]).all(axis=1)
-    owner, on = owner[other], on[other]
-    touching = np.flatnonzero(shapely.dwithin(lines[owner], points[on], TOLERANCE))
+    owner, on = near_segments(p, s, TOLERANCE)
+    touching = np.flatnonzero(distance_to_segment(p[on], p[s[owner, 0]], p[s[owner, 1]]) <= TOLERANCE)
     if len(touching):
         k = touching[0]
         raise MeshError(f"point {on[k]} lies on segment {owner[k]} between its ends")
-    first, second = shapely.STRtree(lines).query(lines)
-    # segments with a common end cannot cross: each has the other's end beside it only by rounding
-    apart = (s[first][:, :, None] != s[second][:, None, :]).all(axis=(1, 2))
-    first, second = first[apart], second[apart]
-    crossing = np.flatnonzero(shapely.crosses(lines[first], lines[second]))
+    crossing = crossings(p, s)
     if len(crossing):
-        k = crossing[0]
-        raise MeshError(f"segments {first[k]} and {second[k]} cross")
-    return lines
+        raise MeshError("segments {} and {} cross".format(*crossing[0]))
 
 
-def _check_region(p: Floats, s: Ints, lines: Lines, holes: Floats) -> float:
+def _check_region(p: Floats, s: Ints, holes: Floats) -> float:
     """The area that the segments enclose without the holes, if all points and segments are in it."""
-    faces = shapely.get_parts(shapely.polygonize(lines))
+    faces = shapely.get_parts(shapely.polygonize(shapely.linestrings(p[_closed(s, len(p))])))
     if len(holes):
-        at = shapely.points(holes)
-        inside, face = shapely.STRtree(faces).query(at, predicate="within")
-        beside = shapely.STRtree(lines).query(at, predicate="dwithin", distance=TOLERANCE)[0]
-        bad = np.isin(np.arange(len(holes)), inside, invert=True) | np.isin(np.arange(len(holes)), beside)
+        inside, face = shapely.STRtree(faces).query(shapely.points(holes), predicate="within")
+        beside = distance_to_segment(holes[:, None], *p[s].swapaxes(0, 1)).min(axis=1) <= TOLERANCE
+        bad = np.isin(np.arange(len(holes)), inside, invert=True) | beside
         if bad.any():
             raise MeshError(f"hole {np.argmax(bad)} is not inside a loop of segments")
         faces = np.delete(faces, face)
     if not len(faces):
         raise MeshError("the segments enclose nothing")
-    middles = shapely.line_interpolate_point(lines, 0.5, normalized=True)
-    out = np.ones(len(s), dtype=bool)
-    out[shapely.STRtree(middles).query(faces, predicate="dwithin", distance=TOLERANCE)[1]] = False
+    shapely.prepare(faces)
+    middles = p[s].mean(axis=1)
+    out = _outside(faces, middles)
+    # the middles of the loops' own segments
+    on = shapely.STRtree(shapely.points(middles[out])).query(faces, predicate="dwithin", distance=TOLERANCE)[1]
+    out[np.flatnonzero(out)[on]] = False
     if out.any():
         raise MeshError(f"segment {np.argmax(out)} lies outside what the segments enclose")
     free = np.ones(len(p), dtype=bool)
     free[s] = False
-    shapely.prepare(faces)
-    for face in faces:
-        free[free] = ~shapely.contains_xy(face, p[free])
+    free[free] = _outside(faces, p[free])
     if free.any():
         raise MeshError(f"point {np.argmax(free)} lies outside what the segments enclose")
     return float(shapely.area(faces).sum())
+
+
+def _closed(s: Ints, n: int) -> Ints:
+    """The segments that may be part of a loop: most of a sheet's belong to arms, which end freely."""
+    for _ in range(PEELED):
+        kept = (np.bincount(s.ravel(), minlength=n)[s] > 1).all(axis=1)
+        if kept.all():
+            break
+        s = s[kept]
+    return s
+
+
+def _outside(faces: NDArray[np.object_], points: Floats) -> NDArray[np.bool_]:
+    """Which points (k,) no face holds in its inside."""
+    out = np.ones(len(points), dtype=bool)
+    for face in faces:
+        out[out] = ~shapely.contains_xy(face, points[out])
+    return out
 
 
 def _options(p: Floats, min_angle_deg: float | None, max_area: float | None) -> tuple[str, int]:
