@@ -64,34 +64,33 @@ def arm_stations(layout: Layout, grid: LatticeGrid, border: Border, grading: Gra
     tolerance = ON_LINE * grid.edge_mm * grid.k
     overlap = facing & (length + length[other] > np.linalg.norm(links.end - centre, axis=1) + tolerance)
     if overlap.any():
-        arm = int(np.argmax(overlap))
-        raise MeshError(f"arms {arm} and {other[arm]} overlap")
+        one = int(np.argmax(overlap))
+        raise MeshError(f"arms {one} and {other[one]} overlap")
     meeting = np.linalg.norm(tip[other] - tip, axis=1) <= tolerance
-    for arm in np.flatnonzero(facing & (np.arange(len(other)) < other)):
-        pair = [arm, other[arm]]
-        links.taken[pair] = _shared(int(links.count[arm]), links.taken[pair], length[pair], bool(meeting[arm]))
+    for one in np.flatnonzero(facing & (np.arange(len(other)) < other)).tolist():
+        pair = [one, int(other[one])]
+        links.taken[pair] = _shared(int(links.count[one]), links.taken[pair], length[pair], bool(meeting[one]))
     left = links.count - np.where(facing, links.taken[other], 0) - links.taken
     end = np.where(facing[:, None], tip[other], links.end)
     edge = length / links.taken
     edge = np.where(left > 0, np.minimum(edge, np.linalg.norm(end - tip, axis=1) / np.maximum(left, 1)), edge)
     if (edge < SMALLEST_EDGE * grid.edge_mm).any():
-        arm = int(np.argmax(edge < SMALLEST_EDGE * grid.edge_mm))
-        raise MeshError(f"arm {arm} leaves too little room for a mesh edge at its tip")
+        one = int(np.argmax(edge < SMALLEST_EDGE * grid.edge_mm))
+        raise MeshError(f"arm {one} leaves too little room for a mesh edge at its tip")
     arm, number = _numbered(links.taken)
     on_arms = links.start[arm] + number[:, None] * links.step[arm]
     if grading is None:
         gap = np.flatnonzero(left > 0)
         which, ahead = _numbered(left[gap])
-        in_gaps = (links.start + links.taken[:, None] * links.step)[gap][which] + ahead[:, None] * links.step[gap][
-            which
-        ]
+        first = links.start + links.taken[:, None] * links.step
+        in_gaps = first[gap][which] + ahead[:, None] * links.step[gap][which]
         ij = [in_gaps, centres, on_arms]
         places = [_even(tip[gap], end[gap], left[gap]), layout.centres, _even(centre, tip, links.taken)]
     else:
         part = np.concatenate([grading.along(*one) for one in zip(length, links.taken, strict=True)])
         ij = [centres, on_arms]
         places = [layout.centres, centre[arm] + part[:, None] * (tip - centre)[arm]]
-    arms = tuple(np.split(on_arms, np.cumsum(links.taken + 1)[:-1]))
+    arms = tuple(np.split(on_arms, np.cumsum(links.taken + 1)[:-1])) if len(length) else ()
     return Stations(centres, arms, np.concatenate(ij), np.concatenate(places))
 
 
@@ -102,7 +101,7 @@ def _links(layout: Layout, grid: LatticeGrid, border: Border) -> _Links:
     spacing = np.linalg.norm(step @ grid.basis, axis=1)
     steps = np.maximum(np.ceil(length / spacing - ON_LINE), 1).astype(np.int64)
     stars = {(*ij,) for ij in centres.tolist()}
-    for arm in np.flatnonzero(steps > 1):
+    for arm in np.flatnonzero(steps > 1).tolist():
         if any((*(start[arm] + n * grid.k * step[arm]).tolist(),) in stars for n in range(1, steps[arm])):
             raise MeshError(f"arm {arm} runs through another star")
     count = steps * grid.k

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -105,6 +106,12 @@ class GridPatch:
         known = ((shifted >= 0) & (shifted < self.table.shape)).all(axis=-1)
         shifted = np.where(known[..., None], shifted, 0)
         return np.where(known, self.table[shifted[..., 0], shifted[..., 1]], -1)
+
+    def paths(self, lines: Sequence[Ints]) -> list[Ints]:
+        """Numbers of the grid points of each line (n, 2), all at once."""
+        if not lines:
+            return []
+        return np.split(self.index(np.concatenate(lines)), np.cumsum([len(line) for line in lines])[:-1])
 
     def triangles(self) -> Ints:
         """Triangles (T, 3), counterclockwise, all of whose corners are in the patch."""

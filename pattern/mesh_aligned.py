@@ -73,7 +73,7 @@ def _hexagon_mesh(layout: Layout, grid: LatticeGrid, hexagon: HexagonBorder, gra
     return Mesh(
         points=points,
         triangles=patch.triangles(),
-        rods=tuple(patch.index(arm) for arm in stations.arms),
+        rods=tuple(patch.paths(stations.arms)),
         star_vertices=patch.index(stations.centres),
         border_vertices=border_vertices,
         pin_vertices=pin_vertices(layout, points, border_vertices),

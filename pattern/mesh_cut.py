@@ -41,7 +41,7 @@ def cut_mesh(layout: Layout, grid: LatticeGrid, enough: float = np.inf) -> Mesh:
     taken, known, places = prescribed(patch, stations)
     points = moved(patch, taken, known, places, pins[distance_to_outline(pins, layout.border) > tolerance])
 
-    arms = [patch.index(arm) for arm in stations.arms]
+    arms = patch.paths(stations.arms)
     points, arms = _halved(points, arms, layout, grid.edge_mm)
     fixed = np.zeros(len(points), dtype=bool)
     fixed[np.concatenate([patch.index(stations.centres), *arms])] = True
@@ -80,7 +80,8 @@ def _patch_around(layout: Layout, grid: LatticeGrid) -> GridPatch:
     """Grid points on the sheet, and enough around it for every arm and for moves across the border."""
     ij = grid.window(layout.border.min(axis=0), layout.border.max(axis=0))
     places = grid.place(ij)
-    near = inside(places, layout.border) | (distance_to_outline(places, layout.border) < 2 * grid.edge_mm)
+    near = inside(places, layout.border)
+    near[~near] = distance_to_outline(places[~near], layout.border) < 2 * grid.edge_mm
     return GridPatch(grid, ij[near])
 
 
