@@ -12,7 +12,8 @@ the grid allows. In between a place takes the mean of both, by the length of the
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from functools import cached_property, partial
 
 import numpy as np
 import scipy.sparse as sp
@@ -34,19 +35,29 @@ MOST = 24
 OFF = 1e-6
 
 
-@dataclass(frozen=True)
 class Shares:
-    """Of n places, whatever the length of the arms.
+    """Of n places, whatever the length of the arms; each width is looked at when arms ask for it.
 
-    Attributes
+    Parameters
     ----------
-    wide, narrow : (n, S) share of each star by either width of the Gaussian; what is missing to 1 is bare fabric.
+    by_width : gives the (n, S) share of each star by a width of the Gaussian, in mm; what is missing to 1 is bare
+        fabric.
+    widths : wide and narrow.
     spacing_mm : of the stars.
     """
 
-    wide: sp.csr_matrix
-    narrow: sp.csr_matrix
-    spacing_mm: float
+    def __init__(self, by_width: Callable[[float], sp.csr_matrix], widths: tuple[float, float], spacing: float) -> None:
+        self._by_width, self._widths, self.spacing_mm = by_width, widths, spacing
+
+    @cached_property
+    def wide(self) -> sp.csr_matrix:
+        """(n, S) of stars with long arms."""
+        return self._by_width(self._widths[0])
+
+    @cached_property
+    def narrow(self) -> sp.csr_matrix:
+        """(n, S) of stars with short arms."""
+        return self._by_width(self._widths[1])
 
     def __call__(self, length: Floats) -> sp.csr_matrix:
         """(n, S) share of each star, its arms being of a length (S,) mm."""
@@ -82,7 +93,7 @@ class StarCells:
 
     def __init__(self, layout: Layout, lattice: Lattice, widths: tuple[float, float] = (WIDTH, NARROW)) -> None:
         self._spacing = lattice.spacing_mm
-        self._widths = tuple(width * lattice.spacing_mm for width in widths)
+        self._widths = widths[0] * lattice.spacing_mm, widths[1] * lattice.spacing_mm
         self.width_mm = self._widths[0]
         self._stars = len(layout.centres)
         self._step = min(lattice.spacing_mm / FINENESS, self._widths[1] / 1.5)
@@ -101,25 +112,24 @@ class StarCells:
 
     def shares(self, points: Floats) -> Shares:
         """Of the stars at printed points (n, 2) mm."""
-        wide, narrow = (self._weights(points, width) for width in self._widths)
-        return Shares(wide, narrow, self._spacing)
+        return Shares(partial(self._weights, points), self._widths, self._spacing)
 
     def _weights(self, points: Floats, width: float) -> sp.csr_matrix:
         """(n, S) share of each star."""
         place = (np.asarray(points, dtype=float) - self._origin) / self._step
-        star, share = np.full((len(place), MOST), -1), np.zeros((len(place), MOST))
+        star, share = np.empty(len(place) * MOST, dtype=np.int32), np.empty(len(place) * MOST)
+        ends = np.zeros(len(place) + 1, dtype=np.int32)
         reach = int(np.ceil(REACH * width / self._step))
-        _gather(place, self._owner, self._count, self._ends, reach, self._step / width, star, share)
-        kept = (star >= 0) & (star < self._stars)
-        ends = np.concatenate([[0], np.cumsum(kept.sum(axis=1))])
-        return sp.csr_matrix((share[kept], star[kept], ends), shape=(len(place), self._stars))
+        _gather(place, self._owner, self._count, self._ends, reach, self._step / width, self._stars, star, share, ends)
+        star, share = star[: ends[-1]].copy(), share[: ends[-1]].copy()
+        return sp.csr_matrix((share, star, ends), shape=(len(place), self._stars))
 
 
 @loop
-def _gather(place, owner, count, ends, reach, step, star, share):  # type: ignore[no-untyped-def]
-    """star and share (n, MOST): who owns the grid around each place (n, 2), by the Gaussian's weight.
+def _gather(place, owner, count, ends, reach, step, stars, star, share, rows):  # type: ignore[no-untyped-def]
+    """Who owns the grid around each place (n, 2), by the Gaussian's weight: star and share row by row, rows (n + 1,).
 
-    `ends`: where along its row the run of equal owners and counts ends that a grid point is in.
+    `ends`: where along its row the run of equal owners and counts ends that a grid point is in. Owner S is nobody.
     """
     size = 2 * reach + 1
     first, across, along = np.empty(2, dtype=np.int64), np.empty(size), np.zeros(size + 1)
@@ -129,7 +139,7 @@ def _gather(place, owner, count, ends, reach, step, star, share):  # type: ignor
         for k in range(size):
             across[k] = np.exp(-0.5 * ((first[0] + k - place[p, 0]) * step) ** 2)
             along[k + 1] = along[k] + np.exp(-0.5 * ((first[1] + k - place[p, 1]) * step) ** 2)
-        total = 0.0
+        total, begin, last = 0.0, rows[p], rows[p]
         for i in range(size):
             row, j = first[0] + i, 0
             while j < size:
@@ -138,13 +148,19 @@ def _gather(place, owner, count, ends, reach, step, star, share):  # type: ignor
                 weight *= along[end] - along[j]
                 j = end
                 total += weight
-                for k in range(star.shape[1]):
-                    if star[p, k] == who or star[p, k] < 0:
-                        star[p, k] = who
-                        share[p, k] += weight
-                        break
-        for k in range(star.shape[1]):
-            share[p, k] /= total
+                if who == stars:
+                    continue
+                k = begin
+                while k < last and star[k] != who:
+                    k += 1
+                if k == last:
+                    if last == begin + MOST:
+                        continue
+                    star[k], share[k], last = who, 0.0, last + 1
+                share[k] += weight
+        for k in range(begin, last):
+            share[k] /= total
+        rows[p + 1] = last
 
 
 def _ends(*grids: Floats | Ints) -> Ints:
