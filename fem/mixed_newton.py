@@ -11,8 +11,7 @@ of a thin sheet are not spoilt by membrane stresses that are not there, and a ha
 A step that is short and leaves little of the residual is followed by one with the same matrix: most edits need but one.
 
 The method finds stationary points; whether one is a minimum is asked afterwards. Where the matrix is not positive
-definite the sheet buckles: a part of what pushes is left out of its stress S (`fem.pulling`), as little as the
-factorisation accepts, and less and less in the steps that follow.
+definite it is changed by as little as makes it so (`fem.regularised`).
 """
 
 from __future__ import annotations
@@ -22,14 +21,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from equilibrium.factor import Factor
-from equilibrium.newton import STOP, Clock
-from fem.pulling import pulling
+from equilibrium.newton import Clock
+from fem.regularised import Regularised
 from fem.shell import Shell
-from fem.tabulation import Floats, Ints
+from fem.tabulation import Floats
 
-# parts of the pushing stress: the first one left out, how many times more the next ones are, what stays left out for
-# the next step, and the part that is too small to be left out
-FIRST, MORE, STAYS, LEAST = 0.1, 3.0, 0.6, 0.05
 # a step that leaves less of the residual, and so many tolerances at most, and is shorter than this part of the size, is
 # followed by one with its factor
 AGAIN, NEARLY, NEAR = 0.03, 3e3, 1e-3
@@ -47,7 +43,7 @@ class Mixed:
     strains : (T, Q, 6) those that iterate; at the end the sheet's own.
     residual : 2-norm over the free unknowns of the gradient at x, N.
     converged : it is below the tolerance.
-    blended : iterations whose matrix was not positive definite.
+    blended : iterations whose matrix left pushing stress out.
     history : the residuals.
     """
 
@@ -83,8 +79,8 @@ def mixed_newton(
     eps = np.zeros((*shell.assembly.weights.shape, 6)) if strains is None else strains
     found = Mixed(x, eps, np.inf, False, 0, 0, 0, seconds=clock.seconds)
     size = float(np.ptp(shell.flat, axis=0).max())
-    blend = moved = 0.0
-    reach = np.inf
+    matrix = Regularised(shell, factor, clock)
+    moved, reach = 0.0, np.inf
     for number in range(max_iterations + 1):
         e = clock("strains", shell.strains, found.x)
         _, stress, stiffness = clock("law", shell.density, found.strains)
@@ -99,13 +95,13 @@ def mixed_newton(
         found.converged = found.residual <= tolerance
         if found.converged or number == max_iterations or not np.isfinite(found.residual):
             break
-        if blend > 0.0 or found.residual > min(AGAIN * before, NEARLY * tolerance) or reach > NEAR * size:
+        if matrix.changed or found.residual > min(AGAIN * before, NEARLY * tolerance) or reach > NEAR * size:
             if number == 0 or moved > TURNED * size or not shell.floats:
                 support, moved = clock("support", shell.support, found.x), 0.0
-            tried = _factorised(found, shell, factor, stiffness, stress, support, STAYS * blend, clock)
-            if tried is None:
+            accepted = matrix.factorise(found.x, stiffness, stress, support)
+            found.factorisations, found.blended = matrix.factorisations, matrix.blended
+            if not accepted:
                 return found
-            blend = tried
         direction = -clock("solve", factor.solve, gradient)
         step = shell.move(np.zeros_like(found.x), direction)
         reach = float(np.abs(step).max())
@@ -116,28 +112,3 @@ def mixed_newton(
         found.x = found.x + length * step
     found.strains = e
     return found
-
-
-def _factorised(
-    found: Mixed,
-    shell: Shell,
-    factor: Factor,
-    stiffness: Floats,
-    stress: Floats,
-    support: Ints,
-    blend: float,
-    clock: Clock,
-) -> float | None:
-    """Factorise the matrix at x, its rigid motions held: the part of the push that it had to leave out, or None."""
-    pull, diagonal = pulling(stress), shell.pattern.diagonal
-    blend = blend if blend > LEAST else 0.0
-    while True:
-        data = clock("tangent", shell.tangent, found.x, stiffness, (1.0 - blend) * stress + blend * pull)
-        data[diagonal[support]] += STOP * data[diagonal].max()
-        found.factorisations += 1
-        if clock("factorisation", factor.factorise, data):
-            found.blended += blend > 0.0
-            return blend
-        if blend >= 1.0:
-            return None
-        blend = min(max(MORE * blend, FIRST), 1.0)

@@ -163,6 +163,11 @@ class Shell:
         return sp.csr_matrix(self.reduction.map.T @ full @ self.reduction.map)
 
     @cached_property
+    def inertia(self) -> Floats:
+        """(nnz,) mm^2, the mass in the pattern of the Hessian."""
+        return self._reduced(self.assembly.spread(self.assembly.mass(self._values)))
+
+    @cached_property
     def _flat_tangent(self) -> Floats:
         stress = np.zeros((*self.assembly.weights.shape, 6))
         data = self.assembly.tangent(self.flat, self.density.stiffness, stress)

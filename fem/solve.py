@@ -23,7 +23,7 @@ from fem.tabulation import Floats
 TOLERANCE = 1e-11  # of the gradient, over the sheet's membrane stiffness times its size
 LEFT = 0.02  # of the sheet's size: how far a dof moves when a saddle is left
 STEPS = (4, 16)  # load steps that are tried when nothing else works
-LONG, SHORT = 30, 12  # iterations of Newton's method with mixed points
+LONG, SHORT = 60, 12  # iterations of Newton's method with mixed points
 DOWN = 200  # iterations downhill where that failed
 CLOSE = 0.1  # of what the best start saves against a flat sheet
 FOLLOWED = 2  # starts of different kinds that are followed to their ends
