@@ -60,18 +60,18 @@ def rolled_about(layout: Layout, normal: Array) -> float | None:
     step = layout.centres[pairs[:, 1]] - layout.centres[pairs[:, 0]]
     change = normal[pairs[:, 1]] - normal[pairs[:, 0]]
     spacing = layout.spacing_mm
-    total, fitted = np.zeros((2, 2)), 0
-    for star in range(len(layout.centres)):
-        own = pairs[:, 0] == star
-        # a map of the plane takes two directions
-        if own.sum() < 2 or np.linalg.svd(step[own], compute_uv=False)[-1] < 0.1 * spacing:
-            continue
-        w = np.linalg.lstsq(step[own], change[own], rcond=None)[0]
-        total += w @ w.T
-        fitted += 1
-    if fitted == 0:
+    # the normal equations of all stars at once
+    count, star = len(layout.centres), pairs[:, 0]
+    square, product = np.zeros((count, 2, 2)), np.zeros((count, 2, 3))
+    np.add.at(square, star, step[:, :, None] * step[:, None])
+    np.add.at(product, star, step[:, :, None] * change[:, None])
+    # a map of the plane takes two directions
+    fitted = np.linalg.eigvalsh(square)[:, 0] >= (0.1 * spacing) ** 2
+    if not fitted.any():
         return None
-    (low, high), vectors = np.linalg.eigh(total / fitted)
+    w = np.linalg.solve(square[fitted], product[fitted])
+    total = (w @ np.swapaxes(w, 1, 2)).mean(axis=0)
+    (low, high), vectors = np.linalg.eigh(total)
     if np.sqrt(high) * print_diameter(layout) < ROLLED_TURN or low > ROLLED_ASPECT * high:
         return None
     x, y = vectors[:, 0]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import numpy as np
-import scipy.sparse as sp
 
 from equilibrium.factor import Factor
 from equilibrium.sparse_pattern import Floats
@@ -13,7 +14,14 @@ SETTLED = 1e-7  # relative change of the eigenvalues at which they are taken
 NOTHING = 1e-20  # square of a length that is rounding, over that of a unit vector
 
 
-def soft_modes(mass: sp.csr_matrix, factor: Factor, rigid: Floats, count: int) -> tuple[Floats, Floats]:
+class Mass(Protocol):
+    """A symmetric matrix, or what acts like one."""
+
+    def __matmul__(self, vectors: Floats) -> Floats:
+        """Times vectors (size, k)."""
+
+
+def soft_modes(mass: Mass, factor: Factor, rigid: Floats, count: int) -> tuple[Floats, Floats]:
     """(k,) smallest eigenvalues of `H v = value M v` and their modes (size, k), `v M v = 1`, rigid motions left out.
 
     By a block Lanczos method with the inverse of H (Golub and Underwood 1977), every block kept orthogonal to all.
@@ -29,14 +37,14 @@ def soft_modes(mass: sp.csr_matrix, factor: Factor, rigid: Floats, count: int) -
     count = min(count, size - motions)
     if count < 1:
         return np.empty(0), np.empty((size, 0))
-    least = NOTHING * float(mass.diagonal().max())
+    block = _unit(np.random.default_rng(0).standard_normal((size, count + GUARD)))
+    least = NOTHING * float((block * (mass @ block)).sum(axis=0).max())
     # vectors of length 1 in M, the rigid motions first; their images M v; and what the forces M v do to the sheet
     vectors, images = _orthonormal(rigid, mass @ rigid, least)
     solved = np.empty((size, 0))
-    block = np.random.default_rng(0).standard_normal((size, count + GUARD))
     values, turn = np.empty(0), np.empty((0, 0))
     while True:
-        block = block / np.maximum(np.linalg.norm(block, axis=0), least)
+        block = _unit(block)
         for _ in range(2):  # once leaves too much of what is nearly parallel
             block = block - vectors @ (images.T @ block)
         block, image = _orthonormal(block, mass @ block, least)
@@ -52,6 +60,10 @@ def soft_modes(mass: sp.csr_matrix, factor: Factor, rigid: Floats, count: int) -
         if len(values) == len(before) and np.abs(values - before).max() <= SETTLED * abs(values[-1]):
             break
     return values, vectors[:, motions:] @ turn
+
+
+def _unit(vectors: Floats) -> Floats:
+    return vectors / np.maximum(np.linalg.norm(vectors, axis=0), np.finfo(float).tiny)
 
 
 def _orthonormal(vectors: Floats, images: Floats, least: float) -> tuple[Floats, Floats]:

@@ -60,7 +60,7 @@ class Shape:
         k, m = self.curvature, self.across
         u, v = p.T
         cu, su, cv, sv = np.cos(k * u), np.sin(k * u), np.cos(m * v), np.sin(m * v)
-        along, across, lift = np.sinc(k * u / np.pi) * u, np.sinc(m * v / np.pi) * v, _rise(m, v)
+        along, across, lift = su / k if k else u, sv / m if m else v, _rise(m, v)
         inward = 1.0 - k * lift  # the meridian turns about an axis at the height 1/k
         rows = [
             (inward * along, across, _rise(k, u) + lift * cu),
@@ -128,4 +128,4 @@ def _filled(rows: Sequence[Sequence[Floats | float]], count: int) -> Floats:
 
 def _rise(k: float, s: Floats) -> Floats:
     """(1 - cos(k s))/k."""
-    return 0.5 * k * s**2 * np.sinc(0.5 * k * s / np.pi) ** 2
+    return 2.0 / k * np.sin(0.5 * k * s) ** 2 if k else np.zeros_like(s)

@@ -16,6 +16,7 @@ from fem.assembly import Assembly
 from fem.conditions import Condition, reduce
 from fem.density import Density
 from fem.fields import Fields
+from fem.mass import Mass
 from fem.plain_maps import constant, flat_positions
 from fem.pulling import pulling
 from fem.reduced import Reduced
@@ -156,16 +157,18 @@ class Shell:
         return self.tangent(x, stiffness, stress)
 
     @cached_property
-    def mass(self) -> sp.csr_matrix:
-        """(n, n) mm^2, the printed area as the free unknowns see it."""
-        scalar = self.assembly.mass(self._values)
-        full = sp.kron(scalar, sp.identity(3), format="csr")
-        return sp.csr_matrix(self.reduction.map.T @ full @ self.reduction.map)
+    def mass(self) -> Mass:
+        """mm^2, the printed area as the free unknowns see it."""
+        return Mass(self._scalar_mass, self.reduction)
+
+    @cached_property
+    def _scalar_mass(self) -> sp.csr_matrix:
+        return self.assembly.mass(self._values)
 
     @cached_property
     def inertia(self) -> Floats:
         """(nnz,) mm^2, the mass in the pattern of the Hessian."""
-        return self._reduced(self.assembly.spread(self.assembly.mass(self._values)))
+        return self._reduced(self.assembly.spread(self._scalar_mass))
 
     @cached_property
     def _flat_tangent(self) -> Floats:
@@ -203,7 +206,7 @@ class Shell:
         """(T, Q, 6) by the quadratic part of the density."""
         return np.matmul(self.density.stiffness, strains[..., None])[..., 0]
 
-    @property
+    @cached_property
     def held_points(self) -> Ints:
         """(k,) dofs that are positions and do not move."""
         free = np.diff(self.reduction.map.indptr).reshape(-1, 3).any(axis=1)
