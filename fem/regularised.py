@@ -59,7 +59,17 @@ class Regularised:
         self._blend = STAYS * before if STAYS * before > LEAST else 0.0
         self._shift = SOFT_STAYS * self._shift if SOFT_STAYS * self._shift > SOFT_LEAST * self._unit else 0.0
         tries = SOFT_TRIES if self._soft or before > 0.0 else 0
-        data = self._tangent(x, stiffness, stress)
+        known: list[tuple[float, Floats]] = []
+
+        def tangent(blend: float) -> Floats:
+            if len(known) == 2:  # it is linear in the stress, so two tell all others
+                (first, one), (second, two) = known
+                return one + (blend - first) / (second - first) * (two - one)
+            kept = (1.0 - blend) * stress + blend * pulling(stress) if blend else stress
+            known.append((blend, self._clock("tangent", self._shell.tangent, x, stiffness, kept)))
+            return known[-1][1]
+
+        data = tangent(self._blend)
         while not self._accepts(data, support):
             if self._blend == 0.0 and tries:
                 self._shift = max(SOFT_MORE * self._shift, SOFT_FIRST * self._unit)
@@ -69,13 +79,9 @@ class Regularised:
                 return False
             self._shift, self._soft = 0.0, False
             self._blend = min(max(MORE * self._blend, FIRST), 1.0)
-            data = self._tangent(x, stiffness, stress)
+            data = tangent(self._blend)
         self.blended += self._blend > 0.0
         return True
-
-    def _tangent(self, x: Floats, stiffness: Floats, stress: Floats) -> Floats:
-        kept = (1.0 - self._blend) * stress + self._blend * pulling(stress) if self._blend else stress
-        return self._clock("tangent", self._shell.tangent, x, stiffness, kept)
 
     def _accepts(self, data: Floats, support: Ints) -> bool:
         held = data + self._shift * self._shell.inertia if self._shift else data.copy()
