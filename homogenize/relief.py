@@ -57,10 +57,12 @@ class Waves:
 
     def __call__(self, offsets: Array) -> Array:
         """(N, W) the waves at printed offsets (N, 2) mm from a star's centre."""
-        phase = np.einsum("wga,na->nwg", self.reciprocal, offsets)
+        kinds, turns = self.reciprocal.shape[:2]
+        phase = (offsets @ self.reciprocal.reshape(-1, 2).T).reshape(-1, kinds, turns)
         waves = np.empty(phase.shape[:2])
         for kind, function in ((self.odd, np.sin), (~self.odd, np.cos)):
-            waves[:, kind] = function(phase[:, kind]).mean(axis=2)
+            # a sum over few numbers is many times faster so than by a mean over the last axis
+            waves[:, kind] = np.einsum("nwg->nw", function(phase[:, kind])) / turns
         return waves
 
     def amplitudes(self, offsets: Array, heights: Array, weights: Array) -> Array:

@@ -51,13 +51,18 @@ def symmetries(design: Design, layout: Layout) -> list[Symmetry]:
     """
     near = NEAR * layout.spacing_mm
     centre = layout.centres.mean(axis=0)
+    # tips may meet: a quarter of the way back to the centre no two arms do
+    inner = cKDTree(layout.arm_tip + 0.25 * (layout.centres[layout.arm_star] - layout.arm_tip))
+    stars, corners, pins = cKDTree(layout.centres), cKDTree(layout.border), _pin_places(layout)
     found = []
     for turn in _candidates(layout.lattice_vectors):
         shift = centre - turn @ centre
-        star = _image(layout.centres @ turn.T + shift, layout.centres, near)
+        star = _image(layout.centres @ turn.T + shift, stars, near)
         if star is None or not _keeps_directions(design, turn):
             continue
-        if _same_arms(layout, turn, shift, star, near) and _same_border(layout, turn, shift, near):
+        if _image(layout.border @ turn.T + shift, corners, near) is None:
+            continue
+        if _same_arms(layout, inner, turn, shift, star, near) and _same_pins(pins, turn, shift, near):
             found.append(Symmetry(turn, shift, star))
     return found
 
@@ -79,21 +84,19 @@ def _candidates(vectors: Floats) -> list[Floats]:
     return sorted(turns, key=lambda turn: bool(np.abs(turn - np.eye(2)).max() > 1e-9))
 
 
-def _image(moved: Floats, points: Floats, near: float) -> Ints | None:
+def _image(moved: Floats, points: cKDTree, near: float) -> Ints | None:
     """(n,) the point onto which each one is moved; None if there is none, or one for two."""
-    if len(points) == 0:
+    if points.n == 0:
         return np.empty(0, dtype=np.int64)
-    distance, index = cKDTree(points).query(moved)
-    if distance.max() > near or len(np.unique(index)) < len(points):
+    distance, index = points.query(moved)
+    if distance.max() > near or not np.bincount(index, minlength=points.n).all():
         return None
     return np.asarray(index, dtype=np.int64)
 
 
-def _same_arms(layout: Layout, turn: Floats, shift: Floats, star: Ints, near: float) -> bool:
-    """Whether arms come to lie on arms of the same sizes."""
-    # tips may meet: a quarter of the way back to the centre no two arms do
-    inner = layout.arm_tip + 0.25 * (layout.centres[layout.arm_star] - layout.arm_tip)
-    arm = _image(inner @ turn.T + shift, inner, near)
+def _same_arms(layout: Layout, inner: cKDTree, turn: Floats, shift: Floats, star: Ints, near: float) -> bool:
+    """Whether arms, which points `inner` tell apart, come to lie on arms of the same sizes."""
+    arm = _image(inner.data @ turn.T + shift, inner, near)
     if arm is None or not np.array_equal(layout.arm_star[arm], star[layout.arm_star]):
         return False
     same_size = all(np.allclose(s[arm], s, rtol=NEAR, atol=0.0) for s in (layout.arm_thickness, layout.arm_width))
@@ -101,16 +104,14 @@ def _same_arms(layout: Layout, turn: Floats, shift: Floats, star: Ints, near: fl
     return same_size and bool(np.abs(tips - layout.arm_tip[arm]).max(initial=0.0) < near)
 
 
-def _same_border(layout: Layout, turn: Floats, shift: Floats, near: float) -> bool:
-    """Whether the outline, and the pins with their places in space, are mapped onto themselves."""
-    if _image(layout.border @ turn.T + shift, layout.border, near) is None:
-        return False
-    printed, place, kind = _pin_places(layout)
+def _same_pins(pins: tuple[Floats, Floats, Ints], turn: Floats, shift: Floats, near: float) -> bool:
+    """Whether the pins of `_pin_places`, with their places in space, are mapped onto themselves."""
+    printed, place, kind = pins
     if len(printed) == 0:
         return True
     # points of another kind are moved far away, so that they are not taken for an image
-    apart = 10.0 * float(np.ptp(layout.border, axis=0).max()) * kind[:, None]
-    image = _image(np.hstack([printed @ turn.T + shift, apart]), np.hstack([printed, apart]), near)
+    apart = 10.0 * (1.0 + float(np.abs(printed).max())) * kind[:, None]
+    image = _image(np.hstack([printed @ turn.T + shift, apart]), cKDTree(np.hstack([printed, apart])), near)
     if image is None:
         return False
     moved = place.copy()
