@@ -88,8 +88,12 @@ class Lattice(Section):
         corners = np.array([[0, 0], [0, 1], [1, 0], [1, 1]])
         centres = corners @ self.vectors
         # their squared distances, but for a part that is the same for all four
-        far = (centres**2).sum(axis=1) - 2.0 * (place - low) @ (self.vectors @ centres.T)
-        return low.astype(np.int64) + corners[far.argmin(axis=1)]
+        far = (centres**2).sum(axis=1)[:, None] - 2.0 * (centres @ self.vectors.T) @ (place - low).T
+        best, least = np.zeros(len(place), dtype=np.int64), far[0]
+        for corner in range(1, 4):  # by argmin it takes several times as long
+            best[far[corner] < least] = corner
+            least = np.minimum(least, far[corner])
+        return low.astype(np.int64) + corners.take(best, axis=0)
 
     def neighbours(self, cells: Ints) -> Ints:
         """(N, 2) pairs of rows of `cells` at the distance `spacing_mm`."""
@@ -112,6 +116,8 @@ def _reduced(basis: Floats) -> Floats:
         if a @ a > b @ b:
             a, b = b, a
         steps = np.round(a @ b / (a @ a))
-        if steps == 0:
+        shorter = b - steps * a
+        # halfway between two steps, rounding would go to and fro for ever
+        if shorter @ shorter >= (1.0 - 1e-12) * (b @ b):
             return np.array([a, b])
-        b = b - steps * a
+        b = shorter
