@@ -10,7 +10,7 @@ from equilibrium.factor import Factor
 from equilibrium.sparse_pattern import Floats
 
 GUARD = 1  # a further vector in every block: multiple eigenvalues need as many vectors as they count
-SETTLED = 1e-7  # relative change of the eigenvalues at which they are taken
+SETTLED = 1e-5  # relative change of the eigenvalues at which they are taken: the next one is its square, about
 NOTHING = 1e-20  # square of a length that is rounding, over that of a unit vector
 
 
