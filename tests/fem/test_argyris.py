@@ -48,6 +48,7 @@ def test_polynomials_are_met_exactly(space: type[Argyris], degree: int) -> None:
     for matrix, part in ((at.value, slice(0, 1)), (at.gradient, slice(1, 3)), (at.hessian, slice(3, 6))):
         exact = np.swapaxes(jet[..., part], 1, 2)
         assert np.abs((matrix @ x).reshape(exact.shape) - exact).max() < 1e-11 * np.abs(exact).max()
+    assert np.abs(at.jets(x) - np.swapaxes(jet, 1, 2)).max() < 1e-11 * np.abs(jet).max()
     table = element.tabulate(6)
     values = np.einsum("tqm,tmc->tqc", table.values, x[table.dofs])
     assert np.allclose(values, polynomial.jet(table.points.reshape(-1, 2))[..., 0].reshape(values.shape), atol=1e-11)

@@ -6,10 +6,13 @@ import numpy as np
 import pytest
 
 from asterism.previewing.equilibria import settled, soft_in_two_ways
+from asterism.previewing.preview import Preview
 from fem.argyris import Argyris
 from fem.fields import Fields, of_stretch
 from fem.shell import Shell
 from fem.solve import relax
+from pattern import gallery
+from pattern.design import Design
 from tests.fem.hexagons import FIELDS, RADIUS, density, hexagon, radius
 
 FOLDS = of_stretch(density(100.0), 0.8, lambda p: -0.06 * radius(p) ** 2)
@@ -52,3 +55,15 @@ def test_sheets_soft_in_two_ways_are_started_from_other_kinds(fields: Fields, so
     tried, before = ({trial.name for trial in each.trials} for each in (found, alone))
     assert tried > before if soft else tried == before
     assert found.is_minimum and found.energy <= 1.02 * alone.energy
+
+
+@pytest.mark.parametrize("thickness", [0.405, 0.41])
+def test_a_tube_that_hardly_prefers_an_axis_settles_soon(thickness: float) -> None:
+    """A soft motion with a negative stiffness on its way: without turning it round, 100 iterations and more."""
+    data = gallery.load("tube").to_dict()
+    data["stars"]["thickness_mm"] = thickness
+    found = Preview(Design.from_dict(data)).equilibrium
+    assert found.is_minimum
+    assert found.soft_modes[1] > 20.0 * found.soft_modes[0]
+    assert found.fallbacks == 0
+    assert found.iterations <= 60
