@@ -11,7 +11,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from equilibrium.sparse_pattern import SparsePattern
-from fem import koiter
+from fem import koiter, koiter_tangent
 from fem.tabulation import Floats, Ints, Tabulation
 
 
@@ -71,7 +71,7 @@ class Assembly:
     def tangent(self, x: Floats, stiffness: Floats, stress: Floats) -> Floats:
         """(nnz,) of `B' A B + stress : e''`, stiffness A (T, Q, 6, 6) and stress (T, Q, 6)."""
         data = np.zeros(self.pattern.nnz)
-        koiter.tangent(
+        koiter_tangent.tangent(
             self._table, self.dofs, self.weights, x, stiffness, stress, self._places, self.pattern.indptr, data
         )
         return data
