@@ -30,8 +30,8 @@ from pattern.planar import distance_along
 
 # distances to the border, over the spacing, at which an arm carries nothing and all of its curvature on; the part of
 # one that leads to another star. Fitted to 42 free sheets: hexagons have .87 everywhere, rectangles anything up to 1.5.
-# With .5 or more among stars, tubes lose their axis
-NONE, ALL, AMONG = 0.7, 1.2, 0.4
+# With .3 or more among stars, small edits take the axis from tubes
+NONE, ALL, AMONG = 0.7, 1.2, 0.2
 # another star is where an arm leads if it is as near to there, over the spacing
 THERE = 0.5
 

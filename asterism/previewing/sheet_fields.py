@@ -51,7 +51,7 @@ from pattern.layout import Floats
 # Poisson's ratio of bending: it shapes no tube, but caps. Small free sheets are nearest to the exact model with 0 to .1
 POISSON = 0.05
 # sixfold term over that of the cells: in exact strips of long thin stars directions differ by up to twice as much
-SIXFOLD = 1.3
+SIXFOLD = 1.4
 # saturation over the natural curvature's `|(b11 - b22)/2 + i b12|`, and the least one, per mm
 BEYOND, LEAST = 3.0, 1e-3
 # part of the way from the natural tube's lengths to the flat cell's that counts in held sheets; the turn over a
