@@ -38,7 +38,7 @@ from pattern.layout import Layout
 if TYPE_CHECKING:
     from asterism.previewing.preview import Preview
 
-LOWEST, SOFT, PART, TURNED = 0.6, 0.6, 0.03, 1.2
+LOWEST, SOFT, PART, TURNED = 0.65, 0.5, 0.02, 1.25
 LONG, FLAT = 0.5, 0.5
 
 
