@@ -10,7 +10,6 @@ from scipy.spatial import cKDTree
 
 from pattern.errors import MeshError
 from pattern.layout import Floats, Ints
-from pattern.near_segments import crossings, near_segments
 from pattern.planar import among, distance_to_segment, triangle_areas
 
 # closer than this, relative to the extent of the input, points count as one and segments as touching
@@ -110,14 +109,24 @@ def _check_geometry(p: Floats, s: Ints) -> None:
         raise MeshError(f"segment {np.argmax(s[:, 0] == s[:, 1])} has no length")
     if len(np.unique(_codes(s, len(p)))) < len(s):
         raise MeshError("a segment is given twice")
-    owner, on = near_segments(p, s, TOLERANCE)
+    lines = shapely.linestrings(p[s])
+    # pairs whose boxes meet, without the many that belong together, before their geometry is looked at
+    low, high = p[s].min(axis=1) - TOLERANCE, p[s].max(axis=1) + TOLERANCE
+    owner, on = shapely.STRtree(shapely.points(p)).query(shapely.box(*low.T, *high.T))
+    other = (s[owner] != on[:, None]).all(axis=1)
+    owner, on = owner[other], on[other]
     touching = np.flatnonzero(distance_to_segment(p[on], p[s[owner, 0]], p[s[owner, 1]]) <= TOLERANCE)
     if len(touching):
         k = touching[0]
         raise MeshError(f"point {on[k]} lies on segment {owner[k]} between its ends")
-    crossing = crossings(p, s)
+    first, second = shapely.STRtree(lines).query(lines)
+    # segments with a common end cannot cross: each has the other's end beside it only by rounding
+    apart = (s[first][:, :, None] != s[second][:, None, :]).all(axis=(1, 2))
+    first, second = first[apart], second[apart]
+    crossing = np.flatnonzero(shapely.crosses(lines[first], lines[second]))
     if len(crossing):
-        raise MeshError("segments {} and {} cross".format(*crossing[0]))
+        k = crossing[0]
+        raise MeshError(f"segments {first[k]} and {second[k]} cross")
 
 
 def _check_region(p: Floats, s: Ints, holes: Floats) -> float:
