@@ -68,14 +68,15 @@ def test_rest_curvature_closes_the_strip(name: str, cells: int, order: float) ->
     assert rate(*energies) > order - 0.3
 
 
-def test_three_turns_come_in_load_steps() -> None:
-    """Neither Newton's method nor the way down leads from flat to a coil of three turns; four load steps do."""
-    shell = _strip("argyris", 18, 12.0, curvature=6.0 * np.pi / 12.0)
+@pytest.mark.parametrize(("turns", "steps"), [(3, 0), (4, 4)])
+def test_coils_of_many_turns_come_in_load_steps(turns: int, steps: int) -> None:
+    """Newton's method leads from flat to a coil of three turns; to one of four neither it nor the way down does."""
+    shell = _strip("argyris", 6 * turns, 12.0, curvature=2.0 * turns * np.pi / 12.0)
     found = relax(shell)
-    assert found.is_minimum and found.load_steps == 4 and shell.progress == 1.0
-    assert not found.trials[0].is_minimum
-    tip, half = at(shell, found.x, (12.0, 0.5), (2.0, 0.5))
-    assert np.allclose([tip, half], [[0.0, 0.5, 0.0], [0.0, 0.5, 4.0 / np.pi]], atol=1e-4)
+    assert found.is_minimum and found.load_steps == steps and shell.progress == 1.0
+    assert found.trials[0].is_minimum == (steps == 0)
+    tip, half = at(shell, found.x, (12.0, 0.5), (6.0 / turns, 0.5))
+    assert np.allclose([tip, half], [[0.0, 0.5, 0.0], [0.0, 0.5, 12.0 / turns / np.pi]], atol=1e-4)
 
 
 @spaces
