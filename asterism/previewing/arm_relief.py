@@ -24,6 +24,7 @@ from scipy.spatial import cKDTree
 
 from asterism.previewing.held_sheet import held_edges, held_points
 from asterism.previewing.smooth_surface import smooth_surface
+from asterism.previewing.star_arms import lead_nowhere
 from fem.argyris import Argyris
 from pattern.layout import Floats, Layout
 from pattern.planar import distance_to_segment
@@ -40,8 +41,6 @@ BESIDE, BEYOND = 0.15, 0.25
 ROUND, REACH = 0.1, 4.0
 # part of the way from a tip to where the sheet is held that the tip moves at most
 ROOM = 0.25
-# an arm is a last one if what is ahead is this part of the spacing further away than in an endless lattice
-AHEAD = 0.3
 NOTHING = 1e-9  # mm
 
 
@@ -54,9 +53,7 @@ class Arms:
         self._length = np.maximum(layout.arm_length, NOTHING)
         self.direction = (layout.arm_tip - self._centre) / self._length[:, None]
         self._spacing = layout.spacing_mm
-        ahead = self._spacing * self.direction
-        found = cKDTree(layout.centres).query(self._centre + ahead)[0]
-        self.last = found > cKDTree(_others(layout)).query(ahead)[0] + AHEAD * self._spacing
+        self.last = lead_nowhere(layout, self._centre, self.direction)
         self._at_centres, self._at_tips = space.locate(layout.centres), space.locate(layout.arm_tip)
         self._room = _to_held(layout)
         self._pins = held_points(layout)
@@ -101,12 +98,6 @@ class Arms:
             near *= np.minimum(to_pin, 1.0)[point]
         first, second = (sp.csr_matrix((share * near, arm, pairs.indptr), pairs.shape) for share in (part, part**2))
         return first, second
-
-
-def _others(layout: Layout) -> Floats:
-    """(n, 2) mm, the sites of the lattice around one, without it."""
-    steps = np.stack(np.meshgrid(*[np.arange(-3, 4)] * 2, indexing="ij"), axis=-1).reshape(-1, 2)
-    return np.asarray(steps[steps.any(axis=1)] @ layout.lattice_vectors)
 
 
 def _to_held(layout: Layout) -> Floats:

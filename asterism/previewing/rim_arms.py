@@ -20,10 +20,9 @@ from collections.abc import Sequence
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.spatial import cKDTree
 
 from asterism.previewing.free_rim import ALONE, beside, stars_share
-from asterism.previewing.star_arms import rosette
+from asterism.previewing.star_arms import lead_nowhere, rosette
 from asterism.previewing.star_values import StarValues
 from pattern.layout import Floats, Layout
 from pattern.planar import distance_along
@@ -32,18 +31,15 @@ from pattern.planar import distance_along
 # one that leads to another star. Fitted to 42 free sheets: hexagons have .87 everywhere, rectangles anything up to 1.5.
 # With .3 or more among stars, small edits take the axis from tubes
 NONE, ALL, AMONG = 0.7, 1.2, 0.2
-# another star is where an arm leads if it is as near to there, over the spacing
-THERE = 0.5
 
 
 def carried(layout: Layout, directions: Floats) -> Floats:
     """(S, N) part of the natural curvature that each star's arms carry on; directions (N, 2) of arms."""
     part = np.empty((len(layout.centres), len(directions)))
-    stars = cKDTree(layout.centres)
     for k, along in enumerate(directions):
         width = distance_along(layout.centres, along, layout.border) / layout.spacing_mm
-        next_one = stars.query(layout.centres + layout.spacing_mm * along)[0] < THERE * layout.spacing_mm
-        part[:, k] = np.where(next_one, AMONG, np.clip((width - NONE) / (ALL - NONE), 0.0, 1.0))
+        last = lead_nowhere(layout, layout.centres, np.broadcast_to(along, layout.centres.shape))
+        part[:, k] = np.where(last, np.clip((width - NONE) / (ALL - NONE), 0.0, 1.0), AMONG)
     return part
 
 

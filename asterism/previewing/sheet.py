@@ -81,7 +81,7 @@ class Sheet:
         back = BACK * lattice.spacing_mm
         self._arm_shares = [(along, self.cells.shares(points - back * along)) for along in lattice.arm_directions]
         self._normals = free_normals(plan, points)
-        self._carried = carried(plan, lattice.arm_directions)
+        self._carried = None if plan.pins else carried(plan, lattice.arm_directions)
 
     def _pin(self, design: Design, plan: Layout) -> None:
         """How soft the sheet is around single points that are held; None without any."""
@@ -108,9 +108,9 @@ class Sheet:
         length = values.sizes[:, 0]
         arms = [(along, shares(length)) for along, shares in self._arm_shares]
         shares = self._shares(length)
-        shape, free = self._table.weights.shape, not self.layout.pins
-        early, part = (free_early(values, self.layout.spacing_mm), self._carried) if free else (EARLY, None)
-        fields = sheet_fields(shares, values, shape, arms, self._normals, early, part)
+        early = EARLY if self.layout.pins else free_early(values, self.layout.spacing_mm)
+        shape = self._table.weights.shape
+        fields = sheet_fields(shares, values, shape, arms, self._normals, early, self._carried)
         if self._soft is not None:
             bare = 1.0 - np.asarray(shares.sum(axis=1)).reshape(self._soft.shape)
             fields = giving_way(fields, self._soft, bare)

@@ -18,11 +18,14 @@ For equal stars it is `lam^2 I`; for other numbers of arms than three a gradient
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial import cKDTree
 
-from pattern.layout import Floats
+from pattern.layout import Floats, Layout
 
 # how far back along an arm its star is, over the spacing
 BACK = 0.5
+# an arm leads nowhere if what is ahead is this part of the spacing further away than in an endless lattice
+AHEAD = 0.3
 
 
 def arm_metric(lam: Floats, along: Floats, directions: Floats) -> Floats:
@@ -50,3 +53,12 @@ def rosette(along: Floats, directions: Floats) -> Floats:
     x, y = directions.T
     rest = 4.0 / len(directions) * (along - along.mean(axis=-1, keepdims=True))
     return np.stack([rest @ (x * x - 0.5), rest @ (y * y - 0.5), rest @ (x * y)], axis=-1)
+
+
+def lead_nowhere(layout: Layout, centres: Floats, directions: Floats) -> np.ndarray:
+    """Which arms (n,), of stars at `centres` (n, 2) mm along unit `directions` (n, 2), do not lead to another star."""
+    ahead = layout.spacing_mm * directions
+    steps = np.stack(np.meshgrid(*[np.arange(-3, 4)] * 2, indexing="ij"), axis=-1).reshape(-1, 2)
+    others = cKDTree(steps[steps.any(axis=1)] @ layout.lattice_vectors)
+    found = cKDTree(layout.centres).query(centres + ahead)[0]
+    return np.asarray(found > others.query(ahead)[0] + AHEAD * layout.spacing_mm)

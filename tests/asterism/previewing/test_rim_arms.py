@@ -61,6 +61,13 @@ def test_arms_carry_on_what_the_fabric_before_them_allows() -> None:
     assert np.unique(parts.round(9)) == pytest.approx(np.sort([AMONG, outwards]))
 
 
+def test_arms_between_the_lattice_lines_lead_to_other_stars() -> None:
+    design = Design.from_dict(TUBE.to_dict() | {"lattice": {"orientation_deg": 30.0}})
+    plan = layout(design)
+    middle = int(np.linalg.norm(plan.centres, axis=1).argmin())
+    assert carried(plan, np.asarray(design.lattice.arm_directions))[middle] == pytest.approx(AMONG)
+
+
 def test_corners_under_arms_hang_from_a_free_hexagon(monkeypatch: pytest.MonkeyPatch) -> None:
     design = Design.from_dict(
         {
