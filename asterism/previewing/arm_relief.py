@@ -45,7 +45,12 @@ NOTHING = 1e-9  # mm
 
 
 class Arms:
-    """The arms of a layout on shells of one sheet."""
+    """The arms of a layout on shells of one sheet.
+
+    Attributes
+    ----------
+    at_centres : the shell's functions at the stars' centres.
+    """
 
     def __init__(self, layout: Layout, space: Argyris) -> None:
         self.layout = layout
@@ -54,7 +59,7 @@ class Arms:
         self.direction = (layout.arm_tip - self._centre) / self._length[:, None]
         self._spacing = layout.spacing_mm
         self.last = lead_nowhere(layout, self._centre, self.direction)
-        self._at_centres, self._at_tips = space.locate(layout.centres), space.locate(layout.arm_tip)
+        self.at_centres, self._at_tips = space.locate(layout.centres), space.locate(layout.arm_tip)
         self._room = _to_held(layout)
         self._pins = held_points(layout)
 
@@ -67,7 +72,7 @@ class Arms:
         kappa : (S,) or more, 1/mm, natural curvature of the stars.
         """
         star, length = self.layout.arm_star, self._length
-        centre, tip = smooth_surface(self._at_centres, x), smooth_surface(self._at_tips, x)
+        centre, tip = smooth_surface(self.at_centres, x), smooth_surface(self._at_tips, x)
         stretch = np.linalg.norm(np.einsum("ai,aic->ac", self.direction, tip.tangents), axis=1)
         further = np.clip((1.0 - stretch) * length, 0.0, ROOM * self._room)
         out = (further / np.maximum(stretch, NOTHING))[:, None] * self.direction

@@ -85,7 +85,7 @@ def height_doubts(preview: Preview, shape: Shape, up: Floats, factor: Factor) ->
     ends = [int(height.argmax()), int(height.argmin())]
     pull, push = (point_load(sheet.space, point, up) for point in shape.printed[ends])
     apart = compliance(preview.shell, found.x, factor, pull - push)
-    surface = smooth_surface(sheet.space.locate(sheet.layout.centres), found.x)
+    surface = smooth_surface(sheet.arms.at_centres, found.x)
     return HeightDoubts(
         height=shape.height_mm,
         lowest=abs(float(shape.point_fields["bump_mm"][ends[1], 2])),
