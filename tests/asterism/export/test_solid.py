@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import shapely
 import trimesh
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from asterism.export import stl
@@ -113,6 +113,8 @@ def test_nothing_makes_no_solid() -> None:
         stack("stars", [Step(0.2, shapely.Polygon())])
 
 
+@example([(0, 0, 1, 1, 1), (1, 1, 1, 1, 1)])
+@example([(0, 0, 8, 1, 3), (0, 5, 1, 1, 2), (0, 5, 1, 9, 1), (0, -6, 7, 9, 1), (-8, -3, 15, 7, 4)])
 @settings(max_examples=60, deadline=None)
 @given(st.lists(BOXES, min_size=1, max_size=12))
 def test_any_pile_of_boxes_is_watertight(boxes: list[tuple[int, int, int, int, int]]) -> None:
