@@ -22,12 +22,11 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
-from asterism.previewing.held_sheet import held_edges, held_points
+from asterism.previewing.held_sheet import distance_to_held, held_points
 from asterism.previewing.smooth_surface import smooth_surface
 from asterism.previewing.star_arms import lead_nowhere
 from fem.argyris import Argyris
 from pattern.layout import Floats, Layout
-from pattern.planar import distance_to_segment
 
 # part of the bending along an arm that is that of all directions: .13 to .41 in rolled cells
 RIGID = 0.3
@@ -60,7 +59,7 @@ class Arms:
         self._spacing = layout.spacing_mm
         self.last = lead_nowhere(layout, self._centre, self.direction)
         self.at_centres, self._at_tips = space.locate(layout.centres), space.locate(layout.arm_tip)
-        self._room = _to_held(layout)
+        self._room = np.maximum(distance_to_held(layout, layout.arm_tip), NOTHING)
         self._pins = held_points(layout)
 
     def moves(self, x: Floats, kappa: Floats) -> tuple[Floats, Floats]:
@@ -103,11 +102,3 @@ class Arms:
             near *= np.minimum(to_pin, 1.0)[point]
         first, second = (sp.csr_matrix((share * near, arm, pairs.indptr), pairs.shape) for share in (part, part**2))
         return first, second
-
-
-def _to_held(layout: Layout) -> Floats:
-    """(A,) mm from each tip to the nearest place that is held."""
-    held, pins, tips = held_edges(layout), held_points(layout), layout.arm_tip[:, None]
-    start, end = layout.border[held], np.roll(layout.border, -1, axis=0)[held]
-    far = np.hstack([distance_to_segment(tips, start, end), np.linalg.norm(tips - pins, axis=-1)])
-    return np.maximum(far.min(axis=1, initial=np.inf), NOTHING)

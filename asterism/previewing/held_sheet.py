@@ -11,6 +11,7 @@ from fem.conditions import Condition, HeldEdge, HeldPoints, vertices_at
 from fem.placement import affine
 from pattern.design import Design
 from pattern.layout import Floats, Ints, Layout, PinSet
+from pattern.planar import distance_to_segment
 
 
 def held_points(layout: Layout) -> Floats:
@@ -26,6 +27,14 @@ def held_sides(layout: Layout) -> list[tuple[int, ...]]:
 def held_edges(layout: Layout) -> list[int]:
     """Sides of the border that are held, by whatever pin."""
     return [edge for sides in held_sides(layout) for edge in sides]
+
+
+def distance_to_held(layout: Layout, points: Floats) -> Floats:
+    """(n,) mm from printed points (n, 2) to the nearest place that is held; infinite where nothing is."""
+    held, pins, points = held_edges(layout), held_points(layout), np.asarray(points)[:, None]
+    start, end = layout.border[held], np.roll(layout.border, -1, axis=0)[held]
+    far = np.hstack([distance_to_segment(points, start, end), np.linalg.norm(points - pins, axis=-1)])
+    return np.asarray(far.min(axis=1, initial=np.inf))
 
 
 def conditions(layout: Layout, sheet: SheetMesh, mesh: MeshTri, step: int) -> list[Condition]:

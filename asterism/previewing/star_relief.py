@@ -17,6 +17,8 @@ a straight line for stars that curl little. Bent the other way the star loses as
 **Held apart.** A sheet that is held wider than its flat cell is pulled flat. A bump has some length to spare, and what
 is taken of it counts by the square of the height: where lengths are by a part e longer than those of the flat cell,
 the height is that of the free cell times `sqrt(1 - e / APART)`, and nothing from APART on.
+
+**What is held stays** where it is held. The relief grows from there over a quarter of the spacing.
 """
 
 from __future__ import annotations
@@ -34,6 +36,8 @@ TURN = 0.55
 LEAST = 1e-4
 # part by which sheets without bumps are longer
 APART = 0.08
+# distance from what is held, over the spacing, up to which the relief grows
+STAYS = 0.25
 
 
 def relief_heights(
@@ -65,6 +69,11 @@ def relief_heights(
     rim = np.minimum(low + np.clip(_bent(near, curvature, spacing), -most, most) * lower, 0.0)
     rim -= rim_fall(weights, nearest, values, beyond, spacing)
     return np.asarray(stars + (1.0 - stars_share(weights)) * rim)
+
+
+def held_still(far: Floats, spacing: float) -> Floats:
+    """(n,) part of the relief that is left at a distance (n,) mm from where the sheet is held."""
+    return np.minimum(far / (STAYS * spacing), 1.0)
 
 
 def pulled_flat(values: StarValues, weights: sp.csr_matrix, area: Floats) -> Floats:

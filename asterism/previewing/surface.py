@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from asterism.previewing.free_rim import beyond_stars
+from asterism.previewing.held_sheet import distance_to_held
 from asterism.previewing.sheet import Sheet
 from asterism.previewing.smooth_surface import SmoothSurface, smooth_surface
-from asterism.previewing.star_relief import pulled_flat, relief_heights
+from asterism.previewing.star_relief import held_still, pulled_flat, relief_heights
 from asterism.previewing.star_values import StarValues
 from asterism.shape import Shape
 from asterism.surface_fields import cell_fields
@@ -54,6 +55,7 @@ class Lens:
         self.points = np.asarray(points, dtype=float)
         self._waves = waves(self.points - sheet.layout.lattice_origin)
         self._spacing, self._held = sheet.layout.spacing_mm, bool(sheet.layout.pins)
+        self._stays = held_still(distance_to_held(sheet.layout, self.points), self._spacing)
         self._at = sheet.space.locate(self.points)
         self._shares = sheet.cells.shares(self.points)
         self._beyond, self._nearest = beyond_stars(sheet.layout, self.points)
@@ -66,7 +68,7 @@ class Lens:
         weights = self._shares(values.sizes[:, 0])
         curvature = 2.0 * smooth.mean_curvature
         rim = self._beyond, self._nearest
-        heights = relief_heights(self._waves, values, weights, curvature, *rim, self._spacing)
+        heights = self._stays * relief_heights(self._waves, values, weights, curvature, *rim, self._spacing)
         out, lift = self._arms.moves(x, values.value["kappa"])
         heights += self._lifted @ lift
         if self._held:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asterism.mesh_error import diameter
+from asterism.previewing.held_sheet import held_edges, held_points
 from asterism.shape import Shape
 from asterism.surface_fields import border_of
 from asterism.verification.cell_mean import CellMean
@@ -86,6 +87,21 @@ class Comparison:
     def heights_mm(self) -> tuple[float, float]:
         """Extents along z of the whole shapes, bumps and all, as the reference lies."""
         return float(np.ptp(self.reference.positions[:, 2])), float(np.ptp(self.other.positions[:, 2]))
+
+    @cached_property
+    def rises_mm(self) -> tuple[float, float] | None:
+        """From the mean level of what is held to the furthest point on the reference's higher side, bumps and all.
+
+        None where nothing is held, or a single point.
+        """
+        held = _held(self.layout)
+        if len(held) < 2:
+            return None
+        level = self.reference.at(held)[:, 2].mean()
+        own = self.reference.positions[:, 2] - level
+        side = 1.0 if own.max() >= -own.min() else -1.0
+        others = self.other.positions[:, 2] - self.other.at(held)[:, 2].mean()
+        return float((side * own).max()), float((side * others).max())
 
     @cached_property
     def mean_heights_mm(self) -> tuple[float, float]:
@@ -184,6 +200,13 @@ def compare(reference: Shape, other: Shape, layout: Layout, symmetries: Sequence
         diameter(reference.positions),
         np.linalg.norm(mean(reference.printed) - reference.printed, axis=1) < WHOLE * layout.spacing_mm,
     )
+
+
+def _held(layout: Layout) -> Floats:
+    """(n, 2) mm, printed points that are held, and the ends of held sides."""
+    sides = np.array(held_edges(layout), dtype=np.int64)
+    ends = np.unique(np.concatenate([sides, (sides + 1) % len(layout.border)]))
+    return np.concatenate([held_points(layout), layout.border[ends]])
 
 
 def image(shape: Shape, symmetry: Symmetry) -> Shape:

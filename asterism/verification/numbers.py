@@ -15,7 +15,7 @@ FORM_PERCENT = 2.5
 def numbers(comparison: Comparison) -> dict[str, Any]:
     """Entries of summary.json; errors are those of the other shape against the reference, None where not defined."""
     reference, other = comparison.heights_mm
-    radii, volumes = comparison.roll_radii_mm, comparison.volumes_mm3
+    radii, volumes, rises = comparison.roll_radii_mm, comparison.volumes_mm3, comparison.rises_mm
     return {
         "rms_percent": comparison.rms_percent,
         "max_percent": comparison.max_percent,
@@ -26,6 +26,8 @@ def numbers(comparison: Comparison) -> dict[str, Any]:
         "mean_height_error_percent": _relative(*comparison.mean_heights_mm),
         "heights_mm": [reference, other],
         "relief_error_percent": comparison.relief_error_percent,
+        "rise_error_percent": None if rises is None else _relative(*rises),
+        "rises_mm": None if rises is None else list(rises),
         "volume_error_percent": None if volumes is None else _relative(*volumes),
         "volumes_mm3": None if volumes is None else list(volumes),
         "roll_radius_error_percent": None if radii is None else _relative(*radii),

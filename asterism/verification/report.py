@@ -64,11 +64,13 @@ def _how(s: Mapping[str, Any]) -> str:
 
 def _headline(s: Mapping[str, Any]) -> dict[str, str]:
     radius = s["roll_radius_error_percent"]
+    rise = s["rise_error_percent"]
     return {
         "distance of the surfaces, rms": _percent(s["rms_percent"], 2),
         "largest distance": _percent(s["max_percent"], 1),
         "distance of star centres, rms": _percent(s["rms_stars_percent"], 2),
         "height of the preview, against the exact one": _signed(s["height_error_percent"]),
+        **({} if rise is None else {"rise over what is held, against the exact one": _signed(rise)}),
         **({} if radius is None else {"radius of the preview's roll, against the exact one": _signed(radius)}),
         **_mesh(s["mesh_error_percent"], s["mesh_change_percent"]),
         "faster than the exact model": f"{s['speedup']:.0f} ×",
@@ -117,6 +119,8 @@ def _pictures(found: Verification) -> list[str]:
 
 def _numbers(s: Mapping[str, Any]) -> list[list[str]]:
     rows = [["height, mm", *_pair(s["heights_mm"], 1), _signed(s["height_error_percent"])]]
+    if s["rises_mm"] is not None:
+        rows.append(["rise over what is held, mm", *_pair(s["rises_mm"], 1), _signed(s["rise_error_percent"])])
     if s["roll_radii_mm"] is not None:
         rows.append(["radius of the roll, mm", *_pair(s["roll_radii_mm"], 1), _signed(s["roll_radius_error_percent"])])
     if s["volumes_mm3"] is not None:

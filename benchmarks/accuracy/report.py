@@ -23,8 +23,8 @@ HEIGHT_FAR = 6.0  # % of the height, and more is a miss
 LOGARITHMIC = ("softness", "expected")
 HEADER = [
     "design", "stars", "down", "held", "rms %", "largest %", "star centres %", "height %",
-    "expected height %", "mean height %", "roll radius %", "normals deg", "same form", "expected %", "exact shape",
-    "warnings",
+    "expected height %", "mean height %", "rise %", "roll radius %", "normals deg", "same form", "expected %",
+    "exact shape", "warnings",
 ]  # fmt: skip
 
 
@@ -46,6 +46,7 @@ def row(r: dict[str, Any]) -> list[str]:
         _signed(r["height_error_percent"]),
         _number(r.get("expected_height_percent"), 1),
         _signed(r.get("mean_height_error_percent")),
+        _signed(r.get("rise_error_percent")),
         _signed(r["roll_radius_error_percent"]),
         f"{r['normals_rms_deg']:.1f}",
         "yes" if r["same_branch"] else "no",
@@ -61,11 +62,15 @@ def totals(rows: list[dict[str, Any]]) -> str:
     heights, means = _known(rows, "height_error_percent"), _known(rows, "mean_height_error_percent")
     radii = _known(rows, "roll_radius_error_percent")
     expected = [r for r in rows if r["expected_rms_percent"] is not None]
+    rises = _known(rows, "rise_error_percent")
+    free = _known([r for r in rows if r.get("rise_error_percent") is None], "height_error_percent")
     lines = [
         ["rms distance, median", "at most 1.0 %", f"{np.median(rms):.2f} %"],
         ["rms distance, nine in ten", "at most 2.5 %", f"{np.quantile(rms, 0.9):.2f} %"],
         ["height, bumps included", "within 6 %", _within(heights, 6.0)],
         ["height of the cell means", "within 6 %", _within(means, 6.0)],
+        ["rise of held sheets over what holds them", "within 6 %", _within(rises, 6.0)],
+        ["rise of held sheets, height of free ones", "within 6 %", _within(np.concatenate([rises, free]), 6.0)],
         ["radius of the roll", "within 6 %", _within(radii, 6.0)],
         [
             "stars' bumps: distance over their size",

@@ -199,6 +199,17 @@ def test_a_held_border_is_where_it_is_held() -> None:
     assert places == pytest.approx(np.column_stack([0.74 * rim, np.zeros(len(rim))]), abs=1e-9)
 
 
+@pytest.mark.parametrize("pin", [{"edges": [0, 1, 2, 3, 4, 5]}, {"points_mm": [[20.0, 0.0], [-10.0, 17.0]]}])
+def test_bumps_leave_what_is_held_in_its_place(pin: dict[str, Any]) -> None:
+    stars = {"length_mm": 8.0, "thickness_mm": 0.3}
+    preview = Preview(design(stars=stars, border={"rings": 1}, pins=[pin | {"scale": 0.78}]))
+    border = preview.sheet.layout.border
+    held = np.array(pin.get("points_mm") or np.concatenate([border, 0.5 * (border + np.roll(border, 1, axis=0))]))
+    found = preview.at(held)
+    assert found.bumpy == pytest.approx(np.column_stack([0.78 * held, np.zeros(len(held))]), abs=1e-9)
+    assert np.abs(preview.at(0.7 * border).bumps[:, 2]).max() > 0.1
+
+
 @pytest.mark.parametrize(("slide", "held"), [(None, [0, 1, 2]), ("z", [0, 1]), ("plane", [2])])
 def test_pins_hold_what_they_say(slide: str | None, held: list[int]) -> None:
     points = [[-50.0, 0.0], [50.0, 0.0], [0.0, 60.0]]

@@ -138,3 +138,30 @@ def test_radius_of_a_tube(radius, turn):
     angle, along = turn * (rng.random(60) - 0.5), 40.0 * rng.random(60)
     points = np.column_stack([along, radius * np.sin(angle), radius * np.cos(angle)])
     assert tube_radius(points @ Rotation.random(rng=rng).as_matrix().T + 7.0) == pytest.approx(radius, rel=1e-6)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_rise_counts_from_what_is_held_whatever_hangs_below_or_beside_it(side):
+    """A vault on two sides, which lie 2 mm high, with a dent of 1 mm at a corner that is free."""
+    of = design(pins=[{"edges": [0, 3], "scale": 0.8, "offset_mm": [0.0, 0.0, 2.0]}])
+    border = layout(of).border
+    across = border[0] + border[1]
+    across /= across @ border[0]
+
+    def place(rise):
+        def at(points):
+            dent = np.maximum(1.0 - np.linalg.norm(points - border[2], axis=1) / 5.0, 0.0)
+            vault = rise * (1.0 - (points @ across) ** 2)
+            return np.column_stack([points, 2.0 + side * (vault - (rise + 1.0) * dent)])
+
+        return at
+
+    found = compared(of, shape(of, place(5.0)), shape(of, place(5.5)))
+    assert found.rises_mm == pytest.approx((5.0, 5.5), abs=0.06)
+    assert found.heights_mm == pytest.approx((6.0, 6.5), abs=0.06)
+
+
+@pytest.mark.parametrize("pins", [[], [{"points_mm": [[0.0, 0.0]], "scale": 0.8}]])
+def test_what_is_held_nowhere_or_at_one_point_has_no_rise(pins):
+    of = design(pins=pins)
+    assert compared(of, shape(of, lumpy), shape(of, lumpy)).rises_mm is None
