@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from scipy.interpolate import CloughTocher2DInterpolator, LinearNDInterpolator, NearestNDInterpolator
 
+from discrete.between_vertices import between_vertices
 from discrete.elements import Array
 from discrete.model import Model
 from discrete.state import State, tangents
@@ -20,7 +18,7 @@ def prolonged(coarse: Model, state: State, fine: Model) -> State:
     still shortens the arms where they bend, so the positions are put together again from its gradients, with every
     rod edge as long as printed.
     """
-    return fitted(fine, _interpolated(coarse, state, fine, CloughTocher2DInterpolator))
+    return fitted(fine, _between(coarse, state, fine, smooth=True))
 
 
 def fitted(model: Model, surface: Array) -> State:
@@ -34,23 +32,14 @@ def fitted(model: Model, surface: Array) -> State:
 
 def flatly_prolonged(coarse: Model, state: State, fine: Model) -> State:
     """The fine model's state on the coarse triangles themselves: parts that were apart stay apart, about."""
-    positions = _interpolated(coarse, state, fine, LinearNDInterpolator)
+    positions = _between(coarse, state, fine, smooth=False)
     return State(positions, plastic_normals(fine, positions))
 
 
-def _interpolated(coarse: Model, state: State, fine: Model, interpolator: Any) -> Array:
-    points = fine.mesh.points
-    smooth = interpolator(coarse.mesh.points, state.positions, rescale=True)(points)
-    outside = np.isnan(smooth).any(axis=1)
-    if outside.any():
-        nearest = NearestNDInterpolator(coarse.mesh.points, state.positions - _lifted(coarse.mesh.points))
-        smooth[outside] = nearest(points[outside]) + _lifted(points[outside])
-    held = fine.constraints.held
-    return np.where(held, fine.constraints.places(fine.release), smooth)
-
-
-def _lifted(points: Array) -> Array:
-    return np.column_stack([points, np.zeros(len(points))])
+def _between(coarse: Model, state: State, fine: Model, smooth: bool) -> Array:
+    mesh = coarse.mesh
+    places = between_vertices(mesh.points, mesh.triangles, state.positions, fine.mesh.points, smooth)
+    return np.where(fine.constraints.held, fine.constraints.places(fine.release), places)
 
 
 def plastic_normals(model: Model, positions: Array) -> Array:

@@ -24,8 +24,13 @@ def model(edge: float, **changes: object) -> Model:
     return Model(design, plan, mesh_layout(plan, edge))
 
 
-def test_levels_agree_with_one_mesh() -> None:
-    fine = model(1.0)
+# a saw cut
+SLIT = {"polygon_mm": [[-25, -25], [25, -25], [25, -0.05], [3, 0], [25, 0.05], [25, 25], [-25, 25]]}
+
+
+@pytest.mark.parametrize("border", [{"rings": 1}, SLIT])
+def test_levels_agree_with_one_mesh(border: dict[str, object]) -> None:
+    fine = model(1.0, border=border)
     found, levels = find_equilibrium(fine)
     assert [level.vertices for level in levels][-1] == fine.n_vertices
     assert len(levels) == 2 and levels[0].vertices < fine.n_vertices / 2
