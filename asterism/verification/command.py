@@ -69,8 +69,10 @@ def table_lines(s: Mapping[str, Any]) -> list[str]:
     release, near = s["starts"]["release"], s["starts"]["preview"]
     apart = f"two minima, {s['starts_distance_percent']:.1f} % apart"
     agree = "both starts in one minimum" if s["starts_agree"] else apart
+    if not s["exact"]["is_minimum"]:
+        agree = "no minimum"
     rows = {
-        "same form": "yes" if s["same_branch"] else "no",
+        "same form": {True: "yes", False: "no", None: "not known: no certified exact shape"}[s["same_branch"]],
         "distance": f"{s['rms_percent']:.2f} % of the diameter rms, {s['max_percent']:.1f} % at most",
         "expected": "-" if None in expected else "{:.1f} %, height {:.0f} %".format(*expected),
         "star centres": f"{s['rms_stars_percent']:.2f} % rms, {s['max_stars_percent']:.1f} % at most",

@@ -45,6 +45,11 @@ def report(found: Verification) -> str:
 
 
 def _verdict(s: Mapping[str, Any]) -> str:
+    if not s["exact"]["is_minimum"]:
+        return (
+            'The exact model has <span class="bad">not found a shape that is certain to stay</span>: this says nothing '
+            "about the preview. Pictures and numbers show where the exact model stopped."
+        )
     branch = "the same form as" if s["same_branch"] else '<span class="bad">another form</span> than'
     expected = s["expected_rms_percent"]
     told = "" if expected is None else f" It had expected {expected:.1f} %."
@@ -65,6 +70,8 @@ def _how(s: Mapping[str, Any]) -> str:
 def _headline(s: Mapping[str, Any]) -> dict[str, str]:
     radius = s["roll_radius_error_percent"]
     rise = s["rise_error_percent"]
+    if not s["exact"]["is_minimum"]:
+        return {}
     return {
         "distance of the surfaces, rms": _percent(s["rms_percent"], 2),
         "largest distance": _percent(s["max_percent"], 1),
@@ -158,6 +165,8 @@ def _minima(s: Mapping[str, Any]) -> list[list[str]]:
 
 
 def _agreement(s: Mapping[str, Any]) -> str:
+    if not s["exact"]["is_minimum"]:
+        return "Neither start has come to a minimum that is certain to stay."
     if s["starts_agree"]:
         return "Both starts end in the same minimum."
     apart = f"{s['starts_distance_percent']:.1f} % of the diameter apart"

@@ -136,7 +136,9 @@ def _summary(found: Verification, between: Comparison, seconds: dict[str, float]
     return {
         "model": VERIFICATION,
         **numbers(found.comparison),
-        "same_branch": same_branch(found.comparison, found.comparisons[other], between.rms_percent),
+        "same_branch": same_branch(found.comparison, found.comparisons[other], between.rms_percent)
+        if exact["is_minimum"]
+        else None,
         "speedup": seconds["exact_s"] / seconds["preview_again_s"],
         "speedup_cold": seconds["exact_s"] / seconds["preview_s"],
         **seconds,

@@ -20,9 +20,11 @@ FLAT = 1e-3  # part of the diameter: heights that differ by less are those of fl
 def warnings(found: Verification) -> list[str]:
     """One line each."""
     preview, exact = found.preview.summary, found.exact[found.result].summary
+    own = [*map(str, preview.get("warnings", [])), *_exact_shape(exact)]
+    if not exact["is_minimum"]:  # nothing to hold the preview against
+        return own
     return [
-        *map(str, preview.get("warnings", [])),
-        *_exact_shape(exact),
+        *own,
         *_far(found.comparison, preview.get("expected_rms_percent")),
         *_high(found.comparison, preview.get("expected_height_percent")),
         *_meshes(exact, preview.get("law", {}).get("edge_mm"), found.comparison.rms_percent),

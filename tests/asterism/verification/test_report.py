@@ -20,6 +20,7 @@ from asterism.read_shape import read_shape
 from asterism.results import write_results
 from asterism.simulation import simulate
 from asterism.verification import run
+from asterism.verification.command import table_lines
 from asterism.verification.report import report
 from asterism.verification.results import write_verification
 from asterism.verification.run import Verification, verify
@@ -159,6 +160,22 @@ def test_page_says_that_the_form_is_another_one(found, monkeypatch):
     monkeypatch.setattr("asterism.verification.report._pictures", lambda _: [])  # they take seconds
     text = report(replace(found, summary=found.summary | {"same_branch": False}))
     assert 'The preview shows <span class="bad">another form</span> than the exact model, ' in text
+
+
+def test_nothing_is_said_against_a_preview_where_the_exact_model_has_failed(found, monkeypatch):
+    """However far from it the exact model stopped."""
+    failed = found.exact["release"]
+    failed = replace(failed, positions=3.0 * failed.positions, summary=failed.summary | {"is_minimum": False})
+    bold = replace(found.preview, summary=found.preview.summary | {"expected_rms_percent": 0.1})
+    lost = run.verify(OF, shown=lambda _: bold, released=failed, near=failed)
+    assert lost.summary["same_branch"] is None
+    assert lost.summary["warnings"] == [*bold.summary["warnings"], "the exact shape is not certified to be a minimum"]
+    lines = "\n".join(table_lines(lost.summary | {"expected_height_percent": None}))
+    assert "not known: no certified exact shape" in lines and "no minimum; " in lines
+    monkeypatch.setattr("asterism.verification.report._pictures", lambda _: [])  # they take seconds
+    text = report(lost)
+    assert "not found a shape that is certain to stay" in text and "The preview shows" not in text
+    assert '<div class="tile">' not in text and "Neither start has come to a minimum" in text
 
 
 @pytest.mark.parametrize(
