@@ -25,6 +25,7 @@ from scipy.spatial import cKDTree
 from asterism.previewing.held_sheet import distance_to_held, held_points
 from asterism.previewing.smooth_surface import smooth_surface
 from asterism.previewing.star_arms import lead_nowhere
+from equilibrium.compiled import loop
 from fem.argyris import Argyris
 from pattern.layout import Floats, Layout
 
@@ -86,19 +87,42 @@ class Arms:
     def beside(self, points: Floats) -> tuple[sp.csr_matrix, sp.csr_matrix]:
         """(n, A) each: by how much of its tip's moves, outwards and lifted, each arm takes along points (n, 2)."""
         reach = 0.5 * self._length.max() + REACH * BEYOND * self._spacing
-        tree = cKDTree(self._centre + 0.5 * self._length[:, None] * self.direction)
-        pairs = cKDTree(points).sparse_distance_matrix(tree, reach, output_type="coo_matrix").tocsr()
-        point, arm = np.repeat(np.arange(len(points)), np.diff(pairs.indptr)), pairs.indices
-        offset = points.take(point, axis=0) - self._centre.take(arm, axis=0)  # many times faster than by index
-        dx, dy = self.direction.T.take(arm, axis=1)
-        along, aside = offset[:, 0] * dx + offset[:, 1] * dy, offset[:, 1] * dx - offset[:, 0] * dy
-        part = np.clip(along / self._length[arm], 0.0, 1.0)
-        beyond = np.maximum(along - self._length[arm], 0.0)
-        square = ((aside / BESIDE) ** 2 + (beyond / BEYOND) ** 2) / self._spacing**2
-        near = np.exp(ROUND - np.sqrt(ROUND**2 + square))
-        near *= np.maximum(1.0 - np.sqrt(aside**2 + beyond**2) / self._room[arm], 0.0)
+        to_pin = np.full(len(points), np.inf)
         if len(self._pins):
             to_pin = cKDTree(self._pins).query(points)[0] / (BESIDE * self._spacing)
-            near *= np.minimum(to_pin, 1.0)[point]
-        first, second = (sp.csr_matrix((share * near, arm, pairs.indptr), pairs.shape) for share in (part, part**2))
+        middle = self._centre + 0.5 * self._length[:, None] * self.direction
+        arms = middle, self._centre, self.direction, self._length, self._room
+        widths = BESIDE * self._spacing, BEYOND * self._spacing, reach
+        given = np.ascontiguousarray(points), np.minimum(to_pin, 1.0), *arms, *widths
+        ends, arm, share = np.zeros(len(points) + 1, dtype=np.int32), np.empty(0, dtype=np.int32), np.empty((2, 0))
+        _follow(*given, ends, arm, share)
+        arm, share = np.empty(ends[-1], dtype=np.int32), np.empty((2, ends[-1]))
+        _follow(*given, ends, arm, share)
+        first, second = (sp.csr_matrix((one, arm, ends), (len(points), len(self._length))) for one in share)
         return first, second
+
+
+@loop
+def _follow(  # type: ignore[no-untyped-def]
+    points, to_pin, middle, centre, direction, length, room, beside, beyond, reach, ends, arm, share
+):
+    """Rows of arms whose middle is within reach of each point: ends (n + 1,), arm (m,) and share (2, m).
+
+    The shares are those of `Arms.beside`; without room for any it only counts.
+    """
+    k = 0
+    for p in range(points.shape[0]):
+        for a in range(length.shape[0]):
+            x, y = points[p, 0] - middle[a, 0], points[p, 1] - middle[a, 1]
+            if x * x + y * y > reach * reach:
+                continue
+            if arm.size:
+                x, y = points[p, 0] - centre[a, 0], points[p, 1] - centre[a, 1]
+                along = x * direction[a, 0] + y * direction[a, 1]
+                aside = y * direction[a, 0] - x * direction[a, 1]
+                part, ahead = min(max(along / length[a], 0.0), 1.0), max(along - length[a], 0.0)
+                near = np.exp(ROUND - np.sqrt(ROUND**2 + (aside / beside) ** 2 + (ahead / beyond) ** 2))
+                near *= max(1.0 - np.sqrt(aside * aside + ahead * ahead) / room[a], 0.0) * to_pin[p]
+                arm[k], share[0, k], share[1, k] = a, part * near, part * part * near
+            k += 1
+        ends[p + 1] = k
