@@ -26,9 +26,9 @@ from benchmarks.report import markdown, write_report
 from fem.density import isotropic
 from fem.linear_response import linear_response
 from fem.mixed_newton import mixed_newton
-from fem.seeds import starts
 from fem.shell import ORDER, Shell
 from fem.solve import TOLERANCE, follow
+from fem.starts import starts
 from pattern import gallery
 from pattern.design import Design
 

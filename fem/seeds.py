@@ -1,4 +1,4 @@
-"""Where to start: simple shapes that suit the fields, the cheapest first.
+"""Where to start: simple shapes that suit the fields.
 
 A sheet whose rest metric has the Gaussian curvature `K = -lap(ln lambda)/lambda^2` keeps its lengths where its
 principal curvatures have that product. Among those, plates of Poisson's ratio nu bend least where their sum is
@@ -9,24 +9,19 @@ curvature itself. The side is by the sign of kappa. Sheets too large for their f
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from equilibrium.factor import Factor
-from fem.directions import apart, hollows
 from fem.shapes import Shape
 from fem.shell import Shell
-from fem.slide import Frame, Start
 from fem.tabulation import Floats
 
 Side = Literal["auto", "up", "down"]
 
 DIRECTIONS = 12  # of arcs: the six axes of a lattice and those between them
 FLAT = 1e-2  # Gaussian curvature times size squared that is none
-HOPELESS = 20.0  # over what a flat sheet stores: a guess that is dearer than the best by so much is left out
 TURN = 6.0  # radians from end to end: guesses that turn further would pass through themselves
 TURN_ACROSS = 2.0
 
@@ -121,64 +116,3 @@ def _arc_angle(ratio: float) -> float:
         middle = 0.5 * (low + high)
         low, high = (middle, high) if np.sinc(middle / np.pi) > ratio else (low, middle)
     return low
-
-
-def starts(
-    shell: Shell,
-    factor: Factor,
-    side: Side = "auto",
-    candidates: list[Shape] | None = None,
-    turns: Sequence[Floats] = (),
-) -> tuple[list[Start], list[Start]]:
-    """The best guess of every kind, and the best one in other directions; all meet the conditions.
-
-    Both with the lowest energy first. `turns`: see `fem.directions.apart`. Guesses that cost far more than the best one
-    are not moved within themselves any further, or left out.
-    """
-    wants = trends(shell)
-    size = float(np.ptp(shell.space.mesh.p, axis=1).max())
-    frame = Frame(shell, factor, wants.centre, wants.stretch)
-    families: dict[tuple[str, float, float], list[Shape]] = {}
-    for shape in shapes(wants, size, side) if candidates is None else candidates:
-        families.setdefault((shape.name, shape.curvature, shape.across), []).append(shape)
-    offered: list[Start] = []
-    others: dict[Shape, list[Shape]] = {}
-    known: dict[int, int] = {}
-    for family in families.values():
-        shape, more = family[0], []
-        if len(family) > 1 and shell.is_free:
-            shape, *more = hollows(shell, wants.stretch, family)
-        elif len(family) > 1:
-            # families that differ in their curvatures alone have the same best direction
-            if len(family) not in known:
-                known[len(family)] = _best_held(frame, family)
-            shape = family[known[len(family)]]
-        offered.append(frame.bent(shape))
-        others[shape] = more
-    gain = shell.energies(shell.held(shell.flat))["sheet"]  # no shape can save more
-    best: dict[str, Start] = {}
-    least = np.inf
-    for start in sorted(offered, key=_energy):
-        if _energy(start) - least > HOPELESS * gain:
-            break
-        slid = frame.slid(start, least)
-        least = min(least, _energy(slid))
-        if slid.shape.name not in best or _energy(slid) < _energy(best[slid.shape.name]):
-            best[slid.shape.name] = slid
-    kinds = sorted(best.values(), key=_energy)
-    first = kinds[0].shape
-    turned = [frame.slid(frame.bent(shape)) for shape in apart(first, others[first], turns)]
-    return kinds, sorted(turned, key=_energy)
-
-
-def _energy(start: Start) -> float:
-    return start.energy if np.isfinite(start.energy) else np.inf
-
-
-def _best_held(frame: Frame, family: list[Shape]) -> int:
-    """Of held shapes whose angles go round evenly: every other one is tried, then the neighbours of the best."""
-    energies = {number: _energy(frame.bent(family[number])) for number in range(0, len(family), 2)}
-    best = min(energies, key=energies.__getitem__)
-    for number in ((best - 1) % len(family), (best + 1) % len(family)):
-        energies[number] = _energy(frame.bent(family[number]))
-    return min(energies, key=energies.__getitem__)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -31,7 +32,7 @@ class Frame:
 
     Parameters
     ----------
-    factor : is left with the flat sheet's stiffness.
+    factor : is left with the flat sheet's stiffness once that was asked for.
     centre, stretch : of the plane, see `fem.shapes.similar`.
     """
 
@@ -40,10 +41,15 @@ class Frame:
         self._plane = similar(centre, stretch)
         self._located: dict[bytes, Evaluation] = {}
         self._bent: dict[Shape, Start] = {}
+
+    @cached_property
+    def _ready(self) -> bool:
+        """Whether the factor holds the flat sheet's stiffness; asked for before every use."""
+        shell = self._shell
         data = shell.flat_stiffness.copy()
         diagonal = shell.pattern.diagonal
         data[diagonal[shell.support(shell.flat)]] += STOP * data[diagonal].max()
-        self._ready = factor.factorise(data)
+        return self._factor.factorise(data)
 
     def bent(self, shape: Shape) -> Start:
         """A shape as the conditions hold it."""

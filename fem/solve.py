@@ -14,10 +14,11 @@ from equilibrium.soft_modes import soft_modes as softest
 from equilibrium.solve import Run, Settled, held_definite, settle
 from fem.evidence import ShellEquilibrium, Trial
 from fem.mixed_newton import mixed_newton
-from fem.seeds import Side, starts
+from fem.seeds import Side
 from fem.shapes import Shape
 from fem.shell import Shell
 from fem.slide import Start
+from fem.starts import starts
 from fem.tabulation import Floats
 
 TOLERANCE = 1e-11  # of the gradient, over the sheet's membrane stiffness times its size
