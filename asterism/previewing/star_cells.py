@@ -17,11 +17,11 @@ from functools import cached_property, partial
 
 import numpy as np
 import scipy.sparse as sp
-import shapely
 
-from equilibrium.compiled import loop
+from asterism.previewing.cell_grid import OFF, CellGrid
+from equilibrium.compiled import formula, loop
 from pattern.lattice import Lattice
-from pattern.layout import Floats, Ints, Layout
+from pattern.layout import Floats, Layout
 
 # widths of the Gaussian over the spacing of the stars: a cell's own standard deviation is .26 of it
 WIDTH, NARROW = 0.2, 0.08
@@ -31,8 +31,6 @@ SHORT, LONG = 0.29, 0.55
 FINENESS, REACH = 20, 3.0
 # stars that may share a place
 MOST = 24
-# weight of a place off the sheet: only in tongues narrower than the grid does it count
-OFF = 1e-6
 
 
 class Shares:
@@ -96,19 +94,8 @@ class StarCells:
         self._widths = widths[0] * lattice.spacing_mm, widths[1] * lattice.spacing_mm
         self.width_mm = self._widths[0]
         self._stars = len(layout.centres)
-        self._step = min(lattice.spacing_mm / FINENESS, self._widths[1] / 1.5)
-        margin = (np.ceil(REACH * self.width_mm / self._step) + 1) * self._step
-        low, high = layout.border.min(axis=0) - margin, layout.border.max(axis=0) + margin
-        # from the middle between two points a star and its mirrored image see the same grid
-        middle = np.asarray(lattice.origin_mm) + 0.5 * self._step
-        self._origin = low = middle + self._step * np.floor((low - middle) / self._step)
-        counts = np.ceil((high - low) / self._step).astype(int) + 1
-        grid = low + self._step * np.stack(np.meshgrid(*map(np.arange, counts), indexing="ij"), axis=-1)
-        self._owner = _owners(grid.reshape(-1, 2), layout, lattice).reshape(counts)
-        sheet = shapely.polygons(layout.border)
-        shapely.prepare(sheet)
-        self._count = np.where(shapely.contains_xy(sheet, grid.reshape(-1, 2)), 1.0, OFF).reshape(counts)
-        self._ends = _ends(self._owner, self._count)
+        step = min(lattice.spacing_mm / FINENESS, self._widths[1] / 1.5)
+        self._grid = CellGrid(layout, lattice, step, REACH * self.width_mm)
 
     def shares(self, points: Floats) -> Shares:
         """Of the stars at printed points (n, 2) mm."""
@@ -116,13 +103,26 @@ class StarCells:
 
     def _weights(self, points: Floats, width: float) -> sp.csr_matrix:
         """(n, S) share of each star."""
-        place = (np.asarray(points, dtype=float) - self._origin) / self._step
+        grid = self._grid
+        place = (np.asarray(points, dtype=float) - grid.origin) / grid.step
         star, share = np.empty(len(place) * MOST, dtype=np.int32), np.empty(len(place) * MOST)
         ends = np.zeros(len(place) + 1, dtype=np.int32)
-        reach = int(np.ceil(REACH * width / self._step))
-        _gather(place, self._owner, self._count, self._ends, reach, self._step / width, self._stars, star, share, ends)
+        reach = int(np.ceil(REACH * width / grid.step))
+        own = grid.owner, grid.count, grid.ends
+        _gather(place, *own, reach, grid.step / width, self._stars, star, share, ends)
         star, share = star[: ends[-1]].copy(), share[: ends[-1]].copy()
         return sp.csr_matrix((share, star, ends), shape=(len(place), self._stars))
+
+
+@formula
+def _bell(start, step, out):  # type: ignore[no-untyped-def]
+    """exp(-r^2/2) at evenly spaced r: ratios of neighbours have one ratio."""
+    value, ratio = np.exp(-0.5 * start * start), np.exp(-step * (start + 0.5 * step))
+    turn = np.exp(-step * step)
+    for k in range(out.size):
+        out[k] = value
+        value *= ratio
+        ratio *= turn
 
 
 @loop
@@ -136,9 +136,10 @@ def _gather(place, owner, count, ends, reach, step, stars, star, share, rows):  
     for p in range(place.shape[0]):
         for a in range(2):
             first[a] = min(max(int(np.rint(place[p, a])), reach), owner.shape[a] - reach - 1) - reach
+        _bell((first[0] - place[p, 0]) * step, step, across)
+        _bell((first[1] - place[p, 1]) * step, step, along[1:])
         for k in range(size):
-            across[k] = np.exp(-0.5 * ((first[0] + k - place[p, 0]) * step) ** 2)
-            along[k + 1] = along[k] + np.exp(-0.5 * ((first[1] + k - place[p, 1]) * step) ** 2)
+            along[k + 1] += along[k]
         total, begin, last = 0.0, rows[p], rows[p]
         for i in range(size):
             row, j = first[0] + i, 0
@@ -161,22 +162,3 @@ def _gather(place, owner, count, ends, reach, step, stars, star, share, rows):  
         for k in range(begin, last):
             share[k] /= total
         rows[p + 1] = last
-
-
-def _ends(*grids: Floats | Ints) -> Ints:
-    """Of every grid point, the number along its row of the next point that is different."""
-    shape = grids[0].shape
-    ends = np.full(shape, shape[1])
-    row, column = np.nonzero(np.any([grid[:, 1:] != grid[:, :-1] for grid in grids], axis=0))
-    ends[row, column] = column + 1
-    return np.minimum.accumulate(ends[:, ::-1], axis=1)[:, ::-1].copy()
-
-
-def _owners(points: Floats, layout: Layout, lattice: Lattice) -> Ints:
-    """(n,) the star whose cell holds each point, S for bare fabric."""
-    cells = lattice.nearest(points)
-    own = lattice.nearest(layout.centres)
-    low = cells.min(axis=0)
-    star = np.full(cells.max(axis=0) - low + 1, len(own))
-    star[tuple((own - low).T)] = np.arange(len(own))
-    return star[tuple((cells - low).T)]
