@@ -88,8 +88,8 @@ def _image(moved: Floats, points: cKDTree, near: float) -> Ints | None:
     """(n,) the point onto which each one is moved; None if there is none, or one for two."""
     if points.n == 0:
         return np.empty(0, dtype=np.int64)
-    distance, index = points.query(moved)
-    if distance.max() > near or not np.bincount(index, minlength=points.n).all():
+    index = points.query(moved, distance_upper_bound=near)[1]  # n where there is none
+    if index.max() == points.n or not np.bincount(index, minlength=points.n).all():
         return None
     return np.asarray(index, dtype=np.int64)
 
@@ -99,7 +99,7 @@ def _same_arms(layout: Layout, inner: cKDTree, turn: Floats, shift: Floats, star
     arm = _image(inner.data @ turn.T + shift, inner, near)
     if arm is None or not np.array_equal(layout.arm_star[arm], star[layout.arm_star]):
         return False
-    same_size = all(np.allclose(s[arm], s, rtol=NEAR, atol=0.0) for s in (layout.arm_thickness, layout.arm_width))
+    same_size = all((np.abs(s[arm] - s) <= NEAR * s).all() for s in (layout.arm_thickness, layout.arm_width))
     tips = layout.arm_tip @ turn.T + shift
     return same_size and bool(np.abs(tips - layout.arm_tip[arm]).max(initial=0.0) < near)
 
