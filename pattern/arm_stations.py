@@ -44,7 +44,7 @@ class _Links:
     taken: Ints
 
 
-Border = Callable[[Ints, Ints], tuple[int, Floats] | None]
+Border = Callable[[Ints, Ints], tuple[Ints, Floats]]
 
 
 def arm_stations(layout: Layout, grid: LatticeGrid, border: Border, grading: Grading | None = None) -> Stations:
@@ -54,8 +54,8 @@ def arm_stations(layout: Layout, grid: LatticeGrid, border: Border, grading: Gra
 
     Parameters
     ----------
-    border : for a grid point and a direction, the number of grid edges to the border and the place (mm) of the
-        grid point there; None where the border takes no grid points.
+    border : for the grid points (A, 2) and directions (A, 2) of the arms, the number (A,) of grid edges to the border
+        and the places (A, 2) mm of the grid points there; a number beyond the arm where the border takes none.
     """
     links, centres = _links(layout, grid, border), grid.centres(layout)
     centre, tip, length = layout.centres[layout.arm_star], layout.arm_tip, layout.arm_length
@@ -106,9 +106,9 @@ def _links(layout: Layout, grid: LatticeGrid, border: Border) -> _Links:
             raise MeshError(f"arm {arm} runs through another star")
     count = steps * grid.k
     end = grid.place(start + count[:, None] * step)
-    for arm, edge in enumerate(map(border, start, step)):
-        if edge is not None and edge[0] < count[arm]:
-            count[arm], end[arm] = edge
+    to_border, there = border(start, step)
+    cut = to_border < count
+    count[cut], end[cut] = to_border[cut], there[cut]
     reach = np.linalg.norm(end - centre, axis=1)
     off = (length <= 0) | (count < 1) | (length > reach + ON_LINE * spacing)
     if off.any():

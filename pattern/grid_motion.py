@@ -55,8 +55,7 @@ def moved(
     Pins (P, 2) get the nearest points that are not taken.
     """
     points = _spread(patch, known, places, grading)
-    distance = cKDTree(points[taken]).query(pins)[0]
-    missing = pins[distance > SAME_PLACE_MM]
+    missing = pins[cKDTree(points[taken]).query(pins)[0] > SAME_PLACE_MM] if len(pins) else pins
     if not len(missing):
         return points
     taken, known, places = taken.copy(), known.copy(), places.copy()

@@ -54,21 +54,28 @@ class HexagonBorder:
         ij = np.stack(np.meshgrid(span, span, indexing="ij"), axis=-1).reshape(-1, 2)
         return GridPatch(grid, self.centre + ij[np.abs(ij.sum(axis=1)) <= self.rows])
 
-    def exit(self, start: Ints, step: Ints) -> int:
-        """Number of grid edges from a grid point to the outline, in a direction."""
+    def exit(self, start: Ints, step: Ints) -> Ints:
+        """(n,) number of grid edges from grid points (n, 2) to the outline, in directions (n, 2)."""
         at = start - self.centre
-        faces = [(at[0], step[0]), (at[1], step[1]), (at.sum(), step.sum())]
-        return int(min(self.rows - a * s for a, s in faces if s))
+        faces = np.array([[one[:, 0], one[:, 1], one.sum(axis=1)] for one in (at, step)])
+        left = self.rows - faces[0] * faces[1]
+        return np.asarray(np.where(faces[1] != 0, left, left.max(initial=0)).min(axis=0))
+
+    def on_ring(self, ij: Ints) -> Ints:
+        """(n,) number within the ring of grid points (n, 2) that are on it, and any number of others."""
+        width = 4 * self.rows + 1
+        codes, wanted = ((one - self.centre) @ [width, 1] for one in (self.ring, ij))
+        order = np.argsort(codes)
+        return np.asarray(order[np.minimum(np.searchsorted(codes[order], wanted), len(order) - 1)])
 
     def places(self, layout: Layout, grid: LatticeGrid) -> Floats:
         """Places (6 rows, 2) of the ring: evenly spaced between corners, tips and pins on the border."""
         taken: dict[int, float] = {q * self.rows: float(q * self.rows) for q in range(6)}
         tolerance = ON_LINE * grid.edge_mm * grid.k
         tips = np.flatnonzero(distance_to_outline(layout.arm_tip, layout.border) <= tolerance)
-        starts, steps = grid.centres(layout)[layout.arm_star], grid.directions(layout)
-        number = {(*ij,): k for k, ij in enumerate(self.ring.tolist())}
-        for arm in tips:
-            station = number[(*(starts[arm] + self.exit(starts[arm], steps[arm]) * steps[arm]).tolist(),)]
+        starts, steps = grid.centres(layout)[layout.arm_star[tips]], grid.directions(layout)[tips]
+        stations = starts + self.exit(starts, steps)[:, None] * steps
+        for arm, station in zip(tips, self.on_ring(stations).tolist(), strict=True):
             self._take(taken, station, self._along(layout.arm_tip[arm]))
         for pin in layout.pins:
             points = np.asarray(pin.points, dtype=float).reshape(-1, 2)

@@ -8,19 +8,16 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array, csr_array, diags_array
-from scipy.sparse.linalg import splu
 
 from pattern.errors import MeshError
 from pattern.layout import Floats, Ints, Layout
 from pattern.planar import cross
+from pattern.springs import means_of_neighbours
 
 # the six directions of the grid in its own coordinates, counterclockwise
 DIRECTIONS = np.array([[1, 0], [0, 1], [-1, 1], [-1, 0], [0, -1], [1, -1]])
 # how far from a grid line counts as on it, in lattice distances
 ON_LINE = 1e-6
-# weight that keeps what is connected to no known point where it is; too small to matter elsewhere
-HOLD = 1e-9
 
 
 @dataclass(frozen=True)
@@ -107,6 +104,12 @@ class GridPatch:
         shifted = np.where(known[..., None], shifted, 0)
         return np.where(known, self.table[shifted[..., 0], shifted[..., 1]], -1)
 
+    @cached_property
+    def _ahead(self) -> Ints:
+        """(3, n) the neighbours of all points in the first three directions, -1 for those outside."""
+        at = (self.ij - self.low).T
+        return np.array([self.table[at[0] + i, at[1] + j] for i, j in DIRECTIONS[:3].tolist()])
+
     def paths(self, lines: Sequence[Ints]) -> list[Ints]:
         """Numbers of the grid points of each line (n, 2), all at once."""
         if not lines:
@@ -115,15 +118,13 @@ class GridPatch:
 
     def triangles(self) -> Ints:
         """Triangles (T, 3), counterclockwise, all of whose corners are in the patch."""
-        corners = np.concatenate(
-            [np.stack([self.index(self.ij + DIRECTIONS[q]) for q in pair], axis=1) for pair in ((0, 1), (1, 2))]
-        )
-        own = np.tile(np.arange(len(self.ij)), 2)
-        return np.column_stack([own, corners])[(corners >= 0).all(axis=1)]
+        own, ahead = np.arange(len(self.ij)), self._ahead
+        triangles = np.concatenate([np.column_stack([own, ahead[q], ahead[q + 1]]) for q in (0, 1)])
+        return triangles[triangles.min(axis=1) >= 0]
 
     def edges(self) -> Ints:
         """Pairs (E, 2) of neighbouring grid points in the patch."""
-        ends = np.concatenate([self.index(self.ij + step) for step in DIRECTIONS[:3]])
+        ends = self._ahead.ravel()
         own = np.tile(np.arange(len(self.ij)), 3)
         return np.column_stack([own, ends])[ends >= 0]
 
@@ -132,15 +133,5 @@ class GridPatch:
 
         The mean is weighted with `stiff` (E,), one for every edge, if that is given.
         """
-        n = len(self.ij)
         edges = self.edges()
-        adjacent = coo_array((np.ones(len(edges)) if stiff is None else stiff, edges.T), shape=(n, n)).tocsr()
-        adjacent = csr_array(adjacent + adjacent.T)
-        free = np.flatnonzero(~known)
-        result = np.where(known[:, None], values, 0.0)
-        if len(free):
-            laplacian = diags_array(adjacent.sum(axis=1) + HOLD, format="csr") - adjacent
-            rows = csr_array(laplacian)[free]
-            factor = splu(rows[:, free].tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
-            result[free] = factor.solve(-(rows @ result))
-        return result
+        return means_of_neighbours(edges, np.ones(len(edges)) if stiff is None else stiff, known, values)

@@ -57,11 +57,10 @@ def aligned_mesh(layout: Layout, edge_mm: float, graded: bool = False, draft: bo
 def _hexagon_mesh(layout: Layout, grid: LatticeGrid, hexagon: HexagonBorder, grading: Grading | None = None) -> Mesh:
     """The grid hexagon with its own connectivity, moved onto the border."""
     outline = hexagon.places(layout, grid)
-    place_of = {(*ij,): k for k, ij in enumerate(hexagon.ring.tolist())}
 
-    def border(start: Ints, step: Ints) -> tuple[int, Floats]:
+    def border(start: Ints, step: Ints) -> tuple[Ints, Floats]:
         count = hexagon.exit(start, step)
-        return count, outline[place_of[(*(start + count * step).tolist(),)]] if count >= 0 else outline[0]
+        return count, outline[hexagon.on_ring(start + count[:, None] * step)]
 
     stations = arm_stations(layout, grid, border, grading)
     patch = hexagon.patch(grid)

@@ -7,7 +7,7 @@ import numpy as np
 from pattern.errors import MeshError
 from pattern.layout import Layout
 from pattern.mesh import Mesh
-from pattern.planar import among, polygon_area, triangle_angles, triangle_areas
+from pattern.planar import among, polygon_area, smallest_angle, triangle_areas
 
 MOST_TRIANGLES = 2_000_000
 
@@ -30,15 +30,15 @@ def checked(mesh: Mesh, layout: Layout, smallest_angle_deg: float) -> Mesh:
     total = polygon_area(layout.border)
     if areas.min() <= 0 or abs(areas.sum() - total) > 1e-6 * total:
         raise MeshError("the mesh does not fill the sheet without overlaps")
-    angle = float(triangle_angles(mesh.points, mesh.triangles).min())
+    angle = smallest_angle(mesh.points, mesh.triangles)
     if angle < smallest_angle_deg:
         raise MeshError(f"the mesh has an angle of {angle:.1f} degrees, below {smallest_angle_deg:g}")
-    n, t = len(mesh.points), mesh.triangles
-    edges = np.sort(np.concatenate([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]]), axis=1)
+    n, t = len(mesh.points), mesh.triangles.T.astype(np.int64)
+    edges = np.concatenate([n * np.minimum(t[k], t[k - 1]) + np.maximum(t[k], t[k - 1]) for k in range(3)])
     path = np.concatenate([np.zeros(0, dtype=np.int64), *mesh.rods])
     arm = np.repeat(np.arange(len(mesh.rods)), [len(rod) for rod in mesh.rods])
     rods = np.column_stack([path[:-1], path[1:]])[arm[1:] == arm[:-1]]
-    off = ~among(np.sort(rods, axis=1) @ [n, 1], np.sort(edges @ [n, 1]))
+    off = ~among(np.sort(rods, axis=1) @ [n, 1], np.sort(edges))
     if off.any():
         x, y = mesh.points[rods[np.argmax(off), 0]]
         raise MeshError(f"the arm at ({x:.2f}, {y:.2f}) mm is not on edges of the mesh")

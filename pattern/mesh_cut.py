@@ -87,14 +87,11 @@ def _patch_around(layout: Layout, grid: LatticeGrid) -> GridPatch:
 
 def _ends_on_border(layout: Layout, grid: LatticeGrid, tolerance: float) -> Border:
     """For arms that end on the border: their number of edges and their tip."""
-    starts, steps = grid.centres(layout)[layout.arm_star], grid.directions(layout)
+    steps = grid.directions(layout)
     on = distance_to_outline(layout.arm_tip, layout.border) <= tolerance
     count = np.maximum(np.rint(layout.arm_length / np.linalg.norm(steps @ grid.basis, axis=1) * grid.k), 1)
-    ends = {
-        (*starts[arm].tolist(), *steps[arm].tolist()): (int(count[arm]), layout.arm_tip[arm])
-        for arm in np.flatnonzero(on)
-    }
-    return lambda start, step: ends.get((*start.tolist(), *step.tolist()))
+    count = np.where(on, count.astype(np.int64), np.iinfo(np.int64).max)
+    return lambda start, step: (count, layout.arm_tip)
 
 
 def _halved(points: Floats, arms: list[Ints], layout: Layout, edge_mm: float) -> tuple[Floats, list[Ints]]:

@@ -33,6 +33,16 @@ def triangle_angles(points: Floats, triangles: Ints) -> Floats:
     return np.degrees(np.arctan2(np.abs(cross(u, v)), (u * v).sum(axis=-1)))
 
 
+def smallest_angle(points: Floats, triangles: Ints) -> float:
+    """Degrees, the smallest of `triangle_angles`."""
+    x, y = points[:, 0][triangles.T], points[:, 1][triangles.T]
+    along = [(x[k - 1] - x[k], y[k - 1] - y[k]) for k in range(3)]
+    twice = np.abs(along[0][0] * along[1][1] - along[0][1] * along[1][0])
+    dots = [-(u[0] * v[0] + u[1] * v[1]) for u, v in zip(along, (*along[1:], along[0]), strict=True)]
+    most = np.max(dots, axis=0)  # the smallest angle of a triangle has the largest cosine times sides, for one sine
+    return float(np.degrees(np.arctan2(twice, most).min()))
+
+
 def mean_circumcentres(points: Floats, triangles: Ints) -> Floats:
     """Mean (n, 2), weighted by area, of the circumcentres of the triangles at each point.
 
