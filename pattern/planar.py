@@ -75,9 +75,12 @@ def inside(points: Floats, polygon: Floats) -> NDArray[np.bool_]:
 
 def distance_to_segment(points: Floats, a: Floats, b: Floats) -> Floats:
     """Distance of points to segments a-b; the three arrays (..., 2) broadcast."""
-    along = b - a
-    t = ((points - a) * along).sum(axis=-1) / np.maximum((along**2).sum(axis=-1), np.finfo(float).tiny)
-    return np.linalg.norm(points - a - np.clip(t, 0, 1)[..., None] * along, axis=-1)
+    ax, ay = a[..., 0], a[..., 1]
+    along_x, along_y = b[..., 0] - ax, b[..., 1] - ay
+    x, y = points[..., 0] - ax, points[..., 1] - ay
+    t = (x * along_x + y * along_y) / np.maximum(along_x**2 + along_y**2, np.finfo(float).tiny)
+    t = np.minimum(np.maximum(t, 0.0), 1.0)
+    return np.asarray(np.sqrt((x - t * along_x) ** 2 + (y - t * along_y) ** 2))
 
 
 def distance_to_outline(points: Floats, polygon: Floats) -> Floats:
