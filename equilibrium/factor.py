@@ -7,6 +7,7 @@ definite: a Newton step needs to know, and some solvers accept an indefinite mat
 from __future__ import annotations
 
 import copy
+import ctypes
 import functools
 import importlib.metadata
 import importlib.util
@@ -95,6 +96,11 @@ def _mkl_shown() -> Iterator[None]:
         del os.environ[name]
 
 
+def _at(array: Any, kind: Any) -> Any:
+    """Pointer to an array's data, which keeps the array alive."""
+    return array.ctypes.data_as(ctypes.POINTER(kind))
+
+
 class PardisoFactor:
     """MKL PARDISO through pypardiso: Cholesky, stopped by the first pivot that is not positive."""
 
@@ -105,10 +111,12 @@ class PardisoFactor:
         self._solver = copy.copy(_pardiso_library())
         self._solver.pt = np.zeros_like(self._solver.pt)
         self._solver.iparm = np.zeros_like(self._solver.iparm)
-        # the lower triangle by columns is the upper triangle by rows, which is what PARDISO reads
-        self._matrix = sp.csr_matrix(
-            (np.ones(pattern.nnz), pattern.indices, pattern.indptr), shape=(pattern.size, pattern.size)
+        # the lower triangle by columns is the upper triangle by rows, which is what PARDISO reads; it counts from 1
+        self._size = pattern.size
+        self._starts, self._columns = (
+            _at(part.astype(np.int32) + 1, ctypes.c_int32) for part in (pattern.indptr, pattern.indices)
         )
+        self._data = np.ones(pattern.nnz)
         self._solver.set_iparm(1, 1)
         self._solver.set_iparm(2, 0 if pattern.nnz < SMALL else 2)  # minimum degree, nested dissection
         self._solver.set_iparm(8, 0)
@@ -122,18 +130,37 @@ class PardisoFactor:
         threads = self._solver.libmkl.MKL_Set_Num_Threads_Local
         before = threads(self._threads)
         try:
-            return self._solver._call_pardiso(self._matrix, b)
+            return self._pardiso(b)
         finally:
             threads(before)
+
+    def _pardiso(self, b: Floats) -> Floats:
+        """pypardiso's own call makes the index arrays anew every time."""
+        from pypardiso.pardiso_wrapper import PyPardisoError
+
+        solver, x, error = self._solver, np.zeros_like(b), ctypes.c_int32(0)
+        kind, phase, size, columns, silent = (
+            ctypes.byref(ctypes.c_int32(number))
+            for number in (solver.mtype, solver.phase, self._size, b.size // len(b) if b.size else 1, solver.msglvl)
+        )
+        one = ctypes.byref(ctypes.c_int32(1))
+        solver._mkl_pardiso(
+            _at(solver.pt, solver._pt_type[0]), one, one, kind, phase, size, _at(self._data, ctypes.c_double),
+            self._starts, self._columns, _at(solver.perm, ctypes.c_int32), columns, _at(solver.iparm, ctypes.c_int32),
+            silent, _at(b, ctypes.c_double), _at(x, ctypes.c_double), ctypes.byref(error),
+        )  # fmt: skip
+        if error.value:
+            raise PyPardisoError(error.value)
+        return np.ascontiguousarray(x)
 
     def factorise(self, data: Floats) -> bool:
         from pypardiso.pardiso_wrapper import PyPardisoError
 
         if not np.isfinite(data).all():
             return False
-        self._matrix.data = np.ascontiguousarray(data)
+        self._data = np.ascontiguousarray(data, dtype=float)
         try:
-            self._call(22, np.zeros(self._matrix.shape[0]))
+            self._call(22, np.zeros(self._size))
         except PyPardisoError as error:
             if error.value == -4:
                 return False
