@@ -78,9 +78,12 @@ class Assembly:
 
     def mass(self, values: Floats) -> sp.csr_matrix:
         """(N, N) mm^2, integrals of the products of the basis functions, whose values are (T, Q, m)."""
-        blocks = np.einsum("tq,tqi,tqj->tij", self.weights, values, values, optimize=True)
-        rows, columns = np.broadcast_arrays(self.dofs[:, :, None], self.dofs[:, None])
-        return sp.csr_matrix((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(self.size, self.size))
+        i, j = np.tril_indices(self.dofs.shape[1])
+        blocks = np.matmul(np.swapaxes(self.weights[..., None] * values, 1, 2), values)[:, i, j]
+        first = np.minimum(self.dofs[:, i], self.dofs[:, j])
+        data = np.bincount((self._starts[first] + self._places).ravel(), blocks.ravel(), len(self._keys))
+        low = sp.csc_matrix((data, self._keys % self.size, self._starts), shape=(self.size, self.size))
+        return sp.csr_matrix(low + low.T - sp.diags_array(low.diagonal()))
 
     def gather(self, matrix: sp.csr_matrix) -> Floats:
         """(nnz,) of a symmetric matrix (3 N, 3 N); its entries must be in the pattern.

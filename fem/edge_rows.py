@@ -23,6 +23,8 @@ from fem.edge_curve import EdgeCurve, edge_curve, left
 from fem.placement import Placement, flat
 from fem.tabulation import Evaluation, Floats, Ints, Tabulation
 
+ROUNDING = 1e-13  # over the largest coefficient of an equation: what should be nothing
+
 
 class Space(Protocol):
     """What conditions and loads ask of a discretisation."""
@@ -70,12 +72,13 @@ class Rows:
         return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
 
     def matrix(self, space: Space) -> sp.csr_matrix:
-        """(R, 3N) coefficients of the dofs."""
+        """(R, 3N) coefficients of the dofs, without those that are rounding."""
         dofs, jets = space.jets(self.triangles, self.points)
-        table = np.einsum("nar,nma->nmr", self.weights, jets)
-        columns = 3 * dofs[:, :, None] + np.arange(3)
-        rows = np.broadcast_to(np.arange(len(dofs))[:, None, None], columns.shape)
-        return sp.csr_matrix((table.ravel(), (rows.ravel(), columns.ravel())), shape=(len(dofs), 3 * space.size))
+        table = np.matmul(jets, self.weights)
+        size = np.abs(table)
+        row, dof, component = np.nonzero(size > ROUNDING * size.max(axis=(1, 2), keepdims=True))
+        columns = 3 * dofs[row, dof] + component
+        return sp.csr_matrix((table[row, dof, component], (row, columns)), shape=(len(dofs), 3 * space.size))
 
 
 def edge_rows(

@@ -75,24 +75,24 @@ def eliminate(matrix: sp.csr_matrix, right: Floats, tolerance: float) -> Elimina
     rows_out: list[Ints] = []
     columns_out: list[Ints] = []
     entries_out: list[Floats] = []
-    solved: dict[tuple[int, bytes], _Solved] = {}  # components of a vector share equations
+    alike: dict[tuple[int, bytes], list[tuple[Ints, Ints]]] = {}  # components of a vector share equations
     for rows, columns, block in _groups(matrix):
-        key = (len(rows), block.tobytes())
-        if key not in solved:
-            solved[key] = _solve(block)
-        one = solved[key]
+        alike.setdefault((len(rows), block.tobytes()), []).append((rows, columns))
+    for (height, entries), groups in alike.items():
+        rows, columns = (np.array(part) for part in zip(*groups, strict=True))  # a group in each row
+        one = _solve(np.frombuffer(entries).reshape(height, -1))
         given = right[rows]
-        miss = np.abs(given - one.q @ (one.q.T @ given)).max(axis=1)
+        miss = np.abs(given - one.q @ (one.q.T @ given)).max(axis=2)
         if miss.max() > tolerance:
-            worst = int(np.argmax(miss))
+            worst = np.unravel_index(miss.argmax(), miss.shape)
             raise Contradiction(int(rows[worst]), float(miss[worst]))
-        redundant += len(rows) - len(one.pivots)
-        pivots = columns[one.pivots]
+        redundant += rows.size - len(rows) * len(one.pivots)
+        pivots = columns[:, one.pivots]
         gone[pivots] = True
         constant[pivots] = one.given @ given
-        rows_out.append(pivots[one.row])
-        columns_out.append(columns[one.column])
-        entries_out.append(one.weight)
+        rows_out.append(pivots[:, one.row].ravel())
+        columns_out.append(columns[:, one.column].ravel())
+        entries_out.append(np.tile(one.weight, len(rows)))
     free = np.flatnonzero(~gone)
     number = np.full(size, -1)
     number[free] = np.arange(len(free))
