@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -101,10 +102,14 @@ class Shape:
 
     def upright(self) -> Floats:
         """(3, 3) the rotation of `aligned()`; its rows are the principal axes."""
+        return self._upright
+
+    @cached_property
+    def _upright(self) -> Floats:
         plastic_side = triangle_normals(self.positions, self.triangles).sum(axis=0)
         return upright_rotation(self.printed, self.positions, self.weights, plastic_side)
 
-    @property
+    @cached_property
     def weights(self) -> Floats:
         """(V,) share of the printed sheet that each vertex stands for; adds up to 1."""
         third = np.repeat(triangle_areas(self.printed, self.triangles) / 3, 3)

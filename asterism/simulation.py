@@ -136,7 +136,7 @@ def _shape(
         **minima,
         "path": [vars(step) for step in found.path],
     }
-    return Shape(**{**vars(shape), "point_fields": fields, "cell_fields": strains, "summary": summary})
+    return replace(shape, point_fields=fields, cell_fields=strains, summary=summary)
 
 
 def _rod_fields(model: Model, found: Equilibrium) -> dict[str, np.ndarray]:

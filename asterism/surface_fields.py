@@ -5,14 +5,16 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import coo_array
 
+from pattern import planar
 from pattern.layout import Floats, Ints
 from pattern.normals import gather, triangle_normals, vertex_normals
 
 
 def triangle_areas(positions: Floats, triangles: Ints) -> Floats:
     """(T,) mm^2; `positions` may be (V, 2) or (V, 3)."""
-    solid = positions if positions.shape[1] == 3 else np.column_stack([positions, np.zeros(len(positions))])
-    return np.linalg.norm(triangle_normals(solid, triangles), axis=1) / 2
+    if positions.shape[1] == 2:
+        return np.abs(planar.triangle_areas(positions, triangles))
+    return np.linalg.norm(triangle_normals(positions, triangles), axis=1) / 2
 
 
 def border_of(triangles: Ints, count: int) -> np.ndarray:
@@ -69,9 +71,15 @@ def mean_curvature(positions: Floats, triangles: Ints) -> Floats:
 
 def deformation_gradients(flat: Floats, positions: Floats, triangles: Ints) -> Floats:
     """(T, 3, 2), edges in space times the inverse of those of a flat sheet (V, 2) mm, which counts as unstrained."""
-    (ux, uy), (vx, vy) = (flat[triangles[:, k]].T - flat[triangles[:, 0]].T for k in (1, 2))
-    u, v = (positions[triangles[:, k]].T - positions[triangles[:, 0]].T for k in (1, 2))
-    return np.stack([u * vy - v * uy, v * ux - u * vx]).transpose(2, 1, 0) / (ux * vy - uy * vx)[:, None, None]
+    a, b, c = triangles.T
+    (ux, vx), (uy, vy) = ((one[b] - one[a], one[c] - one[a]) for one in flat.T)
+    area = ux * vy - uy * vx
+    ux, uy, vx, vy = (one / area for one in (ux, uy, vx, vy))
+    out = np.empty((len(triangles), 3, 2))
+    for row, one in enumerate(positions.T):
+        u, v = one[b] - one[a], one[c] - one[a]
+        out[:, row, 0], out[:, row, 1] = u * vy - v * uy, v * ux - u * vx
+    return out
 
 
 def principal_strains(gradients: Floats) -> Floats:

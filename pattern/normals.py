@@ -9,8 +9,10 @@ from pattern.layout import Floats, Ints
 
 def triangle_normals(positions: Floats, triangles: Ints) -> Floats:
     """(T, 3) mm^2, normals towards the plastic side, each as long as twice its triangle's area."""
-    a, b, c = (positions[triangles[:, k]] for k in range(3))
-    return np.cross(b - a, c - a)
+    x, y, z = positions.T
+    a, b, c = triangles.T
+    (ux, vx), (uy, vy), (uz, vz) = ((one[b] - one[a], one[c] - one[a]) for one in (x, y, z))
+    return np.column_stack([uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx])
 
 
 def vertex_normals(positions: Floats, triangles: Ints) -> Floats:

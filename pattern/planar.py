@@ -21,8 +21,9 @@ def polygon_area(polygon: Floats) -> float:
 
 def triangle_areas(points: Floats, triangles: Ints) -> Floats:
     """Signed areas (T,) of triangles: positive if counterclockwise."""
-    a, b, c = points[triangles].swapaxes(0, 1)
-    return cross(b - a, c - a) / 2
+    x, y = points.T
+    a, b, c = triangles.T
+    return np.asarray((x[b] - x[a]) * (y[c] - y[a]) - (y[b] - y[a]) * (x[c] - x[a])) / 2
 
 
 def triangle_angles(points: Floats, triangles: Ints) -> Floats:

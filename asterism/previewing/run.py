@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 
 from asterism.previewing.preview import Preview, Say
 from asterism.shape import Shape
@@ -34,4 +35,4 @@ def preview(design: Design, law: Law | None = None, side: Side = "auto", say: Sa
     """
     begin = time.perf_counter()
     shape = Preview(design, law, side, say=say).shape()
-    return Shape(**{**vars(shape), "summary": {**shape.summary, "wall_s": time.perf_counter() - begin}})
+    return replace(shape, summary={**shape.summary, "wall_s": time.perf_counter() - begin})
