@@ -258,9 +258,14 @@ BACKENDS: dict[str, Callable[[SparsePattern], Factor]] = {
 _MODULES = {"pardiso": "pypardiso", "cholmod": "sksparse", "superlu": "scipy", "amg": "pyamg"}
 
 
+@functools.cache
+def _installed(module: str) -> bool:
+    return importlib.util.find_spec(module) is not None
+
+
 def available() -> list[str]:
     """Names of the backends that are installed: factorisations, fastest first, then multigrid."""
-    return [name for name, module in _MODULES.items() if importlib.util.find_spec(module)]
+    return [name for name, module in _MODULES.items() if _installed(module)]
 
 
 def make_factor(pattern: SparsePattern, backend: str = "auto") -> Factor:

@@ -38,8 +38,7 @@ def edge_load(space: Space, facets: Ints, force: Force) -> Floats:
 def point_load(space: Space, points: ArrayLike, forces: ArrayLike) -> Floats:
     """(N, 3) N of forces (n, 3) N at printed points (n, 2) mm."""
     at = np.atleast_2d(np.asarray(points, dtype=float))
-    value = space.locate(at).value
-    return np.asarray(value.T @ np.broadcast_to(np.asarray(forces, dtype=float), (len(at), 3)))
+    return np.asarray(space.locate(at).spread(np.broadcast_to(np.asarray(forces, dtype=float), (len(at), 3))))
 
 
 def edge_points(space: Space, facets: Ints) -> tuple[Ints, Floats, Floats]:

@@ -58,6 +58,13 @@ class Evaluation:
         dofs, table = self._known
         return np.matmul(np.swapaxes(table, 1, 2), x[dofs])
 
+    def spread(self, forces: Floats) -> Floats:
+        """(N, k) on the dofs, of forces (n, k) at the points: the transposed of the values."""
+        dofs, table = self._known
+        out = np.zeros((self._size, forces.shape[1]))
+        np.add.at(out, dofs, table[..., :1] * forces[:, None])
+        return out
+
     @cached_property
     def _known(self) -> tuple[Ints, Floats]:
         return self._functions()

@@ -83,8 +83,8 @@ def height_doubts(preview: Preview, shape: Shape, up: Floats, factor: Factor) ->
     found, sheet = preview.equilibrium, preview.sheet
     height = shape.positions[:, 2]
     ends = [int(height.argmax()), int(height.argmin())]
-    pull, push = (point_load(sheet.space, point, up) for point in shape.printed[ends])
-    apart = compliance(preview.shell, found.x, factor, pull - push)
+    forces = point_load(sheet.space, shape.printed[ends], np.array([up, -up]))
+    apart = compliance(preview.shell, found.x, factor, forces)
     surface = smooth_surface(sheet.arms.at_centres, found.x)
     return HeightDoubts(
         height=shape.height_mm,
