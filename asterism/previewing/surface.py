@@ -21,7 +21,7 @@ from pattern.mesh import Mesh
 from pattern.meshing import mesh_layout
 
 # coarsest edge of the triangles that are shown, over the spacing of the stars
-SHOWN = 1 / 7
+SHOWN = 1 / 6
 
 
 @dataclass(frozen=True)
