@@ -89,7 +89,7 @@ class Shell:
         self.density: Density = fields.densities(self.points).at(self.points.shape[:2])
         penalty = self.space.penalty(self.density.stiffness[..., 3, 3].mean(axis=1))
         self._penalty = None if penalty is None else (penalty, self.assembly.spread(penalty))
-        for name in ("_flat_tangent", "_flat_matrix", "flat_stiffness"):
+        for name in ("_flat_tangent", "_flat_lower", "flat_stiffness"):
             self.__dict__.pop(name, None)
         stretch = self.density.stiffness[..., [0, 1], [0, 1]].max(axis=-1).mean()
         self.force_scale = float(stretch * np.sqrt(self.assembly.weights.sum()))
@@ -177,10 +177,8 @@ class Shell:
         return data if self._penalty is None else data + self._penalty[1]
 
     @cached_property
-    def _flat_matrix(self) -> sp.csr_matrix:
-        """(3N, 3N) symmetric."""
-        low = self.assembly.pattern.lower(self._flat_tangent)
-        return sp.csr_matrix(low + sp.triu(low.T, 1, format="csr"))
+    def _flat_lower(self) -> sp.csc_matrix:
+        return self.assembly.pattern.lower(self._flat_tangent)
 
     @cached_property
     def flat_stiffness(self) -> Floats:
@@ -189,7 +187,8 @@ class Shell:
 
     def flat_forces(self, moves: Floats) -> Floats:
         """(n,) forces over the free unknowns by which the printed sheet resists small moves (N, 3)."""
-        return self.restricted(self._flat_matrix @ moves.ravel())
+        low, x = self._flat_lower, moves.ravel()
+        return self.restricted(low @ x + low.T @ x - self._flat_tangent[self.assembly.pattern.diagonal] * x)
 
     def move(self, x: Floats, direction: Floats) -> Floats:
         """(N, 3) x moved by a direction (n,) of the free unknowns."""
