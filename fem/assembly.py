@@ -44,10 +44,14 @@ class Assembly:
         count = np.diff(self._starts)
         indptr = np.zeros(3 * n + 1, dtype=np.int32)
         indptr[1:] = np.cumsum((3 * count[:, None] - np.arange(3)).ravel())
-        entry = np.repeat(np.arange(3 * n), np.diff(indptr))  # the column of every entry
-        within = np.arange(indptr[-1]) - indptr[entry] + entry % 3
-        scalar = self._keys[self._starts[entry // 3] + within // 3] % n
-        indices = (3 * scalar + within % 3).astype(np.int32)
+        column = np.repeat(np.arange(n), count)
+        place = 3 * (np.arange(len(column)) - self._starts[column])
+        indices = np.empty(indptr[-1], dtype=np.int32)
+        for c in range(3):  # entries above the diagonal of a diagonal block are left out
+            row = 3 * (self._keys - n * column) + c
+            for d in range(3):
+                kept = slice(None) if d <= c else place > 0
+                indices[(indptr[3 * column + d] + place + (c - d))[kept]] = row[kept]
         return sp.csc_matrix((np.ones(len(indices)), indices, indptr), shape=(3 * n, 3 * n))
 
     def strains(self, x: Floats, rest: Floats) -> Floats:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 from equilibrium.compiled import loop
@@ -19,17 +21,20 @@ def monomials(exponents: Ints, points: Floats) -> Floats:
     ladder = np.ones((2, len(points), top + 1))
     for power in range(1, top + 1):
         ladder[:, :, power] = ladder[:, :, power - 1] * points.T
-    table = np.empty((len(points), len(exponents), 6))
-    for column, (i, j) in enumerate([(0, 0), (1, 0), (0, 1), (2, 0), (0, 2), (1, 1)]):
-        a, b = exponents[:, 0], exponents[:, 1]
-        factor = np.where((a >= i) & (b >= j), _falling(a, i) * _falling(b, j), 0)
-        table[..., column] = factor * ladder[0][:, np.maximum(a - i, 0)] * ladder[1][:, np.maximum(b - j, 0)]
-    return table
+    factors, first, second = _derivatives(exponents.tobytes(), len(exponents), exponents.dtype.str)
+    return np.asarray(factors * ladder[0].take(first, axis=1) * ladder[1].take(second, axis=1))
 
 
-def _falling(n: Ints, k: int) -> Ints:
-    """n (n-1) ... down to k factors."""
-    return np.ones_like(n) if k == 0 else n * _falling(n - 1, k - 1)
+@cache
+def _derivatives(exponents: bytes, count: int, kind: str) -> tuple[Floats, Ints, Ints]:
+    """(k, 6) each: what stands before a derivative, and the powers of both variables that are left."""
+    a, b = np.frombuffer(exponents, dtype=kind).reshape(count, 2).T[:, :, None]
+    i, j = np.array([(0, 0), (1, 0), (0, 1), (2, 0), (0, 2), (1, 1)]).T
+    factors = np.ones((count, 6))
+    for power, order in ((a, i), (b, j)):
+        for k in (0, 1):
+            factors *= np.where(order > k, power - k, 1)
+    return np.where((a >= i) & (b >= j), factors, 0.0), np.maximum(a - i, 0), np.maximum(b - j, 0)
 
 
 @loop
