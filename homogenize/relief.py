@@ -86,9 +86,12 @@ class Waves:
                 ladder.append(ladder[-1] * wave)
             powers.append([*ladder, *(one.conj() for one in ladder[:0:-1])])  # negative ones from the end
         waves = np.empty((len(offsets), len(steps)))
-        for kind, (orbit, odd) in enumerate(zip(steps.tolist(), self.odd, strict=True)):
-            total = sum(powers[0][i] * powers[1][j] for i, j in orbit) / len(orbit)
-            waves[:, kind] = total.imag if odd else total.real
+        known: dict[bytes, Array] = {}  # a cosine and its sine
+        for kind, (orbit, odd) in enumerate(zip(steps, self.odd, strict=True)):
+            name = orbit.tobytes()
+            if name not in known:
+                known[name] = np.sum([powers[0][i] * powers[1][j] for i, j in orbit.tolist()], axis=0) / len(orbit)
+            waves[:, kind] = known[name].imag if odd else known[name].real
         return waves
 
     def amplitudes(self, offsets: Array, heights: Array, weights: Array) -> Array:

@@ -66,8 +66,7 @@ def star_values(design: Design, layout: Layout, law: Law) -> StarValues:
     asked = np.vstack([sizes, [0.0, *np.mean(sizes[:, 1:], axis=0)]])
     found = law.evaluate(design, *asked.T)
     where = [f"at [{x:.1f}, {y:.1f}]" for x, y in layout.centres]
-    for star, place in enumerate(where):
-        _check(star, place, {name: float(found.value[name][star]) for name in NAMES})
+    _check(where, {name: found.value[name][:-1] for name in NAMES})
     outside = tuple(_placed(line, where) for line in found.outside)
     tight = tuple(int(star) for star in np.flatnonzero(found.tight[:-1]))
     relief = table.relief(*asked.T)
@@ -79,8 +78,9 @@ def _bumps(design: Design, law: Law, length: Floats, relief: Floats, kappa: Floa
     """`tips` and `caps` of stars with arms of a length (n,) mm, relief (n, 2, W) and natural curvature (n,)."""
     lattice = design.lattice
     reach = np.minimum(length, REACH * lattice.spacing_mm)
-    waves = [law.waves(reach[:, None] * np.asarray(direction)) for direction in lattice.arm_directions]
-    tips = np.einsum("nkw,nw->nk", relief, np.mean(waves, axis=0))
+    arms = np.asarray(lattice.arm_directions)
+    waves = law.waves((reach[:, None] * arms[:, None]).reshape(-1, 2)).reshape(len(arms), len(reach), -1)
+    tips = np.einsum("nkw,nw->nk", relief, waves.mean(axis=0))
     tops = relief @ law.waves(np.zeros((1, 2)))[0]
     flat, more = (tops - tips).T
     caps = 2.0 * (flat + kappa * more) / np.maximum(reach, SHORTEST * lattice.spacing_mm) ** 2
@@ -93,14 +93,17 @@ def _placed(line: str, where: Sequence[str]) -> str:
     return f"{head} {where[int(head.split()[1])]}: {text}"
 
 
-def _check(star: int, place: str, value: dict[str, float]) -> None:
-    """Refuse what no sheet can do, whatever file the law comes from."""
+def _check(where: Sequence[str], value: dict[str, Floats]) -> None:
+    """Refuse what no sheet can do, whatever file the law comes from; values (S,) of stars that are somewhere."""
+    lam, bending, a11 = value["lam_n"], value["bending"], value["a11"]
     allowed = {
-        "lam_n": (0.0 < value["lam_n"] <= 1.0, "a contraction above 0 and up to 1"),
+        "lam_n": ((lam > 0.0) & (lam <= 1.0), "a contraction above 0 and up to 1"),
         "kappa": (np.isfinite(value["kappa"]), "a finite natural curvature"),
-        "bending": (0.0 < value["bending"] < np.inf, "a positive bending stiffness"),
-        "a11": (abs(value["a12"]) < value["a11"] < np.inf, "a positive membrane stiffness"),
+        "bending": ((bending > 0.0) & (bending < np.inf), "a positive bending stiffness"),
+        "a11": ((np.abs(value["a12"]) < a11) & (a11 < np.inf), "a positive membrane stiffness"),
     }
-    for name, (fine, what) in allowed.items():
-        if not fine:
-            raise LawError(f"star {star} {place}: the law's {name} = {value[name]:.4g}, a sheet needs {what}")
+    wrong = ~np.array([fine for fine, _ in allowed.values()])
+    if wrong.any():
+        star = int(wrong.any(axis=0).argmax())
+        name, (_, what) = list(allowed.items())[int(wrong[:, star].argmax())]
+        raise LawError(f"star {star} {where[star]}: the law's {name} = {value[name][star]:.4g}, a sheet needs {what}")
