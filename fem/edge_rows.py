@@ -98,15 +98,14 @@ def _vertex_rows(
     for end in (0, 1):
         points, tangents, bends = curve.ends[:, end], curve.tangents[:, end], curve.curvatures[:, end]
         value, along, bend, across, twist = _line_jets(tangents, bends)
-        for direction in directions:
-            for jet in (value, along, bend):
-                found.append(Rows.at(triangles, points, jet[:, :, None] * direction, placement))
+        held = [jet[:, :, None] * direction for direction in directions for jet in (value, along, bend)]
         if clamped:
             normal = placement.normal(points)[:, None]
             turn = placement.normal_turn(points, tangents)[:, None]
-            slope = across[:, :, None] * normal
-            found.append(Rows.at(triangles, points, slope, placement))
-            found.append(Rows.at(triangles, points, twist[:, :, None] * normal + across[:, :, None] * turn, placement))
+            held += [across[:, :, None] * normal, twist[:, :, None] * normal + across[:, :, None] * turn]
+        if held:
+            every = np.tile(triangles, len(held)), np.tile(points, (len(held), 1))
+            found.append(Rows.at(*every, np.concatenate(held), placement))
     if clamped and space.mid_normals:
         found.append(_slope_rows(curve, 0.5, triangles, placement))
     return found

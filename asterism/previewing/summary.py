@@ -42,7 +42,7 @@ def summary(
     others = other_forms(preview, size[1])
     amplitudes = amplitudes_percent(found.soft_modes, found.energy, *size)
     held = bool(layout.pins)
-    share = share_of(held, preview.symmetries)
+    share = share_of(held, () if held else preview.symmetries)  # held sheets are not asked for them
     tight = len(preview.values.tight) / len(layout.centres)
     # what is expected was found with three-armed stars, whose law is the same in all directions
     known = not left_out(preview.design.lattice)
