@@ -91,7 +91,9 @@ class Arms:
         if len(self._pins):
             to_pin = cKDTree(self._pins).query(points)[0] / (BESIDE * self._spacing)
         middle = self._centre + 0.5 * self._length[:, None] * self.direction
-        arms = middle, self._centre, self.direction, self._length, self._room
+        order = np.argsort(middle[:, 0], kind="stable")  # a point's arms are among those of a strip
+        strips = np.searchsorted(middle[order, 0], points[:, :1] + [-reach, reach])
+        arms = order, strips, middle, self._centre, self.direction, self._length, self._room
         widths = BESIDE * self._spacing, BEYOND * self._spacing, reach
         given = np.ascontiguousarray(points), np.minimum(to_pin, 1.0), *arms, *widths
         ends, arm, share = np.zeros(len(points) + 1, dtype=np.int32), np.empty(0, dtype=np.int32), np.empty((2, 0))
@@ -104,7 +106,7 @@ class Arms:
 
 @loop
 def _follow(  # type: ignore[no-untyped-def]
-    points, to_pin, middle, centre, direction, length, room, beside, beyond, reach, ends, arm, share
+    points, to_pin, order, strips, middle, centre, direction, length, room, beside, beyond, reach, ends, arm, share
 ):
     """Rows of arms whose middle is within reach of each point: ends (n + 1,), arm (m,) and share (2, m).
 
@@ -112,7 +114,7 @@ def _follow(  # type: ignore[no-untyped-def]
     """
     k = 0
     for p in range(points.shape[0]):
-        for a in range(length.shape[0]):
+        for a in order[strips[p, 0] : strips[p, 1]]:
             x, y = points[p, 0] - middle[a, 0], points[p, 1] - middle[a, 1]
             if x * x + y * y > reach * reach:
                 continue
