@@ -13,6 +13,8 @@ was found by comparing previews with the exact model over many designs (`python 
   and for those that a turn maps to themselves: errors of the law have the symmetry of the design, and do not push along
   motions that break it, such as the turn of the axis of a roll. A mirror alone leaves the softest motions free: it is
   .09 for such sheets, which mostly are rectangles, whose rims are bare by different widths;
+- ribbons consist of rim, of which the law of endless sheets says little: where the largest circle in a free sheet is
+  less than NARROW spacings wide the share is larger by as much as it is narrower;
 - a sheet with two soft motions may rest in another form altogether; a held one, whose edges and corners alone are free,
   with motions that are less soft;
 - no smooth sheet is like one whose stars curl tighter than their spacing: free ones add ANOTHER_FORM times their part.
@@ -32,12 +34,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from asterism.previewing.other_forms import OtherForm
-from pattern.layout import Floats
+from pattern.layout import Floats, Layout
+from pattern.planar import widest
 from pattern.symmetries import Symmetry
 
 # the distance in % for an amplitude a in %: FLOOR and a share of a; for free sheets without symmetry, those that have a
 # mirror alone, and the others
 FLOOR, SHARE, MIRRORED, FORGIVEN = 0.5, 0.05, 0.09, 0.017
+# width in spacings below which free sheets are ribbons
+NARROW = 4.0
 # second amplitude in % from which another form is near, of free sheets and of held ones; how sharply, and the distance
 # in % that is added then
 TWO_WAYS, HELD_TWO_WAYS, SHARPNESS, ANOTHER_FORM = 20.0, 13.0, 8.0, 5.0
@@ -84,6 +89,11 @@ def share_of(held: bool, symmetries: Sequence[Symmetry]) -> float:
     if held or sum(not symmetry.mirrors for symmetry in symmetries) > 1:
         return FORGIVEN
     return MIRRORED if len(symmetries) > 1 else SHARE
+
+
+def narrowness(layout: Layout) -> float:
+    """By how much the share is larger: 1 for all but ribbons."""
+    return 1.0 if layout.pins else max(1.0, NARROW * layout.spacing_mm / widest(layout.border))
 
 
 def close_form(others: Sequence[OtherForm]) -> OtherForm | None:

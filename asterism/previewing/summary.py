@@ -14,6 +14,7 @@ from asterism.previewing.expected import (
     another_form_is_near,
     close_form,
     expected_rms_percent,
+    narrowness,
     share_of,
 )
 from asterism.previewing.expected_height import HeightDoubts, expected_height_percent
@@ -42,7 +43,8 @@ def summary(
     others = other_forms(preview, size[1])
     amplitudes = amplitudes_percent(found.soft_modes, found.energy, *size)
     held = bool(layout.pins)
-    share = share_of(held, () if held else preview.symmetries)  # held sheets are not asked for them
+    # held sheets are not asked for their symmetries
+    share = narrowness(layout) * share_of(held, () if held else preview.symmetries)
     tight = len(preview.values.tight) / len(layout.centres)
     # what is expected was found with three-armed stars, whose law is the same in all directions
     known = not left_out(preview.design.lattice)

@@ -32,18 +32,29 @@ RECTANGLES = [
 HEXAGONS = [
     (2, 8, 0.35), (2, 6, 0.3), (1, 8, 0.3), (1, 8, 0.35), (2, 7, 0.4), (3, 6, 0.3), (2, 10, 0.4), (1, 10, 0.4),
 ]  # fmt: skip
+RIBBONS = [
+    (100, 20, 6, 0.3), (100, 36, 8.5, 0.35), (160, 20, 8.5, 0.35), (160, 36, 6, 0.3), (160, 52, 6, 0.3),
+    (160, 52, 8.5, 0.35), (160, 70, 6, 0.3), (220, 36, 6, 0.3),
+]  # fmt: skip
+
+
+def ribbons(edge_mm: float = EDGE_MM) -> list[Design]:
+    """Free rectangles of one to four rows of equal stars."""
+    return [_equal(f"{x}x{y}", {"rectangle_mm": [float(x), float(y)]}, *stars, edge_mm) for x, y, *stars in RIBBONS]
 
 
 def even(edge_mm: float = EDGE_MM) -> list[Design]:
     """Small free sheets of equal stars, as one would try first."""
+    rectangles = [
+        _equal(f"{x}x{y}", {"rectangle_mm": [float(x), float(y)]}, *stars, edge_mm) for x, y, *stars in RECTANGLES
+    ]
+    return rectangles + [_equal(f"rings{rings}", {"rings": rings}, *stars, edge_mm) for rings, *stars in HEXAGONS]
 
-    def sheet(name: str, border: dict[str, Any], length: float, thickness: float) -> Design:
-        stars = {"length_mm": float(length), "thickness_mm": thickness}
-        data = {"name": f"{name}-l{length}-h{thickness}", "border": border, "stars": stars}
-        return Design.from_dict(data | {"mesh": {"edge_mm": edge_mm}})
 
-    rectangles = [sheet(f"{x}x{y}", {"rectangle_mm": [float(x), float(y)]}, *stars) for x, y, *stars in RECTANGLES]
-    return rectangles + [sheet(f"rings{rings}", {"rings": rings}, *stars) for rings, *stars in HEXAGONS]
+def _equal(name: str, border: dict[str, Any], length: float, thickness: float, edge_mm: float) -> Design:
+    stars = {"length_mm": float(length), "thickness_mm": thickness}
+    data = {"name": f"{name}-l{length}-h{thickness}", "border": border, "stars": stars}
+    return Design.from_dict(data | {"mesh": {"edge_mm": edge_mm}})
 
 
 def drawn(seed: int, edge_mm: float = EDGE_MM) -> Design:

@@ -4,8 +4,8 @@ python -m benchmarks.accuracy.expectation FOLDER [--kept]
 
 The numbers in `asterism/previewing/expected.py` and `expected_height.py` belong to the study, 24 further designs and
 small even sheets. Here they are fitted again without each of these, which then is predicted; and twelve more are drawn,
-which no number was ever fitted to. SOFT of the heights belongs to the shares in use: after a change of those, once more
-with --kept gives it.
+which no number was ever fitted to. Ribbons come by themselves. SOFT of the heights belongs to the shares in use: after
+a change of those, once more with --kept gives it.
 FOLDER is that of the study, which comes first; --kept as there. As in the study, the exact model starts from the
 released sheet and from the preview, and the lower minimum counts.
 """
@@ -20,12 +20,20 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize
 
-from asterism.previewing.expected import FLOOR, FORGIVEN, MIRRORED, SHARE, another_form_is_near, share_of
+from asterism.previewing.expected import (
+    FLOOR,
+    FORGIVEN,
+    MIRRORED,
+    SHARE,
+    another_form_is_near,
+    narrowness,
+    share_of,
+)
 from asterism.previewing.run import preview
 from asterism.verification.numbers import LIKE_PERCENT
 from benchmarks.accuracy import expected_heights
 from benchmarks.accuracy.__main__ import kept
-from benchmarks.accuracy.designs import RANDOM, designs, drawn, even
+from benchmarks.accuracy.designs import RANDOM, designs, drawn, even, ribbons
 from benchmarks.accuracy.exact import exact
 from benchmarks.accuracy.expected_heights import AFTERWARDS, PREDICTED
 from benchmarks.accuracy.report import HEADER, announced, missed, put_into_docs, row
@@ -46,6 +54,7 @@ NAMES = [
 IN_USE = (FLOOR, SHARE, MIRRORED, FORGIVEN)
 
 STUDY, SMALL = "the study and 24 more", "small free sheets of equal stars"
+NARROW = "ribbons, to which only their width's part is fitted"
 
 Row = dict[str, Any]
 
@@ -60,9 +69,10 @@ def main() -> None:
     known = _rows([*designs(), *more[:FITTED]], options.folder, law, options.kept)
     small = _rows(even(), options.folder, law, options.kept)
     unseen = _rows(more[FITTED:], options.folder, law, options.kept)
-    text = section(known, small, unseen)
+    narrow = _rows(ribbons(), options.folder, law, options.kept)
+    text = section(known, small, unseen, narrow)
     print(text)
-    write_report("accuracy.expectation", [*small, *unseen], text)
+    write_report("accuracy.expectation", [*small, *unseen, *narrow], text)
     put_into_docs(text, BEGIN, END)
 
 
@@ -77,13 +87,14 @@ def _rows(some: Sequence[Design], folder: Path, law: Law, as_is: bool) -> list[R
         one = kept(design, folder, law, starts=False, as_is=as_is)
         plan = layout(design)
         share = share_of(bool(plan.pins), symmetries(design, plan))
-        amplitude = float(np.linalg.norm(one["preview"]["soft_amplitudes_percent"]))
-        rows.append(one | {"kind": IN_USE.index(share), "share": share, "amplitude": amplitude})
+        wider = narrowness(plan)
+        amplitude = wider * float(np.linalg.norm(one["preview"]["soft_amplitudes_percent"]))
+        rows.append(one | {"kind": IN_USE.index(share), "share": wider * share, "amplitude": amplitude})
         print("  ".join(row(rows[-1])), flush=True)
     return rows
 
 
-def section(study: Sequence[Row], small: Sequence[Row], unseen: Sequence[Row]) -> str:
+def section(study: Sequence[Row], small: Sequence[Row], unseen: Sequence[Row], narrow: Sequence[Row]) -> str:
     """Markdown."""
     known = [*study, *small]
     fits = [fitted([other for other in known if other is not one]) for one in known]
@@ -93,6 +104,7 @@ def section(study: Sequence[Row], small: Sequence[Row], unseen: Sequence[Row]) -
         [SMALL, *_goodness(small)],
         [PREDICTED, *_goodness(again)],
         [AFTERWARDS, *_goodness(unseen)],
+        [NARROW, *_goodness(narrow)],
     ]
     header = [
         "", "designs", "distance over expected, median", "nine in ten", "misses", "of these announced",
@@ -104,7 +116,9 @@ def section(study: Sequence[Row], small: Sequence[Row], unseen: Sequence[Row]) -
         [f"{low:.3f} to {high:.3f}" for low, high in zip(np.min(fits, axis=0), np.max(fits, axis=0), strict=True)]
     ]
     names = ["", "in use", "fitted", "fitted without one"]
-    tables = [[[cells[HEADER.index(name)] for name in NAMES] for cells in map(row, rows)] for rows in (small, unseen)]
+    tables = [
+        [[cells[HEADER.index(name)] for name in NAMES] for cells in map(row, rows)] for rows in (small, unseen, narrow)
+    ]
     return "\n\n".join(
         [
             markdown(header, lines),
@@ -117,6 +131,8 @@ def section(study: Sequence[Row], small: Sequence[Row], unseen: Sequence[Row]) -
             markdown(NAMES, tables[0]),
             "The designs drawn afterwards:",
             markdown(NAMES, tables[1]),
+            "Ribbons, one to four rows of stars:",
+            markdown(NAMES, tables[2]),
         ]
     )
 
