@@ -13,8 +13,8 @@ was found by comparing previews with the exact model over many designs (`python 
   and for those that a turn maps to themselves: errors of the law have the symmetry of the design, and do not push along
   motions that break it, such as the turn of the axis of a roll. A mirror alone leaves the softest motions free: it is
   .09 for such sheets, which mostly are rectangles, whose rims are bare by different widths;
-- ribbons consist of rim, of which the law of endless sheets says little: where the largest circle in a free sheet is
-  less than NARROW spacings wide the share is larger by as much as it is narrower;
+- ribbons consist of rim, of which the law of endless sheets says little: where the largest circle in a free sheet that
+  no turn maps to itself is less than NARROW spacings wide, the share is larger by as much as it is narrower;
 - a sheet with two soft motions may rest in another form altogether; a held one, whose edges and corners alone are free,
   with motions that are less soft;
 - no smooth sheet is like one whose stars curl tighter than their spacing: free ones add ANOTHER_FORM times their part.
@@ -91,9 +91,9 @@ def share_of(held: bool, symmetries: Sequence[Symmetry]) -> float:
     return MIRRORED if len(symmetries) > 1 else SHARE
 
 
-def narrowness(layout: Layout) -> float:
-    """By how much the share is larger: 1 for all but ribbons."""
-    return 1.0 if layout.pins else max(1.0, NARROW * layout.spacing_mm / widest(layout.border))
+def widened(share: float, layout: Layout) -> float:
+    """The share of a ribbon is larger by as much as it is narrower than NARROW; symmetry forgives that too."""
+    return share if share == FORGIVEN else share * max(1.0, NARROW * layout.spacing_mm / widest(layout.border))
 
 
 def close_form(others: Sequence[OtherForm]) -> OtherForm | None:

@@ -14,8 +14,8 @@ from asterism.previewing.expected import (
     another_form_is_near,
     close_form,
     expected_rms_percent,
-    narrowness,
     share_of,
+    widened,
 )
 from asterism.previewing.expected_height import HeightDoubts, expected_height_percent
 from asterism.previewing.other_forms import OtherForm, other_forms
@@ -44,7 +44,7 @@ def summary(
     amplitudes = amplitudes_percent(found.soft_modes, found.energy, *size)
     held = bool(layout.pins)
     # held sheets are not asked for their symmetries
-    share = narrowness(layout) * share_of(held, () if held else preview.symmetries)
+    share = widened(share_of(held, () if held else preview.symmetries), layout)
     tight = len(preview.values.tight) / len(layout.centres)
     # what is expected was found with three-armed stars, whose law is the same in all directions
     known = not left_out(preview.design.lattice)

@@ -26,8 +26,8 @@ from asterism.previewing.expected import (
     MIRRORED,
     SHARE,
     another_form_is_near,
-    narrowness,
     share_of,
+    widened,
 )
 from asterism.previewing.run import preview
 from asterism.verification.numbers import LIKE_PERCENT
@@ -87,9 +87,9 @@ def _rows(some: Sequence[Design], folder: Path, law: Law, as_is: bool) -> list[R
         one = kept(design, folder, law, starts=False, as_is=as_is)
         plan = layout(design)
         share = share_of(bool(plan.pins), symmetries(design, plan))
-        wider = narrowness(plan)
-        amplitude = wider * float(np.linalg.norm(one["preview"]["soft_amplitudes_percent"]))
-        rows.append(one | {"kind": IN_USE.index(share), "share": wider * share, "amplitude": amplitude})
+        wider = widened(share, plan)
+        amplitude = wider / share * float(np.linalg.norm(one["preview"]["soft_amplitudes_percent"]))
+        rows.append(one | {"kind": IN_USE.index(share), "share": wider, "amplitude": amplitude})
         print("  ".join(row(rows[-1])), flush=True)
     return rows
 
