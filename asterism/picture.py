@@ -24,8 +24,8 @@ DIVISION = 1240
 INK, PALE = "#26262b", "#7a7a82"
 
 
-def draw(shape: Shape, title: str, path_or_file: str | Path | IO[bytes], *, as_held: bool = False) -> None:
-    """Draw a shape as PNG.
+def draw(shape: Shape, title: str, path_or_file: str | Path | IO[bytes]) -> None:
+    """Draw a shape as PNG: a held sheet as it stands, a free one turned to its principal axes.
 
     Parameters
     ----------
@@ -33,9 +33,8 @@ def draw(shape: Shape, title: str, path_or_file: str | Path | IO[bytes], *, as_h
         go into the caption where they are there.
     title : name of the design.
     path_or_file : where the PNG goes.
-    as_held : keep z upwards, as for a sheet held on the ground; otherwise the shape is turned to its principal axes.
     """
-    shape = shape if as_held else shape.aligned()
+    shape = shape if shape.held else shape.aligned()
     figure = Figure(figsize=(WIDTH / DPI, HEIGHT / DPI), dpi=DPI, facecolor="white")
     FigureCanvasAgg(figure)
     canvas = np.ones((HEIGHT, WIDTH, 3))
@@ -50,10 +49,10 @@ def draw(shape: Shape, title: str, path_or_file: str | Path | IO[bytes], *, as_h
     figure.savefig(path_or_file, format="png", dpi=DPI)
 
 
-def image(shape: Shape, title: str, *, as_held: bool = False) -> Image.Image:
+def image(shape: Shape, title: str) -> Image.Image:
     """The same picture as an image, which a notebook shows."""
     stream = BytesIO()
-    draw(shape, title, stream, as_held=as_held)
+    draw(shape, title, stream)
     return Image.open(stream)
 
 

@@ -23,8 +23,8 @@ SHAPE, EXACT = "shape.vtu", "exact.vtu"
 def read_shape(path: str | Path) -> Shape:
     """The shape in a result's directory, the exact one in that of a verification, or that in a `.vtu` file.
 
-    Without rods.vtu it has no arms; without summary.json no summary. Beside exact.vtu and preview.vtu of a verification
-    it is the part of the summary that is of that shape.
+    Without rods.vtu it has no arms; without summary.json no summary, and it counts as free. Beside exact.vtu and
+    preview.vtu of a verification it is the part of the summary that is of that shape.
 
     Raises
     ------
@@ -41,6 +41,7 @@ def read_shape(path: str | Path) -> Shape:
     star = np.asarray(mesh.point_data.get("star", np.full(len(mesh.points), -1)), dtype=np.int64)
     centres = np.flatnonzero(star >= 0)
     rods, rod_fields = _rods(sheet.with_name("rods.vtu"), printed)
+    summary = _summary(sheet.with_name("summary.json"), sheet.stem)
     return Shape(
         printed=printed,
         positions=np.asarray(mesh.points, dtype=np.float64),
@@ -51,8 +52,15 @@ def read_shape(path: str | Path) -> Shape:
         point_fields={k: np.asarray(v) for k, v in mesh.point_data.items() if k not in ("printed_mm", "star")},
         cell_fields={name: np.asarray(values[0]) for name, values in mesh.cell_data.items()},
         rod_fields=rod_fields,
-        summary=_summary(sheet.with_name("summary.json"), sheet.stem),
+        summary=summary,
+        held=_is_held(summary),
     )
+
+
+def _is_held(summary: dict[str, Any]) -> bool:
+    """Whether the design that a shape was made from has pins."""
+    design = summary.get("design")
+    return isinstance(design, dict) and bool(design.get("pins"))
 
 
 def _rods(path: Path, printed: Floats) -> tuple[tuple[Ints, ...], dict[str, np.ndarray]]:

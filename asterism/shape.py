@@ -34,6 +34,7 @@ class Shape:
         `thickness_mm`, `width_mm`, `arm` and `star` among them.
     summary : the numbers of `summary.json`.
     others : further minima of the same design, where they were looked for.
+    held : pins hold the sheet, so that z is up; a free one has no up, and is shown as its `aligned()` copy.
     """
 
     printed: Floats
@@ -47,6 +48,7 @@ class Shape:
     rod_fields: Mapping[str, np.ndarray] = field(default_factory=dict)
     summary: Mapping[str, Any] = field(default_factory=dict)
     others: tuple[Shape, ...] = ()
+    held: bool = False
 
     @property
     def rod_edges(self) -> Ints:

@@ -124,8 +124,9 @@ def _shape(
         rods=mesh.rods,
         star_vertices=mesh.star_vertices,
         rod_fields=_rod_fields(model, found),
+        held=bool(model.held.any()),
     )
-    if not model.held.any():
+    if not shape.held:
         shape = shape.aligned()
     stretch = model.design.fabric.stretch_xy
     fields = point_fields(shape.positions, shape.triangles)

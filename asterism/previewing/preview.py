@@ -224,7 +224,7 @@ class Preview:
         places = self._clock("shown", self._lens, self.equilibrium.x, self.values)
         shape = self._clock("shown", shape_of, self.design, self.sheet, mesh, places)
         up = np.eye(3)[2]
-        if not self.sheet.layout.pins:
+        if not shape.held:
             shape, up = shape.aligned(), shape.upright()[2]
         doubts = None
         if self.equilibrium.is_minimum:

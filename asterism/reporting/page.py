@@ -42,7 +42,7 @@ def write_page(path: Path, job: Job, found: Facts, shape: Shape | None) -> float
     name = job.design.name
     _text(figure, to_page, MARGIN_MM, 276.0, name, 7.0 * min(1.0, 40 / max(len(name), 1)), weight="bold")
     if shape is not None:
-        _picture(figure, shape, bool(job.plan.pins))
+        _picture(figure, shape)
     _facts(figure, to_page, found)
     parts = _layout(figure, to_page, job)
     _needles(figure, to_page, job)
@@ -53,9 +53,9 @@ def write_page(path: Path, job: Job, found: Facts, shape: Shape | None) -> float
     return parts
 
 
-def _picture(figure: Figure, shape: Shape, as_held: bool) -> None:
+def _picture(figure: Figure, shape: Shape) -> None:
     stream = BytesIO()
-    draw(shape, "", stream, as_held=as_held)
+    draw(shape, "", stream)
     with Image.open(stream) as image:
         # its head is said by the page
         pixels = np.asarray(image.convert("RGB"))[140:]

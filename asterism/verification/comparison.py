@@ -224,6 +224,7 @@ def image(shape: Shape, symmetry: Symmetry) -> Shape:
         rods=shape.rods,
         star_vertices=star_vertices,
         rod_fields=shape.rod_fields,
+        held=shape.held,
     )
 
 

@@ -18,9 +18,9 @@ from asterism.shape import Shape
 from tests.asterism import sheets
 
 
-def image_of(shape: Shape, title: str = "sheet", as_held: bool = False) -> np.ndarray:
+def image_of(shape: Shape, title: str = "sheet") -> np.ndarray:
     stream = io.BytesIO()
-    draw(shape, title, stream, as_held=as_held)
+    draw(shape, title, stream)
     return np.asarray(Image.open(io.BytesIO(stream.getvalue())).convert("RGB"), dtype=float) / 255
 
 
@@ -72,7 +72,10 @@ def test_arms_are_seen_from_the_plastic_side_only_at_their_width() -> None:
 
 def test_a_held_sheet_keeps_z_upwards() -> None:
     tilted = sheets.sheet(lambda p: np.column_stack([p[:, 0], p[:, 1] * 0.8, p[:, 1] * 0.6]), edge=5.0)
-    assert not np.array_equal(image_of(tilted), image_of(tilted, as_held=True))
+    level = replace(tilted, positions=tilted.positions @ np.array([[1, 0, 0], [0, 0.8, -0.6], [0, 0.6, 0.8]]))
+    assert not np.array_equal(image_of(replace(tilted, held=True)), image_of(tilted))
+    # on its principal axes this one lies level
+    assert np.abs(image_of(replace(level, held=True)) - image_of(tilted)).mean() < 1e-3
 
 
 def test_the_caption_says_what_is_known() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 from pathlib import Path
 
@@ -59,6 +60,14 @@ def test_the_sheet_alone_is_enough(results: Path) -> None:
     (results / "summary.json").unlink()
     again = read_shape(results)
     assert again.rods == () and again.summary == {} and len(again.triangles)
+
+
+def test_a_held_sheet_stays_one(results: Path) -> None:
+    assert not read_shape(results).held
+    summary = json.loads((results / "summary.json").read_text())
+    summary["design"]["pins"] = [{"where": "corners"}]
+    (results / "summary.json").write_text(json.dumps(summary))
+    assert read_shape(results).held
 
 
 def test_what_is_not_a_shape_is_named(results: Path, tmp_path: Path) -> None:

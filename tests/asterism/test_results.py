@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import errno
 import os
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
+from PIL import Image
+from scipy.spatial.transform import Rotation
 
 from asterism.files import OutputError
+from asterism.picture import draw
 from asterism.results import staged_result, write_results
 from asterism.shape import Shape
 from tests.asterism.sheets import dome, sheet
@@ -37,6 +42,20 @@ def shape() -> Shape:
     made = sheet(dome)
     made.summary["design"] = {"name": "dome"}  # type: ignore[index]
     return made
+
+
+def test_a_held_sheet_is_drawn_as_it_stands(shape: Shape, tmp_path: Path) -> None:
+    leaning = replace(shape, positions=shape.positions @ Rotation.from_euler("x", 40, degrees=True).as_matrix().T)
+    held = replace(leaning, held=True, others=(replace(leaning, held=True),))
+    pictures = {}
+    for name, one in {"free": leaning, "held": held}.items():
+        write_results(one, tmp_path / name)
+        files = sorted((tmp_path / name).glob("*.png"))
+        pictures[name] = [np.asarray(Image.open(file))[200:] for file in files]  # below the caption
+    draw(held, "dome", tmp_path / "dome.png")
+    assert np.array_equal(pictures["held"][0], pictures["held"][1])
+    assert np.array_equal(pictures["held"][0], np.asarray(Image.open(tmp_path / "dome.png"))[200:])
+    assert not np.array_equal(pictures["held"][0], pictures["free"][0])
 
 
 @pytest.mark.parametrize("before", KINDS)

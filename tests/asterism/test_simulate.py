@@ -71,6 +71,7 @@ def test_summary_is_complete(shape: asterism.Shape) -> None:
 def test_a_free_sheet_lies_on_its_principal_axes(shape: asterism.Shape) -> None:
     assert shape.height_mm == pytest.approx(shape.extent_mm[2], rel=0.05)
     assert np.abs(shape.positions.mean(axis=0)).max() < 1.0
+    assert not shape.held
 
 
 def test_the_summary_design_makes_the_same_shape(shape: asterism.Shape) -> None:
@@ -96,6 +97,7 @@ def test_pinned_sheets_stay_where_the_pins_hold_them() -> None:
     rim = np.isclose(np.linalg.norm(shape.printed, axis=1), np.linalg.norm(shape.printed, axis=1).max())
     np.testing.assert_allclose(shape.positions[rim, :2], 0.74 * shape.printed[rim], atol=1e-12)
     np.testing.assert_allclose(shape.positions[rim, 2], 0.0, atol=1e-12)
+    assert shape.held
 
 
 def test_weight_pulls_a_pinned_sheet_down() -> None:

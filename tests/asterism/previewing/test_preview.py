@@ -208,6 +208,7 @@ def test_bumps_leave_what_is_held_in_its_place(pin: dict[str, Any]) -> None:
     found = preview.at(held)
     assert found.bumpy == pytest.approx(np.column_stack([0.78 * held, np.zeros(len(held))]), abs=1e-9)
     assert np.abs(preview.at(0.7 * border).bumps[:, 2]).max() > 0.1
+    assert preview.shape().held
 
 
 @pytest.mark.parametrize(("slide", "held"), [(None, [0, 1, 2]), ("z", [0, 1]), ("plane", [2])])
