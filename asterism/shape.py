@@ -68,9 +68,15 @@ class Shape:
 
     @property
     def extent_mm(self) -> tuple[float, float, float]:
-        """Sizes along the axes of `aligned()`, the largest first; the same however the sheet lies in space."""
-        first, second, third = sorted(np.ptp(self.positions @ self.upright().T, axis=0), reverse=True)
-        return float(first), float(second), float(third)
+        """Sizes of the box around a held sheet along x, y and z, the last one its height.
+
+        Of a free one along the axes of `aligned()`, the largest first; the same however it lies in space.
+        """
+        if self.held:
+            sizes = np.ptp(self.positions, axis=0)
+        else:
+            sizes = np.sort(np.ptp(self.positions @ self.upright().T, axis=0))[::-1]
+        return float(sizes[0]), float(sizes[1]), float(sizes[2])
 
     def at(self, printed_points: Floats) -> Floats:
         """Where printed points are in space.

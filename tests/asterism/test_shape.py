@@ -74,6 +74,13 @@ def test_extent_does_not_depend_on_the_pose() -> None:
     assert moved(shape, Rotation.from_rotvec([1.0, 2.0, -0.5])).extent_mm == pytest.approx((100, 80, 0), abs=1e-9)
 
 
+def test_the_box_of_a_held_sheet_has_its_height() -> None:
+    leaning = moved(sheets.sheet(sheets.flat, edge=5.0), Rotation.from_euler("x", 30, degrees=True))
+    held = replace(leaning, held=True)
+    assert held.extent_mm == pytest.approx((100, 80 * np.sqrt(0.75), 40))
+    assert held.extent_mm[2] == held.height_mm
+
+
 @pytest.mark.parametrize("place", [sheets.dome, sheets.tube, sheets.saddle])
 def test_aligned_brings_every_pose_to_the_same_one(place) -> None:  # type: ignore[no-untyped-def]
     shape = sheets.sheet(place)

@@ -97,7 +97,7 @@ def test_pinned_sheets_stay_where_the_pins_hold_them() -> None:
     rim = np.isclose(np.linalg.norm(shape.printed, axis=1), np.linalg.norm(shape.printed, axis=1).max())
     np.testing.assert_allclose(shape.positions[rim, :2], 0.74 * shape.printed[rim], atol=1e-12)
     np.testing.assert_allclose(shape.positions[rim, 2], 0.0, atol=1e-12)
-    assert shape.held
+    assert shape.held and shape.summary["extent_mm"][2] == shape.summary["height_mm"]
 
 
 def test_weight_pulls_a_pinned_sheet_down() -> None:
