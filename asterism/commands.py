@@ -75,12 +75,17 @@ def new(
 @app.command()
 def simulate(
     design: DesignFile,
-    output: Annotated[Path | None, output_option("Directory of the results (design's name).")] = None,
+    output: Annotated[Path | None, output_option("Directory of the results (the design file's name).")] = None,
     edge: Annotated[float | None, typer.Option(help="Edge length of the mesh in mm, in place of the design's.")] = None,
     start: Annotated[str | None, typer.Option(help="bump or flat, in place of the design's.")] = None,
     seed: Annotated[int | None, typer.Option(help="Seed of the start's noise, in place of the design's.")] = None,
     starts: Annotated[
-        int, typer.Option(min=1, max=1000, help="Starts to look for other minima; the lowest found is the result.")
+        int,
+        typer.Option(
+            min=1,
+            max=1000,
+            help="Starts to look for other minima; the result is the lowest whose stars are all on their side.",
+        ),
     ] = 1,
     fabric_bending: Annotated[
         str | None, typer.Option(help="paper, consistent or none, in place of the design's.")
@@ -210,7 +215,8 @@ def calibrate(
         stop(f"interrupted; finished cells are in {folder}, the same command goes on from there", 130)
     typer.echo("\n".join(command.report_lines(law, path)))
     if is_design(file):
-        typer.echo(f"now run  asterism preview {quote(str(file))} --law {quote(str(path))}")
+        other = f" --material {quote(str(material))}" if material else ""
+        typer.echo(f"now run  asterism preview {quote(str(file))}{other} --law {quote(str(path))}")
 
 
 @law.command("show")

@@ -52,8 +52,9 @@ def simulate(
     backend : linear solver: `auto`, `pardiso`, `cholmod`, `superlu`, or `amg` (multigrid, for little memory).
     report : called with the stage's name and an `Iteration` after every iteration.
     say : called with a line of text when something begins.
-    starts : more than one: as many different starts are tried, and the lowest minimum found is the result; the others
-        are in its `others`, and compared in the summary's `minima`.
+    starts : more than one: as many different starts are tried, and the lowest minimum whose stars are all on their
+        branch is the result, or the lowest if there is none; the others are in its `others`, and compared in the
+        summary's `minima`.
     near : a shape of the same design to start from, as its preview, in place of the start that the design asks for; its
         stars bump as they should. Goes with one start.
 

@@ -15,7 +15,7 @@ from asterism.options import DesignFile, MaterialFile, output_option
 
 def preview(
     design: DesignFile,
-    output: Annotated[Path | None, output_option("Directory of the results (design's name).")] = None,
+    output: Annotated[Path | None, output_option("Directory of the results (the design file's name).")] = None,
     law: Annotated[Path | None, typer.Option(help="The law's file (.npz); none: the paper's material.")] = None,
     side: Annotated[
         Literal["auto", "up", "down"], typer.Option(help="Side to which the edges go; auto: what the stars want.")

@@ -66,10 +66,14 @@ def test_another_material_is_part_of_the_command(
     folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     write(folder / "d.toml", thickness=0.8)
-    (folder / "m.toml").write_text("[plastic]\nmodulus_ratio = 1000\n")
-    refused = command(["preview", "d.toml", "--material", "m.toml"], capsys, monkeypatch)
-    assert "; asterism calibrate d.toml --material m.toml makes its law" in refused.line
+    (folder / "my m.toml").write_text("[plastic]\nmodulus_ratio = 1000\n")
+    refused = command(["preview", "d.toml", "--material", "my m.toml"], capsys, monkeypatch)
+    assert "; asterism calibrate d.toml --material 'my m.toml' makes its law" in refused.line
     assert refused.line.endswith("for --law d-law.npz")
+    made = command(["calibrate", "d.toml", "--material", "my m.toml", "--jobs", "1"], capsys, monkeypatch)
+    then = made.out.splitlines()[-1].removeprefix("now run  asterism ")
+    assert then == "preview d.toml --material 'my m.toml' --law d-law.npz"
+    assert command(shlex.split(then), capsys, monkeypatch).status == 0
 
 
 def test_a_law_for_something_else_is_named(
