@@ -75,11 +75,11 @@ def simulate(
     if near is not None and starts != 1:
         raise ValueError("near goes with one start")
     check_backend(backend)
-    if design.solver.contact:
-        ipc_toolkit()  # before anything else takes time
     tell = say or (lambda text: None)
     start = time.perf_counter()
     plan = layout(design)
+    if design.solver.contact:
+        ipc_toolkit()  # before anything else takes time
     if design.gravity.on and not plan.pins:
         raise DesignError("gravity.on", "needs [[pins]] to hold the sheet: a free one falls", True)
     mesh = mesh_layout(plan, design.mesh.edge_mm, design.mesh.kind, design.mesh.seed, design.mesh.graded)

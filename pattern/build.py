@@ -22,7 +22,17 @@ _MEETING = 1e-6  # of the spacing: ends of arms that are the same point but for 
 
 
 def layout(design: Design) -> Layout:
-    """What the design prints and where it is held; `DesignError` if it cannot be printed."""
+    """What the design prints and where it is held; `DesignError` if it cannot be printed.
+
+    Every model begins here, so that what is not a design is refused here: `TypeError`.
+    """
+    from pattern.design import Design  # which imports this module
+
+    if not isinstance(design, Design):
+        raise TypeError(
+            f"a Design is needed, not {type(design).__name__}: load_design reads one from a file, "
+            "Design.from_dict makes one of a dict"
+        )
     lattice = design.lattice
     corners = outline(design.border, lattice)
     _check_mesh(design.mesh.edge_mm, lattice.spacing_mm, corners)

@@ -1,0 +1,40 @@
+"""`import asterism`: its names, and what it says of arguments that are no designs."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import asterism
+from pattern import gallery
+
+TAKE_A_DESIGN = ["preview", "simulate", "verify", "Preview"]
+
+
+def test_the_public_names_are_listed() -> None:
+    assert set(asterism.__all__) <= set(dir(asterism))
+    for name in asterism.__all__:
+        assert getattr(asterism, name) is not None
+    # and looking at the list loads none of the solver
+    program = "import asterism, sys; dir(asterism); assert 'asterism.simulation' not in sys.modules"
+    assert subprocess.run([sys.executable, "-c", program], cwd=Path(__file__).parents[2]).returncode == 0
+
+
+@pytest.mark.parametrize("name", TAKE_A_DESIGN)
+@pytest.mark.parametrize("given", ["dome.toml", Path("dome.toml"), {"stars": {}}, None])
+def test_what_is_no_design_is_refused_in_one_line(name: str, given: Any) -> None:
+    with pytest.raises(TypeError, match=rf"Design is needed, not {type(given).__name__}.*load_design") as caught:
+        getattr(asterism, name)(given)
+    assert "\n" not in str(caught.value)
+
+
+def test_an_edit_to_no_design_leaves_the_preview() -> None:
+    design = gallery.load("dome")
+    preview = asterism.Preview(design)
+    with pytest.raises(TypeError, match="load_design"):
+        list(preview.edit("dome.toml"))  # type: ignore[arg-type]
+    assert preview.design == design and preview.equilibrium.is_minimum
