@@ -29,8 +29,8 @@ def draw(shape: Shape, title: str, path_or_file: str | Path | IO[bytes]) -> None
 
     Parameters
     ----------
-    shape : what to draw; `stars_up`, `stars_total`, `energy_n_mm`, `converged` and `is_minimum` of its summary
-        go into the caption where they are there.
+    shape : what to draw; `stars_up`, `stars_total`, `energy_n_mm`, `converged` and `is_minimum` of its summary, and
+        `expected_rms_percent` of a preview's, go into the caption where they are there.
     title : name of the design.
     path_or_file : where the PNG goes.
     """
@@ -71,8 +71,19 @@ def caption(shape: Shape) -> str:
         parts.append(f"energy {total:.4g} N mm")
     if "is_minimum" in summary:
         certified = summary["is_minimum"] and summary.get("converged", True)
-        parts.append("certified minimum" if certified else "not certified")
+        sure = "certified minimum" if certified else "not certified"
+        parts.append(_of_preview(summary, certified) if summary.get("model") == "preview" else sure)
     return "   ·   ".join(parts)
+
+
+def _of_preview(summary: Mapping[str, Any], certified: bool) -> str:
+    """A preview is an equilibrium of its own smooth sheet: what counts is how far that is from the exact model."""
+    if not certified:
+        return "preview, not certified"
+    expected = summary.get("expected_rms_percent")
+    if expected is None:
+        return "preview, not known how far from the exact model"
+    return f"preview, expected {expected:.1f} % of the diameter from the exact model"
 
 
 def _perspective(canvas: Floats, thing: Surface, centre: Floats, diameter: float) -> None:

@@ -7,6 +7,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -85,6 +86,20 @@ def test_the_caption_says_what_is_known() -> None:
     text = caption(replace(shape, summary=known))
     assert "29 of 30 stars up" in text and "energy 1836 N mm" in text and text.endswith("certified minimum")
     assert caption(replace(shape, summary=known | {"is_minimum": False})).endswith("not certified")
+
+
+@pytest.mark.parametrize(
+    ("said", "words"),
+    [
+        ({"expected_rms_percent": 1.234}, "preview, expected 1.2 % of the diameter from the exact model"),
+        ({"expected_rms_percent": None}, "preview, not known how far from the exact model"),
+        ({"expected_rms_percent": 1.234, "converged": False}, "preview, not certified"),
+    ],
+)
+def test_the_caption_of_a_preview_says_that_it_is_one(said: dict[str, Any], words: str) -> None:
+    summary = {"model": "preview", "converged": True, "is_minimum": True, "energy_n_mm": 30.0} | said
+    shape = replace(sheets.sheet(sheets.dome, edge=5.0), summary=summary)
+    assert caption(shape).endswith(words) and "minimum" not in caption(shape)
 
 
 def test_names_are_printed_as_they_are() -> None:
