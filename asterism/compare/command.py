@@ -18,11 +18,12 @@ from asterism.compare.scan import extent, read_scan
 from asterism.compare.silhouette import Fitted, fit_outline, silhouette
 from asterism.compare.units import check_size
 from asterism.files import LAST, OutputError, check_writable
+from asterism.mesh_error import diameter
 from asterism.read_shape import read_shape
 from asterism.results import staged_result
 from asterism.shape import Shape
 
-# farther off, the scan may not have been laid on the shape rightly
+# farther off, the scan or outline may not have been laid on the shape rightly
 POOR_PERCENT = 1.5
 
 
@@ -48,11 +49,13 @@ def compare(shape: Path, scan: Path, output: Path | None, unit: str, view: str, 
     about = {"version": __version__, "shape": str(shape), "scan": str(scan), "units": unit}
     if scan.suffix.lower() in outline.FORMATS:
         fitted = _outline(found, scan, unit, view, trim)
-        numbers = {**about, "view": view, **outline_numbers(fitted)}
+        numbers = {**about, "view": view, **outline_numbers(fitted, diameter(found.positions))}
         rows = _outline_rows(numbers)
+        words = _line(rows)
+        rows |= _poor(numbers, "is it of this design, in mm, and from this --view? look at compare.png")
         with staged_result(directory) as folder:
             seen = "above" if view == "above" else f"the {view}"
-            draw_outline(fitted, f"{title}, seen from {seen}", _line(rows), folder / "compare.png")
+            draw_outline(fitted, f"{title}, seen from {seen}", words, folder / "compare.png")
             _write(folder, numbers)
     else:
         measured = read_scan(scan, unit)
@@ -78,18 +81,21 @@ def _outline(shape: Shape, file: Path, unit: str, view: str, trim: float) -> Fit
     return fit_outline(corners, target, trim)
 
 
-def outline_numbers(fitted: Fitted) -> dict[str, Any]:
-    """Numbers of a fitted outline."""
+def outline_numbers(fitted: Fitted, diameter_mm: float) -> dict[str, Any]:
+    """Numbers of a fitted outline; lengths in percent are of the shape's diameter, as those of scans."""
     distance = np.abs(fitted.distance)
     areas = [shapely.Polygon(points).area for points in (fitted.silhouette, fitted.outline)]
+    rms = float(np.sqrt(np.mean(distance**2)))
     return {
-        "rms_mm": float(np.sqrt(np.mean(distance**2))),
+        "rms_mm": rms,
+        "rms_percent": 100 * rms / diameter_mm,
         "median_mm": float(np.median(distance)),
         "max_mm": float(distance.max()),
         "mean_outwards_mm": float(fitted.distance.mean()),
         "max_from_silhouette_mm": float(fitted.missed.max()),
         "area_of_shape_mm2": areas[0],
         "area_of_outline_mm2": areas[1],
+        "diameter_mm": diameter_mm,
         "turn_deg": fitted.turn_deg,
         "shift_mm": fitted.shift.tolist(),
     }
@@ -97,14 +103,13 @@ def outline_numbers(fitted: Fitted) -> dict[str, Any]:
 
 def _scan_rows(s: dict[str, Any]) -> dict[str, str]:
     rows = {
-        "rms": f"{s['rms_mm']:.3f} mm, {s['rms_percent']:.2f} % of the shape's diameter",
+        "rms": _rms(s),
         "median, 95 %, largest": f"{s['median_mm']:.3f}, {s['largest_twentieth_above_mm']:.3f}, {s['max_mm']:.3f} mm",
         "mean": f"{s['mean_to_plastic_side_mm']:+.3f} mm to the plastic side",
         "left out": f"{s['points_left_out_percent']:.1f} % of the points, beyond {s['left_out_beyond_mm']:.2f} mm",
         "scanned": f"{s['shape_covered_percent']:.0f} % of the shape",
     }
-    if s["rms_percent"] > POOR_PERCENT:
-        rows["a poor fit"] = "if the scan holds much else, crop it, or say --trim 0.5; is it of this design?"
+    rows |= _poor(s, "if the scan holds much else, crop it, or say --trim 0.5; is it of this design?")
     if s["poses_as_good"] > 1:
         rows["poses as good"] = f"{s['poses_as_good']}: the shape looks alike from several sides"
     return rows
@@ -112,11 +117,20 @@ def _scan_rows(s: dict[str, Any]) -> dict[str, str]:
 
 def _outline_rows(s: dict[str, Any]) -> dict[str, str]:
     return {
-        "rms": f"{s['rms_mm']:.3f} mm",
+        "rms": _rms(s),
         "median, largest": f"{s['median_mm']:.3f}, {s['max_mm']:.3f} mm",
         "mean": f"{s['mean_outwards_mm']:+.3f} mm outwards",
         "area": f"{s['area_of_outline_mm2']:.0f} mm2, the shape's {s['area_of_shape_mm2']:.0f}",
     }
+
+
+def _rms(s: dict[str, Any]) -> str:
+    return f"{s['rms_mm']:.3f} mm, {s['rms_percent']:.2f} % of the shape's diameter"
+
+
+def _poor(s: dict[str, Any], advice: str) -> dict[str, str]:
+    """A row that says so, where the fit is poor."""
+    return {"a poor fit": advice} if s["rms_percent"] > POOR_PERCENT else {}
 
 
 def _line(rows: dict[str, str]) -> str:

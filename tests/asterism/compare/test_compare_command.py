@@ -10,7 +10,9 @@ import pytest
 import trimesh
 from PIL import Image
 
+from asterism.compare.silhouette import silhouette
 from asterism.export_vtu import write_shape_vtu
+from asterism.mesh_error import diameter
 from tests.asterism.commands import command
 from tests.asterism.compare.scans import bent_sheet, motion
 
@@ -58,6 +60,18 @@ def test_an_outline_from_above(folder: Path, capsys, monkeypatch) -> None:
     assert numbers["area_of_outline_mm2"] == pytest.approx(8000 * 1.02**2, rel=1e-3)
     assert 0.4 < numbers["mean_outwards_mm"] < 1.1
     assert (folder / "out" / "compare.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(("scale", "poor"), [([1.0, 1.0], False), ([1.3, 0.7], True)])
+def test_an_outline_that_fits_poorly(scale: list[float], poor: bool, folder: Path, capsys, monkeypatch) -> None:
+    corners = silhouette(SHAPE, "above") * scale
+    (folder / "outline.csv").write_text("x_mm,y_mm\n" + "".join(f"{x:.2f},{y:.2f}\n" for x, y in corners))
+    done = command(["compare", str(folder / "shape.vtu"), str(folder / "outline.csv")], capsys, monkeypatch)
+    assert done.status == 0 and ("a poor fit" in done.out) == poor
+    numbers = json.loads((folder / "outline-compared" / "summary.json").read_text())
+    assert numbers["diameter_mm"] == pytest.approx(diameter(SHAPE.positions))
+    assert numbers["rms_percent"] == pytest.approx(100 * numbers["rms_mm"] / numbers["diameter_mm"])
+    assert (numbers["rms_percent"] > 1.5) == poor
 
 
 @pytest.mark.parametrize(
