@@ -53,6 +53,7 @@ class StripFit:
     lack_of_fit : how likely strips as they were measured are if the formula holds; None if there are no repeats.
     widened : factor by which the intervals were widened because thicknesses disagree more than their strips do.
     kappa_bar_varies : kappa_bar was taken for one number, and the peeled strips say that it is not.
+    thicknesses_apart : mm, of strips that lie away from the others as a whole; they are used.
     """
 
     formula: Formula
@@ -68,6 +69,7 @@ class StripFit:
     lack_of_fit: float | None
     widened: float
     kappa_bar_varies: bool
+    thicknesses_apart: tuple[float, ...] = ()
     flat_height_mm: float = field(default=FLAT_HEIGHT_MM)
 
     def plastic(self, modulus_ratio: float | None = None) -> Plastic:
@@ -109,15 +111,17 @@ def fit_strips(
     if not usable:
         raise NoMaterial("no reading can be used: " + "; ".join(f"{o.reading.name}: {o.reason}" for o in left_out[:3]))
     data = Data.of(usable, flat_height_mm)
+    thicknesses_apart: tuple[float, ...] = ()
     if not keep_outliers:
         model = Model.of(data, formula, kappa_bar)
-        odd, distance = outliers(model, data)
+        odd, distance, apart = outliers(model, data)
         expected = model.mean(estimate(model, data.take(~odd)).parameters, data)
         for i in np.flatnonzero(odd):
             seen = "flat" if data.flat[i] else f"{data.curvature[i]:.5f} /mm"
             reason = f"{seen}, the others say {expected[i]:.5f}: {distance[i]:.1f} standard deviations"
             left_out.append(LeftOut(usable[i], reason))
         usable = [reading for reading, bad in zip(usable, odd, strict=True) if not bad]
+        thicknesses_apart = tuple(float(h) for h in np.unique(data.thickness[apart]))
         data = data.take(~odd)
     results, widened, lack = {}, {}, {}
     for name in FORMULAS:
@@ -147,6 +151,7 @@ def fit_strips(
         lack[formula],
         widened[formula],
         kappa_bar == "constant" and _kappa_bar_varies(found, data),
+        thicknesses_apart,
         flat_height_mm,
     )
 
@@ -165,9 +170,9 @@ def _lack_of_fit(model: Model, found: Estimate, data: Data) -> tuple[float | Non
     bent = data.take(~data.flat)
     mean = model.mean(found.parameters, bent)
     variance = found.noise.variance(arc.reading_sensitivity(mean, bent.length), mean)
-    kinds = np.column_stack([bent.thickness, bent.fabric, bent.mismatch, bent.peeled])
-    groups, group = np.unique(kinds, axis=0, return_inverse=True)
-    between, within = len(groups) - model.size, len(mean) - len(groups)
+    group = bent.kind
+    groups = int(group.max(initial=-1)) + 1
+    between, within = groups - model.size, len(mean) - groups
     if between < 1 or within < 1:
         return None, 1.0
     residual, weight = bent.curvature - mean, 1 / variance

@@ -9,7 +9,7 @@ import numpy as np
 
 from asterism.strips.errors import NoMaterial
 from asterism.strips.strip import Reading
-from pattern.layout import Floats
+from pattern.layout import Floats, Ints
 from pattern.materials import bilayer_curvature
 
 Formula = Literal["paper", "timoshenko"]
@@ -57,6 +57,13 @@ class Data:
     def flat(self) -> np.ndarray:
         """(n,) bool."""
         return np.isnan(self.curvature)
+
+    @property
+    def kind(self) -> Ints:
+        """(n,) from 0: readings of one kind should be equal, of strips of one thickness, fabric and stretch, all peeled
+        or none."""
+        kinds = np.column_stack([self.thickness, self.fabric, self.mismatch, self.peeled])
+        return np.unique(kinds, axis=0, return_inverse=True)[1].reshape(-1)
 
     def take(self, which: np.ndarray) -> Data:
         """Some of the readings."""

@@ -1,6 +1,8 @@
-"""Readings that do not belong to the others."""
+"""Readings that do not belong to the others, and kinds of strips that lie apart as a whole."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 from scipy.stats import t as student
@@ -9,7 +11,7 @@ from asterism.strips import arc
 from asterism.strips.errors import NoMaterial
 from asterism.strips.estimate import estimate, first_guess
 from asterism.strips.model import Data, Model
-from pattern.layout import Floats
+from pattern.layout import Floats, Ints
 
 # the chance that one of all good readings is called an outlier
 FALSE_ALARM = 0.01
@@ -18,16 +20,56 @@ _BIWEIGHT = 4.685
 _FEW = 24
 
 
-def outliers(model: Model, data: Data) -> tuple[np.ndarray, Floats]:
-    """Which readings (n,) lie too far from the fit of the others, and how many standard deviations away they are.
+def outliers(model: Model, data: Data) -> tuple[np.ndarray, Floats, np.ndarray]:
+    """Which readings lie too far from the fit of the others, how many standard deviations away, and which lie apart.
 
-    A robust fit (Tukey's biweight, from least absolute deviations) proposes; what decides is the distance of each
-    reading from a fit without the proposed ones, by Student's distribution with Bonferroni's correction.
+    Where most readings of a kind are too far off, on the same side, none of them is wrong but what they have in common,
+    such as their thickness. They are no outliers, unless they are too far from the middle of their kind.
+
+    Returns
+    -------
+    odd : (n,) bool, the outliers.
+    distance : (n,) standard deviations.
+    apart : (n,) bool, all readings of kinds that lie apart.
 
     Raises
     ------
     NoMaterial
         Too few readings, or more than a third contradict the others.
+    """
+    apart, own = np.zeros(len(data.curvature), dtype=bool), data
+    while True:
+        odd, beyond, mean = _outliers(model, own)
+        new = _apart(data.kind, odd, beyond) & ~apart
+        if not new.any():
+            # a flat strip has no place within its kind
+            return odd & ~(apart & data.flat), np.abs(beyond), apart
+        apart |= new
+        own = replace(own, curvature=own.curvature + np.where(new, _to_middle(data.kind, own.curvature, mean), 0.0))
+
+
+def _apart(kind: Ints, odd: np.ndarray, beyond: Floats) -> np.ndarray:
+    """(n,) bool, readings of kinds most of whose readings are outliers on the same side; two at least."""
+    found = np.zeros(len(kind), dtype=bool)
+    for side in (-1.0, 1.0):
+        count = np.bincount(kind, odd & (np.sign(beyond) == side))
+        found |= ((count >= 2) & (count > np.bincount(kind) / 2))[kind]
+    return found
+
+
+def _to_middle(kind: Ints, curvature: Floats, mean: Floats) -> Floats:
+    """(n,) 1/mm, what brings the middle of a kind to where the fit has it; 0 for kinds that are all flat."""
+    off = mean - curvature
+    middle = [np.median(here) if len(here := off[(kind == k) & ~np.isnan(off)]) else 0.0 for k in range(kind.max() + 1)]
+    return np.array(middle)[kind]
+
+
+def _outliers(model: Model, data: Data) -> tuple[np.ndarray, Floats, Floats]:
+    """Which readings (n,) lie too far from the fit of the others; how many standard deviations away, negative below it;
+    and the fit (1/mm).
+
+    A robust fit (Tukey's biweight, from least absolute deviations) proposes; what decides is the distance of each
+    reading from a fit without the proposed ones, by Student's distribution with Bonferroni's correction.
     """
     good = ~(_robust_distance(model, data) > 4.0)
     if len(good) < _FEW:
@@ -51,7 +93,8 @@ def outliers(model: Model, data: Data) -> tuple[np.ndarray, Floats]:
             break
         good = again
     _check_majority(good)
-    return ~good, distance
+    side = np.where(data.flat, -np.sign(mean), np.sign(data.curvature - mean))
+    return ~good, side * distance, mean
 
 
 def _check_majority(good: np.ndarray) -> None:

@@ -45,11 +45,16 @@ def conventions(fit: StripFit) -> list[str]:
 def warnings(fit: StripFit) -> list[str]:
     """What the user should know before trusting the numbers."""
     lines = []
+    apart = " and ".join(f"{h:g} mm" for h in fit.thicknesses_apart)
     if fit.widened > 1:
+        check = f", that of the strips of {apart} first" if apart else ""
         lines.append(
             "the thicknesses disagree with the formula by more than the scatter of their strips "
-            f"(chance {fit.lack_of_fit:.1g}): check the thicknesses; intervals are widened {fit.widened:.1f} times"
+            f"(chance {fit.lack_of_fit:.1g}): check the thicknesses{check}; "
+            f"intervals are widened {fit.widened:.1f} times"
         )
+    elif apart:
+        lines.append(f"the strips of {apart} disagree with the others as a whole: check their thickness")
     if fit.kappa_bar_varies:
         lines.append("peeled strips of different thickness keep different curvatures: try --kappa-bar per-thickness")
     if math.isinf(fit.ratio[fit.formula].high):
@@ -93,6 +98,7 @@ def summary(fit: StripFit) -> dict[str, Any]:
         "lack_of_fit_chance": fit.lack_of_fit,
         "intervals_widened_by": fit.widened,
         "kappa_bar_varies": fit.kappa_bar_varies,
+        "thicknesses_apart_mm": list(fit.thicknesses_apart),
         "shared_error_percent": shared_errors(fit),
         "readings_used": len(fit.used),
         "readings_flat": sum(r.curvature_per_mm is None for r in fit.used),

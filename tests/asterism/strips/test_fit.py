@@ -14,6 +14,7 @@ from asterism.strips.errors import NoMaterial
 from asterism.strips.fit import StripFit, fit_strips
 from asterism.strips.likelihood import flat_terms
 from asterism.strips.model import FORMULAS, Formula
+from asterism.strips.statement import warnings
 from asterism.strips.synthetic import THICKNESSES, readings
 from asterism.strips.systematic import shared_errors
 from pattern.materials import Fabric, Plastic, rest_curvature
@@ -187,6 +188,28 @@ def test_a_wrong_thickness_widens_the_interval() -> None:
     fit = fit_strips(strips, keep_outliers=True)
     assert fit.lack_of_fit is not None and fit.lack_of_fit < 0.01 and fit.widened > 1.5
     assert fit_strips(readings(1)).widened == 1.0
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_strips_of_a_wrong_thickness_are_no_outliers(seed: int) -> None:
+    """They are used, named, and the wide interval holds the truth; a stray one among them still is an outlier."""
+    strips = [replace(r, thickness_mm=0.26) if r.thickness_mm == 0.3 else r for r in readings(seed)]
+    fit = fit_strips(strips)
+    assert not fit.left_out and fit.thicknesses_apart == (0.26,) and fit.widened > 1.5 and inside(fit)
+    assert any("check the thicknesses, that of the strips of 0.26 mm first" in line for line in warnings(fit))
+    strips[4] = replace(strips[4], curvature_per_mm=0.05)
+    again = fit_strips(strips)
+    assert [out.reading.name for out in again.left_out] == [strips[4].name] and inside(again)
+    assert not fit_strips(readings(seed)).thicknesses_apart
+
+
+def test_flat_strips_of_a_wrong_thickness_are_no_outliers() -> None:
+    """Strips that are thicker than they are said to be look flat, all of them."""
+    strips = readings(1, Plastic(), reading_mm=0.1)
+    strips = [replace(r, curvature_per_mm=None) if r.thickness_mm == 0.35 and not r.peeled else r for r in strips]
+    fit = fit_strips([r for r in strips if not r.peeled], kappa_bar="zero")
+    assert not fit.left_out and fit.thicknesses_apart == (0.35,)
+    assert any("0.35 mm disagree with the others" in line or "of 0.35 mm first" in line for line in warnings(fit))
 
 
 def test_shared_errors_follow_the_formula() -> None:
