@@ -7,7 +7,7 @@ import numpy as np
 from pattern.errors import MeshError
 from pattern.layout import Layout
 from pattern.mesh import Mesh
-from pattern.planar import among, polygon_area, smallest_angle, triangle_areas
+from pattern.planar import among, polygon_area, triangle_angles, triangle_areas
 
 MOST_TRIANGLES = 2_000_000
 
@@ -30,7 +30,7 @@ def checked(mesh: Mesh, layout: Layout, smallest_angle_deg: float) -> Mesh:
     total = polygon_area(layout.border)
     if areas.min() <= 0 or abs(areas.sum() - total) > 1e-6 * total:
         raise MeshError("the mesh does not fill the sheet without overlaps")
-    angle = smallest_angle(mesh.points, mesh.triangles)
+    angle = float(triangle_angles(mesh.points, mesh.triangles).min())
     if angle < smallest_angle_deg:
         raise MeshError(f"the mesh has an angle of {angle:.1f} degrees, below {smallest_angle_deg:g}")
     n, t = len(mesh.points), mesh.triangles.T.astype(np.int64)

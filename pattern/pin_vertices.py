@@ -26,10 +26,11 @@ def pin_points(layout: Layout) -> Floats:
 
 def pin_vertices(layout: Layout, points: Floats, border_vertices: Ints) -> tuple[Ints, ...]:
     """Vertices of each pin set: those at its points, in their order, then those on its border edges."""
-    tree = cKDTree(points) if layout.pins else None
+    if not layout.pins:
+        return ()
+    tree = cKDTree(points)
     result = []
     for pin in layout.pins:
-        assert tree is not None
         distance, at = tree.query(_points(pin))
         if (distance > SAME_PLACE_MM).any():
             x, y = _points(pin)[np.argmax(distance)]

@@ -35,20 +35,9 @@ def triangle_areas(points: Floats, triangles: Ints) -> Floats:
 
 def triangle_angles(points: Floats, triangles: Ints) -> Floats:
     """Angles (T, 3) in degrees at the corners of triangles."""
-    corner = points[triangles]
-    u = np.roll(corner, -1, axis=1) - corner
-    v = np.roll(corner, 1, axis=1) - corner
-    return np.degrees(np.arctan2(np.abs(cross(u, v)), (u * v).sum(axis=-1)))
-
-
-def smallest_angle(points: Floats, triangles: Ints) -> float:
-    """Degrees, the smallest of `triangle_angles`."""
     x, y = points[:, 0][triangles.T], points[:, 1][triangles.T]
-    along = [(x[k - 1] - x[k], y[k - 1] - y[k]) for k in range(3)]
-    twice = np.abs(along[0][0] * along[1][1] - along[0][1] * along[1][0])
-    dots = [-(u[0] * v[0] + u[1] * v[1]) for u, v in zip(along, (*along[1:], along[0]), strict=True)]
-    most = np.max(dots, axis=0)  # the smallest angle of a triangle has the largest cosine times sides, for one sine
-    return float(np.degrees(np.arctan2(twice, most).min()))
+    (ux, vx), (uy, vy) = ((np.roll(one, -1, axis=0) - one, np.roll(one, 1, axis=0) - one) for one in (x, y))
+    return np.degrees(np.arctan2(np.abs(ux * vy - uy * vx), ux * vx + uy * vy)).T
 
 
 def mean_circumcentres(points: Floats, triangles: Ints) -> Floats:
