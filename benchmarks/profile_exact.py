@@ -17,20 +17,21 @@ from benchmarks.large import tube
 from benchmarks.report import markdown
 from pattern.design import Design
 
+FACTORS = ("/factor.py", "/pardiso.py")
 # functions whose time, with all they call, is one row; that of the smooth surface has a reconstruction in it, with
 # its analysis and solve, and the others do not call each other
 PARTS = {
-    "factorisations": ("factor.py", "factorise"),
-    "solves": ("factor.py", "solve"),
-    "analysis of patterns": ("factor.py", "__init__"),
-    "sparsity patterns": ("sparse_pattern.py", "__init__"),
-    "Hessians": ("system.py", "hessian"),
-    "gradients": ("system.py", "full_gradient"),
-    "energies": ("system.py", "energies"),
-    "supports": ("system.py", "support"),
-    "meshes": ("meshing.py", "mesh_layout"),
-    "smooth surface through the coarse mesh": ("prolongation.py", "prolonged"),
-    "set-up of turning steps": ("reconstruction.py", "path"),
+    "factorisations": (FACTORS, "factorise"),
+    "solves": (FACTORS, "solve"),
+    "analysis of patterns": (FACTORS, "__init__"),
+    "sparsity patterns": ("/sparse_pattern.py", "__init__"),
+    "Hessians": ("/system.py", "hessian"),
+    "gradients": ("/system.py", "full_gradient"),
+    "energies": ("/system.py", "energies"),
+    "supports": ("/system.py", "support"),
+    "meshes": ("/meshing.py", "mesh_layout"),
+    "smooth surface through the coarse mesh": ("/prolongation.py", "prolonged"),
+    "set-up of turning steps": ("/reconstruction.py", "path"),
 }
 
 
@@ -55,7 +56,7 @@ def profile(word: str) -> tuple[int, float, dict[str, float]]:
     seconds = dict.fromkeys(PARTS, 0.0)
     for (file, _, name), (_, _, _, cumulative, _) in stats.items():
         for part, (where, what) in PARTS.items():
-            if name == what and file.endswith(f"/{where}"):
+            if name == what and file.endswith(where):
                 seconds[part] += cumulative
     return summary["vertices"], summary["wall_s"], seconds
 
