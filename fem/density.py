@@ -1,17 +1,17 @@
 """Energy of the sheet per printed area, as a function of the strains `e = (E11, E22, 2 E12, K11, K22, 2 K12)`.
 
-    W(e) = e . A e / 2 + c3 Re[z^3 exp(-6 i phi)] / (1 + |z|^2/z_s^2) + w(e),    z = (K11 - K22)/2 + i K12
+    W(e) = w_0 + s . e + e . A e / 2 + c3 Re[z^3 exp(-6 i phi)] / (1 + |z|^2/z_s^2) + w(e),    z = (K11 - K22)/2 + i K12
 
-A is any symmetric 6 x 6 matrix (membrane, bending and their coupling). The second term lets a sheet with a lattice at
-the angle phi prefer some of its axes to roll about: z turns by twice the angle of the sheet, z^3 by six times. A pure
-cubic has no lowest energy, so it is cut off at z_s, beyond which it grows like |z| only: with a positive definite A the
-energy is bounded below whatever c3 is. w is any further law.
+A is any symmetric 6 x 6 matrix (membrane, bending and their coupling), s the stress at no strain. The c3 term lets a
+sheet with a lattice at the angle phi prefer some of its axes to roll about: z turns by twice the angle of the sheet,
+z^3 by six times. A pure cubic has no lowest energy, so it is cut off at z_s, beyond which it grows like |z| only: with
+a positive definite A the energy is bounded below whatever c3 is. w is any further law.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -33,6 +33,7 @@ class Density:
         `+ c3 (kappa/2)^3` as long as kappa is far below 2 z_s.
     saturation : z_s per mm, (T, Q) or a number; the term has half of its cubic's value at |z| = z_s.
     law : takes e (P, 6) of all points, P = T Q, to w (P,), its gradient (P, 6) and its Hessian (P, 6, 6).
+    stress : s, (T, Q, 6) or (6,), N/mm and N, and `ground`, w_0, (T, Q) or a number, N/mm, at no strain.
     """
 
     stiffness: Floats
@@ -40,6 +41,8 @@ class Density:
     orientation: Floats | float = 0.0
     saturation: Floats | float = np.inf
     law: Law | None = None
+    stress: Floats | float = 0.0
+    ground: Floats | float = 0.0
 
     def at(self, shape: tuple[int, int]) -> Density:
         """The same, everything spelled out for (T, Q) points."""
@@ -53,17 +56,31 @@ class Density:
             spread(self.orientation),
             spread(self.saturation),
             self.law,
+            spread(self.stress, (6,)),
+            spread(self.ground),
         )
+
+    def with_gaussian(self, modulus: Floats, curvature: Floats) -> Density:
+        """The density and `modulus det b` more at the points (T, Q), N mm, for `b = K + b_r` with b_r (T, Q, 3).
+
+        `curvature`: b_r, its components 11, 22 and 12. The modulus is Helfrich's (1973) of Gaussian curvature.
+        """
+        full = self.at(modulus.shape)
+        b11, b22, b12 = np.moveaxis(np.broadcast_to(curvature, (*modulus.shape, 3)), -1, 0)
+        full.stiffness[..., 3, 4] += modulus
+        full.stiffness[..., 4, 3] += modulus
+        full.stiffness[..., 5, 5] -= 0.5 * modulus
+        full.stress[..., 3:] += modulus[..., None] * np.stack([b22, b11, -b12], axis=-1)  # type: ignore[index]
+        return replace(full, ground=full.ground + modulus * (b11 * b22 - b12**2))
 
     def __call__(self, e: Floats) -> tuple[Floats, Floats, Floats]:
         """Energies (T, Q), stresses (T, Q, 6) and stiffnesses (T, Q, 6, 6) at strains e (T, Q, 6)."""
-        full = (
-            self
-            if np.ndim(self.saturation) == 2 and np.shape(self.stiffness) == (*e.shape, 6)
-            else self.at(e.shape[:2])
-        )
+        shapes = [np.shape(each) for each in (self.stiffness, self.saturation, self.stress, self.ground)]
+        spelled_out = shapes == [(*e.shape, 6), e.shape[:2], e.shape, e.shape[:2]]
+        full = self if spelled_out else self.at(e.shape[:2])
         energy, stress, tangent = np.empty(e.shape[:2]), np.empty(e.shape), np.empty((*e.shape, 6))
-        _evaluate(full.stiffness, full.sixfold, full.orientation, full.saturation, e, energy, stress, tangent)
+        parts = (full.stiffness, full.sixfold, full.orientation, full.saturation, full.stress, full.ground)
+        _evaluate(*parts, e, energy, stress, tangent)
         if self.law is not None:
             for total, part in zip((energy, stress, tangent), self.law(e.reshape(-1, 6)), strict=True):
                 total += part.reshape(total.shape)
@@ -72,7 +89,8 @@ class Density:
     def energies(self, e: Floats) -> Floats:
         """(T, Q) at strains e (T, Q, 6), without their derivatives; `self` is spelled out, see `at`."""
         energy = np.empty(e.shape[:2])
-        _energies(self.stiffness, self.sixfold, self.orientation, self.saturation, e, energy)
+        parts = (self.stiffness, self.sixfold, self.orientation, self.saturation, self.stress, self.ground)
+        _energies(*parts, e, energy)
         return energy if self.law is None else energy + self.law(e.reshape(-1, 6))[0].reshape(energy.shape)
 
     @property
@@ -82,18 +100,20 @@ class Density:
 
 
 @loop
-def _evaluate(stiffness, sixfold, orientation, saturation, e, energy, stress, tangent):  # type: ignore[no-untyped-def]
+def _evaluate(  # type: ignore[no-untyped-def]
+    stiffness, sixfold, orientation, saturation, start, ground, e, energy, stress, tangent
+):
     h = np.empty((2, 2))
     for t in range(e.shape[0]):
         for q in range(e.shape[1]):
-            energy[t, q] = 0.0
+            energy[t, q] = ground[t, q]
             for a in range(6):
                 value = 0.0
                 for b in range(6):
                     value += stiffness[t, q, a, b] * e[t, q, b]
                     tangent[t, q, a, b] = stiffness[t, q, a, b]
-                stress[t, q, a] = value
-                energy[t, q] += 0.5 * value * e[t, q, a]
+                stress[t, q, a] = start[t, q, a] + value
+                energy[t, q] += (start[t, q, a] + 0.5 * value) * e[t, q, a]
             if sixfold[t, q] != 0.0:
                 u, v = 0.5 * (e[t, q, 3] - e[t, q, 4]), 0.5 * e[t, q, 5]
                 w, gu, gv = _roll(sixfold[t, q], orientation[t, q], saturation[t, q], u, v, h)
@@ -107,13 +127,13 @@ def _evaluate(stiffness, sixfold, orientation, saturation, e, energy, stress, ta
 
 
 @loop
-def _energies(stiffness, sixfold, orientation, saturation, e, energy):  # type: ignore[no-untyped-def]
+def _energies(stiffness, sixfold, orientation, saturation, start, ground, e, energy):  # type: ignore[no-untyped-def]
     h = np.empty((2, 2))
     for t in range(e.shape[0]):
         for q in range(e.shape[1]):
-            total = 0.0
+            total = ground[t, q]
             for a in range(6):
-                value = 0.5 * stiffness[t, q, a, a] * e[t, q, a]
+                value = start[t, q, a] + 0.5 * stiffness[t, q, a, a] * e[t, q, a]
                 for b in range(a):
                     value += stiffness[t, q, a, b] * e[t, q, b]
                 total += value * e[t, q, a]

@@ -26,7 +26,7 @@ class ShellEquilibrium:
     ----------
     x : (N, 3) positions of the dofs, mm.
     strains : (T, Q, 6) at the quadrature points; to go on from here after an edit.
-    energies : N mm, by part.
+    energies : N mm, by part: as `Shell.energies`, with what Gaussian curvature costs or saves as `gaussian`.
     gradient_norm, tolerance : N, over the free unknowns.
     definite : the exact Hessian is positive definite (rigid motions held).
     soft_modes : (k,) N/mm^3, smallest eigenvalues of the Hessian against the printed area: the energy of a mode of one
@@ -60,6 +60,11 @@ class ShellEquilibrium:
     def energy(self) -> float:
         """N mm."""
         return sum(self.energies.values())
+
+    @property
+    def at_stake(self) -> float:
+        """N mm, the energy, what Gaussian curvature saves counted as if it were spent: errors are a part of it."""
+        return self.energy + 2.0 * max(-self.energies.get("gaussian", 0.0), 0.0)
 
     @property
     def converged(self) -> bool:

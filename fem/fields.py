@@ -37,11 +37,14 @@ class Fields:
     metric : (..., 3) rest metric `a_11, a_22, a_12`; the printed one if nothing is said.
     curvature : (..., 3) rest curvature `b_11, b_22, b_12` per mm. With the normal `x_1 x x_2` a positive one lifts the
         edges towards +z. A sheet that is to have the curvature kappa once it has contracted has `b = kappa a`.
+    gaussian : (...,) N mm, modulus of Gaussian curvature: `gaussian det b` more energy per printed area. Negative, it
+        favours caps over saddles. Where it is the same all over, only borders notice (Gauss and Bonnet).
     """
 
     density: Density | Callable[[Floats], Density]
     metric: Field = (1.0, 1.0, 0.0)
     curvature: Field = (0.0, 0.0, 0.0)
+    gaussian: Field = 0.0
 
     def rest(self, points: Floats) -> Floats:
         """(T, Q, 6) of `(a/2, b)` at rest, in the components of the strains.
@@ -59,11 +62,19 @@ class Fields:
             raise FieldError("rest metric", points[where], a[where], "is not positive definite")
         return np.concatenate([0.5 * a[..., :2], a[..., 2:], b[..., :2], 2.0 * b[..., 2:]], axis=-1)
 
+    def gaussian_modulus(self, points: Floats) -> Floats:
+        """(T, Q) N mm, at these points."""
+        return _scalar(self.gaussian, points)
+
     def densities(self, points: Floats) -> Density:
-        """The density at these points."""
-        return (
-            self.density(points) if callable(self.density) and not isinstance(self.density, Density) else self.density
-        )
+        """The density at these points, with the energy of Gaussian curvature."""
+        density = self.density
+        if callable(density) and not isinstance(density, Density):
+            density = density(points)
+        modulus = self.gaussian_modulus(points)
+        if not modulus.any():
+            return density
+        return density.with_gaussian(modulus, _at(self.curvature, points, "rest curvature"))
 
 
 def of_stretch(density: Density | Callable[[Floats], Density], stretch: Field, curvature: Field = 0.0) -> Fields:

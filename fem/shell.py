@@ -87,6 +87,7 @@ class Shell:
         """Change what the sheet wants to be; everything else, factorisation patterns included, stays."""
         self._target = fields.rest(self.points)
         self.density: Density = fields.densities(self.points).at(self.points.shape[:2])
+        self._gaussian = fields.gaussian_modulus(self.points)
         penalty = self.space.penalty(self.density.stiffness[..., 3, 3].mean(axis=1))
         self._penalty = None if penalty is None else (penalty, self.assembly.spread(penalty))
         for name in ("_flat_tangent", "_flat_lower", "flat_stiffness"):
@@ -114,6 +115,13 @@ class Shell:
         if self._penalty is not None:
             out["jumps"] = 0.5 * float((x * (self._penalty[0] @ x)).sum())
         return out
+
+    def gaussian_energy(self, x: Floats) -> float:
+        """N mm, the part of the sheet's energy that is due to its Gaussian curvature; often negative."""
+        if not self._gaussian.any():
+            return 0.0
+        b11, b22, b12 = np.moveaxis((self.strains(x) + self.rest)[..., 3:] * [1.0, 1.0, 0.5], -1, 0)
+        return float((self.assembly.weights * self._gaussian * (b11 * b22 - b12**2)).sum())
 
     def energy(self, x: Floats) -> float:
         """N mm; not finite where the sheet has collapsed."""
@@ -209,7 +217,7 @@ class Shell:
 
     def linear_stress(self, strains: Floats) -> Floats:
         """(T, Q, 6) by the quadratic part of the density."""
-        return np.matmul(self.density.stiffness, strains[..., None])[..., 0]
+        return self.density.stress + np.matmul(self.density.stiffness, strains[..., None])[..., 0]
 
     @cached_property
     def held_points(self) -> Ints:

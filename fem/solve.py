@@ -135,7 +135,9 @@ def modes_of(shell: Shell, x: Floats, factor: Factor, count: int = SOFTEST) -> t
 
 def _evidence(shell: Shell, settled: Settled, name: str) -> ShellEquilibrium:
     x = settled.state
-    energies = shell.energies(x)
+    energies, gaussian = shell.energies(x), shell.gaussian_energy(x)
+    if gaussian:
+        energies |= {"sheet": energies["sheet"] - gaussian, "gaussian": gaussian}
     return ShellEquilibrium(
         x=x,
         strains=shell.strains(x),

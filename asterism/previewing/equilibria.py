@@ -15,15 +15,16 @@ from fem.evidence import ShellEquilibrium
 from fem.seeds import Side, shapes, trends
 from fem.shapes import Shape
 from fem.shell import Shell
-from fem.solve import follow, relax
+from fem.solve import follow, modes_of, relax
 from fem.tabulation import Floats
 
 # a free sheet of equal stars that would turn by more from side to side, in rad, is a tube, and not tried as a cap
 TUBE_TURN = 3.0
-TIE = 0.02  # part of the energy by which the law's sheets are wrong at best: it cannot say which of two forms is lower
+TIE = 0.005  # part of the energy by which the law's sheets are wrong at best: it cannot say which of two forms is lower
 CAPS = (1.0, 0.7)  # parts of a cap's curvature to start from: from afar it takes luck to reach the lowest fold
 EQUAL = 1e-3  # part of the energy within which two minima are the same form
 ROLLED = {"arc", "bent", "saddle"}
+PUSH = 0.04  # of the size: how far a held sheet that is soft in two ways is pushed, to see what else it can be
 STRIDES = 6  # in which later pins move the sheet to their places
 
 
@@ -34,7 +35,7 @@ def settled(
 
     `turns`: of the design's symmetries. `uniform`: all stars are alike. `curls`: many stars curl tightly; a free sheet
     of such stars may fold up on several sides in place of rolling, which a start as a cap finds and costs. Where a
-    free sheet without symmetry is soft in two ways, starts of other kinds are followed too.
+    free sheet without symmetry is soft in two ways, starts of other kinds are followed too; a held one is pushed.
     """
     free = len(shell.held_points) == 0
     wants, size = trends(shell), float(np.ptp(shell.space.mesh.p, axis=1).max())
@@ -44,18 +45,19 @@ def settled(
         if found.is_minimum:
             return found
     found = relax(shell, factor, side, turns=turns, tie=TIE)
+    soft = soft_in_two_ways(shell, found, wants.stretch * size)
     if not free:
-        return found
+        return pushed(shell, factor, found, PUSH * size) if soft and found.is_minimum else found
     guesses = shapes(wants, size, side)
-    tried = {trial.name for trial in found.trials} | {"flat"}
-    if tried & ROLLED:
+    tried = {trial.name for trial in found.trials} - ROLLED | {"flat"}
+    if sum(trial.name in ROLLED for trial in found.trials) > 1:
         tried |= ROLLED  # in several directions
     offers: list[list[Shape]] = []
     caps = [shape for shape in guesses if shape.name == "cap"]
     if curls and caps and "cap" not in tried:
         offers = [[replace(caps[-1], curvature=share * caps[-1].curvature)] for share in CAPS]
-    elif soft_in_two_ways(shell, found, wants.stretch * size) and len(turns) <= 1:
-        offers = [[shape for shape in guesses if shape.name not in tried]]
+    elif soft and len(turns) <= 1:
+        offers = _by_direction([shape for shape in guesses if shape.name not in tried])
     best, trials = found, found.trials
     for offer in filter(None, offers):
         other = relax(shell, factor, side, offer, followed=1, turns=turns)
@@ -64,17 +66,36 @@ def settled(
         margin = EQUAL * abs(other.energy)
         if other.is_minimum and all(other.energy < energy - margin for energy in known):
             best = other
-        elif other.is_minimum and any(abs(other.energy - energy) <= margin for energy in known):
-            break  # all starts lead to the same forms
     if len(trials) > len(found.trials):
         held_definite(shell, best.x, shell.hessian(best.x), factor)  # the factor is to hold the best state's Hessian
     return replace(best, trials=trials)
 
 
+def _by_direction(guesses: Sequence[Shape]) -> list[list[Shape]]:
+    """Those that are bent about axes in each third of a half turn; others are with the first ones."""
+    return [[shape for shape in guesses if int(3.0 * shape.angle / np.pi) == third] for third in range(3)]
+
+
+def pushed(shell: Shell, factor: Factor, found: ShellEquilibrium, far: float) -> ShellEquilibrium:
+    """The lowest of a minimum and of those that its softest motion leads to; `far`: how far a dof is pushed, mm."""
+    mode = modes_of(shell, found.x, factor, 1)[1][:, 0]
+    step = far / np.abs(shell.move(np.zeros_like(found.x), mode)).max() * mode
+    others = [follow(shell, shell.move(found.x, sign * step), factor, "pushed") for sign in (1.0, -1.0)]
+    best = found
+    for other in others:
+        if other.is_minimum and other.energy < best.energy - EQUAL * abs(best.energy):
+            best = other
+    held_definite(shell, best.x, shell.hessian(best.x), factor)  # the factor is to hold the best state's Hessian
+    if best is not found:
+        best = replace(best, soft_modes=modes_of(shell, best.x, factor)[0])
+    return replace(best, trials=found.trials + tuple(trial for other in others for trial in other.trials))
+
+
 def soft_in_two_ways(shell: Shell, found: ShellEquilibrium, size: float) -> bool:
     """Whether another form is likely to be near a minimum of a sheet that is about `size` mm large."""
     area = float(shell.assembly.weights.sum())
-    return another_form_is_near(amplitudes_percent(found.soft_modes, found.energy, area, size))
+    held = len(shell.held_points) > 0
+    return another_form_is_near(amplitudes_percent(found.soft_modes, found.at_stake, area, size), held)
 
 
 def taken(shell: Shell, factor: Factor, x: Floats, was_free: bool) -> ShellEquilibrium:

@@ -1,7 +1,7 @@
 """How far off a preview expects to be, from what it knows itself.
 
 A shape is uncertain where it is soft. Its softest motions, with the eigenvalues `s_i` (N/mm^3) against the printed area
-A, would take the energy E of the sheet up to these amplitudes, rms over the sheet, in % of its diameter D:
+A, would take the energy E at stake (`fem.evidence`) up to these amplitudes, rms over the sheet, in % of its diameter D:
 
     a_i = 100/D sqrt(2 E / (s_i A)).
 

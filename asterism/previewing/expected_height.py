@@ -4,7 +4,7 @@ The height is from the lowest to the highest point, stars' bumps and all. What p
 
 - **The lowest point** is a bump's edge, most often the tip of an arm beside the border. It is wrong by a part LOWEST of
   how far the bumps take it from the smooth sheet. On nearly flat sheets that is much of the height.
-- **Softness.** The sheet's energy E would part the highest from the lowest point by `sqrt(2 E c)`, if c mm is what a
+- **Softness.** The energy E at stake would part the highest from the lowest point by `sqrt(2 E c)`, if c mm is what a
   force of one N at each of them does. The law's energies are wrong by a small part, as in
   `asterism.previewing.expected`; SOFT times the `share_of` that goes into the distance goes into the height.
 - **The law** is wrong by a part PART of the height, whatever the sheet.
@@ -89,7 +89,7 @@ def height_doubts(preview: Preview, shape: Shape, up: Floats, factor: Factor) ->
     return HeightDoubts(
         height=shape.height_mm,
         lowest=abs(float(shape.point_fields["bump_mm"][ends[1], 2])),
-        softness=math.sqrt(2.0 * max(found.energy, 0.0) * max(apart, 0.0)),
+        softness=math.sqrt(2.0 * max(found.at_stake, 0.0) * max(apart, 0.0)),
         turning=turning(preview.values, sheet.layout, 2.0 * surface.mean_curvature, surface.area),
     )
 

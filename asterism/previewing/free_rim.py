@@ -6,8 +6,8 @@ bump of height B over arms of length l is a cap of curvature `2 B / l^2`. So bar
 
     b_r = -CURL 2 B / l^2 lam^2 n n^T
 
-across the nearest side of the outline, n being normal to it, and none along it. Without it, free rims of previews are
-straight where the exact model's turn down by another .2 to .4 rad. A side that is held keeps none, along its length or
+across the nearest side of the outline, n being normal to it, and none along it. Without it, free rims of previews turn
+down less than the exact model's. A side that is held keeps none, along its length or
 at a point of it where the sheet is held at more than one: there the fabric is pulled along the rim, and straight.
 
 Under arms that point outwards it curls along them too: `asterism.previewing.rim_arms`.
@@ -30,10 +30,10 @@ from pattern.layout import Floats, Ints, Layout
 from pattern.planar import distance_to_segment
 
 # curvature of bare fabric over that of the bumps beside it. Shares are smoothed, and less than half of the outline is
-# bare: more than 1 it must be. With 3 to 4 previews are nearest to the exact model
-CURL = 3.0
+# bare: more than 1 it must be. With 2 previews are nearest to the exact model
+CURL = 2.0
 # rad, by which long arms turn it further, and the curvature of their bumps over the spacing at which they do no more:
-# fitted to rims of 22 free sheets, whose distance from the exact model's sinks by a fifth
+# distances of free sheets with long arms from the exact model's sink by a tenth
 FALL, ROUND = 0.25, 0.75
 # share of the stars below which a place has no star beside it
 ALONE = 0.02

@@ -26,7 +26,7 @@ class OtherForm:
     ----------
     start : name of the start that led to it.
     energy_n_mm : its energy.
-    gap : by how much that is above the energy of the form that is shown, as a part of it.
+    gap : by how much that is above the energy of the form that is shown, as a part of what is at stake there.
     distance_percent : rms over the star centres from the form that is shown, after the rigid motion and the symmetry of
         the design that bring them together, in % of the diameter.
     """
@@ -49,7 +49,7 @@ def other_forms(preview: Preview, diameter_mm: float) -> list[OtherForm]:
         centres = stars @ trial.x
         apart = [100.0 / diameter_mm * _distance(centres, form, preview.symmetries) for form in known]
         if min(apart) > EQUAL:
-            gap = (trial.energy - shown.energy) / abs(shown.energy)
+            gap = (trial.energy - shown.energy) / shown.at_stake
             found.append(OtherForm(trial.name, trial.energy, gap, apart[0]))
             known.append(centres)
     return found

@@ -41,7 +41,7 @@ def summary(
     axis = _roll_axis(preview, shape)
     size = polygon_area(layout.border), diameter(shape.positions)
     others = other_forms(preview, size[1])
-    amplitudes = amplitudes_percent(found.soft_modes, found.energy, *size)
+    amplitudes = amplitudes_percent(found.soft_modes, found.at_stake, *size)
     held = bool(layout.pins)
     # held sheets are not asked for their symmetries
     share = widened(share_of(held, () if held else preview.symmetries), layout)

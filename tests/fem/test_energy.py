@@ -13,7 +13,7 @@ from fem.assembly import Assembly
 from fem.bell import Bell
 from fem.density import Density, isotropic, on_metric
 from fem.lifted import Lifted
-from fem.plain_maps import constant
+from fem.plain_maps import constant, flat_positions
 from fem.tabulation import Floats
 from tests.fem.maps import arc
 from tests.fem.meshes import rectangle
@@ -41,7 +41,8 @@ def some_density(shape: tuple[int, ...]) -> Density:
         gradient = square[:, None] * e
         return 0.25 * square**2, gradient, square[:, None, None] * np.eye(6) + 2.0 * e[:, :, None] * e[:, None]
 
-    return Density(root @ np.swapaxes(root, -1, -2), 0.7, random.uniform(0.0, 6.0, shape), 0.9, stiffening)
+    density = Density(root @ np.swapaxes(root, -1, -2), 0.7, random.uniform(0.0, 6.0, shape), 0.9, stiffening)
+    return density.with_gaussian(random.standard_normal(shape), random.standard_normal((*shape, 3)))
 
 
 @pytest.mark.parametrize("space", SPACES)
@@ -130,6 +131,41 @@ def test_the_roll_axis_leaves_the_energy_bounded() -> None:
     density = Density(isotropic(1.0, 1.0, 0.3), 50.0, 0.0, saturation=1.0)
     far = np.array([[0.0, 0.0, 0.0, -1e4, 1e4, 0.0], [0.0, 0.0, 0.0, 1e4, -1e4, 0.0]])
     assert (density(far[None])[0] > 1e7).all()
+
+
+def test_gaussian_curvature_costs_its_modulus() -> None:
+    """`g det b` more than without, whatever the curvature at rest; for its derivatives see above."""
+    random = np.random.default_rng(4)
+    plain = Density(isotropic(3.0, 2.0, 0.3), 0.4, 0.2, 0.9)
+    modulus, rest = random.standard_normal((2, 3)), random.standard_normal((2, 3, 3))
+    e = random.standard_normal((2, 3, 6))
+    b = e[..., 3:] * [1.0, 1.0, 0.5] + rest
+    more = plain.with_gaussian(modulus, rest)(e)[0] - plain(e)[0]
+    assert np.allclose(more, modulus * (b[..., 0] * b[..., 1] - b[..., 2] ** 2), atol=1e-13)
+    assert np.allclose(plain.with_gaussian(modulus, rest).energies(e), plain(e)[0] + more, atol=1e-13)
+
+
+@pytest.mark.parametrize("space", [Argyris, Bell])
+def test_the_gaussian_curvature_of_a_sheet_is_a_matter_of_its_border(space: type) -> None:
+    """Gauss and Bonnet: none in all where a bulge is flat at the border, and none in a tube at any place."""
+    mesh = rectangle(6, 6, 2.0, 2.0)
+    element = space(mesh)
+    inside = ~np.isin(np.arange(mesh.nvertices), mesh.boundary_nodes())
+    bulge = flat_positions(element)
+    bulge[element.vertex_dofs[inside].ravel(), 2] += 1e-3 * np.random.default_rng(6).standard_normal(6 * inside.sum())
+    rest = np.array([0.3, -0.2, 0.1])
+    plain = Density(isotropic(100.0, 1.0, 0.3))
+    from_rest = np.r_[0.5, 0.5, 0.0, rest * [1.0, 1.0, 2.0]]
+
+    def parts(x: Floats) -> Floats:
+        assembly = Assembly(element.tabulate(10), element.size)
+        e = assembly.strains(x, np.broadcast_to(from_rest, (*assembly.weights.shape, 6)))
+        more = plain.with_gaussian(np.ones(assembly.weights.shape), rest)
+        return np.asarray(assembly.weights * (more(e)[0] - plain(e)[0]))
+
+    assert abs(parts(bulge).sum()) < 1e-5 * np.abs(parts(bulge)).sum()
+    tube = parts(element.interpolate(arc(0.5).jets))
+    assert np.abs(tube).sum() < 1e-3 * 0.5**2 * 4.0
 
 
 def test_a_material_on_its_metric() -> None:

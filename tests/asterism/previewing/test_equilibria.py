@@ -57,6 +57,26 @@ def test_sheets_soft_in_two_ways_are_started_from_other_kinds(fields: Fields, so
     assert found.is_minimum and found.energy <= 1.02 * alone.energy
 
 
+def test_a_held_sheet_that_is_soft_in_two_ways_is_pushed_to_a_lower_form() -> None:
+    """The roof on three corners: its free ones hang down, where a cap alone leads to a dearer form."""
+    preview = Preview(gallery.load("doubly-curved"))
+    found = preview.equilibrium
+    cap, *others = found.trials
+    assert found.is_minimum and found.start == "pushed" and cap.name == "cap"
+    assert found.energy < 0.97 * cap.energy
+    assert {trial.name for trial in others} == {"pushed"}
+    corners = preview.at(0.999 * preview.sheet.layout.border).smooth[:, 2]
+    assert (corners[1::2] < corners[::2] - 10.0).all()
+
+
+def test_what_gaussian_curvature_saves_is_a_part_of_the_energy() -> None:
+    preview = Preview(gallery.load("dome"))
+    found, shell = preview.equilibrium, preview.shell
+    assert found.energies["gaussian"] < 0.0
+    assert sum(found.energies.values()) == pytest.approx(shell.energy(found.x))
+    assert found.at_stake == pytest.approx(found.energies["sheet"] - found.energies["gaussian"])
+
+
 @pytest.mark.parametrize("thickness", [0.415, 0.42])
 def test_a_tube_that_hardly_prefers_an_axis_settles_soon(thickness: float) -> None:
     """A soft motion with a negative stiffness on its way: without turning it round, 100 iterations and more."""
