@@ -19,13 +19,6 @@ def polygon_area(polygon: Floats) -> float:
     return float(cross(polygon, np.roll(polygon, -1, axis=0)).sum() / 2)
 
 
-def widest(polygon: Floats) -> float:
-    """Diameter of the largest circle in a polygon (n, 2), to a thousandth."""
-    outline = shapely.polygons(polygon)
-    radius = shapely.length(shapely.maximum_inscribed_circle(outline, tolerance=1e-3 * np.sqrt(outline.area)))
-    return 2.0 * float(radius)
-
-
 def triangle_areas(points: Floats, triangles: Ints) -> Floats:
     """Signed areas (T,) of triangles: positive if counterclockwise."""
     x, y = points.T

@@ -17,6 +17,8 @@ FORMATS = (".svg", ".csv")
 _LARGEST = 1e6
 # pieces of a curve
 _PIECES = 100
+# width over length of corners that are on a line but for rounding
+THIN = 1e-12
 
 
 def read_outline(path: Path, unit: str = "mm") -> Floats:
@@ -34,7 +36,8 @@ def read_outline(path: Path, unit: str = "mm") -> Floats:
     if not path.is_file():
         raise ScanError(path, "is not there")
     corners = _from_csv(path, unit) if path.suffix.lower() == ".csv" else _from_svg(path, unit)
-    if len(corners) < 3 or np.linalg.svd(corners - corners.mean(axis=0))[1][1] == 0:
+    length, width = np.linalg.svd(corners - corners.mean(axis=0))[1] if len(corners) > 2 else (0.0, 0.0)
+    if width <= THIN * length:
         raise ScanError(path, "holds no outline: at least three corners, not on a line")
     if not shapely.Polygon(corners).is_valid:
         raise ScanError(path, "the outline crosses itself")

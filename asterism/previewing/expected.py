@@ -9,12 +9,10 @@ The law's energies are wrong by a small part of E, so that the shape is off by a
 was found by comparing previews with the exact model over many designs (`python -m benchmarks.accuracy.expectation`):
 
 - the mean square of the distance is `FLOOR^2 + (share a)^2`, a being the amplitude of all soft motions together;
-- the share is .05 for free sheets without symmetry, and less than half of that for held ones, which are not pushed far,
-  and for those that a turn maps to themselves: errors of the law have the symmetry of the design, and do not push along
-  motions that break it, such as the turn of the axis of a roll. A mirror alone leaves the softest motions free: it is
-  .09 for such sheets, which mostly are rectangles, whose rims are bare by different widths;
-- ribbons consist of rim, of which the law of endless sheets says little: where the largest circle in a free sheet that
-  no turn maps to itself is less than NARROW spacings wide, the share is larger by as much as it is narrower;
+- the share is .04 for free sheets without symmetry, and less for held ones, which are not pushed far, and for those
+  that a turn maps to themselves: errors of the law have the symmetry of the design, and do not push along motions that
+  break it, such as the turn of the axis of a roll. A mirror alone leaves the softest motions free: it is .06 for such
+  sheets, which mostly are rectangles, whose rims are bare by different widths;
 - a sheet with two soft motions may rest in another form altogether; a held one, whose edges and corners alone are free,
   with motions that are less soft;
 - no smooth sheet is like one whose stars curl tighter than their spacing: free ones add ANOTHER_FORM times their part.
@@ -34,15 +32,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from asterism.previewing.other_forms import OtherForm
-from pattern.layout import Floats, Layout
-from pattern.planar import widest
+from pattern.layout import Floats
 from pattern.symmetries import Symmetry
 
 # the distance in % for an amplitude a in %: FLOOR and a share of a; for free sheets without symmetry, those that have a
 # mirror alone, and the others
-FLOOR, SHARE, MIRRORED, FORGIVEN = 0.5, 0.05, 0.09, 0.017
-# width in spacings below which free sheets are ribbons
-NARROW = 4.0
+FLOOR, SHARE, MIRRORED, FORGIVEN = 0.3, 0.04, 0.06, 0.03
 # second amplitude in % from which another form is near, of free sheets and of held ones; how sharply, and the distance
 # in % that is added then
 TWO_WAYS, HELD_TWO_WAYS, SHARPNESS, ANOTHER_FORM = 20.0, 13.0, 8.0, 5.0
@@ -89,11 +84,6 @@ def share_of(held: bool, symmetries: Sequence[Symmetry]) -> float:
     if held or sum(not symmetry.mirrors for symmetry in symmetries) > 1:
         return FORGIVEN
     return MIRRORED if len(symmetries) > 1 else SHARE
-
-
-def widened(share: float, layout: Layout) -> float:
-    """The share of a ribbon is larger by as much as it is narrower than NARROW; symmetry forgives that too."""
-    return share if share == FORGIVEN else share * max(1.0, NARROW * layout.spacing_mm / widest(layout.border))
 
 
 def close_form(others: Sequence[OtherForm]) -> OtherForm | None:

@@ -15,7 +15,6 @@ from asterism.previewing.expected import (
     close_form,
     expected_rms_percent,
     share_of,
-    widened,
 )
 from asterism.previewing.expected_height import HeightDoubts, expected_height_percent
 from asterism.previewing.other_forms import OtherForm, other_forms
@@ -44,7 +43,7 @@ def summary(
     amplitudes = amplitudes_percent(found.soft_modes, found.at_stake, *size)
     held = bool(layout.pins)
     # held sheets are not asked for their symmetries
-    share = widened(share_of(held, () if held else preview.symmetries), layout)
+    share = share_of(held, () if held else preview.symmetries)
     tight = len(preview.values.tight) / len(layout.centres)
     # what is expected was found with three-armed stars, whose law is the same in all directions
     known = not left_out(preview.design.lattice)

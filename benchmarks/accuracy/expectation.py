@@ -4,8 +4,8 @@ python -m benchmarks.accuracy.expectation FOLDER [--kept]
 
 The numbers in `asterism/previewing/expected.py` and `expected_height.py` belong to the study, 24 further designs and
 small even sheets. Here they are fitted again without each of these, which then is predicted; and twelve more are drawn,
-which no number was ever fitted to. Ribbons come by themselves. SOFT of the heights belongs to the shares in use: after
-a change of those, once more with --kept gives it.
+and ribbons, which no number was ever fitted to. SOFT of the heights belongs to the shares in use: after a change of
+those, once more with --kept gives it.
 FOLDER is that of the study, which comes first; --kept as there. As in the study, the exact model starts from the
 released sheet and from the preview, and the lower minimum counts.
 """
@@ -27,7 +27,6 @@ from asterism.previewing.expected import (
     SHARE,
     another_form_is_near,
     share_of,
-    widened,
 )
 from asterism.previewing.run import preview
 from asterism.verification.numbers import LIKE_PERCENT
@@ -54,7 +53,7 @@ NAMES = [
 IN_USE = (FLOOR, SHARE, MIRRORED, FORGIVEN)
 
 STUDY, SMALL = "the study and 24 more", "small free sheets of equal stars"
-NARROW = "ribbons, to which only their width's part is fitted"
+NARROW = "ribbons, never fitted to"
 
 Row = dict[str, Any]
 
@@ -87,9 +86,8 @@ def _rows(some: Sequence[Design], folder: Path, law: Law, as_is: bool) -> list[R
         one = kept(design, folder, law, starts=False, as_is=as_is)
         plan = layout(design)
         share = share_of(bool(plan.pins), symmetries(design, plan))
-        wider = widened(share, plan)
-        amplitude = wider / share * float(np.linalg.norm(one["preview"]["soft_amplitudes_percent"]))
-        rows.append(one | {"kind": IN_USE.index(share), "share": wider, "amplitude": amplitude})
+        amplitude = float(np.linalg.norm(one["preview"]["soft_amplitudes_percent"]))
+        rows.append(one | {"kind": IN_USE.index(share), "share": share, "amplitude": amplitude})
         print("  ".join(row(rows[-1])), flush=True)
     return rows
 

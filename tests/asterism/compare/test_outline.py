@@ -57,6 +57,7 @@ def test_csv(tmp_path: Path) -> None:
         ("a.csv", "x_mm,y_mm\n0,0\n10,10\n10,0\n0,10\n", "crosses itself"),
         ("a.csv", "x_mm,y_mm\n0,0\n10,10\n", "at least three"),
         ("a.csv", "x_mm,y_mm\n0,0\n5,5\n10,10\n", "on a line"),
+        ("a.csv", "x_mm,y_mm\n0,0\n0.1,0.3\n0.3,0.9\n", "on a line"),
         ("a.csv", "x_mm,y_mm\n", "at least three"),
         ("a.csv", "", "is empty"),
         ("a.csv", "x,y\n1,2\n", "row 1: no column 'x'"),

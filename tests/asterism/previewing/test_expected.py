@@ -15,7 +15,6 @@ from asterism.previewing.expected import (
     another_form_is_near,
     expected_rms_percent,
     share_of,
-    widened,
 )
 from pattern import gallery
 from pattern.build import layout
@@ -37,7 +36,7 @@ def test_softer_sheets_expect_more():
 
 def test_symmetry_and_pins_forgive_soft_motions():
     soft = np.array([30.0, 12.0, 8.0])
-    assert expected_rms_percent(soft, share=FORGIVEN) < 0.5 * expected_rms_percent(soft)
+    assert expected_rms_percent(soft, share=FORGIVEN) < 0.8 * expected_rms_percent(soft)
 
 
 @pytest.mark.parametrize(
@@ -53,22 +52,6 @@ def test_a_mirror_alone_forgives_nothing(border, share):
     same = symmetries(design, layout(design))
     assert share_of(False, same) == share
     assert share_of(True, same) == FORGIVEN
-
-
-@pytest.mark.parametrize(
-    ("border", "pins", "wider"),
-    [
-        ({"rings": 1}, [], 1.0),
-        ({"rectangle_mm": [160.0, 80.0]}, [], 1.0),
-        ({"rectangle_mm": [160.0, 34.64]}, [], 2.0),
-        ({"rectangle_mm": [34.64, 100.0]}, [], 2.0),
-        ({"rectangle_mm": [160.0, 34.64]}, [{"where": "corners", "scale": 0.8}], 1.0),
-    ],
-)
-def test_free_ribbons_are_expected_to_be_further_off(border, pins, wider):
-    design = Design.from_dict(gallery.load("tube").to_dict() | {"border": border, "pins": pins})
-    share = share_of(bool(pins), symmetries(design, layout(design)))
-    assert widened(share, layout(design)) == pytest.approx(wider * share, rel=2e-3)
 
 
 def test_stars_that_curl_tightly_are_beyond_a_smooth_sheet():
