@@ -27,10 +27,10 @@ def test_known_motions_are_undone(seed: int, noise: float, part: float) -> None:
 
 
 def test_a_mirrored_scan_is_another_shape() -> None:
-    points, _ = scanned(SHAPE, 0, other=0.0)
+    points, _ = scanned(SHAPE, 0, 0.1, other=0.0)
     right, mirrored = (register(p, *SURFACE)[0] for p in (points, points * [-1.0, 1.0, 1.0]))
     assert right.spread_mm < 0.25
-    assert mirrored.spread_mm > 3 * right.spread_mm
+    assert mirrored.spread_mm > 4 * right.spread_mm
     assert np.linalg.det(mirrored.rotation) == pytest.approx(1, abs=1e-9)
 
 
