@@ -11,6 +11,7 @@ import numpy as np
 from skfem import MeshTri
 
 from asterism.previewing.held_sheet import conditions, held_points, held_sides
+from asterism.previewing.self_stress import gaussian_moduli
 from asterism.previewing.sheet_fields import sheet_fields
 from asterism.previewing.sheet_mesh import sheet_mesh
 from asterism.previewing.star_cells import StarCells
@@ -70,7 +71,7 @@ def strains(name: str) -> dict[str, Any]:
     at = space.tabulate(ORDER).points
     values = star_values(design, plan, load_law())
     weights = StarCells(plan, design.lattice).shares(at.reshape(-1, 2))(values.sizes[:, 0])
-    fields = sheet_fields(weights, values, at.shape[:2])
+    fields = sheet_fields(weights, values, at.shape[:2], gaussian=gaussian_moduli(values, plan.spacing_mm))
     last = max((pin.step for pin in plan.pins), default=0)
     shell = Shell(space, fields, conditions(plan, outline, mesh, last))
     found = settle(shell, soft_modes=0)

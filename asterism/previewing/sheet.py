@@ -12,6 +12,7 @@ from asterism.previewing.free_rim import free_normals
 from asterism.previewing.held_sheet import conditions, held_points, held_sides, weight
 from asterism.previewing.point_pins import giving_way, pinned_points, softness
 from asterism.previewing.rim_arms import carried
+from asterism.previewing.self_stress import gaussian_moduli
 from asterism.previewing.sheet_fields import EARLY, free_early, sheet_fields
 from asterism.previewing.sheet_mesh import sheet_mesh
 from asterism.previewing.star_arms import BACK
@@ -108,9 +109,11 @@ class Sheet:
         length = values.sizes[:, 0]
         arms = [(along, shares(length)) for along, shares in self._arm_shares]
         shares = self._shares(length)
-        early = EARLY if self.layout.pins else free_early(values, self.layout.spacing_mm)
+        spacing = self.layout.spacing_mm
+        early = EARLY if self.layout.pins else free_early(values, spacing)
+        gaussian = gaussian_moduli(values, spacing)
         shape = self._table.weights.shape
-        fields = sheet_fields(shares, values, shape, arms, self._normals, early, self._carried)
+        fields = sheet_fields(shares, values, shape, arms, self._normals, early, self._carried, gaussian=gaussian)
         if self._soft is not None:
             bare = 1.0 - np.asarray(shares.sum(axis=1)).reshape(self._soft.shape)
             fields = giving_way(fields, self._soft, bare)

@@ -30,17 +30,8 @@ sheets that are curled a little starts below the flat cell, `e = EARLY`.
 stars nothing carries on what their arms bear. In exact strips, thick outer rows bend 11 to 28 % more than if logarithms
 of stiffnesses were averaged.
 
-**Fabric that is pulled favours caps.** A flat sheet of stars is under stress of its own: its fabric is pulled, and
-pushes the arms together. A Gaussian curvature K changes lengths within a cell, and that stress does work: the energy
-changes by the integral of -phi K, with phi Airy's function of the stress, which vanishes at a free border and is
-positive among the stars. The shell knows the part of it that is between bare rim and stars, as the stress of its own
-metric. The part within cells is a modulus of Gaussian curvature. It goes like the fabric's pull, and with the share of
-the stars as phi does, which leaves a border without a slope:
-
-    g = -SELF_STRESS share^2 (A11 + A12)(lam^2 - lam_bare^2)/2,    of the energy g det b per printed area,
-
-with A of bare fabric. No tube shows it, hence no cell: ribbons do, which have a border wherever they are. Previews of
-them roll up to a quarter too little without it, and sheets on their corners rise a tenth too little.
+**Fabric that is pulled favours caps** (`asterism.previewing.self_stress`): a modulus of Gaussian curvature `-g`, of the
+energy `-g det b` per printed area. It goes with the share of the stars squared, which leaves a border without a slope.
 
 **Free rims** of bare fabric curl on their own (`asterism.previewing.free_rim`).
 """
@@ -69,9 +60,8 @@ BEYOND, LEAST = 3.0, 1e-3
 # part of the way from the natural tube's lengths to the flat cell's that counts in held sheets; the turn over a
 # spacing, rad, in which cells make most of it; the least curvature, per mm
 EARLY, TURN, CURLED = 0.3, 1.5, 3e-3
-# modulus of Gaussian curvature over the fabric's pull, mm^2: ribbons of one to four rows are nearest to the exact model
-# with 5 to 6. At most STABLE of what leaves the bending energy positive
-SELF_STRESS, STABLE = 5.0, 0.95
+# modulus of Gaussian curvature over the one that leaves the bending energy indefinite, at most
+STABLE = 0.95
 _PLAIN = ("kappa", "a12", "c3")
 
 
@@ -84,6 +74,7 @@ def sheet_fields(
     early: float | Floats = EARLY,
     carried: Floats | None = None,
     poisson: float = POISSON,
+    gaussian: Floats | None = None,
 ) -> Fields:
     """The fields at places where stars count with weights (n, S), bare fabric with what is missing to 1.
 
@@ -91,8 +82,8 @@ def sheet_fields(
     a spacing back along it (`asterism.previewing.star_arms`); without them the metric is `lam^2 I`. `normals`: (n, 2)
     of free rims (`asterism.previewing.free_rim.free_normals`); without them rims do not curl. `early`: e above, of all
     or of each star (S + 1,), see `free_early`. `carried`: (S, N) part of the natural curvature that arms carry on into
-    a free rim (`asterism.previewing.rim_arms`). The sixfold term is larger by what its saturation takes away from it at
-    the natural curvature.
+    a free rim (`asterism.previewing.rim_arms`). `gaussian`: (S,) N mm, g of each star; none without. The sixfold term
+    is larger by what its saturation takes away from it at the natural curvature.
     """
 
     def mean(of: Floats, shares: sp.csr_matrix = weights) -> Floats:
@@ -125,17 +116,10 @@ def sheet_fields(
         if carried is not None:
             rim += arm_curvature(weights, values, normals, arms, carried) / (1.0 + poisson)
         curvature -= square[..., None] * rim.reshape(*shape, 3)
-    return Fields(density, metric, curvature, -_self_stress(weights, values, bending / lam**4, poisson))
-
-
-def _self_stress(weights: sp.csr_matrix, values: StarValues, bending: Floats, poisson: float) -> Floats:
-    """(T, Q) N mm, -g above; bending (T, Q) N mm per printed curvature."""
-    value = values.value
-    square = value["lam_n"] ** 2
-    pull = 0.5 * (value["a11"][-1] + value["a12"][-1]) * np.maximum(square[:-1] - square[-1], 0.0)
-    share = np.minimum(stars_share(weights), 1.0)
-    modulus = SELF_STRESS * (share * np.asarray(weights @ pull)).reshape(bending.shape)
-    return np.asarray(np.minimum(modulus, STABLE * (1.0 + poisson) * bending))
+    if gaussian is None:
+        return Fields(density, metric, curvature)
+    saved = (np.minimum(stars_share(weights), 1.0) * np.asarray(weights @ gaussian)).reshape(shape)
+    return Fields(density, metric, curvature, -np.minimum(saved, STABLE * (1.0 + poisson) * bending / lam**4))
 
 
 def free_early(values: StarValues, spacing: float) -> Floats:
