@@ -2,9 +2,10 @@
 
 A sheet whose rest metric has the Gaussian curvature `K = -lap(ln lambda)/lambda^2` keeps its lengths where its
 principal curvatures have that product. Among those, plates of Poisson's ratio nu bend least where their sum is
-`(1 + nu) kappa`: that gives arcs of curvature `kappa (1 + nu)` for K = 0, saddles and bent caps, and round caps where
-the sum is too small for K. Thick sheets rather stretch than bend, so smaller K are tried too, and caps with the rest
-curvature itself. The side is by the sign of kappa. Sheets too large for their frame start as a cap of their length too.
+`(1 + nu) kappa`: that gives arcs of curvature `kappa (1 + nu)` for K = 0, saddles and bent caps, and round caps, which
+are best where the sum is too small for K. Thick sheets rather stretch than bend, so smaller K are tried too, and caps
+with the rest curvature itself. The side is by the sign of kappa. Sheets too large for their frame start as a cap of
+their length too.
 """
 
 from __future__ import annotations
@@ -65,7 +66,8 @@ def trends(shell: Shell) -> Trends:
     stretch = float(np.exp(weights @ log_stretch))
     gaussian = -4.0 * float(fit[5]) / (size * stretch) ** 2
     stiffness = np.asarray(shell.density.stiffness).reshape(-1, 6, 6).mean(axis=0)
-    poisson = 2.0 * stiffness[3, 4] / (stiffness[3, 3] + stiffness[4, 4])
+    # shapes of the same Gaussian curvature are compared, for which its modulus does not matter
+    poisson = 2.0 * (stiffness[3, 4] - shell.gaussian_modulus.mean()) / (stiffness[3, 3] + stiffness[4, 4])
     return Trends(centre, stretch, gaussian, float(weights @ bend), float(poisson), _chord(shell))
 
 
@@ -92,8 +94,9 @@ def shapes(wants: Trends, size: float, side: Side = "auto") -> list[Shape]:
     for share in (0.0,) if plain else (1.0, 0.5, 0.0):
         product = share * wants.gaussian
         half = 0.5 * (1.0 + wants.poisson) * bend
-        if half**2 < product:
+        if product > 0.0 and (share == 1.0 or half**2 < product):
             caps.append(np.sqrt(product))
+        if half**2 < product:
             continue
         root = np.sqrt(half**2 - product)
         most, least = half + root, half - root

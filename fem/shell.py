@@ -52,6 +52,7 @@ class Shell:
     Attributes
     ----------
     points : (T, Q, 2) mm, where fields are asked for.
+    gaussian_modulus : (T, Q) N mm, see `fem.fields.Fields`.
     pattern : of the Hessian over the free unknowns.
     progress : part of fields, loads and moved conditions that is there; 1 unless loads are stepped.
 
@@ -87,7 +88,7 @@ class Shell:
         """Change what the sheet wants to be; everything else, factorisation patterns included, stays."""
         self._target = fields.rest(self.points)
         self.density: Density = fields.densities(self.points).at(self.points.shape[:2])
-        self._gaussian = fields.gaussian_modulus(self.points)
+        self.gaussian_modulus = fields.gaussian_modulus(self.points)
         penalty = self.space.penalty(self.density.stiffness[..., 3, 3].mean(axis=1))
         self._penalty = None if penalty is None else (penalty, self.assembly.spread(penalty))
         for name in ("_flat_tangent", "_flat_lower", "flat_stiffness"):
@@ -118,10 +119,10 @@ class Shell:
 
     def gaussian_energy(self, x: Floats) -> float:
         """N mm, the part of the sheet's energy that is due to its Gaussian curvature; often negative."""
-        if not self._gaussian.any():
+        if not self.gaussian_modulus.any():
             return 0.0
         b11, b22, b12 = np.moveaxis((self.strains(x) + self.rest)[..., 3:] * [1.0, 1.0, 0.5], -1, 0)
-        return float((self.assembly.weights * self._gaussian * (b11 * b22 - b12**2)).sum())
+        return float((self.assembly.weights * self.gaussian_modulus * (b11 * b22 - b12**2)).sum())
 
     def energy(self, x: Floats) -> float:
         """N mm; not finite where the sheet has collapsed."""

@@ -1,0 +1,34 @@
+"""Guesses suit the fields: arcs have the curvature that sheets roll to, caps that of the metric."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fem.argyris import Argyris
+from fem.seeds import Trends, shapes, trends
+from fem.shell import Shell
+from tests.fem.hexagons import FIELDS, RADIUS, hexagon
+
+SIZE = 2.0 * RADIUS
+
+
+def test_a_modulus_of_gaussian_curvature_leaves_arcs_alone() -> None:
+    plain = trends(Shell(Argyris(hexagon(1)), FIELDS["rolled"]))
+    bending = float(np.asarray(FIELDS["rolled"].density.stiffness)[3, 3])  # type: ignore[union-attr]
+    saving = trends(Shell(Argyris(hexagon(1)), replace(FIELDS["rolled"], gaussian=-0.7 * bending)))
+    assert saving.poisson == pytest.approx(plain.poisson)
+    arcs = [[shape.curvature for shape in shapes(wants, SIZE) if shape.name == "arc"] for wants in (plain, saving)]
+    assert arcs[0] and arcs[1] == pytest.approx(arcs[0])
+
+
+def test_a_sheet_with_the_metric_of_a_sphere_is_offered_that_cap_whatever_it_wants_to_bend() -> None:
+    gaussian = (1.0 / SIZE) ** 2
+    for bend in (0.1 / SIZE, 3.0 / SIZE):
+        wants = Trends(np.zeros(2), 0.8, gaussian, bend, 0.3, np.inf)
+        caps = [shape.curvature for shape in shapes(wants, SIZE) if shape.name == "cap"]
+        assert min(abs(cap - np.sqrt(gaussian)) for cap in caps) < 1e-12
+        kinds = {shape.name for shape in shapes(wants, SIZE)}
+        assert ("bent" in kinds) == (bend > 1.0 / SIZE)
