@@ -68,9 +68,11 @@ def relax(
     found: list[ShellEquilibrium] = []
     chosen = _promising(kinds, kinds)[:followed] + _promising(turned, kinds)[:TURNED]
     for start in sorted(chosen, key=lambda start: start.energy):
-        # with a minimum at hand, another start is worth a few iterations, not a long way down
-        at_hand = any(each.is_minimum for each in found)
-        found.append(follow(shell, start.x, factor, start.shape.name, patient=not at_hand))
+        # with a minimum at hand, another start is worth a few iterations, and a long way down from below it
+        least = min((each.energy for each in found if each.is_minimum), default=np.inf)
+        found.append(follow(shell, start.x, factor, start.shape.name, patient=least == np.inf))
+        if not found[-1].is_minimum and found[-1].energy < least < np.inf:
+            found.append(follow(shell, found[-1].x, factor, start.shape.name))
     for steps in STEPS:
         if not any(each.is_minimum for each in found):
             found += filter(None, [by_load_steps(shell, factor, steps)])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+import fem.solve
 from equilibrium.solve import settle
 from fem.argyris import Argyris
 from fem.bell import Bell
@@ -104,6 +105,23 @@ def test_a_flat_sheet_that_wants_to_roll_is_a_saddle_and_is_left() -> None:
     assert found.is_minimum and found.saddles_left >= 1
     assert height(shell, found.x) > 0.05
     assert found.energy < left_alone.energy
+
+
+def test_a_start_that_comes_below_a_minimum_is_followed_to_its_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    shell = Shell(Argyris(hexagon(1)), FIELDS["dome"])
+    guesses = [Shape("cap", -2e-3), Shape("flat")]  # the cap is on the wrong side, and stays there
+    lowest = relax(shell).energy
+    monkeypatch.setattr(fem.solve, "CLOSE", 10.0)
+    for enough in (fem.solve.SHORT, 3):
+        monkeypatch.setattr(fem.solve, "SHORT", enough)
+        found = relax(shell, shapes=guesses)
+        assert found.is_minimum and found.start == "flat"
+        assert found.energy == pytest.approx(lowest)
+        assert found.trials[0].is_minimum and found.trials[0].energy > 2.0 * lowest
+    assert [trial.is_minimum for trial in found.trials] == [True, False, True]
+    # one that is above the minimum is left where it is
+    monkeypatch.setattr(fem.solve, "SHORT", 0)
+    assert [trial.is_minimum for trial in relax(shell, shapes=guesses).trials] == [True, False]
 
 
 def test_what_did_not_converge_says_so() -> None:
