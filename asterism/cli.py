@@ -27,6 +27,7 @@ def main() -> None:
         if not interruption.arrived():
             raise
         status = 130
+    interruption.over()
     if status == 130:
         # Python would end by a signal if the interruption has left code given as text; other such code clears its note
         exec("")

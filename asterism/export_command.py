@@ -49,7 +49,7 @@ def export(
     from asterism.export.profiles import load_plastic, load_printer
     from asterism.export.table import table
     from asterism.export.write import write_export
-    from asterism.files import check_writable
+    from asterism.files import LAST, check_writable
     from asterism.material import with_material
     from asterism.read_shape import read_shape
     from pattern.design import load_design
@@ -68,6 +68,8 @@ def export(
     machine = _changed(load_printer(printer), first_layer, layer, plate)
     directory = output or design.with_name(f"{design.stem}-print")
     check_writable(directory)
+    if (preview or simulate) and (directory / LAST).is_file():
+        raise DesignError("--output", "holds other results, whose shape.vtu would be replaced", str(directory))
     known = None if shape is None else read_shape(shape)
 
     def job(of: Shape | None) -> Job:

@@ -18,6 +18,14 @@ def listen() -> None:
             signal.signal(number, _note)
 
 
+def over() -> None:
+    """From now on Ctrl-C is ignored: what is left is to end, and a second one must not end that with a traceback."""
+    if signal.getsignal(signal.SIGINT) is _note:
+        signal.signal(signal.SIGINT, _nothing)
+    if signal.getsignal(signal.SIGTERM) is _note:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+
+
 def arrived() -> bool:
     """Whether there was one."""
     return _arrived
@@ -27,6 +35,10 @@ def check() -> None:
     """Raise KeyboardInterrupt if there was one; to be called now and then."""
     if _arrived:
         raise KeyboardInterrupt
+
+
+def _nothing(number: int, frame: FrameType | None) -> None:
+    """Unlike `SIG_IGN`, not handed on to programs that are started."""
 
 
 def _note(number: int, frame: FrameType | None) -> None:

@@ -27,9 +27,8 @@ from discrete.rods import curvatures
 from discrete.walk import Report
 from equilibrium.factor import check_backend
 from equilibrium.threads import one_blas_thread
-from pattern.build import layout
+from pattern.build import check_carried, layout
 from pattern.design import Design
-from pattern.errors import DesignError
 from pattern.meshing import mesh_layout
 
 Say = Callable[[str], None]
@@ -70,8 +69,10 @@ def simulate(
     BackendError
         The factorisation is not installed.
     ValueError
-        `near` with several starts.
+        `near` with several starts, or none at all.
     """
+    if starts < 1:
+        raise ValueError(f"starts = {starts}: must be at least 1")
     if near is not None and starts != 1:
         raise ValueError("near goes with one start")
     check_backend(backend)
@@ -80,8 +81,7 @@ def simulate(
     plan = layout(design)
     if design.solver.contact:
         ipc_toolkit()  # before anything else takes time
-    if design.gravity.on and not plan.pins:
-        raise DesignError("gravity.on", "needs [[pins]] to hold the sheet: a free one falls", True)
+    check_carried(design, plan)
     mesh = mesh_layout(plan, design.mesh.edge_mm, design.mesh.kind, design.mesh.seed, design.mesh.graded)
     tell(f"{len(plan.centres)} stars on {len(mesh.triangles)} triangles ({mesh.kind} mesh)")
     meshed = time.perf_counter()

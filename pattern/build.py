@@ -85,6 +85,12 @@ def layout(design: Design) -> Layout:
     )
 
 
+def check_carried(design: Design, plan: Layout) -> None:
+    """Refuse a shape of what would fall."""
+    if design.gravity.on and not plan.pins:
+        raise DesignError("gravity.on", "needs [[pins]] to hold the sheet: a free one falls", True)
+
+
 def _shortened(ends: Floats, left: Floats) -> Floats:
     """(A, 2) sizes at both ends of arms of which the fraction `left` remains."""
     return np.column_stack([ends[:, 0], ends[:, 0] + left * (ends[:, 1] - ends[:, 0])])

@@ -84,8 +84,9 @@ def _from_svg(path: Path, unit: str) -> Floats:
     largest = max(lines, key=_area)
     if not np.isfinite(largest).all() or np.abs(largest).max() > _LARGEST:
         raise ScanError(path, "holds places that are not finite numbers, or too large")
-    if not measured and unit == "mm" and "px" in "".join(said):
-        raise ScanError(path, "has its size in px: give width and height in mm")
+    if not measured and unit == "mm" and any(said):  # plain numbers are px, and parts are of a page
+        how = "%" if "%" in "".join(said) else "px"
+        raise ScanError(path, f"has its size in {how}: give width and height in mm")
     steps = np.linalg.norm(np.diff(largest, axis=0, append=largest[:1]), axis=1)
     return largest[steps > 1e-9] * [1.0, -1.0] * (1.0 if measured else MM[unit])
 

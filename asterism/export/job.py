@@ -157,3 +157,5 @@ def _check_same_sheet(design: Design, plan: Layout, shape: Shape) -> None:
                 raise DesignError("--shape", f"must be of this design, but its {section} are others")
         if made_from.fabric.stretch_xy != design.fabric.stretch_xy:
             raise DesignError("--shape", "must be of this design, but its fabric was stretched otherwise")
+        if (made_from.fabric, made_from.plastic) != (design.fabric, design.plastic):
+            raise DesignError("--shape", "must be of this design, but its material is another")

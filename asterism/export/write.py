@@ -11,7 +11,7 @@ from asterism.export.estimate import estimate
 from asterism.export.job import CHECK_SQUARE_MM, Job
 from asterism.export.rounded import better_layers, changes, tiny_stars
 from asterism.export_vtu import write_rods_vtu, write_shape_vtu
-from asterism.files import staged
+from asterism.files import LAST, staged
 from asterism.shape import Shape
 from pattern.design import save_design
 
@@ -19,6 +19,8 @@ from pattern.design import save_design
 SUMMARY = "export.json"
 # files that not every export writes: those of an earlier one would be taken for this one's
 NOT_ALWAYS = r"border\.stl|needles\.(csv|dxf|svg)|shape\.(obj|stl|glb)"
+# these may be a simulation's
+ALSO_RESULTS = r"|(shape|rods)\.vtu"
 
 
 def write_export(job: Job, directory: str | Path, change: dict[str, Any] | None = None) -> dict[str, Any]:
@@ -36,7 +38,8 @@ def write_export(job: Job, directory: str | Path, change: dict[str, Any] | None 
     prints = [job.stars, *([(job.border,)] if job.border is not None else [])]
     cost = estimate(prints, job.printer, job.rounding, job.plastic)
     tiny = tiny_stars(job.plan, job.plastic.tiny_arm_mm)
-    with staged(directory, stale=NOT_ALWAYS) as folder:
+    alone = (Path(directory) / SUMMARY).is_file() and not (Path(directory) / LAST).is_file()
+    with staged(directory, stale=NOT_ALWAYS + ALSO_RESULTS if alone else NOT_ALWAYS) as folder:
         for solid in job.solids:
             stl.write(folder / f"{solid.name}.stl", solid.points, solid.triangles)
         threemf.write(folder / "print.3mf", job.solids, job.design.name)

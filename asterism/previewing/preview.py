@@ -27,7 +27,7 @@ from fem.tabulation import Floats
 from homogenize.errors import LawError
 from homogenize.law import Law
 from homogenize.law_file import load_law
-from pattern.build import layout
+from pattern.build import check_carried, layout
 from pattern.design import Design
 from pattern.layout import Layout
 from pattern.symmetries import Symmetry, symmetries
@@ -82,6 +82,8 @@ class Preview:
         The design cannot be printed, or its sheet not meshed.
     LawError
         The law is not for this material, or asks for something impossible at a star.
+    TypeError, ValueError
+        What is not a design, a law or a side.
 
     Examples
     --------
@@ -100,6 +102,10 @@ class Preview:
         triangles: int | None = None,
         say: Say | None = None,
     ) -> None:
+        if side not in FLIPPED:
+            raise ValueError(f"side = {side!r}: must be {', '.join(FLIPPED)}")
+        if law is not None and not isinstance(law, Law):
+            raise TypeError(f"a Law is needed, not {type(law).__name__}: load_law reads one from a file")
         self.shell: Shell
         self._say = say or (lambda text: None)
         self._triangles = triangles
@@ -111,6 +117,7 @@ class Preview:
     def _begin(self, design: Design) -> None:
         """From nothing."""
         plan = self._clock("layout", layout, design)
+        check_carried(design, plan)
         self.values: StarValues = self._clock("law", star_values, design, plan, self.law)
         self.design = design
         self.sheet: Sheet = self._clock("mesh", Sheet, design, plan, self._triangles)
@@ -153,6 +160,7 @@ class Preview:
         with one_blas_thread():
             self._clock = Clock()
             plan = self._clock("layout", layout, design)
+            check_carried(design, plan)
             values = self._clock("law", star_values, design, plan, self.law)
             if not self.sheet.holds(design, plan, self.design):
                 # complete before it takes the place of the old one

@@ -19,7 +19,7 @@ def shape_of(
     Parameters
     ----------
     results : a directory of results, or its shape.vtu.
-    beside : where results usually are; taken only if they are of this very design.
+    beside : where results usually are; taken only if they are of this design.
     say : called with a line if something takes long the first time, and if there is no shape.
 
     Raises
@@ -55,11 +55,13 @@ def shape_of(
 
 
 def _is_of(shape: Shape, design: Design) -> bool:
+    """Whether it is of this design, on whatever mesh it was computed and from whatever start."""
     made_from = shape.summary.get("design")
     try:
-        return made_from is not None and Design.from_dict(made_from) == design
+        other = None if made_from is None else Design.from_dict(made_from)
     except DesignError:
         return False
+    return other is not None and other.model_copy(update={"mesh": design.mesh, "solver": design.solver}) == design
 
 
 def _kind(shape: Shape) -> str:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from asterism import interruption
 from tests.asterism.commands import command
 
 SMALL = """
@@ -194,3 +195,18 @@ def test_no_equilibrium_is_status_one(tmp_path: Path, monkeypatch: pytest.Monkey
     assert stopped.value.code == 1
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert not summary["converged"] and not summary["is_minimum"]
+
+
+def test_at_the_end_a_second_interruption_changes_nothing() -> None:
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        interruption.listen()
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+        interruption.over()
+        signal.raise_signal(signal.SIGINT)
+        # programs that are started listen to theirs
+        assert signal.getsignal(signal.SIGINT) is not signal.SIG_IGN
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

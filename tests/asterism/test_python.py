@@ -38,3 +38,13 @@ def test_an_edit_to_no_design_leaves_the_preview() -> None:
     with pytest.raises(TypeError, match="load_design"):
         list(preview.edit("dome.toml"))  # type: ignore[arg-type]
     assert preview.design == design and preview.equilibrium.is_minimum
+
+
+def test_what_is_no_law_no_side_and_no_number_of_starts_is_refused() -> None:
+    design = gallery.load("dome")
+    with pytest.raises(TypeError, match=r"Law is needed, not str.*load_law"):
+        asterism.preview(design, law="law.npz")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"side = 'sideways': must be auto, down, up"):
+        asterism.preview(design, side="sideways")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"starts = 0: must be at least 1"):
+        asterism.simulate(design, starts=0)

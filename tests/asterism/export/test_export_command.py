@@ -136,6 +136,20 @@ def test_the_preview_says_what_rounding_does(file: Path, tmp_path: Path, run: Ru
     result = run("export", "d.toml", "-o", "seen", "--preview", "--layer", "0.1")
     assert result.returncode == 0, result.stderr
     assert {path.name for path in (tmp_path / "seen").iterdir()} >= SHAPE
+    # a print without a shape has no other one's beside it
+    assert run("export", "d.toml", "-o", "seen", "--no-border").returncode == 0
+    assert not (SHAPE | {"shape.vtu", "rods.vtu"}) & {path.name for path in (tmp_path / "seen").iterdir()}
+
+
+def test_the_shape_of_results_is_not_replaced_beside_its_summary(file: Path, tmp_path: Path, run: Run) -> None:
+    (tmp_path / "results").mkdir()
+    for name in ("summary.json", "shape.vtu", "rods.vtu"):
+        (tmp_path / "results" / name).write_text("mine")
+    for option in ("--preview", "--simulate"):
+        assert "--output = 'results': holds other results" in mistake(run("export", "d.toml", "-o", "results", option))
+    assert run("export", "d.toml", "-o", "results").returncode == 0
+    for name in ("summary.json", "shape.vtu", "rods.vtu"):
+        assert (tmp_path / "results" / name).read_text() == "mine"
 
 
 def test_where_the_preview_knows_no_law_the_print_is_exported_all_the_same(file: Path, run: Run) -> None:

@@ -146,6 +146,7 @@ def test_a_shape_of_another_design_is_refused() -> None:
         ({"stars": {"length_mm": 7.0}}, "its stars are others"),
         ({"pins": []}, "its pins are others"),
         ({"fabric": {"stretch": 1.2}}, "its fabric was stretched otherwise"),
+        ({"plastic": {"modulus_ratio": 1000.0}}, "its material is another"),
     ],
 )
 def test_a_shape_made_from_other_entries_is_refused(change: dict[str, Any], words: str) -> None:

@@ -274,6 +274,16 @@ def test_pins_that_contradict_each_other_are_refused() -> None:
         Preview(design(pins=pins), plain_law())
 
 
+def test_weight_that_nothing_carries_is_refused() -> None:
+    falls = {"fabric": {"modulus_mpa": 7.0}, "gravity": {"on": True}, "pins": []}
+    with pytest.raises(DesignError, match=r"gravity.on = True: needs \[\[pins\]\]"):
+        Preview(design(**falls), plain_law())
+    preview = Preview(design(), plain_law())
+    with pytest.raises(DesignError, match=r"gravity.on"):
+        list(preview.edit(design(**falls)))
+    assert preview.design == design() and preview.equilibrium.is_minimum
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "percent"), [("tube", 3.0), ("dome", 2.5), ("fig9-linear", 2.0)])
 def test_the_exact_model_agrees(name: str, percent: float) -> None:

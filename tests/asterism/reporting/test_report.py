@@ -93,6 +93,11 @@ def test_results_of_the_design_are_used_and_others_refused(design: Path, tmp_pat
     assert "height 12.3 mm" in text and "NOT certain" in text and "mesh error about 1.7 %" in text
     assert "expected rms" not in text
 
+    # they may be from another start, or mesh
+    design.write_text(DESIGN + "[solver]\nseed = 3\n")
+    done = command(["report", str(design), "-o", str(tmp_path / "r.pdf")], capsys, monkeypatch)
+    assert "by the exact model" in done.out
+
     design.write_text(DESIGN.replace("8.0", "7.0"))
     refused = command(["report", str(design), "--results", str(tmp_path / "d")], capsys, monkeypatch)
     assert refused.status == 2 and "--results" in refused.line and "of this design" in refused.line
