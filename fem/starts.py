@@ -15,7 +15,7 @@ from fem.slide import Frame, Start
 from fem.tabulation import Floats
 
 HOPELESS = 20.0  # over what a flat sheet stores: a guess that is dearer than the best by so much is left out
-HELD_DEAR = 10.0  # over the best one's energy: held guesses that are dearer are left out; six times is made up for
+HELD_DEAR = 8.0  # over the best one's energy: held guesses that are dearer are left out; six times is made up for
 
 
 def starts(
