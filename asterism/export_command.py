@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from asterism.options import DesignFile, MaterialFile, output_option
+from asterism.options import DesignFile, LawFile, MaterialFile, output_option
 
 if TYPE_CHECKING:
     from asterism.export.job import Job
@@ -26,6 +26,7 @@ def export(
     preview: Annotated[
         bool, typer.Option("--preview", help="Write the printed shape's files too, from the fast preview.")
     ] = False,
+    law: LawFile = None,
     simulate: Annotated[
         bool, typer.Option("--simulate", help="Likewise from the exact model, which also says what rounding changes.")
     ] = False,
@@ -51,6 +52,7 @@ def export(
     from asterism.export.write import write_export
     from asterism.files import LAST, check_writable
     from asterism.material import with_material
+    from asterism.own_law import law_for
     from asterism.read_shape import read_shape
     from pattern.design import load_design
     from pattern.errors import DesignError
@@ -71,6 +73,7 @@ def export(
     if (preview or simulate) and (directory / LAST).is_file():
         raise DesignError("--output", "holds other results, whose shape.vtu would be replaced", str(directory))
     known = None if shape is None else read_shape(shape)
+    sheet = law_for(plan, law, design, material) if preview or law else None
 
     def job(of: Shape | None) -> Job:
         return prepare(
@@ -86,7 +89,7 @@ def export(
 
     # before anything is computed: most mistakes are found here
     ready = job(known)
-    computed, change = printed_shape(ready, preview, simulate)
+    computed, change = printed_shape(ready, preview, simulate, sheet)
     for certain, which in zip(change["are_minima"] if change else (), ("drawn", "printed"), strict=False):
         if not certain:
             print(f"asterism: the {which} design's shape is not certain to stay", file=sys.stderr)

@@ -11,6 +11,7 @@ DesignFile = Annotated[Path, typer.Argument(help="The design file (.toml or .jso
 MaterialFile = Annotated[
     Path | None, typer.Option(help="A material's file: its fabric and plastic in place of the design's.")
 ]
+LawFile = Annotated[Path | None, typer.Option(help="The law's file (.npz); none: the paper's material.")]
 Backend = Annotated[str, typer.Option(help="Linear solver: auto, pardiso, cholmod, superlu or amg.")]
 
 

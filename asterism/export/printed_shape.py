@@ -12,18 +12,20 @@ from asterism.export.shape_change import shape_change
 from asterism.progress import Progress
 from asterism.shape import Shape
 from homogenize.errors import LawError
+from homogenize.law import Law
 from pattern.design import Design
 
 Found = tuple[Shape | None, dict[str, Any] | None]
 
 
-def printed_shape(job: Job, preview: bool, simulate: bool) -> Found:
+def printed_shape(job: Job, preview: bool, simulate: bool, law: Law | None = None) -> Found:
     """The shape if it was asked for, and how far it is from that of the design before rounding.
 
     Parameters
     ----------
     preview, simulate : ask for the shape of the preview or of the exact model. Without either, the preview still says
         what rounding changes, if it changes anything.
+    law : of the preview; that of the paper's material by default.
 
     Returns
     -------
@@ -51,7 +53,7 @@ def printed_shape(job: Job, preview: bool, simulate: bool) -> Found:
 
     try:
         with told_of_compiling(Progress().say):
-            shape, change = _both(job, fast, "preview")
+            shape, change = _both(job, lambda plan: fast(plan, law), "preview")
     except LawError as error:
         if preview:
             raise

@@ -10,13 +10,13 @@ from typing import Annotated, Any, Literal
 
 import typer
 
-from asterism.options import DesignFile, MaterialFile, output_option
+from asterism.options import DesignFile, LawFile, MaterialFile, output_option
 
 
 def preview(
     design: DesignFile,
     output: Annotated[Path | None, output_option("Directory of the results (the design file's name).")] = None,
-    law: Annotated[Path | None, typer.Option(help="The law's file (.npz); none: the paper's material.")] = None,
+    law: LawFile = None,
     side: Annotated[
         Literal["auto", "up", "down"], typer.Option(help="Side to which the edges go; auto: what the stars want.")
     ] = "auto",

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from asterism.options import DesignFile, MaterialFile, output_option
+from asterism.options import DesignFile, LawFile, MaterialFile, output_option
 
 
 def report(
@@ -20,12 +20,14 @@ def report(
     printer: Annotated[str, typer.Option(help="A printer by name, or its file; see asterism printers.")] = "ultimaker2",
     plastic: Annotated[str, typer.Option(help="A plastic by name, or its file.")] = "tpu95a",
     material: MaterialFile = None,
+    law: LawFile = None,
 ) -> None:
     """One page about a design as PDF: parameters, picture, layout, needles, accuracy, material."""
     from asterism.export.job import prepare
     from asterism.export.profiles import load_plastic, load_printer
     from asterism.files import OutputError, check_writable, staged
     from asterism.material import with_material
+    from asterism.own_law import law_for
     from asterism.reporting.facts import facts
     from asterism.reporting.page import write_page
     from asterism.reporting.shape import shape_of
@@ -38,7 +40,8 @@ def report(
     check_writable(path.parent, path.name)
     machine, profile = load_printer(printer), load_plastic(plastic)
     prepare(plan, machine, profile)  # before anything is computed: most mistakes are found here
-    shape, source = shape_of(plan, results, design.with_suffix(""), _say)
+    sheet = law_for(plan, law, design, material) if law else None
+    shape, source = shape_of(plan, results, design.with_suffix(""), _say, sheet)
     job = prepare(plan, machine, profile, shape=shape)
     with staged(path.parent) as folder:
         parts = write_page(folder / path.name, job, facts(job, shape.summary if shape else {}, source), shape)

@@ -7,12 +7,13 @@ from pathlib import Path
 
 from asterism.read_shape import read_shape
 from asterism.shape import Shape
+from homogenize.law import Law
 from pattern.design import Design
 from pattern.errors import DesignError
 
 
 def shape_of(
-    design: Design, results: Path | None, beside: Path, say: Callable[[str], None]
+    design: Design, results: Path | None, beside: Path, say: Callable[[str], None], law: Law | None = None
 ) -> tuple[Shape | None, str]:
     """A shape of the design and where it comes from; None and the reason, if there is no preview of it.
 
@@ -21,6 +22,7 @@ def shape_of(
     results : a directory of results, or its shape.vtu.
     beside : where results usually are; taken only if they are of this design.
     say : called with a line if something takes long the first time, and if there is no shape.
+    law : of a new preview; that of the paper's material by default.
 
     Raises
     ------
@@ -30,7 +32,6 @@ def shape_of(
     from asterism.compiling import told_of_compiling
     from asterism.previewing.run import preview
     from homogenize.errors import LawError
-    from homogenize.law_file import load_law
 
     if results is not None:
         shape = read_shape(results)
@@ -47,9 +48,9 @@ def shape_of(
                 return shape, _kind(shape)
     try:
         with told_of_compiling(say):
-            shape = preview(design, load_law(None))
+            shape = preview(design, law)
     except LawError as error:
-        say(f"the page has no picture: {error}; give --results")
+        say(f"the page has no picture: {error}; give --law or --results")
         return None, "not known: no law of this material"
     return shape, _kind(shape)
 

@@ -10,13 +10,13 @@ from typing import Annotated, Any
 
 import typer
 
-from asterism.options import Backend, DesignFile, MaterialFile, output_option
+from asterism.options import Backend, DesignFile, LawFile, MaterialFile, output_option
 
 
 def verify(
     design: DesignFile,
     output: Annotated[Path | None, output_option("Directory of the report (DESIGN-verified).")] = None,
-    law: Annotated[Path | None, typer.Option(help="The law's file (.npz); none: the paper's material.")] = None,
+    law: LawFile = None,
     edge: Annotated[
         float | None, typer.Option(help="Edge length of the exact model's mesh in mm, in place of the design's.")
     ] = None,

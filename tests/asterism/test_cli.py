@@ -181,18 +181,15 @@ def test_an_empty_output_is_not_the_working_directory(
     assert [file.name for file in tmp_path.iterdir()] == ["d.toml"]
 
 
-def test_no_equilibrium_is_status_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_equilibrium_is_status_one(tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch) -> None:
     """A state that is not converged is written, said to be none, and ends with status 1."""
     import discrete.levels
-    from asterism import cli
 
     find = discrete.levels.find_equilibrium
     monkeypatch.setattr("asterism.simulation.find_equilibrium", lambda *a, **k: find(*a, **k, max_iterations=1))
     (tmp_path / "d.toml").write_text(SMALL)
-    monkeypatch.setattr(sys, "argv", ["asterism", "simulate", str(tmp_path / "d.toml"), "-o", str(tmp_path / "out")])
-    with pytest.raises(SystemExit) as stopped:
-        cli.main()
-    assert stopped.value.code == 1
+    stopped = command(["simulate", str(tmp_path / "d.toml"), "-o", str(tmp_path / "out")], capsys, monkeypatch)
+    assert stopped.status == 1
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert not summary["converged"] and not summary["is_minimum"]
 

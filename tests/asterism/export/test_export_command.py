@@ -14,6 +14,7 @@ import pytest
 import asterism
 from asterism import cli
 from asterism.export.shape_change import shape_change
+from homogenize.law_file import PAPER
 from pattern.build import layout
 from pattern.design import load_design, save_design
 from tests.asterism.export.jobs import design
@@ -35,7 +36,7 @@ Run = Callable[..., Ended]
 def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Iterator[Run]:
     """The command line in the test's folder, within this process: starting one anew takes seconds."""
     monkeypatch.chdir(tmp_path)
-    handler = signal.getsignal(signal.SIGTERM)
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
 
     def command(*words: str) -> Ended:
         monkeypatch.setattr(sys, "argv", ["asterism", *words])
@@ -45,7 +46,8 @@ def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureF
         return Ended(int(end.value.code or 0), out, err)
 
     yield command
-    signal.signal(signal.SIGTERM, handler)
+    for number, handler in before.items():
+        signal.signal(number, handler)
 
 
 def mistake(ended: Ended) -> str:
@@ -157,7 +159,15 @@ def test_where_the_preview_knows_no_law_the_print_is_exported_all_the_same(file:
     result = run("export", "d.toml", "-o", "out")
     assert result.returncode == 0, result.stderr
     assert "not computed (" in result.stdout
-    assert mistake(run("export", "d.toml", "-o", "seen", "--preview"))
+    for words in (["--preview"], ["--law", str(PAPER)]):
+        assert "equal stretch in x and y" in mistake(run("export", "d.toml", "-o", "other", *words))
+
+
+def test_the_preview_takes_a_law(file: Path, run: Run) -> None:
+    save_design(design(fabric={}, border={"rings": 1}, pins=[]), file)
+    result = run("export", "d.toml", "-o", "out", "--preview", "--law", str(PAPER))
+    assert result.returncode == 0, result.stderr
+    assert "none.npz" in mistake(run("export", "d.toml", "-o", "other", "--preview", "--law", "none.npz"))
 
 
 def test_printers_are_listed(tmp_path: Path, run: Run) -> None:

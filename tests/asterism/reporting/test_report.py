@@ -11,7 +11,7 @@ import pytest
 
 from asterism.previewing.run import preview
 from asterism.results import write_results
-from homogenize.law_file import load_law
+from homogenize.law_file import PAPER, load_law
 from pattern.design import load_design
 from tests.asterism.commands import command
 
@@ -110,6 +110,12 @@ def test_without_a_law_there_is_no_picture(design: Path, capsys, monkeypatch) ->
     text, image = page(design.with_name("d-report.pdf"))
     assert "not known: no law of this material" in text and "E1/E2 2000" in text
     assert image[300:1200, 150:1950].min() == 255
+    # a law for something else says what would make one
+    refused = command(["report", str(design), "--law", str(PAPER)], capsys, monkeypatch)
+    assert refused.status == 2 and "asterism calibrate" in refused.line
+    design.write_text(DESIGN)
+    done = command(["report", str(design), "--law", str(PAPER)], capsys, monkeypatch)
+    assert done.status == 0 and "by the preview" in done.out
 
 
 @pytest.mark.parametrize(
