@@ -70,7 +70,8 @@ def export(
     machine = _changed(load_printer(printer), first_layer, layer, plate)
     directory = output or design.with_name(f"{design.stem}-print")
     check_writable(directory)
-    if (preview or simulate) and (directory / LAST).is_file():
+    elsewhere = shape is not None and directory.resolve() not in (shape.resolve(), shape.resolve().parent)
+    if (preview or simulate or elsewhere) and (directory / LAST).is_file():
         raise DesignError("--output", "holds other results, whose shape.vtu would be replaced", str(directory))
     known = None if shape is None else read_shape(shape)
     sheet = law_for(plan, law, design, material) if preview or law else None

@@ -125,6 +125,9 @@ def test_simulated_shape_and_change_of_shape(file: Path, tmp_path: Path, run: Ru
     result = run("export", "d.toml", "-o", "third", "--shape", "results")
     assert result.returncode == 0, result.stderr
     assert {path.name for path in (tmp_path / "third").iterdir()} == ALWAYS | PINNED | SHAPE
+    # which it may join
+    assert run("export", "d.toml", "-o", "results", "--shape", "results").returncode == 0
+    assert SHAPE | {"summary.json"} <= {path.name for path in (tmp_path / "results").iterdir()}
 
 
 def test_the_preview_says_what_rounding_does(file: Path, tmp_path: Path, run: Run) -> None:
@@ -147,8 +150,8 @@ def test_the_shape_of_results_is_not_replaced_beside_its_summary(file: Path, tmp
     (tmp_path / "results").mkdir()
     for name in ("summary.json", "shape.vtu", "rods.vtu"):
         (tmp_path / "results" / name).write_text("mine")
-    for option in ("--preview", "--simulate"):
-        assert "--output = 'results': holds other results" in mistake(run("export", "d.toml", "-o", "results", option))
+    for words in (["--preview"], ["--simulate"], ["--shape", "others"]):
+        assert "--output = 'results': holds other results" in mistake(run("export", "d.toml", "-o", "results", *words))
     assert run("export", "d.toml", "-o", "results").returncode == 0
     for name in ("summary.json", "shape.vtu", "rods.vtu"):
         assert (tmp_path / "results" / name).read_text() == "mine"
