@@ -50,10 +50,10 @@ def export(
     from asterism.export.profiles import load_plastic, load_printer
     from asterism.export.table import table
     from asterism.export.write import write_export
-    from asterism.files import LAST, check_writable
+    from asterism.files import check_writable, holds_result
     from asterism.material import with_material
     from asterism.own_law import law_for
-    from asterism.read_shape import read_shape
+    from asterism.read_shape import folder_of, read_shape
     from pattern.design import load_design
     from pattern.errors import DesignError
 
@@ -70,8 +70,8 @@ def export(
     machine = _changed(load_printer(printer), first_layer, layer, plate)
     directory = output or design.with_name(f"{design.stem}-print")
     check_writable(directory)
-    elsewhere = shape is not None and directory.resolve() not in (shape.resolve(), shape.resolve().parent)
-    if (preview or simulate or elsewhere) and (directory / LAST).is_file():
+    elsewhere = shape is not None and directory.resolve() != folder_of(shape)
+    if (preview or simulate or elsewhere) and holds_result(directory):
         raise DesignError("--output", "holds other results, whose shape.vtu would be replaced", str(directory))
     known = None if shape is None else read_shape(shape)
     sheet = law_for(plan, law, design, material) if preview or law else None

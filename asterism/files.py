@@ -95,6 +95,11 @@ def check_writable(directory: str | Path, name: str = LAST) -> None:
         raise _Rehearsal
 
 
+def holds_result(directory: str | Path) -> bool:
+    """Whether a finished result lies there, whatever other files do."""
+    return (Path(directory) / LAST).is_file()
+
+
 def write_file(path: str | Path, content: str | bytes) -> None:
     """Write one file, complete or not at all; text as UTF-8."""
     path = Path(path)

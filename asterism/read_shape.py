@@ -57,6 +57,11 @@ def read_shape(path: str | Path) -> Shape:
     )
 
 
+def folder_of(path: Path) -> Path:
+    """The directory of a result that is named by its directory or its `.vtu` file."""
+    return (path if path.is_dir() else path.parent).resolve()
+
+
 def _is_held(summary: dict[str, Any]) -> bool:
     """Whether the design that a shape was made from has pins."""
     design = summary.get("design")

@@ -7,14 +7,13 @@ from __future__ import annotations
 
 import json
 import math
-import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from asterism.export_vtu import write_rods_vtu, write_shape_vtu
-from asterism.files import LAST, staged
+from asterism.files import LAST, holds_result, staged
 from asterism.picture import draw
 from asterism.shape import Shape
 
@@ -41,8 +40,7 @@ def staged_result(directory: str | Path) -> Iterator[Path]:
     OutputError
         They cannot be written there.
     """
-    holds_result = os.path.isfile(Path(directory) / LAST)
-    with staged(directory, stale=BESIDE_SUMMARY if holds_result else None) as folder:
+    with staged(directory, stale=BESIDE_SUMMARY if holds_result(directory) else None) as folder:
         yield folder
 
 

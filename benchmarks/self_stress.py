@@ -19,7 +19,6 @@ from asterism.previewing.free_rim import stars_share
 from asterism.previewing.preview import paper_law
 from asterism.previewing.self_stress import plane_areas, pulls
 from asterism.previewing.sheet import Sheet
-from asterism.previewing.star_cells import StarCells
 from asterism.previewing.star_values import StarValues, star_values
 from benchmarks.report import markdown, write_report
 from discrete.model import Model
@@ -137,7 +136,7 @@ def shell_integral(design: Design) -> tuple[float, float, StarValues, float]:
         work.append(0.5 * float((weight[..., None] * stress[..., :3] * both).sum()))
     # per unit curvature, det b is the square of the area that a printed one has become
     area = np.linalg.det(tangent[..., :2])
-    weights = StarCells(plan, design.lattice).shares(table.points.reshape(-1, 2))(values.sizes[:, 0])
+    weights = sheet.cells.shares(table.points.reshape(-1, 2))(values.sizes[:, 0])
     saved = (stars_share(weights) * (weights @ pulls(values))).reshape(area.shape)
     return (work[1] - work[0]) / 2.0, float((weight * saved * area**2).sum()), values, plan.spacing_mm
 

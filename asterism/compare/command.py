@@ -17,9 +17,9 @@ from asterism.compare.picture import draw_outline, draw_scan
 from asterism.compare.scan import extent, read_scan
 from asterism.compare.silhouette import Fitted, fit_outline, silhouette
 from asterism.compare.units import check_size
-from asterism.files import LAST, OutputError, check_writable
+from asterism.files import LAST, OutputError, check_writable, holds_result
 from asterism.mesh_error import diameter
-from asterism.read_shape import read_shape
+from asterism.read_shape import folder_of, read_shape
 from asterism.results import staged_result
 from asterism.shape import Shape
 
@@ -41,7 +41,7 @@ def compare(shape: Path, scan: Path, output: Path | None, unit: str, view: str, 
     """
     found = read_shape(shape)
     directory = output or scan.with_name(f"{scan.stem}-compared")
-    if directory.resolve() == (shape if shape.is_dir() else shape.parent).resolve() and (directory / LAST).exists():
+    if directory.resolve() == folder_of(shape) and holds_result(directory):
         raise OutputError(f"--output: {str(directory)!r} is where the shape is and stays; choose another name")
     check_writable(directory)
     name = found.summary.get("design", {}).get("name", shape.stem)

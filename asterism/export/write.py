@@ -11,7 +11,7 @@ from asterism.export.estimate import estimate
 from asterism.export.job import CHECK_SQUARE_MM, Job
 from asterism.export.rounded import better_layers, changes, tiny_stars
 from asterism.export_vtu import write_rods_vtu, write_shape_vtu
-from asterism.files import LAST, staged
+from asterism.files import holds_result, staged
 from asterism.shape import Shape
 from pattern.design import save_design
 
@@ -38,7 +38,7 @@ def write_export(job: Job, directory: str | Path, change: dict[str, Any] | None 
     prints = [job.stars, *([(job.border,)] if job.border is not None else [])]
     cost = estimate(prints, job.printer, job.rounding, job.plastic)
     tiny = tiny_stars(job.plan, job.plastic.tiny_arm_mm)
-    alone = (Path(directory) / SUMMARY).is_file() and not (Path(directory) / LAST).is_file()
+    alone = (Path(directory) / SUMMARY).is_file() and not holds_result(directory)
     with staged(directory, stale=NOT_ALWAYS + ALSO_RESULTS if alone else NOT_ALWAYS) as folder:
         for solid in job.solids:
             stl.write(folder / f"{solid.name}.stl", solid.points, solid.triangles)

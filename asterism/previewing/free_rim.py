@@ -7,8 +7,8 @@ bump of height B over arms of length l is a cap of curvature `2 B / l^2`. So bar
     b_r = -CURL 2 B / l^2 lam^2 n n^T
 
 across the nearest side of the outline, n being normal to it, and none along it. Without it, free rims of previews turn
-down less than the exact model's. A side that is held keeps none, along its length or
-at a point of it where the sheet is held at more than one: there the fabric is pulled along the rim, and straight.
+down less than the exact model's. A side that is held keeps none, along its length or at a point of it where the sheet
+is held at more than one: there the fabric is pulled along the rim, and straight.
 
 Under arms that point outwards it curls along them too: `asterism.previewing.rim_arms`.
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import signal
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import pytest
@@ -27,15 +29,21 @@ class Outcome:
         return lines[0]
 
 
-def command(words: list[str], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Outcome:
-    """Run `asterism WORDS`."""
-    monkeypatch.setattr(sys, "argv", ["asterism", *words])
+@contextmanager
+def handlers_kept() -> Iterator[None]:
+    """Whatever the block makes of Ctrl-C and a request to end, afterwards they do what they did."""
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
-        with pytest.raises(SystemExit) as stop:
-            main()
+        yield
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+def command(words: list[str], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Outcome:
+    """Run `asterism WORDS`."""
+    monkeypatch.setattr(sys, "argv", ["asterism", *words])
+    with handlers_kept(), pytest.raises(SystemExit) as stop:
+        main()
     printed = capsys.readouterr()
     return Outcome(int(stop.value.code or 0), printed.out, printed.err)

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from asterism import interruption
-from tests.asterism.commands import command
+from tests.asterism.commands import command, handlers_kept
 
 SMALL = """
 [stars]
@@ -195,8 +195,7 @@ def test_no_equilibrium_is_status_one(tmp_path: Path, capsys, monkeypatch: pytes
 
 
 def test_at_the_end_a_second_interruption_changes_nothing() -> None:
-    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
+    with handlers_kept():
         interruption.listen()
         with pytest.raises(KeyboardInterrupt):
             signal.raise_signal(signal.SIGINT)
@@ -204,6 +203,3 @@ def test_at_the_end_a_second_interruption_changes_nothing() -> None:
         signal.raise_signal(signal.SIGINT)
         # programs that are started listen to theirs
         assert signal.getsignal(signal.SIGINT) is not signal.SIG_IGN
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

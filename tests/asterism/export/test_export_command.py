@@ -3,59 +3,33 @@
 from __future__ import annotations
 
 import json
-import signal
-import sys
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 import asterism
-from asterism import cli
 from asterism.export.shape_change import shape_change
 from homogenize.law_file import PAPER
 from pattern.build import layout
 from pattern.design import load_design, save_design
+from tests.asterism.commands import Outcome, command
 from tests.asterism.export.jobs import design
 
-
-@dataclass(frozen=True)
-class Ended:
-    """How a command ended."""
-
-    returncode: int
-    stdout: str
-    stderr: str
-
-
-Run = Callable[..., Ended]
+Run = Callable[..., Outcome]
 
 
 @pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Iterator[Run]:
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
     """The command line in the test's folder, within this process: starting one anew takes seconds."""
     monkeypatch.chdir(tmp_path)
-    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
-
-    def command(*words: str) -> Ended:
-        monkeypatch.setattr(sys, "argv", ["asterism", *words])
-        with pytest.raises(SystemExit) as end:
-            cli.main()
-        out, err = capsys.readouterr()
-        return Ended(int(end.value.code or 0), out, err)
-
-    yield command
-    for number, handler in before.items():
-        signal.signal(number, handler)
+    return lambda *words: command(list(words), capsys, monkeypatch)
 
 
-def mistake(ended: Ended) -> str:
+def mistake(ended: Outcome) -> str:
     """The one line of a refused command."""
-    assert ended.returncode == 2, ended.stderr
-    lines = ended.stderr.strip().splitlines()
-    assert len(lines) == 1 and lines[0].startswith("asterism: "), ended.stderr
-    return lines[0]
+    assert ended.status == 2, ended.err
+    return ended.line
 
 
 ALWAYS = {
@@ -85,7 +59,7 @@ def file(tmp_path: Path) -> Path:
 
 def test_all_files_and_what_they_say(file: Path, tmp_path: Path, run: Run) -> None:
     result = run("export", "d.toml", "--plate", "3", "--fabric", "0.55")
-    assert result.returncode == 0, result.stderr
+    assert result.status == 0, result.err
     folder = tmp_path / "d-print"
     assert {path.name for path in folder.iterdir()} == ALWAYS | PINNED
     said = json.loads((folder / "export.json").read_text())
@@ -93,22 +67,22 @@ def test_all_files_and_what_they_say(file: Path, tmp_path: Path, run: Run) -> No
     assert said["z_offset_mm"] == pytest.approx(3.55)
     assert said["check_square_mm"] == {"before": [100.0, 100.0], "after": pytest.approx([135.0, 130.0])}
     assert "Z13.55" in (folder / "start.gcode").read_text()
-    for text in (result.stdout, (folder / "instructions.txt").read_text()):
+    for text in (result.out, (folder / "instructions.txt").read_text()):
         assert "3.55 mm" in text and "135.0" in text and "130.0" in text
-    assert said["tiny_stars"] == [{"at_mm": [0.0, 0.0], "arm_mm": 2.0}] and "tiny stars" in result.stdout
+    assert said["tiny_stars"] == [{"at_mm": [0.0, 0.0], "arm_mm": 2.0}] and "tiny stars" in result.out
     rows = (folder / "needles.csv").read_text().splitlines()
     assert rows[0].startswith("number,printed_x_mm") and len(rows) == said["needles"] + 1
     # the rounded design prints what it says: exporting it again changes nothing
     assert load_design(folder / "rounded.toml").stars.rounding is not None
     again = run("export", "d-print/rounded.toml", "-o", "again")
-    assert again.returncode == 0
+    assert again.status == 0
     assert (tmp_path / "again" / "stars.stl").read_bytes() == (folder / "stars.stl").read_bytes()
 
 
 def test_simulated_shape_and_change_of_shape(file: Path, tmp_path: Path, run: Run) -> None:
     save_design(design(border={"rings": 1}, mesh={"edge_mm": 6.0}), file)
     result = run("export", "d.toml", "-o", "out", "--simulate", "--no-border")
-    assert result.returncode == 0, result.stderr
+    assert result.status == 0, result.err
     assert {path.name for path in (tmp_path / "out").iterdir()} == (ALWAYS - {"border.stl"}) | PINNED | SHAPE
     said = json.loads((tmp_path / "out" / "export.json").read_text())
     before, after = said["shape_change"]["height_mm"]
@@ -123,26 +97,26 @@ def test_simulated_shape_and_change_of_shape(file: Path, tmp_path: Path, run: Ru
     # and from the files of an earlier simulation
     asterism.write_results(printed, tmp_path / "results")
     result = run("export", "d.toml", "-o", "third", "--shape", "results")
-    assert result.returncode == 0, result.stderr
+    assert result.status == 0, result.err
     assert {path.name for path in (tmp_path / "third").iterdir()} == ALWAYS | PINNED | SHAPE
     # which it may join
-    assert run("export", "d.toml", "-o", "results", "--shape", "results").returncode == 0
+    assert run("export", "d.toml", "-o", "results", "--shape", "results").status == 0
     assert SHAPE | {"summary.json"} <= {path.name for path in (tmp_path / "results").iterdir()}
 
 
 def test_the_preview_says_what_rounding_does(file: Path, tmp_path: Path, run: Run) -> None:
     save_design(design(fabric={}, border={"rings": 1}, pins=[]), file)
     result = run("export", "d.toml", "-o", "out")
-    assert result.returncode == 0, result.stderr
-    assert "(preview; --simulate is exact)" in result.stdout
+    assert result.status == 0, result.err
+    assert "(preview; --simulate is exact)" in result.out
     said = json.loads((tmp_path / "out" / "export.json").read_text())["shape_change"]
     assert said["model"] == "preview" and said["star_distance_mm"] > 0
     assert not SHAPE & {path.name for path in (tmp_path / "out").iterdir()}
     result = run("export", "d.toml", "-o", "seen", "--preview", "--layer", "0.1")
-    assert result.returncode == 0, result.stderr
+    assert result.status == 0, result.err
     assert {path.name for path in (tmp_path / "seen").iterdir()} >= SHAPE
     # a print without a shape has no other one's beside it
-    assert run("export", "d.toml", "-o", "seen", "--no-border").returncode == 0
+    assert run("export", "d.toml", "-o", "seen", "--no-border").status == 0
     assert not (SHAPE | {"shape.vtu", "rods.vtu"}) & {path.name for path in (tmp_path / "seen").iterdir()}
 
 
@@ -152,7 +126,7 @@ def test_the_shape_of_results_is_not_replaced_beside_its_summary(file: Path, tmp
         (tmp_path / "results" / name).write_text("mine")
     for words in (["--preview"], ["--simulate"], ["--shape", "others"]):
         assert "--output = 'results': holds other results" in mistake(run("export", "d.toml", "-o", "results", *words))
-    assert run("export", "d.toml", "-o", "results").returncode == 0
+    assert run("export", "d.toml", "-o", "results").status == 0
     for name in ("summary.json", "shape.vtu", "rods.vtu"):
         assert (tmp_path / "results" / name).read_text() == "mine"
 
@@ -160,8 +134,8 @@ def test_the_shape_of_results_is_not_replaced_beside_its_summary(file: Path, tmp
 def test_where_the_preview_knows_no_law_the_print_is_exported_all_the_same(file: Path, run: Run) -> None:
     """The law is for equal stretches; this fabric has two."""
     result = run("export", "d.toml", "-o", "out")
-    assert result.returncode == 0, result.stderr
-    assert "not computed (" in result.stdout
+    assert result.status == 0, result.err
+    assert "not computed (" in result.out
     for words in (["--preview"], ["--law", str(PAPER)]):
         assert "equal stretch in x and y" in mistake(run("export", "d.toml", "-o", "other", *words))
 
@@ -169,14 +143,14 @@ def test_where_the_preview_knows_no_law_the_print_is_exported_all_the_same(file:
 def test_the_preview_takes_a_law(file: Path, run: Run) -> None:
     save_design(design(fabric={}, border={"rings": 1}, pins=[]), file)
     result = run("export", "d.toml", "-o", "out", "--preview", "--law", str(PAPER))
-    assert result.returncode == 0, result.stderr
+    assert result.status == 0, result.err
     assert "none.npz" in mistake(run("export", "d.toml", "-o", "other", "--preview", "--law", "none.npz"))
 
 
 def test_printers_are_listed(tmp_path: Path, run: Run) -> None:
     result = run("printers")
-    assert result.returncode == 0
-    assert "ultimaker2" in result.stdout and "tpu95a" in result.stdout and "ASTERISM_PROFILES" in result.stdout
+    assert result.status == 0
+    assert "ultimaker2" in result.out and "tpu95a" in result.out and "ASTERISM_PROFILES" in result.out
 
 
 @pytest.mark.parametrize(
@@ -211,15 +185,15 @@ def test_designs_larger_than_the_bed_are_one_line(tmp_path: Path, run: Run) -> N
 
 def test_files_of_an_earlier_export_do_not_stay_behind(file: Path, tmp_path: Path, run: Run) -> None:
     save_design(design(border={"rings": 0}), file)
-    assert run("export", "d.toml", "-o", "out").returncode == 0
+    assert run("export", "d.toml", "-o", "out").status == 0
     (tmp_path / "out" / "summary.json").write_text("mine")
     save_design(design(border={"rings": 0}, pins=[]), file)
-    assert run("export", "d.toml", "-o", "out", "--no-border").returncode == 0
+    assert run("export", "d.toml", "-o", "out", "--no-border").status == 0
     assert {path.name for path in (tmp_path / "out").iterdir()} == (ALWAYS - {"border.stl"}) | {"summary.json"}
 
 
 def test_an_export_that_fails_leaves_the_earlier_one(file: Path, tmp_path: Path, run: Run) -> None:
-    assert run("export", "d.toml", "-o", "out").returncode == 0
+    assert run("export", "d.toml", "-o", "out").status == 0
     before = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
     (tmp_path / "out" / "print.3mf").unlink()
     (tmp_path / "out" / "print.3mf").mkdir()

@@ -37,6 +37,8 @@ def test_softer_sheets_expect_more():
 def test_symmetry_and_pins_forgive_soft_motions():
     soft = np.array([30.0, 12.0, 8.0])
     assert expected_rms_percent(soft, share=FORGIVEN) < 0.8 * expected_rms_percent(soft)
+    none, forgiven, free = (expected_rms_percent(soft, share=share) ** 2 for share in (0.0, FORGIVEN, SHARE))
+    assert (forgiven - none) / (free - none) == pytest.approx((FORGIVEN / SHARE) ** 2)
 
 
 @pytest.mark.parametrize(
