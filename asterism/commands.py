@@ -197,6 +197,7 @@ def calibrate(
     """
     from asterism import calibrate_command as command
     from asterism.own_law import is_design, law_path, material_of
+    from pattern.errors import DesignError
 
     path = law_path(file, output)
     if path.suffix != ".npz":
@@ -213,6 +214,8 @@ def calibrate(
         if not folder.exists():
             raise
         stop(f"interrupted; finished cells are in {folder}, the same command goes on from there", 130)
+    except DesignError as error:
+        raise error.within(material or file or "") from None
     typer.echo("\n".join(command.report_lines(law, path)))
     if is_design(file):
         other = f" --material {quote(str(material))}" if material else ""

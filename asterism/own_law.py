@@ -82,13 +82,15 @@ def law_for(design: Design, law: Path | None, file: Path, other: Path | None = N
     found = load_law(law)
     try:
         found.check(design)
-    except ForeignLaw as error:
+    except LawError as error:
         material = f" --material {quote(str(other))}" if other else ""
-        command = f"asterism calibrate {quote(str(file))}{material}"
-        refused = str(error)
-        if law is not None:
-            refused = f"{law}: {error}" + ("; without --law the package's own is taken" if _is_papers(design) else "")
-        raise LawError(f"{refused}; {command} makes its law, for --law {quote(str(own_law_path(file)))}") from None
+        refused = f"{file}{material}: {error}"
+        if isinstance(error, ForeignLaw):
+            refused += f" ({law})" if law else ""
+            refused += "; without --law the package's own is taken" if law and _is_papers(design) else ""
+            refused += f"; asterism calibrate {quote(str(file))}{material} makes its law"
+            refused += f", for --law {quote(str(own_law_path(file)))}"
+        raise LawError(refused) from None
     return found
 
 

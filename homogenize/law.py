@@ -25,6 +25,7 @@ WITHOUT_BENDING = (
     "no law can hold it: bare fabric has no stiffness against bending then, and what a cell does depends on its mesh; "
     "the exact model can: asterism simulate"
 )
+WITH_TWO_STRETCHES = "a law is for equal stretch in x and y; the exact model takes both: asterism simulate"
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,7 @@ class Law:
         for table in self.tables:
             if _same(table.stretch, stretch):
                 return table
-        raise ForeignLaw(f"the law has no fabric.stretch = {stretch:g}; it was made for {_list(self.stretches)}")
+        raise ForeignLaw(f"fabric.stretch = {stretch:g}: the law was made for {_list(self.stretches)}")
 
     @property
     def stretches(self) -> tuple[float, ...]:
@@ -84,7 +85,7 @@ class Law:
             raise LawError(f"fabric.bending = none: {WITHOUT_BENDING}")
         sx, sy = design.fabric.stretch_xy
         if not _same(sx, sy):
-            raise LawError(f"the law is for equal stretch in x and y, the design's fabric.stretch is {[sx, sy]}")
+            raise LawError(f"fabric.stretch = {[sx, sy]}: {WITH_TWO_STRETCHES}")
         free = {"fabric": {"stretch", "modulus_mpa", "density_kg_m3"}, "plastic": {"density_kg_m3"}}
         for section in ("fabric", "plastic", "lattice"):
             ours, theirs = (getattr(thing, section).model_dump(mode="json") for thing in (self.material, design))
@@ -93,9 +94,9 @@ class Law:
                                 ((self.material, ours), (design, theirs)))  # fmt: skip
             for key in ours:
                 if key not in free.get(section, ()) and not _same(ours[key], theirs[key]):
-                    name = f"{section}.{key}"
-                    ours_theirs = f"{name} = {ours[key]}, the design's {theirs[key]}"
-                    raise ForeignLaw(f"the law is for another material: {ours_theirs}")
+                    raise ForeignLaw(
+                        f"{section}.{key} = {theirs[key]}: the law is for another material, of {ours[key]}"
+                    )
         return self.at(sx)
 
     def evaluate(self, design: Design, length_mm: ArrayLike, thickness_mm: ArrayLike, width_mm: ArrayLike) -> Values:

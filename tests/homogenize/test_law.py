@@ -272,11 +272,11 @@ def test_a_law_says_for_which_designs_it_is() -> None:
 @pytest.mark.parametrize(
     ("change", "word"),
     [
-        ({"fabric__stretch": 1.5}, "fabric.stretch = 1.5; it was made for 1.35, 1.75"),
-        ({"fabric__stretch": [1.35, 1.3]}, "equal stretch"),
-        ({"fabric__thickness_mm": 0.7}, "fabric.thickness_mm = 0.8, the design's 0.7"),
-        ({"fabric__bending": "consistent"}, "fabric.bending = paper, the design's consistent"),
-        ({"plastic__modulus_ratio": 3000.0}, "plastic.modulus_ratio = 3200.0, the design's 3000.0"),
+        ({"fabric__stretch": 1.5}, "fabric.stretch = 1.5: the law was made for 1.35, 1.75"),
+        ({"fabric__stretch": [1.35, 1.3]}, "fabric.stretch = [1.35, 1.3]: a law is for equal stretch"),
+        ({"fabric__thickness_mm": 0.7}, "fabric.thickness_mm = 0.7: the law is for another material, of 0.8"),
+        ({"fabric__bending": "consistent"}, "fabric.bending = consistent: the law is for another material, of paper"),
+        ({"plastic__modulus_ratio": 3000.0}, "plastic.modulus_ratio = 3000.0: the law is for another"),
         ({"plastic__kappa_bar_per_mm": 0.001}, "plastic.kappa_bar_per_mm"),
         ({"lattice__spacing_mm": 18.0}, "lattice.spacing_mm"),
         ({"lattice__arms": 6}, "lattice.arms"),
