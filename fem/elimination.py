@@ -12,6 +12,7 @@ from scipy.sparse.csgraph import connected_components
 
 from fem.tabulation import Floats, Ints
 
+DIGITS = 12  # of equations with a largest coefficient of 1: those that are alike but for rounding are solved once
 DEPENDENT = 1e-9  # a pivot below this part of the largest one belongs to an equation that others imply
 
 
@@ -65,7 +66,7 @@ def eliminate(matrix: sp.csr_matrix, right: Floats, tolerance: float) -> Elimina
         raise Contradiction(row, float(np.abs(right[row]).max()))
     scale = np.where(empty, 1.0, largest)
     matrix = sp.csr_matrix(sp.diags_array(1.0 / scale) @ matrix)
-    matrix.data[np.abs(matrix.data) < 1e-12] = 0.0
+    matrix.data = np.round(matrix.data, DIGITS)
     matrix.eliminate_zeros()
     right = right / scale[:, None]
     size = matrix.shape[1]

@@ -29,6 +29,7 @@ from fem.tabulation import Floats
 # a step that leaves less of the residual, and so many tolerances at most, and is shorter than this part of the size, is
 # followed by one with its factor
 AGAIN, NEARLY, NEAR = 0.03, 3e3, 1e-3
+FALLS = 0.5  # part of the residual: a step that leaves less may need no stress to be left out of the next matrix
 FAR = 0.15  # of the sheet's size: a step beyond it is shortened
 TURNED = 0.05  # of the sheet's size: after such moves other unknowns may have to stop the rigid motions
 
@@ -98,7 +99,7 @@ def mixed_newton(
         if matrix.changed or found.residual > min(AGAIN * before, NEARLY * tolerance) or reach > NEAR * size:
             if number == 0 or moved > TURNED * size or not shell.floats:
                 support, moved = clock("support", shell.support, found.x), 0.0
-            accepted = matrix.factorise(found.x, stiffness, stress, support)
+            accepted = matrix.factorise(found.x, stiffness, stress, support, found.residual < FALLS * before)
             found.factorisations, found.blended = matrix.factorisations, matrix.blended
             if not accepted:
                 return found

@@ -6,7 +6,8 @@ negative stiffness, such as that of a tube that hardly prefers an axis. Leaving 
 too stiff: hundreds of short steps. So the mass times a small stiffness per area is added instead. With about twice the
 negative one this turns the step along the soft motion round, and hardly changes all others.
 
-Both are as little as the factorisation accepts, and less and less in the steps that follow.
+Both are as little as the factorisation accepts, and less and less in the steps that follow; none where the iteration
+does well and the matrix itself is accepted.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from fem.tabulation import Floats, Ints
 
 # parts of the pushing stress: the first one left out, how many times more the next ones are, what stays left out for
 # the next step, and the part that is too small to be left out
-FIRST, MORE, STAYS, LEAST = 0.1, 3.0, 0.6, 0.05
+FIRST, MORE, STAYS, LEAST = 0.3, 3.0, 0.6, 0.05
 # the same of the stiffness per area that is added for soft motions, over that of the sheet's longest wave; and how
 # often more of it is tried
 SOFT_FIRST, SOFT_MORE, SOFT_STAYS, SOFT_LEAST, SOFT_TRIES = 0.1, 4.0, 0.3, 0.05, 6
@@ -50,10 +51,10 @@ class Regularised:
         """The last matrix is not that of the state itself."""
         return self._blend > 0.0 or self._shift > 0.0
 
-    def factorise(self, x: Floats, stiffness: Floats, stress: Floats, support: Ints) -> bool:
+    def factorise(self, x: Floats, stiffness: Floats, stress: Floats, support: Ints, falls: bool = False) -> bool:
         """The matrix at x (N, 3), its rigid motions held at unknowns `support`; False if nothing helps.
 
-        `stiffness` (T, Q, 6, 6) and `stress` (T, Q, 6) of the strains that go with x.
+        `stiffness` (T, Q, 6, 6) and `stress` (T, Q, 6) of the strains that go with x. `falls`: the last step did well.
         """
         before = self._blend
         self._blend = STAYS * before if STAYS * before > LEAST else 0.0
@@ -69,6 +70,9 @@ class Regularised:
             known.append((blend, self._clock("tangent", self._shell.tangent, x, stiffness, kept)))
             return known[-1][1]
 
+        if falls and self._blend and not self._shift and self._accepts(tangent(0.0), support):
+            self._blend = 0.0
+            return True
         data = tangent(self._blend)
         while not self._accepts(data, support):
             if self._blend == 0.0 and tries:

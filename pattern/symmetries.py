@@ -139,6 +139,8 @@ def _pin_places(layout: Layout) -> tuple[Floats, Floats, Ints]:
                 places.append(np.where(fixed, pin.places(points), np.nan))
                 kinds.append(np.full(len(points), one))
     printed_all, kind_all = np.concatenate(printed), np.concatenate(kinds)
+    if len(printed_all) == 0:
+        return printed_all, places[0], kind_all
     # neighbouring edges share a corner
     _, first = np.unique(np.round(np.column_stack([printed_all, kind_all]), 6), axis=0, return_index=True)
     return printed_all[first], np.concatenate(places)[first], kind_all[first]
