@@ -44,7 +44,7 @@ class Placement:
 def place(
     plan: Layout, steps: tuple[Step, ...], printer: Printer, turn_deg: float = 0.0, may_turn: bool = True
 ) -> Placement:
-    """The place around the middle of the bed, or the nearest one at which all of the print is on it.
+    """The design's origin in the middle of the bed, or else the sheet's own middle, or as near to it as may be.
 
     Parameters
     ----------
@@ -67,15 +67,16 @@ def place(
         if may_turn and (turn := _fitting_turn(corners, bed)) is not None:
             problem += f"; --turn {turn} makes it fit"
         raise DesignError("stars", problem, f"{_times(size)} mm of plastic")
-    # whichever side stands out is brought in
-    shift = np.maximum(-bed / 2 - low, 0.0) + np.minimum(bed / 2 - high, 0.0)
-    shift = np.where(shift > 0, np.ceil(shift * 1e3), np.floor(shift * 1e3)) / 1e3
-    found = Placement(turn_deg, shift)
-    sheet, frame = found.points(plan.border), np.asarray(printer.frame.size_mm)
-    if (np.abs(sheet) > frame / 2).any():
-        size = np.ptp(sheet, axis=0)
-        raise DesignError("border", f"must be within the frame of {_times(frame)} mm", f"{_times(size)} mm of fabric")
-    return found
+    sheet, frame = turned.points(plan.border), np.asarray(printer.frame.size_mm)
+    left, right = sheet.min(axis=0), sheet.max(axis=0)
+    # shifts at which the plastic is on the bed, and the fabric within the frame
+    least, most = np.maximum(-bed / 2 - low, -frame / 2 - left), np.minimum(bed / 2 - high, frame / 2 - right)
+    if (least > most + 1e-6).any():
+        problem = f"must be within the frame of {_times(frame)} mm, with the plastic where the nozzle reaches"
+        raise DesignError("border", problem, f"{_times(right - left)} mm of fabric")
+    stays = (least <= 0.0) & (most >= 0.0)
+    middle = np.round(-(left + right) / 2, 3)
+    return Placement(turn_deg, np.where(stays, 0.0, np.clip(middle, least, most)))
 
 
 def _fitting_turn(corners: Floats, bed: Floats) -> int | None:

@@ -22,6 +22,8 @@ def table(s: dict[str, Any]) -> dict[str, str]:
     if tiny := s["tiny_stars"]:
         places = ", ".join(f"[{x:g}, {y:g}]" for x, y in (star["at_mm"] for star in tiny[:_MOST_NAMED]))
         rows["tiny stars"] = f"{len(tiny)}, may jump off: at {places}" + (", ..." if len(tiny) > _MOST_NAMED else "")
+    if not s["printed_border"]:
+        rows["cut line"] = "not printed, in layout.pdf"
     rows["z offset"] = f"{s['z_offset_mm']:.2f} mm (plate and stretched fabric), in start.gcode"
     x, y = s["check_square_mm"]["after"]
     rows["check square"] = f"100 mm before stretching, {x:.1f} x {y:.1f} mm after"

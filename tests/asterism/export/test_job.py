@@ -73,6 +73,16 @@ def test_a_print_that_hangs_over_is_moved_onto_the_bed() -> None:
     assert one.border is None and len(one.solids) == 1
 
 
+def test_a_sheet_drawn_away_from_the_origin_lies_in_the_middle() -> None:
+    corners = np.array([[100.0, 100.0], [200.0, 100.0], [200.0, 200.0], [100.0, 200.0]])
+    for margin in (8.0, 25.0):  # of stars that would be on the bed far from its middle, and of some that would not
+        border = {"polygon_mm": corners.tolist(), "star_margin_mm": margin}
+        one = job(design(stars={"length_mm": 7.0}, border=border, pins=[{"where": "border", "scale": 0.8}]))
+        assert one.placement.points(corners).mean(axis=0) == pytest.approx([0.0, 0.0], abs=1e-3)
+        assert one.border is not None
+        assert all(np.abs(one.placement.points(n.printed)).max() < 111.5 for n in one.needles)
+
+
 def test_larger_than_the_bed() -> None:
     with pytest.raises(DesignError, match=r"stars = '224\.5 x .*': must be within the 223\.0 x 223\.0 mm"):
         job(rectangle(240.0, 100.0))
