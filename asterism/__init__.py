@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from asterism.simulation import simulate
     from asterism.verification.results import write_verification
     from asterism.verification.run import Verification, verify
+    from homogenize.law_file import load_law
     from pattern.design import Design, load_design, save_design
     from pattern.gallery import load as new
 
@@ -34,6 +35,7 @@ _HOMES = {
     "Shape": ("asterism.shape", "Shape"),
     "Verification": ("asterism.verification.run", "Verification"),
     "load_design": ("pattern.design", "load_design"),
+    "load_law": ("homogenize.law_file", "load_law"),
     "new": ("pattern.gallery", "load"),
     "preview": ("asterism.previewing.run", "preview"),
     "save_design": ("pattern.design", "save_design"),
@@ -49,6 +51,7 @@ __all__ = [
     "Verification",
     "__version__",
     "load_design",
+    "load_law",
     "new",
     "preview",
     "save_design",

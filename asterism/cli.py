@@ -60,7 +60,7 @@ def _run() -> int:
             sys.stdout.flush()
         return status if isinstance(status, int) else 0
     except UsageError as error:
-        stop(error.format_message(), 2)  # type: ignore[attr-defined]
+        stop(error.format_message().replace("Value error, ", ""), 2)  # type: ignore[attr-defined]
     except (
         DesignError,
         MeshError,

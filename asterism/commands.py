@@ -109,6 +109,7 @@ def simulate(
     from asterism.progress import Progress
     from asterism.results import write_results
     from asterism.simulation import simulate as run
+    from asterism.star_sides import off_branch
     from pattern.design import load_design
 
     plan = changed(
@@ -135,6 +136,8 @@ def simulate(
     if through := shape.summary["self_intersections"]:
         advice = "" if plan.solver.contact else "; --contact keeps it apart"
         print(f"asterism: the sheet passes through itself ({through} pairs of triangles){advice}", file=sys.stderr)
+    for line in off_branch(shape.summary):
+        print(f"asterism: {line}", file=sys.stderr)
     if not shape.summary["is_minimum"]:
         print("asterism: not an equilibrium: " + _why(dict(shape.summary)), file=sys.stderr)
         raise typer.Exit(1)

@@ -22,6 +22,7 @@ MARGIN, CAPTION = 60, 150
 # the perspective view has the left part of the picture, the two drawings to scale the right one
 DIVISION = 1240
 INK, PALE = "#26262b", "#7a7a82"
+LEAST = 1e-4  # N mm: less is rounding
 
 
 def draw(shape: Shape, title: str, path_or_file: str | Path | IO[bytes]) -> None:
@@ -68,7 +69,7 @@ def caption(shape: Shape) -> str:
     if "energy_n_mm" in summary:
         energy = summary["energy_n_mm"]
         total = energy.get("total", sum(energy.values())) if isinstance(energy, Mapping) else energy
-        parts.append(f"energy {total:.4g} N mm")
+        parts.append(f"energy {total if abs(total) >= LEAST else 0.0:.4g} N mm")
     if "is_minimum" in summary:
         certified = summary["is_minimum"] and summary.get("converged", True)
         sure = "certified minimum" if certified else "not certified"
@@ -108,7 +109,11 @@ def _to_scale(figure: Figure, canvas: Floats, thing: Surface, centre: Floats) ->
     bottom = MARGIN + (HEIGHT - CAPTION - MARGIN - used) / 2
     _bar(figure, middle, bottom, scale, x)
     bottom += bar_room + label_room
-    _paste(canvas, render(thing, side, scale), middle, bottom + scale * z / 2)
+    if scale * z < 1.0:  # less than a pixel: a line
+        ends = (middle + np.array([-x, x]) * scale / 2) / WIDTH
+        figure.add_artist(Line2D(ends, 2 * [bottom / HEIGHT], color=INK, linewidth=0.8))
+    else:
+        _paste(canvas, render(thing, side, scale), middle, bottom + scale * z / 2)
     _text(figure, middle, bottom - 36, "from the side", size=8, color=PALE, ha="center")
     bottom += scale * z + gap + label_room
     _paste(canvas, render(thing, above, scale), middle, bottom + scale * y / 2)

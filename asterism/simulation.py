@@ -71,8 +71,8 @@ def simulate(
     ValueError
         `near` with several starts, or none at all.
     """
-    if starts < 1:
-        raise ValueError(f"starts = {starts}: must be at least 1")
+    if not isinstance(starts, int) or starts < 1:
+        raise ValueError(f"starts = {starts!r}: must be a whole number, at least 1")
     if near is not None and starts != 1:
         raise ValueError("near goes with one start")
     check_backend(backend)

@@ -90,8 +90,10 @@ def load_law(path: str | Path | None = None) -> Law:
     try:
         with np.load(path, allow_pickle=False) as archive:
             if "format" not in archive or int(archive["format"]) != FORMAT:
-                made = f"has format {int(archive['format'])}" if "format" in archive else "is not a law"
-                raise LawError(f"{path}: {made}, this version reads {FORMAT}; make it again: asterism calibrate")
+                if "format" not in archive:
+                    raise LawError(f"{path}: is not a law")
+                made = f"has format {int(archive['format'])}, this version reads {FORMAT}"
+                raise LawError(f"{path}: {made}; make it again: asterism calibrate")
             if tuple(archive["names"]) != NAMES:
                 raise LawError(f"{path}: holds other quantities than this version; make it again: asterism calibrate")
             samples = Packed(archive["samples"].tobytes())

@@ -68,6 +68,10 @@ def _allowed(kind: str, context: dict[str, Any], message: str) -> str:
             return f"must be less than {context['lt']:g}"
         case "literal_error":
             return f"must be {context['expected']}"
+        case "string_too_long":
+            return f"must have at most {context['max_length']} characters"
+        case "string_too_short":
+            return f"must have at least {context['min_length']} characters"
         case "too_short":
             return f"must have at least {context['min_length']} entries"
         case "too_long":

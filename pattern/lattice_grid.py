@@ -75,7 +75,7 @@ class LatticeGrid:
         best = np.argmax(arm @ unit.T, axis=1)
         off = np.abs(cross(arm, unit[best])) > ON_LINE * np.linalg.norm(self.basis[0])
         if off.any():
-            raise MeshError(f"arm {np.argmax(off)} does not lie on a line of the lattice")
+            raise MeshError(f"an arm of star {layout.arm_star[np.argmax(off)]} does not lie on a line of the lattice")
         return DIRECTIONS[best]
 
     def window(self, low: Floats, high: Floats) -> Ints:

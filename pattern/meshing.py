@@ -30,9 +30,9 @@ def mesh_layout(
     if kind != "delaunay":
         try:
             return aligned_mesh(layout, edge_mm, graded, draft)
-        except MeshError:
+        except MeshError as error:
             if kind == "aligned":
-                raise
+                raise MeshError(f"mesh.kind = 'aligned': {error}; delaunay and auto mesh every sheet") from None
     return delaunay_mesh(layout, edge_mm, seed, graded, 0 if draft else SPLITS)
 
 

@@ -48,10 +48,12 @@ def compare(shape: Path, scan: Path, output: Path | None, unit: str, view: str, 
     title = f"{name} and {scan.name}"
     about = {"version": __version__, "shape": str(shape), "scan": str(scan), "units": unit}
     if scan.suffix.lower() in outline.FORMATS:
-        fitted = _outline(found, scan, unit, view, trim)
-        numbers = {**about, "view": view, **outline_numbers(fitted, diameter(found.positions))}
+        fitted, lines = _outline(found, scan, unit, view, trim)
+        numbers = {**about, "view": view, "lines": lines, **outline_numbers(fitted, diameter(found.positions))}
         rows = _outline_rows(numbers)
         words = _line(rows)
+        if lines > 1:
+            rows["lines in the file"] = f"{lines}, of which the largest is taken"
         rows |= _poor(numbers, "is it of this design, in mm, and from this --view? look at compare.png")
         with staged_result(directory) as folder:
             seen = "above" if view == "above" else f"the {view}"
@@ -74,11 +76,12 @@ def compare(shape: Path, scan: Path, output: Path | None, unit: str, view: str, 
     return [*(f"  {name:<22} {value}" for name, value in rows.items()), f"{directory}: compare.png, {LAST}"]
 
 
-def _outline(shape: Shape, file: Path, unit: str, view: str, trim: float) -> Fitted:
-    corners, target = read_outline(file, unit), silhouette(shape, view)
+def _outline(shape: Shape, file: Path, unit: str, view: str, trim: float) -> tuple[Fitted, int]:
+    """A file's outline on the shape's, and how many lines the file has."""
+    (corners, lines), target = read_outline(file, unit), silhouette(shape, view)
     sizes = [float(np.linalg.norm(np.ptp(points, axis=0))) for points in (corners, target)]
     check_size(file, sizes[0], sizes[1], unit)
-    return fit_outline(corners, target, trim)
+    return fit_outline(corners, target, trim), lines
 
 
 def outline_numbers(fitted: Fitted, diameter_mm: float) -> dict[str, Any]:

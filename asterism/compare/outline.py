@@ -21,8 +21,8 @@ _PIECES = 100
 THIN = 1e-12
 
 
-def read_outline(path: Path, unit: str = "mm") -> Floats:
-    """Corners (n, 2) mm of the largest closed line in a file, y upwards, not closed.
+def read_outline(path: Path, unit: str = "mm") -> tuple[Floats, int]:
+    """Corners (n, 2) mm of the largest closed line in a file, y upwards, not closed; and how many lines there are.
 
     Parameters
     ----------
@@ -35,13 +35,13 @@ def read_outline(path: Path, unit: str = "mm") -> Floats:
     """
     if not path.is_file():
         raise ScanError(path, "is not there")
-    corners = _from_csv(path, unit) if path.suffix.lower() == ".csv" else _from_svg(path, unit)
+    corners, lines = (_from_csv(path, unit), 1) if path.suffix.lower() == ".csv" else _from_svg(path, unit)
     length, width = np.linalg.svd(corners - corners.mean(axis=0))[1] if len(corners) > 2 else (0.0, 0.0)
     if width <= THIN * length:
         raise ScanError(path, "holds no outline: at least three corners, not on a line")
     if not shapely.Polygon(corners).is_valid:
         raise ScanError(path, "the outline crosses itself")
-    return corners
+    return corners, lines
 
 
 def _from_csv(path: Path, unit: str) -> Floats:
@@ -59,8 +59,8 @@ def _from_csv(path: Path, unit: str) -> Floats:
     return points[:-1] if closed else points
 
 
-def _from_svg(path: Path, unit: str) -> Floats:
-    """The largest closed line of all shapes of a drawing."""
+def _from_svg(path: Path, unit: str) -> tuple[Floats, int]:
+    """The largest closed line of all shapes of a drawing, and how many there are."""
     import svgelements as svg  # only photographs' outlines need it
 
     try:
@@ -88,7 +88,7 @@ def _from_svg(path: Path, unit: str) -> Floats:
         how = "%" if "%" in "".join(said) else "px"
         raise ScanError(path, f"has its size in {how}: give width and height in mm")
     steps = np.linalg.norm(np.diff(largest, axis=0, append=largest[:1]), axis=1)
-    return largest[steps > 1e-9] * [1.0, -1.0] * (1.0 if measured else MM[unit])
+    return largest[steps > 1e-9] * [1.0, -1.0] * (1.0 if measured else MM[unit]), len(lines)
 
 
 def _points(piece: object) -> list:

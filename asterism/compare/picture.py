@@ -13,6 +13,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from asterism.chart_axes import INK, PALE, tidy
 from asterism.compare.comparison import ScanComparison
@@ -70,6 +71,8 @@ def draw_outline(found: Fitted, title: str, words: str, path_or_file: str | Path
     below.hist(found.distance, bins=60, color="#2a6f97")
     tidy(below, "length of outline at each distance", "mm")
     below.set_yticks([])
+    for few in (bar.ax, below):  # there is room for so many numbers
+        few.xaxis.set_major_locator(MaxNLocator(4))
     figure.savefig(path_or_file, format="png", dpi=DPI)
 
 

@@ -35,5 +35,5 @@ def check_size(file: Path, size_mm: float, expected_mm: float, unit: str) -> Non
         options = " or ".join(f"--units {other}" for other in likely)
         problem += f": it seems to be in {names}; say {options}"
     else:
-        problem += ", in no known unit the same thing; is it the right scan?"
+        problem += ", in no known unit the same thing; is it the right scan, without what lies around the sheet?"
     raise ScanError(file, problem)

@@ -71,6 +71,13 @@ def expected_height_percent(doubts: HeightDoubts, share: float) -> float | None:
     return 100.0 * math.hypot(*parts) / doubts.height
 
 
+def in_words(expected_percent: float, height_mm: float) -> str:
+    """An expected error of a height: in mm where it is more than the height itself."""
+    if expected_percent <= 100.0:
+        return f"{expected_percent:.0f} %"
+    return f"{expected_percent / 100.0 * height_mm:.1f} mm"
+
+
 def height_doubts(preview: Preview, shape: Shape, up: Floats, factor: Factor) -> HeightDoubts:
     """Of a preview at its equilibrium.
 

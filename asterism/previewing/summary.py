@@ -19,6 +19,7 @@ from asterism.previewing.expected import (
 from asterism.previewing.expected_height import HeightDoubts, expected_height_percent
 from asterism.previewing.other_forms import OtherForm, other_forms
 from asterism.shape import Shape
+from asterism.star_sides import few
 from discrete.likeness import rolled_about
 from homogenize.directions import left_out
 from pattern.mesh import Mesh
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 # the softest motion is called neutral if the next one is this many times stiffer
 NEUTRAL = 5.0
 SAME_AXIS_DEG = 2.0
+FOREIGN = 0.1  # part of the stars: with more of them outside the law nothing is known of the error
 
 
 def summary(
@@ -45,8 +47,8 @@ def summary(
     # held sheets are not asked for their symmetries
     share = share_of(held, () if held else preview.symmetries)
     tight = len(preview.values.tight) / len(layout.centres)
-    # what is expected was found with three-armed stars, whose law is the same in all directions
-    known = not left_out(preview.design.lattice)
+    # what is expected was found with three-armed stars, whose law is the same in all directions, within its range
+    known = not left_out(preview.design.lattice) and len(preview.values.outside) <= FOREIGN * len(layout.centres)
     return {
         "model": "preview",
         "converged": found.converged,
@@ -134,11 +136,6 @@ def warnings(
             f"the axis about which it rolls ({axis:.0f} deg)"
         )
     return lines
-
-
-def few(stars: tuple[int, ...] | list[int]) -> str:
-    """The numbers of the first stars, in words."""
-    return ", ".join(map(str, stars[:8])) + (", ..." if len(stars) > 8 else "")
 
 
 def _roll_axis(preview: Preview, shape: Shape) -> float | None:

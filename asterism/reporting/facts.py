@@ -9,6 +9,7 @@ import numpy as np
 
 from asterism.export.estimate import estimate
 from asterism.export.job import Job
+from asterism.previewing.expected_height import in_words
 from pattern.design import Design
 from pattern.kept_curvature import KeptCurvature
 from pattern.layout import Layout
@@ -38,7 +39,11 @@ def facts(job: Job, summary: Mapping[str, Any], source: str) -> Facts:
 def _fabric(design: Design) -> list[str]:
     x, y = design.fabric.stretch_xy
     stretch = f"{x:g}" if x == y else f"{x:g} along x, {y:g} along y"
-    return [f"stretch {stretch}, {design.fabric.thickness_mm:g} mm thick", f"bending: {design.fabric.bending}"]
+    lines = [f"stretch {stretch}, {design.fabric.thickness_mm:g} mm thick", f"bending: {design.fabric.bending}"]
+    if design.gravity.on:  # only then the modulus counts
+        x, y, z = design.gravity.direction
+        lines.append(f"E {design.fabric.modulus_mpa:g} MPa, its weight pulls along ({x:g}, {y:g}, {z:g})")
+    return lines
 
 
 def _plastic(design: Design) -> list[str]:
@@ -54,8 +59,16 @@ def _stars(plan: Layout, design: Design) -> list[str]:
         f"{len(plan.centres)}, {design.lattice.arms} arms, {design.lattice.spacing_mm:.4g} mm apart",
         f"length {_range(plan.arm_length)} mm",
         f"thickness {_range(plan.arm_thickness)}, width {_range(plan.arm_width)} mm",
+        *_sides(plan),
         f"sheet {width:.1f} x {height:.1f} mm, stretched",
     ]
+
+
+def _sides(plan: Layout) -> list[str]:
+    """Where stars do not all start up."""
+    down, free = (int((plan.star_branch == side).sum()) for side in (-1, 0))
+    started = [f"{count} {how}" for count, how in ((down, "bumped down"), (free, "flat")) if count]
+    return ["started " + ", ".join(started)] if started else []
 
 
 def _shape(summary: Mapping[str, Any]) -> list[str]:
@@ -75,11 +88,13 @@ def _accuracy(summary: Mapping[str, Any]) -> list[str]:
         lines.append(f"expected rms {expected:.1f} % of the diameter")
         lines.append("from the exact model")
     if (height := summary.get("expected_height_percent")) is not None:
-        lines.append(f"height give or take {height:.0f} %")
+        lines.append(f"height give or take {in_words(height, summary['height_mm'])}")
     if (mesh := summary.get("mesh_error_percent")) is not None:
         lines.append(f"mesh error about {mesh:.1f} % of the diameter")
     elif (change := summary.get("mesh_change_percent")) is not None:
         lines += ["mesh error not known", f"{change:.1f} % from the next coarser mesh"]
+    elif summary and summary.get("model") != "preview":
+        lines.append("mesh error not known, one mesh was solved")
     return lines
 
 

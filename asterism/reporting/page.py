@@ -95,7 +95,8 @@ def _layout(figure: Figure, to_page: Transform, job: Job) -> float:
         if len(job.needles) <= MOST_NEEDLES:
             # towards the middle, so that nothing leaves the room of the drawing
             inwards = (low + high) / 2 - needle.printed
-            at = needle.printed + 4.0 * parts * inwards / max(float(np.linalg.norm(inwards)), 1e-9)
+            far = float(np.linalg.norm(inwards))
+            at = needle.printed + 4.0 * parts * (inwards / far if far > 4.0 * parts else np.array([0.6, 0.8]))
             x, y = (at - (low + high) / 2) / parts + middle
             # its own ground, where it comes to lie on an arm
             style = {"color": RED, "weight": "bold", "bbox": {"facecolor": SHEET, "edgecolor": "none", "pad": 0.6}}
@@ -117,10 +118,15 @@ def _needles(figure: Figure, to_page: Transform, job: Job) -> None:
         return
     for i, needle in enumerate(needles):
         column, row = divmod(i, 4)
-        printed = ", ".join(f"{value:.1f}" for value in needle.printed)
-        place = "slides" if needle.place is None else ", ".join(f"{value:.1f}" for value in needle.place)
+        printed = _numbers(needle.printed)
+        place = "slides" if needle.place is None else _numbers(needle.place)
         text = f"{needle.number}: printed ({printed}), stands at ({place})"
         _text(figure, to_page, MARGIN_MM + 62.0 * column, 30.5 - 4.2 * row, text, 2.3)
+
+
+def _numbers(place: Floats) -> str:
+    """In mm, without a minus before nothing."""
+    return ", ".join(f"{value:.1f}" for value in np.round(place, 1) + 0.0)
 
 
 def _draw(figure: Figure, transform: Transform, region: BaseGeometry, **style: Any) -> None:

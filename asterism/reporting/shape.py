@@ -31,7 +31,7 @@ def shape_of(
     """
     from asterism.compiling import told_of_compiling
     from asterism.previewing.run import preview
-    from homogenize.errors import LawError
+    from homogenize.errors import ForeignLaw, LawError
 
     if results is not None:
         shape = read_shape(results)
@@ -50,7 +50,8 @@ def shape_of(
         with told_of_compiling(say):
             shape = preview(design, law)
     except LawError as error:
-        say(f"the page has no picture: {error}; give --law or --results")
+        give = "--law or --results" if isinstance(error, ForeignLaw) else "--results"
+        say(f"the page has no picture: {error}; give {give}")
         return None, "not known: no law of this material"
     return shape, _kind(shape)
 

@@ -65,7 +65,7 @@ def specimen(
     if columns == 0 or rows * pitch[1] - GAP_MM > bed_mm[1] - 2 * EDGE_MM:
         room = max(math.floor((bed_mm[1] - 2 * EDGE_MM + GAP_MM) / pitch[1]), 0) * columns
         problem = f"must fit on the bed of {bed_mm[0]:g} x {bed_mm[1]:g} mm: it has room for {room}"
-        raise DesignError("--count", problem, f"{total} strips of {length_mm:g} mm")
+        raise DesignError("--count" if room else "--length", problem, f"{total} strips of {length_mm:g} mm")
     strips = []
     for place in range(total):
         row, column = divmod(place, columns)

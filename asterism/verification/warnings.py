@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
-from asterism.previewing.summary import few
+from asterism.star_sides import few, off_branch
 from asterism.verification.comparison import Comparison
 
 if TYPE_CHECKING:
@@ -40,10 +40,7 @@ def _exact_shape(exact: Mapping[str, Any]) -> Iterator[str]:
     if down:
         yield f"{len(down)} of {total} stars of the exact shape bump down: stars {few(down)}"
     if set(off) - set(down):  # sent down, and up again
-        yield (
-            f"{len(off)} of {total} stars of the exact shape are not on the side that the design asks for: "
-            f"stars {few(off)}"
-        )
+        yield from off_branch(exact)
 
 
 def _far(comparison: Comparison, expected: float | None) -> Iterator[str]:
@@ -67,7 +64,7 @@ def _meshes(exact: Mapping[str, Any], of_law: float | None, distance: float) -> 
     edge = exact["edge_mm"]
     if of_law is not None and not 1.0 / ALIKE < of_law / edge < ALIKE:
         # who asked for a finer mesh than the law's has a reason
-        alike = f"; asterism verify --edge {of_law:g} makes them alike" if edge > of_law else ""
+        alike = f"; mesh.edge_mm = {of_law:g} (--edge {of_law:g}) makes them alike" if edge > of_law else ""
         coarser = "exact model's" if edge > of_law else "law's"
         yield (
             f"the law was made with edges of {of_law:g} mm, the exact model's are {edge:g} mm: part of the distance is "

@@ -61,6 +61,17 @@ def test_simulate_writes_results_and_a_table(tmp_path: Path) -> None:
     files = sorted(file.name for file in (tmp_path / "out").iterdir())
     assert files == ["rods.vtu", "shape.png", "shape.vtu", "summary.json"]
     assert json.loads((tmp_path / "out" / "summary.json").read_text())["is_minimum"]
+    assert "asks for" not in result.stderr
+
+
+def test_stars_that_do_not_stay_where_they_were_sent_are_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """This star starts down, and cannot stay there."""
+    (tmp_path / "d.toml").write_text("[stars]\nlength_mm = 5.0\nbranch = 'down'\n[border]\nrings = 0\n")
+    done = command(["simulate", str(tmp_path / "d.toml")], capsys, monkeypatch)
+    assert done.status == 0 and "1 of 1 up" in done.out
+    assert done.err.endswith("1 of 1 stars of the exact shape are not on the side that the design asks for: stars 0\n")
 
 
 @pytest.mark.parametrize(

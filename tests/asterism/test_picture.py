@@ -34,6 +34,16 @@ def test_every_shape_gives_a_full_picture_on_white(place) -> None:  # type: igno
     assert (image[:, 1240:] < 0.99).any(axis=-1).mean() > 0.1
 
 
+def test_a_flat_sheet_is_a_line_from_the_side() -> None:
+    """A straight row of ink above its words, as wide as the sheet seen from above."""
+    ink = image_of(sheets.sheet(sheets.flat, edge=4.0)).min(axis=2)[:, 1260:] < 0.6
+    rows = np.flatnonzero(ink.any(axis=1))
+    side = [row for row in rows if np.diff(np.flatnonzero(np.diff(np.r_[0, ink[row], 0]))).max() > 300]
+    lowest = max(side)
+    above = ink[[row for row in side if row < lowest - 20]]
+    assert np.ptp(np.flatnonzero(ink[lowest])) == pytest.approx(np.ptp(np.flatnonzero(above.any(axis=0))), abs=4)
+
+
 def test_pictures_do_not_change_from_run_to_run() -> None:
     shape = sheets.sheet(sheets.dome, edge=5.0)
     assert np.array_equal(image_of(shape), image_of(shape))
@@ -86,6 +96,7 @@ def test_the_caption_says_what_is_known() -> None:
     text = caption(replace(shape, summary=known))
     assert "29 of 30 stars up" in text and "energy 1836 N mm" in text and text.endswith("certified minimum")
     assert caption(replace(shape, summary=known | {"is_minimum": False})).endswith("not certified")
+    assert "energy 0 N mm" in caption(replace(shape, summary=known | {"energy_n_mm": 5.9e-14}))
 
 
 @pytest.mark.parametrize(

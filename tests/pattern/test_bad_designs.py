@@ -38,6 +38,7 @@ BAD = [
     ([("stars.length_mm", -1)], "stars.length_mm", "from 0"),
     ([("stars.length_mm", float("nan"))], "stars.length_mm", "finite"),
     ([("stars.length_mm", 10**400)], "stars.length_mm", "number"),
+    ([("name", 101 * "a")], "name", "at most 100 characters"),
     ([("stars.length_mm", [10])], "stars.length_mm", "number"),
     ([("stars.length_mm", None), ("stars.length_fraction", 1.5)], "stars.length_fraction", "from 0 to 1"),
     ([("stars.length_fraction", 0.5)], "stars", "one of length_mm and length_fraction"),

@@ -62,6 +62,17 @@ def test_an_outline_from_above(folder: Path, capsys, monkeypatch) -> None:
     assert (folder / "out" / "compare.png").stat().st_size > 10_000
 
 
+def test_an_outline_among_other_lines(folder: Path, capsys, monkeypatch) -> None:
+    """A picture's frame may be the largest."""
+    rectangles = '<rect x="10" y="10" width="100" height="80"/><rect width="120" height="100"/>'
+    (folder / "o.svg").write_text(
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="120mm" height="100mm" viewBox="0 0 120 100">{rectangles}</svg>'
+    )
+    done = command(["compare", str(folder / "shape.vtu"), str(folder / "o.svg")], capsys, monkeypatch)
+    assert done.status == 0 and "2, of which the largest is taken" in done.out
+    assert json.loads((folder / "o-compared" / "summary.json").read_text())["lines"] == 2
+
+
 @pytest.mark.parametrize(("scale", "poor"), [([1.0, 1.0], False), ([1.3, 0.7], True)])
 def test_an_outline_that_fits_poorly(scale: list[float], poor: bool, folder: Path, capsys, monkeypatch) -> None:
     corners = silhouette(SHAPE, "above") * scale

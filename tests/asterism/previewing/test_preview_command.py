@@ -87,3 +87,21 @@ def test_stars_outside_the_law_are_named(
     assert done.err.endswith("asterism: the exact model tells:  asterism verify small.toml --law plain.npz\n")
     summary = json.loads((folder / "small" / "summary.json").read_text())
     assert not any("asterism verify" in line for line in summary["warnings"])
+    # nothing is known of the error there
+    assert summary["expected_rms_percent"] is None and summary["expected_height_percent"] is None
+    assert "expected distance    not known" in done.out and "give or take" not in done.out
+
+
+def test_a_sheet_that_is_nearly_flat(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its height may be off by many times itself: by so many mm."""
+    (folder / "wide.toml").write_text(
+        "[stars]\nlength_mm = 8\n[border]\nrings = 1\n[[pins]]\nwhere = 'border'\nscale = 2.0\n"
+    )
+    done = command(["preview", "wide.toml"], capsys, monkeypatch)
+    summary = json.loads((folder / "wide" / "summary.json").read_text())
+    assert summary["expected_height_percent"] > 100.0
+    height = next(line for line in done.out.splitlines() if "height" in line)
+    off = float(height.split("give or take")[1].removesuffix("mm"))
+    assert off == pytest.approx(0.01 * summary["expected_height_percent"] * summary["height_mm"], abs=0.05)

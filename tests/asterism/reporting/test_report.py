@@ -10,6 +10,7 @@ import pypdfium2
 import pytest
 
 from asterism.previewing.run import preview
+from asterism.reporting.page import LAYOUT_AT, LAYOUT_MM
 from asterism.results import write_results
 from homogenize.law_file import PAPER, load_law
 from pattern.design import load_design
@@ -103,6 +104,24 @@ def test_results_of_the_design_are_used_and_others_refused(design: Path, tmp_pat
     assert refused.status == 2 and "--results" in refused.line and "of this design" in refused.line
 
 
+def test_what_decides_the_shape_is_on_the_page(design: Path, tmp_path: Path, capsys, monkeypatch) -> None:
+    """Weight and sides of stars too; and a needle in the middle keeps its dot beside its number."""
+    middle = "[[pins]]\npoints_mm = [[0, 0]]\nslide = 'z'\n[gravity]\non = true\n[fabric]\nmodulus_mpa = 1.0\n"
+    design.write_text(DESIGN.replace("thickness_mm = 0.4", "thickness_mm = 0.4\nbranch = 'down'") + middle)
+    shape = preview(load_design(design))
+    summary = {"design": load_design(design).to_dict(), "height_mm": 5.0, "is_minimum": True}
+    write_results(replace(shape, summary=summary), tmp_path / "d")
+    done = command(["report", str(design)], capsys, monkeypatch)
+    assert done.status == 0, done.err
+    text, image = page(design.with_name("d-report.pdf"))
+    for words in ("its weight pulls along (0, 0, -1)", "bumped down", "mesh error not known, one mesh was solved"):
+        assert words in text, text
+    assert "-0.0" not in text
+    x, y = (10 * (LAYOUT_AT + LAYOUT_MM / 2)).astype(int)
+    red, green, blue = image[2970 - y - 3 : 2970 - y + 3, x - 3 : x + 3].mean(axis=(0, 1))
+    assert red > green + 60 and red > blue + 60
+
+
 def test_without_a_law_there_is_no_picture(design: Path, capsys, monkeypatch) -> None:
     design.write_text(DESIGN + "[plastic]\nmodulus_ratio = 2000.0\n")
     done = command(["report", str(design)], capsys, monkeypatch)
@@ -110,6 +129,11 @@ def test_without_a_law_there_is_no_picture(design: Path, capsys, monkeypatch) ->
     text, image = page(design.with_name("d-report.pdf"))
     assert "not known: no law of this material" in text and "E1/E2 2000" in text
     assert image[300:1200, 150:1950].min() == 255
+    # no law holds two stretches: none is asked for
+    design.write_text(DESIGN + "[fabric]\nstretch = [1.2, 1.5]\n")
+    done = command(["report", str(design)], capsys, monkeypatch)
+    assert done.status == 0 and done.line.endswith("asterism simulate; give --results")
+    design.write_text(DESIGN + "[plastic]\nmodulus_ratio = 2000.0\n")
     # a law for something else says what would make one
     refused = command(["report", str(design), "--law", str(PAPER)], capsys, monkeypatch)
     assert refused.status == 2 and "asterism calibrate" in refused.line

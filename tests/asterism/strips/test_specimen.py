@@ -143,7 +143,7 @@ def test_a_table_with_measurements_is_kept(tmp_path: Path, capsys, monkeypatch) 
     ("words", "problem"),
     [
         (["--count", "60"], "--count = '240 strips of 60 mm'"),
-        (["--length", "300"], "must fit on the bed of 223 x 223 mm: it has room for 0"),
+        (["--length", "300"], "--length = '40 strips of 300 mm': must fit on the bed of 223 x 223 mm: "),
         (["--thickness", "9"], "--thickness = 9"),
         (["--thickness", "0.3", "--thickness", "0.3"], "twice"),
         (["--printer", "none"], "--printer"),

@@ -104,7 +104,7 @@ def test_an_exact_shape_that_cannot_be_is_told() -> None:
     [
         (1.0, None),
         (2.5, "part of the distance is the error of the exact model's coarser mesh; "
-              "asterism verify --edge 1.15 makes them alike"),
+              "mesh.edge_mm = 1.15 (--edge 1.15) makes them alike"),
         (0.8, "part of the distance is the error of the law's coarser mesh"),
     ],
 )  # fmt: skip
