@@ -104,12 +104,14 @@ def simulate(
     """
     from asterism.compiling import told_of_compiling
     from asterism.files import check_writable
+    from asterism.held_wide import held_wide
     from asterism.material import with_material
     from asterism.overrides import changed
     from asterism.progress import Progress
     from asterism.results import write_results
     from asterism.simulation import simulate as run
     from asterism.star_sides import off_branch
+    from pattern.build import layout
     from pattern.design import load_design
 
     plan = changed(
@@ -136,7 +138,7 @@ def simulate(
     if through := shape.summary["self_intersections"]:
         advice = "" if plan.solver.contact else "; --contact keeps it apart"
         print(f"asterism: the sheet passes through itself ({through} pairs of triangles){advice}", file=sys.stderr)
-    for line in off_branch(shape.summary):
+    for line in (*off_branch(shape.summary), *held_wide(layout(plan))):
         print(f"asterism: {line}", file=sys.stderr)
     if not shape.summary["is_minimum"]:
         print("asterism: not an equilibrium: " + _why(dict(shape.summary)), file=sys.stderr)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from asterism import __version__
+from asterism.held_wide import held_wide
 from asterism.law_directions import directions_line
 from asterism.mesh_error import diameter
 from asterism.previewing.expected import (
@@ -115,6 +116,7 @@ def warnings(
             f"{len(values.tight)} of {len(layout.centres)} stars curl to a radius below two thirds of their spacing, "
             f"where a smooth sheet says little: stars {few(values.tight)}"
         )
+    lines += held_wide(layout)
     down = [int(star) for star in np.flatnonzero(layout.star_branch < 0)]
     if down:
         lines.append(f"the law's stars bump up, but {len(down)} of the design start down: stars {few(down)}")

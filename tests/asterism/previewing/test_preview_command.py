@@ -100,6 +100,7 @@ def test_a_sheet_that_is_nearly_flat(
         "[stars]\nlength_mm = 8\n[border]\nrings = 1\n[[pins]]\nwhere = 'border'\nscale = 2.0\n"
     )
     done = command(["preview", "wide.toml"], capsys, monkeypatch)
+    assert "the pins hold the sheet 2 times as wide as it was printed" in done.err
     summary = json.loads((folder / "wide" / "summary.json").read_text())
     assert summary["expected_height_percent"] > 100.0
     height = next(line for line in done.out.splitlines() if "height" in line)
