@@ -89,7 +89,7 @@ class CholmodFactor:
         return self._factor(b)
 
     def close(self) -> None:
-        del self._factor
+        self._factor = None
 
 
 class SuperLUFactor:

@@ -7,6 +7,7 @@ import ctypes
 import functools
 import importlib.metadata
 import os
+import weakref
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -75,6 +76,9 @@ class PardisoFactor:
         self._solver.set_iparm(8, 0)
         # the two-level factorisation is a few percent faster and misses negative pivots of unconnected dofs
         self._solver.set_iparm(24, 0)
+        # MKL's memory is not Python's; at the end of the process it goes by itself
+        self._release = weakref.finalize(self, self._solver.free_memory, everything=True)
+        self._release.atexit = False
         self._call(11, np.zeros(pattern.size))
 
     def _call(self, phase: int, b: Floats) -> Floats:
@@ -130,4 +134,4 @@ class PardisoFactor:
         return max(kilobytes[0], kilobytes[1] + kilobytes[2]) / 1024.0
 
     def close(self) -> None:
-        self._solver.free_memory(everything=True)
+        self._release()

@@ -162,7 +162,7 @@ def vertices_at(mesh: MeshTri, points: Floats, tolerance: float = 1e-6) -> Ints:
     distance = np.linalg.norm(mesh.p.T[None] - points[:, None], axis=2)
     nearest = distance.argmin(axis=1)
     for (x, y), miss in zip(points, distance.min(axis=1), strict=True):
-        if miss > tolerance:
+        if not miss <= tolerance:  # nan too
             raise ConditionError(
                 f"held point ({x:.6g}, {y:.6g}) mm: no mesh vertex there, the nearest is {miss:.3g} mm off"
             )

@@ -63,8 +63,13 @@ class Fields:
         return np.concatenate([0.5 * a[..., :2], a[..., 2:], b[..., :2], 2.0 * b[..., 2:]], axis=-1)
 
     def gaussian_modulus(self, points: Floats) -> Floats:
-        """(T, Q) N mm, at these points."""
-        return _scalar(self.gaussian, points)
+        """(T, Q) N mm, at these points; `FieldError` where it is not finite."""
+        values = _scalar(self.gaussian, points)
+        lost = ~np.isfinite(values)
+        if lost.any():
+            where = np.unravel_index(lost.argmax(), lost.shape)
+            raise FieldError("modulus of Gaussian curvature", points[where], values[where][None], "is not finite")
+        return values
 
     def densities(self, points: Floats) -> Density:
         """The density at these points, with the energy of Gaussian curvature."""

@@ -11,7 +11,7 @@ their length too.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -80,8 +80,15 @@ def _chord(shell: Shell) -> float:
     return after / max(before, 1e-30)
 
 
+def check_side(side: str) -> None:
+    """Raise ValueError for what is no side."""
+    if side not in get_args(Side):
+        raise ValueError(f"side = {side!r}: must be {', '.join(get_args(Side))}")
+
+
 def shapes(wants: Trends, size: float, side: Side = "auto") -> list[Shape]:
     """Guesses for a sheet of a printed size in mm."""
+    check_side(side)
     length = size * wants.stretch
     sign = {"up": 1.0, "down": -1.0}.get(side, -1.0 if wants.curvature < 0.0 else 1.0)
     bend = abs(wants.curvature)

@@ -20,7 +20,7 @@ from equilibrium.newton import Clock
 from equilibrium.threads import one_blas_thread
 from fem.evidence import ShellEquilibrium
 from fem.linear_response import linear_response
-from fem.seeds import Side
+from fem.seeds import Side, check_side, trends
 from fem.shell import Shell
 from fem.solve import follow, modes_of
 from fem.tabulation import Floats
@@ -35,7 +35,7 @@ from pattern.symmetries import Symmetry, symmetries
 Say = Callable[[str], None]
 ALIKE = 0.01  # sizes of stars that differ by less than this part are the same
 MANY = 0.4  # part of the stars
-FLIPPED: dict[Side, Side] = {"auto": "up", "down": "up", "up": "down"}
+FLIPPED: dict[Side, Side] = {"down": "up", "up": "down"}
 
 
 @cache
@@ -102,8 +102,9 @@ class Preview:
         triangles: int | None = None,
         say: Say | None = None,
     ) -> None:
-        if side not in FLIPPED:
-            raise ValueError(f"side = {side!r}: must be {', '.join(FLIPPED)}")
+        check_side(side)
+        if triangles is not None and (not isinstance(triangles, int) or triangles < 1):
+            raise ValueError(f"triangles = {triangles!r}: must be a whole number, at least 1")
         if law is not None and not isinstance(law, Law):
             raise TypeError(f"a Law is needed, not {type(law).__name__}: load_law reads one from a file")
         self.shell: Shell
@@ -191,12 +192,15 @@ class Preview:
         self.design, self.values = design, values
         self._lens = self._symmetries = None
         self.shell.set_fields(fields)
+        if design.gravity.on:
+            self.shell.loads = self.sheet.loads(design)
 
     @one_blas_thread()
     def flip(self) -> Side:
         """Turn the edges to the other side of the print; returns the side they have now."""
         self._clock = Clock()
-        self.side = FLIPPED[self.side]
+        own: Side = "down" if trends(self.shell).curvature < 0.0 else "up"
+        self.side = FLIPPED[own if self.side == "auto" else self.side]
         self._settle()
         return self.side
 

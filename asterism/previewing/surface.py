@@ -52,7 +52,7 @@ class Lens:
     """Takes shells of one sheet to a set of printed points (n, 2)."""
 
     def __init__(self, sheet: Sheet, waves: Waves, points: Floats) -> None:
-        self.points = np.asarray(points, dtype=float)
+        self.points = np.atleast_2d(np.asarray(points, dtype=float))
         self._waves = waves(self.points - sheet.layout.lattice_origin)
         self._spacing, self._held = sheet.layout.spacing_mm, bool(sheet.layout.pins)
         self._stays = held_still(distance_to_held(sheet.layout, self.points), self._spacing)

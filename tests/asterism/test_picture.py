@@ -114,7 +114,14 @@ def test_the_caption_of_a_preview_says_that_it_is_one(said: dict[str, Any], word
 
 
 def test_names_are_printed_as_they_are() -> None:
-    image_of(sheets.sheet(sheets.flat, edge=10.0), title=r"$\frac{ été #1 %s")
+    """Dollar signs and all: no mathematics."""
+    sheet = sheets.sheet(sheets.flat, edge=10.0)
+    image_of(sheet, title=r"$\frac{ été #1 %s")
+    ends = []
+    for title in ("mmm", "$mmm$"):
+        ink = image_of(sheet, title=title)[20:80].min(axis=2) < 0.5
+        ends.append(np.flatnonzero(ink.any(axis=0)).max())
+    assert ends[1] > ends[0] + 20
 
 
 def test_long_names_stay_on_the_picture() -> None:

@@ -45,8 +45,11 @@ def test_what_is_no_law_no_side_and_no_number_of_starts_is_refused() -> None:
     with pytest.raises(TypeError, match=r"Law is needed, not str.*load_law"):
         asterism.preview(design, law="law.npz")  # type: ignore[arg-type]
     assert asterism.preview(design, law=asterism.load_law()).summary["is_minimum"]
-    with pytest.raises(ValueError, match=r"side = 'sideways': must be auto, down, up"):
+    with pytest.raises(ValueError, match=r"side = 'sideways': must be auto, up, down"):
         asterism.preview(design, side="sideways")  # type: ignore[arg-type]
+    for triangles in (0, -5, 1.5):
+        with pytest.raises(ValueError, match=rf"triangles = {triangles}: must be a whole number, at least 1"):
+            asterism.Preview(design, triangles=triangles)  # type: ignore[arg-type]
     for starts in (0, 2.5):
         with pytest.raises(ValueError, match=rf"starts = {starts}: must be a whole number, at least 1"):
             asterism.simulate(design, starts=starts)  # type: ignore[arg-type]

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from equilibrium.factor import Factor, available, make_factor
+from equilibrium.pardiso import PardisoFactor
 from equilibrium.sparse_pattern import Floats, SparsePattern
 
 SIDE = 12
@@ -52,6 +53,23 @@ def factor(request: pytest.FixtureRequest) -> Iterator[Factor]:
     made = make_factor(PATTERN, request.param)
     yield made
     made.close()
+
+
+@pytest.mark.parametrize("name", [name for name in available() if name != "amg"])
+def test_memory_is_given_back_once(name: str) -> None:
+    made = make_factor(PATTERN, name)
+    assert made.factorise(shifted(laplacian(), 1.0))
+    made.close()
+    made.close()
+
+
+@pytest.mark.skipif("pardiso" not in available(), reason="PARDISO is not installed")
+def test_what_nobody_closes_gives_its_memory_back() -> None:
+    made = PardisoFactor(PATTERN)
+    release = made._release
+    assert release.alive
+    del made
+    assert not release.alive
 
 
 def test_something_fast_is_installed():

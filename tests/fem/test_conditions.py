@@ -179,6 +179,8 @@ def test_bad_conditions_are_named() -> None:
     space = SPACES["lifted"](rectangle(2, 2))
     with pytest.raises(ConditionError, match=r"held point \(0.3, 0.2\) mm: no mesh vertex there, the nearest is 0.283"):
         vertices_at(space.mesh, np.array([[0.3, 0.2]]))
+    with pytest.raises(ConditionError, match=r"held point \(nan, 0\) mm: no mesh vertex there"):
+        vertices_at(space.mesh, np.array([[np.nan, 0.0]]))
     edge = space.mesh.boundary_facets()
     for condition, message in [
         (

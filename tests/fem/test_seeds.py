@@ -24,6 +24,11 @@ def test_a_modulus_of_gaussian_curvature_leaves_arcs_alone() -> None:
     assert arcs[0] and arcs[1] == pytest.approx(arcs[0])
 
 
+def test_what_is_no_side_is_refused() -> None:
+    with pytest.raises(ValueError, match="side = 'sideways': must be auto, up, down"):
+        shapes(Trends(np.zeros(2), 0.8, 0.0, 0.01, 0.3, np.inf), SIZE, "sideways")  # type: ignore[arg-type]
+
+
 def test_a_sheet_with_the_metric_of_a_sphere_is_offered_that_cap_whatever_it_wants_to_bend() -> None:
     gaussian = (1.0 / SIZE) ** 2
     for bend in (0.1 / SIZE, 3.0 / SIZE):

@@ -154,3 +154,5 @@ def test_impossible_fields_are_refused_with_place_and_value() -> None:
         Shell(Argyris(hexagon(0)), Fields(density(), (-1.0, 1.0, 0.0)))
     with pytest.raises(FieldError, match=r"rest curvature at .* is not finite"):
         Shell(Argyris(hexagon(0)), Fields(density(), curvature=(np.nan, 0.0, 0.0)))
+    with pytest.raises(FieldError, match=r"modulus of Gaussian curvature at .* mm: \(nan\) is not finite"):
+        Shell(Argyris(hexagon(0)), Fields(density(), gaussian=np.nan))

@@ -188,6 +188,20 @@ def test_a_dome_can_be_flipped() -> None:
     assert preview.equilibrium.is_minimum
     down = preview.at(np.zeros((1, 2))).smooth[0, 2]
     assert down < -1.0
+    preview.flip()
+    assert preview.at([0.0, 0.0]).smooth[0, 2] == pytest.approx(up, rel=1e-6)
+
+
+def test_a_sheet_that_goes_up_by_itself_is_flipped_down() -> None:
+    """Its natural curvature is the other one; whatever side `auto` has found, a flip leaves it."""
+    law = plain_law()
+    dome, table = gallery.load("dome"), law.tables[0]
+    nodes = table.nodes.copy()
+    nodes[..., NAMES.index("kappa")] *= -1.0
+    preview = Preview(dome, replace(law, tables=(replace(table, nodes=nodes), *law.tables[1:])))
+    before = preview.at([0.0, 0.0]).smooth[0, 2]
+    assert preview.flip() == "down"
+    assert preview.at([0.0, 0.0]).smooth[0, 2] * before < -1.0
 
 
 def test_a_held_border_is_where_it_is_held() -> None:
@@ -237,6 +251,20 @@ def test_weight_pulls_a_roof_down() -> None:
         held["gravity"] = {"on": on}
         heights.append(Preview(Design.from_dict(held), plain_law()).at(np.zeros((1, 2))).smooth[0, 2])
     assert heights[1] < heights[0]
+
+
+def test_an_edit_changes_the_weight() -> None:
+    """Of the plastic, and of the stars: as in a preview from nothing."""
+    heavy = gallery.load("dome").to_dict()
+    heavy["fabric"]["modulus_mpa"], heavy["gravity"] = 0.005, {"on": True}
+    preview = Preview(Design.from_dict(heavy), plain_law())
+    for section, change in (("plastic", {"density_kg_m3": 20000.0}), ("stars", {"thickness_mm": 0.35})):
+        heavy[section] |= change
+        edited = Design.from_dict(heavy)
+        list(preview.edit(edited))
+        fresh = Preview(edited, plain_law())
+        assert preview.shell.loads.sum(axis=0) == pytest.approx(fresh.shell.loads.sum(axis=0))
+        assert preview.equilibrium.energy == pytest.approx(fresh.equilibrium.energy, rel=1e-9)
 
 
 def test_stars_beyond_the_law_are_warned_of_not_refused() -> None:
