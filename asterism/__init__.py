@@ -3,7 +3,7 @@
 import asterism
 
 design = asterism.load_design("design.toml")  # or asterism.new("tube")
-preview = asterism.preview(design)  # in a second
+preview = asterism.preview(design)  # in a second or two
 shape = asterism.simulate(design)
 shape.summary["is_minimum"], shape.height_mm
 asterism.write_results(shape, "out")

@@ -60,7 +60,7 @@ def mesh_error(
 def estimate(
     edges: Sequence[float], distances: Sequence[float], resolved: bool = True, order: float = ORDER
 ) -> MeshError:
-    """From one or two distances (%) of coarser shapes to the finest; edges (mm) of all, the finest last.
+    """From one or two distances (%) of coarser shapes to the finest; edges of all, in any unit, the finest last.
 
     An error `c edge^p` leaves the distances `c (edge^p - finest^p)`: two of them have one p. There is no estimate
     where p is none that theory knows, where the shapes are not two views of the same one, or unless `resolved`.
@@ -84,7 +84,7 @@ def in_words(summary: Mapping[str, Any]) -> str:
         return f"about {percent:.1f} % of the diameter"
     if change is None:
         return "not known, one mesh was solved"
-    why = "the meshes show no order" if summary["creases_resolved"] else "the mesh does not resolve the creases"
+    why = "the meshes agree too little" if summary["creases_resolved"] else "the mesh does not resolve the creases"
     return f"not known, {why}; {change:.1f} % of the diameter from the next coarser mesh"
 
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from asterism import __version__
+from asterism.contraction import contraction
 from asterism.mesh_error import mesh_error
 from asterism.minima import many_minima, one_minimum
 from asterism.self_intersections import self_intersections
@@ -192,7 +193,7 @@ def _summary(model: Model, found: Equilibrium, shape: Shape, seconds: dict[str, 
         "wall_s_by_stage": seconds,
         "height_mm": shape.height_mm,
         "extent_mm": list(shape.extent_mm),
-        "contraction": _contraction(model, shape),
+        "contraction": contraction(model.layout, shape),
         "backend": found.backend,
         "version": __version__,
         "design": model.design.to_dict(),
@@ -226,15 +227,3 @@ def _contact(model: Model, found: Equilibrium) -> dict[str, Any] | None:
         "least_distance_mm": least if pairs else None,
         "pairs": pairs,
     }
-
-
-def _contraction(model: Model, shape: Shape) -> float | None:
-    """Mean distance of neighbouring star centres over the printed one; None for a star alone."""
-    pairs = model.layout.neighbours
-    if len(pairs) == 0:
-        return None
-    centres = shape.positions[shape.star_vertices]
-    now = np.linalg.norm(centres[pairs[:, 0]] - centres[pairs[:, 1]], axis=1)
-    printed = model.layout.centres
-    before = np.linalg.norm(printed[pairs[:, 0]] - printed[pairs[:, 1]], axis=1)
-    return float(now.mean() / before.mean())

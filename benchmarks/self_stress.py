@@ -48,7 +48,16 @@ BEND = (1.0, -1.0)  # k2 over k1: a cap and a saddle
 def main() -> None:
     rows = [measured(*sheet) for sheet in SHEETS]
     keys = ["stretch", "rings", "length_mm", "thickness_mm", "exact_n_mm2", "shell_n_mm2", "area_mm2", "plane_mm2"]
-    header = ["stretch", "rings", "l mm", "h mm", "phi, exact N mm^2", "shell N mm^2", "G mm^2", "plane, in use mm^2"]
+    header = [
+        "stretch",
+        "rings",
+        "l mm",
+        "h mm",
+        "phi, exact N mm^2",
+        "shell N mm^2",
+        "G mm^2",
+        "plane, before the cap mm^2",
+    ]
     formats = [".2f", ".0f", ".1f", ".1f", ".0f", ".0f", ".1f", ".1f"]
     text = markdown(header, [[f"{row[key]:{form}}" for key, form in zip(keys, formats, strict=True)] for row in rows])
     print(text)

@@ -75,8 +75,9 @@ class Density:
 
     def __call__(self, e: Floats) -> tuple[Floats, Floats, Floats]:
         """Energies (T, Q), stresses (T, Q, 6) and stiffnesses (T, Q, 6, 6) at strains e (T, Q, 6)."""
-        shapes = [np.shape(each) for each in (self.stiffness, self.saturation, self.stress, self.ground)]
-        spelled_out = shapes == [(*e.shape, 6), e.shape[:2], e.shape, e.shape[:2]]
+        scalars = (self.sixfold, self.orientation, self.saturation, self.ground)
+        spelled_out = (np.shape(self.stiffness), np.shape(self.stress)) == ((*e.shape, 6), e.shape)
+        spelled_out = spelled_out and all(np.shape(each) == e.shape[:2] for each in scalars)
         full = self if spelled_out else self.at(e.shape[:2])
         energy, stress, tangent = np.empty(e.shape[:2]), np.empty(e.shape), np.empty((*e.shape, 6))
         parts = (full.stiffness, full.sixfold, full.orientation, full.saturation, full.stress, full.ground)

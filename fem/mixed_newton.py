@@ -41,10 +41,10 @@ class Mixed:
     Attributes
     ----------
     x : (N, 3).
-    strains : (T, Q, 6) those that iterate; at the end the sheet's own.
+    strains : (T, Q, 6) those that iterate; at the end the sheet's own, unless a matrix was refused.
     residual : 2-norm over the free unknowns of the gradient at x, N.
     converged : it is below the tolerance.
-    blended : iterations whose matrix left pushing stress out.
+    blended : matrices that left pushing stress out.
     history : the residuals.
     """
 

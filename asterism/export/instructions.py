@@ -101,7 +101,7 @@ def _slice(job: Job, tiny: list[dict[str, Any]]) -> Chapter:
         places = "; ".join(f"[{x:g}, {y:g}]" for x, y in (star["at_mm"] for star in tiny[:_MOST_NAMED]))
         more = f"; and {len(tiny) - _MOST_NAMED} more" if len(tiny) > _MOST_NAMED else ""
         lines.append(
-            f"Tiny stars may jump off the fabric. Watch those at {places}{more} (mm from the middle of the design), or "
+            f"Tiny stars may jump off the fabric. Watch those at {places}{more} (mm from the design's origin), or "
             "lengthen or remove them."
         )
     return Chapter("4. Slice", tuple(lines))

@@ -5,11 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from discrete.pin_steps import rigid_fit
-from pattern.layout import Floats
-from pattern.symmetries import Symmetry
+from discrete.likeness import distances
 
 if TYPE_CHECKING:
     from asterism.previewing.preview import Preview
@@ -47,19 +43,9 @@ def other_forms(preview: Preview, diameter_mm: float) -> list[OtherForm]:
     known, found = [stars @ shown.x], []
     for trial in met:
         centres = stars @ trial.x
-        apart = [100.0 / diameter_mm * _distance(centres, form, preview.symmetries) for form in known]
+        apart = [100.0 / diameter_mm * distances(form, centres, preview.symmetries).min() for form in known]
         if min(apart) > EQUAL:
             gap = (trial.energy - shown.energy) / shown.at_stake
-            found.append(OtherForm(trial.name, trial.energy, gap, apart[0]))
+            found.append(OtherForm(trial.name, trial.energy, gap, float(apart[0])))
             known.append(centres)
     return found
-
-
-def _distance(stars: Floats, others: Floats, symmetries: list[Symmetry]) -> float:
-    """mm, root mean square over the star centres (S, 3) of two forms."""
-    nearest = np.inf
-    for symmetry in symmetries:
-        image = stars[symmetry.star] * (np.array([-1.0, 1.0, 1.0]) if symmetry.mirrors else 1.0)
-        rotation, shift = rigid_fit(image, others)
-        nearest = min(nearest, float(((image @ rotation.T + shift - others) ** 2).sum(axis=1).mean()))
-    return float(np.sqrt(nearest))

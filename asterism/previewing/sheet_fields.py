@@ -22,9 +22,9 @@ lengths at rest follow the curvature,
 
 which on the natural tube, where `tr b = -kappa lam^2`, is `lam^2 I` again: tubes stay the law's. It couples membrane
 and bending, since strains are measured from there. In cells of long thin stars most of the way is made at a fraction of
-the natural curvature: it is a tanh of the turn x over a spacing. Free sheets are near their natural curvature, where
-its slope counts, `e = 2x / sinh(2x)` for each star. Held ones are anywhere in between; there a straight line through
-sheets that are curled a little starts below the flat cell, `e = EARLY`.
+the natural curvature: it is a tanh of x, the turn over a spacing in units of TURN. Free sheets are near their natural
+curvature, where its slope counts, `e = 2x / sinh(2x)` for each star. Held ones are anywhere in between; there a
+straight line through sheets that are curled a little starts below the flat cell, `e = EARLY`.
 
 **Stars and bare fabric bend in series** (`_in_series`): where they share a place their compliances add. Beyond the last
 stars nothing carries on what their arms bear. In exact strips, thick outer rows bend 11 to 28 % more than if logarithms
@@ -73,7 +73,6 @@ def sheet_fields(
     normals: Floats | None = None,
     early: float | Floats = EARLY,
     carried: Floats | None = None,
-    poisson: float = POISSON,
     gaussian: Floats | None = None,
 ) -> Fields:
     """The fields at places where stars count with weights (n, S), bare fabric with what is missing to 1.
@@ -99,13 +98,13 @@ def sheet_fields(
     if arms:
         along = [np.exp(mean(np.log(natural), shares)) for _, shares in arms]
         metric = arm_metric(lam, np.stack(along, axis=-1), np.array([direction for direction, _ in arms]))
-    bend = -kappa * square / (1.0 + poisson)
+    bend = -kappa * square / (1.0 + POISSON)
     longer = np.where(np.abs(kappa) > CURLED, flat**2 - square, 0.0)
     # half of what the metric changes by per trace of the curvature, which at rest is twice `bend`
     coupling = 0.5 * longer / (np.where(longer == 0.0, 1.0, kappa) * square)
-    metric = metric * (1.0 + longer * (1.0 - 2.0 / (1.0 + poisson)) / square)[..., None]
+    metric = metric * (1.0 + longer * (1.0 - 2.0 / (1.0 + POISSON)) / square)[..., None]
     density = Density(
-        stiffness=_coupled(isotropic(a11, bending / lam**4, a12 / a11, poisson), coupling),
+        stiffness=_coupled(isotropic(a11, bending / lam**4, a12 / a11, POISSON), coupling),
         sixfold=SIXFOLD * (1.0 + 1.0 / BEYOND**2) * c3 / lam**6,
         orientation=zero,
         saturation=np.maximum(BEYOND * 0.5 * np.abs(kappa) * square, LEAST),
@@ -114,12 +113,12 @@ def sheet_fields(
     if normals is not None:
         rim = rim_curvature(weights, values, normals)
         if carried is not None:
-            rim += arm_curvature(weights, values, normals, arms, carried) / (1.0 + poisson)
+            rim += arm_curvature(weights, values, normals, arms, carried) / (1.0 + POISSON)
         curvature -= square[..., None] * rim.reshape(*shape, 3)
     if gaussian is None:
         return Fields(density, metric, curvature)
     saved = (np.minimum(stars_share(weights), 1.0) * np.asarray(weights @ gaussian)).reshape(shape)
-    return Fields(density, metric, curvature, -np.minimum(saved, STABLE * (1.0 + poisson) * bending / lam**4))
+    return Fields(density, metric, curvature, -np.minimum(saved, STABLE * (1.0 + POISSON) * bending / lam**4))
 
 
 def free_early(values: StarValues, spacing: float) -> Floats:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from asterism import __version__
+from asterism.contraction import contraction
 from asterism.held_wide import held_wide
 from asterism.law_directions import directions_line
 from asterism.mesh_error import diameter
@@ -96,7 +97,7 @@ def summary(
         "wall_s_by_stage": seconds,
         "height_mm": shape.height_mm,
         "extent_mm": list(shape.extent_mm),
-        "contraction": _contraction(preview, shape),
+        "contraction": contraction(preview.sheet.layout, shape),
         "warnings": warnings(preview, axis, another_form_is_near(amplitudes, held), close_form(others)),
         "version": __version__,
         "design": preview.design.to_dict(),
@@ -157,13 +158,3 @@ def _equivalent_axes(preview: Preview, axis: float | None) -> list[float]:
         if all(abs((other - known + 90.0) % 180.0 - 90.0) > SAME_AXIS_DEG for known in found):
             found.append(other)
     return sorted(found)
-
-
-def _contraction(preview: Preview, shape: Shape) -> float | None:
-    """Mean distance of neighbouring star centres over the printed one; None for a star alone."""
-    pairs, printed = preview.sheet.layout.neighbours, preview.sheet.layout.centres
-    if len(pairs) == 0:
-        return None
-    centres = shape.positions[shape.star_vertices]
-    now, before = (np.linalg.norm(c[pairs[:, 0]] - c[pairs[:, 1]], axis=1) for c in (centres, printed))
-    return float(now.mean() / before.mean())

@@ -49,7 +49,10 @@ class Verification:
 
     @property
     def result(self) -> str:
-        """Where the exact shape that counts was started: the certified one of lower energy."""
+        """Where the exact shape that counts was started: the certified one, and of two the lower.
+
+        One whose stars are all on their side comes before one that has stars off it.
+        """
 
         def order(name: str) -> tuple[bool, bool, float]:
             summary = self.exact[name].summary
