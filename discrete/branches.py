@@ -18,6 +18,7 @@ from equilibrium.newton import Method
 from pattern.symmetries import Symmetry, symmetries
 
 SAME_PERCENT = 0.5  # of the diameter: minima nearer than this are one
+FLAT_MM = 1e-6  # a bump that is lower is on neither side
 CARRIED = 6  # lowest minima that are solved on the fine mesh, besides the default start's and the result
 
 
@@ -153,7 +154,7 @@ def _best_first(branches: list[Branch]) -> list[Branch]:
 def stars_off_branch(model: Model, found: Equilibrium) -> list[int]:
     """Stars that did not keep the side to which their branch sent them; from a flat start none is sent."""
     sent = model.layout.star_branch if model.design.solver.start == "bump" else 0
-    return [int(i) for i in np.flatnonzero(found.bumps * sent < 0.0)]
+    return [int(i) for i in np.flatnonzero(found.bumps * sent < -FLAT_MM)]
 
 
 def _named(report: Report | None, name: str) -> Report | None:

@@ -96,7 +96,7 @@ def _layout(figure: Figure, to_page: Transform, job: Job) -> float:
             # towards the middle, so that nothing leaves the room of the drawing
             inwards = (low + high) / 2 - needle.printed
             far = float(np.linalg.norm(inwards))
-            at = needle.printed + 4.0 * parts * (inwards / far if far > 4.0 * parts else np.array([0.6, 0.8]))
+            at = needle.printed + 4.0 * parts * (inwards / far if far > 4.0 * parts else np.array([0.0, 1.0]))
             x, y = (at - (low + high) / 2) / parts + middle
             # its own ground, where it comes to lie on an arm
             style = {"color": RED, "weight": "bold", "bbox": {"facecolor": SHEET, "edgecolor": "none", "pad": 0.6}}

@@ -72,6 +72,10 @@ def test_stars_that_do_not_stay_where_they_were_sent_are_named(
     done = command(["simulate", str(tmp_path / "d.toml")], capsys, monkeypatch)
     assert done.status == 0 and "1 of 1 up" in done.out
     assert done.err.endswith("1 of 1 stars of the exact shape are not on the side that the design asks for: stars 0\n")
+    # on a fabric that was not stretched stars stay flat, and are on no side
+    (tmp_path / "f.toml").write_text("[fabric]\nstretch = 1.0\n" + SMALL)
+    done = command(["simulate", str(tmp_path / "f.toml")], capsys, monkeypatch)
+    assert done.status == 0 and "asks for" not in done.err
 
 
 @pytest.mark.parametrize(
