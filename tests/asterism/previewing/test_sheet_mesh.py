@@ -79,14 +79,6 @@ def test_what_is_held_ends_at_a_point_of_the_mesh() -> None:
     assert triangle_areas(mesh.points, mesh.triangles).sum() == pytest.approx(polygon_area(border))
 
 
-def test_holes_are_left_out() -> None:
-    hole = circle(60, 20.0)
-    mesh = sheet_mesh(RECTANGLE, 20.0, holes=[hole])
-    expected = polygon_area(RECTANGLE) - polygon_area(hole)
-    assert triangle_areas(mesh.points, mesh.triangles).sum() == pytest.approx(expected)
-    assert (mesh.side == -1).sum() > 4
-
-
 @settings(deadline=None, max_examples=25)
 @given(st.integers(0, 10**6), st.floats(8.0, 40.0))
 def test_any_wavy_outline(seed: int, edge: float) -> None:
