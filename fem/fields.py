@@ -65,10 +65,7 @@ class Fields:
     def gaussian_modulus(self, points: Floats) -> Floats:
         """(T, Q) N mm, at these points; `FieldError` where it is not finite."""
         values = _scalar(self.gaussian, points)
-        lost = ~np.isfinite(values)
-        if lost.any():
-            where = np.unravel_index(lost.argmax(), lost.shape)
-            raise FieldError("modulus of Gaussian curvature", points[where], values[where][None], "is not finite")
+        _check_finite(values[..., None], points, "modulus of Gaussian curvature")
         return values
 
     def densities(self, points: Floats) -> Density:
@@ -103,11 +100,16 @@ def _scalar(field: Field, points: Floats) -> Floats:
 def _at(field: Field, points: Floats, name: str) -> Floats:
     values = np.asarray(field(points) if callable(field) else field, dtype=float)
     values = np.broadcast_to(values, (*points.shape[:-1], 3))
+    _check_finite(values, points, name)
+    return values
+
+
+def _check_finite(values: Floats, points: Floats, name: str) -> None:
+    """Raise FieldError at the first of the points whose values (..., k) are not all finite."""
     lost = ~np.isfinite(values).all(axis=-1)
     if lost.any():
         where = np.unravel_index(lost.argmax(), lost.shape)
         raise FieldError(name, points[where], values[where], "is not finite")
-    return values
 
 
 def _row(values: Floats) -> str:

@@ -47,6 +47,11 @@ class Trends:
     poisson: float
     chord: float
 
+    @property
+    def side(self) -> Side:
+        """That the edges go to by themselves."""
+        return "down" if self.curvature < 0.0 else "up"
+
 
 def trends(shell: Shell) -> Trends:
     """Means over the sheet."""
@@ -90,7 +95,7 @@ def shapes(wants: Trends, size: float, side: Side = "auto") -> list[Shape]:
     """Guesses for a sheet of a printed size in mm."""
     check_side(side)
     length = size * wants.stretch
-    sign = {"up": 1.0, "down": -1.0}.get(side, -1.0 if wants.curvature < 0.0 else 1.0)
+    sign = 1.0 if (wants.side if side == "auto" else side) == "up" else -1.0
     bend = abs(wants.curvature)
     out = [Shape("flat")]
     caps = [0.5 * bend, bend]

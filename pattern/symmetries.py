@@ -9,6 +9,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from pattern.layout import Floats, Ints, Layout
+from pattern.pin_places import pin_places
 
 if TYPE_CHECKING:
     from pattern.design import Design
@@ -53,7 +54,7 @@ def symmetries(design: Design, layout: Layout) -> list[Symmetry]:
     centre = layout.centres.mean(axis=0)
     # tips may meet: a quarter of the way back to the centre no two arms do
     inner = cKDTree(layout.arm_tip + 0.25 * (layout.centres[layout.arm_star] - layout.arm_tip))
-    stars, corners, pins = cKDTree(layout.centres), cKDTree(layout.border), _pin_places(layout)
+    stars, corners, pins = cKDTree(layout.centres), cKDTree(layout.border), pin_places(layout)
     found = []
     for turn in _candidates(layout.lattice_vectors):
         shift = centre - turn @ centre
@@ -105,7 +106,7 @@ def _same_arms(layout: Layout, inner: cKDTree, turn: Floats, shift: Floats, star
 
 
 def _same_pins(pins: tuple[Floats, Floats, Ints], turn: Floats, shift: Floats, near: float) -> bool:
-    """Whether the pins of `_pin_places`, with their places in space, are mapped onto themselves."""
+    """Whether the pins of `pin_places`, with their places in space, are mapped onto themselves."""
     printed, place, kind = pins
     if len(printed) == 0:
         return True
@@ -119,31 +120,6 @@ def _same_pins(pins: tuple[Floats, Floats, Ints], turn: Floats, shift: Floats, n
     gap = place[image] - moved
     # in space the pins may have another centre than in print: one shift for all of them
     return bool(np.nanmax(np.nanmax(gap, axis=0, initial=-np.inf) - np.nanmin(gap, axis=0, initial=np.inf)) < near)
-
-
-def _pin_places(layout: Layout) -> tuple[Floats, Floats, Ints]:
-    """Printed places (P, 2), places in space (P, 3), nan where free, and the kind of every pin point.
-
-    An edge is held like its ends and middle; places are linear along it.
-    """
-    printed, places, kinds = [np.empty((0, 2))], [np.empty((0, 3))], [np.empty(0, dtype=np.int64)]
-    border = layout.border
-    for pin in layout.pins:
-        fixed = np.asarray(pin.fixed)
-        kind = 2 * int(fixed @ [1, 2, 4]) + 20 * pin.step
-        ends = [np.array([border[e], border[(e + 1) % len(border)]]) for e in pin.edges]
-        edges = [np.vstack([pair, pair.mean(axis=0)]) for pair in ends]
-        for points, one in [(np.reshape(pin.points, (-1, 2)), kind), *((edge, kind + 1) for edge in edges)]:
-            if len(points):
-                printed.append(points)
-                places.append(np.where(fixed, pin.places(points), np.nan))
-                kinds.append(np.full(len(points), one))
-    printed_all, kind_all = np.concatenate(printed), np.concatenate(kinds)
-    if len(printed_all) == 0:
-        return printed_all, places[0], kind_all
-    # neighbouring edges share a corner
-    _, first = np.unique(np.round(np.column_stack([printed_all, kind_all]), 6), axis=0, return_index=True)
-    return printed_all[first], np.concatenate(places)[first], kind_all[first]
 
 
 def _keeps_directions(design: Design, turn: Floats) -> bool:

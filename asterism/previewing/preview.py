@@ -199,8 +199,7 @@ class Preview:
     def flip(self) -> Side:
         """Turn the edges to the other side of the print; returns the side they have now."""
         self._clock = Clock()
-        own: Side = "down" if trends(self.shell).curvature < 0.0 else "up"
-        self.side = FLIPPED[own if self.side == "auto" else self.side]
+        self.side = FLIPPED[trends(self.shell).side if self.side == "auto" else self.side]
         self._settle()
         return self.side
 

@@ -1,0 +1,32 @@
+"""Every place at which pins hold a sheet, printed and in space."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pattern.layout import Floats, Ints, Layout
+
+
+def pin_places(layout: Layout) -> tuple[Floats, Floats, Ints]:
+    """Printed places (P, 2), places in space (P, 3), nan where free, and the kind of every pin point.
+
+    An edge is held like its ends and middle; places are linear along it.
+    """
+    printed, places, kinds = [np.empty((0, 2))], [np.empty((0, 3))], [np.empty(0, dtype=np.int64)]
+    border = layout.border
+    for pin in layout.pins:
+        fixed = np.asarray(pin.fixed)
+        kind = 2 * int(fixed @ [1, 2, 4]) + 20 * pin.step
+        ends = [np.array([border[e], border[(e + 1) % len(border)]]) for e in pin.edges]
+        edges = [np.vstack([pair, pair.mean(axis=0)]) for pair in ends]
+        for points, one in [(np.reshape(pin.points, (-1, 2)), kind), *((edge, kind + 1) for edge in edges)]:
+            if len(points):
+                printed.append(points)
+                places.append(np.where(fixed, pin.places(points), np.nan))
+                kinds.append(np.full(len(points), one))
+    printed_all, kind_all = np.concatenate(printed), np.concatenate(kinds)
+    if len(printed_all) == 0:
+        return printed_all, places[0], kind_all
+    # neighbouring edges share a corner
+    _, first = np.unique(np.round(np.column_stack([printed_all, kind_all]), 6), axis=0, return_index=True)
+    return printed_all[first], np.concatenate(places)[first], kind_all[first]
