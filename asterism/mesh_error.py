@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 
 from asterism.shape import Shape
 from pattern.layout import Floats
+from pattern.rigid_fit import rms_distance
 
 # Order of the distance by the edge length where it cannot be observed: that of a stress which is singular at the arms'
 # tips, and what aligned meshes show in docs/mesh.md
@@ -98,20 +99,6 @@ def _observed(edges: Sequence[float], distances: Sequence[float]) -> float | Non
     if off(0.1) >= 0.0:
         return None
     return float(brentq(off, 0.1, 4.0)) if off(4.0) > 0.0 else 4.0
-
-
-def rms_distance(one: Floats, other: Floats, mirrored: bool = False) -> float:
-    """Root mean square distance (mm) of points (n, 3) after the best rigid motion; `mirrored`: the best reflection.
-
-    Kabsch (1976).
-    """
-    a, b = one - one.mean(axis=0), other - other.mean(axis=0)
-    u, size, vt = np.linalg.svd(a.T @ b)
-    if (np.linalg.det(u @ vt) < 0.0) != mirrored:
-        size[2] = -size[2]
-    # |a R - b|^2 = |a|^2 + |b|^2 - 2 tr(R^T a^T b); rounding may leave a negative zero
-    square = (a**2).sum() + (b**2).sum() - 2.0 * size.sum()
-    return float(np.sqrt(max(square, 0.0) / len(a)))
 
 
 def diameter(positions: Floats) -> float:

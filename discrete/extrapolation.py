@@ -9,10 +9,10 @@ import numpy as np
 
 from discrete.elements import Array
 from discrete.model import Model
-from discrete.pin_steps import rigid_fit
 from discrete.prolongation import plastic_normals
 from discrete.reconstruction import rotated
 from discrete.state import State, tangents
+from pattern.rigid_fit import rigid_fit
 
 
 def extrapolated(model: Model, before: State, state: State, share: float) -> State:

@@ -8,9 +8,9 @@ import numpy as np
 
 from discrete.elements import Array
 from discrete.model import Model
-from discrete.pin_steps import rigid_fit
 from discrete.state import State
 from pattern.layout import Layout
+from pattern.rigid_fit import rms_distance
 from pattern.symmetries import Symmetry
 
 ROLLED_TURN = 1.0  # rad from one side of the sheet to the other
@@ -22,14 +22,7 @@ def distances(first: Array, second: Array, symmetries: Sequence[Symmetry]) -> Ar
 
     The second shape stands for all its images `x'(p) = Q x(turn p + shift)`; see `Symmetry`.
     """
-    out = []
-    for symmetry in symmetries:
-        image = second[symmetry.star]
-        if symmetry.mirrors:
-            image = image * [-1.0, 1.0, 1.0]
-        rotation, shift = rigid_fit(image, first)
-        out.append(np.sqrt(((image @ rotation.T + shift - first) ** 2).sum(axis=1).mean()))
-    return np.array(out)
+    return np.array([rms_distance(second[each.star], first, each.mirrors) for each in symmetries])
 
 
 def diameter(model: Model) -> float:

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from discrete.elements import Array
 from discrete.model import Model
 from discrete.state import State
+from pattern.rigid_fit import rigid_fit
 
 WEAK = 1e-6  # weight of the rest of the sheet where the pins leave a turn undecided
 
@@ -48,17 +48,3 @@ def _laid(model: Model, state: State) -> State:
     weight = np.where(most, 1.0 / most.sum(), WEAK / model.n_vertices)
     rotation, shift = rigid_fit(state.positions, model.constraints.target, weight)
     return State(state.positions @ rotation.T + shift, state.directors @ rotation.T)
-
-
-def rigid_fit(points: Array, targets: Array, weight: Array | None = None) -> tuple[Array, Array]:
-    """Rotation (3, 3), proper, and shift (3,) that bring points (n, 3) closest to targets: `x @ rotation.T + shift`.
-
-    Kabsch 1976, least squares with weights (n,).
-    """
-    w = np.full(len(points), 1.0) if weight is None else weight
-    w = w / w.sum()
-    centre, goal = w @ points, w @ targets
-    u, _, vt = np.linalg.svd((w[:, None] * (points - centre)).T @ (targets - goal))
-    u[:, -1] *= np.sign(np.linalg.det(u @ vt))
-    rotation = (u @ vt).T
-    return rotation, goal - rotation @ centre

@@ -13,8 +13,8 @@ from scipy.spatial.transform import Rotation
 
 from asterism.compare.nearest import NearestOnSurface
 from asterism.compare.scan import sample
-from discrete.pin_steps import rigid_fit
 from pattern.layout import Floats, Ints
+from pattern.rigid_fit import rigid_fit
 
 _COARSE_POINTS, _MIDDLE_POINTS, _FINE_POINTS = 150, 600, 3000
 _RANDOM_STARTS, _PROMISING, _REFINED = 200, 50, 8

@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 
 from asterism.previewing.expected import amplitudes_percent, another_form_is_near
-from discrete.pin_steps import rigid_fit
 from equilibrium.factor import Factor
 from equilibrium.solve import held_definite
 from fem.evidence import ShellEquilibrium
@@ -17,6 +16,7 @@ from fem.shapes import Shape
 from fem.shell import Shell
 from fem.solve import follow, modes_of, relax
 from fem.tabulation import Floats
+from pattern.rigid_fit import rigid_fit
 
 # a free sheet of equal stars that would turn by more from side to side, in rad, is a tube, and not tried as a cap
 TUBE_TURN = 3.0

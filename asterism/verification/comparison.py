@@ -16,9 +16,9 @@ from asterism.surface_fields import border_of
 from asterism.verification.cell_mean import CellMean
 from asterism.verification.tube import tube_radius
 from discrete.likeness import rolled_about
-from discrete.pin_steps import rigid_fit
 from pattern.layout import Floats, Layout
 from pattern.normals import triangle_normals, vertex_normals
+from pattern.rigid_fit import rigid_fit
 from pattern.symmetries import Symmetry
 
 SAMPLES = 500  # vertices by which the nearest image is chosen

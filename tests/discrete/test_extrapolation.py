@@ -8,7 +8,6 @@ import pytest
 from discrete.extrapolation import extrapolated, rotation_vectors
 from discrete.levels import find_equilibrium
 from discrete.model import Model
-from discrete.pin_steps import rigid_fit
 from discrete.prolongation import plastic_normals
 from discrete.reconstruction import rotated
 from discrete.state import State
@@ -16,6 +15,7 @@ from pattern import gallery
 from pattern.build import layout
 from pattern.design import Design
 from pattern.meshing import mesh_layout
+from pattern.rigid_fit import rms_distance
 
 
 def model(edge: float = 2.5, **changes: object) -> Model:
@@ -77,10 +77,4 @@ def test_a_fine_mesh_starts_closer_to_its_minimum(monkeypatch: pytest.MonkeyPatc
     found, levels = find_equilibrium(model(edge, fabric=plate, mesh={"edge_mm": edge, "graded": True}))
     assert found.is_minimum and len(levels) == 4 and len(starts) == 2
     for (_, without, start), level in zip(starts, levels[2:], strict=True):
-        assert apart_mm(start, level.positions) < 0.8 * apart_mm(without, level.positions)
-
-
-def apart_mm(state: State, positions: np.ndarray) -> float:
-    """Rms distance after a rigid motion."""
-    rotation, shift = rigid_fit(state.positions, positions)
-    return float(np.sqrt(((state.positions @ rotation.T + shift - positions) ** 2).sum(axis=1).mean()))
+        assert rms_distance(start.positions, level.positions) < 0.8 * rms_distance(without.positions, level.positions)

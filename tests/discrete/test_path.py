@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from discrete.model import Model
-from discrete.pin_steps import held_until, rigid_fit
+from discrete.pin_steps import held_until
 from discrete.solve import relax
 from discrete.starts import Beginning
 from pattern import gallery
@@ -76,16 +76,6 @@ def test_a_free_sheet_is_laid_on_its_pins_with_the_plastic_up() -> None:
     found = relax(m)
     assert found.is_minimum
     assert found.state.directors.mean(axis=0)[2] > 0.3
-
-
-def test_rigid_fit() -> None:
-    rng = np.random.default_rng(0)
-    points = rng.normal(size=(9, 3))
-    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
-    turn *= np.sign(np.linalg.det(turn))
-    rotation, shift = rigid_fit(points, points @ turn.T + [1.0, 2.0, 3.0])
-    np.testing.assert_allclose(rotation, turn, atol=1e-12)
-    np.testing.assert_allclose(shift, [1.0, 2.0, 3.0], atol=1e-12)
 
 
 def test_a_path_that_loses_stability_is_followed_to_the_side() -> None:
