@@ -32,7 +32,7 @@ REFINE_DEG = 28.0
 def cut_mesh(layout: Layout, grid: LatticeGrid, enough: float = np.inf) -> Mesh:
     """The grid with its points moved onto arms and pins, cut off at the border and triangulated with it.
 
-    The strip along the border is smoothed until all angles are `enough` (degrees), at least once.
+    The strip along the border is smoothed until all angles are `enough` (degrees).
     """
     tolerance = ON_LINE * grid.edge_mm * grid.k
     pins = pin_points(layout)
@@ -111,11 +111,11 @@ def _smoothed(points: Floats, segments: Ints, still: NDArray[np.bool_], enough: 
     still = np.pad(still, (0, len(points) - len(still)))
     best, best_angle = (points, triangles), triangle_angles(points, triangles).min()
     for _ in range(SMOOTHINGS):
+        if best_angle >= enough:
+            break
         points = np.where(still[:, None], points, mean_circumcentres(points, triangles))
         points, triangles = triangulate(points, segments)
         angle = triangle_angles(points, triangles).min()
         if angle > best_angle:
             best, best_angle = (points, triangles), angle
-        if best_angle >= enough:
-            break
     return best
