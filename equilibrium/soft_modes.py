@@ -11,6 +11,7 @@ from equilibrium.sparse_pattern import Floats
 
 GUARD = 1  # a further vector in every block: multiple eigenvalues need as many vectors as they count
 SETTLED = 1e-5  # relative change of the eigenvalues at which they are taken: the next one is its square, about
+BLOCKS = 60  # at most, where rounding keeps them from settling; ten are many
 NOTHING = 1e-20  # square of a length that is rounding, over that of a unit vector
 
 
@@ -43,9 +44,9 @@ def soft_modes(mass: Mass, factor: Factor, rigid: Floats, count: int) -> tuple[F
     vectors, images = _orthonormal(rigid, mass @ rigid, least)
     solved = np.empty((size, 0))
     values, turn = np.empty(0), np.empty((0, 0))
-    while True:
+    for _ in range(BLOCKS):
         block = _unit(block)
-        for _ in range(2):  # once leaves too much of what is nearly parallel
+        for _ in (1, 2):  # once leaves too much of what is nearly parallel
             block = block - vectors @ (images.T @ block)
         block, image = _orthonormal(block, mass @ block, least)
         if not block.shape[1]:  # these are all that there are

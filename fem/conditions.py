@@ -188,6 +188,8 @@ def _check(condition: Condition, mesh: MeshTri) -> None:
         )
     if isinstance(condition, HeldPoints) and np.shape(condition.places) != (len(numbers), 3):
         raise ConditionError(f"{condition.name}: places {np.shape(condition.places)} are not ({len(numbers)}, 3)")
+    if isinstance(condition, HeldPoints) and not np.isfinite(condition.places).all():
+        raise ConditionError(f"{condition.name}: places must be finite")
 
 
 def _point_rows(mesh: MeshTri, held: HeldPoints) -> Rows:

@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import connected_components
 
 from fem.tabulation import Floats, Ints
 
-DIGITS = 12  # of equations with a largest coefficient of 1: those that are alike but for rounding are solved once
+DIGITS = 10  # of equations with a largest coefficient of 1: those that are alike but for rounding are solved once
 DEPENDENT = 1e-9  # a pivot below this part of the largest one belongs to an equation that others imply
 
 
@@ -84,7 +84,7 @@ def eliminate(matrix: sp.csr_matrix, right: Floats, tolerance: float) -> Elimina
         one = _solve(np.frombuffer(entries).reshape(height, -1))
         given = right[rows]
         miss = np.abs(given - one.q @ (one.q.T @ given)).max(axis=2)
-        if miss.max() > tolerance:
+        if not miss.max() <= tolerance:  # nan too
             worst = np.unravel_index(miss.argmax(), miss.shape)
             raise Contradiction(int(rows[worst]), float(miss[worst]))
         redundant += rows.size - len(rows) * len(one.pivots)
@@ -127,7 +127,7 @@ def _solve(block: Floats) -> _Solved:
     q = q[:, :rank]
     solved = np.linalg.solve(r[:rank, :rank], np.hstack([q.T, -r[:rank, rank:]]))
     given, weights = solved[:, : len(block)], solved[:, len(block) :]
-    i, j = np.nonzero(np.abs(weights) >= 1e-12)
+    i, j = np.nonzero(np.abs(weights) >= 10.0**-DIGITS)
     return _Solved(q, given, order[:rank], i, order[rank:][j], weights[i, j])
 
 

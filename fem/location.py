@@ -13,7 +13,9 @@ INSIDE = 1e-6  # of a triangle's height: a point so far inside is in no other tr
 
 
 def triangles_at(mesh: MeshTri, points: Floats) -> Ints:
-    """(n,) triangles of printed points (n, 2), the nearest one for points just outside of the mesh.
+    """(n,) triangles of printed points (n, 2).
+
+    For points just outside of the mesh it is the one whose least barycentric coordinate is the largest.
 
     Raises
     ------

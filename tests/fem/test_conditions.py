@@ -191,6 +191,14 @@ def test_bad_conditions_are_named() -> None:
         (HeldEdge(np.array([999]), name="left"), r"left: facets are not in 0 .. \d+"),
         (HeldPoints(np.empty(0, dtype=int), np.empty((0, 3))), "points: vertices are not in 0 .. 8, or there are none"),
         (HeldPoints(np.array([0]), np.zeros((2, 3))), r"points: places \(2, 3\) are not \(1, 3\)"),
+        (HeldPoints(np.array([0]), np.full((1, 3), np.nan)), "points: places must be finite"),
     ]:
         with pytest.raises(ConditionError, match=message):
             reduce(space, [condition])
+
+
+@spaces
+def test_an_edge_held_in_no_direction_is_free(space_of) -> None:
+    space = space_of(rectangle(2, 2))
+    found = reduce(space, [HeldEdge(space.mesh.boundary_facets(), directions=np.empty((0, 3)))])
+    assert len(found.free) == 3 * space.size
