@@ -63,8 +63,8 @@ class ShellEquilibrium:
 
     @property
     def at_stake(self) -> float:
-        """N mm, the energy, what Gaussian curvature saves counted as if it were spent: errors are a part of it."""
-        return self.energy + 2.0 * max(-self.energies.get("gaussian", 0.0), 0.0)
+        """N mm, the energy, what Gaussian curvature and loads save counted as spent: errors are a part of it."""
+        return self.energy + 2.0 * sum(max(-self.energies.get(part, 0.0), 0.0) for part in ("gaussian", "loads"))
 
     @property
     def converged(self) -> bool:

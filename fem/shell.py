@@ -24,6 +24,9 @@ from fem.rigid import admissible_motions, costless, spread
 from fem.space import Space
 from fem.tabulation import Floats, Ints
 
+# over the sum of absolute values, a sum that should be nothing: 1e-13, and up to 1e-10 on flat triangles. The weight
+# of a sheet that swings is 1e-6 of it
+ROUNDING = 3e-10
 ORDER = 6  # of the quadrature: exact for the bending of quintic triangles, and frees thin ones from locking
 
 
@@ -86,10 +89,11 @@ class Shell:
 
     def set_fields(self, fields: Fields) -> None:
         """Change what the sheet wants to be; everything else, factorisation patterns included, stays."""
-        self._target = fields.rest(self.points)
-        self.density: Density = fields.densities(self.points).at(self.points.shape[:2])
-        self.gaussian_modulus = fields.gaussian_modulus(self.points)
-        penalty = self.space.penalty(self.density.stiffness[..., 3, 3].mean(axis=1))
+        # all of them before any is set: each may be refused
+        target, gaussian = fields.rest(self.points), fields.gaussian_modulus(self.points)
+        density: Density = fields.densities(self.points).at(self.points.shape[:2])
+        penalty = self.space.penalty(density.stiffness[..., 3, 3].mean(axis=1))
+        self._target, self.density, self.gaussian_modulus = target, density, gaussian
         self._penalty = None if penalty is None else (penalty, self.assembly.spread(penalty))
         for name in ("_flat_tangent", "_flat_lower", "flat_stiffness"):
             self.__dict__.pop(name, None)
@@ -107,10 +111,11 @@ class Shell:
         return self.assembly.strains(x, self.rest)
 
     def energies(self, x: Floats) -> dict[str, float]:
-        """N mm by part: `sheet`, and where there are any `loads`, `moments`, and `jumps` of the discretisation."""
+        """N mm by part: `sheet`, and where there are any `loads` (what they save, from `level` on), `moments`, and
+        `jumps` of the discretisation."""
         out = {"sheet": float((self.assembly.weights * self.density.energies(self.strains(x))).sum())}
         if self.loads.any():
-            out["loads"] = -self.progress * float((self.loads * x).sum())
+            out["loads"] = -self.progress * float((self.loads * self.shifted(x, -self.level)).sum())
         if self.moments:
             out["moments"] = self.progress * sum(moment.energy(x) for moment in self.moments)
         if self._penalty is not None:
@@ -226,6 +231,12 @@ class Shell:
         free = np.diff(self.reduction.map.indptr).reshape(-1, 3).any(axis=1)
         return np.flatnonzero(~free & (self._shifts != 0.0))
 
+    @cached_property
+    def level(self) -> Floats:
+        """(3,) mm, where positions are held, in the mean; 0 for components that nothing holds."""
+        fixed = (np.diff(self.reduction.map.indptr).reshape(-1, 3) == 0) & (self._shifts != 0.0)[:, None]
+        return (fixed * self.reduction.target.reshape(-1, 3)).sum(axis=0) / np.maximum(fixed.sum(axis=0), 1)
+
     @property
     def is_free(self) -> bool:
         """Nothing is held."""
@@ -244,9 +255,10 @@ class Shell:
         if motions.shape[1] == 0 or self.floats:
             return motions
         data = self.hessian(x)
-        least = 1e-10 * float(np.median(np.abs(data[self.pattern.diagonal]))) + 10.0 * float(
-            np.linalg.norm(self.gradient(x))
-        )
+        # stiffness that is the gradient's own, or rounding: flat triangles have stiff dofs
+        least = 10.0 * float(np.linalg.norm(self.gradient(x)))
+        least += 1e-10 * float(np.median(np.abs(data[self.pattern.diagonal])))
+        least += ROUNDING * float(np.linalg.norm(self.pattern.product(np.abs(data), np.abs(motions)), axis=0).max())
         return costless(motions, self.pattern.product(data, motions), self.restricted(self._push(x)), least)
 
     def support(self, x: Floats) -> Ints:

@@ -135,15 +135,18 @@ def modes_of(shell: Shell, x: Floats, factor: Factor, count: int = SOFTEST) -> t
     return softest(shell.mass, factor, shell.rigid_modes(x), count)
 
 
+def energies_of(shell: Shell, x: Floats) -> dict[str, float]:
+    """N mm by part, what Gaussian curvature costs or saves as one of its own."""
+    energies, gaussian = shell.energies(x), shell.gaussian_energy(x)
+    return energies | ({"sheet": energies["sheet"] - gaussian, "gaussian": gaussian} if gaussian else {})
+
+
 def _evidence(shell: Shell, settled: Settled, name: str) -> ShellEquilibrium:
     x = settled.state
-    energies, gaussian = shell.energies(x), shell.gaussian_energy(x)
-    if gaussian:
-        energies |= {"sheet": energies["sheet"] - gaussian, "gaussian": gaussian}
     return ShellEquilibrium(
         x=x,
         strains=shell.strains(x),
-        energies=energies,
+        energies=energies_of(shell, x),
         gradient_norm=settled.gradient_norm,
         tolerance=settled.tolerance,
         definite=settled.definite,

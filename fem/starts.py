@@ -76,7 +76,7 @@ class _Ranking:
     @property
     def dear(self) -> float:
         """N mm from which on a guess is left out."""
-        return self._times * self.least if np.isfinite(self.least) else np.inf
+        return self.least + (self._times - 1.0) * abs(self.least) if np.isfinite(self.least) else np.inf
 
     @property
     def kinds(self) -> list[Start]:

@@ -7,7 +7,7 @@ import pytest
 
 from fem.argyris import Argyris
 from fem.conditions import HeldPoints
-from fem.fields import Fields, of_stretch
+from fem.fields import FieldError, Fields, of_stretch
 from fem.linear_response import linear_response
 from fem.shell import Shell
 from fem.solve import follow, relax
@@ -77,3 +77,12 @@ def test_a_held_sheet_responds_too() -> None:
     found = follow(shell, guess.x, factor, strains=guess.strains)
     assert found.is_minimum and np.abs(at @ found.x - places).max() < 1e-9
     assert np.abs(guess.x - found.x).max() < 0.1 * np.abs(start.x - found.x).max()
+
+
+def test_fields_that_are_refused_change_nothing() -> None:
+    shell = Shell(Argyris(hexagon(1)), dome(0.0))
+    x = shell.flat + 0.1 * np.random.default_rng(0).normal(size=shell.flat.shape)
+    before = shell.energy(x)
+    with pytest.raises(FieldError):
+        shell.set_fields(Fields(dome(0.01).density, dome(0.01).metric, dome(0.01).curvature, np.nan))
+    assert shell.energy(x) == before
