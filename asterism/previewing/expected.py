@@ -19,7 +19,8 @@ was found by comparing previews with the exact model over many designs (`python 
 
 A minimum that the preview met besides the one it shows (`other_forms`) may be the right one. The law's energies are
 uncertain by a part UNSURE of E, taken as normally distributed; so a form that is a part g of E higher and d % away is
-the lower one with the probability `P = erfc(g/(sqrt(2) UNSURE))/2`, and adds `P d^2` to the square of the distance.
+the lower one with the probability `P = erfc(g/(sqrt(2) UNSURE))/2`. To the square of the distance the largest is added
+of all `P d^2` and of what two soft ways are worth.
 
 docs/accuracy.md shows how good this is.
 """

@@ -22,7 +22,7 @@ from fem.evidence import ShellEquilibrium
 from fem.linear_response import linear_response
 from fem.seeds import Side, check_side, trends
 from fem.shell import Shell
-from fem.solve import follow, modes_of
+from fem.solve import energies_of, follow, modes_of
 from fem.tabulation import Floats
 from homogenize.errors import LawError
 from homogenize.law import Law
@@ -103,7 +103,7 @@ class Preview:
         say: Say | None = None,
     ) -> None:
         check_side(side)
-        if triangles is not None and (not isinstance(triangles, int) or triangles < 1):
+        if triangles is not None and (isinstance(triangles, bool) or not isinstance(triangles, int) or triangles < 1):
             raise ValueError(f"triangles = {triangles!r}: must be a whole number, at least 1")
         if law is not None and not isinstance(law, Law):
             raise TypeError(f"a Law is needed, not {type(law).__name__}: load_law reads one from a file")
@@ -153,6 +153,9 @@ class Preview:
         that leads nowhere, it starts anew, without a linear response. Only starts meet other forms: after an edit that
         goes on, the summary knows of none.
 
+        Nothing happens before the first stage is asked for. Who stops after the linear response has a preview of that,
+        which says that it is no equilibrium.
+
         Raises
         ------
         DesignError, MeshError, LawError
@@ -171,6 +174,16 @@ class Preview:
             self._clock("fields", self._change, design, plan, values)
             old = self.equilibrium
             linear = self._clock("linear response", linear_response, self.shell, old.x, self._factor)
+            # until the next stage is asked for: no equilibrium of anything
+            self.equilibrium = replace(
+                old,
+                x=linear.x,
+                strains=linear.strains,
+                energies=energies_of(self.shell, linear.x),
+                gradient_norm=float(np.linalg.norm(self.shell.gradient(linear.x))),
+                definite=False,
+                soft_modes=np.empty(0),
+            )
         yield Stage("linear", linear.x)
         with one_blas_thread():
             found = self._clock("equilibrium", follow, self.shell, linear.x, self._factor, "edit", linear.strains)
@@ -199,8 +212,13 @@ class Preview:
     def flip(self) -> Side:
         """Turn the edges to the other side of the print; returns the side they have now."""
         self._clock = Clock()
-        self.side = FLIPPED[trends(self.shell).side if self.side == "auto" else self.side]
-        self._settle()
+        before = self.side
+        self.side = FLIPPED[trends(self.shell).side if before == "auto" else before]
+        try:
+            self._settle()
+        except BaseException:
+            self.side = before
+            raise
         return self.side
 
     @property
@@ -216,13 +234,19 @@ class Preview:
         return dict(self._clock.seconds)
 
     def at(self, points: Floats, x: Floats | None = None) -> Places:
-        """Printed points (n, 2) mm in space; `x` of a stage in place of the equilibrium.
+        """Printed points (n, 2) mm, or a single one, in space; `x` of a stage in place of the equilibrium.
+
+        In the shell's own pose: free sheets of `shape` are turned upright.
 
         Raises
         ------
         ValueError
-            A point is off the sheet.
+            These are no points, or one is off the sheet.
         """
+        points = np.atleast_2d(np.asarray(points, dtype=float))
+        if points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all():
+            raise ValueError(f"points must be finite pairs of mm on the print, shape (n, 2), got shape {points.shape}")
+        x = None if x is None else np.asarray(x, dtype=float)
         return Lens(self.sheet, self.law.waves, points)(self.equilibrium.x if x is None else x, self.values)
 
     @one_blas_thread()

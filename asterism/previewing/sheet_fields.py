@@ -130,7 +130,8 @@ def free_early(values: StarValues, spacing: float) -> Floats:
 def _in_series(bending: Floats, weights: sp.csr_matrix) -> Floats:
     """(n,) N mm, stiffness of places where stars, with their mean logarithm, and bare fabric share a bending moment."""
     share = np.minimum(stars_share(weights), 1.0)
-    stars = np.exp(beside(weights, np.log(bending[:-1])))
+    # over the fabric's: without stars beside, nothing is left of them in any unit
+    stars = bending[-1] * np.exp(beside(weights, np.log(bending[:-1] / bending[-1])))
     return np.asarray(1.0 / (share / stars + (1.0 - share) / bending[-1]))
 
 

@@ -332,3 +332,65 @@ def test_bumps_vanish_where_the_sheet_is_held_apart():
     # the stars' flat cells are .84 of the print
     assert bump(1.0) < 0.05 * bump(0.84)
     assert 0.3 < bump(0.87) / bump(0.84) < 1.0
+
+
+def test_who_stops_after_the_linear_response_has_no_equilibrium() -> None:
+    preview = Preview(CURLY, plain_law())
+    thicker = design(stars={"thickness_mm": 0.27}, mesh={"edge_mm": 4.0})
+    linear = next(preview.edit(thicker))
+    summary = preview.shape().summary
+    assert not summary["is_minimum"] and not summary["converged"]
+    assert summary["energy_n_mm"] == pytest.approx(preview.shell.energy(linear.x), rel=1e-9)
+    # the next edit goes on from there
+    list(preview.edit(CURLY))
+    assert preview.equilibrium.is_minimum
+    assert preview.shape().height_mm == pytest.approx(Preview(CURLY, plain_law()).shape().height_mm, rel=1e-3)
+
+
+HINGED = [
+    [70.17, 19.81], [66.19, 19.78], [62.44, 34.1], [62.63, 39.91], [55.83, 43.1], [45.14, 52.76], [32.78, 39.69],
+    [-0.45, 47.27], [-13.79, 63.1], [-30.51, 19.68], [-43.22, 21.68], [-51.24, 14.77], [-34.68, 4.71], [-41.08, 3.03],
+    [-57.4, -9.15], [-41.96, -10.79], [-31.6, -45.17], [-28.06, -43.96], [-15.65, -42.71], [-6.57, -37.37],
+    [-1.86, -31.22], [2.57, -29.85], [28.27, -46.63], [28.57, -46.37], [39.16, -35.39], [48.6, -42.06], [43.86, -27.15],
+    [58.42, -37.97], [51.46, -29.42], [62.69, -13.29],
+]  # fmt: skip
+
+
+def test_flat_triangles_do_not_hide_what_holds_the_sheet() -> None:
+    """One straight edge is held, on a mesh with needles: the sheet turns about it, and its soft modes do not know."""
+    stars, pins = {"length_mm": 6.6, "thickness_mm": 0.5}, [{"edges": [0], "scale": 0.82}]
+    preview = Preview(Design.from_dict({"stars": stars, "border": {"polygon_mm": HINGED}, "pins": pins}))
+    x = preview.equilibrium.x
+    assert preview.equilibrium.is_minimum and len(preview.shell.held_points) == 2
+    assert preview.shell.rigid_modes(x).shape[1] == 1
+    preview.shape()
+    assert preview.equilibrium.soft_modes[0] > 1e-3 * preview.equilibrium.soft_modes[2]
+
+
+def test_only_ratios_of_stiffness_count() -> None:
+    """Without weight the unit of force is free, at the bare rim too."""
+    heights, energies = [], []
+    for modulus in (1e-3, 7.1875, 1e4):
+        preview = Preview(design(fabric={"modulus_mpa": modulus}, mesh={"edge_mm": 4.0}))
+        heights.append(preview.shape().height_mm)
+        energies.append(preview.equilibrium.energy / modulus)
+    np.testing.assert_allclose(heights, heights[1], rtol=1e-6)
+    np.testing.assert_allclose(energies, energies[1], rtol=1e-9)
+
+
+def test_where_pins_stand_does_not_matter_to_a_heavy_sheet() -> None:
+    """The work of weight is counted from the pins: what is compared, and the error to be expected, are the same."""
+    found = []
+    for level in (0.0, 2000.0, -2000.0):
+        pins = [{"corners": [0, 2, 4], "scale": 0.7, "offset_mm": [0.0, 0.0, level]}]
+        heavy = design(gravity={"on": True}, fabric={"modulus_mpa": 1.0}, pins=pins, mesh={"edge_mm": 4.0})
+        found.append(Preview(heavy).shape().summary)
+    for key in ("energy_n_mm", "height_mm", "expected_rms_percent", "expected_height_percent"):
+        np.testing.assert_allclose([s[key] for s in found], found[0][key], rtol=1e-5)
+    assert len({tuple(start["name"] for start in s["starts"]) for s in found}) == 1
+
+
+@pytest.mark.parametrize("points", [[], 3.0, [[0.0, 0.0, 0.0]], [[np.nan, 0.0]]])
+def test_places_that_are_none_are_refused(points: object) -> None:
+    with pytest.raises(ValueError, match="points must be finite pairs of mm"):
+        Preview(CURLY, plain_law()).at(points)  # type: ignore[arg-type]
