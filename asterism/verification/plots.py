@@ -12,6 +12,7 @@ from matplotlib.tri import Triangulation
 from asterism.verification.comparison import Comparison
 from asterism.verification.views import COLOURS, ORANGE
 from pattern.layout import Floats
+from pattern.planar import inside
 
 BLUE = "#4f6d92"
 SAMPLES = 241
@@ -64,8 +65,14 @@ def directions(comparison: Comparison) -> dict[str, Floats]:
 
 
 def cut(comparison: Comparison, direction: Floats) -> tuple[Floats, Floats]:
-    """(n, 3) mm of both shapes along a straight line of the print through the middle of its stars."""
-    border, middle = comparison.layout.border, comparison.layout.centres.mean(axis=0)
+    """(n, 3) mm of both shapes along a straight line of the print through the middle of its stars.
+
+    Where that is off the sheet, as in an L, through the star nearest to it.
+    """
+    border, centres = comparison.layout.border, comparison.layout.centres
+    middle = centres.mean(axis=0)
+    if not inside(middle[None], border)[0]:
+        middle = centres[np.linalg.norm(centres - middle, axis=1).argmin()]
     printed = middle + np.linspace(*_ends(border, middle, direction), SAMPLES)[:, None] * direction
     return comparison.reference.at(printed), comparison.other.at(printed)
 

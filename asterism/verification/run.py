@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
+
+import numpy as np
 
 from asterism import __version__
 from asterism.compiling import clock_without_compiling
@@ -15,13 +17,14 @@ from asterism.shape import Shape
 from asterism.simulation import Say, simulate
 from asterism.verification.comparison import Comparison, compare
 from asterism.verification.numbers import numbers, same_branch
+from asterism.verification.right_shape import right_shape
 from asterism.verification.warnings import warnings
 from discrete.branches import SAME_PERCENT
 from discrete.walk import Report
 from homogenize.law import Law
 from pattern.build import layout
 from pattern.design import Design
-from pattern.symmetries import symmetries
+from pattern.symmetries import Symmetry, symmetries
 
 RELEASE, PREVIEW = "release", "preview"
 AGAIN = 3  # previews of which the fastest counts, once everything is loaded
@@ -49,16 +52,8 @@ class Verification:
 
     @property
     def result(self) -> str:
-        """Where the exact shape that counts was started: the certified one, and of two the lower.
-
-        One whose stars are all on their side comes before one that has stars off it.
-        """
-
-        def order(name: str) -> tuple[bool, bool, float]:
-            summary = self.exact[name].summary
-            return not summary["is_minimum"], bool(summary["stars_off_branch"]), summary["energy_n_mm"]
-
-        return min(self.exact, key=order)
+        """Where the exact shape that counts was started, see `asterism.verification.right_shape`."""
+        return right_shape(self.exact)
 
     @property
     def comparison(self) -> Comparison:
@@ -121,7 +116,7 @@ def verify(
         "exact_s": exact_s,
         "exact_from_preview_s": near_s,
     }
-    return replace(found, summary=_summary(found, between, seconds) | {"command": command})
+    return replace(found, summary=_summary(found, between, same, seconds) | {"command": command})
 
 
 def _timed(clock: Callable[[], float], make: Callable[[], Shape], known: Shape | None = None) -> tuple[Shape, float]:
@@ -132,10 +127,19 @@ def _timed(clock: Callable[[], float], make: Callable[[], Shape], known: Shape |
     return make(), clock() - begun
 
 
-def _summary(found: Verification, between: Comparison, seconds: dict[str, float]) -> dict[str, Any]:
+def _same_stars_down(exact: Mapping[str, Shape], same: Sequence[Symmetry]) -> bool:
+    """Whether the stars that bump down in one shape are those of an image of the other; cell means do not see them."""
+    first, second = (
+        np.isin(np.arange(shape.summary["stars_total"]), shape.summary["stars_down"]) for shape in exact.values()
+    )
+    return any(np.array_equal(first, second[symmetry.star]) for symmetry in same)
+
+
+def _summary(
+    found: Verification, between: Comparison, same: Sequence[Symmetry], seconds: dict[str, float]
+) -> dict[str, Any]:
     result, other = found.result, next(name for name in found.exact if name != found.result)
     exact = found.exact[result].summary
-    ups = [shape.summary["stars_up"] for shape in found.exact.values()]
     return {
         "model": VERIFICATION,
         **numbers(found.comparison),
@@ -150,7 +154,7 @@ def _summary(found: Verification, between: Comparison, seconds: dict[str, float]
         "expected_rms_percent": found.preview.summary.get("expected_rms_percent"),
         "expected_height_percent": found.preview.summary.get("expected_height_percent"),
         "result_from": result,
-        "starts_agree": between.rms_percent < SAME_PERCENT and ups[0] == ups[1],
+        "starts_agree": between.rms_percent < SAME_PERCENT and _same_stars_down(found.exact, same),
         "starts_distance_percent": between.rms_percent,
         "starts": {
             name: numbers(found.comparisons[name]) | {key: shape.summary[key] for key in KEPT}

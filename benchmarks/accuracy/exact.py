@@ -15,6 +15,7 @@ from asterism.read_shape import read_shape
 from asterism.results import write_results
 from asterism.shape import Shape
 from asterism.simulation import simulate
+from asterism.verification.right_shape import right_shape
 from benchmarks.accuracy.designs import designs
 from pattern.design import Design
 
@@ -39,11 +40,8 @@ def known(design: Design, folder: Path) -> dict[str, Shape]:
     released = exact(design, folder)
     if not (folder / design.name / "near" / "summary.json").exists():
         return {"release": released}
-    near = exact(design, folder, near=lambda: released)
-    better = near.summary["is_minimum"] and (
-        not released.summary["is_minimum"] or near.summary["energy_n_mm"] < released.summary["energy_n_mm"]
-    )
-    return {"preview": near, "release": released} if better else {"release": released, "preview": near}
+    both = {"release": released, "preview": exact(design, folder, near=lambda: released)}
+    return both if right_shape(both) == "release" else dict(reversed(both.items()))
 
 
 def lowest(design: Design, folder: Path) -> Shape:

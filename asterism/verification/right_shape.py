@@ -1,0 +1,27 @@
+"""Which of several exact shapes of a design counts as right."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from asterism.shape import Shape
+
+# energies that differ by a smaller part of them are one
+SAME_ENERGY = 1e-6
+
+
+def right_shape(exact: Mapping[str, Shape]) -> str:
+    """The name of the certified one, and of several the lowest; of equal ones the first.
+
+    One whose stars are all on their side comes before one that has stars off it.
+    """
+
+    def rank(name: str) -> tuple[bool, bool]:
+        return not exact[name].summary["is_minimum"], bool(exact[name].summary["stars_off_branch"])
+
+    def energy(name: str) -> float:
+        return float(exact[name].summary["energy_n_mm"])
+
+    best = [name for name in exact if rank(name) == min(map(rank, exact))]
+    lowest = min(map(energy, best))
+    return next(name for name in best if energy(name) <= lowest + SAME_ENERGY * abs(lowest))
