@@ -18,7 +18,6 @@ from equilibrium.newton import Method
 from pattern.symmetries import Symmetry, symmetries
 
 SAME_PERCENT = 0.5  # of the diameter: minima nearer than this are one
-FLAT_MM = 1e-6  # a bump that is lower is on neither side
 CARRIED = 6  # lowest minima that are solved on the fine mesh, besides the default start's and the result
 
 
@@ -120,9 +119,9 @@ def find_minima(
 
 
 def distinct(branches: list[Branch], same: list[Symmetry]) -> list[Branch]:
-    """One of each minimum, the lowest of those that are nearer than SAME_PERCENT with the same stars up."""
+    """One of each minimum: of those that are nearer than SAME_PERCENT with the same stars up, the best."""
     groups: list[list[Branch]] = []
-    for branch in sorted(branches, key=lambda b: b.found.energy):
+    for branch in _best_first(branches):
         for group in groups:
             percent, alike = _percent(group[0], branch, same)
             if alike and percent < SAME_PERCENT:
@@ -139,8 +138,8 @@ def distinct(branches: list[Branch], same: list[Symmetry]) -> list[Branch]:
 def _percent(first: Branch, second: Branch, same: list[Symmetry]) -> tuple[float, bool]:
     """Distance in percent of the diameter, and whether it is to an image with the same stars up."""
     apart = 100.0 * distances(first.centres, second.centres, same) / diameter(first.model)
-    up, other = first.found.bumps > 0.0, second.found.bumps > 0.0
-    alike = np.array([np.array_equal(up, other[symmetry.star]) for symmetry in same])
+    sides, other = first.found.sides, second.found.sides
+    alike = np.array([np.array_equal(sides, other[symmetry.star]) for symmetry in same])
     if alike.any() and apart[alike].min() < SAME_PERCENT:
         return float(apart[alike].min()), True
     return float(apart.min()), False
@@ -154,7 +153,7 @@ def _best_first(branches: list[Branch]) -> list[Branch]:
 def stars_off_branch(model: Model, found: Equilibrium) -> list[int]:
     """Stars that did not keep the side to which their branch sent them; from a flat start none is sent."""
     sent = model.layout.star_branch if model.design.solver.start == "bump" else 0
-    return [int(i) for i in np.flatnonzero(found.bumps * sent < -FLAT_MM)]
+    return [int(i) for i in np.flatnonzero(found.sides * sent < 0)]
 
 
 def _named(report: Report | None, name: str) -> Report | None:

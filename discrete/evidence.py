@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from discrete.effort import PathStep
 from discrete.elements import Array
 from discrete.state import State
+from pattern.layout import Ints
+
+FLAT_MM = 1e-6  # a bump that is lower is on neither side
 
 
 @dataclass(frozen=True)
@@ -57,9 +62,14 @@ class Equilibrium:
         return self.converged and self.smallest_eigenvalue > self.eigenvalue_error
 
     @property
+    def sides(self) -> Ints:
+        """(S,) 1 for stars that bump to the plastic side, -1 for the other one, 0 for flat ones."""
+        return np.where(np.abs(self.bumps) > FLAT_MM, np.sign(self.bumps), 0.0).astype(np.int64)
+
+    @property
     def stars_up(self) -> int:
         """Stars that bump to the plastic side."""
-        return int((self.bumps > 0.0).sum())
+        return int((self.sides > 0).sum())
 
     @property
     def instabilities_passed(self) -> int:

@@ -130,7 +130,7 @@ def _bent(points: Array, bend: Bend, axis: float, sag: float) -> Array:
     across = points @ [-np.sin(axis), np.cos(axis)]
     size = float(np.linalg.norm(points, axis=1).max())
     if bend == "roll":
-        # half the angle of the arc: its sag is size tan(turn / 2) for the arc's length, about size turn / 2
+        # half the angle of the arc: its sag is size (1 - cos turn) / turn, about size turn / 2
         turn = min(2.0 * sag / size, 2.5)
         u, z = size / turn * np.sin(across * turn / size), size / turn * (np.cos(across * turn / size) - 1.0)
         x = along * np.cos(axis) - u * np.sin(axis)

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from discrete.branches import Branch, distinct, find_minima
-from discrete.likeness import distances, roll_axis_deg
+from discrete.likeness import distances, roll_axis_deg, rolled_about
 from discrete.model import Model
 from discrete.solve import relax
 from discrete.starts import Beginning, beginnings
@@ -133,3 +133,36 @@ def test_prescribed_stars_decide_which_minimum_is_reported() -> None:
     minima = find_minima(m, 8)
     assert minima.fine[0].found.stars_up == 0
     assert minima.fine[0].found.energy > min(b.found.energy for b in minima.fine[1:])
+
+
+def test_of_images_the_one_with_its_own_stars_down_is_kept() -> None:
+    """A design that sends one star down has images that send another one down; rounding must not choose."""
+    override = [{"star": 1, "branch": "down"}]
+    m = model(stars={"length_mm": 10.0, "thickness_mm": 0.25, "override": override})
+    same = symmetries(m.design, m.layout)
+    mine, other = relax(m), relax(m, Beginning("other", branch=(1, 1, 1, -1, 1, 1, 1)))
+    lower = replace(other, energies={"all": mine.energy - 1e-6})
+    assert mine.sides.tolist() == [1, -1, 1, 1, 1, 1, 1] and other.sides.tolist() == [1, 1, 1, -1, 1, 1, 1]
+    kept = distinct([Branch(mine, m, ("mine",), True), Branch(lower, m, ("other",), False)], same)
+    assert len(kept) == 1 and kept[0].found is mine and kept[0].starts == ("mine", "other")
+
+
+def test_flat_stars_are_on_no_side() -> None:
+    """Bumps of rounding do not make one flat state several minima."""
+    m = model()
+    flat = replace(relax(m), bumps=np.array([1e-15, -1e-15, 0.0, 2e-16, -3e-16, 1e-15, 1e-15]))
+    other = replace(flat, bumps=-flat.bumps)
+    assert (flat.sides == 0).all() and flat.stars_up == 0
+    branches = [Branch(one, m, (name,), False) for name, one in (("a", flat), ("b", other))]
+    assert len(distinct(branches, symmetries(m.design, m.layout))) == 1
+
+
+@pytest.mark.parametrize("second", [[0.0, 20.0], [8.0, 16.0], [0.0, 30.0]])
+def test_rolls_are_seen_on_lattices_of_two_lengths(second: list[float]) -> None:
+    lattice = {"kind": "custom", "vectors_mm": [[17.0, 0.0], second], "arms": 4}
+    border = {"rectangle_mm": [110, 110]}
+    plan = layout(Design.from_dict({"lattice": lattice, "stars": {"length_mm": 6.0}, "border": border}))
+    turn = plan.centres[:, 1] / 25.0
+    normal = np.column_stack([0.0 * turn, np.sin(turn), np.cos(turn)])
+    axis = rolled_about(plan, normal)
+    assert axis is not None and min(axis, 180.0 - axis) < 1.0
