@@ -86,9 +86,18 @@ def layout(design: Design) -> Layout:
 
 
 def check_carried(design: Design, plan: Layout) -> None:
-    """Refuse a shape of what would fall."""
-    if design.gravity.on and not plan.pins:
+    """Refuse a shape of what would fall: the first pins have to stop it along every axis that weight pulls."""
+    if not design.gravity.on:
+        return
+    if not plan.pins:
         raise DesignError("gravity.on", "needs [[pins]] to hold the sheet: a free one falls", True)
+    first = min(pins.step for pins in plan.pins)
+    held = np.array([pins.fixed for pins in plan.pins if pins.step == first]).any(axis=0)
+    falls = ~held & (np.abs(design.gravity.direction) > 1e-6 * np.linalg.norm(design.gravity.direction))
+    if falls.any():
+        along = " and ".join(axis for axis, free in zip("xyz", falls, strict=True) if free)
+        problem = f"needs [[pins]] that do not slide along {along}, among the first: the sheet falls"
+        raise DesignError("gravity.on", problem, True)
 
 
 def _shortened(ends: Floats, left: Floats) -> Floats:

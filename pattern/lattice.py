@@ -96,14 +96,15 @@ class Lattice(Section):
         return low.astype(np.int64) + corners.take(best, axis=0)
 
     def neighbours(self, cells: Ints) -> Ints:
-        """(N, 2) pairs of rows of `cells` at the distance `spacing_mm`."""
+        """(N, 2) pairs of rows of `cells` that are no further apart than the longer vector of the shortest basis."""
         offsets = np.array([[i, j] for i in range(-2, 3) for j in range(-2, 3) if (i, j) > (0, 0)])
         distance = np.linalg.norm(offsets @ self.vectors, axis=1)
+        reach = np.linalg.norm(self.vectors, axis=1).max()
         row = {(int(i), int(j)): k for k, (i, j) in enumerate(cells)}
         pairs = [
             (k, row[other])
             for (i, j), k in row.items()
-            for di, dj in offsets[distance <= self.spacing_mm * (1 + 1e-6)]
+            for di, dj in offsets[distance <= reach * (1 + 1e-6)]
             if (other := (i + int(di), j + int(dj))) in row
         ]
         return np.array(sorted(pairs), dtype=np.int64).reshape(-1, 2)

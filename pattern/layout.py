@@ -54,7 +54,7 @@ class Layout:
     arm_star : (A,) the star of each arm; the arms of a star follow each other counterclockwise.
     arm_tip : (A, 2) mm, tip of each arm, after cutting at the border.
     arm_thickness, arm_width : (A, 2) mm, at the star's centre and at the tip, linear between.
-    neighbours : (N, 2) pairs of stars at the lattice's nearest distance.
+    neighbours : (N, 2) pairs of stars a step of the lattice's shortest basis apart, or as near as its longer one.
     pins : how the sheet is held; empty for a free sheet.
     lattice_vectors : (2, 2) mm, rows; star centres are integer combinations of the rows plus `lattice_origin`.
     lattice_origin : (2,) mm.

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from shapely import LineString, Polygon
 
-from pattern.build import layout
+from pattern.build import check_carried, layout
 from pattern.design import Design
 from pattern.errors import DesignError
 
@@ -198,3 +198,23 @@ def test_tips_that_meet_are_fine():
 def test_thousands_of_stars_take_a_fraction_of_a_second():
     sheet = lay(border={"rectangle_mm": [1100, 1100]}, mesh={"edge_mm": 3})
     assert 4000 < len(sheet.centres) < 5000
+
+
+@pytest.mark.parametrize(
+    ("pins", "direction", "along"),
+    [
+        ([{"corners": [0, 2], "slide": "z"}], [0.0, 0.0, -1.0], "z"),
+        ([{"corners": [0, 2], "slide": "plane"}], [1.0, 0.0, 0.0], "x"),
+        ([{"corners": [0, 2], "slide": "plane"}, {"corners": [1], "step": 1}], [1.0, 1.0, 0.0], "x and y"),
+    ],
+)
+def test_weight_along_which_all_pins_slide_is_refused(
+    pins: list[dict[str, object]], direction: list[float], along: str
+) -> None:
+    asked = {"stars": {"length_mm": 8.0}, "border": {"rings": 1}, "fabric": {"modulus_mpa": 1.0}}
+    asked |= {"gravity": {"on": True, "direction": direction}}
+    design = Design.from_dict(asked | {"pins": pins})
+    with pytest.raises(DesignError, match=rf"^gravity\.on = True: .* slide along {along}, among the first"):
+        check_carried(design, layout(design))
+    held = Design.from_dict(asked | {"pins": [*pins, {"corners": [3]}]})
+    check_carried(held, layout(held))
