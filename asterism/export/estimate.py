@@ -20,7 +20,7 @@ def estimate(
     """Volume, mass, filament and time.
 
     Every layer is filled with lines as wide as the nozzle at the printer's speed; between the islands of a layer the
-    nozzle travels their mean distance, and loses `speed.island_s` at each. Acceleration is not modelled.
+    nozzle travels from each to the nearest, and loses `speed.island_s` at each. Acceleration is not modelled.
 
     Parameters
     ----------

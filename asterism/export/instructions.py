@@ -124,8 +124,11 @@ def _finish(job: Job) -> Chapter:
     if known:
         lines.append(
             "Drill the base with the template (last page of layout.pdf). Push every needle through the sheet at its "
-            f"number in the layout, and set it into the hole of that number: {len(job.needles)} needles."
+            f"number in the layout, and set it into the hole of that number: {len(known)} needles."
         )
+        if len(known) < len(job.needles):
+            sliding = len(job.needles) - len(known)
+            lines.append(f"{sliding} more go through the sheet where it slides; the template has no holes for them.")
     elif job.needles:
         lines.append(f"Needles go through the sheet at the {len(job.needles)} places of the layout, where it slides.")
     else:

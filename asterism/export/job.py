@@ -40,6 +40,7 @@ class Job:
     fabric_mm : thickness of the stretched fabric under the nozzle.
     needles : in print coordinates.
     shape : the sheet in space, if it is known.
+    too_large : why it cannot be printed like that; empty if it can.
     """
 
     design: Design
@@ -55,6 +56,7 @@ class Job:
     fabric_mm: float
     needles: tuple[Needle, ...]
     shape: Shape | None = None
+    too_large: str = ""
 
     @property
     def z_offset_mm(self) -> float:
@@ -87,6 +89,7 @@ def prepare(
     turn_deg: float = 0.0,
     needle_spacing_mm: float = 20.0,
     shape: Shape | None = None,
+    any_size: bool = False,
 ) -> Job:
     """Round a design for a printer and lay it on its bed.
 
@@ -97,6 +100,7 @@ def prepare(
     turn_deg : of the print on the bed, counterclockwise.
     needle_spacing_mm : largest distance of needles on held edges.
     shape : the sheet in space.
+    any_size : only to be described: what does not fit is told (`too_large`), not refused.
 
     Raises
     ------
@@ -112,7 +116,13 @@ def prepare(
     x, y = design.fabric.stretch_xy
     if x != y and turn_deg % 360:
         raise DesignError("--turn", "must be 0 on a fabric that is stretched differently along x and y", turn_deg)
-    placement = place(plan, here, printer, turn_deg, may_turn=x == y)
+    too_large = ""
+    try:
+        placement = place(plan, here, printer, turn_deg, may_turn=x == y)
+    except DesignError as error:
+        if not any_size:
+            raise
+        placement, too_large = Placement(turn_deg, np.zeros(2)), str(error)
     line = placement.step(border_terrace(plan, here, rounding)) if border else None
     if line is not None and not _within_bed(line, printer):
         line = None
@@ -132,6 +142,7 @@ def prepare(
         fabric_mm=design.fabric.thickness_mm if fabric_mm is None else fabric_mm,
         needles=needles(plan, needle_spacing_mm, shape),
         shape=shape,
+        too_large=too_large,
     )
 
 

@@ -56,35 +56,37 @@ def place(
     DesignError
         The plastic is larger than the bed, or the fabric than the frame.
     """
-    turned = Placement(turn_deg, np.zeros(2))
     corners = shapely.get_coordinates(shapely.convex_hull(steps[0].region))
-    here = turned.points(corners)
-    low, high = here.min(axis=0), here.max(axis=0)
-    size, bed = high - low, np.asarray(printer.bed_mm)
+    bed, frame = np.asarray(printer.bed_mm), np.asarray(printer.frame.size_mm)
+
+    def shifts(turn: float) -> tuple[Floats, Floats, Floats, Floats]:
+        """The least and the largest that bring plastic onto the bed and fabric into the frame; their sizes."""
+        turned = Placement(turn, np.zeros(2))
+        plastic, sheet = turned.points(corners), turned.points(plan.border)
+        least = np.maximum(-bed / 2 - plastic.min(axis=0), -frame / 2 - sheet.min(axis=0))
+        most = np.minimum(bed / 2 - plastic.max(axis=0), frame / 2 - sheet.max(axis=0))
+        return least, most, np.ptp(plastic, axis=0), np.ptp(sheet, axis=0)
+
+    def advice() -> str:
+        """The least turn at which it lies, if there is one."""
+        for turn in range(1, 180) if may_turn else ():
+            least, most, *_ = shifts(turn)
+            if (least <= most).all():
+                return f"; --turn {turn} makes it fit"
+        return ""
+
+    least, most, size, fabric = shifts(turn_deg)
     # corners are rounded to the grid
     if (size > bed + 1e-6).any():
-        problem = f"must be within the {_times(bed)} mm that the {printer.name} reaches"
-        if may_turn and (turn := _fitting_turn(corners, bed)) is not None:
-            problem += f"; --turn {turn} makes it fit"
+        problem = f"must be within the {_times(bed)} mm that the {printer.name} reaches{advice()}"
         raise DesignError("stars", problem, f"{_times(size)} mm of plastic")
-    sheet, frame = turned.points(plan.border), np.asarray(printer.frame.size_mm)
-    left, right = sheet.min(axis=0), sheet.max(axis=0)
-    # shifts at which the plastic is on the bed, and the fabric within the frame
-    least, most = np.maximum(-bed / 2 - low, -frame / 2 - left), np.minimum(bed / 2 - high, frame / 2 - right)
     if (least > most + 1e-6).any():
-        problem = f"must be within the frame of {_times(frame)} mm, with the plastic where the nozzle reaches"
-        raise DesignError("border", problem, f"{_times(right - left)} mm of fabric")
+        problem = f"must be within the frame of {_times(frame)} mm, with the plastic where the nozzle reaches{advice()}"
+        raise DesignError("border", problem, f"{_times(fabric)} mm of fabric")
+    sheet = Placement(turn_deg, np.zeros(2)).points(plan.border)
     stays = (least <= 0.0) & (most >= 0.0)
-    middle = np.round(-(left + right) / 2, 3)
+    middle = np.round(-(sheet.min(axis=0) + sheet.max(axis=0)) / 2, 3)
     return Placement(turn_deg, np.where(stays, 0.0, np.clip(middle, least, most)))
-
-
-def _fitting_turn(corners: Floats, bed: Floats) -> int | None:
-    """The least turn in degrees that makes corners (n, 2) fit the bed; None if there is none."""
-    for turn in range(1, 180):
-        if (np.ptp(Placement(turn, np.zeros(2)).points(corners), axis=0) <= bed).all():
-            return turn
-    return None
 
 
 def _times(size: Floats) -> str:

@@ -61,10 +61,10 @@ def _height_steps(thickness: Floats, rounding: Rounding) -> tuple[Floats, Floats
     first, last = (float(h) for h in thickness)
     if first == last:
         return np.array([first]), np.array([0.0, 1.0])
-    low, high = sorted((first, last))
-    layers = np.arange(np.ceil((high - low) / rounding.layer_mm - 1e-9)) + 0.5
-    # the next layer begins where the arm is half a layer higher
-    changes = (low + rounding.layer_mm * layers - first) / (last - first)
+    low, high = ((thickness - rounding.first_layer_mm) / rounding.layer_mm for thickness in sorted((first, last)))
+    # the next layer begins where the arm is halfway between two: cut tips are no whole number of layers
+    layers = np.arange(np.floor(low), np.ceil(high)) + 0.5
+    changes = (rounding.first_layer_mm + rounding.layer_mm * layers - first) / (last - first)
     ends = np.unique(np.clip([0.0, *changes, 1.0], 0.0, 1.0))
     middles = (ends[:-1] + ends[1:]) / 2
     return rounding.thickness(first + middles * (last - first)), ends

@@ -28,7 +28,7 @@ def report(
     from asterism.files import OutputError, check_writable, staged
     from asterism.material import with_material
     from asterism.own_law import law_for
-    from asterism.reporting.facts import facts
+    from asterism.reporting.facts import doubts, facts
     from asterism.reporting.page import write_page
     from asterism.reporting.shape import shape_of
     from pattern.design import load_design
@@ -39,12 +39,13 @@ def report(
     plan = with_material(load_design(design), material)
     check_writable(path.parent, path.name)
     machine, profile = load_printer(printer), load_plastic(plastic)
-    prepare(plan, machine, profile)  # before anything is computed: most mistakes are found here
+    prepare(plan, machine, profile, any_size=True)  # before anything is computed: most mistakes are found here
     sheet = law_for(plan, law, design, material) if law else None
     shape, source = shape_of(plan, results, design.with_suffix(""), _say, sheet)
-    job = prepare(plan, machine, profile, shape=shape)
+    job = prepare(plan, machine, profile, shape=shape, any_size=True)
     with staged(path.parent) as folder:
-        parts = write_page(folder / path.name, job, facts(job, shape.summary if shape else {}, source), shape)
+        summary = shape.summary if shape else {}
+        parts = write_page(folder / path.name, job, facts(job, summary, source), doubts(summary), shape)
     typer.echo(f"{path}: layout 1:{parts:g}; shape: {source}")
 
 

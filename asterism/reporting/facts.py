@@ -10,6 +10,7 @@ import numpy as np
 from asterism.export.estimate import estimate
 from asterism.export.job import Job
 from asterism.previewing.expected_height import in_words
+from asterism.star_sides import off_branch
 from pattern.design import Design
 from pattern.kept_curvature import KeptCurvature
 from pattern.layout import Layout
@@ -34,6 +35,14 @@ def facts(job: Job, summary: Mapping[str, Any], source: str) -> Facts:
         "Print": _print(job),
     }
     return {head: lines for head, lines in found.items() if lines}
+
+
+def doubts(summary: Mapping[str, Any]) -> list[str]:
+    """What commands warn of when they make a shape: on the page too."""
+    found = list(summary.get("warnings", []))
+    if pairs := summary.get("self_intersections"):
+        found.append(f"the sheet passes through itself ({pairs} pairs of triangles)")
+    return found + (list(off_branch(summary)) if "stars_off_branch" in summary else [])
 
 
 def _fabric(design: Design) -> list[str]:
@@ -102,6 +111,7 @@ def _print(job: Job) -> list[str]:
     prints = [job.stars, *([(job.border,)] if job.border is not None else [])]
     cost = estimate(prints, job.printer, job.rounding, job.plastic)
     return [
+        *([f"LARGER than the {job.printer.name} can print"] if job.too_large else []),
         f"{job.printer.name}, {job.plastic.name}",
         f"{cost['mass_g']:.1f} g, {cost['filament_m']:.2f} m of filament",
         f"about {cost['minutes']:.0f} minutes",

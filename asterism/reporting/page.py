@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import textwrap
 import warnings
+from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -30,12 +32,14 @@ INK, PALE, RED, SHEET = "#26262b", "#7a7a82", "#c8553d", "#f3f1ea"
 # room for the drawing, and the most needles that are listed
 LAYOUT_MM, LAYOUT_AT = np.array([112.0, 122.0]), np.array([83.0, 42.0])
 MOST_NEEDLES = 12
+# characters of a line of doubts, and lines
+DOUBT_WIDTH, DOUBT_LINES = 145, 3
 SCALES = (1, 1.5, 2, 2.5, 3, 4, 5, 10, 20, 50)
 _POINTS = 72 / 25.4
 
 
-def write_page(path: Path, job: Job, found: Facts, shape: Shape | None) -> float:
-    """Write the page as PDF; returns n of the layout's scale 1:n."""
+def write_page(path: Path, job: Job, found: Facts, doubts: Sequence[str], shape: Shape | None) -> float:
+    """Write the page as PDF, with doubts about the shape; returns n of the layout's scale 1:n."""
     figure = Figure(figsize=tuple(A4_MM / 25.4), dpi=72.0, facecolor="white")
     FigureCanvasAgg(figure)
     to_page = Affine2D().scale(_POINTS)
@@ -43,6 +47,7 @@ def write_page(path: Path, job: Job, found: Facts, shape: Shape | None) -> float
     _text(figure, to_page, MARGIN_MM, 276.0, name, 7.0 * min(1.0, 40 / max(len(name), 1)), weight="bold")
     if shape is not None:
         _picture(figure, shape)
+    _doubts(figure, to_page, doubts)
     _facts(figure, to_page, found)
     parts = _layout(figure, to_page, job)
     _needles(figure, to_page, job)
@@ -66,6 +71,15 @@ def _picture(figure: Figure, shape: Shape) -> None:
     axes = figure.add_axes((*(low / A4_MM), *(size / A4_MM)))
     axes.imshow(pixels, interpolation="none")
     axes.axis("off")
+
+
+def _doubts(figure: Figure, to_page: Transform, doubts: Sequence[str]) -> None:
+    """Between the picture and the facts, as many as there is room for."""
+    lines = [line for doubt in doubts for line in textwrap.wrap(doubt, DOUBT_WIDTH)]
+    if len(lines) > DOUBT_LINES:
+        lines = [*lines[: DOUBT_LINES - 1], "... and more: see the summary of the results"]
+    for k, line in enumerate(lines):
+        _text(figure, to_page, MARGIN_MM, 181.5 - 3.2 * k, line, 2.3, color=RED)
 
 
 def _facts(figure: Figure, to_page: Transform, found: Facts) -> None:

@@ -95,3 +95,9 @@ def test_many_needles_make_a_longer_page() -> None:
     template = sheets.needle_sheet(one)
     assert template is not None and 20 < len(one.needles) < 40
     check_texts(template)
+
+
+def test_needles_without_a_place_get_no_hole() -> None:
+    """Three corners are held, three slide, and no shape says where to."""
+    one = job(design(pins=[{"corners": [0, 2, 4]}, {"corners": [1, 3, 5], "slide": "z"}]))
+    assert "into the hole of that number: 3 needles. 3 more go through the sheet where it slides" in said(one)

@@ -12,6 +12,7 @@ import shapely
 from asterism.export.estimate import estimate
 from asterism.export.profiles import load_printer
 from asterism.export.rounded import better_layers, changes, choose, tiny_stars
+from asterism.export.strips_of_arms import _height_steps
 from pattern import gallery
 from pattern.build import layout
 from pattern.errors import DesignError
@@ -191,3 +192,26 @@ def test_prints_of_the_papers_size_take_about_its_twenty_minutes() -> None:
         one = job(gallery.load(name))
         minutes.append(estimate([one.stars], one.printer, one.rounding, one.plastic)["minutes"])
     assert 10 < np.mean(minutes) < 30
+
+
+@pytest.mark.parametrize("ends", [(0.6, 0.3), (0.6, 0.33), (0.53, 0.6), (0.3, 0.6), (0.2, 0.25)])
+def test_arms_change_height_where_their_rounding_does(ends: tuple[float, float]) -> None:
+    """Tips that the border cut off are no whole number of layers high."""
+    rounding = Rounding(first_layer_mm=0.2, layer_mm=0.1, line_mm=0.4)
+    heights, at = _height_steps(np.array(ends), rounding)
+    along = np.linspace(0.0, 1.0, 1001)
+    along = along[np.abs(along[:, None] - at).min(axis=1) > 1e-6]
+    wanted = rounding.thickness(ends[0] + along * (ends[1] - ends[0]))
+    np.testing.assert_allclose(heights[np.searchsorted(at, along) - 1], wanted, atol=1e-9)
+
+
+def test_a_turn_is_named_only_if_the_fabric_fits_the_frame_too() -> None:
+    bar = design(fabric={}, stars={"length_mm": 8.0}, border={"rectangle_mm": [280.0, 40.0]}, pins=[])
+    with pytest.raises(DesignError, match=r"--turn [0-9]+ makes it fit$") as caught:
+        job(bar)
+    job(bar, turn_deg=float(str(caught.value).split("--turn ")[1].split()[0]))
+
+
+def test_what_is_only_described_may_be_of_any_size() -> None:
+    assert "must be within the 223.0 x 223.0 mm" in job(rectangle(400.0, 300.0), any_size=True).too_large
+    assert job(any_size=True).too_large == ""

@@ -86,6 +86,10 @@ def test_results_of_the_design_are_used_and_others_refused(design: Path, tmp_pat
         "extent_mm": [90.0, 60.0, 12.3],
         "is_minimum": False,
         "mesh_error_percent": 1.7,
+        "self_intersections": 12,
+        "stars_up": 18,
+        "stars_off_branch": [3],
+        "stars_total": 19,
     }
     write_results(replace(shape, summary=summary), tmp_path / "d")
     done = command(["report", str(design), "-o", str(tmp_path / "r.pdf")], capsys, monkeypatch)
@@ -93,6 +97,9 @@ def test_results_of_the_design_are_used_and_others_refused(design: Path, tmp_pat
     text, _ = page(tmp_path / "r.pdf")
     assert "height 12.3 mm" in text and "NOT certain" in text and "mesh error about 1.7 %" in text
     assert "expected rms" not in text
+    # what the commands warn of is on the page too
+    assert "passes through itself (12 pairs of triangles)" in text
+    assert "1 of 19 stars of the exact shape are not" in text
 
     # they may be from another start, or mesh
     design.write_text(DESIGN + "[solver]\nseed = 3\n")
@@ -155,3 +162,17 @@ def test_mistakes(words: list[str], problem: str, design: Path, capsys, monkeypa
     done = command(["report", str(design), *words], capsys, monkeypatch)
     assert done.status == 2 and problem in done.line
     assert [file.name for file in design.parent.iterdir()] == ["d.toml"]
+
+
+def test_sheets_larger_than_the_printer_have_a_page(design: Path, tmp_path: Path, capsys, monkeypatch) -> None:
+    """And doubts of a preview are on it, as many as there is room for."""
+    design.write_text(DESIGN.replace("[104.0, 70.0]", "[400.0, 70.0]"))
+    warnings = [f"warning {k}: " + "word " * 30 for k in range(5)]
+    plan = load_design(design)
+    shape = preview(plan, load_law(None))
+    write_results(replace(shape, summary=dict(shape.summary) | {"warnings": warnings}), tmp_path / "d")
+    done = command(["report", str(design), "-o", str(tmp_path / "r.pdf")], capsys, monkeypatch)
+    assert done.status == 0, done.err
+    text, _ = page(tmp_path / "r.pdf")
+    assert "LARGER than the Ultimaker 2+ can print" in text
+    assert "warning 0" in text and "and more: see the summary" in text and "warning 4" not in text
