@@ -65,7 +65,7 @@ def row(sample: dict[str, Any], stretch: float) -> Floats:
         "bending": float(ends["bending"].mean()),
         "a11": a11,
         "a12": a12,
-        "c3": float(sample["sixfold"]) if curled else 0.0,
+        "c3": float(np.array(sample["sixfold"], dtype=float)) if curled else 0.0,
         "offset_mm": 0.0 if bare or offset is None else float(np.mean(np.array(offset, dtype=float)[chosen])),
     }
     return np.array([found[name] for name in NAMES])
@@ -75,7 +75,7 @@ def problem(record: Record) -> str | None:
     """Why a cell cannot be used, or None."""
     if record.failed is not None or record.sample is None:
         return record.failed or "no answer"
-    bump = float(np.min(record.sample["natural_bump_mm"]))
+    bump = float(np.array(record.sample["natural_bump_mm"], dtype=float).min())
     if record.sample["length_mm"] > 0 and not bump > 0:
         return f"the star is not up: bump {bump:.3g} mm"
     values = row(record.sample, record.task.stretch)

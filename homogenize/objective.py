@@ -30,7 +30,6 @@ from homogenize.relax import Flat
 
 # Voigt: 11, 22 and 2 x 12 as symmetric matrices
 VOIGT = np.array([[[1.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 1.0]], [[0.0, 0.5], [0.5, 0.0]]])
-UP = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True)

@@ -62,8 +62,8 @@ def local(jobs: int) -> Iterator[SubmitAll]:
 def on_dask(address: str) -> Iterator[SubmitAll]:
     """The workers of a running Dask cluster, which must have asterism installed in the same version."""
     try:
-        from distributed import Client, as_completed
-        from distributed.comm import connect
+        from distributed import CancelledError, Client, KilledWorker, as_completed
+        from distributed.comm import CommClosedError, connect
     except ImportError:
         raise AddressError("--dask needs the package distributed: pip install 'asterism[dask]'") from None
 
@@ -87,6 +87,8 @@ def on_dask(address: str) -> Iterator[SubmitAll]:
             try:
                 for future in as_completed(futures, loop=client.loop):
                     yield number[future.key], future.result()
+            except (KilledWorker, CancelledError, CommClosedError) as error:
+                raise CampaignError(f"the workers are gone ({type(error).__name__})") from None
             finally:
                 with suppress(Exception):
                     client.cancel(futures)

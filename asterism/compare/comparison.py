@@ -18,7 +18,7 @@ from pattern.layout import Floats, Ints
 
 # poses whose spread is larger than the best one's by less than this are as good
 _AS_GOOD = 1.1
-_SAME = 1e-6  # of the diameter: rounding
+_SAME_MM = 0.02  # spreads of a scan without noise are what its registration leaves
 # nearer points, in parts of the diameter, are taken for the sheet's: a printed sheet may be that far off
 _SHEETS_OWN = 0.03
 
@@ -76,7 +76,7 @@ class ScanComparison:
             "left_out_beyond_mm": self.cut_mm,
             "shape_covered_percent": 100 * float(area[self.covered].sum() / area.sum()),
             "diameter_mm": size,
-            "poses_as_good": sum(p.spread_mm <= _AS_GOOD * self.poses[0].spread_mm + _SAME * size for p in self.poses),
+            "poses_as_good": sum(p.spread_mm <= _AS_GOOD * self.poses[0].spread_mm + _SAME_MM for p in self.poses),
             "scan_to_shape": matrix.tolist(),
         }
 

@@ -77,3 +77,13 @@ def test_what_is_measured() -> None:
     part = points[points[:, 0] < np.quantile(points[:, 0], 1 / 3)]
     covered = compare_scan(SHAPE, Scan(part, 0, len(part))).summary()["shape_covered_percent"]
     assert covered == pytest.approx(100 / 3, abs=4)
+
+
+def test_a_sheet_like_itself_from_two_sides_says_two() -> None:
+    """A scan without noise too, where nothing but the registration's own error is left."""
+    shape = sheet(saddle, edge=3.0)
+    points, _ = scanned(shape, 5, 0.0, 1.0, other=0.0)
+    for seed in range(3):
+        rotation, shift = motion(seed)
+        found = compare_scan(shape, Scan(points @ rotation.T + shift, 0, len(points)), seed=seed)
+        assert found.summary()["poses_as_good"] == 2
