@@ -36,9 +36,11 @@ class Row:
         """The mistake, with its place."""
         return TableError(self.file, self.number, column, problem)
 
-    def number_in(self, column: str, low: float, high: float, unit: str = "mm") -> float | None:
-        """The number in a cell, None if it is empty."""
+    def number_in(self, column: str, low: float, high: float, unit: str = "mm", needed: bool = False) -> float | None:
+        """The number in a cell; None if it is empty, which a `needed` one must not be."""
         text = self.cells.get(column, "")
+        if not text and needed:
+            raise self.wrong(column, "is empty")
         if not text:
             return None
         try:
@@ -48,7 +50,8 @@ class Row:
                 raise self.wrong(column, f"{text!r}: write decimals with a point") from None
             raise self.wrong(column, f"{text!r} is not a number") from None
         if not math.isfinite(value):
-            raise self.wrong(column, f"{text} is not a finite number; leave the cell empty if it was not measured")
+            hint = "" if needed else "; leave the cell empty if it was not measured"
+            raise self.wrong(column, f"{text} is not a finite number{hint}")
         if not low <= value <= high:
             hint = ""
             if unit == "mm" and 0 < value < low and (low <= 10 * value <= high or low <= 25.4 * value <= high):

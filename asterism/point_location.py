@@ -25,8 +25,10 @@ def locate(printed: Floats, triangles: Ints, points: Floats) -> tuple[Ints, Floa
     Raises
     ------
     ValueError
-        If a point is off the sheet by more than a rounding error, or not a number.
+        If these are no points, or one is off the sheet by more than a rounding error.
     """
+    if points.ndim != 2 or points.shape[1] != 2:
+        raise ValueError(f"printed points must be pairs of mm, shape (n, 2), got shape {points.shape}")
     if not np.isfinite(points).all():
         raise ValueError("a printed point is not a number")
     corners = printed[triangles]

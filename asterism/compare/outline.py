@@ -47,13 +47,8 @@ def read_outline(path: Path, unit: str = "mm") -> tuple[Floats, int]:
 def _from_csv(path: Path, unit: str) -> Floats:
     """Columns x_mm and y_mm."""
     rows = read_rows(path, ("x_mm", "y_mm"), ("x_mm", "y_mm"))
-    corners = []
-    for row in rows:
-        place = [row.number_in(column, -_LARGEST, _LARGEST) for column in ("x_mm", "y_mm")]
-        for column, value in zip(("x_mm", "y_mm"), place, strict=True):
-            if value is None:
-                raise row.wrong(column, "is empty")
-        corners.append(place)
+    names = ("x_mm", "y_mm")
+    corners = [[row.number_in(name, -_LARGEST, _LARGEST, needed=True) for name in names] for row in rows]
     points = np.array(corners, dtype=float).reshape(-1, 2) * MM[unit]
     closed = len(points) > 1 and np.array_equal(points[0], points[-1])
     return points[:-1] if closed else points

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -34,7 +34,8 @@ class Needle:
 def needles(plan: Layout, spacing_mm: float, shape: Shape | None = None) -> tuple[Needle, ...]:
     """Needles at all pins of a layout; held edges get some at most `spacing_mm` apart, their corners included.
 
-    A place comes from the design where the sheet is held, and from `shape` where it slides.
+    A place comes from the design where the sheet is held, and from `shape` where it slides. Where all pins leave the
+    height open, the lowest needle's is 0.
     """
     found: list[Needle] = []
     for pins in plan.pins:
@@ -46,6 +47,10 @@ def needles(plan: Layout, spacing_mm: float, shape: Shape | None = None) -> tupl
             if all(np.linalg.norm(point - needle.printed) > 1e-6 for needle in found):
                 place = None if places is None else places[k]
                 found.append(Needle(len(found) + 1, point, place, _slides(pins), pins.step))
+    if not any(pins.fixed[2] for pins in plan.pins):
+        # nothing says how high the sheet is: the lowest needle stands on the base
+        low = min((needle.place[2] for needle in found if needle.place is not None), default=0.0)
+        found = [one if one.place is None else replace(one, place=one.place - [0.0, 0.0, low]) for one in found]
     return tuple(found)
 
 

@@ -71,7 +71,7 @@ def main() -> None:
     narrow = _rows(ribbons(), options.folder, law, options.kept)
     text = section(known, small, unseen, narrow)
     print(text)
-    write_report("accuracy.expectation", [*small, *unseen, *narrow], text)
+    write_report("accuracy.expectation", [*known, *small, *unseen, *narrow], text)
     put_into_docs(text, BEGIN, END)
 
 

@@ -63,6 +63,12 @@ def test_points_off_the_sheet_are_refused(point: tuple[float, float]) -> None:
         AFFINE_SHEET.at(np.array([(0.0, 0.0), point]))
 
 
+@pytest.mark.parametrize("points", [[], [[0.0, 0.0, 0.0]], 3.0])
+def test_what_are_no_points_is_refused(points: object) -> None:
+    with pytest.raises(ValueError, match="must be pairs of mm"):
+        AFFINE_SHEET.at(points)  # type: ignore[arg-type]
+
+
 def test_points_on_the_border_survive_rounding() -> None:
     edge = np.column_stack([np.full(100, 50.0 * (1 + 1e-15)), np.linspace(-40, 40, 100)])
     assert np.isfinite(AFFINE_SHEET.at(edge)).all()

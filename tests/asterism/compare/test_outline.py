@@ -69,6 +69,7 @@ def test_csv(tmp_path: Path) -> None:
         ("a.csv", "", "is empty"),
         ("a.csv", "x,y\n1,2\n", "row 1: no column 'x'"),
         ("a.csv", "x_mm,y_mm\n1,\n", "row 2, column y_mm: is empty"),
+        ("a.csv", "x_mm,y_mm\n1,nan\n", "row 2, column y_mm: nan is not a finite number$"),
         ("a.csv", 'x_mm,y_mm\n"1,5",2\n', "row 2, column x_mm.*point"),
         ("a.csv", "x_mm,y_mm\n1,nan\n", "row 2, column y_mm.*finite"),
     ],

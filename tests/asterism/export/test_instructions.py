@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import TextPath
@@ -13,6 +15,7 @@ from asterism.export.drawing import Drawing, Text
 from asterism.export.estimate import estimate
 from asterism.export.job import Job
 from asterism.export.rounded import tiny_stars
+from asterism.previewing.run import preview
 from tests.asterism.export.jobs import design, job
 
 
@@ -101,3 +104,15 @@ def test_needles_without_a_place_get_no_hole() -> None:
     """Three corners are held, three slide, and no shape says where to."""
     one = job(design(pins=[{"corners": [0, 2, 4]}, {"corners": [1, 3, 5], "slide": "z"}]))
     assert "into the hole of that number: 3 needles. 3 more go through the sheet where it slides" in said(one)
+
+
+def test_a_sheet_whose_height_nothing_holds_stands_on_its_lowest_needle() -> None:
+    """All pins slide along z: the shape's own height is by chance."""
+    pins = [{"corners": [0, 1, 2, 3, 4, 5], "slide": "z", "scale": 0.8}]
+    sliding = design(fabric={}, stars={"length_mm": 8.0}, pins=pins)
+    found = preview(sliding)
+    lifted = replace(found, positions=found.positions - np.array([0.0, 0.0, 14.5]))
+    needles = [job(sliding, shape=one).needles for one in (found, lifted)]
+    heights = [[needle.place[2] for needle in some if needle.place is not None] for some in needles]
+    assert len(heights[0]) == 6 and min(heights[0]) == 0.0
+    np.testing.assert_allclose(*heights, atol=1e-9)
