@@ -9,7 +9,7 @@ import numpy as np
 from discrete.elements import Array
 from discrete.evidence import Equilibrium
 from discrete.levels import Level, carried_up, coarser
-from discrete.likeness import diameter, distances, roll_axis_deg
+from discrete.likeness import distances, print_diameter, roll_axis_deg
 from discrete.model import Model
 from discrete.solve import Start, relax
 from discrete.starts import beginnings
@@ -137,7 +137,7 @@ def distinct(branches: list[Branch], same: list[Symmetry]) -> list[Branch]:
 
 def _percent(first: Branch, second: Branch, same: list[Symmetry]) -> tuple[float, bool]:
     """Distance in percent of the diameter, and whether it is to an image with the same stars up."""
-    apart = 100.0 * distances(first.centres, second.centres, same) / diameter(first.model)
+    apart = 100.0 * distances(first.centres, second.centres, same) / print_diameter(first.model.layout)
     sides, other = first.found.sides, second.found.sides
     alike = np.array([np.array_equal(sides, other[symmetry.star]) for symmetry in same])
     if alike.any() and apart[alike].min() < SAME_PERCENT:

@@ -25,11 +25,6 @@ def distances(first: Array, second: Array, symmetries: Sequence[Symmetry]) -> Ar
     return np.array([rms_distance(second[each.star], first, each.mirrors) for each in symmetries])
 
 
-def diameter(model: Model) -> float:
-    """mm, largest distance of two corners of the print."""
-    return print_diameter(model.layout)
-
-
 def print_diameter(layout: Layout) -> float:
     """mm, largest distance of two corners of the print."""
     return float(np.linalg.norm(layout.border[:, None] - layout.border[None], axis=2).max())
