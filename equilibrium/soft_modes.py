@@ -46,7 +46,7 @@ def soft_modes(mass: Mass, factor: Factor, rigid: Floats, count: int) -> tuple[F
     values, turn = np.empty(0), np.empty((0, 0))
     for _ in range(BLOCKS):
         block = _unit(block)
-        for _ in (1, 2):  # once leaves too much of what is nearly parallel
+        for _ in range(2):  # once leaves too much of what is nearly parallel
             block = block - vectors @ (images.T @ block)
         block, image = _orthonormal(block, mass @ block, least)
         if not block.shape[1]:  # these are all that there are

@@ -231,7 +231,7 @@ class Shell:
         free = np.diff(self.reduction.map.indptr).reshape(-1, 3).any(axis=1)
         return np.flatnonzero(~free & (self._shifts != 0.0))
 
-    @cached_property
+    @property
     def level(self) -> Floats:
         """(3,) mm, where positions are held, in the mean; 0 for components that nothing holds."""
         fixed = (np.diff(self.reduction.map.indptr).reshape(-1, 3) == 0) & (self._shifts != 0.0)[:, None]
