@@ -31,6 +31,7 @@ from equilibrium.threads import one_blas_thread
 from pattern.build import check_carried, layout
 from pattern.design import Design
 from pattern.meshing import mesh_layout
+from pattern.section import is_whole
 
 Say = Callable[[str], None]
 
@@ -72,7 +73,7 @@ def simulate(
     ValueError
         `near` with several starts, or none at all.
     """
-    if not isinstance(starts, int) or starts < 1:
+    if not is_whole(starts) or starts < 1:
         raise ValueError(f"starts = {starts!r}: must be a whole number, at least 1")
     if near is not None and starts != 1:
         raise ValueError("near goes with one start")

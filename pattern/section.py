@@ -5,12 +5,23 @@ from __future__ import annotations
 import difflib
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Strict, Tag, model_validator
+import numpy as np
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Strict, Tag, model_validator
 from pydantic_core import PydanticCustomError
+
+
+def is_whole(value: Any) -> bool:
+    """Whether it is a whole number, of Python or of an array."""
+    return isinstance(value, int | np.integer) and not isinstance(value, bool)
+
+
+def _from_array(value: Any) -> Any:
+    return int(value) if is_whole(value) else value
+
 
 # strict: neither a bool nor a text passes for a number
 Number = Annotated[float, Strict()]
-Whole = Annotated[int, Strict()]
+Whole = Annotated[int, Strict(), BeforeValidator(_from_array)]
 Flag = Annotated[bool, Strict()]
 Text = Annotated[str, Strict()]
 Point = tuple[Number, Number]

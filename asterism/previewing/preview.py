@@ -30,6 +30,7 @@ from homogenize.law_file import load_law
 from pattern.build import check_carried, layout
 from pattern.design import Design
 from pattern.layout import Layout
+from pattern.section import is_whole
 from pattern.symmetries import Symmetry, symmetries
 
 Say = Callable[[str], None]
@@ -103,7 +104,7 @@ class Preview:
         say: Say | None = None,
     ) -> None:
         check_side(side)
-        if triangles is not None and (isinstance(triangles, bool) or not isinstance(triangles, int) or triangles < 1):
+        if triangles is not None and not (is_whole(triangles) and triangles >= 1):
             raise ValueError(f"triangles = {triangles!r}: must be a whole number, at least 1")
         if law is not None and not isinstance(law, Law):
             raise TypeError(f"a Law is needed, not {type(law).__name__}: load_law reads one from a file")

@@ -218,3 +218,12 @@ def test_weight_along_which_all_pins_slide_is_refused(
         check_carried(design, layout(design))
     held = Design.from_dict(asked | {"pins": [*pins, {"corners": [3]}]})
     check_carried(held, layout(held))
+
+
+def test_whole_numbers_of_arrays_are_whole_numbers() -> None:
+    for rings in np.arange(2):
+        one = Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rings": rings}})
+        assert one.border.rings == rings and type(one.to_dict()["border"]["rings"]) is int
+    for wrong in (True, 1.0, "1", np.True_, np.float64(1.0)):
+        with pytest.raises(DesignError, match="whole number"):
+            Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rings": wrong}})
