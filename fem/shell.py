@@ -231,6 +231,10 @@ class Shell:
         free = np.diff(self.reduction.map.indptr).reshape(-1, 3).any(axis=1)
         return np.flatnonzero(~free & (self._shifts != 0.0))
 
+    def places(self, x: Floats) -> Floats:
+        """(k, 3) mm, of the dofs that are positions."""
+        return np.asarray(x[self._shifts != 0.0])
+
     @property
     def level(self) -> Floats:
         """(3,) mm, where positions are held, in the mean; 0 for components that nothing holds."""

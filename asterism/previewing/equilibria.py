@@ -25,6 +25,8 @@ CAPS = (1.0, 0.7)  # parts of a cap's curvature to start from: from afar it take
 EQUAL = 1e-3  # part of the energy within which two minima are the same form
 ROLLED = {"arc", "bent", "saddle"}
 PUSH = 0.04  # of the size: how far a held sheet that is soft in two ways is pushed, to see what else it can be
+# on the wrong side: a sheet that rises by less than this part of how far it hangs; and what is flat, mm
+OVER, FLAT_MM = 0.1, 1e-6
 STRIDES = 6  # in which later pins move the sheet to their places
 
 
@@ -32,6 +34,8 @@ def settled(
     shell: Shell, factor: Factor, side: Side, uniform: bool, curls: bool, turns: Sequence[Floats] = ()
 ) -> ShellEquilibrium:
     """The lowest equilibrium that the most promising simple shapes lead to.
+
+    A held sheet that came out altogether on the wrong side is tried from flat too.
 
     `turns`: of the design's symmetries. `uniform`: all stars are alike. `curls`: many stars curl tightly; a free sheet
     of such stars may fold up on several sides in place of rolling, which a start as a cap finds and costs. Where a
@@ -45,6 +49,10 @@ def settled(
         if found.is_minimum:
             return found
     found = relax(shell, factor, side, turns=turns, tie=TIE)
+    wanted = wants.side if side == "auto" else side
+    if not free and found.is_minimum and found.start != "flat" and turned_over(shell, found.x, wanted):
+        flat = [shape for shape in shapes(wants, size, side) if shape.name == "flat"]
+        found = _lowest(shell, factor, found, [relax(shell, factor, side, flat, followed=1)])
     soft = soft_in_two_ways(shell, found, wants.stretch * size)
     if not free:
         return pushed(shell, factor, found, PUSH * size) if soft and found.is_minimum else found
@@ -81,6 +89,19 @@ def pushed(shell: Shell, factor: Factor, found: ShellEquilibrium, far: float) ->
     mode = modes_of(shell, found.x, factor, 1)[1][:, 0]
     step = far / np.abs(shell.move(np.zeros_like(found.x), mode)).max() * mode
     others = [follow(shell, shell.move(found.x, sign * step), factor, "pushed") for sign in (1.0, -1.0)]
+    return _lowest(shell, factor, found, others)
+
+
+def turned_over(shell: Shell, x: Floats, side: Side) -> bool:
+    """Whether a held sheet is altogether on the other side of what holds it than where its edges' `side` puts it."""
+    heights = (shell.places(x)[:, 2] - shell.level[2]) * (1.0 if side == "down" else -1.0)
+    return bool(heights.min() < -FLAT_MM and heights.max() < OVER * -heights.min())
+
+
+def _lowest(
+    shell: Shell, factor: Factor, found: ShellEquilibrium, others: Sequence[ShellEquilibrium]
+) -> ShellEquilibrium:
+    """A minimum, or the lowest of others that are lower, with everybody's trials."""
     best = found
     for other in others:
         if other.is_minimum and other.energy < best.energy - EQUAL * abs(best.energy):

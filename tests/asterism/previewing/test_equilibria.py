@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from asterism.previewing.equilibria import settled, soft_in_two_ways
+from asterism.previewing import equilibria
+from asterism.previewing.equilibria import settled, soft_in_two_ways, turned_over
 from asterism.previewing.preview import Preview
 from fem.argyris import Argyris
 from fem.fields import Fields, of_stretch
 from fem.shell import Shell
-from fem.solve import relax
+from fem.solve import follow, relax
 from pattern import gallery
 from pattern.design import Design
 from tests.fem.hexagons import FIELDS, RADIUS, density, hexagon, radius
@@ -87,3 +88,19 @@ def test_a_tube_that_hardly_prefers_an_axis_settles_soon(thickness: float) -> No
     assert found.soft_modes[1] > 20.0 * found.soft_modes[0]
     assert found.fallbacks == 0
     assert found.iterations <= 60
+
+
+def test_a_held_sheet_on_the_wrong_side_is_tried_from_flat(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Guesses may turn over on the way; a dome that hangs below its border costs more."""
+    preview = Preview(gallery.load("dome"))
+    shell, right = preview.shell, preview.equilibrium
+    over = right.x * [1.0, 1.0, -1.0]
+    assert turned_over(shell, over, "down") and turned_over(shell, right.x, "up")
+    assert not turned_over(shell, right.x, "down") and not turned_over(shell, shell.held(shell.flat), "down")
+    wrong = follow(shell, over, shell.factor(), "cap")
+    assert wrong.is_minimum and wrong.energy > 1.1 * right.energy
+    first = iter([wrong])
+    real = equilibria.relax
+    monkeypatch.setattr(equilibria, "relax", lambda *given, **more: next(first, None) or real(*given, **more))
+    found = settled(shell, shell.factor(), "auto", False, False)
+    assert found.energy == pytest.approx(right.energy, rel=1e-6) and len(found.trials) == 2
