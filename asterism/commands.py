@@ -109,6 +109,7 @@ def simulate(
     from asterism.overrides import changed
     from asterism.progress import Progress
     from asterism.results import write_results
+    from asterism.self_intersections import passing
     from asterism.simulation import simulate as run
     from asterism.star_sides import off_branch
     from pattern.build import layout
@@ -137,7 +138,7 @@ def simulate(
     typer.echo(f"{directory}: {', '.join(files)}")
     if through := shape.summary["self_intersections"]:
         advice = "" if plan.solver.contact else "; --contact keeps it apart"
-        print(f"asterism: the sheet passes through itself ({through} pairs of triangles){advice}", file=sys.stderr)
+        print(f"asterism: {passing(through)}{advice}", file=sys.stderr)
     for line in (*off_branch(shape.summary), *held_wide(layout(plan))):
         print(f"asterism: {line}", file=sys.stderr)
     if not shape.summary["is_minimum"]:

@@ -39,9 +39,9 @@ class Row:
     def number_in(self, column: str, low: float, high: float, unit: str = "mm", needed: bool = False) -> float | None:
         """The number in a cell; None if it is empty, which a `needed` one must not be."""
         text = self.cells.get(column, "")
-        if not text and needed:
-            raise self.wrong(column, "is empty")
         if not text:
+            if needed:
+                raise self.wrong(column, "is empty")
             return None
         try:
             value = float(text)

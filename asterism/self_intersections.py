@@ -27,6 +27,11 @@ def self_intersections(positions: Floats, triangles: Ints) -> int:
     return int(through.sum())
 
 
+def passing(pairs: int, sheet: str = "the sheet") -> str:
+    """What a number of such pairs means, in words."""
+    return f"{sheet} passes through itself ({pairs} pairs of triangles)"
+
+
 def _close_pairs(positions: Floats, triangles: Ints) -> Ints:
     """(P, 2) pairs of triangles whose boxes overlap, without neighbours."""
     corner = positions[triangles]

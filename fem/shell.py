@@ -8,6 +8,7 @@ from typing import Protocol
 
 import numpy as np
 import scipy.sparse as sp
+from numpy.typing import NDArray
 
 from equilibrium.factor import Factor, make_factor
 from equilibrium.sparse_pattern import SparsePattern
@@ -228,8 +229,13 @@ class Shell:
     @cached_property
     def held_points(self) -> Ints:
         """(k,) dofs that are positions and do not move."""
-        free = np.diff(self.reduction.map.indptr).reshape(-1, 3).any(axis=1)
-        return np.flatnonzero(~free & (self._shifts != 0.0))
+        return np.flatnonzero(self._fixed.all(axis=1))
+
+    @cached_property
+    def _fixed(self) -> NDArray[np.bool_]:
+        """(N, 3) components of positions that do not move."""
+        free = np.diff(self.reduction.map.indptr).reshape(-1, 3) > 0
+        return np.asarray(~free & (self._shifts != 0.0)[:, None])
 
     def places(self, x: Floats) -> Floats:
         """(k, 3) mm, of the dofs that are positions."""
@@ -238,8 +244,8 @@ class Shell:
     @property
     def level(self) -> Floats:
         """(3,) mm, where positions are held, in the mean; 0 for components that nothing holds."""
-        fixed = (np.diff(self.reduction.map.indptr).reshape(-1, 3) == 0) & (self._shifts != 0.0)[:, None]
-        return (fixed * self.reduction.target.reshape(-1, 3)).sum(axis=0) / np.maximum(fixed.sum(axis=0), 1)
+        held = self._fixed * self.reduction.target.reshape(-1, 3)
+        return np.asarray(held.sum(axis=0) / np.maximum(self._fixed.sum(axis=0), 1))
 
     @property
     def is_free(self) -> bool:

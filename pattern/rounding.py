@@ -24,8 +24,15 @@ class Rounding(Section):
 
     def thickness(self, exact_mm: Floats) -> Floats:
         """The nearest thickness that can be printed; halfway goes up."""
-        layers = _nearest((exact_mm - self.first_layer_mm) / self.layer_mm)
-        return np.round(self.first_layer_mm + self.layer_mm * np.maximum(layers, 0.0), 9)
+        return np.round(self.height(np.maximum(_nearest(self.layers(exact_mm)), 0.0)), 9)
+
+    def layers(self, height_mm: Floats) -> Floats:
+        """n of a height, with its fraction."""
+        return np.asarray((height_mm - self.first_layer_mm) / self.layer_mm)
+
+    def height(self, layers: Floats) -> Floats:
+        """mm, of a first layer and n more."""
+        return np.asarray(self.first_layer_mm + self.layer_mm * layers)
 
     def width(self, exact_mm: Floats) -> Floats:
         """The nearest width that can be printed; halfway goes up."""

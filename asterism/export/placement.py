@@ -58,35 +58,38 @@ def place(
     """
     corners = shapely.get_coordinates(shapely.convex_hull(steps[0].region))
     bed, frame = np.asarray(printer.bed_mm), np.asarray(printer.frame.size_mm)
-
-    def shifts(turn: float) -> tuple[Floats, Floats, Floats, Floats]:
-        """The least and the largest that bring plastic onto the bed and fabric into the frame; their sizes."""
-        turned = Placement(turn, np.zeros(2))
-        plastic, sheet = turned.points(corners), turned.points(plan.border)
-        least = np.maximum(-bed / 2 - plastic.min(axis=0), -frame / 2 - sheet.min(axis=0))
-        most = np.minimum(bed / 2 - plastic.max(axis=0), frame / 2 - sheet.max(axis=0))
-        return least, most, np.ptp(plastic, axis=0), np.ptp(sheet, axis=0)
-
-    def advice() -> str:
-        """The least turn at which it lies, if there is one."""
-        for turn in range(1, 180) if may_turn else ():
-            least, most, *_ = shifts(turn)
-            if (least <= most).all():
-                return f"; --turn {turn} makes it fit"
-        return ""
-
-    least, most, size, fabric = shifts(turn_deg)
+    turned = Placement(turn_deg, np.zeros(2))
+    plastic, sheet = turned.points(corners), turned.points(plan.border)
+    least, most = _shifts(plastic, sheet, bed, frame)
+    size, fabric = np.ptp(plastic, axis=0), np.ptp(sheet, axis=0)
     # corners are rounded to the grid
     if (size > bed + 1e-6).any():
-        problem = f"must be within the {_times(bed)} mm that the {printer.name} reaches{advice()}"
-        raise DesignError("stars", problem, f"{_times(size)} mm of plastic")
+        problem = f"must be within the {_times(bed)} mm that the {printer.name} reaches"
+        advice = _advice(corners, plan.border, bed, frame) if may_turn else ""
+        raise DesignError("stars", problem + advice, f"{_times(size)} mm of plastic")
     if (least > most + 1e-6).any():
-        problem = f"must be within the frame of {_times(frame)} mm, with the plastic where the nozzle reaches{advice()}"
-        raise DesignError("border", problem, f"{_times(fabric)} mm of fabric")
-    sheet = Placement(turn_deg, np.zeros(2)).points(plan.border)
+        problem = f"must be within the frame of {_times(frame)} mm, with the plastic where the nozzle reaches"
+        advice = _advice(corners, plan.border, bed, frame) if may_turn else ""
+        raise DesignError("border", problem + advice, f"{_times(fabric)} mm of fabric")
     stays = (least <= 0.0) & (most >= 0.0)
     middle = np.round(-(sheet.min(axis=0) + sheet.max(axis=0)) / 2, 3)
     return Placement(turn_deg, np.where(stays, 0.0, np.clip(middle, least, most)))
+
+
+def _shifts(plastic: Floats, sheet: Floats, bed: Floats, frame: Floats) -> tuple[Floats, Floats]:
+    """The least and the largest shift (2,) at which the plastic is on the bed, and the fabric within the frame."""
+    least = np.maximum(-bed / 2 - plastic.min(axis=0), -frame / 2 - sheet.min(axis=0))
+    return least, np.minimum(bed / 2 - plastic.max(axis=0), frame / 2 - sheet.max(axis=0))
+
+
+def _advice(plastic: Floats, sheet: Floats, bed: Floats, frame: Floats) -> str:
+    """The least turn in degrees that makes plastic (n, 2) and sheet (m, 2) fit, in words; empty if there is none."""
+    for turn in range(1, 180):
+        turned = Placement(turn, np.zeros(2))
+        least, most = _shifts(turned.points(plastic), turned.points(sheet), bed, frame)
+        if (least <= most).all():
+            return f"; --turn {turn} makes it fit"
+    return ""
 
 
 def _times(size: Floats) -> str:

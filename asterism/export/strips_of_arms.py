@@ -61,10 +61,10 @@ def _height_steps(thickness: Floats, rounding: Rounding) -> tuple[Floats, Floats
     first, last = (float(h) for h in thickness)
     if first == last:
         return np.array([first]), np.array([0.0, 1.0])
-    low, high = ((thickness - rounding.first_layer_mm) / rounding.layer_mm for thickness in sorted((first, last)))
+    low, high = np.sort(rounding.layers(thickness))
     # the next layer begins where the arm is halfway between two: cut tips are no whole number of layers
     layers = np.arange(np.floor(low), np.ceil(high)) + 0.5
-    changes = (rounding.first_layer_mm + rounding.layer_mm * layers - first) / (last - first)
+    changes = (rounding.height(layers) - first) / (last - first)
     ends = np.unique(np.clip([0.0, *changes, 1.0], 0.0, 1.0))
     middles = (ends[:-1] + ends[1:]) / 2
     return rounding.thickness(first + middles * (last - first)), ends

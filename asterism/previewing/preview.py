@@ -184,6 +184,7 @@ class Preview:
                 gradient_norm=float(np.linalg.norm(self.shell.gradient(linear.x))),
                 definite=False,
                 soft_modes=np.empty(0),
+                trials=(),
             )
         yield Stage("linear", linear.x)
         with one_blas_thread():

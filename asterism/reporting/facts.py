@@ -10,6 +10,7 @@ import numpy as np
 from asterism.export.estimate import estimate
 from asterism.export.job import Job
 from asterism.previewing.expected_height import in_words
+from asterism.self_intersections import passing
 from asterism.star_sides import off_branch
 from pattern.design import Design
 from pattern.kept_curvature import KeptCurvature
@@ -38,10 +39,10 @@ def facts(job: Job, summary: Mapping[str, Any], source: str) -> Facts:
 
 
 def doubts(summary: Mapping[str, Any]) -> list[str]:
-    """What commands warn of when they make a shape: on the page too."""
+    """What a summary knows that commands warn of when they make a shape."""
     found = list(summary.get("warnings", []))
     if pairs := summary.get("self_intersections"):
-        found.append(f"the sheet passes through itself ({pairs} pairs of triangles)")
+        found.append(passing(pairs))
     return found + (list(off_branch(summary)) if "stars_off_branch" in summary else [])
 
 

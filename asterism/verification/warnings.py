@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
+from asterism.self_intersections import passing
 from asterism.star_sides import few, off_branch
 from asterism.verification.comparison import Comparison
 
@@ -35,7 +36,7 @@ def _exact_shape(exact: Mapping[str, Any]) -> Iterator[str]:
     if not exact["is_minimum"]:
         yield "the exact shape is not certified to be a minimum"
     if exact["self_intersections"]:
-        yield f"the exact sheet passes through itself ({exact['self_intersections']} pairs of triangles)"
+        yield passing(exact["self_intersections"], "the exact sheet")
     down, off, total = exact["stars_down"], exact["stars_off_branch"], exact["stars_total"]
     if down:
         yield f"{len(down)} of {total} stars of the exact shape bump down: stars {few(down)}"

@@ -340,6 +340,7 @@ def test_who_stops_after_the_linear_response_has_no_equilibrium() -> None:
     linear = next(preview.edit(thicker))
     summary = preview.shape().summary
     assert not summary["is_minimum"] and not summary["converged"]
+    assert summary["starts"] == summary["other_forms"] == []  # those of the design before say nothing of this one
     assert summary["energy_n_mm"] == pytest.approx(preview.shell.energy(linear.x), rel=1e-9)
     # the next edit goes on from there
     list(preview.edit(CURLY))
