@@ -29,8 +29,8 @@ def compare(
     shape: Annotated[Path, typer.Argument(help="Results of simulate or preview, or their shape.vtu.")],
     scan: Annotated[Path, typer.Argument(help="A scan (.obj, .stl, .ply) or a photographed outline (.svg, .csv).")],
     output: Annotated[Path | None, output_option("Directory (SCAN-compared).")] = None,
-    units: Annotated[_Unit, typer.Option(help="Of the scan's numbers.")] = _Unit.mm,
-    view: Annotated[_View, typer.Option(help="From where an outline was photographed.")] = _View.above,
+    units: Annotated[_Unit | None, typer.Option(help="Of the scan's numbers (mm).")] = None,
+    view: Annotated[_View | None, typer.Option(help="From where an outline was photographed (above).")] = None,
     trim: Annotated[
         float, typer.Option(min=0.0, max=0.8, help="The part of the scan that may not belong to the sheet.")
     ] = 0.2,
@@ -41,4 +41,4 @@ def compare(
     """
     from asterism.compare.command import compare as run
 
-    typer.echo("\n".join(run(shape, scan, output, units.value, view.value, trim)))
+    typer.echo("\n".join(run(shape, scan, output, units and units.value, view and view.value, trim)))

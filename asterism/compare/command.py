@@ -12,7 +12,8 @@ import shapely
 from asterism import __version__
 from asterism.compare import outline
 from asterism.compare.comparison import compare_scan
-from asterism.compare.outline import read_outline
+from asterism.compare.errors import ScanError
+from asterism.compare.outline import Outline, read_outline
 from asterism.compare.picture import draw_outline, draw_scan
 from asterism.compare.scan import extent, read_scan
 from asterism.compare.silhouette import Fitted, fit_outline, silhouette
@@ -27,15 +28,17 @@ from asterism.shape import Shape
 POOR_PERCENT = 1.5
 
 
-def compare(shape: Path, scan: Path, output: Path | None, unit: str, view: str, trim: float) -> list[str]:
+def compare(shape: Path, scan: Path, output: Path | None, unit: str | None, view: str | None, trim: float) -> list[str]:
     """Write compare.png and summary.json into a directory; returns the lines to print.
+
+    `unit`: of the scan's numbers; mm unless it says its own size. `view`: of an outline, from above by default.
 
     Raises
     ------
     DesignError
         The shape cannot be read.
     ScanError, TableError
-        The scan or outline cannot be read, or has the wrong size.
+        The scan or outline cannot be read, or has the wrong size, or an option is not for it.
     OutputError
         The files cannot be written.
     """
@@ -46,25 +49,32 @@ def compare(shape: Path, scan: Path, output: Path | None, unit: str, view: str, 
     check_writable(directory)
     name = found.summary.get("design", {}).get("name", shape.stem)
     title = f"{name} and {scan.name}"
-    about = {"version": __version__, "shape": str(shape), "scan": str(scan), "units": unit}
+    about: dict[str, Any] = {"version": __version__, "shape": str(shape), "scan": str(scan)}
     if scan.suffix.lower() in outline.FORMATS:
-        fitted, lines = _outline(found, scan, unit, view, trim)
-        numbers = {**about, "view": view, "lines": lines, **outline_numbers(fitted, diameter(found.positions))}
+        view = view or "above"
+        outlined = read_outline(scan, unit)
+        fitted = _fitted(found, scan, outlined, unit, view, trim)
+        about |= {"units": "its own" if outlined.measured else unit or "mm", "view": view, "lines": outlined.lines}
+        numbers = {**about, **outline_numbers(fitted, diameter(found.positions))}
         rows = _outline_rows(numbers)
         words = _line(rows)
-        if lines > 1:
-            rows["lines in the file"] = f"{lines}, of which the largest is taken"
+        if outlined.lines > 1:
+            rows["lines in the file"] = f"{outlined.lines}, of which the largest is taken"
         rows |= _poor(numbers, "is it of this design, in mm, and from this --view? look at compare.png")
         with staged_result(directory) as folder:
             seen = "above" if view == "above" else f"the {view}"
             draw_outline(fitted, f"{title}, seen from {seen}", words, folder / "compare.png")
             _write(folder, numbers)
     else:
+        if view is not None:
+            raise ScanError(scan, "--view is for outlines (.svg, .csv): a scan may be in any pose")
+        unit = unit or "mm"
         measured = read_scan(scan, unit)
         check_size(scan, measured.size_mm, extent(found.positions), unit)
         comparison = compare_scan(found, measured, trim)
         numbers = {
             **about,
+            "units": unit,
             "scan_triangles": measured.triangles,
             "scan_vertices": measured.vertices,
             **comparison.summary(),
@@ -76,12 +86,12 @@ def compare(shape: Path, scan: Path, output: Path | None, unit: str, view: str, 
     return [*(f"  {name:<22} {value}" for name, value in rows.items()), f"{directory}: compare.png, {LAST}"]
 
 
-def _outline(shape: Shape, file: Path, unit: str, view: str, trim: float) -> tuple[Fitted, int]:
-    """A file's outline on the shape's, and how many lines the file has."""
-    (corners, lines), target = read_outline(file, unit), silhouette(shape, view)
-    sizes = [float(np.linalg.norm(np.ptp(points, axis=0))) for points in (corners, target)]
-    check_size(file, sizes[0], sizes[1], unit)
-    return fit_outline(corners, target, trim), lines
+def _fitted(shape: Shape, file: Path, outlined: Outline, unit: str | None, view: str, trim: float) -> Fitted:
+    """A file's outline on the shape's."""
+    target = silhouette(shape, view)
+    sizes = [float(np.linalg.norm(np.ptp(points, axis=0))) for points in (outlined.corners, target)]
+    check_size(file, sizes[0], sizes[1], None if outlined.measured else unit or "mm")
+    return fit_outline(outlined.corners, target, trim)
 
 
 def outline_numbers(fitted: Fitted, diameter_mm: float) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -21,41 +22,58 @@ _PIECES = 100
 THIN = 1e-12
 
 
-def read_outline(path: Path, unit: str = "mm") -> tuple[Floats, int]:
-    """Corners (n, 2) mm of the largest closed line in a file, y upwards, not closed; and how many lines there are.
+@dataclass(frozen=True)
+class Outline:
+    """The largest closed line of a file.
+
+    Attributes
+    ----------
+    corners : (n, 2) mm, y upwards, not closed.
+    lines : how many there are in the file.
+    measured : the file says its own size.
+    """
+
+    corners: Floats
+    lines: int = 1
+    measured: bool = False
+
+
+def read_outline(path: Path, unit: str | None = None) -> Outline:
+    """The largest closed line in a file.
 
     Parameters
     ----------
-    unit : of a CSV's numbers, and of an SVG's if it does not say its size in mm, cm or inches.
+    unit : of a CSV's numbers, and of an SVG's that does not say its size; mm by default.
 
     Raises
     ------
     ScanError, TableError
-        The file is not an outline.
+        The file is not an outline, or says its size and a unit is given too.
     """
     if not path.is_file():
         raise ScanError(path, "is not there")
-    corners, lines = (_from_csv(path, unit), 1) if path.suffix.lower() == ".csv" else _from_svg(path, unit)
+    outline = (_from_csv if path.suffix.lower() == ".csv" else _from_svg)(path, unit)
+    corners = outline.corners
     length, width = np.linalg.svd(corners - corners.mean(axis=0))[1] if len(corners) > 2 else (0.0, 0.0)
     if width <= THIN * length:
         raise ScanError(path, "holds no outline: at least three corners, not on a line")
     if not shapely.Polygon(corners).is_valid:
         raise ScanError(path, "the outline crosses itself")
-    return corners, lines
+    return outline
 
 
-def _from_csv(path: Path, unit: str) -> Floats:
+def _from_csv(path: Path, unit: str | None) -> Outline:
     """Columns x_mm and y_mm."""
     rows = read_rows(path, ("x_mm", "y_mm"), ("x_mm", "y_mm"))
     names = ("x_mm", "y_mm")
     corners = [[row.number_in(name, -_LARGEST, _LARGEST, needed=True) for name in names] for row in rows]
-    points = np.array(corners, dtype=float).reshape(-1, 2) * MM[unit]
+    points = np.array(corners, dtype=float).reshape(-1, 2) * MM[unit or "mm"]
     closed = len(points) > 1 and np.array_equal(points[0], points[-1])
-    return points[:-1] if closed else points
+    return Outline(points[:-1] if closed else points)
 
 
-def _from_svg(path: Path, unit: str) -> tuple[Floats, int]:
-    """The largest closed line of all shapes of a drawing, and how many there are."""
+def _from_svg(path: Path, unit: str | None) -> Outline:
+    """From all shapes of a drawing."""
     import svgelements as svg  # only photographs' outlines need it
 
     try:
@@ -79,11 +97,14 @@ def _from_svg(path: Path, unit: str) -> tuple[Floats, int]:
     largest = max(lines, key=_area)
     if not np.isfinite(largest).all() or np.abs(largest).max() > _LARGEST:
         raise ScanError(path, "holds places that are not finite numbers, or too large")
-    if not measured and unit == "mm" and any(said):  # plain numbers are px, and parts are of a page
+    if measured and unit is not None:
+        raise ScanError(path, f"says its own size, {' x '.join(said)}: --units is for files without one")
+    if not measured and unit in (None, "mm") and any(said):  # plain numbers are px, and parts are of a page
         how = "%" if "%" in "".join(said) else "px"
         raise ScanError(path, f"has its size in {how}: give width and height in mm")
     steps = np.linalg.norm(np.diff(largest, axis=0, append=largest[:1]), axis=1)
-    return largest[steps > 1e-9] * [1.0, -1.0] * (1.0 if measured else MM[unit]), len(lines)
+    corners = largest[steps > 1e-9] * [1.0, -1.0] * (1.0 if measured else MM[unit or "mm"])
+    return Outline(corners, len(lines), measured)
 
 
 def _points(piece: object) -> list:

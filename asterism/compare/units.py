@@ -13,14 +13,16 @@ _NAMES = {"mm": "millimetres", "cm": "centimetres", "m": "metres", "in": "inches
 _LIKELY = (0.25, 2.0)
 
 
-def check_size(file: Path, size_mm: float, expected_mm: float, unit: str) -> None:
+def check_size(file: Path, size_mm: float, expected_mm: float, unit: str | None) -> None:
     """Raise ScanError if a scan's size, taken in `unit`, cannot be that of the shape; names the units that could be.
 
     Parameters
     ----------
     size_mm : largest extent of the scan, converted to mm.
     expected_mm : of the shape.
+    unit : None for a drawing that says its own size.
     """
+    own, unit = unit is None, unit or "mm"
     ratio = size_mm / expected_mm
     if _LIKELY[0] <= ratio <= _LIKELY[1]:
         return
@@ -32,8 +34,8 @@ def check_size(file: Path, size_mm: float, expected_mm: float, unit: str) -> Non
     )
     if likely:
         names = " or ".join(_NAMES[other] for other in likely)
-        options = " or ".join(f"--units {other}" for other in likely)
-        problem += f": it seems to be in {names}; say {options}"
+        options = "say " + " or ".join(f"--units {other}" for other in likely)
+        problem += f": it seems to be in {names}; {'correct its width and height' if own else options}"
     else:
         problem += ", in no known unit the same thing; is it the right scan, without what lies around the sheet?"
     raise ScanError(file, problem)

@@ -39,6 +39,8 @@ def test_a_scan_in_inches(folder: Path, capsys, monkeypatch) -> None:
     refused = command(words, capsys, monkeypatch)
     assert refused.status == 2 and "it seems to be in inches" in refused.line and "--units in" in refused.line
     assert not (folder / "scan-compared").exists()
+    seen = command([*words, "--units", "in", "--view", "front"], capsys, monkeypatch)
+    assert seen.status == 2 and "--view is for outlines" in seen.line
     done = command([*words, "--units", "in"], capsys, monkeypatch)
     assert done.status == 0, done.err
     assert "of the shape's diameter" in done.out
@@ -70,7 +72,17 @@ def test_an_outline_among_other_lines(folder: Path, capsys, monkeypatch) -> None
     )
     done = command(["compare", str(folder / "shape.vtu"), str(folder / "o.svg")], capsys, monkeypatch)
     assert done.status == 0 and "2, of which the largest is taken" in done.out
-    assert json.loads((folder / "o-compared" / "summary.json").read_text())["lines"] == 2
+    numbers = json.loads((folder / "o-compared" / "summary.json").read_text())
+    assert numbers["lines"] == 2 and numbers["units"] == "its own"
+
+
+def test_a_drawing_of_another_size(folder: Path, capsys, monkeypatch) -> None:
+    size = 'width="12mm" height="10mm" viewBox="0 0 120 100"'
+    (folder / "o.svg").write_text(
+        f'<svg xmlns="http://www.w3.org/2000/svg" {size}><rect x="10" y="10" width="100" height="80"/></svg>'
+    )
+    refused = command(["compare", str(folder / "shape.vtu"), str(folder / "o.svg")], capsys, monkeypatch)
+    assert refused.status == 2 and "in centimetres; correct its width and height" in refused.line
 
 
 @pytest.mark.parametrize(("scale", "poor"), [([1.0, 1.0], False), ([1.3, 0.7], True)])

@@ -29,9 +29,10 @@ RECT = '<rect x="10" y="10" width="50" height="20"/>'
 )
 def test_svg_in_mm(size: str, scale: float, tmp_path: Path) -> None:
     (tmp_path / "a.svg").write_text(SVG.format(size=size, body=RECT + '<circle cx="2" cy="2" r="1"/>'))
-    corners, lines = read_outline(tmp_path / "a.svg")
+    outline = read_outline(tmp_path / "a.svg")
+    corners = outline.corners
     # y upwards, and the larger one of both
-    assert lines == 2
+    assert outline.lines == 2 and outline.measured == ("width" in size)
     np.testing.assert_allclose(corners.min(axis=0), [10 * scale, -30 * scale], rtol=1e-5)
     np.testing.assert_allclose(corners.max(axis=0), [60 * scale, -10 * scale], rtol=1e-5)
 
@@ -39,13 +40,19 @@ def test_svg_in_mm(size: str, scale: float, tmp_path: Path) -> None:
 def test_curves_and_transforms(tmp_path: Path) -> None:
     body = '<g transform="translate(5,5) scale(2)"><path d="M 20 0 A 10 10 0 0 1 0 0 A 10 10 0 0 1 20 0 z"/></g>'
     (tmp_path / "a.svg").write_text(SVG.format(size='width="100mm" height="100mm" viewBox="0 0 100 100"', body=body))
-    circle = shapely.Polygon(read_outline(tmp_path / "a.svg")[0])
+    circle = shapely.Polygon(read_outline(tmp_path / "a.svg").corners)
     assert circle.area == pytest.approx(np.pi * 20**2, rel=1e-3)
 
 
 def test_csv(tmp_path: Path) -> None:
     (tmp_path / "a.csv").write_text("x_mm;y_mm\n0;0\n10;0\n10;10\n0;0\n")
-    np.testing.assert_array_equal(read_outline(tmp_path / "a.csv", "cm")[0], [[0, 0], [100, 0], [100, 100]])
+    np.testing.assert_array_equal(read_outline(tmp_path / "a.csv", "cm").corners, [[0, 0], [100, 0], [100, 100]])
+
+
+def test_a_drawing_with_a_size_takes_no_unit(tmp_path: Path) -> None:
+    (tmp_path / "a.svg").write_text(SVG.format(size='width="10cm" height="10cm"', body=RECT))
+    with pytest.raises(ScanError, match="its own size, 10cm x 10cm: --units"):
+        read_outline(tmp_path / "a.svg", "cm")
 
 
 @pytest.mark.parametrize(
