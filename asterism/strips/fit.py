@@ -52,7 +52,7 @@ class StripFit:
     used, left_out : the readings.
     lack_of_fit : how likely strips as they were measured are if the formula holds; None if there are no repeats.
     widened : factor by which the intervals were widened because thicknesses disagree more than their strips do.
-    kappa_bar_varies : kappa_bar was taken for one number, and the peeled strips say that it is not.
+    kappa_bar_contradicted : kappa_bar was taken for one number or for 0, and the peeled strips say that it is not.
     thicknesses_apart : mm, of strips that lie away from the others as a whole; they are used.
     """
 
@@ -68,7 +68,7 @@ class StripFit:
     left_out: tuple[LeftOut, ...]
     lack_of_fit: float | None
     widened: float
-    kappa_bar_varies: bool
+    kappa_bar_contradicted: bool
     thicknesses_apart: tuple[float, ...] = ()
     flat_height_mm: float = field(default=FLAT_HEIGHT_MM)
 
@@ -150,7 +150,7 @@ def fit_strips(
         tuple(left_out),
         lack[formula],
         widened[formula],
-        kappa_bar == "constant" and _kappa_bar_varies(found, data),
+        _contradicted(kappa_bar, found, data),
         thicknesses_apart,
         flat_height_mm,
     )
@@ -186,18 +186,21 @@ def _lack_of_fit(model: Model, found: Estimate, data: Data) -> tuple[float | Non
     return chance, float(np.sqrt(ratio)) if chance < _FALSE_ALARM else 1.0
 
 
-def _kappa_bar_varies(found: Estimate, data: Data) -> bool:
-    """Peeled strips of different thickness differ by more than their scatter explains."""
+def _contradicted(kind: KappaBarKind, found: Estimate, data: Data) -> bool:
+    """Peeled strips of different thickness differ, or from 0 if that was said, by more than their scatter explains."""
     peeled = data.take(data.peeled & ~data.flat)
     groups, group = np.unique(peeled.thickness, return_inverse=True)
-    within = len(group) - len(groups)
-    if len(groups) < 2 or within < 1:
+    within, between = len(group) - len(groups), len(groups) - (kind == "constant")
+    if kind == "per-thickness" or between < 1 or within < 1:
         return False
     weight = 1 / found.noise.variance(arc.reading_sensitivity(peeled.curvature, peeled.length), peeled.curvature)
-    common = np.sum(weight * peeled.curvature) / np.sum(weight)
     centre = np.bincount(group, weight * peeled.curvature) / np.bincount(group, weight)
     inside = np.sum(weight * (peeled.curvature - centre[group]) ** 2)
-    between = np.sum(weight * (centre[group] - common) ** 2)
+    if kind == "constant":
+        off = centre[group] - np.sum(weight * peeled.curvature) / np.sum(weight)
+    else:  # boxes are never less than nothing high: what looks flat leaves the others with a mean of their own
+        off = np.maximum(np.abs(centre[group]) - peeled.limit, 0.0)
+    apart = np.sum(weight * off**2)
     if inside == 0:
-        return bool(between > 0)
-    return bool(fisher.sf(between / (len(groups) - 1) / (inside / within), len(groups) - 1, within) < _FALSE_ALARM)
+        return bool(apart > 0)
+    return bool(fisher.sf(apart / between / (inside / within), between, within) < _FALSE_ALARM)

@@ -46,7 +46,10 @@ def warnings(fit: StripFit) -> list[str]:
     """What the user should know before trusting the numbers."""
     lines = []
     apart = " and ".join(f"{h:g} mm" for h in fit.thicknesses_apart)
-    if fit.widened > 1:
+    if fit.kappa_bar_contradicted and fit.kappa_bar_kind == "zero":
+        widened = f"; intervals are widened {fit.widened:.1f} times" if fit.widened > 1 else ""
+        lines.append(f"peeled strips curl by themselves: kappa_bar is not 0, try --kappa-bar constant{widened}")
+    elif fit.widened > 1:
         check = f", that of the strips of {apart} first" if apart else ""
         lines.append(
             "the thicknesses disagree with the formula by more than the scatter of their strips "
@@ -55,7 +58,7 @@ def warnings(fit: StripFit) -> list[str]:
         )
     elif apart:
         lines.append(f"the strips of {apart} disagree with the others as a whole: check their thickness")
-    if fit.kappa_bar_varies:
+    if fit.kappa_bar_contradicted and fit.kappa_bar_kind == "constant":
         lines.append("peeled strips of different thickness keep different curvatures: try --kappa-bar per-thickness")
     if math.isinf(fit.ratio[fit.formula].high):
         lines.append("E1/E2 has no upper bound: the strips bend too little")
@@ -97,7 +100,7 @@ def summary(fit: StripFit) -> dict[str, Any]:
         "strip_scatter": fit.noise.scatter,
         "lack_of_fit_chance": fit.lack_of_fit,
         "intervals_widened_by": fit.widened,
-        "kappa_bar_varies": fit.kappa_bar_varies,
+        "kappa_bar_contradicted": fit.kappa_bar_contradicted,
         "thicknesses_apart_mm": list(fit.thicknesses_apart),
         "shared_error_percent": shared_errors(fit),
         "readings_used": len(fit.used),

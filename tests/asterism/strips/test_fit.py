@@ -128,11 +128,17 @@ def test_a_kappa_bar_for_each_thickness() -> None:
     assert list(fit.kappa_bar) == list(THICKNESSES)
     for value, interval in zip(table["per_mm"], fit.kappa_bar.values(), strict=True):
         assert interval.low - 1e-4 < value < interval.high + 1e-4
-    assert fit_strips(strips).kappa_bar_varies and not fit_strips(readings(4)).kappa_bar_varies
+    assert fit_strips(strips).kappa_bar_contradicted and not fit_strips(readings(4)).kappa_bar_contradicted
     plastic = fit.plastic()
     assert float(rest_curvature(0.3, Fabric(), plastic)) == pytest.approx(
         float(rest_curvature(0.3, Fabric(), Plastic(kappa_bar_per_mm=0.006))), rel=0.03
     )
+
+
+def test_peeled_strips_that_curl_contradict_zero() -> None:
+    said = warnings(fit_strips(readings(4), kappa_bar="zero"))
+    assert any("try --kappa-bar constant" in line for line in said) and not any("thicknesses" in line for line in said)
+    assert not fit_strips(readings(4, Plastic()), kappa_bar="zero").kappa_bar_contradicted
 
 
 def test_without_peeled_strips_the_thicknesses_tell() -> None:
