@@ -16,6 +16,7 @@ from asterism.export_vtu import write_rods_vtu, write_shape_vtu
 from asterism.files import LAST, holds_result, staged
 from asterism.picture import draw
 from asterism.shape import Shape
+from pattern.arguments import check_kind
 
 VERIFICATION = "verification"  # the `model` of a summary that is of two shapes
 # Files that belong to a summary.json, of whatever kind: those of an earlier one would be taken for the new one's.
@@ -52,6 +53,7 @@ def write_results(shape: Shape, directory: str | Path) -> list[str]:
     OutputError
         They cannot be written there.
     """
+    check_kind(shape, Shape, "simulate and preview make them")
     with staged_result(directory) as folder:
         write_shape_vtu(shape, folder / "shape.vtu")
         write_rods_vtu(shape, folder / "rods.vtu")

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import shapely
 
+from pattern.arguments import check_kind
 from pattern.arms import check_clear, cut
 from pattern.border import outline, star_cells
 from pattern.errors import DesignError
@@ -28,11 +29,7 @@ def layout(design: Design) -> Layout:
     """
     from pattern.design import Design  # which imports this module
 
-    if not isinstance(design, Design):
-        raise TypeError(
-            f"a Design is needed, not {type(design).__name__}: load_design reads one from a file, "
-            "Design.from_dict makes one of a dict"
-        )
+    check_kind(design, Design, "load_design reads one from a file, Design.from_dict makes one of a dict")
     lattice = design.lattice
     corners = outline(design.border, lattice)
     _check_mesh(design.mesh.edge_mm, lattice.spacing_mm, corners)

@@ -9,6 +9,7 @@ from typing import Any, Literal, Self
 import numpy as np
 from pydantic import Field, ValidationError, field_validator, model_validator
 
+from pattern.arguments import check_kind
 from pattern.border import Border
 from pattern.build import layout
 from pattern.errors import DesignError, from_validation
@@ -124,5 +125,14 @@ def load_design(path: str | Path) -> Design:
 
 
 def save_design(design: Design, path: str | Path) -> None:
-    """Write a design to a TOML or JSON file, complete with defaults."""
+    """Write a design to a TOML or JSON file, complete with defaults.
+
+    Raises
+    ------
+    DesignError
+        The file's name ends in something else.
+    OSError
+        It cannot be written.
+    """
+    check_kind(design, Design, "load_design reads one from a file, new one from the gallery")
     write_table(design.to_dict(), Path(path))

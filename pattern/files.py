@@ -62,7 +62,10 @@ def write_table(table: dict[str, Any], path: Path) -> None:
         text = "\n\n".join(_toml_tables(table, "")) + "\n"
     else:
         text = json.dumps(table, indent=2, ensure_ascii=False) + "\n"
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    except OSError as error:
+        raise type(error)(error.errno, error.strerror, str(path)) from None  # not the name that nobody gave
     try:
         with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as stream:
             stream.write(text)

@@ -27,6 +27,7 @@ from fem.tabulation import Floats
 from homogenize.errors import LawError
 from homogenize.law import Law
 from homogenize.law_file import load_law
+from pattern.arguments import check_kind
 from pattern.build import check_carried, layout
 from pattern.design import Design
 from pattern.layout import Layout
@@ -106,8 +107,8 @@ class Preview:
         check_side(side)
         if triangles is not None and not (is_whole(triangles) and triangles >= 1):
             raise ValueError(f"triangles = {triangles!r}: must be a whole number, at least 1")
-        if law is not None and not isinstance(law, Law):
-            raise TypeError(f"a Law is needed, not {type(law).__name__}: load_law reads one from a file")
+        if law is not None:
+            check_kind(law, Law, "load_law reads one from a file")
         self.shell: Shell
         self._say = say or (lambda text: None)
         self._triangles = triangles

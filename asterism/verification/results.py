@@ -10,6 +10,7 @@ from asterism.files import LAST
 from asterism.results import plain, staged_result
 from asterism.verification.report import report
 from asterism.verification.run import Verification
+from pattern.arguments import check_kind
 
 
 def write_verification(found: Verification, directory: str | Path) -> list[str]:
@@ -24,6 +25,7 @@ def write_verification(found: Verification, directory: str | Path) -> list[str]:
     OutputError
         They cannot be written there.
     """
+    check_kind(found, Verification, "verify makes them")
     with staged_result(directory) as folder:
         (folder / "report.html").write_text(report(found), encoding="utf-8")
         write_shape_vtu(found.comparison.reference, folder / "exact.vtu")

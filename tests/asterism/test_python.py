@@ -32,6 +32,21 @@ def test_what_is_no_design_is_refused_in_one_line(name: str, given: Any) -> None
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize(
+    ("name", "needed"), [("save_design", "Design"), ("write_results", "Shape"), ("write_verification", "Verification")]
+)
+def test_writers_refuse_what_is_something_else(name: str, needed: str, tmp_path: Path) -> None:
+    with pytest.raises(TypeError, match=f"a {needed} is needed, not str: "):
+        getattr(asterism, name)("dome", tmp_path / "out.toml")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_design_in_a_missing_folder_is_named_as_it_was_asked_for(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError) as caught:
+        asterism.save_design(gallery.load("dome"), tmp_path / "none" / "dome.toml")
+    assert caught.value.filename == str(tmp_path / "none" / "dome.toml")
+
+
 def test_an_edit_to_no_design_leaves_the_preview() -> None:
     design = gallery.load("dome")
     preview = asterism.Preview(design)

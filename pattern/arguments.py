@@ -1,0 +1,11 @@
+"""Arguments that are not what they should be, told in one line."""
+
+from __future__ import annotations
+
+from typing import Any
+
+
+def check_kind(given: Any, kind: type, hint: str) -> None:
+    """Raise TypeError unless `given` is of the kind; `hint` says where one comes from."""
+    if not isinstance(given, kind):
+        raise TypeError(f"a {kind.__name__} is needed, not {type(given).__name__}: {hint}")
