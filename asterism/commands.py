@@ -104,15 +104,11 @@ def simulate(
     """
     from asterism.compiling import told_of_compiling
     from asterism.files import check_writable
-    from asterism.held_wide import held_wide
     from asterism.material import with_material
     from asterism.overrides import changed
     from asterism.progress import Progress
     from asterism.results import write_results
-    from asterism.self_intersections import passing
     from asterism.simulation import simulate as run
-    from asterism.star_sides import off_branch
-    from pattern.build import layout
     from pattern.design import load_design
 
     plan = changed(
@@ -136,13 +132,9 @@ def simulate(
     files = write_results(shape, directory)
     _table(dict(shape.summary))
     typer.echo(f"{directory}: {', '.join(files)}")
-    if through := shape.summary["self_intersections"]:
-        advice = "" if plan.solver.contact else "; --contact keeps it apart"
-        print(f"asterism: {passing(through)}{advice}", file=sys.stderr)
-    for line in (*off_branch(shape.summary), *held_wide(layout(plan))):
+    for line in shape.summary["warnings"]:
         print(f"asterism: {line}", file=sys.stderr)
     if not shape.summary["is_minimum"]:
-        print("asterism: not an equilibrium: " + _why(dict(shape.summary)), file=sys.stderr)
         raise typer.Exit(1)
 
 
@@ -173,12 +165,6 @@ def _minimum(m: dict[str, Any]) -> str:
     axis = "" if m["roll_axis_deg"] is None else f", rolled about {m['roll_axis_deg']:.0f} deg"
     away = f"{m['distance_percent']:.1f} % away, " if m["distance_percent"] >= 0.05 else ""
     return f"{m['energy_n_mm']:.4f} N mm, {m['stars_up']} up{axis}; {away}{m['starts']} starts"
-
-
-def _why(s: dict[str, Any]) -> str:
-    if not s["converged"]:
-        return f"gradient {s['gradient_norm']:.1e} N is above {s['gradient_tolerance']:.1e} N"
-    return f"smallest eigenvalue {s['smallest_eigenvalue']:.1e} N/mm is not positive"
 
 
 class Mistake(Exception):

@@ -11,6 +11,7 @@ import numpy as np
 
 from asterism import __version__
 from asterism.contraction import contraction
+from asterism.exact_warnings import exact_warnings
 from asterism.mesh_error import mesh_error
 from asterism.minima import many_minima, one_minimum
 from asterism.self_intersections import self_intersections
@@ -140,6 +141,7 @@ def _shape(
         **minima,
         "path": [vars(step) for step in found.path],
     }
+    summary["warnings"] = exact_warnings(summary, model.layout)
     return replace(shape, point_fields=fields, cell_fields=strains, summary=summary)
 
 
@@ -163,6 +165,7 @@ def _rod_fields(model: Model, found: Equilibrium) -> dict[str, np.ndarray]:
 
 def _summary(model: Model, found: Equilibrium, shape: Shape, seconds: dict[str, float], wall: float) -> dict[str, Any]:
     return {
+        "model": "exact",
         "converged": found.converged,
         "is_minimum": found.is_minimum,
         "smallest_eigenvalue": found.smallest_eigenvalue,

@@ -28,7 +28,7 @@ def report(
     from asterism.files import OutputError, check_writable, staged
     from asterism.material import with_material
     from asterism.own_law import law_for
-    from asterism.reporting.facts import doubts, facts
+    from asterism.reporting.facts import facts
     from asterism.reporting.page import write_page
     from asterism.reporting.shape import shape_of
     from pattern.design import load_design
@@ -45,7 +45,7 @@ def report(
     job = prepare(plan, machine, profile, shape=shape, any_size=True)
     with staged(path.parent) as folder:
         summary = shape.summary if shape else {}
-        parts = write_page(folder / path.name, job, facts(job, summary, source), doubts(summary), shape)
+        parts = write_page(folder / path.name, job, facts(job, summary, source), summary.get("warnings", []), shape)
     typer.echo(f"{path}: layout 1:{parts:g}; shape: {source}")
 
 

@@ -10,8 +10,6 @@ import numpy as np
 from asterism.export.estimate import estimate
 from asterism.export.job import Job
 from asterism.previewing.expected_height import in_words
-from asterism.self_intersections import passing
-from asterism.star_sides import off_branch
 from pattern.design import Design
 from pattern.kept_curvature import KeptCurvature
 from pattern.layout import Layout
@@ -36,14 +34,6 @@ def facts(job: Job, summary: Mapping[str, Any], source: str) -> Facts:
         "Print": _print(job),
     }
     return {head: lines for head, lines in found.items() if lines}
-
-
-def doubts(summary: Mapping[str, Any]) -> list[str]:
-    """What a summary knows that commands warn of when they make a shape."""
-    found = list(summary.get("warnings", []))
-    if pairs := summary.get("self_intersections"):
-        found.append(passing(pairs))
-    return found + (list(off_branch(summary)) if "stars_off_branch" in summary else [])
 
 
 def _fabric(design: Design) -> list[str]:

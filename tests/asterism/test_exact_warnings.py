@@ -1,0 +1,48 @@
+"""Warnings that go with an exact shape."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from asterism.exact_warnings import exact_warnings
+from pattern.build import layout
+from pattern.design import Design
+
+SUMMARY = {
+    "converged": True, "is_minimum": True, "smallest_eigenvalue": 1e-3, "gradient_norm": 1e-9,
+    "gradient_tolerance": 1e-8, "self_intersections": 0, "self_contact": None, "stars_total": 19,
+    "stars_off_branch": [],
+}  # fmt: skip
+
+
+def said(scale: float = 1.0, **changes: Any) -> list[str]:
+    pins = [{"where": "border", "scale": scale}]
+    design = Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rings": 2}, "pins": pins})
+    return exact_warnings(SUMMARY | changes, layout(design))
+
+
+def test_nothing_is_said_of_a_good_shape() -> None:
+    assert said() == []
+
+
+@pytest.mark.parametrize(
+    ("changes", "line"),
+    [
+        ({"scale": 2.0}, "the pins hold the sheet 2 times as wide"),
+        ({"stars_off_branch": [3]}, "1 of 19 stars of the exact shape are not on the side that the design asks for"),
+        ({"self_intersections": 4}, "passes through itself (4 pairs of triangles); --contact keeps it apart"),
+        ({"self_intersections": 4, "self_contact": {"pairs": 0}}, "(4 pairs of triangles)"),
+        ({"is_minimum": False, "smallest_eigenvalue": -1e-5}, "smallest eigenvalue -1.0e-05 N/mm is not positive"),
+        (
+            {"converged": False, "is_minimum": False, "gradient_norm": 1e-3},
+            "not an equilibrium: gradient 1.0e-03 N is above 1.0e-08 N",
+        ),
+    ],
+)
+def test_what_is_wrong_is_said_once(changes: dict[str, Any], line: str) -> None:
+    (only,) = said(**changes)
+    assert line in only
+    if changes.get("self_contact"):
+        assert "--contact" not in only
