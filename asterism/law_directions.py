@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from homogenize.directions import left_out, spread
-from homogenize.fit import CURLED
+from homogenize.directions import CURLED, left_out, spread
 from homogenize.law import Law
 from homogenize.table import TIGHT
 

@@ -6,8 +6,8 @@ from typing import Any
 
 from discrete.branches import Branch, Minima
 from discrete.evidence import Equilibrium
-from discrete.likeness import roll_axis_deg
 from discrete.model import Model
+from discrete.roll_axis import roll_axis_deg
 
 ONE_START = "the default start's"
 LOWEST = "lowest energy"

@@ -23,9 +23,9 @@ from discrete.contact_model import ContactModel
 from discrete.creases import creases
 from discrete.evidence import Equilibrium
 from discrete.levels import Level, find_equilibrium
-from discrete.likeness import roll_axis_deg
 from discrete.model import Model
 from discrete.rods import curvatures
+from discrete.roll_axis import roll_axis_deg
 from discrete.walk import Report
 from equilibrium.factor import check_backend
 from equilibrium.threads import one_blas_thread

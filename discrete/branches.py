@@ -9,12 +9,13 @@ import numpy as np
 from discrete.elements import Array
 from discrete.evidence import Equilibrium
 from discrete.levels import Level, carried_up, coarser
-from discrete.likeness import distances, print_diameter, roll_axis_deg
 from discrete.model import Model
+from discrete.roll_axis import roll_axis_deg
 from discrete.solve import Start, relax
 from discrete.starts import beginnings
 from discrete.walk import Report
 from equilibrium.newton import Method
+from pattern.likeness import distances, print_diameter
 from pattern.symmetries import Symmetry, symmetries
 
 SAME_PERCENT = 0.5  # of the diameter: minima nearer than this are one

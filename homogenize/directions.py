@@ -12,14 +12,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from discrete.elements import Array
 from pattern.lattice import Lattice
+from pattern.layout import Floats
 
 # radians from y: a function of sixfold symmetry has its extremes at the first and the last
 THREEFOLD = (0.0, np.pi / 12, np.pi / 6)
 # the mean over these is that over all directions for functions with up to five periods in half a turn
 AROUND = tuple(np.pi / 6 * k for k in range(6))
 NEAR = 1e-6
+# natural curvature times spacing below which the energies of two directions differ by rounding only
+CURLED = 0.03
 
 
 def directions(lattice: Lattice) -> tuple[float, ...]:
@@ -27,12 +29,12 @@ def directions(lattice: Lattice) -> tuple[float, ...]:
     return THREEFOLD if is_threefold(lattice) else AROUND
 
 
-def averaged(tubes: Sequence[object] | Array) -> list[int]:
+def averaged(tubes: Sequence[object] | Floats) -> list[int]:
     """Which of the directions, or of what belongs to them, the law takes the mean of."""
     return list(range(len(AROUND))) if all_around(tubes) else [0, -1]
 
 
-def all_around(tubes: Sequence[object] | Array) -> bool:
+def all_around(tubes: Sequence[object] | Floats) -> bool:
     """Whether these are the directions of stars without threefold symmetry."""
     return len(tubes) == len(AROUND)
 
@@ -45,7 +47,7 @@ def is_threefold(lattice: Lattice) -> bool:
     return lattice.arms % 3 == 0 and bool(np.abs(steps - np.round(steps)).max() < NEAR)
 
 
-def spread(curvatures: Sequence[float] | Array) -> float:
+def spread(curvatures: Sequence[float] | Floats) -> float:
     """How far natural curvatures are at most from what the law has, over their mean; directions as of a law's cells."""
     found = np.asarray(curvatures, dtype=float)
     mean = found[averaged(found)].mean()

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator, RBFInterpolator
 
 from homogenize.campaign import Record
-from homogenize.directions import averaged
+from homogenize.directions import CURLED, averaged
 from homogenize.errors import CampaignError
 from homogenize.interpolation import Bools, Floats
 from homogenize.isotropy import isotropic
@@ -19,8 +19,6 @@ from homogenize.residuals import residuals
 from homogenize.table import NAMES, QUANTITIES, Table, from_stored, to_stored, units
 
 Q = len(NAMES)
-# natural curvature times spacing below which the energies of two directions differ by rounding only
-CURLED = 0.03
 # of the grid that a law from scattered cells is carried onto: lengths, thicknesses, widths
 SCATTERED = (14, 7, 4)
 

@@ -11,9 +11,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
-from discrete.elements import Array
 from pattern.lattice import Lattice
+from pattern.layout import Floats
 
 # longest reciprocal vector, over the shortest
 LONGEST = 3.0
@@ -24,8 +25,8 @@ NOTHING = 1e-9
 class Waves:
     """Attributes: reciprocal (W, n, 2) vectors 1/mm that each wave is the mean of; odd (W,) sines."""
 
-    reciprocal: Array
-    odd: Array
+    reciprocal: Floats
+    odd: NDArray[np.bool_]
 
     @classmethod
     def of(cls, lattice: Lattice) -> Waves:
@@ -40,7 +41,7 @@ class Waves:
         rotations = np.array([[[np.cos(t), -np.sin(t)], [np.sin(t), np.cos(t)]] for t in turns])
         first = np.asarray(lattice.arm_directions)[0]
         seen: set[tuple[float, float]] = set()
-        found: list[tuple[Array, bool]] = []
+        found: list[tuple[Floats, bool]] = []
         for vector in sorted(every, key=lambda g: _order(g, first, shortest)):
             orbit = rotations @ vector
             names = {_name(g / shortest) for g in orbit}
@@ -56,7 +57,7 @@ class Waves:
     def __len__(self) -> int:
         return len(self.odd)
 
-    def __call__(self, offsets: Array) -> Array:
+    def __call__(self, offsets: Floats) -> Floats:
         """(N, W) the waves at printed offsets (N, 2) mm from a star's centre."""
         kinds, turns = self.reciprocal.shape[:2]
         if self._steps is not None:
@@ -69,14 +70,14 @@ class Waves:
         return waves
 
     @cached_property
-    def _steps(self) -> tuple[Array, Array] | None:
+    def _steps(self) -> tuple[Floats, Floats] | None:
         """Two vectors (2, 2) of which all are whole multiples (W, n, 2); None if there are no such two."""
         basis = self.reciprocal[0, :2]
         steps = self.reciprocal @ np.linalg.inv(basis)
         whole = np.rint(steps)
         return (basis, whole.astype(np.int64)) if np.abs(steps - whole).max() < NOTHING else None
 
-    def _of_powers(self, offsets: Array, basis: Array, steps: Array) -> Array:
+    def _of_powers(self, offsets: Floats, basis: Floats, steps: Floats) -> Floats:
         """(N, W) as products of powers of two waves: sines and cosines take much longer."""
         top = int(np.abs(steps).max())
         powers = []
@@ -86,7 +87,7 @@ class Waves:
                 ladder.append(ladder[-1] * wave)
             powers.append([*ladder, *(one.conj() for one in ladder[:0:-1])])  # negative ones from the end
         waves = np.empty((len(offsets), len(steps)))
-        known: dict[bytes, Array] = {}  # a cosine and its sine
+        known: dict[bytes, Floats] = {}  # a cosine and its sine
         for kind, (orbit, odd) in enumerate(zip(steps, self.odd, strict=True)):
             name = orbit.tobytes()
             if name not in known:
@@ -94,19 +95,19 @@ class Waves:
             waves[:, kind] = known[name].imag if odd else known[name].real
         return waves
 
-    def amplitudes(self, offsets: Array, heights: Array, weights: Array) -> Array:
+    def amplitudes(self, offsets: Floats, heights: Floats, weights: Floats) -> Floats:
         """(W,) mm, of the relief nearest to heights (N,) in the mean square with weights (N,)."""
         root = np.sqrt(weights)
         mean = float(weights @ heights / weights.sum())
-        return np.linalg.lstsq(root[:, None] * self(offsets), root * (heights - mean), rcond=None)[0]
+        return np.asarray(np.linalg.lstsq(root[:, None] * self(offsets), root * (heights - mean), rcond=None)[0])
 
 
-def _order(vector: Array, first: Array, shortest: float) -> tuple[float, float]:
+def _order(vector: Floats, first: Floats, shortest: float) -> tuple[float, float]:
     """By length, then by the angle from the first arm."""
     angle = np.arctan2(first[0] * vector[1] - first[1] * vector[0], first @ vector)
     return round(float(np.linalg.norm(vector)) / shortest, 6), round(float(angle) % (2.0 * np.pi), 6)
 
 
-def _name(vector: Array) -> tuple[float, float]:
+def _name(vector: Floats) -> tuple[float, float]:
     x, y = (round(float(value), 6) + 0.0 for value in vector)
     return x, y

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+import subprocess
 import sys
 import tomllib
 from collections.abc import Iterator
@@ -86,6 +87,13 @@ def test_every_package_used_is_declared(file: Path) -> None:
     for module in roots(file) - set(MAY_IMPORT) - sys.stdlib_module_names:
         packages = {package.lower().replace("_", "-") for package in homes.get(module, [module])}
         assert packages & declared, f"{module} is not among the dependencies of pyproject.toml"
+
+
+def test_a_preview_runs_without_the_exact_model() -> None:
+    """What they are compared by must not come from code that both have."""
+    program = "import sys, asterism; asterism.preview(asterism.new('star')); print(*sys.modules)"
+    ran = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert not [module for module in ran.stdout.split() if module.split(".")[0] == "discrete"]
 
 
 def test_triangle_is_called_in_its_guarded_file_only() -> None:

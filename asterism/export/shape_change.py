@@ -6,9 +6,9 @@ from typing import Any
 
 from asterism.mesh_error import diameter
 from asterism.shape import Shape
-from discrete.likeness import distances
 from pattern.design import Design
 from pattern.layout import Layout
+from pattern.likeness import distances
 from pattern.symmetries import symmetries
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from discrete.likeness import distances
+from pattern.likeness import distances
 
 if TYPE_CHECKING:
     from asterism.previewing.preview import Preview

@@ -22,8 +22,8 @@ from asterism.previewing.expected_height import HeightDoubts, expected_height_pe
 from asterism.previewing.other_forms import OtherForm, other_forms
 from asterism.shape import Shape
 from asterism.star_sides import few
-from discrete.likeness import rolled_about
 from homogenize.directions import left_out
+from pattern.likeness import rolled_about
 from pattern.mesh import Mesh
 from pattern.planar import polygon_area
 

@@ -15,8 +15,8 @@ from asterism.shape import Shape
 from asterism.surface_fields import border_of
 from asterism.verification.cell_mean import CellMean
 from asterism.verification.tube import tube_radius
-from discrete.likeness import rolled_about
 from pattern.layout import Floats, Layout
+from pattern.likeness import rolled_about
 from pattern.normals import triangle_normals, vertex_normals
 from pattern.rigid_fit import rigid_fit
 from pattern.symmetries import Symmetry

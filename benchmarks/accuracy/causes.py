@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from asterism.previewing.star_values import star_values
-from discrete.likeness import print_diameter
 from homogenize.errors import LawError
 from homogenize.law import Law
 from pattern.build import layout
 from pattern.design import Design
+from pattern.likeness import print_diameter
 from pattern.planar import polygon_area
 
 # the largest on each sheet

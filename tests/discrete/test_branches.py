@@ -10,14 +10,15 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from discrete.branches import Branch, distinct, find_minima
-from discrete.likeness import distances, roll_axis_deg, rolled_about
 from discrete.model import Model
+from discrete.roll_axis import roll_axis_deg
 from discrete.solve import relax
 from discrete.starts import Beginning, beginnings
 from discrete.state import State
 from pattern import gallery
 from pattern.build import layout
 from pattern.design import Design
+from pattern.likeness import distances
 from pattern.meshing import mesh_layout
 from pattern.normals import vertex_normals
 from pattern.symmetries import Symmetry, symmetries
@@ -155,14 +156,3 @@ def test_flat_stars_are_on_no_side() -> None:
     assert (flat.sides == 0).all() and flat.stars_up == 0
     branches = [Branch(one, m, (name,), False) for name, one in (("a", flat), ("b", other))]
     assert len(distinct(branches, symmetries(m.design, m.layout))) == 1
-
-
-@pytest.mark.parametrize("second", [[0.0, 20.0], [8.0, 16.0], [0.0, 30.0]])
-def test_rolls_are_seen_on_lattices_of_two_lengths(second: list[float]) -> None:
-    lattice = {"kind": "custom", "vectors_mm": [[17.0, 0.0], second], "arms": 4}
-    border = {"rectangle_mm": [110, 110]}
-    plan = layout(Design.from_dict({"lattice": lattice, "stars": {"length_mm": 6.0}, "border": border}))
-    turn = plan.centres[:, 1] / 25.0
-    normal = np.column_stack([0.0 * turn, np.sin(turn), np.cos(turn)])
-    axis = rolled_about(plan, normal)
-    assert axis is not None and min(axis, 180.0 - axis) < 1.0

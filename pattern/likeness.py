@@ -6,10 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from discrete.elements import Array
-from discrete.model import Model
-from discrete.state import State
-from pattern.layout import Layout
+from pattern.layout import Floats, Layout
 from pattern.rigid_fit import rms_distance
 from pattern.symmetries import Symmetry
 
@@ -17,7 +14,7 @@ ROLLED_TURN = 1.0  # rad from one side of the sheet to the other
 ROLLED_ASPECT = 0.3  # of the curvatures' squares along and across the axis
 
 
-def distances(first: Array, second: Array, symmetries: Sequence[Symmetry]) -> Array:
+def distances(first: Floats, second: Floats, symmetries: Sequence[Symmetry]) -> Floats:
     """(n,) mm, rms distance of the star centres (S, 3) of two shapes, laid on each other, for every symmetry.
 
     The second shape stands for all its images `x'(p) = Q x(turn p + shift)`; see `Symmetry`.
@@ -30,16 +27,10 @@ def print_diameter(layout: Layout) -> float:
     return float(np.linalg.norm(layout.border[:, None] - layout.border[None], axis=2).max())
 
 
-def roll_axis_deg(model: Model, state: State) -> float | None:
-    """Axis of a rolled sheet in print coordinates, 0 to 180 deg from the x axis; None for other shapes."""
-    normal = np.zeros((len(model.layout.centres), 3))
-    np.add.at(normal, model.layout.arm_star[model.network.rod], state.directors)
-    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
-    return rolled_about(model.layout, normal)
+def rolled_about(layout: Layout, normal: Floats) -> float | None:
+    """Axis of a rolled sheet in print coordinates, 0 to 180 deg from the x axis; None for other shapes.
 
-
-def rolled_about(layout: Layout, normal: Array) -> float | None:
-    """The same from unit normals (S, 3) at the star centres.
+    From unit normals (S, 3) at the star centres.
 
     At every star the change of the normal from star to star is fitted by a linear map W (3, 2) of the printed place;
     the mean of W^T W has one large eigenvalue if the sheet bends about one axis only.

@@ -1,0 +1,21 @@
+"""The axis of a roll, from normals at the stars."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pattern.build import layout
+from pattern.design import Design
+from pattern.likeness import rolled_about
+
+
+@pytest.mark.parametrize("second", [[0.0, 20.0], [8.0, 16.0], [0.0, 30.0]])
+def test_rolls_are_seen_on_lattices_of_two_lengths(second: list[float]) -> None:
+    lattice = {"kind": "custom", "vectors_mm": [[17.0, 0.0], second], "arms": 4}
+    border = {"rectangle_mm": [110, 110]}
+    plan = layout(Design.from_dict({"lattice": lattice, "stars": {"length_mm": 6.0}, "border": border}))
+    turn = plan.centres[:, 1] / 25.0
+    normal = np.column_stack([0.0 * turn, np.sin(turn), np.cos(turn)])
+    axis = rolled_about(plan, normal)
+    assert axis is not None and min(axis, 180.0 - axis) < 1.0
