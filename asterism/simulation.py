@@ -119,7 +119,7 @@ def _shape(
 ) -> Shape:
     mesh, positions = model.mesh, found.state.positions
     star = np.full(len(mesh.points), -1, dtype=np.int64)
-    star[mesh.star_vertices] = np.arange(len(mesh.star_vertices))
+    star[mesh.star_vertices] = model.layout.star_number
     shape = Shape(
         printed=mesh.points,
         positions=positions,
@@ -156,7 +156,7 @@ def _rod_fields(model: Model, found: Equilibrium) -> dict[str, np.ndarray]:
     np.add.at(touched, net.stencil_edges[own], 1.0)
     return {
         "arm": net.rod,
-        "star": model.layout.arm_star[net.rod],
+        "star": model.layout.star_number[model.layout.arm_star[net.rod]],
         "thickness_mm": model.edge_thickness,
         "width_mm": model.edge_width,
         "curvature_per_mm": np.divide(bend, touched, out=np.full(len(bend), np.nan), where=touched > 0),
@@ -164,6 +164,7 @@ def _rod_fields(model: Model, found: Equilibrium) -> dict[str, np.ndarray]:
 
 
 def _summary(model: Model, found: Equilibrium, shape: Shape, seconds: dict[str, float], wall: float) -> dict[str, Any]:
+    number = model.layout.star_number
     return {
         "model": "exact",
         "converged": found.converged,
@@ -177,8 +178,8 @@ def _summary(model: Model, found: Equilibrium, shape: Shape, seconds: dict[str, 
         **found.energies,
         "stars_total": len(model.layout.centres),
         "stars_up": found.stars_up,
-        "stars_down": [int(i) for i in np.flatnonzero(found.sides < 0)],
-        "stars_off_branch": stars_off_branch(model, found),
+        "stars_down": number[found.sides < 0].tolist(),
+        "stars_off_branch": number[stars_off_branch(model, found)].tolist(),
         "roll_axis_deg": roll_axis_deg(model, found.state),
         "vertices": model.n_vertices,
         "triangles": len(model.mesh.triangles),

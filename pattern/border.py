@@ -99,7 +99,7 @@ def star_cells(border: Border, lattice: Lattice, corners: Floats) -> Ints:
         raise DesignError("border", f"must hold at most {MOST_STARS} stars", f"{len(cells)} stars")
     x, y = lattice.place(cells).T
     distance = np.round(np.hypot(x, y) / lattice.spacing_mm, 6)
-    angle = np.round(np.arctan2(y, x) % (2 * np.pi), 6)
+    angle = np.round(np.arctan2(y, x), 6) % round(2 * np.pi, 6)  # a star on the axis is first whatever its rounding
     return cells[np.lexsort((angle, distance))]
 
 

@@ -60,6 +60,8 @@ def layout(design: Design) -> Layout:
     thickness, width = (_shortened(ends, left) for ends in (thickness, width))
     long_enough = left * size.length[star] >= SHORTEST_ARM_MM
     star, tips, thickness, width = (part[long_enough] for part in (star, tips, thickness, width))
+    if (rounding := design.stars.rounding) is not None:
+        thickness, width = rounding.thickness(thickness), rounding.width(width)
     if len(star) == 0:
         raise DesignError("stars", f"must have at least one arm of {SHORTEST_ARM_MM:g} mm on the sheet")
     check_clear(centres[star], tips, star, width, _MEETING * lattice.spacing_mm)
@@ -79,6 +81,7 @@ def layout(design: Design) -> Layout:
         lattice_vectors=lattice.vectors,
         lattice_origin=np.asarray(lattice.origin_mm),
         star_branch=size.branch[kept],
+        star_number=kept,
     )
 
 

@@ -103,7 +103,7 @@ def _grey_values(path: Path) -> np.ndarray:
         with Image.open(path) as picture:
             if picture.width * picture.height > _MOST_SOURCE_PIXELS:
                 raise _Unreadable("has too many pixels")
-            flat = picture.convert("RGBA")
+            flat = _eight_bits(picture).convert("RGBA")
         page = Image.new("RGBA", flat.size, "white")  # what is transparent is paper
         page.alpha_composite(flat)
         grey = page.convert("L")
@@ -111,6 +111,20 @@ def _grey_values(path: Path) -> np.ndarray:
         return np.asarray(grey)
     except (OSError, ValueError, SyntaxError, UnidentifiedImageError, Image.DecompressionBombError):
         raise _Unreadable("is not a picture that can be read (PNG, JPEG, ...)") from None
+
+
+def _eight_bits(picture: Any) -> Any:
+    """A grey picture of 16 bits a pixel with 8; others as they are."""
+    from PIL import Image
+
+    if picture.mode == "F":
+        raise _Unreadable("has numbers in place of grey values: save it with 8 or 16 bits a pixel")
+    if not picture.mode.startswith("I"):
+        return picture
+    values = np.asarray(picture, dtype=float)
+    if values.min() < 0 or values.max() > 65535:
+        raise _Unreadable("has more than 16 bits a pixel: save it with 8 or 16")
+    return Image.fromarray(np.round(values * (255 / 65535)).astype(np.uint8))
 
 
 def _packed(grey: np.ndarray) -> str:

@@ -64,7 +64,7 @@ class LatticeGrid:
         where = self.lattice_coordinates(layout.centres - self.origin)
         off = np.abs(where - np.rint(where)).max(axis=1, initial=0)
         if (off > ON_LINE).any():
-            raise MeshError(f"star {np.argmax(off > ON_LINE)} is not at a point of the lattice")
+            raise MeshError(f"star {layout.star_number[np.argmax(off > ON_LINE)]} is not at a point of the lattice")
         return np.rint(where).astype(np.int64) * self.k
 
     def directions(self, layout: Layout) -> Ints:
@@ -75,7 +75,8 @@ class LatticeGrid:
         best = np.argmax(arm @ unit.T, axis=1)
         off = np.abs(cross(arm, unit[best])) > ON_LINE * np.linalg.norm(self.basis[0])
         if off.any():
-            raise MeshError(f"an arm of star {layout.arm_star[np.argmax(off)]} does not lie on a line of the lattice")
+            star = layout.star_number[layout.arm_star[np.argmax(off)]]
+            raise MeshError(f"an arm of star {star} does not lie on a line of the lattice")
         return DIRECTIONS[best]
 
     def window(self, low: Floats, high: Floats) -> Ints:

@@ -59,6 +59,7 @@ class Layout:
     lattice_vectors : (2, 2) mm, rows; star centres are integer combinations of the rows plus `lattice_origin`.
     lattice_origin : (2,) mm.
     star_branch : (S,) side to which each star starts: 1 up, to the plastic's side (the default), -1 down, 0 neither.
+    star_number : (S,) by which the design, and whoever reads results, knows each star; in order.
     """
 
     border: Floats
@@ -72,10 +73,13 @@ class Layout:
     lattice_vectors: Floats
     lattice_origin: Floats
     star_branch: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    star_number: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))
 
     def __post_init__(self) -> None:
         if len(self.star_branch) == 0:
             object.__setattr__(self, "star_branch", np.ones(len(self.centres), dtype=np.int64))
+        if len(self.star_number) == 0:
+            object.__setattr__(self, "star_number", np.arange(len(self.centres)))
 
     @property
     def pin_steps(self) -> tuple[int, ...]:

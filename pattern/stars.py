@@ -75,7 +75,7 @@ class Stars(Section):
 
 @dataclass(frozen=True)
 class Sizes:
-    """Sizes at the stars of a lattice, removed ones with length 0.
+    """Sizes at the stars of a lattice before any rounding, removed ones with length 0.
 
     Attributes
     ----------
@@ -97,21 +97,20 @@ def sizes(stars: Stars, centres: Floats, spacing: float, arm_directions: Floats)
         length = sample(stars.length_mm, centres)
     else:
         length = spacing * sample(stars.length_fraction, centres)
+    changes = _changes(stars, centres, spacing)
+    for star, change, name in changes:
+        if change.length_mm is not None:
+            _check(f"{name}.length_mm", np.array([change.length_mm]), (0.0, spacing), centres[[star]], [star])
+            length[star] = change.length_mm
     tips = centres[:, None, :] + np.clip(np.nan_to_num(length), 0, spacing)[:, None, None] * arm_directions
     both = np.stack([np.broadcast_to(centres[:, None, :], tips.shape), tips], axis=2)
     at = both if stars.vary_along_arms else np.broadcast_to(both[:, :, :1], both.shape)
     thickness = sample(stars.thickness_mm, at.reshape(-1, 2)).reshape(at.shape[:-1])
     width = sample(stars.width_mm, at.reshape(-1, 2)).reshape(at.shape[:-1])
-    values = {"length_mm": length, "thickness_mm": thickness, "width_mm": width}
-    limits = {"length_mm": (0.0, spacing), "thickness_mm": THICKNESS_MM, "width_mm": WIDTH_MM}
+    values = {"thickness_mm": thickness, "width_mm": width}
+    limits = {"thickness_mm": THICKNESS_MM, "width_mm": WIDTH_MM}
     branch = np.full(len(centres), _SIGN[stars.branch], dtype=np.int64)
-    changed: set[int] = set()
-    for number, change in enumerate(stars.override):
-        name = f"stars.override[{number}]"
-        star = _find(change, centres, spacing, name)
-        if star in changed:
-            raise DesignError(name, f"changes star {star} again: write its changes in one entry")
-        changed.add(star)
+    for star, change, name in changes:
         for key in values:
             if (value := getattr(change, key)) is not None:
                 _check(f"{name}.{key}", np.array([value]), limits[key], centres[[star]], [star])
@@ -126,9 +125,19 @@ def sizes(stars: Stars, centres: Floats, spacing: float, arm_directions: Floats)
     printed = np.flatnonzero(length > 0)
     for key in ("thickness_mm", "width_mm"):
         _check(f"stars.{key}", values[key][printed], limits[key], centres[printed], printed)
-    if stars.rounding is not None:
-        thickness, width = stars.rounding.thickness(thickness), stars.rounding.width(width)
     return Sizes(np.minimum(length, spacing), thickness, width, branch)
+
+
+def _changes(stars: Stars, centres: Floats, spacing: float) -> list[tuple[int, Override, str]]:
+    """Stars that are changed by hand, how, and the name of the entry that says so."""
+    found: dict[int, tuple[int, Override, str]] = {}
+    for number, change in enumerate(stars.override):
+        name = f"stars.override[{number}]"
+        star = _find(change, centres, spacing, name)
+        if star in found:
+            raise DesignError(name, f"changes star {star} again: write its changes in one entry")
+        found[star] = star, change, name
+    return list(found.values())
 
 
 def _find(change: Override, centres: Floats, spacing: float, name: str) -> int:

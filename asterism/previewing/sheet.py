@@ -122,7 +122,8 @@ class Sheet:
         except FieldError as error:
             star = int(np.linalg.norm(self.layout.centres - error.place, axis=1).argmin())
             (x, y), lam = self.layout.centres[star], values.value["lam_n"][star]
-            told = f"star {star} at [{x:.1f}, {y:.1f}]: lam_n = {lam:.4g} is too far from its neighbours'"
+            number = self.layout.star_number[star]
+            told = f"star {number} at [{x:.1f}, {y:.1f}]: lam_n = {lam:.4g} is too far from its neighbours'"
             raise LawError(f"{told}: {error}") from None
         return fields
 

@@ -27,7 +27,7 @@ class StarValues:
     relief : (S + 1, 2, W) mm and mm^2, amplitudes of the law's waves: flat, and more per curvature.
     sizes : (S, 3) mm, length, thickness and width that the law was asked for.
     outside : one line for each star beyond the law's range; it counts as the nearest star in the range.
-    tight : stars whose sheet would curl to a radius below two thirds of their spacing.
+    tight : numbers of the stars whose sheet would curl to a radius below two thirds of their spacing.
     tips : (S + 1, 2) mm and mm^2, the relief at the tips of a star's arms, mean over the arms: flat, and more per
         curvature.
     caps : (S + 1,) 1/mm, curvature `2 B / l^2` of a star's bump of height B over arms of length l, on its natural tube.
@@ -65,10 +65,13 @@ def star_values(design: Design, layout: Layout, law: Law) -> StarValues:
     sizes = star_sizes(layout, design.lattice.arms)
     asked = np.vstack([sizes, [0.0, *np.mean(sizes[:, 1:], axis=0)]])
     found = law.evaluate(design, *asked.T)
-    where = [f"at [{x:.1f}, {y:.1f}]" for x, y in layout.centres]
+    where = [
+        f"star {number} at [{x:.1f}, {y:.1f}]"
+        for number, (x, y) in zip(layout.star_number, layout.centres, strict=True)
+    ]
     _check(where, {name: found.value[name][:-1] for name in NAMES})
     outside = tuple(_placed(line, where) for line in found.outside)
-    tight = tuple(int(star) for star in np.flatnonzero(found.tight[:-1]))
+    tight = tuple(layout.star_number[found.tight[:-1]].tolist())
     relief = table.relief(*asked.T)
     tips, caps = _bumps(design, law, asked[:, 0], relief, found.value["kappa"])
     return StarValues(found.value, relief, sizes, outside, tight, tips, caps)
@@ -90,7 +93,7 @@ def _bumps(design: Design, law: Law, length: Floats, relief: Floats, kappa: Floa
 def _placed(line: str, where: Sequence[str]) -> str:
     """The law's words on a star, with its place."""
     head, text = line.split(": ", 1)
-    return f"{head} {where[int(head.split()[1])]}: {text}"
+    return f"{where[int(head.split()[1])]}: {text}"
 
 
 def _check(where: Sequence[str], value: dict[str, Floats]) -> None:
@@ -106,4 +109,4 @@ def _check(where: Sequence[str], value: dict[str, Floats]) -> None:
     if wrong.any():
         star = int(wrong.any(axis=0).argmax())
         name, (_, what) = list(allowed.items())[int(wrong[:, star].argmax())]
-        raise LawError(f"star {star} {where[star]}: the law's {name} = {value[name][star]:.4g}, a sheet needs {what}")
+        raise LawError(f"{where[star]}: the law's {name} = {value[name][star]:.4g}, a sheet needs {what}")

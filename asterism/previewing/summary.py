@@ -110,6 +110,8 @@ def warnings(
     """One line each."""
     found, values, layout = preview.equilibrium, preview.values, preview.sheet.layout
     lines = list(values.outside)
+    if len(lines) > 1:
+        lines = [f"{len(lines)} of {len(layout.centres)} stars are outside the law, such as {lines[0]}"]
     if line := directions_line(preview.law):
         lines.append(line)
     if values.tight:
@@ -118,7 +120,7 @@ def warnings(
             f"where a smooth sheet says little: stars {few(values.tight)}"
         )
     lines += held_wide(layout)
-    down = [int(star) for star in np.flatnonzero(layout.star_branch < 0)]
+    down = layout.star_number[layout.star_branch < 0].tolist()
     if down:
         lines.append(f"the law's stars bump up, but {len(down)} of the design start down: stars {few(down)}")
     if not found.converged:

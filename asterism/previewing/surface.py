@@ -88,7 +88,7 @@ def shape_of(design: Design, sheet: Sheet, mesh: Mesh, places: Places) -> Shape:
     Normals, curvatures and strains are those of the smooth surface.
     """
     star = np.full(len(mesh.points), -1, dtype=np.int64)
-    star[mesh.star_vertices] = np.arange(len(mesh.star_vertices))
+    star[mesh.star_vertices] = sheet.layout.star_number
     return Shape(
         printed=mesh.points,
         positions=places.bumpy,
@@ -121,6 +121,6 @@ def _rod_fields(sheet: Sheet, mesh: Mesh) -> dict[str, np.ndarray]:
     ends = {"thickness_mm": layout.arm_thickness, "width_mm": layout.arm_width}
     return {
         "arm": arms,
-        "star": layout.arm_star[arms],
+        "star": layout.star_number[layout.arm_star[arms]],
         **{name: (1.0 - part) * both[arms, 0] + part * both[arms, 1] for name, both in ends.items()},
     }

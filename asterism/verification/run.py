@@ -24,6 +24,7 @@ from discrete.walk import Report
 from homogenize.law import Law
 from pattern.build import layout
 from pattern.design import Design
+from pattern.layout import Layout
 from pattern.symmetries import Symmetry, symmetries
 
 RELEASE, PREVIEW = "release", "preview"
@@ -116,7 +117,8 @@ def verify(
         "exact_s": exact_s,
         "exact_from_preview_s": near_s,
     }
-    return replace(found, summary=_summary(found, between, same, seconds) | {"command": command})
+    agree = between.rms_percent < SAME_PERCENT and _same_stars_down(exact, plan, same)
+    return replace(found, summary=_summary(found, between, agree, seconds) | {"command": command})
 
 
 def _timed(clock: Callable[[], float], make: Callable[[], Shape], known: Shape | None = None) -> tuple[Shape, float]:
@@ -127,17 +129,13 @@ def _timed(clock: Callable[[], float], make: Callable[[], Shape], known: Shape |
     return make(), clock() - begun
 
 
-def _same_stars_down(exact: Mapping[str, Shape], same: Sequence[Symmetry]) -> bool:
+def _same_stars_down(exact: Mapping[str, Shape], plan: Layout, same: Sequence[Symmetry]) -> bool:
     """Whether the stars that bump down in one shape are those of an image of the other; cell means do not see them."""
-    first, second = (
-        np.isin(np.arange(shape.summary["stars_total"]), shape.summary["stars_down"]) for shape in exact.values()
-    )
+    first, second = (np.isin(plan.star_number, shape.summary["stars_down"]) for shape in exact.values())
     return any(np.array_equal(first, second[symmetry.star]) for symmetry in same)
 
 
-def _summary(
-    found: Verification, between: Comparison, same: Sequence[Symmetry], seconds: dict[str, float]
-) -> dict[str, Any]:
+def _summary(found: Verification, between: Comparison, agree: bool, seconds: dict[str, float]) -> dict[str, Any]:
     result, other = found.result, next(name for name in found.exact if name != found.result)
     exact = found.exact[result].summary
     return {
@@ -154,7 +152,7 @@ def _summary(
         "expected_rms_percent": found.preview.summary.get("expected_rms_percent"),
         "expected_height_percent": found.preview.summary.get("expected_height_percent"),
         "result_from": result,
-        "starts_agree": between.rms_percent < SAME_PERCENT and _same_stars_down(found.exact, same),
+        "starts_agree": agree,
         "starts_distance_percent": between.rms_percent,
         "starts": {
             name: numbers(found.comparisons[name]) | {key: shape.summary[key] for key in KEPT}

@@ -70,6 +70,24 @@ def test_picture_stays_with_the_design(picture):
     assert load_design(picture / "design.toml") == design
 
 
+def test_pictures_of_16_bits_are_the_same_as_of_8(tmp_path):
+    ramp = np.tile(np.arange(0, 65536, 257, dtype=np.uint16), (40, 1))
+    Image.fromarray(ramp).save(tmp_path / "map.png")
+    field = Design.from_dict(_with_picture(extent_mm=[256, 40]), tmp_path).stars.length_mm
+    at = np.column_stack([np.array([0.5, 100.5, 255.5]) - 128.0, np.zeros(3)])
+    np.testing.assert_allclose(sample(field, at), 4 + 5 * np.array([0, 100, 255]) / 255, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("values", "problem"),
+    [(np.float32([[0.0, 0.5]]), "in place of grey"), (np.int32([[0, 70000]]), "more than 16 bits")],
+)
+def test_pictures_of_numbers_are_refused(values, problem, tmp_path):
+    Image.fromarray(values).save(tmp_path / "map.tiff")
+    with pytest.raises(DesignError, match=problem):
+        Design.from_dict(_with_picture(image="map.tiff"), tmp_path)
+
+
 @pytest.mark.parametrize("content", [None, b"", b"not a picture", b"\x89PNG\r\n\x1a\n garbage"])
 def test_picture_that_cannot_be_read(tmp_path, content):
     if content is not None:

@@ -148,6 +148,18 @@ def test_overrides():
     assert np.linalg.norm(sheet.centres - [0, D], axis=1).min() > 1
 
 
+def test_stars_keep_the_numbers_of_the_design():
+    sheet = lay(stars={"override": [{"star": 0, "remove": True}, {"star": 3, "branch": "down"}]}, border={"rings": 1})
+    assert sheet.star_number.tolist() == [1, 2, 3, 4, 5, 6]
+    assert sheet.star_number[sheet.star_branch < 0].tolist() == [3]
+
+
+def test_a_star_on_the_axis_is_first_of_its_ring_whatever_its_rounding():
+    lattice = {"kind": "square", "spacing_mm": 17.3, "arms": 4, "origin_mm": [0, 51.9]}
+    sheet = lay(lattice=lattice, stars={"length_mm": 6}, border={"rectangle_mm": [80, 80]})
+    np.testing.assert_allclose(sheet.centres[1], [17.3, 0.0], atol=1e-9)
+
+
 def test_sizes_along_arms():
     radial = {"profile": "radial", "from": 0.6, "to": 0.2, "over_mm": 80}
     flat = lay(stars={"thickness_mm": radial})
@@ -156,6 +168,15 @@ def test_sizes_along_arms():
     expected = 0.6 - 0.4 * np.linalg.norm(along.arm_tip, axis=1) / 80
     np.testing.assert_allclose(along.arm_thickness[:, 1], expected)
     np.testing.assert_allclose(along.arm_thickness[:, 0], flat.arm_thickness[:, 0])
+
+
+def test_sizes_along_arms_of_a_star_changed_by_hand():
+    """The field counts where the tips of the changed star are."""
+    field = {"formula": "0.6 + 0.004*y"}
+    plan = {"thickness_mm": field, "vary_along_arms": True}
+    changed = lay(stars={"length_mm": 4.0, "override": [{"star": 0, "length_mm": 9.0}], **plan})
+    np.testing.assert_allclose(changed.arm_thickness[:3, 1], 0.6 + 0.004 * changed.arm_tip[:3, 1])
+    np.testing.assert_allclose(changed.arm_length[:3], 9.0)
 
 
 def test_cut_arm_keeps_the_taper_of_the_full_one():
@@ -172,6 +193,16 @@ def test_cut_arm_keeps_the_taper_of_the_full_one():
     arm = int(sheet.arm_tip[:, 0].argmax())
     assert sheet.arm_tip[arm] == pytest.approx([29.5, 0], abs=1e-9)
     assert sheet.arm_thickness[arm] == pytest.approx([0.3, 0.395])
+
+
+def test_cut_arms_are_rounded_too():
+    rule = {"first_layer_mm": 0.3, "layer_mm": 0.2, "line_mm": 0.4}
+    sheet = lay(
+        stars={"thickness_mm": {"formula": "0.3 + 0.01*r"}, "vary_along_arms": True, "rounding": rule},
+        border={"rectangle_mm": [80, 60], "star_margin_mm": 5.0},
+    )
+    layers = (sheet.arm_thickness - 0.3) / 0.2
+    np.testing.assert_allclose(layers, np.round(layers), atol=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ import pytest
 
 from pattern.build import layout
 from pattern.design import Design
+from pattern.errors import DesignError
 
 
 def pins(*tables, border=None):
@@ -47,6 +48,12 @@ def test_slides(slide, fixed):
 
 def test_neighbouring_edges_may_share_a_corner_they_agree_on():
     assert len(pins({"edges": [0], "scale": 0.8}, {"edges": [1], "scale": 0.8})) == 2
+
+
+def test_neighbouring_edges_that_slide_share_a_corner_that_both_hold_in_z():
+    assert len(pins({"edges": [0], "scale": 0.7, "slide": "plane"}, {"edges": [1], "slide": "plane"})) == 2
+    with pytest.raises(DesignError, match=r"pins\[1\].*: must hold the corner as pins\[0\] does"):
+        pins({"edges": [0], "scale": 0.7, "slide": "z"}, {"edges": [1], "slide": "z"})
 
 
 def test_fixed_in_place_on_the_outline_and_inside():

@@ -275,6 +275,23 @@ def test_stars_beyond_the_law_are_warned_of_not_refused() -> None:
     assert summary["stars_outside_law"][0] in summary["warnings"]
 
 
+def test_warnings_name_stars_by_the_numbers_of_the_design() -> None:
+    odd = [{"star": 0, "remove": True}, {"star": 5, "thickness_mm": 0.9}]
+    shape = Preview(design(stars={"override": odd}), plain_law()).shape()
+    assert shape.summary["stars_outside_law"][0].startswith("star 5 at [")
+    assert shape.star.max() == len(shape.star_vertices) and 0 not in shape.star[shape.star_vertices]
+    down = Preview(design(stars={"override": [odd[0], {"star": 3, "branch": "down"}]}), plain_law()).shape()
+    assert any(line.endswith("start down: stars 3") for line in down.summary["warnings"])
+
+
+def test_many_stars_beyond_the_law_are_one_warning() -> None:
+    odd = [{"star": star, "thickness_mm": 0.9} for star in range(4)]
+    summary = Preview(design(stars={"override": odd}), plain_law()).shape().summary
+    assert len(summary["stars_outside_law"]) == 4
+    (line,) = [line for line in summary["warnings"] if "outside the law" in line]
+    assert line.startswith("4 of ") and "such as star 0 at [" in line
+
+
 def test_neighbours_that_no_sheet_can_join_are_refused_with_star_and_value() -> None:
     """Fabric that is stretched threefold, and stars that let it contract by that or not at all."""
     law = plain_law(3.0)

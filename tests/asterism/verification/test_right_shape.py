@@ -47,7 +47,7 @@ def test_starts_agree_only_on_images_of_each_other() -> None:
         return shape(1.0, stars_down=[int(star) for star in stars], stars_total=7)
 
     def agree(*pair: Any) -> bool:
-        return _same_stars_down(dict(enumerate(pair)), same)  # type: ignore[arg-type]
+        return _same_stars_down(dict(enumerate(pair)), plan, same)  # type: ignore[arg-type]
 
     assert agree(down(), down()) and agree(down(corners[0]), down(corners[2]))
     assert not agree(down(middle), down(corners[0])) and not agree(down(), down(corners[0]))
