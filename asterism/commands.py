@@ -103,7 +103,7 @@ def simulate(
     other minima. Exit status 1 if what was found is not an equilibrium.
     """
     from asterism.compiling import told_of_compiling
-    from asterism.files import check_writable
+    from asterism.files import LAST, check_kept, check_writable
     from asterism.material import with_material
     from asterism.overrides import changed
     from asterism.progress import Progress
@@ -122,6 +122,7 @@ def simulate(
         },
     )
     directory = output or design.with_suffix("")
+    check_kept(design, directory, LAST)
     check_writable(directory)
     progress = Progress()
     try:

@@ -75,7 +75,7 @@ def read_rows(path: Path, known: tuple[str, ...], required: tuple[str, ...]) -> 
         raise TableError(path, None, None, "is empty")
     first, head = lines[0]
     separator = max(",;\t", key=head.count)
-    names = [name.strip() for name in next(csv.reader([head], delimiter=separator))]
+    names = _cells(path, first, head, separator)
     while names and not names[-1]:
         names.pop()
     for name in names:
@@ -88,7 +88,7 @@ def read_rows(path: Path, known: tuple[str, ...], required: tuple[str, ...]) -> 
             raise TableError(path, first, None, f"the column {name} is missing")
     rows = []
     for number, line in lines[1:]:
-        texts = [text.strip() for text in next(csv.reader([line], delimiter=separator))]
+        texts = _cells(path, number, line, separator)
         while len(texts) > len(names) and not texts[-1]:
             texts.pop()
         if len(texts) > len(names):
@@ -99,6 +99,14 @@ def read_rows(path: Path, known: tuple[str, ...], required: tuple[str, ...]) -> 
         if any(texts):
             rows.append(Row(path, number, dict(zip(names, texts, strict=False))))
     return rows
+
+
+def _cells(path: Path, number: int, line: str, separator: str) -> list[str]:
+    """The cells of a line."""
+    try:
+        return [text.strip() for text in next(csv.reader([line], delimiter=separator))]
+    except csv.Error as error:
+        raise TableError(path, number, None, str(error)) from None
 
 
 def _lines(path: Path) -> list[tuple[int, str]]:

@@ -49,8 +49,8 @@ def export(
     from asterism.export.printed_shape import printed_shape
     from asterism.export.profiles import load_plastic, load_printer
     from asterism.export.table import table
-    from asterism.export.write import write_export
-    from asterism.files import check_writable, holds_result
+    from asterism.export.write import ROUNDED, SUMMARY, write_export
+    from asterism.files import check_kept, check_writable, holds_result
     from asterism.material import with_material
     from asterism.own_law import law_for
     from asterism.read_shape import folder_of, read_shape
@@ -69,6 +69,7 @@ def export(
     plan = with_material(load_design(design), material)
     machine = _changed(load_printer(printer), first_layer, layer, plate)
     directory = output or design.with_name(f"{design.stem}-print")
+    check_kept(design, directory, ROUNDED, SUMMARY)
     check_writable(directory)
     elsewhere = shape is not None and directory.resolve() != folder_of(shape)
     if (preview or simulate or elsewhere) and holds_result(directory):

@@ -95,6 +95,12 @@ def check_writable(directory: str | Path, name: str = LAST) -> None:
         raise _Rehearsal
 
 
+def check_kept(file: Path, directory: str | Path, *written: str) -> None:
+    """Raise OutputError if a file that is read is one of those that will be `written` into a directory."""
+    if file.name in written and file.resolve().parent == Path(directory).resolve():
+        raise OutputError(f"--output: {str(directory)!r} is where {file.name} is and stays; choose another name")
+
+
 def holds_result(directory: str | Path) -> bool:
     """Whether a finished result lies there, whatever other files do."""
     return (Path(directory) / LAST).is_file()

@@ -94,8 +94,8 @@ class Table(Section):
     def _increasing(self) -> Self:
         if len(self.values_) != len(self.distance_mm):
             raise DesignError("values", f"must have {len(self.distance_mm)} entries, one a distance", self.values_)
-        if not np.all(np.diff(self.distance_mm) > 0):
-            raise DesignError("distance_mm", "must increase from entry to entry", self.distance_mm)
+        if not np.all(np.diff(self.distance_mm) >= 1e-6):
+            raise DesignError("distance_mm", "must increase from entry to entry, by 1e-6 or more", self.distance_mm)
         return self
 
     def values(self, points: Floats) -> Floats:

@@ -44,6 +44,10 @@ def read_table(path: Path) -> dict[str, Any]:
         raise wrong(f"is not {suffix[1:].upper()}: {error}") from None
     if not isinstance(table, dict):
         raise wrong("must hold a table of keys and values")
+    try:
+        json.dumps(table, ensure_ascii=False, default=str).encode()
+    except UnicodeEncodeError:
+        raise wrong("holds half a character (\\ud800 to \\udfff alone), which is no text") from None
     return table
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import binascii
+import warnings
 import zlib
 from pathlib import Path
 from typing import Any
@@ -100,16 +101,20 @@ def _grey_values(path: Path) -> np.ndarray:
             raise _Unreadable("must be a file" if path.is_dir() else f"there is no such file in {path.parent}")
         if path.stat().st_size > _LARGEST_FILE:
             raise _Unreadable(f"must be at most {_LARGEST_FILE // 1_000_000} MB")
-        with Image.open(path) as picture:
-            if picture.width * picture.height > _MOST_SOURCE_PIXELS:
-                raise _Unreadable("has too many pixels")
-            flat = _eight_bits(picture).convert("RGBA")
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", Image.DecompressionBombWarning)
+            with Image.open(path) as picture:
+                if picture.width * picture.height > _MOST_SOURCE_PIXELS:
+                    raise Image.DecompressionBombError
+                flat = _eight_bits(picture).convert("RGBA")
         page = Image.new("RGBA", flat.size, "white")  # what is transparent is paper
         page.alpha_composite(flat)
         grey = page.convert("L")
         grey.thumbnail((MOST_PIXELS, MOST_PIXELS), Image.Resampling.BOX)
         return np.asarray(grey)
-    except (OSError, ValueError, SyntaxError, UnidentifiedImageError, Image.DecompressionBombError):
+    except (Image.DecompressionBombError, Image.DecompressionBombWarning):
+        raise _Unreadable("has too many pixels") from None
+    except (OSError, ValueError, SyntaxError, UnidentifiedImageError):
         raise _Unreadable("is not a picture that can be read (PNG, JPEG, ...)") from None
 
 

@@ -6,8 +6,10 @@ import difflib
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Strict, Tag, model_validator
-from pydantic_core import PydanticCustomError
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Strict, Tag, model_validator
+from pydantic_core import PydanticCustomError, PydanticKnownError
+
+MOST = 1e12  # what is larger is a slip, and its square may be no number
 
 
 def is_whole(value: Any) -> bool:
@@ -19,8 +21,16 @@ def _from_array(value: Any) -> Any:
     return int(value) if is_whole(value) else value
 
 
+def _moderate(value: float) -> float:
+    if abs(value) <= MOST:
+        return value
+    raise PydanticKnownError(
+        *(("less_than_equal", {"le": MOST}) if value > 0 else ("greater_than_equal", {"ge": -MOST}))
+    )
+
+
 # strict: neither a bool nor a text passes for a number
-Number = Annotated[float, Strict()]
+Number = Annotated[float, Strict(), AfterValidator(_moderate)]
 Whole = Annotated[int, Strict(), BeforeValidator(_from_array)]
 Flag = Annotated[bool, Strict()]
 Text = Annotated[str, Strict()]

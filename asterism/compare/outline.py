@@ -84,6 +84,8 @@ def _from_svg(path: Path, unit: str | None) -> Outline:
     except Exception as error:
         reason = str(error).strip().split("\n")[0] or type(error).__name__
         raise ScanError(path, f"cannot be read as SVG: {reason}") from None
+    if not isinstance(drawing, svg.SVG):
+        raise ScanError(path, "is not a drawing in SVG")
     said = [str(drawing.values.get(side, "")).strip().lower() for side in ("width", "height")]
     measured = all(text.endswith(("mm", "cm", "in", "pt", "pc")) for text in said)
     lines = []

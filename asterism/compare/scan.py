@@ -111,4 +111,7 @@ def _read(path: Path) -> tuple[Floats, Ints]:
         vertices.append(points)
         triangles.append(np.asarray(getattr(part, "faces", np.empty((0, 3))), dtype=np.int64).reshape(-1, 3) + before)
         before += len(points)
-    return np.concatenate(vertices), np.concatenate(triangles)
+    corners = np.concatenate(triangles)
+    if len(corners) and not 0 <= corners.min() <= corners.max() < before:
+        raise ScanError(path, "has triangles with corners that it does not hold")
+    return np.concatenate(vertices), corners

@@ -160,7 +160,7 @@ def as_pages(job: Job, parts: tuple[Chapter, ...]) -> list[Drawing]:
     for part in parts:
         lines = [(part.title, True, False, 6.4)]
         for paragraph in part.paragraphs:
-            wrapped = textwrap.wrap(paragraph, _LETTERS)
+            wrapped = textwrap.wrap(paragraph, _LETTERS) or [""]
             lines += [(line, False, False, 4.6) for line in wrapped[:-1]] + [(wrapped[-1], False, False, 6.1)]
         lines += [(line, False, True, 4.3) for line in part.code]
         # a chapter stays on one page

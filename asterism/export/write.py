@@ -17,6 +17,7 @@ from pattern.design import save_design
 
 # not summary.json: an export may go into the directory of a simulation
 SUMMARY = "export.json"
+ROUNDED = "rounded.toml"
 # files that not every export writes: those of an earlier one would be taken for this one's
 NOT_ALWAYS = r"border\.stl|needles\.(csv|dxf|svg)|shape\.(obj|stl|glb)"
 # these may be a simulation's
@@ -51,7 +52,7 @@ def write_export(job: Job, directory: str | Path, change: dict[str, Any] | None 
         (folder / "instructions.txt").write_text(instructions.as_text(job, parts), encoding="utf-8", newline="\n")
         code = job.printer.start_snippet(job.z_offset_mm)
         (folder / "start.gcode").write_text(code, encoding="utf-8", newline="\n")
-        save_design(job.design, folder / "rounded.toml")
+        save_design(job.design, folder / ROUNDED)
         if job.shape is not None:
             write_shape_files(job.shape, job.design.name, folder)
         files = sorted([SUMMARY, *(file.name for file in folder.iterdir())])

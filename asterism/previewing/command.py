@@ -27,7 +27,7 @@ def preview(
     Writes summary.json, shape.vtu, rods.vtu and shape.png. Exit status 1 if what was found is not an equilibrium.
     """
     from asterism.compiling import told_of_compiling
-    from asterism.files import check_writable
+    from asterism.files import LAST, check_kept, check_writable
     from asterism.material import with_material
     from asterism.own_law import law_for
     from asterism.previewing.run import preview as run
@@ -37,6 +37,7 @@ def preview(
 
     plan = with_material(load_design(design), material)
     directory = output or design.with_suffix("")
+    check_kept(design, directory, LAST)
     check_writable(directory)
     sheet = law_for(plan, law, design, material)
     progress = Progress()

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
 from scipy.stats import f as fisher
 from scipy.stats import t as student
 
@@ -21,6 +22,8 @@ from pattern.materials import Plastic
 FLAT_HEIGHT_MM = 0.5
 # a model that is right is called wrong with this chance
 _FALSE_ALARM = 0.01
+LITTLE = "strips with their fabric curl no more than peeled ones: E1/E2 cannot be told"
+UNLIKELY = "no plastic on this fabric curls such strips so: check their units, lengths, thicknesses and boxes"
 
 
 @dataclass(frozen=True)
@@ -106,6 +109,26 @@ def fit_strips(
     NoMaterial
         The readings do not determine E1/E2.
     """
+    try:
+        with np.errstate(all="ignore"):  # what comes of it is looked at below
+            found = _fit(readings, formula, kappa_bar, confidence, flat_height_mm, keep_outliers)
+            found.plastic()
+    except (np.linalg.LinAlgError, ValidationError):
+        raise NoMaterial(UNLIKELY) from None
+    if not all(np.isfinite(interval.value) for interval in found.ratio.values()):
+        raise NoMaterial(UNLIKELY)
+    return found
+
+
+def _fit(
+    readings: list[Reading],
+    formula: Formula,
+    kappa_bar: KappaBarKind,
+    confidence: float,
+    flat_height_mm: float,
+    keep_outliers: bool,
+) -> StripFit:
+    """The same, which may come to numbers that no material has."""
     left_out = [LeftOut(r, r.left_out) for r in readings if r.left_out]
     usable = [r for r in readings if not r.left_out]
     if not usable:
@@ -132,7 +155,7 @@ def fit_strips(
     for name, (_, found) in results.items():
         inverse = _interval(found, 0, confidence, widened[name])
         if inverse.value <= 0:
-            raise NoMaterial("strips with their fabric curl no more than peeled ones: E1/E2 cannot be told")
+            raise NoMaterial(LITTLE if data.peeled.any() else UNLIKELY)
         ratio[name] = Interval(1 / inverse.value, 1 / inverse.high, 1 / inverse.low if inverse.low > 0 else np.inf)
     model, found = results[formula]
     keys: list[float | None] = [float(h) for h in model.thicknesses] if kappa_bar == "per-thickness" else [None]

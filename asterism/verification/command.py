@@ -28,7 +28,7 @@ def verify(
     Writes report.html, summary.json, exact.vtu and preview.vtu. Exit status 1 if the exact model finds no minimum.
     """
     from asterism.compiling import told_of_compiling
-    from asterism.files import check_writable
+    from asterism.files import LAST, check_kept, check_writable
     from asterism.material import with_material
     from asterism.overrides import changed
     from asterism.own_law import law_for
@@ -42,6 +42,7 @@ def verify(
     check_backend(backend)
     # simulate and preview write to the design's name, and a summary belongs to the files beside it
     directory = output or design.with_name(f"{design.stem}-verified")
+    check_kept(design, directory, LAST)
     check_writable(directory)
     sheet = law_for(plan, law, design, material)  # before anything takes time
     progress = Progress()

@@ -115,6 +115,14 @@ BAD = [
     ([("stars.override", [{"star": 0, "length_mm": 30}])], "stars.override[0].length_mm", "from 0 to 17.3205"),
     ([("stars.override", [{"star": 0, "remove": True}] * 2)], "stars.override[1]", "changes star 0 again"),
     ([("stars.override", {"star": 0})], "stars.override", "list"),
+    ([("stars.override", [{"at_mm": [1e200, 0], "remove": True}])], "stars.override[0].at_mm[0]", "at most 1e+12"),
+    ([("stars.length_mm", {**RADIAL, "centre_mm": [0, -1e200]})], "stars.length_mm.centre_mm[1]", "at least -1e+12"),
+    (
+        [("stars.length_mm", {"profile": "table", "distance_mm": [0, 1e-300], "values": [5, 6], "smooth": True})],
+        "stars.length_mm.distance_mm",
+        "by 1e-6 or more",
+    ),
+    ([("gravity.direction", [1e200, 0, 0])], "gravity.direction[0]", "at most 1e+12"),
     ([("border.rings", DELETE)], "border", "one of rings, rectangle_mm and polygon_mm"),
     ([("border.rectangle_mm", [100, 100])], "border", "one of"),
     ([("border.rings", 41)], "border.rings", "at most 40"),
@@ -257,3 +265,12 @@ def test_folder_is_not_a_file(tmp_path):
 
 def test_good_design_is_good():
     assert len(layout(Design.from_dict(GOOD)).centres) == 7
+
+
+@pytest.mark.parametrize(
+    "text", ['{"name": "\\ud800"}', '{"\\udfff": 1}', '{"stars": {"length_mm": {"image": "\\ud800"}}}']
+)
+def test_half_characters_are_no_text(text, tmp_path):
+    (tmp_path / "a.json").write_text(text)
+    with pytest.raises(DesignError, match="half a character"):
+        load_design(tmp_path / "a.json")

@@ -101,3 +101,11 @@ def test_large_picture_is_scaled_down(tmp_path):
     field = Design.from_dict(_with_picture(), tmp_path).stars.length_mm
     assert field.pixels == (256, 102)
     assert sample(field, np.zeros((1, 2))) == pytest.approx(9)  # transparent is paper
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("side", [9500, 14_000])
+def test_pictures_of_too_many_pixels_are_said_to_be(side, tmp_path):
+    Image.new("1", (side, side)).save(tmp_path / "map.png")
+    with pytest.raises(DesignError, match="has too many pixels"):
+        Design.from_dict(_with_picture(), tmp_path)

@@ -61,6 +61,7 @@ def test_a_drawing_with_a_size_takes_no_unit(tmp_path: Path) -> None:
         ("a.svg", "", "SVG"),
         ("a.svg", "nonsense", "SVG"),
         ("a.svg", SVG.format(size="", body=""), "no line"),
+        ("a.svg", "<html></html>", "is not a drawing in SVG"),
         (
             "a.svg",
             SVG.format(size='width="100px" height="100px"', body=RECT),
@@ -73,6 +74,7 @@ def test_a_drawing_with_a_size_takes_no_unit(tmp_path: Path) -> None:
         ("a.csv", "x_mm,y_mm\n0,0\n5,5\n10,10\n", "on a line"),
         ("a.csv", "x_mm,y_mm\n0,0\n0.1,0.3\n0.3,0.9\n", "on a line"),
         ("a.csv", "x_mm,y_mm\n", "at least three"),
+        ("a.csv", "x_mm,y_mm\n1," + "9" * 140_000, "row 2: field larger"),
         ("a.csv", "", "is empty"),
         ("a.csv", "x,y\n1,2\n", "row 1: no column 'x'"),
         ("a.csv", "x_mm,y_mm\n1,\n", "row 2, column y_mm: is empty"),

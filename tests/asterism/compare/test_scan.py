@@ -14,6 +14,21 @@ from asterism.compare.units import check_size
 from tests.asterism.compare.scans import bent_sheet
 
 SHAPE = bent_sheet(5.0)
+PLY = """ply
+format ascii 1.0
+element vertex 3
+property float x
+property float y
+property float z
+element face 2
+property list uchar int vertex_indices
+end_header
+0 0 0
+50 0 0
+0 50 0
+3 0 1 2
+3 0 1 {corner}
+"""
 MESH = trimesh.Trimesh(SHAPE.positions, SHAPE.triangles, process=False)
 
 
@@ -66,6 +81,8 @@ def test_samples_are_spread_by_area() -> None:
         ("a.obj", b"v 1 2 3\n" * 40, "too few points"),
         ("a.obj", b"v 1 2 nan\nv 0 0 1\n", "finite"),
         ("a.jpg", b"", "must end in"),
+        ("a.ply", PLY.format(corner=5).encode(), "corners that it does not hold"),
+        ("a.ply", PLY.format(corner=-1).encode(), "corners that it does not hold"),
     ],
 )
 def test_mistakes(name: str, content: bytes, problem: str, tmp_path: Path) -> None:

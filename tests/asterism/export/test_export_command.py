@@ -147,6 +147,22 @@ def test_the_preview_takes_a_law(file: Path, run: Run) -> None:
     assert "none.npz" in mistake(run("export", "d.toml", "-o", "other", "--preview", "--law", "none.npz"))
 
 
+def test_the_design_is_not_written_over(file: Path, tmp_path: Path, run: Run) -> None:
+    rounded = file.rename(tmp_path / "rounded.toml")
+    before = rounded.read_bytes()
+    assert "is where rounded.toml is and stays" in mistake(run("export", "rounded.toml", "-o", "."))
+    table = tmp_path / "summary.json"
+    table.write_text(json.dumps(design(mesh={"edge_mm": 6.0}).to_dict()))
+    for name in ("preview", "simulate", "verify"):
+        assert "is where summary.json is and stays" in mistake(run(name, "summary.json", "-o", "."))
+    assert rounded.read_bytes() == before and sorted(tmp_path.iterdir()) == [rounded, table]
+
+
+def test_a_plastic_with_an_empty_line_of_advice(file: Path, tmp_path: Path, run: Run) -> None:
+    (tmp_path / "p.toml").write_text('name = "x"\ndensity_kg_m3 = 1220\nadvice = ["", "dry it"]\n')
+    assert run("export", "d.toml", "--plastic", "p.toml").status == 0
+
+
 def test_printers_are_listed(tmp_path: Path, run: Run) -> None:
     result = run("printers")
     assert result.status == 0

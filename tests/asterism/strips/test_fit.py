@@ -141,6 +141,24 @@ def test_peeled_strips_that_curl_contradict_zero() -> None:
     assert not fit_strips(readings(4, Plastic()), kappa_bar="zero").kappa_bar_contradicted
 
 
+@pytest.mark.parametrize(
+    ("strips", "formula"),
+    [
+        ([(0.3, 1.0, False)] * 4 + [(0.3, 0.0, True)], "paper"),
+        ([(0.3, 0.4, False)] * 3, "paper"),
+        ([(0.45, 0.4, False)] * 3, "paper"),
+        ([(0.05, 1.0, False)] * 3, "timoshenko"),
+        ([(0.4, 0.0, False), (0.05, 0.01, False), (0.3, 0.0, False), (5.0, 0.02, False)], "timoshenko"),
+    ],
+)
+@pytest.mark.filterwarnings("error")
+def test_strips_that_no_plastic_makes_are_refused(strips: list[tuple[float, float, bool]], formula: Formula) -> None:
+    like = readings(0)[0]
+    given = [replace(like, thickness_mm=h, curvature_per_mm=k, peeled=bare) for h, k, bare in strips]
+    with pytest.raises(NoMaterial, match=r"no plastic on this fabric|contradict the others"):
+        fit_strips(given, formula, "zero")
+
+
 def test_without_peeled_strips_the_thicknesses_tell() -> None:
     strips = [r for r in readings(6) if not r.peeled]
     fit = fit_strips(strips)
