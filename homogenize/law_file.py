@@ -22,7 +22,7 @@ from homogenize.errors import LawError
 from homogenize.interpolation import Floats
 from homogenize.law import Law
 from homogenize.plan import Material
-from homogenize.table import NAMES, Table
+from homogenize.table import NAMES, Table, to_stored
 from pattern.errors import DesignError
 
 # raised when a file's arrays or quantities mean something else than before
@@ -127,5 +127,11 @@ def _table(arrays: dict[str, np.ndarray]) -> Table:
     fit = fit and arrays["reliefs"].ndim == 5 and arrays["reliefs"].shape[:4] == (*shape, 2)
     if not fit or not all(np.isfinite(array).all() for array in arrays.values()):
         raise ValueError("arrays do not fit together, or have gaps")
+    if not all((np.diff(axis) > 0).all() for axis in axes) or min(axes[1][0], axes[2][0]) <= 0 or axes[0][0] < 0:
+        raise ValueError("sizes do not increase from one to the next, or are none")
     stretch, spacing = float(arrays["stretch"]), float(arrays["spacing_mm"])
+    with np.errstate(all="ignore"):  # what comes of it is looked at
+        stored = to_stored(arrays["nodes"], arrays["units"])
+    if not (np.isfinite(stored).all() and stretch > 0 and spacing > 0):
+        raise ValueError("values that no cell has")
     return Table(stretch, spacing, axes, arrays["nodes"], arrays["reliefs"], arrays["good"], arrays["units"])

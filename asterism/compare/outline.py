@@ -54,7 +54,7 @@ def read_outline(path: Path, unit: str | None = None) -> Outline:
         raise ScanError(path, "is not there")
     outline = (_from_csv if path.suffix.lower() == ".csv" else _from_svg)(path, unit)
     corners = outline.corners
-    length, width = np.linalg.svd(corners - corners.mean(axis=0))[1] if len(corners) > 2 else (0.0, 0.0)
+    length, width = np.linalg.svd(corners - corners.mean(axis=0), compute_uv=False) if len(corners) > 2 else (0.0, 0.0)
     if width <= THIN * length:
         raise ScanError(path, "holds no outline: at least three corners, not on a line")
     if not shapely.Polygon(corners).is_valid:

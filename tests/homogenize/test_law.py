@@ -262,6 +262,16 @@ def test_files_that_are_no_laws(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         load_law(path)
 
 
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+@pytest.mark.parametrize("name", ["length_mm", "thickness_mm", "width_mm", "nodes", "units", "stretch", "spacing_mm"])
+def test_laws_of_impossible_numbers_are_damaged(name: str, tmp_path: Path) -> None:
+    with np.load(io.BytesIO(to_bytes(LAW))) as archive:
+        arrays = {key: archive[key] for key in archive.files}
+    np.savez(tmp_path / "law.npz", **arrays | {f"0/{name}": 0.0 * arrays[f"0/{name}"]})
+    with pytest.raises(LawError, match="damaged"):
+        load_law(tmp_path / "law.npz")
+
+
 def test_a_law_says_for_which_designs_it_is() -> None:
     assert LAW.check(design()).stretch == 1.35 and LAW.check(design(fabric__stretch=1.75)).stretch == 1.75
     # what does not change the shape of a sheet without weight, or is the same star after a turn

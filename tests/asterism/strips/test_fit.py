@@ -151,7 +151,7 @@ def test_peeled_strips_that_curl_contradict_zero() -> None:
         ([(0.4, 0.0, False), (0.05, 0.01, False), (0.3, 0.0, False), (5.0, 0.02, False)], "timoshenko"),
     ],
 )
-@pytest.mark.filterwarnings("error")
+@pytest.mark.filterwarnings("error::RuntimeWarning")
 def test_strips_that_no_plastic_makes_are_refused(strips: list[tuple[float, float, bool]], formula: Formula) -> None:
     like = readings(0)[0]
     given = [replace(like, thickness_mm=h, curvature_per_mm=k, peeled=bare) for h, k, bare in strips]
