@@ -89,12 +89,19 @@ class Contact:
         total = sum(w * self._potential.hessian(near, self._mesh, x, m) for w, m in parts if w > 0.0).tocoo()
         return total.row, total.col, total.data
 
+    def entries(self, positions: Array) -> tuple[Array, Array]:
+        """Rows and columns of what Hessians hold, whatever their blend: the toolkit leaves out zeros of each."""
+        return self._entries(positions, self._potential, self._near(positions))
+
     def soon(self, positions: Array) -> tuple[Array, Array]:
-        """Rows and columns of what the Hessian would hold if contact began at twice the distance."""
+        """The same if contact began at twice the distance."""
         wide = 2.0 * self.distance - self.closest
-        near, x = self._collisions(positions, wide), np.asfortranarray(positions)
-        entries = self._ipc.BarrierPotential(wide, 1.0, True).hessian(near, self._mesh, x).tocoo()
-        return entries.row, entries.col
+        return self._entries(positions, self._ipc.BarrierPotential(wide, 1.0, True), self._collisions(positions, wide))
+
+    def _entries(self, positions: Array, potential: Any, near: Any) -> tuple[Array, Array]:
+        method, x = self._ipc.PSDProjectionMethod, np.asfortranarray(positions)
+        found = [potential.hessian(near, self._mesh, x, m).tocoo() for m in (method.NONE, method.CLAMP)]
+        return np.concatenate([each.row for each in found]), np.concatenate([each.col for each in found])
 
     def clear(self, positions: Array, target: Array) -> float:
         """How far the straight way to `target` (V, 3) is free, as a fraction of it; 1 for all of it."""

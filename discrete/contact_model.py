@@ -38,6 +38,7 @@ class ContactModel(Model):
         self.contact = Contact(mesh, distance, max(fabric.stretch_xy), fabric.modulus_mpa)
         self._fixed = self.pattern
         self._extra = np.empty(0, dtype=np.int64)
+        self._fits: Array | None = None  # positions whose contacts the pattern holds
         self._reduced = np.full(self.n_dofs, -1, dtype=np.int64)
         self._reduced[self.free] = np.arange(len(self.free))
 
@@ -65,10 +66,12 @@ class ContactModel(Model):
 
     def hessian(self, state: State, blend: float) -> Array:
         """(nnz,) entries of the lower triangle in `pattern`, which belongs to this state from now on."""
-        rows, columns, values = self.contact.hessian(state.positions, blend)
-        keys, values = self._keys(rows, columns, values)
-        if len(keys) and not (isinstance(self.pattern, ExtendedPattern) and self.pattern.holds(keys)):
-            self._grow(state, keys)
+        if self._fits is not state.positions:  # once a state: its Hessians are added to each other
+            entries, _ = self._keys(*self.contact.entries(state.positions))
+            if len(entries) and not (isinstance(self.pattern, ExtendedPattern) and self.pattern.holds(entries)):
+                self._grow(state, entries)
+            self._fits = state.positions
+        keys, values = self._keys(*self.contact.hessian(state.positions, blend))
         data = super().hessian(state, blend)
         if isinstance(self.pattern, ExtendedPattern):
             self.pattern.add(data, keys, values)

@@ -146,6 +146,11 @@ class Hinges(Elements):
         params = np.column_stack(np.broadcast_arrays(coefficient, fold, hinges[:, 0])[:2])
         super().__init__(dofs, dofs, params, compiled)
 
+    @property
+    def vertices(self) -> Array:
+        """(H, 4), as given."""
+        return self.inputs[:, ::3] // 3
+
 
 def interior_edges(triangles: Array) -> Array:
     """(H, 4) hinges of a mesh of counterclockwise triangles, in the order of their edges' vertices."""

@@ -105,6 +105,8 @@ class Model(System):
         plate = self.parts.get("plate")
         if isinstance(plate, Plate):
             plate.set_rest_area(1.0 / (sx * sy))
+        if len(set(fabric.stretch_xy)) > 1:  # hinges follow the shape of the fabric at rest, not its size
+            self._set_rest_shape(self.mesh.points / (sx / sy, 1.0))
         net = self.network
         step = self.mesh.points[net.edges[:, 1]] - self.mesh.points[net.edges[:, 0]]
         length = np.linalg.norm(step, axis=1)
@@ -114,6 +116,14 @@ class Model(System):
         self.parts["rod_bending"].params[:, 2] = 0.5 * kappa[net.stencil_edges].mean(axis=1) * span
         # what nothing holds would fall: it lies on the ground until its first pins take hold
         self.load = release * self._weight if self.constraints.held.any() else np.zeros_like(self._weight)
+
+    def _set_rest_shape(self, rest: Array) -> None:
+        """Coefficients of the fabric's hinges for a rest shape (V, 2) mm of any size."""
+        fabric = self.design.fabric
+        for name, column, coefficients in (("hinges", 0, paper_coefficients), ("folds", 1, fold_coefficients)):
+            if isinstance(hinges := self.parts.get(name), Hinges):
+                sheet = (fabric.thickness_mm, fabric.modulus_mpa, fabric.poisson)
+                hinges.params[:, column] = coefficients(hinges.vertices, rest, *sheet)
 
     @property
     def spacing(self) -> float:

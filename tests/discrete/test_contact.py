@@ -39,7 +39,7 @@ def model(kind: type[Model], *args: object, **more: object) -> Model:
     return kind(plan, printed, mesh_layout(printed, plan.mesh.edge_mm, plan.mesh.kind, plan.mesh.seed))
 
 
-def folded(sheet: Model, gap: float) -> State:
+def folded(sheet: Model, gap: float, noise: float = 0.01) -> State:
     """The released sheet folded over along x = 0 about a half circle of diameter `gap`, noise on top."""
     x, y = sheet.mesh.points.T / sheet.design.fabric.stretch_xy[0]
     radius = 0.5 * gap
@@ -47,7 +47,7 @@ def folded(sheet: Model, gap: float) -> State:
     angle = np.clip(x, -half, half) / radius
     straight = x - np.clip(x, -half, half)
     positions = np.column_stack([radius * np.cos(angle) - np.abs(straight), y, radius * np.sin(angle)])
-    positions += 0.01 * np.random.default_rng(1).normal(size=positions.shape)
+    positions += noise * np.random.default_rng(1).normal(size=positions.shape)
     flat = sheet.flat_state()
     return carried(flat, sheet.edges, positions, np.zeros(len(sheet.edges)))
 
@@ -116,6 +116,16 @@ def test_the_hessian_of_contact_goes_where_contact_is() -> None:
     expected = low + np.tril(low, -1).T
     np.add.at(expected, (rows, columns), values)
     np.testing.assert_allclose(dense(sheet, state, 0.0), expected, atol=1e-9 * np.abs(expected).max())
+
+
+def test_one_pattern_holds_all_hessians_of_a_state() -> None:
+    """Parallel layers have zeros, other ones in the convex Hessian than in the exact one."""
+    sheet = model(ContactModel, edge=4.0, thickness=0.3)
+    assert isinstance(sheet, ContactModel)
+    state = folded(sheet, 0.6, noise=0.0)
+    assert sheet.contact.touching(state.positions)[0] > 100
+    exact, half, convex = (sheet.hessian(state, blend) for blend in (0.0, 0.5, 1.0))
+    np.testing.assert_allclose(half, 0.5 * (exact + convex), rtol=1e-9, atol=1e-9 * np.abs(exact).max())
 
 
 def test_without_contact_nothing_changes() -> None:

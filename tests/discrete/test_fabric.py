@@ -7,12 +7,16 @@ import pytest
 from scipy.spatial import Delaunay
 
 from discrete.elements import Array
-from discrete.hinges import Hinges, interior_edges, paper_coefficients
+from discrete.hinges import Hinges, fold_coefficients, interior_edges, paper_coefficients
 from discrete.membrane import Membrane
+from discrete.model import Model
 from discrete.state import State
 from discrete.system import System
 from equilibrium.factor import make_factor
 from equilibrium.newton import minimise
+from pattern.build import layout
+from pattern.design import Design
+from pattern.meshing import mesh_layout
 
 THICKNESS, MODULUS, POISSON = 0.8, 7.1875, 0.3
 SIDE = 20.0
@@ -269,6 +273,24 @@ def test_paper_bending_knows_no_poisson_ratio():
     np.testing.assert_allclose(paper_coefficients(edges, points, THICKNESS, MODULUS, 0.4), base / 0.84, rtol=1e-14)
     # the weights do not depend on the size of the rest shape either
     np.testing.assert_allclose(paper_coefficients(edges, points / 1.35, THICKNESS, MODULUS, 0.0), base, rtol=1e-14)
+
+
+@pytest.mark.parametrize(("bending", "part", "column"), [("paper", "hinges", 0), ("consistent", "folds", 1)])
+def test_hinges_follow_the_shape_of_the_fabric_at_rest(bending, part, column):
+    """With two stretches that is not the print's, and changes with the release."""
+    stars = {"length_mm": 8.0}
+    fabric = {"stretch": [1.8, 1.0], "bending": bending}
+    design = Design.from_dict({"fabric": fabric, "stars": stars, "border": {"rings": 1}, "mesh": {"edge_mm": 4.0}})
+    plan = layout(design)
+    model = Model(design, plan, mesh_layout(plan, 4.0))
+    rule = paper_coefficients if bending == "paper" else fold_coefficients
+    sheet = (design.fabric.thickness_mm, design.fabric.modulus_mpa, design.fabric.poisson)
+    hinges = model.parts[part]
+    for release, x in ((1.0, 1.8), (0.5, 1.4), (0.0, 1.0)):
+        model.set_release(release)
+        rest = model.mesh.points / (x, 1.0)
+        np.testing.assert_allclose(hinges.params[:, column], rule(hinges.vertices, rest, *sheet), rtol=1e-12)
+    np.testing.assert_array_equal(hinges.vertices, interior_edges(model.mesh.triangles))
 
 
 def test_sheet_bent_round_a_circle():
