@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Literal
+from typing import Literal, get_args
 
 from discrete.evidence import Equilibrium
 from discrete.model import Model
@@ -37,12 +37,21 @@ def relax(
     seed : of the noise (a thousandth of a mm) that takes an exactly symmetric start off its symmetry.
     backend : sparse factorisation, see `equilibrium.factor`.
     report : called after every iteration with the stage's name.
+
+    Raises
+    ------
+    ValueError
+        Releases that do not end at 1, or no start or method of this name.
     """
+    if method not in get_args(Method):
+        raise ValueError(f"method = {method!r}: must be one of {', '.join(get_args(Method))}")
     walk = Walk(backend, method, max_iterations, report, seed)
     if isinstance(start, State):
         model.set_release(1.0)
         return walk.from_state(model, model.moved_pins(start))
     if not isinstance(start, Beginning):
+        if start not in get_args(Start):
+            raise ValueError(f"start = {start!r}: must be one of {', '.join(get_args(Start))}")
         start = Beginning(bumps=start == "bump", seed=seed)
     if releases is not None:
         start = replace(start, releases=tuple(releases))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -37,6 +37,11 @@ class Beginning:
     sag_mm : how far the edge lies below (saddle: below and above) the middle.
     noise_mm, seed : standard deviation of the noise at every vertex.
     releases : steps of the continuation; the last is 1.
+
+    Raises
+    ------
+    ValueError
+        The releases do not end at 1, the bend has no such name, or none to speak of.
     """
 
     name: str = "default"
@@ -48,6 +53,14 @@ class Beginning:
     noise_mm: float = NOISE_MM
     seed: int = 0
     releases: tuple[float, ...] = RELEASES
+
+    def __post_init__(self) -> None:
+        if not self.releases or self.releases[-1] != 1.0:
+            raise ValueError(f"releases = {self.releases}: the last must be 1")
+        if self.bend not in get_args(Bend):
+            raise ValueError(f"bend = {self.bend!r}: must be one of {', '.join(get_args(Bend))}")
+        if self.bend != "none" and not self.sag_mm > 0.0:
+            raise ValueError(f"sag_mm = {self.sag_mm}: a bend needs one above 0")
 
     def branches(self, model: Model) -> Array:
         """(S,) 1 up, -1 down, 0 free."""

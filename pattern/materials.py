@@ -27,7 +27,7 @@ class Fabric(Section):
 
     stretch: NumberOrPair = 1.35
     thickness_mm: Number = Field(0.8, ge=0.01, le=10)
-    modulus_mpa: Number = Field(7.1875, ge=1e-6, le=1e6)
+    modulus_mpa: Number = Field(7.1875, ge=1e-3, le=1e5)
     poisson: Number = Field(0.3, ge=0, le=0.49)
     model: Literal["neo-hookean", "incompressible"] = "neo-hookean"
     bending: Literal["paper", "consistent", "none"] = "paper"

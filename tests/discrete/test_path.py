@@ -90,3 +90,23 @@ def test_a_path_that_loses_stability_is_followed_to_the_side() -> None:
     assert np.ptp(found.state.positions[:, 2]) > 1.0
     again = relax(m, Beginning(bumps=False, noise_mm=0.0))
     np.testing.assert_allclose(again.state.positions, found.state.positions, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"releases": [0.3]}, "the last must be 1"),
+        ({"releases": []}, "the last must be 1"),
+        ({"method": "newton"}, "must be one of blended, shifted"),
+        ({"start": "Bump"}, "must be one of bump, flat"),
+    ],
+)
+def test_starts_that_are_none_are_refused(wrong: dict, said: str) -> None:
+    data = gallery.load("star").to_dict()
+    plan = layout(design := Design.from_dict(data))
+    with pytest.raises(ValueError, match=said):
+        relax(Model(design, plan, mesh_layout(plan, 4.0)), **wrong)
+    with pytest.raises(ValueError, match="must be one of none, roll, dome, saddle"):
+        Beginning(bend="rol")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="a bend needs one above 0"):
+        Beginning(bend="roll")
