@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from homogenize.errors import ForeignLaw, LawError
@@ -18,6 +19,7 @@ from homogenize.plan import Material
 from homogenize.relief import Waves
 from homogenize.table import QUANTITIES, Table, Values
 from pattern.design import Design
+from pattern.lattice import Lattice
 
 # tried: bare fabric then has no stiffness or no answer at all, and the natural curvature of the paper's star is .027 to
 # .079 per mm at edges from 3.5 to .8 mm, in no order
@@ -92,6 +94,8 @@ class Law:
             if section == "lattice":
                 ours, theirs = (_lattice(thing.lattice, thing_data) for thing, thing_data in
                                 ((self.material, ours), (design, theirs)))  # fmt: skip
+                if _same_sites(self.material.lattice, design.lattice):
+                    ours |= {key: theirs[key] for key in ("kind", "spacing_mm", "vectors_mm")}
             for key in ours:
                 if key not in free.get(section, ()) and not _same(ours[key], theirs[key]):
                     raise ForeignLaw(
@@ -115,7 +119,7 @@ class Law:
         )
 
 
-def _lattice(lattice: Any, data: dict[str, Any]) -> dict[str, Any]:
+def _lattice(lattice: Lattice, data: dict[str, Any]) -> dict[str, Any]:
     """What of a lattice shapes its cells: not where its origin lies, and turns up to the star's symmetry."""
     turn = (lattice.orientation_deg + 1e-7) % (360 / lattice.arms) - 1e-7
     return {
@@ -125,6 +129,12 @@ def _lattice(lattice: Any, data: dict[str, Any]) -> dict[str, Any]:
         "vectors_mm": data["vectors_mm"],
         "orientation_deg": round(turn, 6),
     }
+
+
+def _same_sites(one: Lattice, other: Lattice) -> bool:
+    """Whether both are one lattice, in whatever basis and wherever its origin lies."""
+    steps = one.vectors @ np.linalg.inv(other.vectors)
+    return bool(np.abs(steps - np.rint(steps)).max() < 1e-6 and round(abs(np.linalg.det(steps))) == 1)
 
 
 def _same(a: Any, b: Any) -> bool:

@@ -70,7 +70,7 @@ def torus_mesh(
 
     Parameters
     ----------
-    lattice_vectors : (2, 2) mm, rows.
+    lattice_vectors : (2, 2) mm, rows, as of `Lattice.vectors`.
     directions : (N,) of the arms, indices into `STEPS`.
     lengths : (N,) mm, up to the distance to the next star in that direction.
     edge_mm : of the grid, about.

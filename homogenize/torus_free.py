@@ -41,7 +41,7 @@ def free_torus(
 
     Parameters
     ----------
-    lattice_vectors : (2, 2) mm, rows, the shortest two.
+    lattice_vectors : (2, 2) mm, rows, as of `Lattice.vectors`.
     directions : (N, 2) unit vectors of the arms.
     length : mm, of every arm, at most the spacing. Tips may meet; elsewhere arms of different stars keep apart.
     edge_mm : of the mesh, about; shorter where arms of different stars come close.

@@ -45,7 +45,7 @@ class Lattice(Section):
             raise DesignError("vectors_mm", "must be at most 1000 mm long", self.vectors_mm)
         if abs(np.linalg.det(basis)) < 1:
             raise DesignError("vectors_mm", "must span at least 1 mm2, not a line", self.vectors_mm)
-        shortest = float(np.linalg.norm(_reduced(basis)[0]))
+        shortest = float(np.linalg.norm(_reduced(basis), axis=1).min())
         if shortest < 1:
             raise DesignError("vectors_mm", "must leave at least 1 mm between stars", self.vectors_mm)
         if "spacing_mm" in self.model_fields_set and not np.isclose(self.spacing_mm, shortest, rtol=1e-6):
@@ -55,7 +55,7 @@ class Lattice(Section):
 
     @property
     def vectors(self) -> Floats:
-        """(2, 2) mm, rows: the shortest two that span the lattice."""
+        """(2, 2) mm, rows: the shortest two that span the lattice, the second 60 to 90 degrees left of the first."""
         if self.vectors_mm is not None:
             return _reduced(np.asarray(self.vectors_mm))
         if self.kind == "square":
@@ -96,9 +96,14 @@ class Lattice(Section):
         return low.astype(np.int64) + corners.take(best, axis=0)
 
     def neighbours(self, cells: Ints) -> Ints:
-        """(N, 2) pairs of rows of `cells` that are no further apart than the longer vector of the shortest basis."""
-        offsets = np.array([[i, j] for i in range(-2, 3) for j in range(-2, 3) if (i, j) > (0, 0)])
-        distance = np.linalg.norm(offsets @ self.vectors, axis=1)
+        """(N, 2) pairs of rows of `cells` that are no further apart than the longer vector of the shortest basis.
+
+        The second is on the right, or straight above: the same pairs whatever the basis.
+        """
+        offsets = np.array([[i, j] for i in range(-2, 3) for j in range(-2, 3)])
+        steps = offsets @ self.vectors
+        ahead = np.where(np.abs(steps[:, 0]) > 1e-6, steps[:, 0], steps[:, 1]) > 1e-6
+        offsets, distance = offsets[ahead], np.linalg.norm(steps[ahead], axis=1)
         reach = np.linalg.norm(self.vectors, axis=1).max()
         row = {(int(i), int(j)): k for k, (i, j) in enumerate(cells)}
         pairs = [
@@ -111,7 +116,10 @@ class Lattice(Section):
 
 
 def _reduced(basis: Floats) -> Floats:
-    """The shortest basis of a plane lattice (Lagrange), so that neighbours are a step or two away."""
+    """The shortest basis of a plane lattice (Lagrange), so that neighbours are a step or two away.
+
+    At most 90 degrees apart, the second to the left of the first: their difference is the third nearest step.
+    """
     a, b = np.asarray(basis, dtype=float)
     while True:
         if a @ a > b @ b:
@@ -120,5 +128,8 @@ def _reduced(basis: Floats) -> Floats:
         shorter = b - steps * a
         # halfway between two steps, rounding would go to and fro for ever
         if shorter @ shorter >= (1.0 - 1e-12) * (b @ b):
-            return np.array([a, b])
+            break
         b = shorter
+    if a @ b < -1e-9 * (a @ a):
+        b = -b
+    return np.array([a, b] if np.linalg.det([a, b]) > 0 else [b, a])

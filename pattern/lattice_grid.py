@@ -39,10 +39,6 @@ class LatticeGrid:
     def of(cls, layout: Layout, edge_mm: float) -> LatticeGrid:
         """The grid of a layout whose edges are closest to `edge_mm`."""
         a, b = np.asarray(layout.lattice_vectors, dtype=float)
-        if a @ b < -1e-9 * (a @ a):
-            b = a + b
-        if np.linalg.det([a, b]) < 0:
-            a, b = b, a
         k = max(round(float(np.sqrt((a @ a + b @ b) / 2)) / edge_mm), 2)
         return cls(np.asarray(layout.lattice_origin, dtype=float), np.array([a, b]), k)
 

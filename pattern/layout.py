@@ -56,7 +56,8 @@ class Layout:
     arm_thickness, arm_width : (A, 2) mm, at the star's centre and at the tip, linear between.
     neighbours : (N, 2) pairs of stars a step of the lattice's shortest basis apart, or as near as its longer one.
     pins : how the sheet is held; empty for a free sheet.
-    lattice_vectors : (2, 2) mm, rows; star centres are integer combinations of the rows plus `lattice_origin`.
+    lattice_vectors : (2, 2) mm, rows, as of `Lattice.vectors`; star centres are integer combinations of them plus
+        `lattice_origin`.
     lattice_origin : (2,) mm.
     star_branch : (S,) side to which each star starts: 1 up, to the plastic's side (the default), -1 down, 0 neither.
     star_number : (S,) by which the design, and whoever reads results, knows each star; in order.

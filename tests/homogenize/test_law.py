@@ -277,6 +277,15 @@ def test_a_law_says_for_which_designs_it_is() -> None:
     # what does not change the shape of a sheet without weight, or is the same star after a turn
     LAW.check(design(fabric__modulus_mpa=1.0, fabric__density_kg_m3=100.0))
     LAW.check(design(lattice__orientation_deg=120.0))
+    # the same lattice in another basis, but not one of every other star
+    a, b = (np.array([[15.0, 5 * 3**0.5], [0.0, 10 * 3**0.5]])).tolist()
+    rectangle = {"rectangle_mm": [60, 60]}
+    for basis in ([b, a], [a, [-15.0, 5 * 3**0.5]]):
+        custom = {"kind": "custom", "vectors_mm": basis}
+        LAW.check(Design.from_dict({"stars": {"length_mm": 5.0}, "lattice": custom, "border": rectangle}))
+    custom = {"kind": "custom", "vectors_mm": [a, [0.0, 20 * 3**0.5]]}
+    with pytest.raises(LawError, match=r"lattice.kind = custom"):
+        LAW.check(Design.from_dict({"stars": {"length_mm": 5.0}, "lattice": custom, "border": rectangle}))
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from homogenize.star_torus import lattice_lines, star_torus
 from homogenize.torus import STEPS, torus_mesh
+from pattern.planar import triangle_areas
 from tests.homogenize.cells import design
 
 VECTORS = np.asarray(design().lattice.vectors)
@@ -61,3 +63,20 @@ def test_arms_that_overlap_are_refused():
     with pytest.raises(ValueError, match="overlap"):
         torus_mesh(VECTORS, np.arange(6), np.full(6, 9.0), 2.5)
     assert len(torus_mesh(VECTORS, np.arange(6), np.full(6, 8.0), 2.5).rods) == len(STEPS)
+
+
+@pytest.mark.parametrize(
+    ("basis", "arms"),
+    [
+        ([[0, 17], [17, 0]], 4),
+        ([[15, 5 * 3**0.5], [15, -5 * 3**0.5]], 3),
+        ([[15, -5 * 3**0.5], [0, 10 * 3**0.5]], 3),
+        ([[0, 10 * 3**0.5], [-15, -5 * 3**0.5]], 6),
+    ],
+)
+def test_arms_along_the_lattice_are_so_in_any_basis(basis, arms):
+    """Left-handed and obtuse ones too."""
+    star = design(7.0, lattice={"kind": "custom", "vectors_mm": basis, "arms": arms})
+    assert lattice_lines(star.lattice) is not None
+    torus = star_torus(star, 3.0)
+    assert triangle_areas(torus.points, torus.triangles).min() > 0.0
