@@ -23,11 +23,12 @@ WHOLE = 1e-3
 def arm_segments(design: Design, edge_mm: float) -> tuple[tuple[int, float], ...]:
     """One or two (number of edges, weight); the weights add up to 1."""
     vectors = np.asarray(design.lattice.vectors)
-    if lattice_lines(design.lattice) is None:
-        return ((max(1, round(constant(design, "length_mm") / edge_mm)), 1.0),)
-    k = divisions(vectors, edge_mm)
+    length, on_lines = constant(design, "length_mm"), lattice_lines(design.lattice)
+    if on_lines is None:
+        return ((max(1, round(length / edge_mm)), 1.0),)
+    k = divisions(vectors, on_lines, np.full(len(on_lines), length), edge_mm)
     edge = float(np.linalg.norm(vectors, axis=1).min()) / k
-    cut = constant(design, "length_mm") / edge
+    cut = length / edge
     low = math.floor(cut + WHOLE)
     if low < 1:
         return ((1, 1.0),)

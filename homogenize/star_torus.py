@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from homogenize.torus import STEPS, Torus, torus_mesh
-from homogenize.torus_free import AROUND, SAME, free_torus
+from homogenize.torus import SAME, STEPS, Torus, torus_mesh
+from homogenize.torus_free import AROUND, free_torus
 from pattern.arms import check_clear
 from pattern.design import Design
 from pattern.errors import MeshError

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
+from numpy.typing import NDArray
 from scipy.sparse.linalg import spsolve
 
 from homogenize.unfolding import Unfolding, others
@@ -19,6 +20,8 @@ from pattern.layout import Floats, Ints
 
 # grid steps along which edges run, in the order of their angle
 STEPS = np.array([[1, 0], [0, 1], [-1, 1], [-1, 0], [0, -1], [1, -1]])
+# of the spacing, closer than which the ends of arms are one point
+SAME = 1e-6
 
 
 @dataclass(frozen=True)
@@ -74,7 +77,7 @@ def torus_mesh(
     directions : (N,) of the arms, indices into `STEPS`.
     lengths : (N,) mm, up to the distance to the next star in that direction.
     edge_mm : of the grid, about.
-    segments : edges of every arm; the nearest number to its length by default.
+    segments : edges of every arm but those whose tips meet; the nearest number to its length by default.
     surrounded : with the triangles around, whose points are then unfolded too.
 
     Raises
@@ -82,10 +85,9 @@ def torus_mesh(
     ValueError
         Arms from both ends of a link overlap.
     """
-    spacing = np.linalg.norm(STEPS @ lattice_vectors, axis=1)
-    k = divisions(lattice_vectors, edge_mm)
+    k = divisions(lattice_vectors, directions, lengths, edge_mm)
     n, m = repeat[0] * k, repeat[1] * k
-    links = _links(directions, lengths, spacing, k, segments)
+    links = _links(directions, _reach(lattice_vectors, directions, lengths), k, segments)
     numbering = _Numbering(n, m)
     i, j = (index.ravel() for index in np.indices((n, m)))
     step = lattice_vectors / k
@@ -135,9 +137,25 @@ def torus_mesh(
     )
 
 
-def divisions(lattice_vectors: Floats, edge_mm: float) -> int:
-    """Grid edges between neighbouring stars."""
-    return max(3, round(float(np.linalg.norm(STEPS @ lattice_vectors, axis=1).min()) / edge_mm))
+def divisions(lattice_vectors: Floats, directions: Ints, lengths: Floats, edge_mm: float) -> int:
+    """Grid edges between neighbouring stars, an even number where tips meet in the middle; see `torus_mesh`."""
+    wish = float(np.linalg.norm(STEPS @ lattice_vectors, axis=1).min()) / edge_mm
+    if _meet(_reach(lattice_vectors, directions, lengths)).any():
+        return max(4, 2 * round(wish / 2))
+    return max(3, round(wish))
+
+
+def _reach(lattice_vectors: Floats, directions: Ints, lengths: Floats) -> Floats:
+    """(6,) of the way to the neighbour in each direction that an arm takes, 0 without one."""
+    reach = np.zeros(6)
+    reach[directions] = lengths / np.linalg.norm(STEPS @ lattice_vectors, axis=1)[directions]
+    return reach
+
+
+def _meet(reach: Floats) -> NDArray[np.bool_]:
+    """(6,) where the tip meets that of the neighbour's arm."""
+    back = np.roll(reach, 3)
+    return (reach > 0) & (back > 0) & (reach + back > 1.0 - SAME)
 
 
 @dataclass(frozen=True)
@@ -151,18 +169,17 @@ class _Links:
     fractions: Floats
 
 
-def _links(directions: Ints, lengths: Floats, spacing: Floats, k: int, wanted: int | None) -> _Links:
+def _links(directions: Ints, reach: Floats, k: int, wanted: int | None) -> _Links:
     segments = np.zeros(6, dtype=np.int64)
-    reach = np.zeros(6)
-    for direction, length in zip(directions, lengths, strict=True):
-        reach[direction] = length / spacing[direction]
-        longest = k if reach[direction] > 1.0 - 1e-9 else k - 1
+    for direction in directions:
+        longest = k if reach[direction] > 1.0 - SAME else k - 1
         segments[direction] = min(max(wanted or round(reach[direction] * k), 1), longest)
+    segments[_meet(reach)] = k // 2
     fractions = np.empty((6, k + 1))
     for direction in range(6):
         back = (direction + 3) % 6
         near, far = segments[direction], segments[back]
-        if near + far > k or reach[direction] + reach[back] > 1.0 + 1e-9:
+        if near + far > k or reach[direction] + reach[back] > 1.0 + SAME:
             raise ValueError("arms of neighbouring stars overlap")
         known = [0, near, k - far, k]
         place = [0.0, reach[direction], 1.0 - reach[back], 1.0]

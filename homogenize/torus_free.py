@@ -9,7 +9,7 @@ import numpy as np
 
 from homogenize.free_points import Frame, filled
 from homogenize.periodic_delaunay import Triangles
-from homogenize.torus import Torus
+from homogenize.torus import SAME, Torus
 from homogenize.unfolding import Unfolding, others
 from pattern.errors import MeshError
 from pattern.layout import Floats, Ints
@@ -21,8 +21,6 @@ LEAST_ANGLE_DEG = 20.0
 BESIDE, GROWTH = 1.5, 0.6
 # of an edge, by which those of an arm may be longer altogether
 SLACK = 0.25
-# of the spacing, closer than which the ends of arms are one point
-SAME = 1e-6
 # stars this many lattice vectors away have arms that may come close, none longer than the spacing
 AROUND = np.array([[i, j] for i in range(-3, 4) for j in range(-3, 4) if (i, j) != (0, 0)])
 _FINE = 256

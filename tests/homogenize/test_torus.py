@@ -80,3 +80,13 @@ def test_arms_along_the_lattice_are_so_in_any_basis(basis, arms):
     assert lattice_lines(star.lattice) is not None
     torus = star_torus(star, 3.0)
     assert triangle_areas(torus.points, torus.triangles).min() > 0.0
+
+
+@pytest.mark.parametrize("miss", [0.0, 4e-7, -4e-7])
+@pytest.mark.parametrize("edge", [1.155, 3.0, 3.5, 5.8])
+def test_tips_that_meet_are_one_point(miss, edge):
+    """In the middle of a link, whatever the number of edges that would suit it best; but for rounding."""
+    torus = torus_mesh(VECTORS, np.arange(6), np.full(6, SPACING * (0.5 + miss)), edge, segments=2)
+    assert len(np.unique(torus.base[[rod[-1] for rod in torus.rods]])) == 3
+    area = triangle_areas(torus.points, torus.triangles)
+    assert area.min() > 0.5 * area.mean()
