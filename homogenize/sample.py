@@ -145,7 +145,9 @@ def respond(design: Design, edge_mm: float, angles: tuple[float, ...] | None = N
     Raises
     ------
     ValueError
-        The design has no cell: its stars are not equal, or their arms overlap.
+        The design has no cell: its stars are not equal.
+    DesignError, MeshError
+        Its arms overlap, or no mesh follows them.
     """
     clock = Clock()
     angles = directions(design.lattice) if angles is None else angles

@@ -22,7 +22,9 @@ def star_torus(design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1),
     Raises
     ------
     ValueError
-        Stars are not equal, or their arms overlap.
+        Stars are not equal.
+    DesignError, MeshError
+        Their arms overlap, or no mesh follows them.
     """
     lattice, vectors = design.lattice, np.asarray(design.lattice.vectors)
     length, surrounded = constant(design, "length_mm"), design.fabric.bending == "consistent"

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import spsolve
 
 from homogenize.unfolding import Unfolding, others
+from pattern.errors import MeshError
 from pattern.layout import Floats, Ints
 
 # grid steps along which edges run, in the order of their angle
@@ -82,7 +83,7 @@ def torus_mesh(
 
     Raises
     ------
-    ValueError
+    MeshError
         Arms from both ends of a link overlap.
     """
     k = divisions(lattice_vectors, directions, lengths, edge_mm)
@@ -180,7 +181,7 @@ def _links(directions: Ints, reach: Floats, k: int, wanted: int | None) -> _Link
         back = (direction + 3) % 6
         near, far = segments[direction], segments[back]
         if near + far > k or reach[direction] + reach[back] > 1.0 + SAME:
-            raise ValueError("arms of neighbouring stars overlap")
+            raise MeshError("arms of neighbouring stars overlap")
         known = [0, near, k - far, k]
         place = [0.0, reach[direction], 1.0 - reach[back], 1.0]
         where = np.unique(known, return_index=True)[1]

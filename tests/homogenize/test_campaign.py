@@ -86,6 +86,18 @@ def test_an_exception_is_a_failed_cell_and_tried_again(tmp_path: Path) -> None:
     assert all(r.failed is None for r in run(material(), tmp_path, 2, respond=fake.respond))
 
 
+def test_arms_that_overlap_are_a_failed_cell_and_not_tried_again(tmp_path: Path) -> None:
+    square = {"kind": "square", "spacing_mm": 17.0, "arms": 4}
+    plan = {"lengths_mm": [12.0], "thicknesses_mm": [0.3], "widths_mm": [1.2], "edge_mm": 4.0, "held_out": 0}
+    crossed = Material.from_dict({"lattice": square, "plan": plan})
+    for _ in range(2):
+        told: list[Progress] = []
+        records = run(crossed, tmp_path, report=told.append)
+        assert [record.failed for record in records] == [None, "arms of neighbouring stars overlap"]
+        assert not any(record.crashed for record in records)
+    assert told[0].done == 2
+
+
 def test_a_worker_that_dies_ends_the_campaign_in_one_line(tmp_path: Path) -> None:
     with pytest.raises(CampaignError, match="worker process has ended"):
         run(material(), tmp_path, 2, respond=fake.dies)

@@ -7,6 +7,7 @@ import pytest
 
 from homogenize.star_torus import lattice_lines, star_torus
 from homogenize.torus import STEPS, torus_mesh
+from pattern.errors import MeshError
 from pattern.planar import triangle_areas
 from tests.homogenize.cells import design
 
@@ -60,7 +61,7 @@ def test_hinges_are_between_triangles():
 
 
 def test_arms_that_overlap_are_refused():
-    with pytest.raises(ValueError, match="overlap"):
+    with pytest.raises(MeshError, match="overlap"):
         torus_mesh(VECTORS, np.arange(6), np.full(6, 9.0), 2.5)
     assert len(torus_mesh(VECTORS, np.arange(6), np.full(6, 8.0), 2.5).rods) == len(STEPS)
 
