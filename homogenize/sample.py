@@ -23,6 +23,7 @@ from homogenize.rolling import Tube, centre_offset, heights
 from homogenize.stability import Stability, stability
 from homogenize.star_torus import constant
 from pattern.design import Design
+from pattern.errors import DesignError
 
 
 @dataclass(frozen=True)
@@ -140,16 +141,20 @@ def _arrays(name: str, value: Any) -> Any:
 def respond(design: Design, edge_mm: float, angles: tuple[float, ...] | None = None) -> Sample:
     """Solve the cell of the design's star; what cannot be solved is said in `failed`.
 
-    `angles`: of the tubes, rad; by default those that a law needs (`homogenize.directions`).
+    `angles`: of the tubes, rad; by default those that a law needs (`homogenize.directions`), for fabric that is
+    stretched alike in x and y.
 
     Raises
     ------
     ValueError
         The design has no cell: its stars are not equal.
     DesignError, MeshError
-        Its arms overlap, or no mesh follows them.
+        Its arms overlap, no mesh follows them, or no angles go with its stretch.
     """
     clock = Clock()
+    sx, sy = design.fabric.stretch_xy
+    if angles is None and sx != sy:
+        raise DesignError("fabric.stretch", "must be one number where no angles are given", [sx, sy])
     angles = directions(design.lattice) if angles is None else angles
     cuts = arm_segments(design, edge_mm)
     each: list[dict[str, Any]] = []
@@ -168,7 +173,7 @@ def respond(design: Design, edge_mm: float, angles: tuple[float, ...] | None = N
         length_mm=constant(design, "length_mm"),
         thickness_mm=constant(design, "thickness_mm"),
         width_mm=constant(design, "width_mm"),
-        stretch=design.fabric.stretch_xy[0],
+        stretch=sx,
         edge_mm=edge_mm,
         spacing_mm=cell.spacing,
         vertices=cell.torus.n_base,
@@ -197,7 +202,9 @@ def _measure(clock: Clock, cell: Cell, angles: tuple[float, ...], found: dict[st
     if other is not None:
         found["down_energy"] = other.energy - flat.energy
     curves: list[Curling] = []
-    alike = is_threefold(cell.design.lattice)  # else the next direction's natural tube may be another form
+    sx, sy = cell.design.fabric.stretch_xy
+    # else the next direction's natural tube may be another form
+    alike = sx == sy and is_threefold(cell.design.lattice)
     for angle in angles:
         curves.append(clock("tubes", curl, cell, flat, angle, curves[-1] if alike and curves else None))
         found["iterations"] += sum(tube.iterations for tube in curves[-1].tubes)

@@ -49,12 +49,19 @@ def lattice_lines(lattice: Lattice) -> Ints | None:
 
 
 def constant(design: Design, name: str) -> float:
-    """A size of the stars, which must be a number, mm."""
-    value = getattr(design.stars, name)
-    if name == "length_mm" and isinstance(design.stars.length_fraction, int | float):
-        value = design.stars.length_fraction * design.lattice.spacing_mm
+    """A size of the stars, which must be a number, mm, as it is printed."""
+    stars = design.stars
+    value = getattr(stars, name)
+    if name == "length_mm" and isinstance(stars.length_fraction, int | float):
+        value = stars.length_fraction * design.lattice.spacing_mm
     if not isinstance(value, int | float):
         raise ValueError(f"stars.{name} must be a number in a cell: all its stars are equal")
+    for number, change in enumerate(stars.override):
+        if change.remove or getattr(change, name) is not None:
+            raise ValueError(f"stars.override[{number}] must not change a star in a cell: all its stars are equal")
+    if stars.rounding is not None and name != "length_mm":
+        rounded = stars.rounding.thickness if name == "thickness_mm" else stars.rounding.width
+        value = rounded(np.asarray(value))
     return float(value)
 
 

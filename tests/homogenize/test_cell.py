@@ -202,6 +202,19 @@ def test_cells_that_cannot_be_are_refused():
         Cell(design(stars={"length_mm": {"formula": "4 + 0.1*r"}}), EDGE)
     with pytest.raises(ValueError, match="weight"):
         Cell(design(gravity={"on": True}, fabric={"modulus_mpa": 7.0}), EDGE)
+    for change in ({"remove": True}, {"length_mm": 2.0}, {"thickness_mm": 0.3}, {"width_mm": 1.0}):
+        override = [{"star": 3, "branch": "down"}, {"star": 1, **change}]
+        with pytest.raises(ValueError, match=r"^stars.override\[1\] must not change a star in a cell"):
+            Cell(design(stars={"length_mm": 10.0, "override": override}), EDGE)
+
+
+def test_stars_have_the_sizes_that_are_printed():
+    """Of layers and lines; the side that a star starts to is found, not asked for."""
+    stars = {"length_mm": 10.0, "thickness_mm": 0.37, "override": [{"star": 0, "branch": "down"}]}
+    layers = {"first_layer_mm": 0.3, "layer_mm": 0.2, "line_mm": 0.5}
+    layout = Cell(design(stars={**stars, "rounding": layers}), EDGE).model.layout
+    np.testing.assert_allclose(layout.arm_thickness, 0.3)
+    np.testing.assert_allclose(layout.arm_width, 1.0)
 
 
 def test_triangles_that_bend_with_their_neighbours_repeat_too():

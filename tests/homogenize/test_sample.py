@@ -12,6 +12,7 @@ from homogenize.objective import linear_response, mean_height
 from homogenize.relax import relax
 from homogenize.rolling import roll, unrolled_flat
 from homogenize.sample import Sample, respond
+from pattern.errors import DesignError
 from tests.homogenize.cells import EDGE, design, relaxed, sample
 
 SPACING = 10.0 * np.sqrt(3.0)
@@ -198,6 +199,8 @@ def test_other_stars():
 def test_uneven_stretch():
     bare = respond(design(0.0, fabric={"stretch": [1.2, 1.5]}), EDGE, (0.0,))
     np.testing.assert_allclose(bare.rest_metric, np.diag([1.2**-2, 1.5**-2]), atol=1e-8)
+    with pytest.raises(DesignError, match=r"^fabric.stretch = \[1.2, 1.5\]: must be one number"):
+        respond(design(0.0, fabric={"stretch": [1.2, 1.5]}), EDGE)
 
 
 def test_sample_goes_through_json():
