@@ -77,7 +77,7 @@ def run(
     jobs : processes on this machine; the answers do not depend on how many.
     dask : address of a Dask scheduler to use in their place.
     report : called once at the beginning and after every cell.
-    respond : what solves a cell; a function that other processes can import.
+    respond : what solves a cell; a function that other processes can import, and whose samples are its own.
 
     Returns
     -------
@@ -91,7 +91,7 @@ def run(
     solve = respond or _respond
     folder.mkdir(parents=True, exist_ok=True)
     tasks, edge = material.tasks(), material.plan.edge_mm
-    records = {task: found for task in tasks if (found := _read(material, task, folder)) is not None}
+    records = {task: found for task in tasks if (found := _read(material, task, folder, respond)) is not None}
     missing = [task for task in tasks if task not in records]
     tell = report or (lambda progress: None)
     begin = _progress(records, tasks, None, None)
@@ -109,23 +109,24 @@ def run(
                 task = missing[number]
                 records[task] = Record(task, *outcome)
                 if not records[task].crashed:
-                    records[task] = _write(material, records[task], folder)
+                    records[task] = _write(material, records[task], folder, respond)
                 pace = (time.perf_counter() - start) / (len(records) - before)
                 tell(_progress(records, tasks, pace * (len(tasks) - len(records)), records[task]))
     return [records[task] for task in tasks]
 
 
-def key(material: Material, task: Task) -> str:
-    """Name of a sample's file: a hash of what goes into it."""
+def key(material: Material, task: Task, respond: Respond | None = None) -> str:
+    """Name of a sample's file: a hash of what goes into it, and of the name of what solves it in place of `sample`."""
     made = {"format": FORMAT, "version": VERSION, "code": code_version()}
-    text = json.dumps({**made, **_inputs(material, task)}, sort_keys=True)
+    text = json.dumps({**made, **_inputs(material, task, respond)}, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:24]
 
 
-def _inputs(material: Material, task: Task) -> dict[str, Any]:
+def _inputs(material: Material, task: Task, respond: Respond | None) -> dict[str, Any]:
     design = material.design(task).to_dict()
     parts = {name: design[name] for name in ("fabric", "plastic", "lattice", "stars")}
-    return {**parts, "edge_mm": material.plan.edge_mm}
+    other = {} if respond is None else {"respond": f"{respond.__module__}.{respond.__qualname__}"}
+    return {**parts, "edge_mm": material.plan.edge_mm, **other}
 
 
 def _respond(design: Design, edge_mm: float) -> Any:
@@ -162,28 +163,28 @@ def _progress(records: dict[Task, Record], tasks: list[Task], left: float | None
     return Progress(len(records), len(tasks), failed, left, last)
 
 
-def _write(material: Material, record: Record, folder: Path) -> Record:
+def _write(material: Material, record: Record, folder: Path, respond: Respond | None) -> Record:
     """Write a record, and return it as it will be read again."""
     content = {
         "format": FORMAT,
         "version": VERSION,
-        "inputs": _inputs(material, record.task),
+        "inputs": _inputs(material, record.task, respond),
         "sample": json.loads(json.dumps(_plain(record.sample))),
         "failed": record.failed,
         "seconds": record.seconds,
     }
-    write_table(content, folder / f"{key(material, record.task)}.json")
+    write_table(content, folder / f"{key(material, record.task, respond)}.json")
     return replace(record, sample=content["sample"])
 
 
-def _read(material: Material, task: Task, folder: Path) -> Record | None:
+def _read(material: Material, task: Task, folder: Path, respond: Respond | None) -> Record | None:
     """The record of a finished sample; None if there is no whole one."""
-    path = folder / f"{key(material, task)}.json"
+    path = folder / f"{key(material, task, respond)}.json"
     if not path.exists():
         return None
     try:
         content = read_table(path)
-        if content["inputs"] != json.loads(json.dumps(_inputs(material, task))):
+        if content["inputs"] != json.loads(json.dumps(_inputs(material, task, respond))):
             return None
         return Record(task, content["sample"], content["failed"], False, float(content["seconds"]))
     except (DesignError, KeyError, TypeError, ValueError):

@@ -15,7 +15,10 @@ import pattern
 SOURCES = {
     discrete: ("*.py",),
     equilibrium: ("*.py",),
-    pattern: ("arms.py", "lattice.py", "layout.py", "materials.py", "mesh.py", "planar.py"),
+    pattern: (
+        "arms.py", "kept_curvature.py", "lattice.py", "layout.py", "materials.py", "mesh.py", "normals.py", "planar.py",
+        "rounding.py",
+    ),
     homogenize: (
         "arm_segments.py", "blend.py", "cell.py", "directions.py", "free_points.py", "images.py", "isotropy.py",
         "natural.py", "objective.py", "periodic_delaunay.py", "relax.py", "relief.py", "rolled_membrane.py",

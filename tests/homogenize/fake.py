@@ -67,14 +67,19 @@ def fails(design: Design, edge_mm: float) -> Answer:
     return Answer({}, "no equilibrium\nat all")
 
 
+def mended() -> bool:
+    """Whether what breaks or dies does so no more, in this process and those it starts."""
+    return "ASTERISM_FAKE_MENDED" in os.environ
+
+
 def breaks(design: Design, edge_mm: float) -> Answer:
-    if design.stars.length_mm == 10.0:
+    if design.stars.length_mm == 10.0 and not mended():
         raise ZeroDivisionError("a bug")
     return respond(design, edge_mm)
 
 
 def dies(design: Design, edge_mm: float) -> Answer:
-    if design.stars.length_mm == 5.0:
+    if design.stars.length_mm == 5.0 and not mended():
         os._exit(3)
     return respond(design, edge_mm)
 
