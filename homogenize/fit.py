@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator, RBFInterpolator
+from scipy.spatial import cKDTree
 
 from homogenize.campaign import Record
 from homogenize.directions import CURLED, averaged
@@ -168,20 +169,27 @@ def filled(lengths: Floats, stored: Floats, good: Bools) -> Floats:
 def _from_scattered(
     material: Material, stretch: float, fabric: Floats, sizes: dict[tuple[float, float, float], Floats | None]
 ) -> Table:
-    """Cubic radial functions through all cells, carried onto a grid."""
+    """Cubic radial functions through all cells, carried onto a grid that begins where the law does.
+
+    A node whose nearest cell has no answer has none.
+    """
     low, high = np.transpose(material.plan.ranges)
+    first = material.plan.least_length_mm(material.lattice.spacing_mm) or high[0] / (SCATTERED[0] - 1)
     axes = (
-        np.linspace(0.0, high[0], SCATTERED[0]),
+        np.array([0.0, *np.linspace(first, high[0], SCATTERED[0] - 1)]),
         np.geomspace(low[1], high[1], SCATTERED[1]),
         np.geomspace(low[2], high[2], SCATTERED[2]),
     )
     unit = units(fabric[:Q], material.lattice.spacing_mm)
     places, rows = scattered_points(sizes, fabric, axes)
-    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
-    stored = radial(places, _stored(rows, unit))(scaled(grid.reshape(-1, 3), axes))
-    nodes = _known(stored.reshape(*grid.shape[:3], -1), unit)
+    grid = scaled(np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3), axes)
+    failed = np.array([size for size, found in sizes.items() if found is None]).reshape(-1, 3)
+    known, unknown = (cKDTree(cells).query(grid)[0] for cells in (places, scaled(failed, axes)))
+    good = (known <= unknown).reshape(SCATTERED)
+    good[0] = True
+    stored = radial(places, _stored(rows, unit))(grid).reshape(*SCATTERED, -1)
+    nodes = _known(filled(axes[0], stored, good), unit)
     nodes[0] = fabric
-    good = np.ones(grid.shape[:3], dtype=bool)
     return Table(stretch, material.lattice.spacing_mm, axes, nodes[..., :Q], _reliefs(nodes), good, unit)
 
 

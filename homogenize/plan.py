@@ -134,12 +134,14 @@ class Plan(Section):
             points = engine(3, seed=np.random.default_rng(self.seed)).random(self.count)
         return _rows(points, (self.length_range_mm, self.thickness_range_mm, self.width_range_mm))
 
+    def least_length_mm(self, spacing_mm: float) -> float:
+        """The shortest arms that the law answers for; 0 if all are."""
+        return least_length(self.lengths_mm if self.kind == "grid" else self.length_range_mm, spacing_mm)
+
     def tests(self, spacing_mm: float) -> list[tuple[float, float, float]]:
         """Length, thickness and width of the held-out cells, of the lengths that the law answers for."""
         (_, longest), *others = self.ranges
-        low = min(max(SHORTEST_ARM_MM, 1.5), longest)
-        if self.kind == "grid":
-            low = max(low, least_length(self.lengths_mm, spacing_mm))
+        low = max(min(max(SHORTEST_ARM_MM, 1.5), longest), self.least_length_mm(spacing_mm))
         points = np.random.default_rng(self.seed + 1).random((self.held_out, 3))
         return _rows(points, ((low, longest), *others))
 

@@ -89,8 +89,9 @@ class Table:
     nodes : (n0, n1, n2, Q) values of `NAMES`; all of length 0 are the bare fabric's.
     reliefs : (n0, n1, n2, 2, W) mm and mm^2, amplitudes of the waves of `homogenize.relief`: flat, and more per
         curvature.
-    good : (n0, n1, n2) False where a cell has no answer and the others on its line of lengths stand in: between two
-        answers that is the interpolation of a coarser grid; elsewhere the law does not reach.
+    good : (n0, n1, n2) False where a cell, of scattered ones the nearest, has no answer and the others on its line of
+        lengths stand in: between two answers that is the interpolation of a coarser grid; elsewhere the law does not
+        reach.
     units : (Q,) that the forms of the quantities are in, see `units`.
     """
 

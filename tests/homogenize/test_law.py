@@ -225,6 +225,32 @@ def test_scattered_cells_make_a_law_too() -> None:
     assert values.value["lam"][0] == pytest.approx(1 / 1.35, abs=1e-14)
 
 
+def test_scattered_cells_answer_for_their_own_lengths_only() -> None:
+    """As a grid's: lengths that begin far from bare fabric are not joined to it, nor tested there."""
+    far, near = (
+        fit(material, answers(material, fake.respond))
+        for first in (9.0, 3.4)
+        for material in [Material.from_dict({"plan": {**SPREAD, "length_range_mm": [first, 12.0]}})]
+    )
+    table = far.at(1.35)
+    assert (table.least_length_mm, near.at(1.35).least_length_mm) == (9.0, 0.0)
+    assert table([0.0, 3.0, 8.9, 9.0, 12.0], 0.3, 1.2).inside.tolist() == [True, False, False, True, True]
+    held = far.residuals["1.35"]["held_out"]
+    assert held["count"] == 10 and min(cell["length_mm"] for cell in held["cells"]) >= 9.0
+
+
+def test_scattered_cells_without_an_answer_are_marked_with_their_surroundings() -> None:
+    def fails_when_long(design: Design, edge_mm: float) -> fake.Answer:
+        return fake.Answer({}, "no") if float(design.stars.length_mm) > 8.0 else fake.respond(design, edge_mm)  # type: ignore[arg-type]
+
+    material = Material.from_dict({"plan": SPREAD})
+    table = fit(material, answers(material, fails_when_long)).at(1.35)
+    thin, wide = (column.ravel() for column in np.meshgrid(np.linspace(0.2, 0.6, 9), np.linspace(0.8, 1.6, 5)))
+    for length, inside in ((0.0, True), (3.0, True), (5.0, True), (9.5, False), (12.0, False)):
+        assert (table(length, thin, wide).inside == inside).all(), length
+    assert "no cell was solved near length_mm = 9.5" in table(9.5, 0.3, 1.2).outside[0]
+
+
 def test_a_file_holds_all_of_it(tmp_path: Path) -> None:
     path = tmp_path / "law.npz"
     path.write_bytes(to_bytes(LAW))

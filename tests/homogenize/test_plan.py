@@ -35,6 +35,12 @@ def test_spread_plans_fill_their_ranges_the_same_way_every_time(kind: str) -> No
     assert (np.ptp(sizes, axis=0) > 0.9 * np.array([7, 0.4, 0.8])).all()
 
 
+def test_held_out_cells_are_as_long_as_those_the_law_answers_for() -> None:
+    for plan in ({"kind": "sobol", "length_range_mm": [9.0, 12.0]}, {"lengths_mm": [9.0, 12.0]}):
+        held = [task.length_mm for task in Material.from_dict({"plan": plan}).tasks() if task.held_out]
+        assert len(held) == 12 and 9.0 <= min(held) < 10.0
+
+
 @pytest.mark.parametrize(
     "data",
     [{}, {"plan": {"kind": "sobol", "count": 16}}, {"fabric": {"stretch": 1.5}}, tomllib.loads(PAPER.read_text())],
