@@ -7,10 +7,10 @@ import math
 import numpy as np
 
 from homogenize.interpolation import Floats
-from homogenize.plan import Material
+from homogenize.plan import LEAST_EDGE_MM, Material
 from pattern.design import Design
 from pattern.errors import DesignError
-from pattern.stars import SHORTEST_ARM_MM
+from pattern.stars import SHORTEST_ARM_MM, THICKNESS_MM, WIDTH_MM
 
 # of cells along an arm's spacing, as in the law that comes with the package: edges of 1.15 mm for the paper's lattice
 EDGES = 15
@@ -26,7 +26,7 @@ def own_plan(design: Design, sizes: Floats, edge_mm: float | None = None) -> Mat
     Parameters
     ----------
     sizes : (S, 3) mm, length, thickness and width of its stars.
-    edge_mm : of the cells' mesh; by default a fifteenth of the spacing.
+    edge_mm : of the cells' mesh; by default a fifteenth of the spacing, or the shortest that a plan may have.
 
     Raises
     ------
@@ -39,12 +39,12 @@ def own_plan(design: Design, sizes: Floats, edge_mm: float | None = None) -> Mat
     if not math.isclose(sx, sy):
         raise DesignError("fabric.stretch", "must be one number: cells are stretched alike in x and y", [sx, sy])
     spacing = design.lattice.spacing_mm
-    edge = edge_mm or round(spacing / EDGES, 4)
+    edge = edge_mm or max(round(spacing / EDGES, 4), LEAST_EDGE_MM)
     length, thickness, width = sizes.T
     nodes = {
         "lengths_mm": _lengths(np.clip(length, SHORTEST_ARM_MM, spacing), spacing),
-        "thicknesses_mm": _growing(thickness, THICKER),
-        "widths_mm": _growing(width, WIDER),
+        "thicknesses_mm": _growing(np.clip(thickness, *THICKNESS_MM), THICKER),
+        "widths_mm": _growing(np.clip(width, *WIDTH_MM), WIDER),
     }
     one = all(len(each) == 1 for each in nodes.values())
     data = design.to_dict()

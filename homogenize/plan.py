@@ -22,6 +22,8 @@ from pattern.stars import SHORTEST_ARM_MM, THICKNESS_MM, WIDTH_MM
 
 PAPER = Path(__file__).parent / "data" / "paper.toml"
 MOST_SAMPLES = 100_000
+# stars are at least 1 mm apart, and a cell has three edges between them
+LEAST_EDGE_MM = 0.2
 Nodes = tuple[Number, ...]
 
 
@@ -59,7 +61,7 @@ class Plan(Section):
     width_range_mm: Point = (0.8, 1.6)
     count: Whole = Field(128, ge=8, le=MOST_SAMPLES)
     seed: Whole = Field(0, ge=0, lt=2**32)
-    edge_mm: Number = Field(2.0, ge=0.2, le=100)
+    edge_mm: Number = Field(2.0, ge=LEAST_EDGE_MM, le=100)
     held_out: Whole = Field(12, ge=0, le=10_000)
 
     @field_validator("stretches", "lengths_mm", "thicknesses_mm", "widths_mm")

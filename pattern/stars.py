@@ -125,6 +125,7 @@ def sizes(stars: Stars, centres: Floats, spacing: float, arm_directions: Floats)
     printed = np.flatnonzero(length > 0)
     for key in ("thickness_mm", "width_mm"):
         _check(f"stars.{key}", values[key][printed], limits[key], centres[printed], printed)
+    thickness, width = np.minimum(thickness, THICKNESS_MM[1]), np.minimum(width, WIDTH_MM[1])
     return Sizes(np.minimum(length, spacing), thickness, width, branch)
 
 

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from homogenize.fit import fit
 from homogenize.own_plan import own_plan
+from pattern.build import layout
 from pattern.design import Design
 from pattern.errors import DesignError
 from tests.homogenize import fake
@@ -55,6 +56,21 @@ def test_the_law_is_for_the_designs_material_and_lattice() -> None:
     material = own_plan(own, np.array([[4.0, 0.3, 1.2], [5.0, 0.3, 1.2]]))
     assert material.stretches == (1.5,) and material.plan.held_out > 0 and material.plan.edge_mm == 0.8
     fit(material, answers(material, fake.respond)).check(own)
+
+
+@pytest.mark.parametrize("spacing", [1.0, 2.9, 500.0])
+def test_every_spacing_has_a_plan(spacing: float) -> None:
+    plan = own_plan(design(lattice__spacing_mm=spacing), np.array([[1.0, 0.3, 0.3]])).plan
+    assert plan.edge_mm == pytest.approx(max(spacing / 15, 0.2), abs=1e-4)
+
+
+def test_sizes_at_their_limit_but_for_rounding_are_so() -> None:
+    """On the sheet, too: its law answers for them."""
+    own = design(stars__width_mm=10.000005, stars__thickness_mm=5.000002)
+    plan = own_plan(own, np.array([[5.0, 5.000002, 10.000005]])).plan
+    assert (plan.thicknesses_mm, plan.widths_mm) == ((5.0,), (10.0,))
+    sheet = layout(own)
+    assert sheet.arm_thickness.max() == 5.0 and sheet.arm_width.max() == 10.0
 
 
 @pytest.mark.parametrize(
