@@ -72,8 +72,10 @@ def on_dask(address: str) -> Iterator[SubmitAll]:
         await comm.close()
 
     try:
-        # a client that finds nobody goes on trying and complains at the end of the program
-        asyncio.run(knock())
+        # a client that finds nobody goes on trying and complains at the end of the program; a notebook has a loop
+        # running in this thread, and no room for another
+        with concurrent.futures.ThreadPoolExecutor(1) as thread:
+            thread.submit(asyncio.run, knock()).result()
         client = Client(address, timeout=10, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
         raise AddressError(f"--dask: no scheduler answers at {address!r} ({type(error).__name__})") from None

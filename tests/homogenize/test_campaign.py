@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import signal
 import subprocess
 import sys
@@ -12,7 +13,7 @@ from typing import Any
 import pytest
 
 from homogenize import campaign
-from homogenize.campaign import Progress, run
+from homogenize.campaign import Progress, Record, run
 from homogenize.errors import AddressError, CampaignError
 from homogenize.fit import fit
 from homogenize.law_file import digest, to_bytes
@@ -162,8 +163,22 @@ def test_dask_gives_the_same_law(tmp_path: Path) -> None:
         # a second run has nothing left to ask the cluster for
         run(material(), tmp_path / "dask", dask="tcp://127.0.0.1:1", respond=fake.respond)
 
+        async def notebook() -> list[Record]:
+            return run(material(), tmp_path / "notebook", dask=cluster.scheduler_address, respond=fake.respond)
 
-def test_a_cluster_that_is_not_there(tmp_path: Path) -> None:
+        assert to_bytes(fit(material(), asyncio.run(notebook()))) == to_bytes(own)
+
+
+@pytest.mark.parametrize("notebook", [False, True])
+def test_a_cluster_that_is_not_there(notebook: bool, tmp_path: Path) -> None:
+    """Also where a loop is running already."""
     pytest.importorskip("distributed")
-    with pytest.raises(AddressError, match=r"^--dask: no scheduler answers at 'nonsense://x'"):
+
+    def ask() -> None:
         run(material(), tmp_path, dask="nonsense://x", respond=fake.respond)
+
+    async def ask_from_a_notebook() -> None:
+        ask()
+
+    with pytest.raises(AddressError, match=r"^--dask: no scheduler answers at 'nonsense://x'"):
+        asyncio.run(ask_from_a_notebook()) if notebook else ask()
