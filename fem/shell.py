@@ -248,6 +248,11 @@ class Shell:
         return np.asarray(held.sum(axis=0) / np.maximum(self._fixed.sum(axis=0), 1))
 
     @property
+    def holds_heights(self) -> bool:
+        """Something is held along z."""
+        return bool(self._fixed[:, 2].any())
+
+    @property
     def is_free(self) -> bool:
         """Nothing is held."""
         return self.reduction.map.shape[1] == self.flat.size

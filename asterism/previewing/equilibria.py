@@ -10,10 +10,11 @@ import numpy as np
 from asterism.previewing.expected import amplitudes_percent, another_form_is_near
 from equilibrium.factor import Factor
 from equilibrium.solve import held_definite
-from fem.evidence import ShellEquilibrium
+from fem.evidence import ShellEquilibrium, Trial
 from fem.seeds import Side, shapes, trends
 from fem.shapes import Shape
 from fem.shell import Shell
+from fem.sides import side_of
 from fem.solve import follow, modes_of, relax
 from fem.tabulation import Floats
 from pattern.rigid_fit import rigid_fit
@@ -24,6 +25,7 @@ TIE = 0.005  # part of the energy by which the law's sheets are wrong at best: i
 CAPS = (1.0, 0.7)  # parts of a cap's curvature to start from: from afar it takes luck to reach the lowest fold
 EQUAL = 1e-3  # part of the energy within which two minima are the same form
 ROLLED = {"arc", "bent", "saddle"}
+KINDS = ROLLED | {"cap"}  # that are bent
 PUSH = 0.04  # of the size: how far a held sheet that is soft in two ways is pushed, to see what else it can be
 # on the wrong side: a sheet that rises by less than this part of how far it hangs; and what is flat, mm
 OVER, FLAT_MM = 0.1, 1e-6
@@ -33,13 +35,44 @@ STRIDES = 6  # in which later pins move the sheet to their places
 def settled(
     shell: Shell, factor: Factor, side: Side, uniform: bool, curls: bool, turns: Sequence[Floats] = ()
 ) -> ShellEquilibrium:
-    """The lowest equilibrium that the most promising simple shapes lead to.
+    """The lowest equilibrium that the most promising simple shapes lead to, on the side that is asked for if any is.
+
+    `turns`: of the design's symmetries. `uniform`: all stars are alike. `curls`: many stars curl tightly.
+    """
+    found = _lowest_of_all(shell, factor, side, uniform, curls, turns)
+    return found if side in ("auto", side_of(shell, found.x)) else _on_side(shell, factor, found, side, turns)
+
+
+def _on_side(
+    shell: Shell, factor: Factor, found: ShellEquilibrium, side: Side, turns: Sequence[Floats]
+) -> ShellEquilibrium:
+    """The lowest minimum that is on a side, from bent starts there if none was met yet; `found` if there is none."""
+
+    def fitting() -> list[Trial]:
+        return [trial for trial in found.trials if trial.is_minimum and side_of(shell, trial.x) == side]
+
+    wants, size = trends(shell), float(np.ptp(shell.space.mesh.p, axis=1).max())
+    bent = [shape for shape in shapes(wants, size, side) if shape.name != "flat"]
+    if not fitting() and bent:
+        found = replace(found, trials=found.trials + relax(shell, factor, side, bent, len(KINDS), turns=turns).trials)
+    best = min(fitting(), key=lambda trial: trial.energy, default=None)
+    if best is None:
+        held_definite(shell, found.x, shell.hessian(found.x), factor)  # the factor is to hold the best state's Hessian
+        return found
+    there = follow(shell, best.x, factor, best.name)
+    return replace(there, trials=found.trials, soft_modes=modes_of(shell, there.x, factor)[0])
+
+
+def _lowest_of_all(
+    shell: Shell, factor: Factor, side: Side, uniform: bool, curls: bool, turns: Sequence[Floats]
+) -> ShellEquilibrium:
+    """The lowest one on any side; parameters as of `settled`.
 
     A held sheet that came out altogether on the wrong side is tried from flat too.
 
-    `turns`: of the design's symmetries. `uniform`: all stars are alike. `curls`: many stars curl tightly; a free sheet
-    of such stars may fold up on several sides in place of rolling, which a start as a cap finds and costs. Where a
-    free sheet without symmetry is soft in two ways, starts of other kinds are followed too; a held one is pushed.
+    A free sheet of stars that curl tightly may fold up on several sides in place of rolling, which a start as a cap
+    finds and costs. Where a free sheet without symmetry is soft in two ways, starts of other kinds are followed too; a
+    held one is pushed.
     """
     free = len(shell.held_points) == 0
     wants, size = trends(shell), float(np.ptp(shell.space.mesh.p, axis=1).max())

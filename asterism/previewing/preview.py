@@ -22,6 +22,7 @@ from fem.evidence import ShellEquilibrium
 from fem.linear_response import linear_response
 from fem.seeds import Side, check_side, trends
 from fem.shell import Shell
+from fem.sides import side_of
 from fem.solve import energies_of, follow, modes_of
 from fem.tabulation import Floats
 from homogenize.errors import LawError
@@ -213,16 +214,24 @@ class Preview:
 
     @one_blas_thread()
     def flip(self) -> Side:
-        """Turn the edges to the other side of the print; returns the side they have now."""
+        """Turn the edges to the other side of the print; returns the side they have now.
+
+        That is the side they had where no form on the other one was found; the preview is then what it was.
+        """
         self._clock = Clock()
-        before = self.side
-        self.side = FLIPPED[trends(self.shell).side if before == "auto" else before]
+        before = self.side, self.shell, self._factor, self.equilibrium
+        now = side_of(self.shell, self.equilibrium.x)
+        now = trends(self.shell).side if now == "auto" else now
+        self.side = FLIPPED[now]
         try:
             self._settle()
         except BaseException:
-            self.side = before
+            self.side, self.shell, self._factor, self.equilibrium = before
             raise
-        return self.side
+        if side_of(self.shell, self.equilibrium.x) == self.side:
+            return self.side
+        self.side, self.shell, self._factor, self.equilibrium = before
+        return now
 
     @property
     def symmetries(self) -> list[Symmetry]:

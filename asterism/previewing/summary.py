@@ -22,6 +22,7 @@ from asterism.previewing.expected_height import HeightDoubts, expected_height_pe
 from asterism.previewing.other_forms import OtherForm, other_forms
 from asterism.shape import Shape
 from asterism.star_sides import few
+from fem.sides import side_of
 from homogenize.directions import left_out
 from pattern.likeness import rolled_about
 from pattern.mesh import Mesh
@@ -123,6 +124,8 @@ def warnings(
     down = layout.star_number[layout.star_branch < 0].tolist()
     if down:
         lines.append(f"the law's stars bump up, but {len(down)} of the design start down: stars {few(down)}")
+    if preview.side not in ("auto", side := side_of(preview.shell, found.x)) and side != "auto":
+        lines.append(f"the edges were asked to go {preview.side}, but no such form was found: they go {side}")
     if not found.converged:
         lines.append(f"not an equilibrium: gradient {found.gradient_norm:.1e} N, above {found.tolerance:.1e} N")
     elif not found.definite:

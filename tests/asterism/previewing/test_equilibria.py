@@ -10,7 +10,9 @@ from asterism.previewing.equilibria import settled, soft_in_two_ways, turned_ove
 from asterism.previewing.preview import Preview
 from fem.argyris import Argyris
 from fem.fields import Fields, of_stretch
+from fem.seeds import trends
 from fem.shell import Shell
+from fem.sides import side_of
 from fem.solve import follow, relax
 from pattern import gallery
 from pattern.design import Design
@@ -45,6 +47,26 @@ def test_a_folded_sheet_is_found(curls: bool) -> None:
     shell = Shell(Argyris(hexagon(1)), FOLDS)
     found = settled(shell, shell.factor(), "auto", uniform=False, curls=curls)
     assert found.is_minimum and found.energy < 0.98 * relax(shell).energy
+
+
+def test_a_form_on_the_side_that_is_asked_for_is_shown_though_it_is_dearer() -> None:
+    """A held dome would rather go up from its border; both are minima."""
+    preview = Preview(gallery.load("dome"))
+    down = preview.equilibrium
+    factor = preview.shell.factor()
+    up = settled(preview.shell, factor, "up", uniform=False, curls=False)
+    assert (side_of(preview.shell, down.x), side_of(preview.shell, up.x)) == ("down", "up")
+    assert up.is_minimum and up.energy > 1.2 * down.energy and len(up.soft_modes)
+    factor.close()
+
+
+def test_sides_of_free_and_held_states() -> None:
+    shell = Shell(Argyris(hexagon(1)), FIELDS["dome"])
+    found = relax(shell)
+    side = trends(shell).side
+    assert side_of(shell, found.x) == side and side_of(shell, shell.flat) == "auto"
+    turned = found.x * [1.0, -1.0, -1.0]  # half a turn is no other side
+    assert side_of(shell, turned) == side
 
 
 @pytest.mark.parametrize(("fields", "soft"), [(FOLDS, True), (FIELDS["dome"], False)])

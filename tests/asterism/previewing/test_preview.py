@@ -192,6 +192,20 @@ def test_a_dome_can_be_flipped() -> None:
     assert preview.at([0.0, 0.0]).smooth[0, 2] == pytest.approx(up, rel=1e-6)
 
 
+def test_a_sheet_without_another_side_stays_and_says_so() -> None:
+    """The stars of a held bell keep it up."""
+    bell = gallery.load("bell")
+    preview = Preview(bell)
+    before = preview.equilibrium
+    assert preview.flip() == "down" and preview.equilibrium is before and preview.side == "auto"
+    assert not any("edges" in line for line in preview.shape().summary["warnings"])
+    *_, last = preview.edit(bell)  # its factorisation goes with it
+    assert last.name == "equilibrium" and preview.equilibrium.iterations <= 1
+    asked = Preview(bell, side="up").shape().summary
+    assert asked["is_minimum"] and asked["energy_n_mm"] == pytest.approx(before.energy, rel=1e-6)
+    assert "the edges were asked to go up, but no such form was found: they go down" in asked["warnings"]
+
+
 def test_a_sheet_that_goes_up_by_itself_is_flipped_down() -> None:
     """Its natural curvature is the other one; whatever side `auto` has found, a flip leaves it."""
     law = plain_law()
