@@ -15,6 +15,7 @@ from fem.seeds import Side, shapes, trends
 from fem.shapes import Shape
 from fem.shell import Shell
 from fem.sides import side_of
+from fem.slide import Frame
 from fem.solve import follow, modes_of, relax
 from fem.tabulation import Floats
 from pattern.rigid_fit import rigid_fit
@@ -29,6 +30,9 @@ KINDS = ROLLED | {"cap"}  # that are bent
 PUSH = 0.04  # of the size: how far a held sheet that is soft in two ways is pushed, to see what else it can be
 # on the wrong side: a sheet that rises by less than this part of how far it hangs; and what is flat, mm
 OVER, FLAT_MM = 0.1, 1e-6
+# of its own size: what is held narrower is tried from so many arcs, and from caps, too
+NARROW, ARCS = 0.95, 3
+EDIT = "edit"  # name of the start of what goes on from a shape before it
 STRIDES = 6  # in which later pins move the sheet to their places
 
 
@@ -72,7 +76,7 @@ def _lowest_of_all(
 
     A free sheet of stars that curl tightly may fold up on several sides in place of rolling, which a start as a cap
     finds and costs. Where a free sheet without symmetry is soft in two ways, starts of other kinds are followed too; a
-    held one is pushed.
+    held one is pushed, or if it is stiff but narrow started anew.
     """
     free = len(shell.held_points) == 0
     wants, size = trends(shell), float(np.ptp(shell.space.mesh.p, axis=1).max())
@@ -87,8 +91,12 @@ def _lowest_of_all(
         flat = [shape for shape in shapes(wants, size, side) if shape.name == "flat"]
         found = _lowest(shell, factor, found, [relax(shell, factor, side, flat, followed=1)])
     soft = soft_in_two_ways(shell, found, wants.stretch * size)
+    if not free and found.is_minimum:
+        if soft:
+            return pushed(shell, factor, found, PUSH * size)
+        return buckled(shell, factor, found, shapes(wants, size, side)) if narrow(shell) else found
     if not free:
-        return pushed(shell, factor, found, PUSH * size) if soft and found.is_minimum else found
+        return found
     guesses = shapes(wants, size, side)
     tried = {trial.name for trial in found.trials} - ROLLED | {"flat"}
     if sum(trial.name in ROLLED for trial in found.trials) > 1:
@@ -122,6 +130,30 @@ def pushed(shell: Shell, factor: Factor, found: ShellEquilibrium, far: float) ->
     mode = modes_of(shell, found.x, factor, 1)[1][:, 0]
     step = far / np.abs(shell.move(np.zeros_like(found.x), mode)).max() * mode
     others = [follow(shell, shell.move(found.x, sign * step), factor, "pushed") for sign in (1.0, -1.0)]
+    return _lowest(shell, factor, found, others)
+
+
+def narrow(shell: Shell) -> bool:
+    """Whether a sheet is held narrower than it would be by itself."""
+    wants = trends(shell)
+    return wants.chord < NARROW * wants.stretch
+
+
+def buckled(shell: Shell, factor: Factor, found: ShellEquilibrium, guesses: Sequence[Shape]) -> ShellEquilibrium:
+    """The lowest of a minimum and of those that caps and a few arcs lead to.
+
+    A sheet that is held narrow buckles, and into which of its forms depends on the start; each is stiff, so that no
+    softness tells of the others.
+    """
+    wants = trends(shell)
+    frame = Frame(shell, factor, wants.centre, wants.stretch)
+    arcs = [shape for shape in guesses if shape.name in ("arc", "bent")]
+    tried = [shape for shape in guesses if shape.name == "cap"] + arcs[:: max(len(arcs) // ARCS, 1)]
+    starts = [frame.slid(frame.bent(shape)) for shape in tried]  # all of them while the factor is the frame's
+    others = [follow(shell, start.x, factor, start.shape.name, patient=False) for start in starts]
+    low = min(others, key=lambda other: other.energy)
+    if not low.is_minimum and low.energy < found.energy:
+        others.append(follow(shell, low.x, factor, low.start))
     return _lowest(shell, factor, found, others)
 
 

@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from asterism.previewing.equilibria import settled, taken
+from asterism.previewing.equilibria import EDIT, settled, taken
 from asterism.previewing.expected_height import height_doubts
 from asterism.previewing.sheet import Sheet
 from asterism.previewing.star_values import StarValues, star_values
@@ -190,7 +190,7 @@ class Preview:
             )
         yield Stage("linear", linear.x)
         with one_blas_thread():
-            found = self._clock("equilibrium", follow, self.shell, linear.x, self._factor, "edit", linear.strains)
+            found = self._clock("equilibrium", follow, self.shell, linear.x, self._factor, EDIT, linear.strains)
             if found.is_minimum:
                 self.equilibrium = found
             else:

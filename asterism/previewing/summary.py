@@ -11,6 +11,7 @@ from asterism.contraction import contraction
 from asterism.held_wide import held_wide
 from asterism.law_directions import directions_line
 from asterism.mesh_error import diameter
+from asterism.previewing.equilibria import EDIT, narrow
 from asterism.previewing.expected import (
     amplitudes_percent,
     another_form_is_near,
@@ -126,6 +127,10 @@ def warnings(
         lines.append(f"the law's stars bump up, but {len(down)} of the design start down: stars {few(down)}")
     if preview.side not in ("auto", side := side_of(preview.shell, found.x)) and side != "auto":
         lines.append(f"the edges were asked to go {preview.side}, but no such form was found: they go {side}")
+    if found.start == EDIT and narrow(preview.shell):
+        lines.append(
+            "held narrower than it would be, it may buckle in several ways: a new preview looks for lower ones"
+        )
     if not found.converged:
         lines.append(f"not an equilibrium: gradient {found.gradient_norm:.1e} N, above {found.tolerance:.1e} N")
     elif not found.definite:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from asterism.previewing import equilibria
-from asterism.previewing.equilibria import settled, soft_in_two_ways, turned_over
+from asterism.previewing.equilibria import narrow, settled, soft_in_two_ways, turned_over
 from asterism.previewing.preview import Preview
 from fem.argyris import Argyris
 from fem.fields import Fields, of_stretch
@@ -58,6 +58,22 @@ def test_a_form_on_the_side_that_is_asked_for_is_shown_though_it_is_dearer() -> 
     assert (side_of(preview.shell, down.x), side_of(preview.shell, up.x)) == ("down", "up")
     assert up.is_minimum and up.energy > 1.2 * down.energy and len(up.soft_modes)
     factor.close()
+
+
+def test_a_narrow_sheet_is_looked_at_for_other_buckles() -> None:
+    """Both forms are stiff minima; a start as a round cap leads to the higher one."""
+    stars = {"length_mm": 6.97, "thickness_mm": 0.39}
+    pins = [{"where": "border", "scale": 0.68}]
+    preview = Preview(Design.from_dict({"stars": stars, "border": {"rings": 2}, "pins": pins}))
+    shape = preview.shape()
+    (other,) = shape.summary["other_forms"]
+    assert shape.summary["is_minimum"] and other["energy_n_mm"] > 1.1 * shape.summary["energy_n_mm"]
+    assert narrow(preview.shell) and not soft_in_two_ways(preview.shell, preview.equilibrium, 60.0)
+    *_, last = preview.edit(
+        Design.from_dict({"stars": stars | {"length_mm": 7.1}, "border": {"rings": 2}, "pins": pins})
+    )
+    assert last.name == "equilibrium" and any("buckle" in line for line in preview.shape().summary["warnings"])
+    assert not narrow(Preview(gallery.load("dome")).shell)
 
 
 def test_sides_of_free_and_held_states() -> None:
