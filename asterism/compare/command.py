@@ -26,6 +26,7 @@ from asterism.shape import Shape
 
 # farther off, the scan or outline may not have been laid on the shape rightly
 POOR_PERCENT = 1.5
+MANY_PERCENT = 3.0  # of the points: so many left out may be the sheet's
 
 
 def compare(shape: Path, scan: Path, output: Path | None, unit: str | None, view: str | None, trim: float) -> list[str]:
@@ -123,6 +124,9 @@ def _scan_rows(s: dict[str, Any]) -> dict[str, str]:
         "scanned": f"{s['shape_covered_percent']:.0f} % of the shape",
     }
     rows |= _poor(s, "if the scan holds much else, crop it, or say --trim 0.5; is it of this design?")
+    whole = 100.0 * s["rms_of_all_points_mm"] / s["diameter_mm"]
+    if "a poor fit" not in rows and s["points_left_out_percent"] > MANY_PERCENT and whole > POOR_PERCENT:
+        rows["perhaps another shape"] = f"{whole:.1f} % with what is left out: is that a table or clamps, or the sheet?"
     if s["poses_as_good"] > 1:
         rows["poses as good"] = f"{s['poses_as_good']}: the shape looks alike from several sides"
     return rows

@@ -97,6 +97,14 @@ def test_an_outline_that_fits_poorly(scale: list[float], poor: bool, folder: Pat
     assert (numbers["rms_percent"] > 1.5) == poor
 
 
+def test_a_mirrored_scan_is_not_taken_for_the_shape(folder: Path, capsys, monkeypatch) -> None:
+    """Most of a shallow sheet's mirror image lies on it; what does not is left out, and told."""
+    mirrored = SHAPE.positions * [1.0, 1.0, -1.0]
+    trimesh.Trimesh(mirrored, SHAPE.triangles, process=False).export(folder / "scan.ply")
+    done = command(["compare", str(folder / "shape.vtu"), str(folder / "scan.ply")], capsys, monkeypatch)
+    assert done.status == 0 and ("perhaps another shape" in done.out or "a poor fit" in done.out)
+
+
 @pytest.mark.parametrize(
     ("shape", "file", "content", "problem"),
     [
