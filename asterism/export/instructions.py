@@ -11,6 +11,7 @@ import numpy as np
 from asterism.export.drawing import Circle, Drawing, Line, Text, size_within
 from asterism.export.job import CHECK_SQUARE_MM, Job
 from asterism.export.layers import TEXT
+from asterism.export.needles import MUCH_MM
 
 _A4_MM = (210.0, 297.0)
 _MARGIN_MM = 18.0
@@ -126,6 +127,11 @@ def _finish(job: Job) -> Chapter:
             "Drill the base with the template (last page of layout.pdf). Push every needle through the sheet at its "
             f"number in the layout, and set it into the hole of that number: {len(known)} needles."
         )
+        if job.hangs_mm > MUCH_MM:
+            lines.append(
+                f"The sheet hangs {job.hangs_mm:.1f} mm below the base: set all needles so much higher, on posts, or "
+                "cut the base out under it."
+            )
         if len(known) < len(job.needles):
             sliding = len(job.needles) - len(known)
             lines.append(f"{sliding} more go through the sheet where it slides; the template has no holes for them.")

@@ -70,6 +70,15 @@ class Job:
         return CHECK_SQUARE_MM * x, CHECK_SQUARE_MM * y
 
     @cached_property
+    def hangs_mm(self) -> float:
+        """How far the sheet hangs below the base in which its needles stand; 0 where the shape is not known."""
+        known = [needle for needle in self.needles if needle.place is not None]
+        if self.shape is None or not known:
+            return 0.0
+        base = float(self.shape.at(known[0].printed[None])[0, 2] - known[0].place[2])  # type: ignore[index]
+        return max(base - float(self.shape.positions[:, 2].min()), 0.0)
+
+    @cached_property
     def solids(self) -> tuple[Solid, ...]:
         """Stars and border line in the printer's coordinates, standing on z = 0."""
         on_bed = Placement(0.0, np.asarray(self.printer.bed_centre_mm))

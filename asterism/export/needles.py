@@ -10,6 +10,9 @@ import numpy as np
 from asterism.shape import Shape
 from pattern.layout import Floats, Layout, PinSet
 
+# by which a sheet may hang below the base: it is as thick
+MUCH_MM = 0.5
+
 
 @dataclass(frozen=True)
 class Needle:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from asterism.export.needles import MUCH_MM
+
 _MOST_NAMED = 4
 
 
@@ -28,6 +30,10 @@ def table(s: dict[str, Any]) -> dict[str, str]:
     x, y = s["check_square_mm"]["after"]
     rows["check square"] = f"100 mm before stretching, {x:.1f} x {y:.1f} mm after"
     rows["needles"] = str(s["needles"])
+    if s["hangs_below_base_mm"] > MUCH_MM:
+        rows["hangs"] = (
+            f"{s['hangs_below_base_mm']:.1f} mm below the base: set the needles so much higher, or cut it out"
+        )
     rows["estimate"] = f"{cost['minutes']:.0f} min, {cost['mass_g']:.2f} g, {cost['filament_m']:.2f} m"
     return rows
 

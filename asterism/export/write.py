@@ -106,5 +106,6 @@ def _summary(
         "z_offset_mm": job.z_offset_mm,
         "check_square_mm": {"before": [CHECK_SQUARE_MM] * 2, "after": list(job.check_after_mm)},
         "needles": len(job.needles),
+        "hangs_below_base_mm": job.hangs_mm,
         "estimate": cost,
     }

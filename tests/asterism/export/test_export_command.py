@@ -104,6 +104,23 @@ def test_simulated_shape_and_change_of_shape(file: Path, tmp_path: Path, run: Ru
     assert SHAPE | {"summary.json"} <= {path.name for path in (tmp_path / "results").iterdir()}
 
 
+def test_a_sheet_that_hangs_below_its_needles_is_told(file: Path, tmp_path: Path, run: Run) -> None:
+    """Free edges hang down around needles in the middle."""
+    middle = {"points_mm": [[-8.0, 0.0], [8.0, 0.0], [0.0, 12.0]], "scale": 0.76}
+    save_design(design(fabric={}, stars={"length_mm": 8.0}, border={"rings": 2}, pins=[middle]), file)
+    result = run("export", "d.toml", "-o", "out", "--preview")
+    assert result.status == 0, result.err
+    said = json.loads((tmp_path / "out" / "export.json").read_text())
+    low = asterism.preview(load_design(tmp_path / "out" / "rounded.toml")).positions[:, 2].min()
+    assert said["hangs_below_base_mm"] == pytest.approx(-low, rel=1e-6) and low < -0.5
+    told = f"hangs {-low:.1f} mm below the base"
+    assert told in " ".join((tmp_path / "out" / "instructions.txt").read_text().split())
+    assert f"{-low:.1f} mm below the base" in result.out
+    # without a shape nothing is known
+    assert run("export", "d.toml", "-o", "plain").status == 0
+    assert json.loads((tmp_path / "plain" / "export.json").read_text())["hangs_below_base_mm"] == 0.0
+
+
 def test_the_preview_says_what_rounding_does(file: Path, tmp_path: Path, run: Run) -> None:
     save_design(design(fabric={}, border={"rings": 1}, pins=[]), file)
     result = run("export", "d.toml", "-o", "out")
