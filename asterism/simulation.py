@@ -117,7 +117,7 @@ def _shape(
     wall: float,
     minima: dict[str, Any],
 ) -> Shape:
-    mesh, positions = model.mesh, found.state.positions
+    mesh, positions = model.mesh, _grounded(model, found.state.positions)
     star = np.full(len(mesh.points), -1, dtype=np.int64)
     star[mesh.star_vertices] = model.layout.star_number
     shape = Shape(
@@ -143,6 +143,14 @@ def _shape(
     }
     summary["warnings"] = exact_warnings(summary, model.layout)
     return replace(shape, point_fields=fields, cell_fields=strains, summary=summary)
+
+
+def _grounded(model: Model, positions: np.ndarray) -> np.ndarray:
+    """(V, 3) where pins leave the height open with the lowest vertex that they hold at z = 0."""
+    held = model.constraints.held
+    if held[:, 2].any() or not held.any():
+        return positions
+    return positions - [0.0, 0.0, positions[held.any(axis=1), 2].min()]
 
 
 def _rod_fields(model: Model, found: Equilibrium) -> dict[str, np.ndarray]:

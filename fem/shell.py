@@ -237,6 +237,13 @@ class Shell:
         free = np.diff(self.reduction.map.indptr).reshape(-1, 3) > 0
         return np.asarray(~free & (self._shifts != 0.0)[:, None])
 
+    def grounded(self, x: Floats) -> Floats:
+        """(N, 3) the state x, where conditions leave heights open with the lowest place that they hold at z = 0."""
+        held = self._fixed.any(axis=1)
+        if self.holds_heights or not held.any():
+            return x
+        return self.shifted(x, np.array([0.0, 0.0, -x[held, 2].min()]))
+
     def places(self, x: Floats) -> Floats:
         """(k, 3) mm, of the dofs that are positions."""
         return np.asarray(x[self._shifts != 0.0])

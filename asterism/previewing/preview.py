@@ -148,6 +148,7 @@ class Preview:
                 free = len(self.shell.held_points) == 0
                 found = self._clock("pins", taken, shell, factor, found.x, free)
             self.shell, self._factor, self.equilibrium = shell, factor, found
+        self.equilibrium = replace(found, x=shell.grounded(found.x))
 
     def edit(self, design: Design) -> Iterator[Stage]:
         """Change the design: first the linear response, at once, and then the equilibrium.
@@ -177,10 +178,11 @@ class Preview:
             self._clock("fields", self._change, design, plan, values)
             old = self.equilibrium
             linear = self._clock("linear response", linear_response, self.shell, old.x, self._factor)
+            seen = self.shell.grounded(linear.x)
             # until the next stage is asked for: no equilibrium of anything
             self.equilibrium = replace(
                 old,
-                x=linear.x,
+                x=seen,
                 strains=linear.strains,
                 energies=energies_of(self.shell, linear.x),
                 gradient_norm=float(np.linalg.norm(self.shell.gradient(linear.x))),
@@ -188,11 +190,11 @@ class Preview:
                 soft_modes=np.empty(0),
                 trials=(),
             )
-        yield Stage("linear", linear.x)
+        yield Stage("linear", seen)
         with one_blas_thread():
             found = self._clock("equilibrium", follow, self.shell, linear.x, self._factor, EDIT, linear.strains)
             if found.is_minimum:
-                self.equilibrium = found
+                self.equilibrium = replace(found, x=self.shell.grounded(found.x))
             else:
                 self._settle()
         yield Stage("equilibrium", self.equilibrium.x)
@@ -253,12 +255,15 @@ class Preview:
         Raises
         ------
         ValueError
-            These are no points, or one is off the sheet.
+            These are no points, or one is off the sheet; x is no stage's.
         """
         points = np.atleast_2d(np.asarray(points, dtype=float))
         if points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all():
             raise ValueError(f"points must be finite pairs of mm on the print, shape (n, 2), got shape {points.shape}")
-        x = None if x is None else np.asarray(x, dtype=float)
+        if x is not None:
+            x = np.asarray(x, dtype=float)
+            if x.shape != self.equilibrium.x.shape:
+                raise ValueError(f"x must be a stage's, shape {self.equilibrium.x.shape}, got shape {x.shape}")
         return Lens(self.sheet, self.law.waves, points)(self.equilibrium.x if x is None else x, self.values)
 
     @one_blas_thread()

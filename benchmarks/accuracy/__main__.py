@@ -60,7 +60,7 @@ def main() -> None:
     print(text)
     if not options.names:
         report.plot(rows, report.DOCS / "pictures" / "accuracy.png")
-        write_report("accuracy", rows, text)
+        write_report("accuracy", rows, text.replace("](pictures/", "](../../docs/pictures/"))
         report.put_into_docs(text)
 
 

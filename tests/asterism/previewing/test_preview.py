@@ -14,6 +14,7 @@ import asterism.previewing.preview as preview_module
 from asterism.previewing.arm_relief import Arms
 from asterism.previewing.preview import Preview
 from asterism.previewing.star_relief import TURN
+from asterism.simulation import simulate
 from asterism.verification.comparison import compare
 from homogenize.errors import LawError
 from homogenize.table import NAMES
@@ -216,6 +217,19 @@ def test_a_sheet_that_goes_up_by_itself_is_flipped_down() -> None:
     before = preview.at([0.0, 0.0]).smooth[0, 2]
     assert preview.flip() == "down"
     assert preview.at([0.0, 0.0]).smooth[0, 2] * before < -1.0
+
+
+def test_where_pins_leave_the_height_open_the_lowest_stands_at_zero() -> None:
+    """Of new previews, edits and the exact model alike; their shapes can be laid on each other as they are."""
+    corners = [{"where": "corners", "scale": 0.74, "slide": "z"}]
+    one, other = (design(stars={"length_mm": size}, pins=corners, mesh={"edge_mm": 4.0}) for size in (8.0, 8.4))
+    preview = Preview(one)
+    for stage in preview.edit(other):
+        held = preview.at(preview.sheet.layout.border, stage.x).smooth[:, 2]
+        assert held.min() == pytest.approx(0.0, abs=1e-9) and np.ptp(held) < 20.0
+    fresh, exact = Preview(other).shape(), simulate(other)
+    assert preview.shape().positions == pytest.approx(fresh.positions, abs=1e-3 * np.ptp(fresh.positions))
+    assert exact.at(preview.sheet.layout.border)[:, 2].min() == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_held_border_is_where_it_is_held() -> None:
@@ -426,3 +440,8 @@ def test_where_pins_stand_does_not_matter_to_a_heavy_sheet() -> None:
 def test_places_that_are_none_are_refused(points: object) -> None:
     with pytest.raises(ValueError, match="points must be finite pairs of mm"):
         Preview(CURLY, plain_law()).at(points)  # type: ignore[arg-type]
+
+
+def test_a_state_of_another_sheet_is_refused() -> None:
+    with pytest.raises(ValueError, match="x must be a stage's, shape"):
+        Preview(CURLY, plain_law()).at([0.0, 0.0], np.zeros((3, 3)))
