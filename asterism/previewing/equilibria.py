@@ -72,11 +72,10 @@ def _lowest_of_all(
 ) -> ShellEquilibrium:
     """The lowest one on any side; parameters as of `settled`.
 
-    A held sheet that came out altogether on the wrong side is tried from flat too.
-
-    A free sheet of stars that curl tightly may fold up on several sides in place of rolling, which a start as a cap
-    finds and costs. Where a free sheet without symmetry is soft in two ways, starts of other kinds are followed too; a
-    held one is pushed, or if it is stiff but narrow started anew.
+    A held sheet that came out altogether on the wrong side is tried from flat too. A free sheet of stars that curl
+    tightly may fold up on several sides in place of rolling, which a start as a cap finds and costs. Where a free sheet
+    without symmetry is soft in two ways, starts of other kinds are followed too; a held one is pushed, or if it is
+    stiff but narrow started anew.
     """
     free = len(shell.held_points) == 0
     wants, size = trends(shell), float(np.ptp(shell.space.mesh.p, axis=1).max())
@@ -91,13 +90,11 @@ def _lowest_of_all(
         flat = [shape for shape in shapes(wants, size, side) if shape.name == "flat"]
         found = _lowest(shell, factor, found, [relax(shell, factor, side, flat, followed=1)])
     soft = soft_in_two_ways(shell, found, wants.stretch * size)
-    if not free and found.is_minimum:
-        if soft:
-            return pushed(shell, factor, found, PUSH * size)
-        return buckled(shell, factor, found, shapes(wants, size, side)) if narrow(shell) else found
-    if not free:
-        return found
     guesses = shapes(wants, size, side)
+    if not free:
+        if soft and found.is_minimum:
+            return pushed(shell, factor, found, PUSH * size)
+        return buckled(shell, factor, found, guesses) if narrow(shell) and found.is_minimum else found
     tried = {trial.name for trial in found.trials} - ROLLED | {"flat"}
     if sum(trial.name in ROLLED for trial in found.trials) > 1:
         tried |= ROLLED  # in several directions
