@@ -97,7 +97,7 @@ def check_writable(directory: str | Path, name: str = LAST) -> None:
 
 def check_kept(file: Path, directory: str | Path, *written: str) -> None:
     """Raise OutputError if a file that is read is one of those that will be `written` into a directory."""
-    if file.name in written and file.resolve().parent == Path(directory).resolve():
+    if any(one.name in written and one.parent.resolve() == Path(directory).resolve() for one in (file, file.resolve())):
         raise OutputError(f"--output: {str(directory)!r} is where {file.name} is and stays; choose another name")
 
 

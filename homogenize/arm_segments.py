@@ -33,8 +33,8 @@ def arm_segments(design: Design, edge_mm: float) -> tuple[tuple[int, float], ...
     if low < 1:
         return ((1, 1.0),)
     above = max(cut - low, 0.0)
-    # where arms come from both ends of a link, none reaches beyond its middle
-    most = k - 1 if design.lattice.arms == 3 else k // 2
+    # where arms come from both ends of a link, none reaches its middle unless they meet
+    most = k - 1 if design.lattice.arms == 3 else (k - 1) // 2
     if above < WHOLE or low + 1 > most:
         return ((low, 1.0),)
     return ((low, 1.0 - above), (low + 1, above))

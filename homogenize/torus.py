@@ -173,7 +173,9 @@ class _Links:
 def _links(directions: Ints, reach: Floats, k: int, wanted: int | None) -> _Links:
     segments = np.zeros(6, dtype=np.int64)
     for direction in directions:
-        longest = k if reach[direction] > 1.0 - SAME else k - 1
+        # tips that do not meet are different points, whether there are arms from both ends or from one
+        both, touches = reach[(direction + 3) % 6] > 0, reach[direction] > 1.0 - SAME
+        longest = (k - 1) // 2 if both else k if touches else k - 1
         segments[direction] = min(max(wanted or round(reach[direction] * k), 1), longest)
     segments[_meet(reach)] = k // 2
     fractions = np.empty((6, k + 1))

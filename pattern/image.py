@@ -127,8 +127,8 @@ def _eight_bits(picture: Any) -> Any:
     if not picture.mode.startswith("I"):
         return picture
     values = np.asarray(picture, dtype=float)
-    if values.min() < 0 or values.max() > 65535:
-        raise _Unreadable("has more than 16 bits a pixel: save it with 8 or 16")
+    if picture.mode == "I" and picture.format != "PNG":  # which numbers are black and white is not said
+        raise _Unreadable("has 32 bits a pixel: save it with 8 or 16")
     return Image.fromarray(np.round(values * (255 / 65535)).astype(np.uint8))
 
 

@@ -75,7 +75,7 @@ class Stars(Section):
 
 @dataclass(frozen=True)
 class Sizes:
-    """Sizes at the stars of a lattice before any rounding, removed ones with length 0.
+    """Sizes at the stars of a lattice, before they are rounded for a printer; removed ones have length 0.
 
     Attributes
     ----------

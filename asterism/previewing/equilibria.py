@@ -14,7 +14,7 @@ from fem.evidence import ShellEquilibrium, Trial
 from fem.seeds import Side, shapes, trends
 from fem.shapes import Shape
 from fem.shell import Shell
-from fem.sides import side_of
+from fem.sides import FLAT_MM, side_of
 from fem.slide import Frame
 from fem.solve import follow, modes_of, relax
 from fem.tabulation import Floats
@@ -28,8 +28,7 @@ EQUAL = 1e-3  # part of the energy within which two minima are the same form
 ROLLED = {"arc", "bent", "saddle"}
 KINDS = ROLLED | {"cap"}  # that are bent
 PUSH = 0.04  # of the size: how far a held sheet that is soft in two ways is pushed, to see what else it can be
-# on the wrong side: a sheet that rises by less than this part of how far it hangs; and what is flat, mm
-OVER, FLAT_MM = 0.1, 1e-6
+OVER = 0.1  # on the wrong side: a sheet that rises by less than this part of how far it hangs
 # of its own size: what is held narrower is tried from so many arcs, and from caps, too
 NARROW, ARCS = 0.95, 3
 EDIT = "edit"  # name of the start of what goes on from a shape before it
@@ -63,8 +62,9 @@ def _on_side(
     if best is None:
         held_definite(shell, found.x, shell.hessian(found.x), factor)  # the factor is to hold the best state's Hessian
         return found
-    there = follow(shell, best.x, factor, best.name)
-    return replace(there, trials=found.trials, soft_modes=modes_of(shell, there.x, factor)[0])
+    there = follow(shell, best.x, factor, best.name)  # for the evidence and the factor: it is there already
+    soft = modes_of(shell, there.x, factor)[0]
+    return replace(there, trials=found.trials, soft_modes=soft, iterations=best.iterations)
 
 
 def _lowest_of_all(

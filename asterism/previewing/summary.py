@@ -126,7 +126,7 @@ def warnings(
     if down:
         lines.append(f"the law's stars bump up, but {len(down)} of the design start down: stars {few(down)}")
     if preview.side not in ("auto", side := side_of(preview.shell, found.x)) and side != "auto":
-        lines.append(f"the edges were asked to go {preview.side}, but no such form was found: they go {side}")
+        lines.append(f"the edges were asked to go {preview.side}, but no such form was reached: they go {side}")
     if found.start == EDIT and narrow(preview.shell):
         lines.append(
             "held narrower than it would be, it may buckle in several ways: a new preview looks for lower ones"

@@ -17,6 +17,7 @@ from asterism.strips.model import FORMULAS, Data, Formula, KappaBarKind, Model
 from asterism.strips.noise import Noise
 from asterism.strips.outliers import outliers
 from asterism.strips.strip import Reading
+from pattern.errors import from_validation
 from pattern.materials import Plastic
 
 FLAT_HEIGHT_MM = 0.5
@@ -112,11 +113,14 @@ def fit_strips(
     try:
         with np.errstate(all="ignore"):  # what comes of it is looked at below
             found = _fit(readings, formula, kappa_bar, confidence, flat_height_mm, keep_outliers)
-            found.plastic()
-    except (np.linalg.LinAlgError, ValidationError):
+    except np.linalg.LinAlgError:
         raise NoMaterial(UNLIKELY) from None
     if not all(np.isfinite(interval.value) for interval in found.ratio.values()):
         raise NoMaterial(UNLIKELY)
+    try:
+        found.plastic()
+    except ValidationError as error:
+        raise NoMaterial(f"{UNLIKELY}; {from_validation(error)}") from None
     return found
 
 

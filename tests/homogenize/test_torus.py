@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from homogenize.arm_segments import arm_segments
 from homogenize.star_torus import lattice_lines, star_torus
 from homogenize.torus import STEPS, torus_mesh
 from pattern.errors import MeshError
@@ -81,6 +82,25 @@ def test_arms_along_the_lattice_are_so_in_any_basis(basis, arms):
     assert lattice_lines(star.lattice) is not None
     torus = star_torus(star, 3.0)
     assert triangle_areas(torus.points, torus.triangles).min() > 0.0
+
+
+@pytest.mark.parametrize("edge", [0.667, 1.2, 2.0, 3.0])
+@pytest.mark.parametrize(
+    ("lattice", "length"),
+    [
+        ({"kind": "square", "spacing_mm": 16.0, "arms": 4}, 7.0),
+        ({"kind": "custom", "vectors_mm": [[10.0, 0.0], [0.0, 14.0]], "arms": 4}, 5.0),
+        ({"kind": "triangular", "spacing_mm": 17.0, "arms": 6}, 8.0),
+        ({"kind": "triangular", "spacing_mm": 17.0, "arms": 3}, 16.9),
+    ],
+)
+def test_arms_have_their_length(lattice, length, edge):
+    """On links with arms from both ends too, whether or not the tips meet."""
+    star = design(length, lattice=lattice)
+    for segments, _ in arm_segments(star, edge):
+        torus = star_torus(star, edge, segments=segments)
+        for rod in torus.rods:
+            assert np.linalg.norm(torus.points[rod[-1]] - torus.points[rod[0]]) == pytest.approx(length, rel=1e-9)
 
 
 @pytest.mark.parametrize("miss", [0.0, 4e-7, -4e-7])

@@ -173,6 +173,8 @@ def test_the_design_is_not_written_over(file: Path, tmp_path: Path, run: Run) ->
     for name in ("preview", "simulate", "verify"):
         assert "is where summary.json is and stays" in mistake(run(name, "summary.json", "-o", "."))
     assert rounded.read_bytes() == before and sorted(tmp_path.iterdir()) == [rounded, table]
+    (tmp_path / "link.json").symlink_to(table)
+    assert "is where link.json is and stays" in mistake(run("preview", "link.json", "-o", "."))
 
 
 def test_a_plastic_with_an_empty_line_of_advice(file: Path, tmp_path: Path, run: Run) -> None:

@@ -83,6 +83,9 @@ def test_sides_of_free_and_held_states() -> None:
     assert side_of(shell, found.x) == side and side_of(shell, shell.flat) == "auto"
     turned = found.x * [1.0, -1.0, -1.0]  # half a turn is no other side
     assert side_of(shell, turned) == side
+    hangs = gallery.load("dome").to_dict() | {"pins": [{"points_mm": [[0.0, 0.0]]}]}
+    middle = Preview(Design.from_dict(hangs))
+    assert middle.shape().extent_mm[2] > 20.0 and side_of(middle.shell, middle.equilibrium.x) == "down"
 
 
 @pytest.mark.parametrize(("fields", "soft"), [(FOLDS, True), (FIELDS["dome"], False)])

@@ -204,7 +204,7 @@ def test_a_sheet_without_another_side_stays_and_says_so() -> None:
     assert last.name == "equilibrium" and preview.equilibrium.iterations <= 1
     asked = Preview(bell, side="up").shape().summary
     assert asked["is_minimum"] and asked["energy_n_mm"] == pytest.approx(before.energy, rel=1e-6)
-    assert "the edges were asked to go up, but no such form was found: they go down" in asked["warnings"]
+    assert "the edges were asked to go up, but no such form was reached: they go down" in asked["warnings"]
 
 
 def test_a_sheet_that_goes_up_by_itself_is_flipped_down() -> None:
