@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,6 +36,8 @@ if TYPE_CHECKING:
 # the softest motion is called neutral if the next one is this many times stiffer
 NEUTRAL = 5.0
 SAME_AXIS_DEG = 2.0
+# part of the energy at stake by which one buckled form may be above another, and yet be the right one
+BUCKLES = 0.5
 FOREIGN = 0.1  # part of the stars: with more of them outside the law nothing is known of the error
 
 
@@ -100,14 +103,14 @@ def summary(
         "height_mm": shape.height_mm,
         "extent_mm": list(shape.extent_mm),
         "contraction": contraction(preview.sheet.layout, shape),
-        "warnings": warnings(preview, axis, another_form_is_near(amplitudes, held), close_form(others)),
+        "warnings": warnings(preview, axis, another_form_is_near(amplitudes, held), others),
         "version": __version__,
         "design": preview.design.to_dict(),
     }
 
 
 def warnings(
-    preview: Preview, axis: float | None, soft_in_two_ways: bool = False, other: OtherForm | None = None
+    preview: Preview, axis: float | None, soft_in_two_ways: bool = False, others: Sequence[OtherForm] = ()
 ) -> list[str]:
     """One line each."""
     found, values, layout = preview.equilibrium, preview.values, preview.sheet.layout
@@ -127,17 +130,19 @@ def warnings(
         lines.append(f"the law's stars bump up, but {len(down)} of the design start down: stars {few(down)}")
     if preview.side not in ("auto", side := side_of(preview.shell, found.x)) and side != "auto":
         lines.append(f"the edges were asked to go {preview.side}, but no such form was reached: they go {side}")
-    if found.start == EDIT and narrow(preview.shell):
-        lines.append(
-            "held narrower than it would be, it may buckle in several ways: a new preview looks for lower ones"
-        )
+    if not soft_in_two_ways and narrow(preview.shell):
+        buckles = "held narrower than it would be, the sheet may buckle in several ways"
+        if found.start == EDIT:
+            lines.append(f"{buckles}: a new preview looks for lower ones")
+        elif any(form.gap < BUCKLES for form in others):
+            lines.append(f"{buckles}, and the law cannot tell which is lowest: the exact model may take another")
     if not found.converged:
         lines.append(f"not an equilibrium: gradient {found.gradient_norm:.1e} N, above {found.tolerance:.1e} N")
     elif not found.definite:
         lines.append("an equilibrium that is not stable")
     if soft_in_two_ways:
         lines.append("soft in more than one way: the sheet may rest in another form")
-    if other is not None:
+    if (other := close_form(others)) is not None:
         lines.append(
             f"another form, {other.distance_percent:.0f} % of the diameter away, has nearly the same energy "
             f"({100.0 * other.gap:+.1f} %): the exact model may take that one"

@@ -67,6 +67,7 @@ def test_a_narrow_sheet_is_looked_at_for_other_buckles() -> None:
     preview = Preview(Design.from_dict({"stars": stars, "border": {"rings": 2}, "pins": pins}))
     shape = preview.shape()
     (other,) = shape.summary["other_forms"]
+    assert any("the exact model may take another" in line for line in shape.summary["warnings"])
     assert shape.summary["is_minimum"] and other["energy_n_mm"] > 1.1 * shape.summary["energy_n_mm"]
     assert narrow(preview.shell) and not soft_in_two_ways(preview.shell, preview.equilibrium, 60.0)
     *_, last = preview.edit(
