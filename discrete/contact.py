@@ -70,6 +70,7 @@ class Contact:
         self._potential = self._ipc.BarrierPotential(self._range, modulus, True)
         self._positions: Array | None = None
         self._pairs: Any = None
+        self._known: list[Any] | None = None
 
     def energy(self, positions: Array) -> float:
         """N mm; infinite where parts are closer than `closest`."""
@@ -83,25 +84,30 @@ class Contact:
 
     def hessian(self, positions: Array, blend: float) -> tuple[Array, Array, Array]:
         """Rows, columns and values (K,) of the Hessian over 3 V dofs, N/mm; blend 1 is positive semidefinite."""
-        method = self._ipc.PSDProjectionMethod
-        parts = [(1.0 - blend, method.NONE), (blend, method.CLAMP)]
-        near, x = self._near(positions), np.asfortranarray(positions)
-        total = sum(w * self._potential.hessian(near, self._mesh, x, m) for w, m in parts if w > 0.0).tocoo()
+        weighted = zip((1.0 - blend, blend), self._hessians(positions), strict=True)
+        total = sum(weight * part for weight, part in weighted if weight > 0.0).tocoo()
         return total.row, total.col, total.data
 
     def entries(self, positions: Array) -> tuple[Array, Array]:
         """Rows and columns of what Hessians hold, whatever their blend: the toolkit leaves out zeros of each."""
-        return self._entries(positions, self._potential, self._near(positions))
+        return _places(self._hessians(positions))
 
     def soon(self, positions: Array) -> tuple[Array, Array]:
         """The same if contact began at twice the distance."""
         wide = 2.0 * self.distance - self.closest
-        return self._entries(positions, self._ipc.BarrierPotential(wide, 1.0, True), self._collisions(positions, wide))
+        potential = self._ipc.BarrierPotential(wide, 1.0, True)
+        return _places(self._both(potential, self._collisions(positions, wide), positions))
 
-    def _entries(self, positions: Array, potential: Any, near: Any) -> tuple[Array, Array]:
+    def _hessians(self, positions: Array) -> list[Any]:
+        """The exact and the convex one, found once for the same positions."""
+        near = self._near(positions)
+        if self._known is None:
+            self._known = self._both(self._potential, near, positions)
+        return self._known
+
+    def _both(self, potential: Any, near: Any, positions: Array) -> list[Any]:
         method, x = self._ipc.PSDProjectionMethod, np.asfortranarray(positions)
-        found = [potential.hessian(near, self._mesh, x, m).tocoo() for m in (method.NONE, method.CLAMP)]
-        return np.concatenate([each.row for each in found]), np.concatenate([each.col for each in found])
+        return [potential.hessian(near, self._mesh, x, each) for each in (method.NONE, method.CLAMP)]
 
     def clear(self, positions: Array, target: Array) -> float:
         """How far the straight way to `target` (V, 3) is free, as a fraction of it; 1 for all of it."""
@@ -127,6 +133,7 @@ class Contact:
         # energy, gradient and Hessian are asked for at the same positions, one after the other
         if self._positions is not positions:
             self._positions, self._pairs = positions, self._collisions(positions, self._range)
+            self._known = None
         return self._pairs
 
     def _collisions(self, positions: Array, reach: float) -> Any:
@@ -134,3 +141,9 @@ class Contact:
         out.use_area_weighting = True
         out.build(self._mesh, np.asfortranarray(positions), reach, self.closest)
         return out
+
+
+def _places(parts: list[Any]) -> tuple[Array, Array]:
+    """Rows and columns of the entries of sparse matrices."""
+    found = [part.tocoo() for part in parts]
+    return np.concatenate([each.row for each in found]), np.concatenate([each.col for each in found])
