@@ -54,8 +54,8 @@ def compare(shape: Path, scan: Path, output: Path | None, unit: str | None, view
     if scan.suffix.lower() in outline.FORMATS:
         view = view or "above"
         outlined = read_outline(scan, unit)
-        fitted = _fitted(found, scan, outlined, unit, view, trim)
-        about |= {"units": "its own" if outlined.measured else unit or "mm", "view": view, "lines": outlined.lines}
+        fitted = _fitted(found, scan, outlined, view, trim)
+        about |= {"units": outlined.unit or "its own", "view": view, "lines": outlined.lines}
         numbers = {**about, **outline_numbers(fitted, diameter(found.positions))}
         rows = _outline_rows(numbers)
         words = _line(rows)
@@ -87,11 +87,11 @@ def compare(shape: Path, scan: Path, output: Path | None, unit: str | None, view
     return [*(f"  {name:<22} {value}" for name, value in rows.items()), f"{directory}: compare.png, {LAST}"]
 
 
-def _fitted(shape: Shape, file: Path, outlined: Outline, unit: str | None, view: str, trim: float) -> Fitted:
+def _fitted(shape: Shape, file: Path, outlined: Outline, view: str, trim: float) -> Fitted:
     """A file's outline on the shape's."""
     target = silhouette(shape, view)
     sizes = [float(np.linalg.norm(np.ptp(points, axis=0))) for points in (outlined.corners, target)]
-    check_size(file, sizes[0], sizes[1], None if outlined.measured else unit or "mm")
+    check_size(file, sizes[0], sizes[1], outlined.unit)
     return fit_outline(outlined.corners, target, trim)
 
 

@@ -30,12 +30,12 @@ class Outline:
     ----------
     corners : (n, 2) mm, y upwards, not closed.
     lines : how many there are in the file.
-    measured : the file says its own size.
+    unit : that its numbers were taken in; None where the file says its own size.
     """
 
     corners: Floats
-    lines: int = 1
-    measured: bool = False
+    lines: int
+    unit: str | None
 
 
 def read_outline(path: Path, unit: str | None = None) -> Outline:
@@ -64,12 +64,13 @@ def read_outline(path: Path, unit: str | None = None) -> Outline:
 
 def _from_csv(path: Path, unit: str | None) -> Outline:
     """Columns x_mm and y_mm."""
+    unit = unit or "mm"
     rows = read_rows(path, ("x_mm", "y_mm"), ("x_mm", "y_mm"))
     names = ("x_mm", "y_mm")
     corners = [[row.number_in(name, -_LARGEST, _LARGEST, needed=True) for name in names] for row in rows]
-    points = np.array(corners, dtype=float).reshape(-1, 2) * MM[unit or "mm"]
+    points = np.array(corners, dtype=float).reshape(-1, 2) * MM[unit]
     closed = len(points) > 1 and np.array_equal(points[0], points[-1])
-    return Outline(points[:-1] if closed else points)
+    return Outline(points[:-1] if closed else points, 1, unit)
 
 
 def _from_svg(path: Path, unit: str | None) -> Outline:
@@ -101,12 +102,13 @@ def _from_svg(path: Path, unit: str | None) -> Outline:
         raise ScanError(path, "holds places that are not finite numbers, or too large")
     if measured and unit is not None:
         raise ScanError(path, f"says its own size, {' x '.join(said)}: --units is for files without one")
-    if not measured and unit in (None, "mm") and any(said):  # plain numbers are px, and parts are of a page
+    unit = None if measured else unit or "mm"
+    if unit == "mm" and any(said):  # plain numbers are px, and parts are of a page
         how = "%" if "%" in "".join(said) else "px"
         raise ScanError(path, f"has its size in {how}: give width and height in mm")
     steps = np.linalg.norm(np.diff(largest, axis=0, append=largest[:1]), axis=1)
-    corners = largest[steps > 1e-9] * [1.0, -1.0] * (1.0 if measured else MM[unit or "mm"])
-    return Outline(corners, len(lines), measured)
+    corners = largest[steps > 1e-9] * [1.0, -1.0] * MM[unit or "mm"]
+    return Outline(corners, len(lines), unit)
 
 
 def _points(piece: object) -> list:

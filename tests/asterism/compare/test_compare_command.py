@@ -64,12 +64,15 @@ def test_an_outline_from_above(folder: Path, capsys, monkeypatch) -> None:
     assert (folder / "out" / "compare.png").stat().st_size > 10_000
 
 
+def draw(path: Path, size: str, more: str = "") -> None:
+    """A rectangle as large as the shape where the page is 120 mm wide."""
+    shapes = f'<rect x="10" y="10" width="100" height="80"/>{more}'
+    path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" {size} viewBox="0 0 120 100">{shapes}</svg>')
+
+
 def test_an_outline_among_other_lines(folder: Path, capsys, monkeypatch) -> None:
     """A picture's frame may be the largest."""
-    rectangles = '<rect x="10" y="10" width="100" height="80"/><rect width="120" height="100"/>'
-    (folder / "o.svg").write_text(
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="120mm" height="100mm" viewBox="0 0 120 100">{rectangles}</svg>'
-    )
+    draw(folder / "o.svg", 'width="120mm" height="100mm"', '<rect width="120" height="100"/>')
     done = command(["compare", str(folder / "shape.vtu"), str(folder / "o.svg")], capsys, monkeypatch)
     assert done.status == 0 and "2, of which the largest is taken" in done.out
     numbers = json.loads((folder / "o-compared" / "summary.json").read_text())
@@ -77,10 +80,7 @@ def test_an_outline_among_other_lines(folder: Path, capsys, monkeypatch) -> None
 
 
 def test_a_drawing_of_another_size(folder: Path, capsys, monkeypatch) -> None:
-    size = 'width="12mm" height="10mm" viewBox="0 0 120 100"'
-    (folder / "o.svg").write_text(
-        f'<svg xmlns="http://www.w3.org/2000/svg" {size}><rect x="10" y="10" width="100" height="80"/></svg>'
-    )
+    draw(folder / "o.svg", 'width="12mm" height="10mm"')
     refused = command(["compare", str(folder / "shape.vtu"), str(folder / "o.svg")], capsys, monkeypatch)
     assert refused.status == 2 and "in centimetres; correct its width and height" in refused.line
 

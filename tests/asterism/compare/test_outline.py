@@ -32,7 +32,7 @@ def test_svg_in_mm(size: str, scale: float, tmp_path: Path) -> None:
     outline = read_outline(tmp_path / "a.svg")
     corners = outline.corners
     # y upwards, and the larger one of both
-    assert outline.lines == 2 and outline.measured == ("width" in size)
+    assert outline.lines == 2 and (outline.unit is None) == ("width" in size)
     np.testing.assert_allclose(corners.min(axis=0), [10 * scale, -30 * scale], rtol=1e-5)
     np.testing.assert_allclose(corners.max(axis=0), [60 * scale, -10 * scale], rtol=1e-5)
 
