@@ -12,6 +12,6 @@ FLAT_MM = 1e-6
 def side_of(shell: Shell, x: Floats) -> Side:
     """Where the edges of a state x (N, 3) are, by its mean curvature: `down` or `up`, `auto` if it is flat."""
     weights, forms = shell.assembly.weights, shell.strains(x) + shell.rest
-    # mm over the size of the sheet; b = n . hess x is negative where edges go down
+    # mm; b = n . hess x is negative where edges go down
     sag = float((weights[..., None] * forms[..., 3:5]).sum())
     return "auto" if abs(sag) < FLAT_MM else "down" if sag < 0.0 else "up"

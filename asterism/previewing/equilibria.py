@@ -11,7 +11,7 @@ from asterism.previewing.expected import amplitudes_percent, another_form_is_nea
 from equilibrium.factor import Factor
 from equilibrium.solve import held_definite
 from fem.evidence import ShellEquilibrium, Trial
-from fem.seeds import Side, shapes, trends
+from fem.seeds import Side, Trends, shapes, trends
 from fem.shapes import Shape
 from fem.shell import Shell
 from fem.sides import FLAT_MM, side_of
@@ -43,7 +43,9 @@ def settled(
     `turns`: of the design's symmetries. `uniform`: all stars are alike. `curls`: many stars curl tightly.
     """
     found = _lowest_of_all(shell, factor, side, uniform, curls, turns)
-    return found if side in ("auto", side_of(shell, found.x)) else _on_side(shell, factor, found, side, turns)
+    if side == "auto" or side_of(shell, found.x) == side:
+        return found
+    return _on_side(shell, factor, found, side, turns)
 
 
 def _on_side(
@@ -94,7 +96,7 @@ def _lowest_of_all(
     if not free:
         if soft and found.is_minimum:
             return pushed(shell, factor, found, PUSH * size)
-        return buckled(shell, factor, found, guesses) if narrow(shell) and found.is_minimum else found
+        return buckled(shell, factor, found, wants, guesses) if narrow(wants) and found.is_minimum else found
     tried = {trial.name for trial in found.trials} - ROLLED | {"flat"}
     if sum(trial.name in ROLLED for trial in found.trials) > 1:
         tried |= ROLLED  # in several directions
@@ -130,19 +132,19 @@ def pushed(shell: Shell, factor: Factor, found: ShellEquilibrium, far: float) ->
     return _lowest(shell, factor, found, others)
 
 
-def narrow(shell: Shell) -> bool:
+def narrow(wants: Trends) -> bool:
     """Whether a sheet is held narrower than it would be by itself."""
-    wants = trends(shell)
     return wants.chord < NARROW * wants.stretch
 
 
-def buckled(shell: Shell, factor: Factor, found: ShellEquilibrium, guesses: Sequence[Shape]) -> ShellEquilibrium:
+def buckled(
+    shell: Shell, factor: Factor, found: ShellEquilibrium, wants: Trends, guesses: Sequence[Shape]
+) -> ShellEquilibrium:
     """The lowest of a minimum and of those that caps and a few arcs lead to.
 
     A sheet that is held narrow buckles, and into which of its forms depends on the start; each is stiff, so that no
     softness tells of the others.
     """
-    wants = trends(shell)
     frame = Frame(shell, factor, wants.centre, wants.stretch)
     arcs = [shape for shape in guesses if shape.name in ("arc", "bent")]
     tried = [shape for shape in guesses if shape.name == "cap"] + arcs[:: max(len(arcs) // ARCS, 1)]

@@ -24,6 +24,7 @@ from asterism.previewing.expected_height import HeightDoubts, expected_height_pe
 from asterism.previewing.other_forms import OtherForm, other_forms
 from asterism.shape import Shape
 from asterism.star_sides import few
+from fem.seeds import trends
 from fem.sides import side_of
 from homogenize.directions import left_out
 from pattern.likeness import rolled_about
@@ -128,9 +129,9 @@ def warnings(
     down = layout.star_number[layout.star_branch < 0].tolist()
     if down:
         lines.append(f"the law's stars bump up, but {len(down)} of the design start down: stars {few(down)}")
-    if preview.side not in ("auto", side := side_of(preview.shell, found.x)) and side != "auto":
+    if preview.side != "auto" and (side := side_of(preview.shell, found.x)) not in ("auto", preview.side):
         lines.append(f"the edges were asked to go {preview.side}, but no such form was reached: they go {side}")
-    if not soft_in_two_ways and narrow(preview.shell):
+    if layout.pins and not soft_in_two_ways and narrow(trends(preview.shell)):
         buckles = "held narrower than it would be, the sheet may buckle in several ways"
         if found.start == EDIT:
             lines.append(f"{buckles}: a new preview looks for lower ones")

@@ -69,12 +69,12 @@ def test_a_narrow_sheet_is_looked_at_for_other_buckles() -> None:
     (other,) = shape.summary["other_forms"]
     assert any("the exact model may take another" in line for line in shape.summary["warnings"])
     assert shape.summary["is_minimum"] and other["energy_n_mm"] > 1.1 * shape.summary["energy_n_mm"]
-    assert narrow(preview.shell) and not soft_in_two_ways(preview.shell, preview.equilibrium, 60.0)
+    assert narrow(trends(preview.shell)) and not soft_in_two_ways(preview.shell, preview.equilibrium, 60.0)
     *_, last = preview.edit(
         Design.from_dict({"stars": stars | {"length_mm": 7.1}, "border": {"rings": 2}, "pins": pins})
     )
     assert last.name == "equilibrium" and any("buckle" in line for line in preview.shape().summary["warnings"])
-    assert not narrow(Preview(gallery.load("dome")).shell)
+    assert not narrow(trends(Preview(gallery.load("dome")).shell))
 
 
 def test_sides_of_free_and_held_states() -> None:
