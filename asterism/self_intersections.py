@@ -9,6 +9,7 @@ from scipy.spatial import cKDTree
 from pattern.layout import Floats, Ints
 
 _SLIVER = 1e-12  # of a triangle's size: what only touches does not count
+_APART = 3.0  # edges in print: places further apart were not neighbours
 
 
 def self_intersections(positions: Floats, triangles: Ints) -> int:
@@ -27,9 +28,33 @@ def self_intersections(positions: Floats, triangles: Ints) -> int:
     return int(through.sum())
 
 
+def meets_itself(printed: Floats, positions: Floats, triangles: Ints) -> bool:
+    """Whether places that were printed apart are close enough in space for their triangles to pass through each other.
+
+    A fifth of the time of `self_intersections`, which finds nothing where this is false, but for folds within three
+    edges: smooth sheets have none.
+
+    Parameters
+    ----------
+    printed : (V, 2) mm.
+    positions : (V, 3) mm.
+    triangles : (T, 3).
+    """
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    longest = _lengths(positions, edges).max()
+    # no point of a triangle is further from its nearest corner than this times its longest edge
+    reach = 2.0 * longest / np.sqrt(3.0)
+    near = cKDTree(positions).query_pairs(reach, output_type="ndarray")
+    return bool((_lengths(printed, near) > _APART * _lengths(printed, edges).max()).any())
+
+
 def passing(pairs: int, sheet: str = "the sheet") -> str:
     """What a number of such pairs means, in words."""
     return f"{sheet} passes through itself ({pairs} pairs of triangles)"
+
+
+def _lengths(points: Floats, pairs: Ints) -> Floats:
+    return np.asarray(np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1))
 
 
 def _close_pairs(positions: Floats, triangles: Ints) -> Ints:

@@ -22,6 +22,7 @@ from asterism.previewing.expected import (
 )
 from asterism.previewing.expected_height import HeightDoubts, expected_height_percent
 from asterism.previewing.other_forms import OtherForm, other_forms
+from asterism.self_intersections import meets_itself, passing, self_intersections
 from asterism.shape import Shape
 from asterism.star_sides import few
 from fem.seeds import trends
@@ -48,6 +49,8 @@ def summary(
     """Keys as in a simulation's summary where they mean the same."""
     found, layout, law = preview.equilibrium, preview.sheet.layout, preview.law
     axis = _roll_axis(preview, shape)
+    sheet = shape.positions, shape.triangles
+    through = self_intersections(*sheet) if meets_itself(shape.printed, *sheet) else 0
     size = polygon_area(layout.border), diameter(shape.positions)
     others = other_forms(preview, size[1])
     amplitudes = amplitudes_percent(found.soft_modes, found.at_stake, *size)
@@ -104,14 +107,19 @@ def summary(
         "height_mm": shape.height_mm,
         "extent_mm": list(shape.extent_mm),
         "contraction": contraction(preview.sheet.layout, shape),
-        "warnings": warnings(preview, axis, another_form_is_near(amplitudes, held), others),
+        "self_intersections": through,
+        "warnings": warnings(preview, axis, another_form_is_near(amplitudes, held), others, through),
         "version": __version__,
         "design": preview.design.to_dict(),
     }
 
 
 def warnings(
-    preview: Preview, axis: float | None, soft_in_two_ways: bool = False, others: Sequence[OtherForm] = ()
+    preview: Preview,
+    axis: float | None,
+    soft_in_two_ways: bool = False,
+    others: Sequence[OtherForm] = (),
+    through: int = 0,
 ) -> list[str]:
     """One line each."""
     found, values, layout = preview.equilibrium, preview.values, preview.sheet.layout
@@ -148,6 +156,8 @@ def warnings(
             f"another form, {other.distance_percent:.0f} % of the diameter away, has nearly the same energy "
             f"({100.0 * other.gap:+.1f} %): the exact model may take that one"
         )
+    if through:
+        lines.append(f"{passing(through)}; the exact model can keep it apart (--contact)")
     soft = found.soft_modes
     if axis is not None and len(soft) > 1 and soft[1] > NEUTRAL * soft[0]:
         lines.append(

@@ -445,3 +445,11 @@ def test_places_that_are_none_are_refused(points: object) -> None:
 def test_a_state_of_another_sheet_is_refused() -> None:
     with pytest.raises(ValueError, match="x must be a stage's, shape"):
         Preview(CURLY, plain_law()).at([0.0, 0.0], np.zeros((3, 3)))
+
+
+def test_a_roll_that_passes_through_itself_says_so() -> None:
+    """`fig8-l-increasing` rolls up further than round; `tube` does not."""
+    through, open_ = (Preview(gallery.load(name)).shape().summary for name in ("fig8-l-increasing", "tube"))
+    assert open_["self_intersections"] == 0 and not any("passes through" in line for line in open_["warnings"])
+    (line,) = [line for line in through["warnings"] if "passes through itself" in line]
+    assert f"({through['self_intersections']} pairs of triangles)" in line and "--contact" in line
