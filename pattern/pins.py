@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 import numpy as np
 import shapely
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from pattern.errors import DesignError
 from pattern.layout import Floats, PinSet
@@ -36,14 +36,14 @@ class Pins(Section):
     slide: Literal["z", "plane"] | None = None
     step: Whole = Field(0, ge=0, le=100)
 
-    @model_validator(mode="before")
+    @field_validator("target_mm", mode="before")
     @classmethod
-    def _one_target(cls, data: Any) -> Any:
+    def _one_target(cls, value: Any) -> Any:
         """A single place may be written without the outer list."""
-        match data:
-            case {"target_mm": [float() | int(), *_] as place}:
-                return {**data, "target_mm": [place]}
-        return data
+        match value:
+            case [float() | int(), *_]:
+                return [value]
+        return value
 
     @model_validator(mode="after")
     def _one_place_one_way(self) -> Pins:

@@ -45,6 +45,15 @@ class Section(BaseModel):
 
     @model_validator(mode="before")
     @classmethod
+    def _arrays_as_lists(cls, data: Any) -> Any:
+        if not isinstance(data, dict):
+            return data
+        return {
+            key: value.tolist() if isinstance(value, np.ndarray | np.generic) else value for key, value in data.items()
+        }
+
+    @model_validator(mode="before")
+    @classmethod
     def _only_known_keys(cls, data: Any) -> Any:
         known = [field.alias or name for name, field in cls.model_fields.items()]
         for key in data if isinstance(data, dict) else ():

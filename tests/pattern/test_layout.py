@@ -258,3 +258,26 @@ def test_whole_numbers_of_arrays_are_whole_numbers() -> None:
     for wrong in (True, 1.0, "1", np.True_, np.float64(1.0)):
         with pytest.raises(DesignError, match="whole number"):
             Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rings": wrong}})
+
+
+def test_arrays_mean_what_lists_mean() -> None:
+    corners = [[-40.0, -40.0], [40.0, -40.0], [40.0, 40.0], [-40.0, 40.0]]
+    place = {"points_mm": np.zeros((1, 2)), "target_mm": np.zeros(3)}
+
+    def made(of: type) -> Design:
+        pins = [{"corners": of([0, 2]), "offset_mm": of([0.0, 0.0, 5.0])}]
+        return Design.from_dict(
+            {
+                "fabric": {"stretch": of([1.3, 1.4])},
+                "stars": {"length_mm": 8.0},
+                "border": {"polygon_mm": of(corners)},
+                "pins": [*pins, {key: of(value) for key, value in place.items()}],
+                "solver": {"contact": np.bool_(True) if of is np.array else True},
+            }
+        )
+
+    assert made(np.array).to_dict() == made(list_of).to_dict()
+
+
+def list_of(value: np.ndarray | list) -> list:
+    return np.asarray(value).tolist()
