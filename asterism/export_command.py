@@ -22,7 +22,7 @@ def export(
     printer: Annotated[str, typer.Option(help="A printer by name, or its file; see asterism printers.")] = "ultimaker2",
     plastic: Annotated[str, typer.Option(help="A plastic by name, or its file.")] = "tpu95a",
     material: MaterialFile = None,
-    shape: Annotated[Path | None, typer.Option(help="Results of asterism simulate, or their shape.vtu.")] = None,
+    shape: Annotated[Path | None, typer.Option(help="Results of simulate, preview or verify, or a shape.vtu.")] = None,
     preview: Annotated[
         bool, typer.Option("--preview", help="Write the printed shape's files too, from the fast preview.")
     ] = False,

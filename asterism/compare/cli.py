@@ -26,7 +26,7 @@ class _View(StrEnum):
 
 
 def compare(
-    shape: Annotated[Path, typer.Argument(help="Results of simulate or preview, or their shape.vtu.")],
+    shape: Annotated[Path, typer.Argument(help="Results of simulate, preview or verify, or a shape.vtu.")],
     scan: Annotated[Path, typer.Argument(help="A scan (.obj, .stl, .ply) or a photographed outline (.svg, .csv).")],
     output: Annotated[Path | None, output_option("Directory (SCAN-compared).")] = None,
     units: Annotated[_Unit | None, typer.Option(help="Of the scan's numbers (mm).")] = None,
