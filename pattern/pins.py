@@ -112,11 +112,13 @@ def check_agreement(sets: tuple[PinSet, ...], corners: Floats) -> None:
                 if (shapely.distance(lines[list(new.edges)], point) <= near).any():
                     raise DesignError(f"pins[{j}]", allowed, _pair(place))
             common = corners[sorted(_ends(new, len(corners)) & _ends(old, len(corners)))]
+            if not len(common):  # what has targets has no edges, and no places of others
+                continue
             firm = np.array(new.fixed)  # what slides may differ
             same = new.fixed == old.fixed and np.allclose(
                 new.places(common)[:, firm], old.places(common)[:, firm], atol=near
             )
-            if len(common) and not same:
+            if not same:
                 raise DesignError(f"pins[{j}]", f"must hold the corner as pins[{i}] does", _pair(common[0]))
 
 
