@@ -30,8 +30,8 @@ the exact model are those of `python -m benchmarks.gallery`. How far the two are
 Designs of another material than the paper's take a [law of their own stars](calibration.md#for-one-design), as
 `asterism calibrate NAME.toml` makes it; their lines say so.
 
-`doubly-curved` and `fig8-l-uniform` show another form than the exact model that is released from the flat print. Started
-from the preview, the exact model comes to that form, with less energy ([accuracy](accuracy.md)).
+`doubly-curved` and `fig8-l-uniform` show another form than the exact model that is released from the flat print.
+Started from the preview, the exact model comes to that form, with less energy ([accuracy](accuracy.md)).
 """
 HEADER = [
     "design", "stars", "tightly curled", "triangles", "iterations", "start", "height mm", "exact height mm",

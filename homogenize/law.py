@@ -20,6 +20,7 @@ from homogenize.relief import Waves
 from homogenize.table import QUANTITIES, Table, Values
 from pattern.design import Design
 from pattern.lattice import Lattice
+from pattern.layout import Floats
 
 # tried: bare fabric then has no stiffness or no answer at all, and the natural curvature of the paper's star is .027 to
 # .079 per mm at edges from 3.5 to .8 mm, in no order
@@ -98,10 +99,16 @@ class Law:
                     ours |= {key: theirs[key] for key in ("kind", "spacing_mm", "vectors_mm")}
             for key in ours:
                 if key not in free.get(section, ()) and not _same(ours[key], theirs[key]):
-                    raise ForeignLaw(
-                        f"{section}.{key} = {theirs[key]}: the law is for another material, of {ours[key]}"
-                    )
+                    other = "lattice" if section == "lattice" else "material"
+                    raise ForeignLaw(f"{section}.{key} = {theirs[key]}: the law is for another {other}, of {ours[key]}")
         return self.at(sx)
+
+    def relief(self, design: Design, length_mm: ArrayLike, thickness_mm: ArrayLike, width_mm: ArrayLike) -> Floats:
+        """(N, 2, W) mm and mm^2, `Table.relief` for a design's stars, which may be turned by half a turn."""
+        found = self.check(design).relief(length_mm, thickness_mm, width_mm)
+        arms = design.lattice.arms
+        turned = (design.lattice.orientation_deg - self.material.lattice.orientation_deg) * arms / 180.0
+        return np.where(self.waves.odd, -found, found) if arms % 2 and round(turned) % 2 else found
 
     def evaluate(self, design: Design, length_mm: ArrayLike, thickness_mm: ArrayLike, width_mm: ArrayLike) -> Values:
         """The law for a design's material at stars of these sizes, stiffnesses in the design's own moduli."""
@@ -120,8 +127,11 @@ class Law:
 
 
 def _lattice(lattice: Lattice, data: dict[str, Any]) -> dict[str, Any]:
-    """What of a lattice shapes its cells: not where its origin lies, and turns up to the star's symmetry."""
-    turn = (lattice.orientation_deg + 1e-7) % (360 / lattice.arms) - 1e-7
+    """What of a lattice shapes its cells: not where its origin lies, and turns up to the symmetry of star and sites.
+
+    Sites repeat after half a turn: stars that are turned by it make the same sheet.
+    """
+    turn = (lattice.orientation_deg + 1e-7) % (360 / lattice.arms / (1 + lattice.arms % 2)) - 1e-7
     return {
         "arms": data["arms"],
         "kind": data["kind"],

@@ -61,7 +61,6 @@ def star_values(design: Design, layout: Layout, law: Law) -> StarValues:
     LawError
         The law is for another material, stretch or lattice, or asks for something impossible at a star.
     """
-    table = law.check(design)
     sizes = star_sizes(layout, design.lattice.arms)
     asked = np.vstack([sizes, [0.0, *np.mean(sizes[:, 1:], axis=0)]])
     found = law.evaluate(design, *asked.T)
@@ -72,7 +71,7 @@ def star_values(design: Design, layout: Layout, law: Law) -> StarValues:
     _check(where, {name: found.value[name][:-1] for name in NAMES})
     outside = tuple(_placed(line, where) for line in found.outside)
     tight = tuple(layout.star_number[found.tight[:-1]].tolist())
-    relief = table.relief(*asked.T)
+    relief = law.relief(design, *asked.T)
     tips, caps = _bumps(design, law, asked[:, 0], relief, found.value["kappa"])
     return StarValues(found.value, relief, sizes, outside, tight, tips, caps)
 

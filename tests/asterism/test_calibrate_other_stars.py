@@ -62,5 +62,5 @@ def test_previews_warn_and_expect_nothing(five: tuple[Law, str]) -> None:
     summary = Preview(sheet(5), law).shape().summary
     assert any(MEAN in warning for warning in summary["warnings"])
     assert summary["expected_rms_percent"] is None and summary["expected_height_percent"] is None
-    with pytest.raises(LawError, match=r"lattice\.arms = 3: the law is for another material, of 5"):
+    with pytest.raises(LawError, match=r"lattice\.arms = 3: the law is for another lattice, of 5"):
         Preview(sheet(3), law)

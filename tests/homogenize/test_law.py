@@ -298,11 +298,25 @@ def test_laws_of_impossible_numbers_are_damaged(name: str, tmp_path: Path) -> No
         load_law(tmp_path / "law.npz")
 
 
+def test_stars_turned_by_half_a_turn_have_their_relief_turned() -> None:
+    """In print a star's bump turns with it; 120 degrees change nothing."""
+    sizes = ([8.0, 5.0], 0.3, 1.2)
+    offsets = np.random.default_rng(1).uniform(-9.0, 9.0, (20, 2))
+    reliefs = {turn: LAW.relief(design(lattice__orientation_deg=turn), *sizes) for turn in (0.0, 60.0, 120.0, 180.0)}
+    heights = {turn: relief @ LAW.waves(offsets).T for turn, relief in reliefs.items()}
+    np.testing.assert_array_equal(reliefs[0.0], LAW.at(1.35).relief(*sizes))
+    np.testing.assert_array_equal(reliefs[120.0], reliefs[0.0])
+    for turn in (60.0, 180.0):
+        np.testing.assert_allclose(reliefs[turn] @ LAW.waves(-offsets).T, heights[0.0], atol=1e-12)
+        assert np.abs(heights[turn] - heights[0.0]).max() > 0.1
+
+
 def test_a_law_says_for_which_designs_it_is() -> None:
     assert LAW.check(design()).stretch == 1.35 and LAW.check(design(fabric__stretch=1.75)).stretch == 1.75
     # what does not change the shape of a sheet without weight, or is the same star after a turn
     LAW.check(design(fabric__modulus_mpa=1.0, fabric__density_kg_m3=100.0))
-    LAW.check(design(lattice__orientation_deg=120.0))
+    for turn in (-180.0, 60.0, 120.0):
+        LAW.check(design(lattice__orientation_deg=turn))
     # the same lattice in another basis, but not one of every other star
     a, b = (np.array([[15.0, 5 * 3**0.5], [0.0, 10 * 3**0.5]])).tolist()
     rectangle = {"rectangle_mm": [60, 60]}
@@ -325,7 +339,7 @@ def test_a_law_says_for_which_designs_it_is() -> None:
         ({"plastic__kappa_bar_per_mm": 0.001}, "plastic.kappa_bar_per_mm"),
         ({"lattice__spacing_mm": 18.0}, "lattice.spacing_mm"),
         ({"lattice__arms": 6}, "lattice.arms"),
-        ({"lattice__orientation_deg": 60.0}, "lattice.orientation_deg"),
+        ({"lattice__orientation_deg": 30.0}, "lattice.orientation_deg = 30.0: the law is for another lattice, of 0.0"),
     ],
 )
 def test_foreign_designs_are_refused_with_what_differs(change: dict[str, Any], word: str) -> None:

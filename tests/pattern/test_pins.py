@@ -40,7 +40,9 @@ def test_target(target):
     np.testing.assert_allclose(held.places(held.points), [[1, 2, 3]])
 
 
-@pytest.mark.parametrize("other", [{"where": "border"}, {"edges": [0]}, {"corners": [1, 3]}, {"points_mm": [[-20, -10]]}])
+@pytest.mark.parametrize(
+    "other", [{"where": "border"}, {"edges": [0]}, {"corners": [1, 3]}, {"points_mm": [[-20, -10]]}]
+)
 @pytest.mark.parametrize("swapped", [False, True])
 def test_targets_beside_other_pins(other, swapped):
     masts = {"points_mm": [[10, 5], [0, -5]], "target_mm": [[9, 4, 20], [0, -5, 15]]}

@@ -453,3 +453,12 @@ def test_a_roll_that_passes_through_itself_says_so() -> None:
     assert open_["self_intersections"] == 0 and not any("passes through" in line for line in open_["warnings"])
     (line,) = [line for line in through["warnings"] if "passes through itself" in line]
     assert f"({through['self_intersections']} pairs of triangles)" in line and "--contact" in line
+
+
+def test_stars_turned_by_half_a_turn_make_the_sheet_turned_by_it() -> None:
+    plan = Design.from_dict({"stars": {"length_mm": 8.0, "thickness_mm": 0.3}, "border": {"rings": 1}})
+    turned = Design.from_dict({**plan.to_dict(), "lattice": {"orientation_deg": 60.0}})
+    printed = np.array([[0.0, 0.0], [6.0, 2.0], [-13.0, 9.0], [4.0, -15.0], [20.0, 5.0]])
+    one, other = asterism.preview(plan).at(printed), asterism.preview(turned).at(-printed)
+    distances = [np.linalg.norm(places[:, None] - places, axis=2) for places in (one, other)]
+    np.testing.assert_allclose(*distances, atol=0.02)
