@@ -18,7 +18,7 @@ class Pins(Section):
 
     Which, one of: `where` = "border" or "corners" (all of them), `points_mm`, or the numbers of `edges` or
     `corners` (counterclockwise; edge i runs from corner i to corner i + 1; corner 0 of a hexagon is at
-    30 deg, of a rectangle at the lower left).
+    30 deg, of a rectangle at the lower left). Points within .25 mm of the outline are on it.
 
     How: where it was printed, at `scale` times that place about the origin, moved by `offset_mm`, from the
     height z = 0; or at `target_mm`. `slide` leaves it free along "z", or in the ground "plane".
@@ -65,6 +65,7 @@ class Pins(Section):
         return self
 
 
+ON_MM = 0.25  # closer places are one: so far a pin is from the outline, and from other pins
 _FIXED = {None: (True, True, True), "z": (True, True, False), "plane": (False, False, True)}
 
 
@@ -78,11 +79,10 @@ def pin_set(pins: Pins, corners: Floats, name: str) -> PinSet:
     elif pins.edges is not None:
         edges = _numbers(pins.edges, count, f"{name}.edges")
     elif pins.points_mm is not None:
-        points = np.asarray(pins.points_mm)
+        points = _taken_to_outline(np.asarray(pins.points_mm), corners, f"{name}.points_mm")
     else:
         chosen = pins.corners if pins.corners is not None else tuple(range(count))
         points = corners[list(_numbers(chosen, count, f"{name}.corners"))]
-    _check_points(points, corners, f"{name}.points_mm")
     target = None
     if pins.target_mm is not None:
         target = np.asarray(pins.target_mm)
@@ -94,19 +94,23 @@ def pin_set(pins: Pins, corners: Floats, name: str) -> PinSet:
 def check_agreement(sets: tuple[PinSet, ...], corners: Floats) -> None:
     """Refuse a place held twice; edges of two sets may share a corner that both hold in the same way."""
     near = 1e-6 * float(np.ptp(corners, axis=0).max())
+    # corners of a finely drawn outline may be closer
+    shortest = float(np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1).min())
+    apart = max(near, min(ON_MM, 0.99 * shortest))
     lines = shapely.linestrings(np.stack([corners, np.roll(corners, -1, axis=0)], axis=1))
     for j, new in enumerate(sets):
         points = shapely.points(new.points)
         for k in range(1, len(points)):
-            if (shapely.distance(points[:k], points[k]) <= near).any():
-                raise DesignError(f"pins[{j}]", "must not hold the same place twice", _pair(new.points[k]))
+            if (shapely.distance(points[:k], points[k]) <= apart).any():
+                allowed = f"must not hold the same place twice, within {apart:.2g} mm"
+                raise DesignError(f"pins[{j}]", allowed, _pair(new.points[k]))
         for i, old in enumerate(sets[:j]):
             allowed = f"must not hold what pins[{i}] holds already"
             if edge := set(new.edges) & set(old.edges):
                 raise DesignError(f"pins[{j}]", allowed, f"edge {min(edge)}")
             held = [*lines[list(old.edges)], *shapely.points(old.points)]
             for point, place in zip(points, new.points, strict=True):
-                if (shapely.distance(held, point) <= near).any():
+                if (shapely.distance(held, point) <= apart).any():
                     raise DesignError(f"pins[{j}]", allowed, _pair(place))
             for point, place in zip(shapely.points(old.points), old.points, strict=True):
                 if (shapely.distance(lines[list(new.edges)], point) <= near).any():
@@ -135,12 +139,23 @@ def _numbers(numbers: tuple[int, ...], count: int, field: str) -> tuple[int, ...
     return numbers
 
 
-def _check_points(points: Floats, corners: Floats, field: str) -> None:
-    near = 1e-6 * float(np.ptp(corners, axis=0).max())
-    away = shapely.distance(shapely.polygons(corners), shapely.points(points)) > near
+def _taken_to_outline(points: Floats, corners: Floats, field: str) -> Floats:
+    """Points (P, 2) on the sheet; those beside a corner or a side, as written with few digits, are taken to it.
+
+    A needle is thicker than that, and no mesh has good triangles in between.
+    """
+    near = max(ON_MM, 1e-6 * float(np.ptp(corners, axis=0).max()))
+    places = shapely.points(points)
+    away = shapely.distance(shapely.polygons(corners), places) > near
     if away.any():
         k = int(away.argmax())
         raise DesignError(f"{field}[{k}]", "must be on the sheet", _pair(points[k]))
+    ring = shapely.linearrings(corners)
+    beside = shapely.distance(ring, places) <= near
+    on = shapely.get_coordinates(shapely.line_interpolate_point(ring, shapely.line_locate_point(ring, places)))
+    far = np.linalg.norm(points[:, None] - corners, axis=2)
+    corner = corners[far.argmin(axis=1)]
+    return np.where((far.min(axis=1) <= near)[:, None], corner, np.where(beside[:, None], on, points))
 
 
 def _pair(point: Floats) -> list[float]:

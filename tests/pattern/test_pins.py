@@ -70,3 +70,25 @@ def test_neighbouring_edges_that_slide_share_a_corner_that_both_hold_in_z():
 def test_fixed_in_place_on_the_outline_and_inside():
     (held,) = pins({"points_mm": [[50, 12], [0, 0]]})
     np.testing.assert_allclose(held.places(held.points), [[50, 12, 0], [0, 0, 0]])
+
+
+@pytest.mark.parametrize("off", [-0.15, -1e-4, 1e-4, 0.15])
+def test_points_written_with_few_digits_are_on_the_outline(off):
+    (held,) = pins({"points_mm": [[50 + off, 12], [-50 - off, 30 + off], [10, 30 - off], [0, 29]], "scale": 0.9})
+    np.testing.assert_allclose(held.points, [[50, 12], [-50, 30], [10, 30], [0, 29]], atol=1e-12)
+    np.testing.assert_allclose(held.places(held.points)[0], [45, 10.8, 0])
+
+
+def test_points_off_the_sheet_or_nearly_the_same_are_refused():
+    with pytest.raises(DesignError, match=r"pins\[0\].points_mm\[1\] = \[50.3, 0.0\]: must be on the sheet"):
+        pins({"points_mm": [[0, 0], [50.3, 0]]})
+    with pytest.raises(DesignError, match=r"must not hold the same place twice, within 0.25 mm"):
+        pins({"points_mm": [[0, 0], [0.1, 0]]})
+    with pytest.raises(DesignError, match=r"pins\[1\].*must not hold what pins\[0\] holds already"):
+        pins({"points_mm": [[0, 0]]}, {"points_mm": [[0.1, 0]], "step": 1})
+
+
+def test_corners_of_a_finely_drawn_outline_may_be_close():
+    corners = [[30 * np.cos(t), 30 * np.sin(t)] for t in 2 * np.pi * np.arange(1000) / 1000]
+    (held,) = pins({"where": "corners", "scale": 0.8}, border={"polygon_mm": corners})
+    assert len(held.points) == 1000
