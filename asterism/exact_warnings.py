@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from asterism.held_wide import held_wide
+from asterism.pin_warnings import pin_warnings
 from asterism.self_intersections import passing
 from asterism.star_sides import off_branch
 from pattern.layout import Layout
@@ -22,4 +22,4 @@ def exact_warnings(summary: Mapping[str, Any], layout: Layout) -> list[str]:
         lines.append(f"not an equilibrium: smallest eigenvalue {least:.1e} N/mm is not positive")
     if pairs := summary["self_intersections"]:
         lines.append(passing(pairs) + ("" if summary["self_contact"] else "; --contact keeps it apart"))
-    return [*lines, *off_branch(summary), *held_wide(layout)]
+    return [*lines, *off_branch(summary), *pin_warnings(layout, summary["design"]["gravity"]["on"])]

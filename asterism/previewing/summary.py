@@ -9,9 +9,9 @@ import numpy as np
 
 from asterism import __version__
 from asterism.contraction import contraction
-from asterism.held_wide import held_wide
 from asterism.law_directions import directions_line
 from asterism.mesh_error import diameter
+from asterism.pin_warnings import pin_warnings
 from asterism.previewing.equilibria import EDIT, narrow
 from asterism.previewing.expected import (
     amplitudes_percent,
@@ -133,7 +133,7 @@ def warnings(
             f"{len(values.tight)} of {len(layout.centres)} stars curl to a radius below two thirds of their spacing, "
             f"where a smooth sheet says little: stars {few(values.tight)}"
         )
-    lines += held_wide(layout)
+    lines += pin_warnings(layout, preview.design.gravity.on)
     down = layout.star_number[layout.star_branch < 0].tolist()
     if down:
         lines.append(f"the law's stars bump up, but {len(down)} of the design start down: stars {few(down)}")

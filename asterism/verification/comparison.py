@@ -18,6 +18,7 @@ from asterism.verification.tube import tube_radius
 from pattern.layout import Floats, Layout
 from pattern.likeness import rolled_about
 from pattern.normals import triangle_normals, vertex_normals
+from pattern.pin_freedom import may_tilt
 from pattern.rigid_fit import rigid_fit
 from pattern.symmetries import Symmetry
 
@@ -39,6 +40,8 @@ class Comparison:
     layout : what was printed.
     symmetry : of the design; the compared shape stands for all its images, and this is the nearest one.
     reference_mean, other_mean : (V, 3) mm, cell means at the vertices of the reference.
+    standing, standing_mean : the other shape as its pins hold it, and its cell means: heights are read off these. Where
+        pins let it tilt they are as laid on the reference.
     diameter_mm : of the reference, the largest distance of two of its points.
     whole : (V,) whether the cell around a vertex is not cut by the outline.
     """
@@ -49,6 +52,8 @@ class Comparison:
     symmetry: Symmetry
     reference_mean: Floats
     other_mean: Floats
+    standing: Shape
+    standing_mean: Floats
     diameter_mm: float
     whole: NDArray[np.bool_]
 
@@ -85,8 +90,8 @@ class Comparison:
 
     @cached_property
     def heights_mm(self) -> tuple[float, float]:
-        """Extents along z of the whole shapes, bumps and all, as the reference lies."""
-        return float(np.ptp(self.reference.positions[:, 2])), float(np.ptp(self.other.positions[:, 2]))
+        """Extents along z of the whole shapes, bumps and all."""
+        return float(np.ptp(self.reference.positions[:, 2])), float(np.ptp(self.standing.positions[:, 2]))
 
     @cached_property
     def rises_mm(self) -> tuple[float, float] | None:
@@ -100,13 +105,13 @@ class Comparison:
         level = self.reference.at(held)[:, 2].mean()
         own = self.reference.positions[:, 2] - level
         side = 1.0 if own.max() >= -own.min() else -1.0
-        others = self.other.positions[:, 2] - self.other.at(held)[:, 2].mean()
+        others = self.standing.positions[:, 2] - self.standing.at(held)[:, 2].mean()
         return float((side * own).max()), float((side * others).max())
 
     @cached_property
     def mean_heights_mm(self) -> tuple[float, float]:
         """Extents along z of the cell means."""
-        return float(np.ptp(self.reference_mean[:, 2])), float(np.ptp(self.other_mean[:, 2]))
+        return float(np.ptp(self.reference_mean[:, 2])), float(np.ptp(self.standing_mean[:, 2]))
 
     @cached_property
     def relief_error_percent(self) -> float | None:
@@ -190,13 +195,17 @@ def compare(reference: Shape, other: Shape, layout: Layout, symmetries: Sequence
     near = image(other, symmetry)
     near_mean = mean(near.at(reference.printed))
     rotation, shift = rigid_fit(near_mean, reference_mean, reference.weights)
+    laid, laid_mean = replace(near, positions=near.positions @ rotation.T + shift), near_mean @ rotation.T + shift
+    standing, standing_mean = (laid, laid_mean) if may_tilt(layout) else (near, near_mean)
     return Comparison(
         reference,
-        replace(near, positions=near.positions @ rotation.T + shift),
+        laid,
         layout,
         symmetry,
         reference_mean,
-        near_mean @ rotation.T + shift,
+        laid_mean,
+        standing,
+        standing_mean,
         diameter(reference.positions),
         np.linalg.norm(mean(reference.printed) - reference.printed, axis=1) < WHOLE * layout.spacing_mm,
     )

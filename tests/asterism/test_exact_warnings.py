@@ -20,7 +20,7 @@ SUMMARY = {
 def said(scale: float = 1.0, **changes: Any) -> list[str]:
     pins = [{"where": "border", "scale": scale}]
     design = Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rings": 2}, "pins": pins})
-    return exact_warnings(SUMMARY | changes, layout(design))
+    return exact_warnings(SUMMARY | {"design": design.to_dict()} | changes, layout(design))
 
 
 def test_nothing_is_said_of_a_good_shape() -> None:

@@ -66,6 +66,20 @@ def test_distances_do_not_depend_on_where_the_other_shape_lies(quaternion, far):
     assert there.heights_mm[1] == pytest.approx(here.heights_mm[1], abs=1e-6)
 
 
+@pytest.mark.parametrize(("pins", "stands"), [([{"where": "border"}], True), ([{"edges": [0]}], False)])
+def test_heights_are_those_of_the_sheet_as_its_pins_hold_it(pins, stands):
+    """A sheet that is tilted against the other one is higher, though the best rigid motion takes the tilt away."""
+    held = design(pins=pins)
+    one = shape(held, lumpy)
+    tilted = replace(one, positions=one.positions @ Rotation.from_euler("x", 10, degrees=True).as_matrix().T)
+    found = compared(held, one, tilted)
+    assert found.rms_percent == pytest.approx(0.0, abs=1e-9)
+    height = np.ptp((tilted if stands else one).positions[:, 2])
+    assert found.heights_mm[1] == pytest.approx(height, abs=1e-9)
+    assert (found.heights_mm[1] > found.heights_mm[0] + 5.0) == stands
+    assert (found.mean_heights_mm[1] > found.mean_heights_mm[0] + 5.0) == stands
+
+
 @pytest.mark.parametrize("number", range(6))
 def test_images_under_the_designs_symmetries_are_the_same_shape(number):
     """A tube about one axis, and about an equivalent one; its mirror image on a mirrored print."""

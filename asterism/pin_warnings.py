@@ -1,4 +1,4 @@
-"""Pins that pull the sheet wider than it was printed, in words: mostly a slip, such as a scale in percent."""
+"""What to know of the pins of a sheet before trusting its shape, in words."""
 
 from __future__ import annotations
 
@@ -7,13 +7,22 @@ from collections.abc import Iterator
 import numpy as np
 
 from pattern.layout import Layout
+from pattern.pin_freedom import free_turns, may_tilt
 from pattern.pin_places import pin_places
 
 WIDER = 1.05  # times the printed size
 
 
+def pin_warnings(layout: Layout, weighs: bool) -> Iterator[str]:
+    """One line each; `weighs`: the sheet has weight, which says how it hangs."""
+    yield from held_wide(layout)
+    if layout.pins and not weighs and may_tilt(layout):
+        about = "a point" if len(free_turns(layout)) > 1 else "a line"
+        yield f"the pins let the sheet turn about {about}: how it lies, and so how high it is, is chance"
+
+
 def held_wide(layout: Layout) -> Iterator[str]:
-    """A line, if what is held in all directions is so far apart."""
+    """Pins that pull the sheet wider than it was printed: mostly a slip, such as a scale in percent."""
     printed, places, _ = pin_places(layout)
     held = ~np.isnan(places).any(axis=1)
     if not held.any():

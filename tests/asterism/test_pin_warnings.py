@@ -1,4 +1,4 @@
-"""Pins that are further apart than in the print are told, however they are said."""
+"""Pins that are further apart than in the print, or leave the sheet to swing, are told."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from asterism.held_wide import held_wide
+from asterism.pin_warnings import held_wide, pin_warnings
 from pattern import gallery
 from pattern.build import layout
 from pattern.design import Design
@@ -36,4 +36,25 @@ def test_how_much_wider_it_is_held(pins: list[dict[str, Any]], times: str | None
 
 @pytest.mark.parametrize("name", gallery.names())
 def test_no_design_of_the_gallery_is(name: str) -> None:
-    assert not list(held_wide(layout(gallery.load(name))))
+    assert not list(pin_warnings(layout(gallery.load(name)), False))
+
+
+@pytest.mark.parametrize(
+    ("pins", "about"),
+    [
+        ([{"points_mm": [[0.0, 0.0]]}], "a point"),
+        ([{"points_mm": CORNERS}], "a line"),
+        ([{"points_mm": CORNERS[:1]}, {"points_mm": CORNERS[1:], "step": 1}], "a line"),
+        ([{"edges": [0]}], "a line"),
+        ([{"edges": [0]}, {"edges": [3], "slide": "plane"}], None),
+        ([{"points_mm": [*CORNERS, [0.0, 20.0]]}], None),
+        ([{"where": "corners", "slide": "plane"}], None),
+        ([{"where": "corners", "slide": "z"}], None),
+        ([], None),
+    ],
+)
+def test_sheets_that_may_swing_are_told_unless_they_hang(pins: list[dict[str, Any]], about: str | None) -> None:
+    plan = layout(Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rings": 2}, "pins": pins}))
+    lines = list(pin_warnings(plan, False))
+    assert len(lines) == (about is not None) and all(f"turn about {about}:" in line for line in lines)
+    assert not list(pin_warnings(plan, True))
