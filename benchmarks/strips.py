@@ -24,10 +24,14 @@ CASES: list[dict[str, Any]] = [
     {"reading_mm": 0.5, "flat_mm": 0.5, "count": 5},
     {"count": 4},
     {"count": 2},
+    {"reading_mm": 0.05, "step_mm": 0.5},
+    {"reading_mm": 0.3, "step_mm": 1.0},
+    {"reading_mm": 0.1, "step_mm": 0.1, "count": 4},
 ]
 HEADER = [
     "strips",
     "reading mm",
+    "ruler mm",
     "scatter %",
     "inside %",
     "kappa_bar inside %",
@@ -41,7 +45,7 @@ def main() -> None:
     """Fit all tables and write the report."""
     rows = []
     for case in CASES:
-        values = {"count": 10, "reading_mm": 0.3, "scatter": 0.03, "flat_mm": 0.0} | case
+        values = {"count": 10, "reading_mm": 0.3, "scatter": 0.03, "flat_mm": 0.0, "step_mm": 0.0} | case
         inside, kept, half, named, flat = [], [], [], [], []
         for seed in range(TABLES):
             strips = readings(seed, Plastic(modulus_ratio=RATIO, kappa_bar_per_mm=KAPPA_BAR), **values)
@@ -68,6 +72,7 @@ def main() -> None:
         [
             f"4 x {row['count']}",
             f"{row['reading_mm']:g}",
+            f"{row['step_mm']:g}" if row["step_mm"] else "-",
             f"{100 * row['scatter']:g}",
             f"{row['inside_percent']:.1f}",
             f"{row['kappa_bar_inside_percent']:.1f}",

@@ -22,7 +22,7 @@ class Estimate:
     Attributes
     ----------
     parameters : (p,) E2/E1, then kappa_bar (1/mm).
-    covariance : (p, p).
+    covariance : (p, p), of the scatter and of rounding.
     noise : of the readings.
     free : readings that are not flat, less parameters: degrees of freedom of the noise.
     """
@@ -60,13 +60,26 @@ def estimate(model: Model, data: Data) -> Estimate:
         parameters, covariance = solve(model, data, variance, parameters)
         mean = model.mean(parameters, bent)
         sensitivity = arc.reading_sensitivity(mean, bent.length)
-        found = noise(bent.curvature - mean, model.jacobian(parameters, bent), sensitivity, mean)
+        least = float(bent.rounding.max())
+        found = noise(bent.curvature - mean, model.jacobian(parameters, bent), sensitivity, mean, least)
         if np.all(np.abs(parameters - previous) <= 1e-4 * np.sqrt(np.diag(covariance))):
             break
     mean = model.mean(parameters, data)
     variance = found.variance(arc.reading_sensitivity(mean, data.length), mean)
     parameters, covariance = solve(model, data, variance, parameters)
-    return Estimate(parameters, covariance, found, free)
+    return Estimate(parameters, covariance + _of_rounding(model, bent, parameters, covariance, found), found, free)
+
+
+def _of_rounding(model: Model, bent: Data, parameters: Floats, covariance: Floats, found: Noise) -> Floats:
+    """(p, p) what is added to the covariance, as rounding moves all readings together that should be equal."""
+    mean = model.mean(parameters, bent)
+    sensitivity = arc.reading_sensitivity(mean, bent.length)
+    off = found.shared(sensitivity, mean, bent.rounding) / found.variance(sensitivity, mean)
+    equal = np.column_stack([np.round(mean / np.abs(mean).max(), 9), bent.length])
+    _, group = np.unique(equal, axis=0, return_inverse=True)
+    of_group = np.zeros((group.max() + 1, model.size))
+    np.add.at(of_group, group.reshape(-1), off[:, None] * model.jacobian(parameters, bent))
+    return np.asarray(covariance @ of_group.T @ of_group @ covariance)
 
 
 def first_guess(model: Model, bent: Data, data: Data) -> Floats:

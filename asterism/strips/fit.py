@@ -18,6 +18,7 @@ from asterism.strips.noise import Noise
 from asterism.strips.outliers import outliers
 from asterism.strips.strip import Reading
 from pattern.errors import from_validation
+from pattern.layout import Floats, Ints
 from pattern.materials import Plastic
 
 FLAT_HEIGHT_MM = 0.5
@@ -196,7 +197,8 @@ def _lack_of_fit(model: Model, found: Estimate, data: Data) -> tuple[float | Non
     """
     bent = data.take(~data.flat)
     mean = model.mean(found.parameters, bent)
-    variance = found.noise.variance(arc.reading_sensitivity(mean, bent.length), mean)
+    sensitivity = arc.reading_sensitivity(mean, bent.length)
+    variance = found.noise.variance(sensitivity, mean)
     group = bent.kind
     groups = int(group.max(initial=-1)) + 1
     between, within = groups - model.size, len(mean) - groups
@@ -206,11 +208,22 @@ def _lack_of_fit(model: Model, found: Estimate, data: Data) -> tuple[float | Non
     centre = np.bincount(group, weight * residual) / np.bincount(group, weight)
     inside = float(np.sum(weight * (residual - centre[group]) ** 2))
     total = float(np.sum(weight * residual**2))
-    if inside <= 1e-12 * total:
+    together = found.noise.shared(sensitivity, mean, bent.rounding)
+    if inside <= 1e-12 * total and not together.any():
         return None, 1.0
-    ratio = max(total - inside, 0.0) / between / (inside / within)
+    ratio = _apart(centre, weight, together, group, inside / within) / between
     chance = float(fisher.sf(ratio, between, within))
     return chance, float(np.sqrt(ratio)) if chance < _FALSE_ALARM else 1.0
+
+
+def _apart(centre: Floats, weight: Floats, together: Floats, group: Ints, scale: float) -> float:
+    """Squares of what groups are off in the mean (g,), over the variances of their means.
+
+    `weight` (n,) of the readings, whose scatter is `scale` times what the weights say; `together` (n,) 1/mm, what they
+    may be off as a whole.
+    """
+    as_one = np.bincount(group, weight * together**2) / np.bincount(group, weight)
+    return float(np.sum(centre**2 / (scale / np.bincount(group, weight) + as_one)))
 
 
 def _contradicted(kind: KappaBarKind, found: Estimate, data: Data) -> bool:
@@ -220,14 +233,17 @@ def _contradicted(kind: KappaBarKind, found: Estimate, data: Data) -> bool:
     within, between = len(group) - len(groups), len(groups) - (kind == "constant")
     if kind == "per-thickness" or between < 1 or within < 1:
         return False
-    weight = 1 / found.noise.variance(arc.reading_sensitivity(peeled.curvature, peeled.length), peeled.curvature)
+    sensitivity = arc.reading_sensitivity(peeled.curvature, peeled.length)
+    weight = 1 / found.noise.variance(sensitivity, peeled.curvature)
     centre = np.bincount(group, weight * peeled.curvature) / np.bincount(group, weight)
     inside = np.sum(weight * (peeled.curvature - centre[group]) ** 2)
     if kind == "constant":
         off = centre[group] - np.sum(weight * peeled.curvature) / np.sum(weight)
     else:  # boxes are never less than nothing high: what looks flat leaves the others with a mean of their own
         off = np.maximum(np.abs(centre[group]) - peeled.limit, 0.0)
-    apart = np.sum(weight * off**2)
-    if inside == 0:
-        return bool(apart > 0)
-    return bool(fisher.sf(apart / between / (inside / within), between, within) < _FALSE_ALARM)
+    together = found.noise.shared(sensitivity, peeled.curvature, peeled.rounding)
+    if inside == 0 and not together.any():
+        return bool((off != 0).any())
+    middle = np.bincount(group, weight * off) / np.bincount(group, weight)
+    apart = _apart(middle, weight, together, group, inside / within)
+    return bool(fisher.sf(apart / between, between, within) < _FALSE_ALARM)

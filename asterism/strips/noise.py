@@ -1,7 +1,8 @@
 """How far readings scatter: by the reading of the boxes, and from strip to strip.
 
 The variance of a reading is `sigma^2 g^2 + tau^2 kappa^2`: `sigma` mm is the error of a side of a box, `g` what it does
-to the curvature (`arc.reading_sensitivity`), and `tau` the part by which curvatures differ from strip to strip.
+to the curvature (`arc.reading_sensitivity`), and `tau` the part by which curvatures differ from strip to strip. Boxes
+that were rounded to a ruler's marks are not read better than that, though many read the same.
 """
 
 from __future__ import annotations
@@ -28,9 +29,21 @@ class Noise:
         """(n,) 1/mm^2."""
         return np.maximum((self.reading_mm * sensitivity) ** 2 + (self.scatter * mean) ** 2, 1e-24)
 
+    def shared(self, sensitivity: Floats, mean: Floats, rounding_mm: Floats) -> Floats:
+        """(n,) 1/mm, standard deviation of what rounding does alike to all readings that should be equal.
 
-def noise(residual: Floats, jacobian: Floats, sensitivity: Floats, mean: Floats) -> Noise:
-    """The most likely noise for the residuals (n,) of a fit of jacobian (n, p), n > p.
+        No mean takes it away. It is much where they scatter by less than a mark of the ruler: for a normal scatter s
+        and marks d apart the mean is off by `d/pi exp(-2 pi^2 s^2/d^2)` at most, the first term of its Fourier series
+        in the true value (Widrow and Kollar, Quantization Noise, 2008).
+        """
+        step = np.sqrt(12.0) * rounding_mm
+        scatter = np.maximum(self.reading_mm**2 - rounding_mm**2, 0.0) + (self.scatter * mean / sensitivity) ** 2
+        off = step / np.pi * np.exp(-2.0 * np.pi**2 * scatter / np.maximum(step, 1e-12) ** 2)
+        return np.asarray(off / np.sqrt(2.0) * sensitivity)
+
+
+def noise(residual: Floats, jacobian: Floats, sensitivity: Floats, mean: Floats, least_mm: float = 0.0) -> Noise:
+    """The most likely noise for the residuals (n,) of a fit of jacobian (n, p), n > p; sigma at least `least_mm`.
 
     Restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971), which allows for the fitted parameters.
     """
@@ -49,6 +62,6 @@ def noise(residual: Floats, jacobian: Floats, sensitivity: Floats, mean: Floats)
     share = (1 - mix) * reading + mix * relative
     scale = np.sum(residual**2 / share) / free
     return Noise(
-        float(np.sqrt(scale * (1 - mix) / np.mean(sensitivity**2))),
+        max(float(np.sqrt(scale * (1 - mix) / np.mean(sensitivity**2))), least_mm),
         float(np.sqrt(scale * mix / max(float(np.mean(mean**2)), 1e-30))),
     )

@@ -129,7 +129,10 @@ def _robust_distance(model: Model, data: Data) -> Floats:
         likelihood = np.log(scale) + np.mean(np.log(share))
         if likelihood < best:
             mean = model.mean(parameters, data)
-            best, best_distance = likelihood, np.abs(_beyond(data, mean)) / (scale * _share(mix, mean, data))
+            # where most read the same mark, the next one is no further than rounding
+            rounding = data.rounding * arc.reading_sensitivity(mean, data.length)
+            spread = np.maximum(scale * _share(mix, mean, data), rounding)
+            best, best_distance = likelihood, np.abs(_beyond(data, mean)) / spread
     return best_distance
 
 

@@ -18,6 +18,7 @@ class Reading:
     peeled : without its fabric.
     curvature_per_mm : positive with the plastic outside; None for a strip that looks flat.
     left_out : why this reading cannot be used, if it cannot.
+    step_mm : of the ruler, to which the sides of its box were rounded; 0 where that is not seen.
     """
 
     strip: str
@@ -29,6 +30,7 @@ class Reading:
     peeled: bool
     curvature_per_mm: float | None
     left_out: str | None = None
+    step_mm: float = 0.0
 
     @property
     def name(self) -> str:

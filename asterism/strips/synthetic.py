@@ -21,6 +21,7 @@ def readings(
     scatter: float = 0.03,
     flat_mm: float = 0.0,
     stretch: float = 1.35,
+    step_mm: float = 0.0,
 ) -> list[Reading]:
     """`count` strips of each of the paper's thicknesses, with fabric and peeled, their boxes read with errors.
 
@@ -29,6 +30,7 @@ def readings(
     reading_mm : standard deviation of each side of each box.
     scatter : standard deviation of the curvature from strip to strip, a part of it.
     flat_mm : lower arcs count as flat.
+    step_mm : of the ruler, to which sides are rounded; 0: they are not.
     """
     plastic = plastic or Plastic(kappa_bar_per_mm=0.003)
     rng = np.random.default_rng(seed)
@@ -41,6 +43,8 @@ def readings(
         for peeled, kappa in ((False, with_fabric), (True, alone)):
             true = kappa * (1 + scatter * rng.standard_normal())
             width, height = (float(side) + reading_mm * rng.standard_normal() for side in arc.box(true, length))
+            if step_mm:
+                width, height = (step_mm * round(side / step_mm) for side in (width, height))
             bent = None if height <= flat_mm else float(arc.curvature(width, height))
-            found.append(Reading(str(i + 1), i + 2, float(h1), length, stretch, 0.8, peeled, bent))
+            found.append(Reading(str(i + 1), i + 2, float(h1), length, stretch, 0.8, peeled, bent, step_mm=step_mm))
     return found

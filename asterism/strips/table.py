@@ -18,6 +18,9 @@ LENGTH_MM = (5.0, 1000.0)
 FABRIC_MM = (0.01, 10.0)
 STRETCH = (1.01, 3.0)
 LARGEST_MM = 2000.0
+# steps to which a ruler or a screen is read; of fewer sides than this nothing is concluded
+RULERS_MM = (1.0, 0.5, 0.25, 0.2, 0.1, 0.05, 0.02, 0.01)
+FEWEST_SIDES = 6
 # a box whose arc is longer or shorter than its strip by more than this part was misread
 ARC_TOLERANCE = 0.1
 _UNITS = {"inches": 1 / 25.4, "centimetres": 0.1, "metres": 0.001, "tenths of a millimetre": 10.0}
@@ -53,7 +56,21 @@ def read_strips(
         readings += _readings(row, name, stretch, fabric_thickness_mm, outside)
     if not readings:
         raise TableError(path, None, None, "no strip has been measured yet: fill in the boxes or curvatures")
-    return readings
+    step = _ruler_step([float(text) for row in rows for side in BOXES if (text := _digits(row.cells.get(side, "")))])
+    return [replace(reading, step_mm=step) for reading in readings]
+
+
+def _digits(text: str) -> str:
+    return "" if text.lower() == "flat" else text
+
+
+def _ruler_step(sides: list[float]) -> float:
+    """mm, the largest step of a ruler that all sides are whole multiples of; 0 for few sides, and for finer ones."""
+    if len(sides) < FEWEST_SIDES:
+        return 0.0
+    return next(
+        (step for step in RULERS_MM if all(abs(side / step - round(side / step)) < 1e-6 for side in sides)), 0.0
+    )
 
 
 def _readings(row: Row, name: str, stretch: float | None, fabric_mm: float | None, outside: bool) -> list[Reading]:

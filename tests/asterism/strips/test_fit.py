@@ -55,6 +55,22 @@ def test_intervals_hold_the_truth_as_often_as_they_say(reading_mm: float, scatte
     assert sum(interval.low <= 0.003 <= interval.high for interval in kept) >= 52
 
 
+@pytest.mark.parametrize(("reading_mm", "step_mm", "count"), [(0.05, 0.5, 10), (0.3, 1.0, 10), (0.02, 1.0, 4)])
+def test_boxes_read_to_the_marks_of_a_ruler_are_good_tables(reading_mm: float, step_mm: float, count: int) -> None:
+    """Most peeled strips read the same; the next mark is no contradiction, and all may be off together."""
+    rng = np.random.default_rng(3)
+    fits, kept = [], rng.uniform(0.0021, 0.0045, 40)
+    for seed, kappa in enumerate(kept):
+        plastic = Plastic(kappa_bar_per_mm=float(kappa))
+        fits.append(fit_strips(readings(seed, plastic, count=count, reading_mm=reading_mm, step_mm=step_mm)))
+    # of 40 tables 95 % are 38; fewer than 33 has a chance of 1 in 1000
+    assert sum(inside(fit) for fit in fits) >= 33
+    intervals = [fit.kappa_bar[None] for fit in fits]
+    assert sum(one.low <= kappa <= one.high for one, kappa in zip(intervals, kept, strict=True)) >= 33
+    assert sum(len(fit.left_out) == 0 for fit in fits) >= 33
+    assert min(fit.noise.reading_mm for fit in fits) >= step_mm / np.sqrt(12.0)
+
+
 def test_half_of_the_narrow_intervals_miss() -> None:
     """An interval that always holds the truth says nothing."""
     narrow = [fit_strips(readings(seed, count=5), confidence=0.5) for seed in range(40)]

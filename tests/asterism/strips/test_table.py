@@ -125,6 +125,22 @@ def test_mistakes_name_row_and_column(text: str | bytes, place: str, problem: st
     assert place in where and problem in what, line
 
 
+@pytest.mark.parametrize(
+    ("boxes", "step"),
+    [
+        (["53,12", "54,11", "53,flat"], 0.0),  # too few to tell
+        (["53,12", "54,11", "53,10", "55,12"], 1.0),
+        (["53.5,12", "54,11", "53,10", "55,12"], 0.5),
+        (["53.4,11.7", "54,11.8", "53.2,11.6", "52.8,flat"], 0.1),
+        (["53.25,11.7", "54.1,11.83", "53.2,11.6"], 0.01),
+        (["53.257,11.7", "54.1,11.83", "53.2,11.6"], 0.0),
+    ],
+)
+def test_the_marks_to_which_boxes_were_read(boxes: list[str], step: float, tmp_path: Path) -> None:
+    rows = [f"{number},0.3,60,1.35,0.8,{box}" for number, box in enumerate(boxes)]
+    assert {reading.step_mm for reading in read(tmp_path, "\n".join([HEAD, *rows]))} == {step}
+
+
 def test_files_that_are_not_there(tmp_path: Path) -> None:
     for path in (tmp_path / "none.csv", tmp_path):
         with pytest.raises(TableError, match="cannot be read"):
