@@ -80,10 +80,14 @@ class Fields:
 
 
 def of_stretch(density: Density | Callable[[Floats], Density], stretch: Field, curvature: Field = 0.0) -> Fields:
-    """Isotropic fields: lengths become `stretch` times the printed ones, with the curvature `curvature` per mm."""
+    """Isotropic fields: lengths become `stretch` times the printed ones, with the curvature `curvature` per mm.
+
+    A stretch that is not positive is refused as a metric that is not positive definite.
+    """
 
     def metric(points: Floats) -> Floats:
-        square = _scalar(stretch, points) ** 2
+        values = _scalar(stretch, points)
+        square = np.sign(values) * values**2
         return np.stack([square, square, np.zeros_like(square)], axis=-1)
 
     def bend(points: Floats) -> Floats:

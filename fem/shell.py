@@ -63,6 +63,8 @@ class Shell:
     Raises
     ------
     fem.fields.FieldError, fem.conditions.ConditionError
+    ValueError
+        Loads of another shape, or not finite.
     """
 
     def __init__(
@@ -82,6 +84,8 @@ class Shell:
         self.flat = flat_positions(space)
         self._shifts = constant(space)
         self.loads = np.zeros((space.size, 3)) if loads is None else np.asarray(loads, dtype=float)
+        if self.loads.shape != (space.size, 3) or not np.isfinite(self.loads).all():
+            raise ValueError(f"loads must be finite, shape ({space.size}, 3), as of fem.loads: got {self.loads.shape}")
         self.reduction = reduce(space, conditions)
         self._reduced = Reduced(self.assembly.pattern, self.reduction.map)
         self.pattern: SparsePattern = self._reduced.pattern

@@ -55,7 +55,16 @@ def relax(
     soft_modes : how many of the smallest eigenvalues to find.
     turns : (2, 2) rotations and mirrors of the print that change nothing; axes that they make equal count once.
     tie : part of the energy within which minima count as equally low; the one whose start was cheapest is then taken.
+
+    Raises
+    ------
+    ValueError
+        No shape to start from, or no start to follow.
     """
+    if shapes is not None and not len(shapes):
+        raise ValueError("shapes = []: at least one is needed to start from; None takes the usual ones")
+    if followed < 1:
+        raise ValueError(f"followed = {followed!r}: must be at least 1")
     if factor is None:
         own = shell.factor()
         try:

@@ -94,7 +94,7 @@ class _Unreadable(Exception):
 
 def _grey_values(path: Path) -> np.ndarray:
     """(rows, columns) 0-255, at most 256 a side."""
-    from PIL import Image, UnidentifiedImageError  # slow to import, rarely used
+    from PIL import Image, ImageOps, UnidentifiedImageError  # slow to import, rarely used
 
     try:
         if not path.is_file():
@@ -106,7 +106,8 @@ def _grey_values(path: Path) -> np.ndarray:
             with Image.open(path) as picture:
                 if picture.width * picture.height > _MOST_SOURCE_PIXELS:
                     raise Image.DecompressionBombError
-                flat = _eight_bits(picture).convert("RGBA")
+                # a photograph may be stored turned, and say so
+                flat = ImageOps.exif_transpose(_eight_bits(picture)).convert("RGBA")
         page = Image.new("RGBA", flat.size, "white")  # what is transparent is paper
         page.alpha_composite(flat)
         grey = page.convert("L")
@@ -129,7 +130,9 @@ def _eight_bits(picture: Any) -> Any:
     values = np.asarray(picture, dtype=float)
     if picture.mode == "I" and picture.format != "PNG":  # which numbers are black and white is not said
         raise _Unreadable("has 32 bits a pixel: save it with 8 or 16")
-    return Image.fromarray(np.round(values * (255 / 65535)).astype(np.uint8))
+    reduced = Image.fromarray(np.round(values * (255 / 65535)).astype(np.uint8))
+    reduced.info = picture.info  # how it is turned
+    return reduced
 
 
 def _packed(grey: np.ndarray) -> str:

@@ -61,7 +61,7 @@ def symmetries(design: Design, layout: Layout) -> list[Symmetry]:
         star = _image(layout.centres @ turn.T + shift, stars, near)
         if star is None or not _keeps_directions(design, turn):
             continue
-        if _image(layout.border @ turn.T + shift, corners, near) is None:
+        if not _same_sides(_image(layout.border @ turn.T + shift, corners, near)):
             continue
         if _same_arms(layout, inner, turn, shift, star, near) and _same_pins(pins, turn, shift, near):
             found.append(Symmetry(turn, shift, star))
@@ -93,6 +93,14 @@ def _image(moved: Floats, points: cKDTree, near: float) -> Ints | None:
     if index.max() == points.n or not np.bincount(index, minlength=points.n).all():
         return None
     return np.asarray(index, dtype=np.int64)
+
+
+def _same_sides(corner: Ints | None) -> bool:
+    """Whether neighbouring corners become neighbours: others may have the same places, joined in another order."""
+    if corner is None:
+        return False
+    step = (np.roll(corner, -1) - corner) % len(corner)
+    return bool((step == 1).all() or (step == len(corner) - 1).all())
 
 
 def _same_arms(layout: Layout, inner: cKDTree, turn: Floats, shift: Floats, star: Ints, near: float) -> bool:

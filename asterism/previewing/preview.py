@@ -38,6 +38,7 @@ from pattern.symmetries import Symmetry, symmetries
 Say = Callable[[str], None]
 ALIKE = 0.01  # sizes of stars that differ by less than this part are the same
 MANY = 0.4  # part of the stars
+MOST = 10_000  # triangles: many more would fill the memory
 FLIPPED: dict[Side, Side] = {"down": "up", "up": "down"}
 
 
@@ -69,7 +70,7 @@ class Preview:
     design : from `load_design`, `new` or `Design.from_dict`.
     law : of the design's material; the paper's by default.
     side : to which the edges go: `down`, with the plastic outside, or `up`; `auto` leaves it to the stars.
-    triangles : of the shell's mesh, about; by default as many as the stars need.
+    triangles : of the shell's mesh, about, at most 10000; by default as many as the stars need.
     say : called with a line of text when something begins.
 
     Attributes
@@ -106,8 +107,8 @@ class Preview:
         say: Say | None = None,
     ) -> None:
         check_side(side)
-        if triangles is not None and not (is_whole(triangles) and triangles >= 1):
-            raise ValueError(f"triangles = {triangles!r}: must be a whole number, at least 1")
+        if triangles is not None and not (is_whole(triangles) and 1 <= triangles <= MOST):
+            raise ValueError(f"triangles = {triangles!r}: must be a whole number, from 1 to {MOST}")
         if law is not None:
             check_kind(law, Law, "load_law reads one from a file")
         self.shell: Shell

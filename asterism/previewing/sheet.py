@@ -134,8 +134,8 @@ class Sheet:
     def shell(self, design: Design, fields: Fields, step: int) -> Shell:
         """The shell with the pins up to a step; `DesignError` if they contradict each other."""
         loads = self.loads(design) if design.gravity.on else None
-        held = conditions(self.layout, self._mesh, self.space.mesh, step)
         try:
+            held = conditions(self.layout, self._mesh, self.space.mesh, step)
             return Shell(self.space, fields, held, loads)
         except ConditionError as error:
             raise DesignError("pins", f"cannot all hold: {error}") from None

@@ -149,7 +149,20 @@ def test_the_side_can_be_chosen(side, sign) -> None:  # type: ignore[no-untyped-
     assert found.energy == pytest.approx(relax(shell, shapes=[Shape("cap", 0.004)]).energy, rel=1e-8)
 
 
+def test_impossible_arguments_are_refused() -> None:
+    shell = Shell(Argyris(hexagon(0)), FIELDS["rolled"])
+    with pytest.raises(ValueError, match=r"shapes = \[\]: at least one"):
+        relax(shell, shapes=[])
+    with pytest.raises(ValueError, match=r"followed = 0: must be at least 1"):
+        relax(shell, followed=0)
+    for loads in (np.ones((3, 3)), np.full(shell.flat.shape, np.nan)):
+        with pytest.raises(ValueError, match=r"loads must be finite, shape \(\d+, 3\)"):
+            Shell(Argyris(hexagon(0)), FIELDS["rolled"], loads=loads)
+
+
 def test_impossible_fields_are_refused_with_place_and_value() -> None:
+    with pytest.raises(FieldError, match=r"rest metric at .* is not positive definite"):
+        Shell(Argyris(hexagon(0)), of_stretch(density(), -0.8))
     with pytest.raises(FieldError, match=r"rest metric at \(.*\) mm: \(-1, 1, 0\) is not positive definite"):
         Shell(Argyris(hexagon(0)), Fields(density(), (-1.0, 1.0, 0.0)))
     with pytest.raises(FieldError, match=r"rest curvature at .* is not finite"):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from PIL import Image
+from PIL import Image, ImageOps
 from pydantic import TypeAdapter
 
 from pattern.design import Design, load_design, save_design
@@ -76,6 +76,28 @@ def test_pictures_of_16_bits_are_the_same_as_of_8(tmp_path):
     field = Design.from_dict(_with_picture(extent_mm=[256, 40]), tmp_path).stars.length_mm
     at = np.column_stack([np.array([0.5, 100.5, 255.5]) - 128.0, np.zeros(3)])
     np.testing.assert_allclose(sample(field, at), 4 + 5 * np.array([0, 100, 255]) / 255, atol=1e-6)
+
+
+@pytest.mark.parametrize("bits", [8, 16])
+@pytest.mark.parametrize("orientation", range(1, 9))
+def test_photographs_are_read_as_they_are_shown(orientation, bits, tmp_path):
+    """A picture that is stored turned says so; what every viewer shows is what counts."""
+    steps = np.arange(40 * 20).reshape(20, 40) * (2**bits - 1) / 800
+    stored = Image.fromarray(steps.astype(np.uint8 if bits == 8 else np.uint16))
+    about = stored.getexif()
+    about[0x0112] = orientation
+    stored.save(tmp_path / "map.png", exif=about)
+    ImageOps.exif_transpose(Image.open(tmp_path / "map.png")).save(tmp_path / "shown.png")
+    at = np.random.default_rng(0).uniform(-40, 40, (20, 2))
+    one, other = (
+        sample(Design.from_dict(_with_picture(image=name), tmp_path).stars.length_mm, at)
+        for name in ("map.png", "shown.png")
+    )
+    np.testing.assert_allclose(one, other)
+    if orientation == 3:  # half a turn
+        stored.save(tmp_path / "unturned.png")
+        plain = Design.from_dict(_with_picture(image="unturned.png"), tmp_path).stars.length_mm
+        np.testing.assert_allclose(sample(plain, -at), one)
 
 
 @pytest.mark.parametrize(

@@ -67,3 +67,13 @@ def test_they_are_a_group_that_maps_stars_to_equal_ones(name: str) -> None:
         product = turns @ one.turn
         gap = np.abs(product[:, None] - turns[None]).max(axis=(2, 3))
         assert (gap.min(axis=1) < 1e-9).all()
+
+
+def test_outlines_of_the_same_corners_joined_otherwise_are_not_the_same() -> None:
+    """The upper side zigzags: mirrored, the corners fall on each other and the sides do not."""
+    zigzag = [[-60, -60], [60, -60], [60, 40], [10, 15], [10, 35], [-10, 15], [-10, 35], [-60, 40]]
+    design = Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"polygon_mm": zigzag, "star_margin_mm": 20.0}})
+    assert not any(one.mirrors for one in symmetries(design, layout(design)))
+    even = [[-60, -60], [60, -60], [60, 40], [10, 35], [10, 15], [-10, 15], [-10, 35], [-60, 40]]
+    design = Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"polygon_mm": even, "star_margin_mm": 20.0}})
+    assert any(one.mirrors for one in symmetries(design, layout(design)))
