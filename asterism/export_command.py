@@ -57,8 +57,11 @@ def export(
     from pattern.design import load_design
     from pattern.errors import DesignError
 
-    if (shape is not None) + preview + simulate > 1:
-        raise DesignError("--shape", "must be the only one of --shape, --preview and --simulate")
+    asked = [
+        name for name, it in (("--shape", shape is not None), ("--preview", preview), ("--simulate", simulate)) if it
+    ]
+    if len(asked) > 1:
+        raise DesignError(asked[0], "must be the only one of --shape, --preview and --simulate")
     for option, value, limits in (
         ("--fabric", fabric, (0.0, 50.0)),
         ("--needle-spacing", needle_spacing, (1.0, 1000.0)),
@@ -95,6 +98,8 @@ def export(
     for certain, which in zip(change["are_minima"] if change else (), ("drawn", "printed"), strict=False):
         if not certain:
             print(f"asterism: the {which} design's shape is not certain to stay", file=sys.stderr)
+    for line in change.get("warnings", ()) if change else ():
+        print(f"asterism: the shape by the {'exact model' if simulate else 'preview'}: {line}", file=sys.stderr)
     if computed is not None:
         ready = job(computed)
     summary = write_export(ready, directory, change)

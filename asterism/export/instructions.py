@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,12 +12,13 @@ import numpy as np
 from asterism.export.drawing import Circle, Drawing, Line, Text, size_within
 from asterism.export.job import CHECK_SQUARE_MM, Job
 from asterism.export.layers import TEXT
-from asterism.export.needles import MUCH_MM
+from asterism.export.needles import MUCH_MM, Needle
 
 _A4_MM = (210.0, 297.0)
 _MARGIN_MM = 18.0
 _LETTERS = 98
 _MOST_NAMED = 12
+FLAT_MM = 0.05  # lower places are on the base
 
 
 @dataclass(frozen=True)
@@ -127,6 +129,12 @@ def _finish(job: Job) -> Chapter:
             "Drill the base with the template (last page of layout.pdf). Push every needle through the sheet at its "
             f"number in the layout, and set it into the hole of that number: {len(known)} needles."
         )
+        heights = [needle for needle in known if needle.place is not None and abs(needle.place[2]) > FLAT_MM]
+        if heights:
+            lines.append(_heights(heights, len(known)))
+        if len(steps := sorted({needle.step for needle in job.needles})) > 1:
+            turns = [_numbers([needle.number for needle in job.needles if needle.step == step]) for step in steps]
+            lines.append(f"Set them in the design's order: first {', then '.join(turns)}.")
         if job.hangs_mm > MUCH_MM:
             lines.append(
                 f"The sheet hangs {job.hangs_mm:.1f} mm below the base: set all needles so much higher, on posts, or "
@@ -140,6 +148,31 @@ def _finish(job: Job) -> Chapter:
     else:
         lines.append("The design has no pins: the sheet takes its shape by itself.")
     return Chapter("6. Release, cut, pin", tuple(lines))
+
+
+def _heights(needles: Sequence[Needle], count: int) -> str:
+    """At which heights needles hold the sheet that do not hold it on the base; `count` of all."""
+    at: dict[str, list[int]] = {}
+    for needle in needles:
+        assert needle.place is not None
+        at.setdefault(f"{needle.place[2]:.1f}", []).append(needle.number)
+    if len(at) > _MOST_NAMED:
+        return "They hold the sheet at heights over the base that are written beside their holes, and in needles.csv."
+    each = "; ".join(f"{height} mm at {_numbers(numbers)}" for height, numbers in at.items())
+    rest = "; on the base at the others" if len(needles) < count else ""
+    return f"They hold the sheet at these heights over the base: {each}{rest}."
+
+
+def _numbers(numbers: list[int]) -> str:
+    """Such as `needle 3` or `needles 1, 4 to 9`."""
+    runs: list[list[int]] = []
+    for number in sorted(numbers):
+        if runs and number == runs[-1][-1] + 1:
+            runs[-1].append(number)
+        else:
+            runs.append([number])
+    texts = [f"{run[0]} to {run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in runs]
+    return f"needle{'s' if len(numbers) > 1 else ''} {', '.join(texts)}"
 
 
 def as_text(job: Job, parts: tuple[Chapter, ...]) -> str:

@@ -24,7 +24,7 @@ def shape_change(drawn: Shape, printed: Shape, design: Design, plan: Layout) -> 
     -------
     Heights and extents in mm before and after; `star_distance_mm`, the root mean square distance of star centres after
     the best rigid motion, a free sheet standing for all its images by the design's symmetry; the same in % of the
-    drawn shape's diameter; and whether both shapes are certain.
+    drawn shape's diameter; whether both shapes are certain; and what is to be known of the printed one.
     """
     before, after = drawn.positions[drawn.star_vertices], printed.positions[printed.star_vertices]
     distance = float(distances(before, after, symmetries(design, plan)).min()) if len(before) > 2 else 0.0
@@ -34,4 +34,5 @@ def shape_change(drawn: Shape, printed: Shape, design: Design, plan: Layout) -> 
         "star_distance_mm": distance,
         "star_distance_percent": 100.0 * distance / diameter(drawn.positions),
         "are_minima": [bool(shape.summary.get("is_minimum", False)) for shape in (drawn, printed)],
+        "warnings": list(printed.summary.get("warnings", [])),
     }

@@ -84,12 +84,12 @@ def needle_sheet(job: Job) -> Drawing | None:
         points = np.concatenate([points, outline])
     low, high = np.minimum(points.min(axis=0), 0.0), np.maximum(points.max(axis=0), 0.0)
     items += cross(MARKS, np.zeros(2), 8.0)
-    items.append(Text(TEXT, np.array([2.0, 2.0]), "origin", 3.0))
+    items.append(Text(TEXT, _clear_of(points), "origin", 3.0, "middle"))
     table = [" no       x        y        z  mm"]
     for needle, (x, y, z) in known:
         items += _needle(np.array([x, y]), str(needle.number) + (f"  z {z:.1f}" if abs(z) > 0.05 else ""))
-        mark = f"  slides: {needle.slides}" if needle.slides else f"  step {needle.step}" if needle.step else ""
-        table.append(f"{needle.number:3d} " + " ".join(f"{fixed(c, 2):>8}" for c in (x, y, z)) + mark)
+        marks = [f"  slides: {needle.slides}"] * bool(needle.slides) + [f"  step {needle.step}"] * bool(needle.step)
+        table.append(f"{needle.number:3d} " + " ".join(f"{fixed(c, 2):>8}" for c in (x, y, z)) + "".join(marks))
     if len(table) > _LONGEST_TABLE:
         table = ["All needles are in needles.csv."]
     paragraphs = [
@@ -97,9 +97,21 @@ def needle_sheet(job: Job) -> Drawing | None:
         "The numbers are those of the layout: push every needle through the sheet at its place there.",
         "z is the height of the sheet above the base; where none is given it is 0.",
     ]
+    if any(needle.step for needle, _ in known):
+        paragraphs.append("Steps are set one after the other, needles without one first.")
+    if any(needle.slides for needle, _ in known):
+        paragraphs.append("Where the sheet slides (along z, or in the plane) the place is that of its computed shape.")
     field = np.maximum(job.printer.frame.size_mm, high - low + 40.0)
     title = f"{job.design.name}: needles"
     return page(title, field, (low + high) / 2, items, job.design.name, "Drilling template 1:1", paragraphs, table)
+
+
+def _clear_of(needles: Floats) -> Floats:
+    """Where to write a word beside the origin, as far from needles (n, 2) and their labels at the right as may be."""
+    places = np.array([[0.0, 9.5], [0.0, -12.5], [-14.0, -1.0], [14.0, -1.0]])
+    marks = np.concatenate([needles + np.array(along) for along in ([0.0, 0.0], [6.0, 3.0], [12.0, 3.0])])
+    distance = np.linalg.norm(places[:, None] - marks, axis=2).min(axis=1)
+    return np.asarray(places[np.minimum(distance, 20.0).argmax()])
 
 
 def _areas(step: Step, layer: Layer) -> Items:

@@ -95,6 +95,8 @@ def _accuracy(summary: Mapping[str, Any]) -> list[str]:
         lines += ["mesh error not known", f"{change:.1f} % from the next coarser mesh"]
     elif summary and summary.get("model") != "preview":
         lines.append("mesh error not known, one mesh was solved")
+    elif summary and not lines:
+        lines.append("not known how far from the exact model")
     return lines
 
 

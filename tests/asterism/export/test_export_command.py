@@ -202,7 +202,7 @@ def test_printers_are_listed(tmp_path: Path, run: Run) -> None:
         (["--turn", "30"], "--turn = 30.0: must be 0 on a fabric"),
         (["--shape", "nowhere"], "nowhere: is not there"),
         (["--shape", "x", "--simulate"], "--shape: must be the only one"),
-        (["--preview", "--simulate"], "--shape: must be the only one"),
+        (["--preview", "--simulate"], "--preview: must be the only one"),
     ],
 )
 def test_a_mistake_is_one_line_and_leaves_nothing(

@@ -116,3 +116,19 @@ def test_a_sheet_whose_height_nothing_holds_stands_on_its_lowest_needle() -> Non
     heights = [[needle.place[2] for needle in some if needle.place is not None] for some in needles]
     assert len(heights[0]) == 6 and min(heights[0]) == 0.0
     np.testing.assert_allclose(*heights, atol=1e-9)
+
+
+def test_heights_and_order_of_the_needles() -> None:
+    mast = {"points_mm": [[0.0, 0.0]], "target_mm": [0.0, 0.0, 25.0]}
+    one = job(design(pins=[mast, {"where": "corners", "scale": 0.8, "step": 1}]))
+    text = said(one)
+    assert "at these heights over the base: 25.0 mm at needle 1; on the base at the others." in text
+    assert "in the design's order: first needle 1, then needles 2 to 7." in text
+    assert "in the design's order" not in said(job()) and "at these heights" not in said(job())
+
+
+def test_many_heights_are_beside_their_holes() -> None:
+    points = [[3.0 * k, 0.0] for k in range(-7, 8)]
+    targets = [[2.5 * k, 0.0, 10.0 + 0.5 * k] for k in range(-7, 8)]
+    text = said(job(design(pins=[{"points_mm": points, "target_mm": targets}])))
+    assert "heights over the base that are written beside their holes" in text

@@ -9,7 +9,7 @@ import pytest
 import shapely
 
 from asterism.export import dxf, pdf, sheets, svg
-from asterism.export.drawing import Drawing, Line
+from asterism.export.drawing import Drawing, Line, Text
 from asterism.export.job import Job
 from tests.asterism.export import measure
 from tests.asterism.export.jobs import design, job
@@ -171,3 +171,20 @@ def test_everything_is_on_its_page(one: Job) -> None:
                 else np.atleast_2d(getattr(item, "at", getattr(item, "centre", 0)))
             )
             assert (points >= drawing.low).all() and (points <= drawing.high).all()
+
+
+@pytest.mark.parametrize("place", [[0.0, 0.0], [2.0, 2.2], [0.0, 9.0], [-8.0, -2.0]])
+def test_the_origin_is_not_written_over_a_needle(place: list[float]) -> None:
+    """Nor over its number and height, which stand to its right."""
+    mast = {"points_mm": [place], "target_mm": [*place, 25.0]}
+    template = sheets.needle_sheet(job(design(pins=[mast, {"where": "corners", "scale": 0.8, "step": 1}])))
+    assert template is not None
+    word = next(item for item in template.items if isinstance(item, Text) and item.text == "origin")
+    label = next(item for item in template.items if isinstance(item, Text) and item.text == "1  z 25.0")
+    apart = np.abs(word.at - label.at)
+    assert apart[1] > 4.0 or word.at[0] + 6.0 < label.at[0] or word.at[0] - 6.0 > label.at[0] + 16.0
+    assert any("Steps are set one after the other" in line for line in texts(template))
+
+
+def texts(page: Drawing) -> list[str]:
+    return [item.text for item in page.items if isinstance(item, Text)]
