@@ -121,4 +121,6 @@ def _summary(path: Path, of: str) -> dict[str, Any]:
         raise DesignError("", f"cannot be read as JSON: {error}", file=path) from None
     if isinstance(summary, dict) and summary.get("model") == VERIFICATION:
         summary = summary.get(of)
+    if isinstance(summary, dict) and not isinstance(summary.get("design", {}), dict):
+        raise DesignError("design", "must be a table of keys and values", summary["design"], file=path)
     return summary if isinstance(summary, dict) else {}

@@ -77,6 +77,11 @@ def outline(border: Border, lattice: Lattice) -> Floats:
     return corners if shapely.is_ccw(shapely.linearrings(corners)) else corners[::-1].copy()
 
 
+def star_margin_mm(border: Border, lattice: Lattice) -> float:
+    """How far stars stand inside a rectangle or polygon at least."""
+    return lattice.spacing_mm / 2 if border.star_margin_mm is None else border.star_margin_mm
+
+
 def star_cells(border: Border, lattice: Lattice, corners: Floats) -> Ints:
     """(n, 2) lattice cells with a star, from the origin outwards, counterclockwise at equal distance."""
     if border.rings is not None:
@@ -87,7 +92,7 @@ def star_cells(border: Border, lattice: Lattice, corners: Floats) -> Ints:
     else:
         _check_count(lattice, corners)
         cells = lattice.cells_within(*_box(corners))
-        margin = lattice.spacing_mm / 2 if border.star_margin_mm is None else border.star_margin_mm
+        margin = star_margin_mm(border, lattice)
         centres = shapely.points(lattice.place(cells))
         sheet = shapely.polygons(corners)
         shapely.prepare(sheet)

@@ -9,7 +9,7 @@ import shapely
 
 from pattern.arguments import check_kind
 from pattern.arms import check_clear, cut
-from pattern.border import outline, star_cells
+from pattern.border import outline, star_cells, star_margin_mm
 from pattern.errors import DesignError
 from pattern.layout import Floats, Layout
 from pattern.pins import check_agreement, pin_set
@@ -36,7 +36,8 @@ def layout(design: Design) -> Layout:
 
     cells = star_cells(design.border, lattice, corners)
     if len(cells) == 0:
-        raise DesignError("border", "must have room for at least one star")
+        within = f"border.star_margin_mm = {star_margin_mm(design.border, lattice):.4g} from its outline"
+        raise DesignError("border", f"must have room for at least one star, {within}")
     centres = lattice.place(cells)
     directions = lattice.arm_directions
     size = sizes(design.stars, centres, lattice.spacing_mm, directions)

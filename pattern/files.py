@@ -41,7 +41,9 @@ def read_table(path: Path) -> dict[str, Any]:
     except RecursionError:
         raise wrong("is nested too deeply") from None
     except ValueError as error:  # syntax errors of both formats, with their line
-        raise wrong(f"is not {suffix[1:].upper()}: {error}") from None
+        long = "sys.set_int_max_str_digits" in str(error)  # a hint for programmers
+        problem = "a whole number has too many digits" if long else error
+        raise wrong(f"is not {suffix[1:].upper()}: {problem}") from None
     if not isinstance(table, dict):
         raise wrong("must hold a table of keys and values")
     try:
