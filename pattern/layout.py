@@ -88,6 +88,15 @@ class Layout:
         return tuple(sorted({0, *(pin.step for pin in self.pins)}))
 
     @property
+    def is_pulled(self) -> bool:
+        """Pins hold more than one place along the print.
+
+        Where all of them slide there, or a single point is held, the sheet shapes itself as a free one does.
+        """
+        along = [pin for pin in self.pins if pin.fixed[0] or pin.fixed[1]]
+        return any(pin.edges for pin in along) or sum(len(pin.points) for pin in along) > 1
+
+    @property
     def spacing_mm(self) -> float:
         """Of the stars: the shorter of the lattice's vectors."""
         return float(np.linalg.norm(self.lattice_vectors, axis=1).min())

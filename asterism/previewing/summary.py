@@ -54,7 +54,7 @@ def summary(
     size = polygon_area(layout.border), diameter(shape.positions)
     others = other_forms(preview, size[1])
     amplitudes = amplitudes_percent(found.soft_modes, found.at_stake, *size)
-    held = bool(layout.pins)
+    held = layout.is_pulled
     # held sheets are not asked for their symmetries
     share = share_of(held, () if held else preview.symmetries)
     tight = len(preview.values.tight) / len(layout.centres)

@@ -92,3 +92,24 @@ def test_corners_of_a_finely_drawn_outline_may_be_close():
     corners = [[30 * np.cos(t), 30 * np.sin(t)] for t in 2 * np.pi * np.arange(1000) / 1000]
     (held,) = pins({"where": "corners", "scale": 0.8}, border={"polygon_mm": corners})
     assert len(held.points) == 1000
+
+
+@pytest.mark.parametrize(
+    ("tables", "pulled"),
+    [
+        ([], False),
+        ([{"points_mm": [[0, 0]]}], False),
+        ([{"where": "corners", "slide": "plane"}, {"points_mm": [[0, 0]]}], False),
+        ([{"where": "border", "slide": "plane"}], False),
+        ([{"where": "corners", "slide": "z"}], True),
+        ([{"points_mm": [[0, 0]]}, {"points_mm": [[10, 0]], "step": 1}], True),
+        ([{"edges": [0]}], True),
+    ],
+)
+def test_pins_that_pull(tables, pulled):
+    assert (
+        layout(
+            Design.from_dict({"stars": {"length_mm": 10}, "border": {"rectangle_mm": [100, 60]}, "pins": tables})
+        ).is_pulled
+        == pulled
+    )
