@@ -82,7 +82,7 @@ class Sheet:
         back = BACK * lattice.spacing_mm
         self._arm_shares = [(along, self.cells.shares(points - back * along)) for along in lattice.arm_directions]
         self._normals = free_normals(plan, points)
-        self._carried = None if plan.pins else carried(plan, lattice.arm_directions)
+        self._carried = None if plan.is_pulled else carried(plan, lattice.arm_directions)
 
     def _pin(self, design: Design, plan: Layout) -> None:
         """How soft the sheet is around single points that are held; None without any."""
@@ -110,7 +110,7 @@ class Sheet:
         arms = [(along, shares(length)) for along, shares in self._arm_shares]
         shares = self._shares(length)
         spacing = self.layout.spacing_mm
-        early = EARLY if self.layout.pins else free_early(values, spacing)
+        early = EARLY if self.layout.is_pulled else free_early(values, spacing)
         gaussian = gaussian_moduli(values, spacing)
         shape = self._table.weights.shape
         fields = sheet_fields(shares, values, shape, arms, self._normals, early, self._carried, gaussian=gaussian)
