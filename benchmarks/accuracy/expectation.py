@@ -4,8 +4,8 @@ python -m benchmarks.accuracy.expectation FOLDER [--kept]
 
 The numbers in `asterism/previewing/expected.py` and `expected_height.py` belong to the study, 24 further designs and
 small even sheets. Here they are fitted again without each of these, which then is predicted; and twelve more are drawn,
-and ribbons, which no number was ever fitted to. SOFT of the heights belongs to the shares in use: after a change of
-those, once more with --kept gives it.
+ribbons, and designs of other outlines and pins, which no number was ever fitted to. SOFT of the heights belongs to the
+shares in use: after a change of those, once more with --kept gives it.
 FOLDER is that of the study, which comes first; --kept as there. As in the study, the exact model starts from the
 released sheet and from the preview, and the lower minimum counts.
 """
@@ -36,6 +36,7 @@ from benchmarks.accuracy.designs import RANDOM, designs, drawn, even, ribbons
 from benchmarks.accuracy.exact import exact
 from benchmarks.accuracy.expected_heights import AFTERWARDS, PREDICTED
 from benchmarks.accuracy.report import HEADER, announced, missed, put_into_docs, row
+from benchmarks.accuracy.unlike import unlike
 from benchmarks.report import markdown, write_report
 from homogenize.errors import LawError
 from homogenize.law import Law
@@ -44,6 +45,7 @@ from pattern.build import layout
 from pattern.design import Design
 from pattern.symmetries import symmetries
 
+OTHERS = 40  # designs of other outlines and pins
 FITTED, UNSEEN = 24, 12  # designs with the seeds that follow the study's, and with those that follow them
 BEGIN, END = "<!-- expectation of the preview -->", "<!-- end of expectation of the preview -->"
 # columns of the study's table
@@ -54,6 +56,7 @@ IN_USE = (FLOOR, SHARE, MIRRORED, FORGIVEN)
 
 STUDY, SMALL = "the study and 24 more", "small free sheets of equal stars"
 NARROW = "ribbons, never fitted to"
+OTHERWISE = "other outlines and pins, never fitted to"
 
 Row = dict[str, Any]
 
@@ -69,9 +72,10 @@ def main() -> None:
     small = _rows(even(), options.folder, law, options.kept)
     unseen = _rows(more[FITTED:], options.folder, law, options.kept)
     narrow = _rows(ribbons(), options.folder, law, options.kept)
-    text = section(known, small, unseen, narrow)
+    others = _rows(unlike(OTHERS), options.folder, law, options.kept)
+    text = section(known, small, unseen, narrow, others)
     print(text)
-    write_report("accuracy.expectation", [*known, *small, *unseen, *narrow], text)
+    write_report("accuracy.expectation", [*known, *small, *unseen, *narrow, *others], text)
     put_into_docs(text, BEGIN, END)
 
 
@@ -85,14 +89,16 @@ def _rows(some: Sequence[Design], folder: Path, law: Law, as_is: bool) -> list[R
         exact(design, folder, near=lambda design=design: preview(design, law))  # type: ignore[misc]
         one = kept(design, folder, law, starts=False, as_is=as_is)
         plan = layout(design)
-        share = share_of(bool(plan.pins), symmetries(design, plan))
+        share = share_of(plan.is_pulled, symmetries(design, plan))
         amplitude = float(np.linalg.norm(one["preview"]["soft_amplitudes_percent"]))
         rows.append(one | {"kind": IN_USE.index(share), "share": share, "amplitude": amplitude})
         print("  ".join(row(rows[-1])), flush=True)
     return rows
 
 
-def section(study: Sequence[Row], small: Sequence[Row], unseen: Sequence[Row], narrow: Sequence[Row]) -> str:
+def section(
+    study: Sequence[Row], small: Sequence[Row], unseen: Sequence[Row], narrow: Sequence[Row], others: Sequence[Row]
+) -> str:
     """Markdown."""
     known = [*study, *small]
     fits = [fitted([other for other in known if other is not one]) for one in known]
@@ -103,6 +109,7 @@ def section(study: Sequence[Row], small: Sequence[Row], unseen: Sequence[Row], n
         [PREDICTED, *_goodness(again)],
         [AFTERWARDS, *_goodness(unseen)],
         [NARROW, *_goodness(narrow)],
+        [OTHERWISE, *_goodness(others)],
     ]
     header = [
         "", "designs", "distance over expected, median", "nine in ten", "misses", "of these announced",
@@ -115,7 +122,8 @@ def section(study: Sequence[Row], small: Sequence[Row], unseen: Sequence[Row], n
     ]
     names = ["", "in use", "fitted", "fitted without one"]
     tables = [
-        [[cells[HEADER.index(name)] for name in NAMES] for cells in map(row, rows)] for rows in (small, unseen, narrow)
+        [[cells[HEADER.index(name)] for name in NAMES] for cells in map(row, rows)]
+        for rows in (small, unseen, narrow, others)
     ]
     return "\n\n".join(
         [
@@ -124,13 +132,15 @@ def section(study: Sequence[Row], small: Sequence[Row], unseen: Sequence[Row], n
                 [names[0], *numbers[0]], [[name, *line] for name, line in zip(names[1:], numbers[1:], strict=True)]
             ),
             "Heights:",
-            expected_heights.section({STUDY: study, SMALL: small}, unseen),
+            expected_heights.section({STUDY: study, SMALL: small}, unseen, {OTHERWISE: others}),
             "Small free sheets of equal stars (lengths l and thicknesses h in mm):",
             markdown(NAMES, tables[0]),
             "The designs drawn afterwards:",
             markdown(NAMES, tables[1]),
             "Ribbons, one to four rows of stars:",
             markdown(NAMES, tables[2]),
+            "Other outlines and pins (`benchmarks/accuracy/unlike.py`):",
+            markdown(NAMES, tables[3]),
         ]
     )
 

@@ -25,12 +25,12 @@ HEADER = [
 PREDICTED, AFTERWARDS = "each of these, predicted by a fit to the others", "designs drawn afterwards, never fitted to"
 
 
-def section(groups: dict[str, Sequence[Row]], unseen: Sequence[Row]) -> str:
+def section(groups: dict[str, Sequence[Row]], unseen: Sequence[Row], others: dict[str, Sequence[Row]]) -> str:
     """Markdown: how good it is on rows it was fitted to, in groups, and on others, and the fits."""
     known = [one for rows in groups.values() for one in rows if one["expected_height_percent"] is not None]
     fits = [fitted([other for other in known if other is not one]) for one in known]
     again = [one | {"expected_height_percent": expected(one, fit)} for one, fit in zip(known, fits, strict=True)]
-    groups = groups | {PREDICTED: again, AFTERWARDS: unseen}
+    groups = groups | {PREDICTED: again, AFTERWARDS: unseen} | others
     lines = [[name, *goodness(rows)] for name, rows in groups.items()]
     numbers = [["in use", *_three(IN_USE)], ["fitted", *_three(fitted(known))]]
     ranges = zip(_three(np.min(fits, axis=0)), _three(np.max(fits, axis=0)), strict=True)
