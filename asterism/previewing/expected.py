@@ -15,7 +15,9 @@ was found by comparing previews with the exact model over many designs (`python 
   sheets, which mostly are rectangles, whose rims are bare by different widths;
 - a sheet with two soft motions may rest in another form altogether; a held one, whose edges and corners alone are free,
   with motions that are less soft;
-- no smooth sheet is like one whose stars curl tighter than their spacing: free ones add ANOTHER_FORM times their part.
+- no smooth sheet is like one whose stars curl tighter than their spacing: free ones add ANOTHER_FORM times their part;
+- a sheet that is held much narrower than it would be buckles, and where its dents go the law cannot tell: it adds
+  BUCKLED, less between the two ratios of NARROWER.
 
 A minimum that the preview met besides the one it shows (`other_forms`) may be the right one. The law's energies are
 uncertain by a part UNSURE of E, taken as normally distributed; so a form that is a part g of E higher and d % away is
@@ -42,6 +44,9 @@ FLOOR, SHARE, MIRRORED, FORGIVEN = 0.3, 0.04, 0.06, 0.03
 # second amplitude in % from which another form is near, of free sheets and of held ones; how sharply, and the distance
 # in % that is added then
 TWO_WAYS, HELD_TWO_WAYS, SHARPNESS, ANOTHER_FORM = 20.0, 13.0, 8.0, 5.0
+# distance in % that is added where a sheet is held as narrow, over its own width, as the second of these, and from the
+# first one on none
+BUCKLED, NARROWER = 2.5, (0.93, 0.87)
 # part of the energy by which two forms may differ and the lower one yet be the other
 UNSURE = 0.1
 
@@ -64,15 +69,17 @@ def expected_rms_percent(
     share: float = SHARE,
     held: bool = False,
     tight: float = 0.0,
+    width: float = 1.0,
 ) -> float | None:
     """The distance to the exact model to be expected, in % of the diameter; None without two amplitudes.
 
-    `share`: see `share_of`; `tight`: part of the stars. Over many designs it is a root mean square: most are nearer.
+    `share`: see `share_of`; `tight`: part of the stars; `width` at which the sheet is held, over its own. Over many
+    designs it is a root mean square: most are nearer.
     """
     if len(amplitudes) < 2:
         return None
     curled = 0.0 if held else ANOTHER_FORM * tight
-    near = math.hypot(FLOOR, share * float(np.linalg.norm(amplitudes)), curled)
+    near = math.hypot(FLOOR, share * float(np.linalg.norm(amplitudes)), curled, BUCKLED * buckling(width))
     ratio = (float(amplitudes[1]) / _two_ways(held)) ** SHARPNESS
     form = max(
         [ANOTHER_FORM * ratio / (1.0 + ratio), *(math.sqrt(_chance(o.gap)) * o.distance_percent for o in others)]
@@ -85,6 +92,12 @@ def share_of(held: bool, symmetries: Sequence[Symmetry]) -> float:
     if held or sum(not symmetry.mirrors for symmetry in symmetries) > 1:
         return FORGIVEN
     return MIRRORED if len(symmetries) > 1 else SHARE
+
+
+def buckling(width: float) -> float:
+    """From 0 to 1, how surely a sheet that is held at such a width, over its own, buckles in one of several ways."""
+    wide, narrow = NARROWER
+    return min(max((wide - width) / (wide - narrow), 0.0), 1.0)
 
 
 def close_form(others: Sequence[OtherForm]) -> OtherForm | None:

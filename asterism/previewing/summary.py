@@ -12,10 +12,11 @@ from asterism.contraction import contraction
 from asterism.law_directions import directions_line
 from asterism.mesh_error import diameter
 from asterism.pin_warnings import pin_warnings
-from asterism.previewing.equilibria import EDIT, narrow
+from asterism.previewing.equilibria import EDIT, NARROW
 from asterism.previewing.expected import (
     amplitudes_percent,
     another_form_is_near,
+    buckling,
     close_form,
     expected_rms_percent,
     share_of,
@@ -55,6 +56,8 @@ def summary(
     others = other_forms(preview, size[1])
     amplitudes = amplitudes_percent(found.soft_modes, found.at_stake, *size)
     held = layout.is_pulled
+    wants = trends(preview.shell) if held else None
+    width = wants.chord / wants.stretch if wants else np.inf
     # held sheets are not asked for their symmetries
     share = share_of(held, () if held else preview.symmetries)
     tight = len(preview.values.tight) / len(layout.centres)
@@ -86,7 +89,7 @@ def summary(
             "edge_mm": law.edge_mm,
             "made_by": law.made.get("command"),
         },
-        "expected_rms_percent": expected_rms_percent(amplitudes, others, share, held, tight) if known else None,
+        "expected_rms_percent": expected_rms_percent(amplitudes, others, share, held, tight, width) if known else None,
         "expected_height_percent": expected_height_percent(doubts, share) if known and doubts else None,
         "height_doubts_mm": vars(doubts) if doubts else None,
         "law_in_range": not preview.values.outside,
@@ -108,7 +111,7 @@ def summary(
         "extent_mm": list(shape.extent_mm),
         "contraction": contraction(preview.sheet.layout, shape),
         "self_intersections": through,
-        "warnings": warnings(preview, axis, another_form_is_near(amplitudes, held), others, through),
+        "warnings": warnings(preview, axis, another_form_is_near(amplitudes, held), others, through, width),
         "version": __version__,
         "design": preview.design.to_dict(),
     }
@@ -120,8 +123,9 @@ def warnings(
     soft_in_two_ways: bool = False,
     others: Sequence[OtherForm] = (),
     through: int = 0,
+    width: float = np.inf,
 ) -> list[str]:
-    """One line each."""
+    """One line each; `width` at which the sheet is held, over its own."""
     found, values, layout = preview.equilibrium, preview.values, preview.sheet.layout
     lines = list(values.outside)
     if len(lines) > 1:
@@ -139,12 +143,12 @@ def warnings(
         lines.append(f"the law's stars bump up, but {len(down)} of the design start down: stars {few(down)}")
     if preview.side != "auto" and (side := side_of(preview.shell, found.x)) not in ("auto", preview.side):
         lines.append(f"the edges were asked to go {preview.side}, but no such form was reached: they go {side}")
-    if layout.pins and not soft_in_two_ways and narrow(trends(preview.shell)):
+    if width < NARROW and not soft_in_two_ways:
         buckles = "held narrower than it would be, the sheet may buckle in several ways"
         if found.start == EDIT:
             lines.append(f"{buckles}: a new preview looks for lower ones")
-        elif any(form.gap < BUCKLES for form in others):
-            lines.append(f"{buckles}, and the law cannot tell which is lowest: the exact model may take another")
+        elif buckling(width) == 1.0 or any(form.gap < BUCKLES for form in others):
+            lines.append(f"{buckles}, and the law cannot tell which is lowest: the exact model may take another form")
     if not found.converged:
         lines.append(f"not an equilibrium: gradient {found.gradient_norm:.1e} N, above {found.tolerance:.1e} N")
     elif not found.definite:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from asterism.previewing.expected import (
+    BUCKLED,
     FORGIVEN,
     MIRRORED,
     SHARE,
@@ -74,6 +75,15 @@ def test_held_sheets_take_less_to_have_another_form():
     edges = np.array([16.0, 15.0, 15.0])
     assert another_form_is_near(edges, held=True) and not another_form_is_near(edges)
     assert expected_rms_percent(edges, share=FORGIVEN, held=True) > 2.0 * expected_rms_percent(edges, share=FORGIVEN)
+
+
+def test_sheets_that_are_held_narrow_may_buckle_otherwise():
+    stiff = np.array([6.0, 4.0, 3.0])
+    wide, narrower, narrow, narrowest = (
+        expected_rms_percent(stiff, held=True, width=width) for width in (np.inf, 0.9, 0.87, 0.6)
+    )
+    assert wide == expected_rms_percent(stiff, held=True) < narrower < narrow == narrowest
+    assert narrow == pytest.approx(np.hypot(wide, BUCKLED)) and narrow > 2.5
 
 
 def test_nothing_is_expected_of_what_is_not_stable():
