@@ -56,7 +56,7 @@ IN_USE = (FLOOR, SHARE, MIRRORED, FORGIVEN)
 
 STUDY, SMALL = "the study and 24 more", "small free sheets of equal stars"
 NARROW = "ribbons, never fitted to"
-OTHERWISE = "other outlines and pins, never fitted to"
+OTHERWISE = "other outlines and pins, fitted to only where narrow"
 
 Row = dict[str, Any]
 
