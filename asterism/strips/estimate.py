@@ -10,7 +10,7 @@ from asterism.strips import arc
 from asterism.strips.errors import NoMaterial
 from asterism.strips.likelihood import solve
 from asterism.strips.model import Data, Model
-from asterism.strips.noise import Noise, noise
+from asterism.strips.noise import Noise, noise, together
 from pattern.layout import Floats
 from pattern.materials import bilayer_curvature
 
@@ -22,13 +22,14 @@ class Estimate:
     Attributes
     ----------
     parameters : (p,) E2/E1, then kappa_bar (1/mm).
-    covariance : (p, p), of the scatter and of rounding.
+    covariance, rounding : (p, p), of the scatter, and of what rounding does to equal readings alike.
     noise : of the readings.
     free : readings that are not flat, less parameters: degrees of freedom of the noise.
     """
 
     parameters: Floats
     covariance: Floats
+    rounding: Floats
     noise: Noise
     free: int
 
@@ -67,14 +68,15 @@ def estimate(model: Model, data: Data) -> Estimate:
     mean = model.mean(parameters, data)
     variance = found.variance(arc.reading_sensitivity(mean, data.length), mean)
     parameters, covariance = solve(model, data, variance, parameters)
-    return Estimate(parameters, covariance + _of_rounding(model, bent, parameters, covariance, found), found, free)
+    return Estimate(parameters, covariance, _of_rounding(model, bent, parameters, covariance, found), found, free)
 
 
 def _of_rounding(model: Model, bent: Data, parameters: Floats, covariance: Floats, found: Noise) -> Floats:
     """(p, p) what is added to the covariance, as rounding moves all readings together that should be equal."""
     mean = model.mean(parameters, bent)
     sensitivity = arc.reading_sensitivity(mean, bent.length)
-    off = found.shared(sensitivity, mean, bent.rounding) / found.variance(sensitivity, mean)
+    alike = together(bent.curvature, bent.kind, sensitivity, bent.rounding)
+    off = alike / found.variance(sensitivity, mean)
     equal = np.column_stack([np.round(mean / np.abs(mean).max(), 9), bent.length])
     _, group = np.unique(equal, axis=0, return_inverse=True)
     of_group = np.zeros((group.max() + 1, model.size))

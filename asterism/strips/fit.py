@@ -14,7 +14,7 @@ from asterism.strips import arc
 from asterism.strips.errors import NoMaterial
 from asterism.strips.estimate import Estimate, estimate
 from asterism.strips.model import FORMULAS, Data, Formula, KappaBarKind, Model
-from asterism.strips.noise import Noise
+from asterism.strips.noise import Noise, together
 from asterism.strips.outliers import outliers
 from asterism.strips.strip import Reading
 from pattern.errors import from_validation
@@ -185,7 +185,8 @@ def _fit(
 
 
 def _interval(found: Estimate, index: int, confidence: float, widened: float) -> Interval:
-    half = student.ppf((1 + confidence) / 2, found.free) * np.sqrt(found.covariance[index, index]) * widened
+    variance = found.covariance[index, index] * widened**2 + found.rounding[index, index]
+    half = student.ppf((1 + confidence) / 2, found.free) * np.sqrt(variance)
     value = float(found.parameters[index])
     return Interval(value, value - float(half), value + float(half))
 
@@ -208,21 +209,21 @@ def _lack_of_fit(model: Model, found: Estimate, data: Data) -> tuple[float | Non
     centre = np.bincount(group, weight * residual) / np.bincount(group, weight)
     inside = float(np.sum(weight * (residual - centre[group]) ** 2))
     total = float(np.sum(weight * residual**2))
-    together = found.noise.shared(sensitivity, mean, bent.rounding)
-    if inside <= 1e-12 * total and not together.any():
+    alike = together(bent.curvature, group, sensitivity, bent.rounding)
+    if inside <= 1e-12 * total and not alike.any():
         return None, 1.0
-    ratio = _apart(centre, weight, together, group, inside / within) / between
+    ratio = _apart(centre, weight, alike, group, inside / within) / between
     chance = float(fisher.sf(ratio, between, within))
     return chance, float(np.sqrt(ratio)) if chance < _FALSE_ALARM else 1.0
 
 
-def _apart(centre: Floats, weight: Floats, together: Floats, group: Ints, scale: float) -> float:
+def _apart(centre: Floats, weight: Floats, alike: Floats, group: Ints, scale: float) -> float:
     """Squares of what groups are off in the mean (g,), over the variances of their means.
 
-    `weight` (n,) of the readings, whose scatter is `scale` times what the weights say; `together` (n,) 1/mm, what they
+    `weight` (n,) of the readings, whose scatter is `scale` times what the weights say; `alike` (n,) 1/mm, what they
     may be off as a whole.
     """
-    as_one = np.bincount(group, weight * together**2) / np.bincount(group, weight)
+    as_one = np.bincount(group, weight * alike**2) / np.bincount(group, weight)
     return float(np.sum(centre**2 / (scale / np.bincount(group, weight) + as_one)))
 
 
@@ -241,9 +242,9 @@ def _contradicted(kind: KappaBarKind, found: Estimate, data: Data) -> bool:
         off = centre[group] - np.sum(weight * peeled.curvature) / np.sum(weight)
     else:  # boxes are never less than nothing high: what looks flat leaves the others with a mean of their own
         off = np.maximum(np.abs(centre[group]) - peeled.limit, 0.0)
-    together = found.noise.shared(sensitivity, peeled.curvature, peeled.rounding)
-    if inside == 0 and not together.any():
+    alike = together(peeled.curvature, group, sensitivity, peeled.rounding)
+    if inside == 0 and not alike.any():
         return bool((off != 0).any())
     middle = np.bincount(group, weight * off) / np.bincount(group, weight)
-    apart = _apart(middle, weight, together, group, inside / within)
+    apart = _apart(middle, weight, alike, group, inside / within)
     return bool(fisher.sf(apart / between, between, within) < _FALSE_ALARM)

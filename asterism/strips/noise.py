@@ -12,10 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from pattern.layout import Floats
+from pattern.layout import Floats, Ints
 
 # a strip that should be straight has some error of reading, whatever the others say
 _MOST_MIX = 0.99
+# readings of a kind that tell its own scatter
+FEW = 4
 
 
 @dataclass(frozen=True)
@@ -29,17 +31,24 @@ class Noise:
         """(n,) 1/mm^2."""
         return np.maximum((self.reading_mm * sensitivity) ** 2 + (self.scatter * mean) ** 2, 1e-24)
 
-    def shared(self, sensitivity: Floats, mean: Floats, rounding_mm: Floats) -> Floats:
-        """(n,) 1/mm, standard deviation of what rounding does alike to all readings that should be equal.
 
-        No mean takes it away. It is much where they scatter by less than a mark of the ruler: for a normal scatter s
-        and marks d apart the mean is off by `d/pi exp(-2 pi^2 s^2/d^2)` at most, the first term of its Fourier series
-        in the true value (Widrow and Kollar, Quantization Noise, 2008).
-        """
-        step = np.sqrt(12.0) * rounding_mm
-        scatter = np.maximum(self.reading_mm**2 - rounding_mm**2, 0.0) + (self.scatter * mean / sensitivity) ** 2
-        off = step / np.pi * np.exp(-2.0 * np.pi**2 * scatter / np.maximum(step, 1e-12) ** 2)
-        return np.asarray(off / np.sqrt(2.0) * sensitivity)
+def together(curvature: Floats, kind: Ints, sensitivity: Floats, rounding_mm: Floats) -> Floats:
+    """(n,) 1/mm, standard deviation of what rounding does alike to all readings of a kind, which should be equal.
+
+    No mean takes it away. It is much where they scatter by less than a mark of the ruler: for a normal scatter s and
+    marks d apart the mean is off by `d/pi exp(-2 pi^2 s^2/d^2)` at most, the first term of its Fourier series in the
+    true value (Widrow and Kollar, Quantization Noise, 2008). s is what is seen within the kinds, without what rounding
+    adds to it; a misfit between kinds does not count.
+    """
+    count = np.bincount(kind)
+    middle = np.bincount(kind, curvature) / np.maximum(count, 1)
+    squares = np.bincount(kind, ((curvature - middle[kind]) / sensitivity) ** 2)
+    pooled = squares.sum() / max(int(np.maximum(count - 1, 0).sum()), 1)
+    own = np.where(count >= FEW, squares / np.maximum(count - 1, 1), pooled)[kind]
+    step = np.sqrt(12.0) * rounding_mm
+    scatter = np.maximum(own - rounding_mm**2, 0.0)
+    off = step / np.pi * np.exp(-2.0 * np.pi**2 * scatter / np.maximum(step, 1e-12) ** 2)
+    return np.asarray(off / np.sqrt(2.0) * sensitivity)
 
 
 def noise(residual: Floats, jacobian: Floats, sensitivity: Floats, mean: Floats, least_mm: float = 0.0) -> Noise:

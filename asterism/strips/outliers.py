@@ -16,6 +16,7 @@ from pattern.layout import Floats, Ints
 # the chance that one of all good readings is called an outlier
 FALSE_ALARM = 0.01
 _BIWEIGHT = 4.685
+MARKS = 1.5
 # the middle of so few deviations may be far too small a scale
 _FEW = 24
 
@@ -88,7 +89,9 @@ def _outliers(model: Model, data: Data) -> tuple[np.ndarray, Floats, Floats]:
         alone = distance * np.sqrt(np.maximum((free - 1) / np.maximum(free - distance**2, 1e-9), 0.0))
         distance = np.where(good & ~data.flat, np.where(distance**2 < free, alone, np.inf), distance)
         limit = student.ppf(1 - FALSE_ALARM / (2 * len(distance)), free - 1)
-        again = distance <= limit
+        # the next mark of a ruler, at both sides of a box, is no contradiction, however many read the same one
+        mark = np.sqrt(12.0) * data.rounding * arc.reading_sensitivity(mean, data.length)
+        again = (distance <= limit) | (np.abs(_beyond(data, mean)) <= MARKS * mark)
         if np.array_equal(again, good):
             break
         good = again

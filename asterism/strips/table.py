@@ -46,6 +46,7 @@ def read_strips(
         raise TableError(path, None, None, "has a header but no strips")
     seen: dict[str, int] = {}
     readings: list[Reading] = []
+    boxes: list[tuple[float, float] | None] = []  # as written; None where a curvature or "flat" was
     for row in rows:
         name = row.cells.get("strip", "")
         if not name:
@@ -53,15 +54,13 @@ def read_strips(
         if name in seen:
             raise row.wrong("strip", f"{name!r} is already in row {seen[name]}")
         seen[name] = row.number
-        readings += _readings(row, name, stretch, fabric_thickness_mm, outside)
+        for reading, box in _readings(row, name, stretch, fabric_thickness_mm, outside):
+            readings.append(reading)
+            boxes.append(box)
     if not readings:
         raise TableError(path, None, None, "no strip has been measured yet: fill in the boxes or curvatures")
-    step = _ruler_step([float(text) for row in rows for side in BOXES if (text := _digits(row.cells.get(side, "")))])
-    return [replace(reading, step_mm=step) for reading in readings]
-
-
-def _digits(text: str) -> str:
-    return "" if text.lower() == "flat" else text
+    step = _ruler_step([side for box in boxes if box is not None for side in box])
+    return [replace(r, step_mm=step) if box is not None else r for r, box in zip(readings, boxes, strict=True)]
 
 
 def _ruler_step(sides: list[float]) -> float:
@@ -73,14 +72,17 @@ def _ruler_step(sides: list[float]) -> float:
     )
 
 
-def _readings(row: Row, name: str, stretch: float | None, fabric_mm: float | None, outside: bool) -> list[Reading]:
-    """What was measured of one strip: nothing, or with its fabric, peeled, or both."""
+Measured = tuple[Reading, tuple[float, float] | None]
+
+
+def _readings(row: Row, name: str, stretch: float | None, fabric_mm: float | None, outside: bool) -> list[Measured]:
+    """What was measured of one strip, and the box: nothing, or with its fabric, peeled, or both."""
     thickness = _needed(row, "thickness_mm", THICKNESS_MM)
     length = _needed(row, "length_mm", LENGTH_MM)
     fabric = _needed(row, "fabric_thickness_mm", FABRIC_MM, fabric_mm, "--fabric-thickness")
     stretched = _needed(row, "stretch", STRETCH, stretch, "--stretch")
     plain = Reading(name, row.number, thickness, length, stretched, fabric, False, None)
-    readings = []
+    readings: list[Measured] = []
     for peeled in (False, True):
         prefix = "peeled_" if peeled else ""
         reading = replace(plain, peeled=peeled)
@@ -89,18 +91,18 @@ def _readings(row: Row, name: str, stretch: float | None, fabric_mm: float | Non
         if curvature is not None and any(boxed):
             raise row.wrong(f"{prefix}curvature_per_mm", "give the box or the curvature, not both")
         if curvature is not None:
-            readings.append(replace(reading, curvature_per_mm=curvature or None))
+            readings.append((replace(reading, curvature_per_mm=curvature or None), None))
         elif any(boxed):
             around = thickness + (0.0 if peeled else fabric) if outside else 0.0
             readings.append(_boxed(row, prefix, reading, around))
     return readings
 
 
-def _boxed(row: Row, prefix: str, reading: Reading, around: float) -> Reading:
+def _boxed(row: Row, prefix: str, reading: Reading, around: float) -> Measured:
     """The curvature of the arc in a box; `around` is the thickness that the box includes."""
     across, up = f"{prefix}box_width_mm", f"{prefix}box_height_mm"
     if row.cells.get(up, "").lower() == "flat":
-        return reading
+        return reading, None
     height = row.number_in(up, 0.0, LARGEST_MM)
     width = row.number_in(across, 0.1, LARGEST_MM)
     for column, value in ((across, width), (up, height)):
@@ -109,6 +111,7 @@ def _boxed(row: Row, prefix: str, reading: Reading, around: float) -> Reading:
     assert width is not None and height is not None
     if height > 1.02 * width:
         raise row.wrong(up, f"{height:g} must be at most the width {width:g}: the width lies along the arc's chord")
+    box = width, height
     height = min(height, width)
     if around:
         try:
@@ -124,8 +127,8 @@ def _boxed(row: Row, prefix: str, reading: Reading, around: float) -> Reading:
     if abs(ratio - 1) > ARC_TOLERANCE and not rolled_over_itself:
         arc_mm = ratio * reading.length_mm
         reason = f"its box holds an arc of {arc_mm:.1f} mm, the strip has {reading.length_mm:g}"
-        return replace(found, left_out=reason)
-    return found
+        return replace(found, left_out=reason), box
+    return found, box
 
 
 def _needed(

@@ -71,6 +71,25 @@ def test_boxes_read_to_the_marks_of_a_ruler_are_good_tables(reading_mm: float, s
     assert min(fit.noise.reading_mm for fit in fits) >= step_mm / np.sqrt(12.0)
 
 
+@pytest.mark.parametrize("off_mm", [0.0, 0.01, 0.02])
+def test_equal_readings_of_a_ruler_do_not_widen_intervals_without_end(off_mm: float) -> None:
+    """All strips of a kind read the same marks, and one thickness is not what the table says."""
+    strips = readings(0, count=3, reading_mm=0.0, scatter=0.0, step_mm=0.5)
+    off = [replace(one, thickness_mm=one.thickness_mm + off_mm * (one.thickness_mm == 0.35)) for one in strips]
+    fit = fit_strips(off)
+    found = fit.ratio["paper"]
+    assert fit.widened < 5.0 and 2500.0 < found.low < PAPER < found.high < 4000.0
+
+
+def test_good_strips_read_to_whole_millimetres_lose_no_reading() -> None:
+    """A kappa_bar for each thickness: ten strips of which most read the same mark."""
+    lost = 0
+    for seed in range(30):
+        strips = readings(seed, reading_mm=0.3, step_mm=1.0)
+        lost += bool(fit_strips(strips, kappa_bar="per-thickness").left_out)
+    assert lost <= 2  # of 30 tables .3 are to lose one
+
+
 def test_half_of_the_narrow_intervals_miss() -> None:
     """An interval that always holds the truth says nothing."""
     narrow = [fit_strips(readings(seed, count=5), confidence=0.5) for seed in range(40)]

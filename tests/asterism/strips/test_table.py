@@ -138,7 +138,22 @@ def test_mistakes_name_row_and_column(text: str | bytes, place: str, problem: st
 )
 def test_the_marks_to_which_boxes_were_read(boxes: list[str], step: float, tmp_path: Path) -> None:
     rows = [f"{number},0.3,60,1.35,0.8,{box}" for number, box in enumerate(boxes)]
-    assert {reading.step_mm for reading in read(tmp_path, "\n".join([HEAD, *rows]))} == {step}
+    found = read(tmp_path, "\n".join([HEAD, *rows]))
+    assert {reading.step_mm for reading in found if reading.curvature_per_mm is not None} == {step}
+    assert all(reading.step_mm == 0.0 for reading in found if reading.curvature_per_mm is None)
+
+
+@pytest.mark.parametrize("beside", ["-", "n/a", "ca. 60", "nan", ""])
+def test_what_stands_beside_a_flat_strip_is_not_read(beside: str, tmp_path: Path) -> None:
+    rows = [*[f"{k},0.3,60,1.35,0.8,53.{k},11.{k}" for k in range(4)], f"9,0.3,60,1.35,0.8,{beside},flat"]
+    found = read(tmp_path, "\n".join([HEAD, *rows]))
+    assert found[-1].curvature_per_mm is None and [reading.step_mm for reading in found] == [0.1] * 4 + [0.0]
+
+
+def test_curvatures_were_not_read_with_the_ruler_of_boxes(tmp_path: Path) -> None:
+    rows = [f"{k},0.3,60,1.35,0.8,53.{k},11.{k}," for k in range(4)]
+    found = read(tmp_path, "\n".join([f"{HEAD},curvature_per_mm", *rows, "9,0.3,60,1.35,0.8,,,0.0161803"]))
+    assert [reading.step_mm for reading in found] == [0.1] * 4 + [0.0]
 
 
 def test_files_that_are_not_there(tmp_path: Path) -> None:
