@@ -62,13 +62,6 @@ def export(
     ]
     if len(asked) > 1:
         raise DesignError(asked[0], "must be the only one of --shape, --preview and --simulate")
-    for option, value, limits in (
-        ("--fabric", fabric, (0.0, 50.0)),
-        ("--needle-spacing", needle_spacing, (1.0, 1000.0)),
-        ("--turn", turn, (-360.0, 360.0)),
-    ):
-        if value is not None and not limits[0] <= value <= limits[1]:
-            raise DesignError(option, f"must be from {limits[0]:g} to {limits[1]:g}", value)
     plan = with_material(load_design(design), material)
     machine = _changed(load_printer(printer), first_layer, layer, plate)
     directory = output or design.with_name(f"{design.stem}-print")

@@ -17,16 +17,18 @@ def pin_warnings(layout: Layout, weighs: bool) -> Iterator[str]:
     """One line each; `weighs`: the sheet has weight, which says how it hangs."""
     yield from held_wide(layout)
     if layout.pins and not weighs and may_tilt(layout):
-        about = "a point" if len(free_turns(layout)) > 1 else "a line"
+        tilting = free_turns(layout)[:, :2]
+        about = "a point" if np.linalg.matrix_rank(tilting, 1e-6) > 1 else "a line"
         yield f"the pins let the sheet turn about {about}: how it lies, and so how high it is, is chance"
 
 
 def held_wide(layout: Layout) -> Iterator[str]:
     """Pins that pull the sheet wider than it was printed: mostly a slip, such as a scale in percent."""
     printed, places, _ = pin_places(layout)
-    held = ~np.isnan(places).any(axis=1)
+    held = ~np.isnan(places[:, :2]).any(axis=1)
     if not held.any():
         return
+    places = np.nan_to_num(places)  # what slides along z is as wide as along the print
     before, after = (np.linalg.norm(points[held] - points[held].mean(axis=0)) for points in (printed, places))
     if after > WIDER * before > 0.0:
         wide = f"{after / before:.3g} times as wide as it was printed"

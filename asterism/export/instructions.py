@@ -132,9 +132,6 @@ def _finish(job: Job) -> Chapter:
         heights = [needle for needle in known if needle.place is not None and abs(needle.place[2]) > FLAT_MM]
         if heights:
             lines.append(_heights(heights, len(known)))
-        if len(steps := sorted({needle.step for needle in job.needles})) > 1:
-            turns = [_numbers([needle.number for needle in job.needles if needle.step == step]) for step in steps]
-            lines.append(f"Set them in the design's order: first {', then '.join(turns)}.")
         if job.hangs_mm > MUCH_MM:
             lines.append(
                 f"The sheet hangs {job.hangs_mm:.1f} mm below the base: set all needles so much higher, on posts, or "
@@ -147,6 +144,9 @@ def _finish(job: Job) -> Chapter:
         lines.append(f"Needles go through the sheet at the {len(job.needles)} places of the layout, where it slides.")
     else:
         lines.append("The design has no pins: the sheet takes its shape by itself.")
+    if len(steps := sorted({needle.step for needle in job.needles})) > 1:
+        turns = [_numbers([needle.number for needle in job.needles if needle.step == step]) for step in steps]
+        lines.append(f"Set them in the design's order: first {', then '.join(turns)}.")
     return Chapter("6. Release, cut, pin", tuple(lines))
 
 

@@ -114,8 +114,15 @@ def prepare(
     Raises
     ------
     DesignError
-        It does not fit the bed or the frame, or its rounded arms run into each other.
+        It does not fit the bed or the frame, or its rounded arms run into each other; or a number is out of its limits.
     """
+    for option, value, limits in (
+        ("--fabric", fabric_mm, (0.0, 50.0)),
+        ("--needle-spacing", needle_spacing_mm, (1.0, 1000.0)),
+        ("--turn", turn_deg, (-360.0, 360.0)),
+    ):
+        if value is not None and not limits[0] <= value <= limits[1]:
+            raise DesignError(option, f"must be from {limits[0]:g} to {limits[1]:g}", value)
     exact_plan = layout(exact(design))
     rounding = choose(exact_plan, printer)
     rounded = with_rounding(design, rounding)
@@ -172,7 +179,7 @@ def _check_same_sheet(design: Design, plan: Layout, shape: Shape) -> None:
         raise DesignError("--shape", f"must be of this design with its {len(plan.centres)} stars", stars)
     if "design" in shape.summary:
         made_from = exact(Design.from_dict(shape.summary["design"]))
-        for section in ("lattice", "stars", "border", "pins"):
+        for section in ("lattice", "stars", "border", "pins", "gravity"):
             if getattr(made_from, section) != getattr(exact(design), section):
                 raise DesignError("--shape", f"must be of this design, but its {section} are others")
         if made_from.fabric.stretch_xy != design.fabric.stretch_xy:

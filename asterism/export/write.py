@@ -39,8 +39,10 @@ def write_export(job: Job, directory: str | Path, change: dict[str, Any] | None 
     prints = [job.stars, *([(job.border,)] if job.border is not None else [])]
     cost = estimate(prints, job.printer, job.rounding, job.plastic)
     tiny = tiny_stars(job.plan, job.plastic.tiny_arm_mm)
-    alone = (Path(directory) / SUMMARY).is_file() and not holds_result(directory)
-    with staged(directory, stale=NOT_ALWAYS + ALSO_RESULTS if alone else NOT_ALWAYS) as folder:
+    stale = None  # in a folder without an export everything is somebody's own
+    if (Path(directory) / SUMMARY).is_file():
+        stale = NOT_ALWAYS if holds_result(directory) else NOT_ALWAYS + ALSO_RESULTS
+    with staged(directory, stale=stale) as folder:
         for solid in job.solids:
             stl.write(folder / f"{solid.name}.stl", solid.points, solid.triangles)
         threemf.write(folder / "print.3mf", job.solids, job.design.name)

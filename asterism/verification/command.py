@@ -69,6 +69,8 @@ def table_lines(s: Mapping[str, Any]) -> list[str]:
     radius, expected = s["roll_radius_error_percent"], (s["expected_rms_percent"], s["expected_height_percent"])
     release, near = s["starts"]["release"], s["starts"]["preview"]
     apart = f"two minima, {s['starts_distance_percent']:.1f} % apart"
+    if not (release["is_minimum"] and near["is_minimum"]):
+        apart = "one start in a minimum"
     agree = "both starts in one minimum" if s["starts_agree"] else apart
     if not s["exact"]["is_minimum"]:
         agree = "no minimum"

@@ -169,6 +169,9 @@ def _agreement(s: Mapping[str, Any]) -> str:
         return "Neither start has come to a minimum that is certain to stay."
     if s["starts_agree"]:
         return "Both starts end in the same minimum."
+    lost = [NAMES[name] for name, one in s["starts"].items() if not one["is_minimum"]]
+    if lost:
+        return f"One start ({lost[0]}) has come to no minimum that is certain to stay; the other one counts."
     apart = f"{s['starts_distance_percent']:.1f} % of the diameter apart"
     return f"The two starts end in different minima, {apart}. The certain one of lower energy counts."
 

@@ -16,7 +16,7 @@ from asterism.results import VERIFICATION
 from asterism.shape import Shape
 from asterism.simulation import Say, simulate
 from asterism.verification.comparison import Comparison, compare
-from asterism.verification.numbers import numbers, same_branch
+from asterism.verification.numbers import alike, numbers, same_branch
 from asterism.verification.right_shape import right_shape
 from asterism.verification.warnings import warnings
 from discrete.branches import SAME_PERCENT
@@ -117,7 +117,8 @@ def verify(
         "exact_s": exact_s,
         "exact_from_preview_s": near_s,
     }
-    agree = between.rms_percent < SAME_PERCENT and _same_stars_down(exact, plan, same)
+    certain = all(shape.summary["is_minimum"] for shape in exact.values())
+    agree = certain and between.rms_percent < SAME_PERCENT and _same_stars_down(exact, plan, same)
     return replace(found, summary=_summary(found, between, agree, seconds) | {"command": command})
 
 
@@ -138,12 +139,15 @@ def _same_stars_down(exact: Mapping[str, Shape], plan: Layout, same: Sequence[Sy
 def _summary(found: Verification, between: Comparison, agree: bool, seconds: dict[str, float]) -> dict[str, Any]:
     result, other = found.result, next(name for name in found.exact if name != found.result)
     exact = found.exact[result].summary
+    form: bool | None = None
+    if exact["is_minimum"]:
+        form = alike(found.comparison)
+        if found.exact[other].summary["is_minimum"]:  # else it is no form that the sheet could rest in
+            form = same_branch(found.comparison, found.comparisons[other], between.rms_percent)
     return {
         "model": VERIFICATION,
         **numbers(found.comparison),
-        "same_branch": same_branch(found.comparison, found.comparisons[other], between.rms_percent)
-        if exact["is_minimum"]
-        else None,
+        "same_branch": form,
         "speedup": seconds["exact_s"] / seconds["preview_again_s"],
         "speedup_cold": seconds["exact_s"] / seconds["preview_s"],
         **seconds,

@@ -31,7 +31,7 @@ def quick_row(design: Design, folder: Path, law: Law) -> dict[str, Any]:
     right, *other = shapes.values()
     comparison, *with_other = [compare(shape, shown, plan, same) for shape in shapes.values()]
     form = alike(comparison)
-    if other:
+    if other and other[0].summary["is_minimum"]:  # else it is no form that the sheet could rest in
         form = same_branch(comparison, with_other[0], compare(right, other[0], plan, same).rms_percent)
     return numbers(comparison) | {
         "name": design.name,

@@ -237,3 +237,15 @@ def test_an_export_that_fails_leaves_the_earlier_one(file: Path, tmp_path: Path,
     after = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
     del before["print.3mf"]
     assert after == before
+
+
+def test_files_that_are_no_exports_stay(file: Path, tmp_path: Path, run: Run) -> None:
+    """A folder without an export holds somebody's own; one with an export loses what the new one does not write."""
+    (tmp_path / "d-print").mkdir()
+    own = {name: tmp_path / "d-print" / name for name in ("shape.stl", "shape.obj")}
+    for path in own.values():
+        path.write_text("mine")
+    assert run("export", "d.toml").status == 0
+    assert all(path.read_text() == "mine" for path in own.values())
+    save_design(design(pins=[]), file)
+    assert run("export", "d.toml").status == 0 and not (tmp_path / "d-print" / "needles.csv").exists()

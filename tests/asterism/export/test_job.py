@@ -215,3 +215,11 @@ def test_a_turn_is_named_only_if_the_fabric_fits_the_frame_too() -> None:
 def test_what_is_only_described_may_be_of_any_size() -> None:
     assert "must be within the 223.0 x 223.0 mm" in job(rectangle(400.0, 300.0), any_size=True).too_large
     assert job(any_size=True).too_large == ""
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"fabric_mm": -3.0}, {"needle_spacing_mm": 0.0}, {"needle_spacing_mm": float("nan")}, {"turn_deg": 400.0}]
+)
+def test_impossible_numbers_are_refused_in_python_too(wrong: dict[str, float]) -> None:
+    with pytest.raises(DesignError, match="must be from"):
+        job(**wrong)

@@ -162,6 +162,21 @@ def test_page_says_that_the_form_is_another_one(found, monkeypatch):
     assert 'The preview shows <span class="bad">another form</span> than the exact model, ' in text
 
 
+def test_a_start_without_a_minimum_is_no_other_form(found, monkeypatch):
+    """However near to the preview it has stopped."""
+    result = found.exact[found.result]
+    stopped = replace(result, summary=result.summary | {"is_minimum": False})
+    moved = replace(result, positions=result.positions * [1.0, 1.0, 1.05])
+    bold = replace(result, summary=found.preview.summary)
+    one = run.verify(OF, shown=lambda _: bold, released=moved, near=stopped)
+    assert one.result == "release" and one.summary["starts"]["preview"]["rms_percent"] < one.summary["rms_percent"]
+    assert one.summary["same_branch"] and not one.summary["starts_agree"]
+    lines = "\n".join(table_lines(one.summary | {"expected_height_percent": None}))
+    assert "one start in a minimum" in lines and "two minima" not in lines
+    monkeypatch.setattr("asterism.verification.report._pictures", lambda _: [])  # they take seconds
+    assert "has come to no minimum that is certain to stay; the other one counts" in report(one)
+
+
 def test_nothing_is_said_against_a_preview_where_the_exact_model_has_failed(found, monkeypatch):
     """However far from it the exact model stopped."""
     failed = found.exact["release"]
