@@ -108,7 +108,7 @@ class Preview:
     ) -> None:
         check_side(side)
         if triangles is not None and not (is_whole(triangles) and 1 <= triangles <= MOST):
-            raise ValueError(f"triangles = {triangles!r}: must be a whole number, from 1 to {MOST}")
+            raise ValueError(f"triangles = {triangles!r}: must be a whole number, at least 1 and at most {MOST}")
         if law is not None:
             check_kind(law, Law, "load_law reads one from a file")
         self.shell: Shell
