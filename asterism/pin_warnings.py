@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from pattern.layout import Layout
-from pattern.pin_freedom import free_turns, may_tilt
+from pattern.pin_freedom import tilts
 from pattern.pin_places import pin_places
 
 WIDER = 1.05  # times the printed size
@@ -16,9 +16,8 @@ WIDER = 1.05  # times the printed size
 def pin_warnings(layout: Layout, weighs: bool) -> Iterator[str]:
     """One line each; `weighs`: the sheet has weight, which says how it hangs."""
     yield from held_wide(layout)
-    if layout.pins and not weighs and may_tilt(layout):
-        tilting = free_turns(layout)[:, :2]
-        about = "a point" if np.linalg.matrix_rank(tilting, 1e-6) > 1 else "a line"
+    if layout.pins and not weighs and (axes := tilts(layout)):
+        about = "a point" if axes > 1 else "a line"
         yield f"the pins let the sheet turn about {about}: how it lies, and so how high it is, is chance"
 
 

@@ -36,6 +36,6 @@ def free_turns(layout: Layout) -> Floats:
     return np.asarray(axes[: np.count_nonzero(sizes > NOTHING)])
 
 
-def may_tilt(layout: Layout) -> bool:
-    """Whether the pins let the sheet turn about an axis that is not upright: nothing but weight says how it lies."""
-    return bool((np.abs(free_turns(layout)[:, :2]) > NOTHING).any())
+def tilts(layout: Layout) -> int:
+    """About how many axes that are not upright the pins let the sheet turn; only weight says how it lies then."""
+    return int(np.linalg.matrix_rank(free_turns(layout)[:, :2], NOTHING))

@@ -18,7 +18,6 @@ _A4_MM = (210.0, 297.0)
 _MARGIN_MM = 18.0
 _LETTERS = 98
 _MOST_NAMED = 12
-FLAT_MM = 0.05  # lower places are on the base
 
 
 @dataclass(frozen=True)
@@ -129,9 +128,8 @@ def _finish(job: Job) -> Chapter:
             "Drill the base with the template (last page of layout.pdf). Push every needle through the sheet at its "
             f"number in the layout, and set it into the hole of that number: {len(known)} needles."
         )
-        heights = [needle for needle in known if needle.place is not None and abs(needle.place[2]) > FLAT_MM]
-        if heights:
-            lines.append(_heights(heights, len(known)))
+        if heights := _heights(known):
+            lines.append(heights)
         if job.hangs_mm > MUCH_MM:
             lines.append(
                 f"The sheet hangs {job.hangs_mm:.1f} mm below the base: set all needles so much higher, on posts, or "
@@ -150,16 +148,18 @@ def _finish(job: Job) -> Chapter:
     return Chapter("6. Release, cut, pin", tuple(lines))
 
 
-def _heights(needles: Sequence[Needle], count: int) -> str:
-    """At which heights needles hold the sheet that do not hold it on the base; `count` of all."""
+def _heights(needles: Sequence[Needle]) -> str:
+    """At which heights needles hold the sheet; empty if all hold it on the base."""
     at: dict[str, list[int]] = {}
     for needle in needles:
-        assert needle.place is not None
-        at.setdefault(f"{needle.place[2]:.1f}", []).append(needle.number)
+        if needle.place is not None and needle.is_raised:
+            at.setdefault(f"{needle.place[2]:.1f}", []).append(needle.number)
+    if not at:
+        return ""
     if len(at) > _MOST_NAMED:
         return "They hold the sheet at heights over the base that are written beside their holes, and in needles.csv."
     each = "; ".join(f"{height} mm at {_numbers(numbers)}" for height, numbers in at.items())
-    rest = "; on the base at the others" if len(needles) < count else ""
+    rest = "" if all(needle.is_raised for needle in needles) else "; on the base at the others"
     return f"They hold the sheet at these heights over the base: {each}{rest}."
 
 

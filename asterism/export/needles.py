@@ -12,6 +12,7 @@ from pattern.layout import Floats, Layout, PinSet
 
 # by which a sheet may hang below the base: it is as thick
 MUCH_MM = 0.5
+FLAT_MM = 0.05  # lower places are on the base
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,11 @@ class Needle:
     place: Floats | None
     slides: str
     step: int
+
+    @property
+    def is_raised(self) -> bool:
+        """It holds the sheet above or below the base."""
+        return self.place is not None and bool(abs(self.place[2]) > FLAT_MM)
 
 
 def needles(plan: Layout, spacing_mm: float, shape: Shape | None = None) -> tuple[Needle, ...]:

@@ -87,7 +87,7 @@ def needle_sheet(job: Job) -> Drawing | None:
     items.append(Text(TEXT, _clear_of(points), "origin", 3.0, "middle"))
     table = [" no       x        y        z  mm"]
     for needle, (x, y, z) in known:
-        items += _needle(np.array([x, y]), str(needle.number) + (f"  z {z:.1f}" if abs(z) > 0.05 else ""))
+        items += _needle(np.array([x, y]), str(needle.number) + (f"  z {z:.1f}" if needle.is_raised else ""))
         marks = [f"  slides: {needle.slides}"] * bool(needle.slides) + [f"  step {needle.step}"] * bool(needle.step)
         table.append(f"{needle.number:3d} " + " ".join(f"{fixed(c, 2):>8}" for c in (x, y, z)) + "".join(marks))
     if len(table) > _LONGEST_TABLE:

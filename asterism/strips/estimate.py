@@ -10,7 +10,7 @@ from asterism.strips import arc
 from asterism.strips.errors import NoMaterial
 from asterism.strips.likelihood import solve
 from asterism.strips.model import Data, Model
-from asterism.strips.noise import Noise, noise, together
+from asterism.strips.noise import Noise, noise, of_rounding, together
 from pattern.layout import Floats
 from pattern.materials import bilayer_curvature
 
@@ -61,7 +61,7 @@ def estimate(model: Model, data: Data) -> Estimate:
         parameters, covariance = solve(model, data, variance, parameters)
         mean = model.mean(parameters, bent)
         sensitivity = arc.reading_sensitivity(mean, bent.length)
-        least = float(bent.rounding.max())
+        least = float(of_rounding(bent.step).max())
         found = noise(bent.curvature - mean, model.jacobian(parameters, bent), sensitivity, mean, least)
         if np.all(np.abs(parameters - previous) <= 1e-4 * np.sqrt(np.diag(covariance))):
             break
@@ -75,7 +75,7 @@ def _of_rounding(model: Model, bent: Data, parameters: Floats, covariance: Float
     """(p, p) what is added to the covariance, as rounding moves all readings together that should be equal."""
     mean = model.mean(parameters, bent)
     sensitivity = arc.reading_sensitivity(mean, bent.length)
-    alike = together(bent.curvature, bent.kind, sensitivity, bent.rounding)
+    alike = together(bent.curvature, bent.kind, sensitivity, bent.step)
     off = alike / found.variance(sensitivity, mean)
     equal = np.column_stack([np.round(mean / np.abs(mean).max(), 9), bent.length])
     _, group = np.unique(equal, axis=0, return_inverse=True)

@@ -209,7 +209,7 @@ def _lack_of_fit(model: Model, found: Estimate, data: Data) -> tuple[float | Non
     centre = np.bincount(group, weight * residual) / np.bincount(group, weight)
     inside = float(np.sum(weight * (residual - centre[group]) ** 2))
     total = float(np.sum(weight * residual**2))
-    alike = together(bent.curvature, group, sensitivity, bent.rounding)
+    alike = together(bent.curvature, group, sensitivity, bent.step)
     if inside <= 1e-12 * total and not alike.any():
         return None, 1.0
     ratio = _apart(centre, weight, alike, group, inside / within) / between
@@ -242,7 +242,7 @@ def _contradicted(kind: KappaBarKind, found: Estimate, data: Data) -> bool:
         off = centre[group] - np.sum(weight * peeled.curvature) / np.sum(weight)
     else:  # boxes are never less than nothing high: what looks flat leaves the others with a mean of their own
         off = np.maximum(np.abs(centre[group]) - peeled.limit, 0.0)
-    alike = together(peeled.curvature, group, sensitivity, peeled.rounding)
+    alike = together(peeled.curvature, group, sensitivity, peeled.step)
     if inside == 0 and not alike.any():
         return bool((off != 0).any())
     middle = np.bincount(group, weight * off) / np.bincount(group, weight)

@@ -29,7 +29,7 @@ class Data:
     thickness, fabric : mm.
     mismatch : 1 - 1/s^2.
     peeled : bool.
-    rounding : mm, standard deviation that rounding alone gives the sides of a box.
+    step : mm, of the ruler to which the sides of a box were rounded; 0 where they were not.
     """
 
     curvature: Floats
@@ -39,7 +39,7 @@ class Data:
     fabric: Floats
     mismatch: Floats
     peeled: np.ndarray
-    rounding: Floats
+    step: Floats
 
     @classmethod
     def of(cls, readings: list[Reading], flat_height_mm: float) -> Self:
@@ -53,8 +53,7 @@ class Data:
             fabric=np.array([r.fabric_thickness_mm for r in readings]),
             mismatch=1 - np.array([r.stretch for r in readings]) ** -2,
             peeled=np.array([r.peeled for r in readings], dtype=bool),
-            # errors up to half a step are all as likely
-            rounding=np.array([r.step_mm for r in readings]) / np.sqrt(12.0),
+            step=np.array([r.step_mm for r in readings]),
         )
 
     @property

@@ -32,7 +32,12 @@ class Noise:
         return np.maximum((self.reading_mm * sensitivity) ** 2 + (self.scatter * mean) ** 2, 1e-24)
 
 
-def together(curvature: Floats, kind: Ints, sensitivity: Floats, rounding_mm: Floats) -> Floats:
+def of_rounding(step_mm: Floats) -> Floats:
+    """(n,) mm, standard deviation of what was rounded to steps: errors up to half a step are all as likely."""
+    return step_mm / np.sqrt(12.0)
+
+
+def together(curvature: Floats, kind: Ints, sensitivity: Floats, step_mm: Floats) -> Floats:
     """(n,) 1/mm, standard deviation of what rounding does alike to all readings of a kind, which should be equal.
 
     No mean takes it away. It is much where they scatter by less than a mark of the ruler: for a normal scatter s and
@@ -45,9 +50,8 @@ def together(curvature: Floats, kind: Ints, sensitivity: Floats, rounding_mm: Fl
     squares = np.bincount(kind, ((curvature - middle[kind]) / sensitivity) ** 2)
     pooled = squares.sum() / max(int(np.maximum(count - 1, 0).sum()), 1)
     own = np.where(count >= FEW, squares / np.maximum(count - 1, 1), pooled)[kind]
-    step = np.sqrt(12.0) * rounding_mm
-    scatter = np.maximum(own - rounding_mm**2, 0.0)
-    off = step / np.pi * np.exp(-2.0 * np.pi**2 * scatter / np.maximum(step, 1e-12) ** 2)
+    scatter = np.maximum(own - of_rounding(step_mm) ** 2, 0.0)
+    off = step_mm / np.pi * np.exp(-2.0 * np.pi**2 * scatter / np.maximum(step_mm, 1e-12) ** 2)
     return np.asarray(off / np.sqrt(2.0) * sensitivity)
 
 

@@ -11,12 +11,14 @@ from asterism.strips import arc
 from asterism.strips.errors import NoMaterial
 from asterism.strips.estimate import estimate, first_guess
 from asterism.strips.model import Data, Model
+from asterism.strips.noise import of_rounding
 from pattern.layout import Floats, Ints
 
 # the chance that one of all good readings is called an outlier
 FALSE_ALARM = 0.01
 _BIWEIGHT = 4.685
-MARKS = 1.5
+# marks of the ruler by which a good reading may differ: one at the width and one at the height of its box
+_MARKS = 1.5
 # the middle of so few deviations may be far too small a scale
 _FEW = 24
 
@@ -90,8 +92,8 @@ def _outliers(model: Model, data: Data) -> tuple[np.ndarray, Floats, Floats]:
         distance = np.where(good & ~data.flat, np.where(distance**2 < free, alone, np.inf), distance)
         limit = student.ppf(1 - FALSE_ALARM / (2 * len(distance)), free - 1)
         # the next mark of a ruler, at both sides of a box, is no contradiction, however many read the same one
-        mark = np.sqrt(12.0) * data.rounding * arc.reading_sensitivity(mean, data.length)
-        again = (distance <= limit) | (np.abs(_beyond(data, mean)) <= MARKS * mark)
+        mark = data.step * arc.reading_sensitivity(mean, data.length)
+        again = (distance <= limit) | (np.abs(_beyond(data, mean)) <= _MARKS * mark)
         if np.array_equal(again, good):
             break
         good = again
@@ -133,7 +135,7 @@ def _robust_distance(model: Model, data: Data) -> Floats:
         if likelihood < best:
             mean = model.mean(parameters, data)
             # where most read the same mark, the next one is no further than rounding
-            rounding = data.rounding * arc.reading_sensitivity(mean, data.length)
+            rounding = of_rounding(data.step) * arc.reading_sensitivity(mean, data.length)
             spread = np.maximum(scale * _share(mix, mean, data), rounding)
             best, best_distance = likelihood, np.abs(_beyond(data, mean)) / spread
     return best_distance

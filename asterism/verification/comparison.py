@@ -18,7 +18,7 @@ from asterism.verification.tube import tube_radius
 from pattern.layout import Floats, Layout
 from pattern.likeness import rolled_about
 from pattern.normals import triangle_normals, vertex_normals
-from pattern.pin_freedom import may_tilt
+from pattern.pin_freedom import tilts
 from pattern.rigid_fit import rigid_fit
 from pattern.symmetries import Symmetry
 
@@ -196,7 +196,7 @@ def compare(reference: Shape, other: Shape, layout: Layout, symmetries: Sequence
     near_mean = mean(near.at(reference.printed))
     rotation, shift = rigid_fit(near_mean, reference_mean, reference.weights)
     laid, laid_mean = replace(near, positions=near.positions @ rotation.T + shift), near_mean @ rotation.T + shift
-    standing, standing_mean = (laid, laid_mean) if may_tilt(layout) else (near, near_mean)
+    standing, standing_mean = (laid, laid_mean) if tilts(layout) else (near, near_mean)
     return Comparison(
         reference,
         laid,
