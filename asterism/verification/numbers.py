@@ -49,15 +49,15 @@ def alike(comparison: Comparison) -> bool:
     return min(apart, 180.0 - apart) < LIKE_DEG
 
 
-def same_branch(comparison: Comparison, with_other: Comparison, apart_percent: float) -> bool:
-    """Whether a shape is of the form that counts, where the exact model has found another minimum too.
+def same_branch(comparison: Comparison, with_other: Comparison | None, apart_percent: float = 0.0) -> bool:
+    """Whether a shape is of the form that counts, where the exact model may have found another minimum too.
 
     Parameters
     ----------
-    comparison, with_other : of the shape, with the exact shape that counts and with the other one.
+    comparison, with_other : of the shape, with the exact shape that counts and with the other minimum, if there is one.
     apart_percent : of the diameter, distance of the two exact shapes; the near ones are one form.
     """
-    nearer = comparison.rms_percent <= with_other.rms_percent
+    nearer = with_other is None or comparison.rms_percent <= with_other.rms_percent
     return bool((nearer or apart_percent < FORM_PERCENT) and alike(comparison))
 
 

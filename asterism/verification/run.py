@@ -16,7 +16,7 @@ from asterism.results import VERIFICATION
 from asterism.shape import Shape
 from asterism.simulation import Say, simulate
 from asterism.verification.comparison import Comparison, compare
-from asterism.verification.numbers import alike, numbers, same_branch
+from asterism.verification.numbers import numbers, same_branch
 from asterism.verification.right_shape import right_shape
 from asterism.verification.warnings import warnings
 from discrete.branches import SAME_PERCENT
@@ -139,11 +139,9 @@ def _same_stars_down(exact: Mapping[str, Shape], plan: Layout, same: Sequence[Sy
 def _summary(found: Verification, between: Comparison, agree: bool, seconds: dict[str, float]) -> dict[str, Any]:
     result, other = found.result, next(name for name in found.exact if name != found.result)
     exact = found.exact[result].summary
-    form: bool | None = None
-    if exact["is_minimum"]:
-        form = alike(found.comparison)
-        if found.exact[other].summary["is_minimum"]:  # else it is no form that the sheet could rest in
-            form = same_branch(found.comparison, found.comparisons[other], between.rms_percent)
+    # where a start has stopped at no minimum there is no form that the sheet could rest in
+    with_other = found.comparisons[other] if found.exact[other].summary["is_minimum"] else None
+    form = same_branch(found.comparison, with_other, between.rms_percent) if exact["is_minimum"] else None
     return {
         "model": VERIFICATION,
         **numbers(found.comparison),

@@ -8,7 +8,7 @@ from typing import Any
 from asterism.previewing.run import preview
 from asterism.shape import Shape
 from asterism.verification.comparison import compare
-from asterism.verification.numbers import alike, numbers, same_branch
+from asterism.verification.numbers import numbers, same_branch
 from asterism.verification.run import verify
 from benchmarks.accuracy.exact import exact, known
 from homogenize.law import Law
@@ -30,8 +30,8 @@ def quick_row(design: Design, folder: Path, law: Law) -> dict[str, Any]:
     same = symmetries(design, plan)
     right, *other = shapes.values()
     comparison, *with_other = [compare(shape, shown, plan, same) for shape in shapes.values()]
-    form = alike(comparison)
-    if other and other[0].summary["is_minimum"]:  # else it is no form that the sheet could rest in
+    form = same_branch(comparison, None)
+    if other and other[0].summary["is_minimum"]:
         form = same_branch(comparison, with_other[0], compare(right, other[0], plan, same).rms_percent)
     return numbers(comparison) | {
         "name": design.name,
