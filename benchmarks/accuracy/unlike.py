@@ -15,8 +15,6 @@ from pattern.build import layout
 from pattern.design import Design
 from pattern.errors import DesignError
 
-Points = list[list[float]]
-
 
 def unlike(count: int, edge_mm: float = EDGE_MM) -> list[Design]:
     """As many designs, with the mesh's edge in mm."""
