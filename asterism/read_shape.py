@@ -24,7 +24,8 @@ def read_shape(path: str | Path) -> Shape:
     """The shape in a result's directory, the exact one in that of a verification, or that in a `.vtu` file.
 
     Without rods.vtu it has no arms; without summary.json no summary, and it counts as free. Beside exact.vtu and
-    preview.vtu of a verification it is the part of the summary that is of that shape.
+    preview.vtu of a verification it is the part of the summary that is of that shape, and for minimum-2.vtu, ... what
+    the summary says of that minimum.
 
     Raises
     ------
@@ -121,6 +122,17 @@ def _summary(path: Path, of: str) -> dict[str, Any]:
         raise DesignError("", f"cannot be read as JSON: {error}", file=path) from None
     if isinstance(summary, dict) and summary.get("model") == VERIFICATION:
         summary = summary.get(of)
+    if isinstance(summary, dict) and of.startswith("minimum-"):
+        summary = _of_minimum(summary, of)
     if isinstance(summary, dict) and not isinstance(summary.get("design", {}), dict):
         raise DesignError("design", "must be a table of keys and values", summary["design"], file=path)
     return summary if isinstance(summary, dict) else {}
+
+
+def _of_minimum(summary: dict[str, Any], of: str) -> dict[str, Any]:
+    """What a summary says of a further minimum: the rest of it is of the first one."""
+    minima = summary.get("minima")
+    entries = [entry for entry in minima if isinstance(entry, dict)] if isinstance(minima, list) else []
+    found = next((entry for entry in entries if entry.get("file") == of), {})
+    of_all: dict[str, Any] = {key: summary[key] for key in ("model", "version", "design") if key in summary}
+    return of_all | found

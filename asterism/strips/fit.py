@@ -13,7 +13,7 @@ from scipy.stats import t as student
 from asterism.strips import arc
 from asterism.strips.errors import NoMaterial
 from asterism.strips.estimate import Estimate, estimate
-from asterism.strips.model import FORMULAS, Data, Formula, KappaBarKind, Model
+from asterism.strips.model import FORMULAS, KAPPA_BAR_KINDS, Data, Formula, KappaBarKind, Model
 from asterism.strips.noise import Noise, together
 from asterism.strips.outliers import outliers
 from asterism.strips.strip import Reading
@@ -110,7 +110,15 @@ def fit_strips(
     ------
     NoMaterial
         The readings do not determine E1/E2.
+    ValueError
+        No such formula or kind of kappa_bar, or a confidence or height out of range.
     """
+    for option, given, allowed in (("formula", formula, FORMULAS), ("kappa_bar", kappa_bar, KAPPA_BAR_KINDS)):
+        if given not in allowed:
+            raise ValueError(f"{option}: must be one of {', '.join(allowed)}, not {given!r}")
+    if not (0 < confidence < 1 and 0 < flat_height_mm < np.inf):
+        numbers = f"{confidence}, {flat_height_mm}"
+        raise ValueError(f"confidence: must be between 0 and 1, and flat_height_mm above 0, not {numbers}")
     try:
         with np.errstate(all="ignore"):  # what comes of it is looked at below
             found = _fit(readings, formula, kappa_bar, confidence, flat_height_mm, keep_outliers)

@@ -12,6 +12,7 @@ from homogenize.plan import Material
 
 # a file that begins with this line is ours, and may be written over
 FIRST_LINE = "# Written by asterism strips fit, which writes over this file as long as this line is here."
+BESIDE = (".png", ".json")  # files of the same name that are written with it
 
 
 def material_text(fit: StripFit, name: str, remarks: list[str]) -> str:
@@ -38,15 +39,18 @@ def material_text(fit: StripFit, name: str, remarks: list[str]) -> str:
 
 def check_ours(path: Path) -> None:
     """Raise OutputError if there is a file that was not written by this command, or was claimed by its user."""
+    foreign = None
     try:
         with path.open(encoding="utf-8") as stream:
-            ours = stream.readline().strip() == FIRST_LINE
+            if stream.readline().strip() != FIRST_LINE:
+                foreign = path
     except FileNotFoundError:
-        return
+        # a picture or numbers of the same name without a material are somebody else's
+        foreign = next((file for file in map(path.with_suffix, BESIDE) if file.exists()), None)
     except (OSError, UnicodeDecodeError):
-        ours = False
-    if not ours:
-        raise OutputError(f"{path} exists and was not written by asterism strips fit; choose another name with -o")
+        foreign = path
+    if foreign:
+        raise OutputError(f"{foreign} exists and was not written by asterism strips fit; choose another name with -o")
 
 
 def _kappa_bar(fit: StripFit) -> str:

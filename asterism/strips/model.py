@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, Self
+from typing import Literal, Self, get_args
 
 import numpy as np
 
@@ -14,7 +14,8 @@ from pattern.materials import bilayer_curvature
 
 Formula = Literal["paper", "timoshenko"]
 KappaBarKind = Literal["constant", "per-thickness", "zero"]
-FORMULAS: tuple[Formula, ...] = ("paper", "timoshenko")
+FORMULAS: tuple[Formula, ...] = get_args(Formula)
+KAPPA_BAR_KINDS: tuple[KappaBarKind, ...] = get_args(KappaBarKind)
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from asterism.read_shape import read_shape
 from asterism.results import write_results
 from asterism.shape import Shape
 from asterism.simulation import simulate
@@ -63,6 +64,10 @@ def test_every_minimum_has_its_files(shape: Shape, tmp_path) -> None:  # type: i
     for m in shape.summary["minima"][:2]:
         assert {f"{m['file']}.vtu", f"{m['file']}.png"} <= set(files)
     assert json.loads((tmp_path / "out" / "summary.json").read_text())["minima"]
+    first, second = (read_shape(tmp_path / "out" / name) for name in ("shape.vtu", "minimum-2.vtu"))
+    assert first.summary["energy_n_mm"] == shape.summary["energy_n_mm"]
+    assert second.summary["energy_n_mm"] == shape.others[0].summary["energy_n_mm"]
+    assert second.summary["design"] == shape.summary["design"] and "height_mm" not in second.summary
     again = write_results(replace(shape, others=()), tmp_path / "out")
     assert sorted(file.name for file in (tmp_path / "out").iterdir()) == again
 

@@ -242,6 +242,14 @@ def test_too_little(keep, kappa_bar, problem) -> None:
         fit_strips([r for r in readings(0) if keep(r)], kappa_bar=kappa_bar)
 
 
+@pytest.mark.parametrize(
+    "wrong", [{"formula": "stoney"}, {"kappa_bar": "none"}, {"confidence": 95.0}, {"flat_height_mm": 0.0}]
+)
+def test_impossible_choices_are_named(wrong) -> None:
+    with pytest.raises(ValueError, match=next(iter(wrong))):
+        fit_strips(readings(0), **wrong)
+
+
 def test_a_wrong_thickness_widens_the_interval() -> None:
     strips = [replace(r, thickness_mm=0.43) if r.thickness_mm == 0.45 else r for r in readings(1)]
     fit = fit_strips(strips, keep_outliers=True)

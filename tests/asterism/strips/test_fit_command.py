@@ -80,6 +80,11 @@ def test_own_files_are_left_alone(strips: Path, capsys, monkeypatch) -> None:
     assert "another name" in command(words, capsys, monkeypatch).line
     assert material.read_text() == "name = 'mine'\n"
     assert ".toml" in command([*words, "-o", "x.txt"], capsys, monkeypatch).line
+    for mine in (strips.with_name("dome.json"), strips.with_name("photo.png")):
+        mine.write_text("mine")
+        done = command([*words, "-o", str(mine.with_suffix(".toml"))], capsys, monkeypatch)
+        assert done.status == 2 and mine.name in done.line and "another name" in done.line
+        assert mine.read_text() == "mine" and not mine.with_suffix(".toml").exists()
 
 
 def test_mistakes_leave_nothing(strips: Path, capsys, monkeypatch) -> None:
