@@ -15,6 +15,7 @@ from pattern.layout import Floats, Ints
 
 FORMATS = (".obj", ".stl", ".ply")
 MOST_POINTS = 20_000
+LINE = 1e-3  # width over length below which points are no surface
 
 
 @dataclass(frozen=True)
@@ -40,9 +41,14 @@ class Scan:
 
 def extent(points: Floats) -> float:
     """Largest extent (mm) of points (n, 3) along their principal axes."""
+    return float(_extents(points)[0])
+
+
+def _extents(points: Floats) -> Floats:
+    """(3,) mm, the largest first."""
     centred = points - points.mean(axis=0)
     axes = np.linalg.svd(centred.T @ centred)[0]
-    return float(np.ptp(centred @ axes, axis=0).max())
+    return np.asarray(np.sort(np.ptp(centred @ axes, axis=0))[::-1])
 
 
 def read_scan(path: Path, unit: str = "mm", seed: int = 0) -> Scan:
@@ -67,8 +73,11 @@ def read_scan(path: Path, unit: str = "mm", seed: int = 0) -> Scan:
         points = vertices[np.sort(some)]
     else:
         points = sample(vertices, triangles, MOST_POINTS, rng)[0]
-    if len(np.unique(points, axis=0)) < 10 or extent(points) == 0:
+    if len(np.unique(points, axis=0)) < 10:
         raise ScanError(path, "holds too few points or triangles to be a surface")
+    long, wide, _ = _extents(points)
+    if wide <= LINE * long:
+        raise ScanError(path, "has all its points on one line: a surface is needed")
     return Scan(points, len(triangles), len(vertices))
 
 

@@ -79,6 +79,7 @@ def test_samples_are_spread_by_area() -> None:
         ("a.ply", b"", "cannot be read as PLY"),
         ("a.obj", b"\x00\xff\xfe\x12", "cannot be read as OBJ"),
         ("a.obj", b"v 1 2 3\n" * 40, "too few points"),
+        ("a.obj", "".join(f"v {k} {2 * k} 1e-6\n" for k in range(40)).encode(), "on one line"),
         ("a.obj", b"v 1 2 nan\nv 0 0 1\n", "finite"),
         ("a.jpg", b"", "must end in"),
         ("a.ply", PLY.format(corner=5).encode(), "corners that it does not hold"),
