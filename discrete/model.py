@@ -22,6 +22,7 @@ from discrete.system import System
 from pattern.layout import Layout
 from pattern.materials import rest_curvature
 from pattern.mesh import Mesh
+from pattern.planar import triangle_areas
 
 if TYPE_CHECKING:
     from pattern.design import Design
@@ -75,12 +76,9 @@ class Model(System):
         gravity, fabric, plastic = self.design.gravity, self.design.fabric, self.design.plastic
         if not gravity.on:
             return np.zeros(3 * self.n_vertices)
-        corner = self.mesh.points[self.mesh.triangles]
-        e1, e2 = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
-        area = 0.5 * (e1[:, 0] * e2[:, 1] - e1[:, 1] * e2[:, 0])
         length = self.parts["rod_stretch"].params[:, 1]
+        sheet = fabric.printed_mass * triangle_areas(self.mesh.points, self.mesh.triangles) / 3.0
         # kg/m^3 times mm^3 is 1e-9 kg
-        sheet = 1e-9 * fabric.density_kg_m3 * fabric.thickness_mm * area / 3.0
         rod = 1e-9 * plastic.density_kg_m3 * self.edge_thickness * self.edge_width * length / 2.0
         mass = np.zeros(self.n_vertices)
         np.add.at(mass, self.mesh.triangles, sheet[:, None])

@@ -22,7 +22,7 @@ class Fabric(Section):
     modulus_mpa : Young's modulus. Without gravity only its ratio to the plastic's matters for the shape.
     model : energy of the membrane.
     bending : energy of the hinges: `paper` is the paper's, `consistent` the plate of this thickness.
-    density_kg_m3 : of the fabric as it is printed on (stretched); used by gravity only.
+    thickness_mm, density_kg_m3 : of the released fabric; the density is used by gravity only.
     """
 
     stretch: NumberOrPair = 1.35
@@ -45,6 +45,13 @@ class Fabric(Section):
         """Stretch along x and along y."""
         x, y = np.broadcast_to(self.stretch, 2)
         return float(x), float(y)
+
+    @property
+    def printed_mass(self) -> float:
+        """kg per printed mm^2: of that much fabric 1/(sx sy) is at rest."""
+        sx, sy = self.stretch_xy
+        # kg/m^3 times mm is 1e-9 kg/mm^2
+        return 1e-9 * self.density_kg_m3 * self.thickness_mm / (sx * sy)
 
 
 class Plastic(Section):

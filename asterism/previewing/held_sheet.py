@@ -73,10 +73,10 @@ def weight(design: Design, layout: Layout, weights: sp.csr_matrix) -> Floats:
     gravity, fabric, plastic = design.gravity, design.fabric, design.plastic
     if not gravity.on:
         return np.zeros((weights.shape[0], 3))
-    # kg/m^3 times mm is 1e-9 kg/mm^2; an arm's section is that of its middle
+    # an arm's section is that of its middle
     section = (layout.arm_thickness * layout.arm_width).mean(axis=1)
     volume = np.bincount(layout.arm_star, section * layout.arm_length, len(layout.centres))
     cell = abs(np.linalg.det(layout.lattice_vectors))
-    mass = 1e-9 * (fabric.density_kg_m3 * fabric.thickness_mm + plastic.density_kg_m3 * (weights @ volume) / cell)
+    mass = fabric.printed_mass + 1e-9 * plastic.density_kg_m3 * (weights @ volume) / cell
     direction = np.asarray(gravity.direction, dtype=float)
     return mass[:, None] * gravity.acceleration_m_s2 * direction / np.linalg.norm(direction)

@@ -1,0 +1,56 @@
+"""What a sheet weighs, and who carries it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from discrete.model import Model
+from discrete.solve import relax
+from pattern.build import layout
+from pattern.design import Design
+from pattern.meshing import mesh_layout
+
+GRAVITY = 9.81
+
+
+def model(**sections: object) -> Model:
+    """Seven stars on 60 x 60 mm, held at the corners."""
+    data = {
+        "fabric": {"modulus_mpa": 5.0, "stretch": [1.2, 1.5], "thickness_mm": 0.7, "density_kg_m3": 300.0},
+        "plastic": {"density_kg_m3": 1200.0},
+        "stars": {"length_mm": 6.0, "thickness_mm": 0.4, "width_mm": 1.1},
+        "border": {"rectangle_mm": [60.0, 60.0]},
+        "pins": [{"where": "corners", "scale": 0.8}],
+        "gravity": {"on": True},
+        "mesh": {"edge_mm": 5.0},
+    }
+    design = Design.from_dict(data | sections)
+    plan = layout(design)
+    return Model(design, plan, mesh_layout(plan, design.mesh.edge_mm))
+
+
+def mass(stars: int) -> float:
+    """kg: 300 kg/m^3 of .7 mm thick fabric, 60/1.2 by 60/1.5 mm large at rest, and arms of 1200 kg/m^3."""
+    return 1e-9 * (300.0 * 0.7 * 50.0 * 40.0 + 1200.0 * stars * 3 * 6.0 * 0.4 * 1.1)
+
+
+def test_the_sheet_weighs_what_its_fabric_and_plastic_weigh() -> None:
+    m = model()
+    total = m.load.reshape(-1, 3).sum(axis=0)
+    np.testing.assert_allclose(total, [0.0, 0.0, -GRAVITY * mass(len(m.layout.centres))], rtol=1e-9, atol=1e-15)
+
+
+def test_weight_points_where_gravity_does() -> None:
+    m = model(gravity={"on": True, "direction": [3.0, 0.0, -4.0], "acceleration_m_s2": 1.62})
+    total = m.load.reshape(-1, 3).sum(axis=0)
+    np.testing.assert_allclose(total, 1.62 * mass(len(m.layout.centres)) * np.array([0.6, 0.0, -0.8]), rtol=1e-9)
+
+
+def test_what_holds_the_sheet_carries_it() -> None:
+    """At equilibrium the forces on the held vertices are the weight."""
+    m = model()
+    found = relax(m)
+    assert found.is_minimum
+    held = m.full_gradient(found.state)[: 3 * m.n_vertices].reshape(-1, 3)[m.constraints.held.reshape(-1, 3).any(axis=1)]
+    assert held[:, 2].sum() == pytest.approx(GRAVITY * mass(len(m.layout.centres)), rel=1e-6)
