@@ -99,7 +99,7 @@ def simulate(
         )
         minima = one_minimum(model, found)
         return _shape(model, found, levels, before | found.seconds, time.perf_counter() - start, minima)
-    all_found = find_minima(model, starts, solver.start, seed=solver.seed, backend=backend, report=report)
+    all_found = find_minima(model, starts, seed=solver.seed, backend=backend, report=report)
     minima = many_minima(all_found, starts)
     spent = time.perf_counter() - start
     best, *others = (

@@ -11,7 +11,7 @@ from discrete.evidence import Equilibrium
 from discrete.levels import Level, carried_up, coarser
 from discrete.model import Model
 from discrete.roll_axis import roll_axis_deg
-from discrete.solve import Start, relax
+from discrete.solve import relax
 from discrete.starts import beginnings
 from discrete.walk import Report
 from equilibrium.newton import Method
@@ -83,19 +83,25 @@ class Minima:
 def find_minima(
     model: Model,
     starts: int,
-    start: Start = "bump",
     seed: int = 0,
     backend: str = "auto",
     method: Method = "blended",
     max_iterations: int = 500,
     report: Report | None = None,
 ) -> Minima:
-    """Distinct minima from a fixed sequence of starts, the default one first; other arguments as in `relax`.
+    """Distinct minima from a fixed sequence of starts, the design's own first; other arguments as in `relax`.
 
     The result is the lowest minimum whose stars are all on the side to which their branch sends them (up, unless the
     layout says otherwise), where there is one: a print does not start from any other.
+
+    Raises
+    ------
+    ValueError
+        Fewer than one start.
     """
-    models = [*coarser(model), model]
+    if starts < 1:
+        raise ValueError(f"starts = {starts}: must be at least 1")
+    models, start = [*coarser(model), model], model.design.solver.start
     same = symmetries(model.design, model.layout)
     found: list[Branch] = []
     lost = 0

@@ -22,6 +22,11 @@ THICKEST = 0.1  # contact begins at the fabric's thickness, at most at this frac
 KEPT = 0.9  # of a way that is free
 
 
+def keeps_apart(model: Model, state: State) -> bool:
+    """Whether no parts of a state pass through each other, where the model has contact."""
+    return not isinstance(model, ContactModel) or model.contact.apart(state.positions)
+
+
 class ContactModel(Model):
     """`Model` with the energy of `Contact`, and curves of states that nothing stops; parameters as there.
 

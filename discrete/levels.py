@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from discrete.contact_model import ContactModel
+from discrete.contact_model import ContactModel, keeps_apart
 from discrete.contact_prolongation import prolonged_apart
 from discrete.creases import creases
 from discrete.elements import Array
@@ -62,15 +62,17 @@ def find_equilibrium(
 ) -> tuple[Equilibrium, list[Level]]:
     """Equilibrium of a model through coarser meshes of the same sheet; arguments as in `relax`.
 
-    With `near` the coarsest mesh starts on that surface, bumps and all, released and held as it will be at the end.
-    Iterations, factorisations and seconds of the result are those of all levels together.
+    With `near` the coarsest mesh starts on that surface, bumps and all, released and held as it will be at the end; if
+    there is contact and the surface passes through itself, it starts from the print. Iterations, factorisations and
+    seconds of the result are those of all levels together.
     """
     models = [*coarser(model), model]
     tell = _named(report, models[0] if len(models) > 1 else None)
     begin: Start | State = start
     if near is not None:
         models[0].set_release(1.0)
-        begin = fitted(models[0], near(models[0].mesh.points))
+        there = fitted(models[0], near(models[0].mesh.points))
+        begin = there if keeps_apart(models[0], there) else start
     found = relax(models[0], begin, None, seed, backend, method, max_iterations, tell)
     return carried_up(models, found, start, seed, backend, method, max_iterations, report)
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Literal, get_args
 
+from discrete.contact_model import keeps_apart
 from discrete.evidence import Equilibrium
 from discrete.model import Model
 from discrete.starts import Beginning
@@ -41,18 +42,28 @@ def relax(
     Raises
     ------
     ValueError
-        Releases that do not end at 1, or no start or method of this name.
+        Releases that do not grow from 0 to 1 or come with a state, no start or method of this name, or, with contact, a
+        state that passes through itself.
     """
     if method not in get_args(Method):
         raise ValueError(f"method = {method!r}: must be one of {', '.join(get_args(Method))}")
     walk = Walk(backend, method, max_iterations, report, seed)
     if isinstance(start, State):
+        if releases is not None:
+            raise ValueError("releases: a state is minimised at full release; give one or the other")
         model.set_release(1.0)
-        return walk.from_state(model, model.moved_pins(start))
+        state = model.moved_pins(start)
+        if not keeps_apart(model, state):
+            raise ValueError("start: the state passes through itself, which contact cannot undo")
+        return walk.from_state(model, state)
     if not isinstance(start, Beginning):
         if start not in get_args(Start):
             raise ValueError(f"start = {start!r}: must be one of {', '.join(get_args(Start))}")
         start = Beginning(bumps=start == "bump", seed=seed)
     if releases is not None:
         start = replace(start, releases=tuple(releases))
-    return walk.along(model, start)
+    try:
+        return walk.along(model, start)
+    except BaseException:
+        model.set_release(1.0)  # what is interrupted leaves the model as it was
+        raise

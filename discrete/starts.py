@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Literal, get_args
 
 import numpy as np
@@ -41,7 +42,8 @@ class Beginning:
     Raises
     ------
     ValueError
-        The releases do not end at 1, the bend has no such name, or none to speak of.
+        The releases do not grow from 0 to 1, the bend has no such name or none to speak of, or branches are others than
+        -1, 0 and 1, or not as many as stars.
     """
 
     name: str = "default"
@@ -55,8 +57,11 @@ class Beginning:
     releases: tuple[float, ...] = RELEASES
 
     def __post_init__(self) -> None:
-        if not self.releases or self.releases[-1] != 1.0:
-            raise ValueError(f"releases = {self.releases}: the last must be 1")
+        steps = (0.0, *self.releases)
+        if len(steps) < 2 or steps[-1] != 1.0 or not all(a <= b for a, b in pairwise(steps)):
+            raise ValueError(f"releases = {self.releases}: must grow from 0 or more, and the last must be 1")
+        if self.branch is not None and not {*self.branch} <= {-1, 0, 1}:
+            raise ValueError(f"branch = {self.branch}: must be 1 up, -1 down or 0 free for each star")
         if self.bend not in get_args(Bend):
             raise ValueError(f"bend = {self.bend!r}: must be one of {', '.join(get_args(Bend))}")
         if self.bend != "none" and not self.sag_mm > 0.0:
@@ -66,7 +71,11 @@ class Beginning:
         """(S,) 1 up, -1 down, 0 free."""
         if not self.bumps:
             return np.zeros(len(model.layout.centres), dtype=np.int64)
-        return model.layout.star_branch if self.branch is None else np.asarray(self.branch)
+        if self.branch is None:
+            return model.layout.star_branch
+        if len(self.branch) != len(model.layout.centres):
+            raise ValueError(f"branch: must be of {len(model.layout.centres)} stars, not {len(self.branch)}")
+        return np.asarray(self.branch)
 
     def state(self, model: Model) -> State:
         """The state to start from, for the model's present release."""
@@ -138,7 +147,12 @@ def _different(kind: int, cycle: int, n_stars: int, rng: np.random.Generator) ->
 
 
 def _bent(points: Array, bend: Bend, axis: float, sag: float) -> Array:
-    """(V, 3) mm, the print (V, 2) laid on a cylinder, or on a quadric that sags by `sag` at its farthest point."""
+    """(V, 3) mm, the print (V, 2) laid on a cylinder or a quadric that sags by `sag` at its farthest point.
+
+    The cylinder's top, or the quadric's, is over the middle of the sheet, wherever it is drawn.
+    """
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    points = points - middle
     along = points @ [np.cos(axis), np.sin(axis)]
     across = points @ [-np.sin(axis), np.cos(axis)]
     size = float(np.linalg.norm(points, axis=1).max())
@@ -148,9 +162,9 @@ def _bent(points: Array, bend: Bend, axis: float, sag: float) -> Array:
         u, z = size / turn * np.sin(across * turn / size), size / turn * (np.cos(across * turn / size) - 1.0)
         x = along * np.cos(axis) - u * np.sin(axis)
         y = along * np.sin(axis) + u * np.cos(axis)
-        return np.column_stack([x, y, z])
+        return np.column_stack([middle[0] + x, middle[1] + y, z])
     z = across**2 + along**2 if bend == "dome" else across**2 - along**2
-    return np.column_stack([points, -sag / size**2 * z])
+    return np.column_stack([middle + points, -sag / size**2 * z])
 
 
 def _moved(model: Model, state: State, positions: Array) -> State:

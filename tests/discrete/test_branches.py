@@ -65,6 +65,20 @@ def test_images_of_a_shape_have_its_energy_and_are_no_distance_away() -> None:
     assert distances(state.positions[centres], kept.positions[centres], same[:1])[0] > 0.05
 
 
+@pytest.mark.parametrize("bend", ["roll", "dome", "saddle"])
+def test_a_bend_is_the_same_wherever_the_sheet_is_drawn(bend: str) -> None:
+    def start(x: float) -> State:
+        border = {"polygon_mm": [[x, 0.0], [x + 60.0, 0.0], [x + 60.0, 60.0], [x, 60.0]]}
+        data = {"stars": {"length_mm": 6.0}, "lattice": {"origin_mm": [x, 0.0]}, "border": border}
+        plan = layout(design := Design.from_dict(data))
+        m = Model(design, plan, mesh_layout(plan, 6.0))
+        return Beginning(bumps=False, bend=bend, sag_mm=20.0, noise_mm=0.0).state(m)  # type: ignore[arg-type]
+
+    here, there = start(-30.0).positions, start(300.0).positions
+    np.testing.assert_allclose(there - [330.0, 0.0, 0.0], here, atol=1e-9)
+    assert np.ptp(here[:, 2]) > 9.0
+
+
 @pytest.mark.parametrize(("bend", "axis"), [("roll", 20.0), ("roll", 90.0), ("dome", 0.0), ("saddle", 0.0)])
 def test_roll_axis(bend: str, axis: float) -> None:
     m = model(rings=2, edge=4.0)
@@ -105,6 +119,11 @@ def test_the_first_start_is_the_default_and_all_are_fixed() -> None:
     assert once[:12] == again
     assert once[0] == Beginning(seed=3)
     assert len({(b.bend, b.axis_deg, b.sag_mm, b.releases, b.seed, b.branch) for b in once}) == 30
+
+
+def test_at_least_one_start_is_needed() -> None:
+    with pytest.raises(ValueError, match="at least 1"):
+        find_minima(model(rings=0), 0)
 
 
 def test_many_starts_find_the_default_minimum_and_others() -> None:

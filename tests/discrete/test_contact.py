@@ -11,6 +11,7 @@ from asterism.self_intersections import self_intersections
 from discrete.contact import Contact, ipc_toolkit
 from discrete.contact_model import ContactModel
 from discrete.elements import Array
+from discrete.levels import find_equilibrium
 from discrete.model import Model
 from discrete.solve import relax
 from discrete.state import State, carried
@@ -299,3 +300,18 @@ def test_intersections_agree_with_the_toolkit() -> None:
 def _through(first: Array, second: Array) -> bool:
     pairs = ((a, b) for a, b in ((first, second), (second, first)))
     return any(ipctk.is_edge_intersecting_triangle(a[k], a[(k + 1) % 3], *b) for a, b in pairs for k in range(3))
+
+
+def crossed(points: Array) -> Array:
+    """Printed points (n, 2) on a sheet folded over along x = 0, whose halves pass through each other."""
+    x, y = points.T
+    return np.column_stack([np.abs(x), y, np.sign(x) * np.sin(0.5 * y)])
+
+
+def test_a_start_that_passes_through_itself_is_not_taken() -> None:
+    sheet = model(ContactModel)
+    flat = sheet.flat_state()
+    with pytest.raises(ValueError, match="passes through itself"):
+        relax(sheet, carried(flat, sheet.edges, crossed(sheet.mesh.points), np.zeros(len(sheet.edges))))
+    near, alone = (find_equilibrium(sheet, near=start)[0] for start in (crossed, None))
+    assert near.is_minimum and near.energy == pytest.approx(alone.energy, rel=1e-9)

@@ -97,6 +97,10 @@ def test_a_path_that_loses_stability_is_followed_to_the_side() -> None:
     [
         ({"releases": [0.3]}, "the last must be 1"),
         ({"releases": []}, "the last must be 1"),
+        ({"releases": [float("nan"), 1.0]}, "must grow from 0"),
+        ({"releases": [-5.0, 1.0]}, "must grow from 0"),
+        ({"releases": [0.8, 0.3, 1.0]}, "must grow from 0"),
+        ({"start": Beginning(branch=(1, -1))}, "must be of 1 stars, not 2"),
         ({"method": "newton"}, "must be one of blended, shifted"),
         ({"start": "Bump"}, "must be one of bump, flat"),
     ],
@@ -110,3 +114,24 @@ def test_starts_that_are_none_are_refused(wrong: dict, said: str) -> None:
         Beginning(bend="rol")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="a bend needs one above 0"):
         Beginning(bend="roll")
+    with pytest.raises(ValueError, match="1 up, -1 down or 0 free"):
+        Beginning(branch=(2,))
+
+
+def test_a_state_has_no_releases() -> None:
+    m = model(rings=0)
+    with pytest.raises(ValueError, match="one or the other"):
+        relax(m, m.flat_state(), releases=[0.3, 1.0])
+
+
+def test_an_interrupted_release_leaves_the_model_released() -> None:
+    m = model(rings=0)
+    state, energy = m.flat_state(), m.energy(m.flat_state())
+
+    def stop(stage: str, iteration: object) -> None:
+        assert m.release < 1.0
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        relax(m, report=stop)
+    assert m.release == 1.0 and m.energy(state) == energy

@@ -52,5 +52,7 @@ def test_what_holds_the_sheet_carries_it() -> None:
     m = model()
     found = relax(m)
     assert found.is_minimum
-    held = m.full_gradient(found.state)[: 3 * m.n_vertices].reshape(-1, 3)[m.constraints.held.reshape(-1, 3).any(axis=1)]
-    assert held[:, 2].sum() == pytest.approx(GRAVITY * mass(len(m.layout.centres)), rel=1e-6)
+    forces = m.full_gradient(found.state)[: 3 * m.n_vertices].reshape(-1, 3)
+    assert forces[m.constraints.held.any(axis=1), 2].sum() == pytest.approx(
+        GRAVITY * mass(len(m.layout.centres)), rel=1e-6
+    )
