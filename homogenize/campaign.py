@@ -87,7 +87,11 @@ def run(
     ------
     CampaignError
         The workers are gone; what was finished is in `folder`.
+    ValueError
+        Fewer than one job.
     """
+    if jobs < 1:
+        raise ValueError(f"jobs = {jobs}: must be at least 1")
     solve = respond or _respond
     folder.mkdir(parents=True, exist_ok=True)
     tasks, edge = material.tasks(), material.plan.edge_mm
@@ -165,30 +169,38 @@ def _progress(records: dict[Task, Record], tasks: list[Task], left: float | None
 
 def _write(material: Material, record: Record, folder: Path, respond: Respond | None) -> Record:
     """Write a record, and return it as it will be read again."""
+    sample = json.loads(json.dumps(_plain(record.sample)))
     content = {
         "format": FORMAT,
         "version": VERSION,
         "inputs": _inputs(material, record.task, respond),
-        "sample": json.loads(json.dumps(_plain(record.sample))),
+        "sample": sample,
+        "check": _check(sample),
         "failed": record.failed,
         "seconds": record.seconds,
     }
     write_table(content, folder / f"{key(material, record.task, respond)}.json")
-    return replace(record, sample=content["sample"])
+    return replace(record, sample=sample)
 
 
 def _read(material: Material, task: Task, folder: Path, respond: Respond | None) -> Record | None:
     """The record of a finished sample; None if there is no whole one."""
     path = folder / f"{key(material, task, respond)}.json"
-    if not path.exists():
+    if not path.is_file():
         return None
     try:
         content = read_table(path)
-        if content["inputs"] != json.loads(json.dumps(_inputs(material, task, respond))):
+        inputs = json.loads(json.dumps(_inputs(material, task, respond)))
+        if content["inputs"] != inputs or content["check"] != _check(content["sample"]):
             return None
         return Record(task, content["sample"], content["failed"], False, float(content["seconds"]))
     except (DesignError, KeyError, TypeError, ValueError):
         return None
+
+
+def _check(sample: Any) -> str:
+    """Of a sample as it is written, whose file may be damaged and be JSON still."""
+    return hashlib.sha256(json.dumps(sample, sort_keys=True).encode()).hexdigest()[:16]
 
 
 def _plain(value: Any) -> Any:

@@ -275,7 +275,7 @@ def _unfolded_model(design: Design, torus: Torus, printed: Array) -> Model:
     if fabric.bending == "consistent":
         model.parts["plate"] = Plate(torus.triangles, printed, *sheet, around=torus.around)
         model.parts["folds"] = Hinges(torus.hinges, 0.0, fold=fold_coefficients(torus.hinges, printed, *sheet))
-        model.set_release(1.0)
+    model.set_release(1.0)  # the parts that were added are those of the print so far
     return model
 
 

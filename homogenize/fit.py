@@ -116,7 +116,7 @@ def _table(material: Material, stretch: float, records: list[Record]) -> Table:
     rows = {record.task: _usable(record) for record in records}
     fabric = next((found for task, found in rows.items() if task.length_mm == 0.0), None)
     if fabric is None:
-        reason = next((record.failed for record in records if record.task.length_mm == 0.0), "not solved")
+        reason = next((problem(record) for record in records if record.task.length_mm == 0.0), "not solved")
         raise CampaignError(f"the bare fabric at stretch {stretch:g} has no answer: {reason}")
     sizes = {(t.length_mm, t.thickness_mm, t.width_mm): found for t, found in rows.items() if t.length_mm > 0}
     if 2 * sum(found is not None for found in sizes.values()) < len(sizes):

@@ -68,6 +68,11 @@ class ImageElements:
         macro = np.broadcast_to(3 * images.n_base + np.arange(6), (len(nodes), 6))
         self.dofs = np.hstack([own, 3 * rows + twists, macro]).astype(np.int32)
         self._transform = self._chain(nodes, twists.shape[1])
+        # on the coarsest meshes an element may hold two images of one point: what lies off the diagonal of its own
+        # Hessian, in a triangle that is summed once, is twice on that of the cell's
+        i, j = _lower(self.dofs.shape[1])
+        twice = (self.dofs[:, i] == self.dofs[:, j]) & (i != j)
+        self._twice = twice if twice.any() else None
 
     def _chain(self, nodes: Array, n_twists: int) -> Array:
         """(E, n, N) derivative of an element's own dofs by the cell's."""
@@ -109,7 +114,10 @@ class ImageElements:
         full[:, j, i] = low
         whole = np.matmul(transform.transpose(0, 2, 1), np.matmul(full, transform))
         i, j = _lower(big)
-        return np.ascontiguousarray(whole[:, i, j])
+        packed_low = np.ascontiguousarray(whole[:, i, j])
+        if self._twice is not None:
+            packed_low[self._twice[rows]] *= 2.0
+        return packed_low
 
 
 @functools.cache

@@ -71,6 +71,10 @@ def to_bytes(law: Law) -> bytes:
     return stream.getvalue()
 
 
+# what the readers of archives raise for files that are none, or damaged
+DAMAGES = (KeyError, TypeError, ValueError, EOFError, RuntimeError, zipfile.BadZipFile, zlib.error)
+
+
 def digest(law: Law) -> str:
     """Hash of all that a law says: the same for the same plan, however and whenever it was computed."""
     parts = [json.dumps([law.material.to_dict(), list(law.samples), law.residuals], sort_keys=True).encode()]
@@ -105,7 +109,7 @@ def load_law(path: str | Path | None = None) -> Law:
         raise LawError(f"{path}: cannot be read: {error.strerror or error}") from None
     except DesignError as error:
         raise LawError(f"{path}: its material cannot be read: {error}; make it again: asterism calibrate") from None
-    except (KeyError, TypeError, ValueError, EOFError, zipfile.BadZipFile) as error:
+    except DAMAGES as error:
         if isinstance(error, LawError):
             raise
         raise LawError(f"{path}: is not a law, or damaged") from None

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from homogenize.interpolation import Floats
+from homogenize.law import WITHOUT_BENDING
 from homogenize.plan import LEAST_EDGE_MM, Material
 from pattern.design import Design
 from pattern.errors import DesignError
@@ -35,6 +36,10 @@ def own_plan(design: Design, sizes: Floats, edge_mm: float | None = None) -> Mat
     """
     if len(sizes) == 0:
         raise DesignError("stars", "must be at least one: bare fabric needs no law")
+    if not np.isfinite(sizes).all():
+        raise DesignError("stars", "must have sizes that are finite numbers")
+    if design.fabric.bending == "none":
+        raise DesignError("fabric.bending", WITHOUT_BENDING, "none")
     sx, sy = design.fabric.stretch_xy
     if not math.isclose(sx, sy):
         raise DesignError("fabric.stretch", "must be one number: cells are stretched alike in x and y", [sx, sy])

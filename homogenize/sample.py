@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, fields
 from typing import Any, Self
 
@@ -142,15 +143,19 @@ def respond(design: Design, edge_mm: float, angles: tuple[float, ...] | None = N
     """Solve the cell of the design's star; what cannot be solved is said in `failed`.
 
     `angles`: of the tubes, rad; by default those that a law needs (`homogenize.directions`), for fabric that is
-    stretched alike in x and y.
+    stretched alike in x and y. `sixfold` compares the first with the last.
 
     Raises
     ------
     ValueError
-        The design has no cell: its stars are not equal.
+        The design has no cell: its stars are not equal, or gravity is on. Or an edge or angles that are none.
     DesignError, MeshError
         Its arms overlap, no mesh follows them, or no angles go with its stretch.
     """
+    if not 0.0 < edge_mm < math.inf:
+        raise ValueError(f"edge_mm = {edge_mm}: must be above 0")
+    if angles is not None and not (len(angles) and np.isfinite(angles).all()):
+        raise ValueError(f"angles = {angles}: must be one at least, and finite")
     clock = Clock()
     sx, sy = design.fabric.stretch_xy
     if angles is None and sx != sy:

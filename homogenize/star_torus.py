@@ -24,7 +24,7 @@ def star_torus(design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1),
     ValueError
         Stars are not equal.
     DesignError, MeshError
-        Their arms overlap, or no mesh follows them.
+        Their arms overlap, or would print as one where they do not lie on lattice lines; or no mesh follows them.
     """
     lattice, vectors = design.lattice, np.asarray(design.lattice.vectors)
     length, surrounded = constant(design, "length_mm"), design.fabric.bending == "consistent"

@@ -44,12 +44,17 @@ def local(jobs: int) -> Iterator[SubmitAll]:
         def submit_all(function: Callable[..., Any], arguments: Sequence[tuple[Any, ...]]) -> Arrivals:
             number = {pool.submit(function, *args): n for n, args in enumerate(arguments)}
             for future in concurrent.futures.as_completed(number):
-                yield number[future], future.result()
+                answer = number[future], future.result()
+                answered.append(number[future])
+                yield answer
 
+        answered: list[int] = []
         try:
             yield submit_all
         except BrokenProcessPool:
             reason = "a worker process has ended (out of memory?); finished samples are kept, fewer --jobs need less"
+            if not answered:
+                reason += "; a script must call this under if __name__ == '__main__', as its processes start it again"
             raise CampaignError(reason) from None
         except BaseException:
             _end(pool)

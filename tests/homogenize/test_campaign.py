@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -85,11 +87,29 @@ def test_a_damaged_file_is_solved_again(tmp_path: Path) -> None:
     files = sorted(tmp_path.iterdir())
     files[0].write_text('{"inputs": ')
     files[1].write_text('{"inputs": {}, "sample": null}')
+    spoilt = json.loads(files[2].read_text())
+    spoilt["sample"]["lam"] = "a"
+    files[2].write_text(json.dumps(spoilt))
     told: list[Progress] = []
     assert [r.sample for r in run(material(), tmp_path, 1, report=told.append, respond=fake.respond)] == [
         r.sample for r in records
     ]
-    assert told[0].done == len(records) - 2
+    assert told[0].done == len(records) - 3
+
+
+def test_at_least_one_job_is_needed(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="at least 1"):
+        run(material(), tmp_path, 0, respond=fake.respond)
+
+
+def test_bare_fabric_without_an_answer_says_why(tmp_path: Path) -> None:
+    records = run(material(), tmp_path, 1, respond=fake.respond)
+    wrong = [
+        replace(r, sample={**r.sample, "bending": [-1.0, -1.0, -1.0]}) if r.sample and not r.task.length_mm else r
+        for r in records
+    ]
+    with pytest.raises(CampaignError, match=r"the bare fabric at stretch .* has no answer: bending = -1 is no answer"):
+        fit(material(), wrong)
 
 
 def test_an_exception_is_a_failed_cell_and_tried_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -208,6 +208,15 @@ def test_cells_that_cannot_be_are_refused():
             Cell(design(stars={"length_mm": 10.0, "override": override}), EDGE)
 
 
+def test_cells_of_uneven_stretch_are_released_from_the_beginning():
+    """Paper's hinges follow the shape of the fabric at rest, before any release is set."""
+    cell = Cell(design(7.0, 0.4, fabric={"stretch": [1.1, 1.6]}), EDGE)
+    state = shaken(cell, cell.printed_state(), 0.1)
+    before = cell.energy(state)
+    cell.set_release(1.0)
+    assert cell.energy(state) == before
+
+
 def test_stars_have_the_sizes_that_are_printed():
     """Of layers and lines; the side that a star starts to is found, not asked for."""
     stars = {"length_mm": 10.0, "thickness_mm": 0.37, "override": [{"star": 0, "branch": "down"}]}

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.linalg import block_diag
 
 from discrete.hinges import paper_coefficients
 from discrete.state import State
@@ -52,6 +53,23 @@ def test_gradient_and_hessian_are_the_energys(relaxed: tuple[Cell, Flat], tube: 
     hessian = full(cell.pattern.lower(cell.hessian(state, 0.0)))
     second = (cell.energy(path(1e-4)) + cell.energy(path(-1e-4)) - 2.0 * cell.energy(state)) / 1e-8
     assert direction @ hessian @ direction == pytest.approx(second, rel=1e-4)
+
+
+def test_elements_with_two_images_of_one_point() -> None:
+    """On the coarsest meshes; the Hessian against that of the unfolded points, folded by a matrix."""
+    cell = Cell(design(7.0, 0.4, lattice={"arms": 5, "orientation_deg": 7}, fabric={"bending": "consistent"}), 5.77)
+    torus, rods = cell.torus, len(cell.edges)
+    assert any(len(np.unique(row)) < len(row) for part in cell.parts.values() for row in part.dofs)
+    cell.set_release(0.6)
+    cell.flat()
+    state = shaken(cell, cell.printed_state(), 0.1)
+    fold = np.zeros((len(torus.base), torus.n_base + 2))
+    fold[np.arange(len(torus.base)), torus.base] = 1.0
+    fold[:, torus.n_base :] = torus.image
+    fold = block_diag(np.kron(fold, np.eye(3)), np.eye(rods))
+    whole = (fold.T @ cell.unfolded_hessian(state).toarray() @ fold)[np.ix_(cell.free, cell.free)]
+    found = full(cell.pattern.lower(cell.hessian(state, 0.0)))
+    np.testing.assert_allclose(found, whole, atol=1e-11 * np.abs(whole).max())
 
 
 @KINDS

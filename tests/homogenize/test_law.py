@@ -288,6 +288,21 @@ def test_files_that_are_no_laws(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         load_law(path)
 
 
+def test_a_byte_that_changed_is_told_in_one_line(tmp_path: Path) -> None:
+    """Wherever it is: in the archive's own tables, or in what it packs."""
+    path, whole = tmp_path / "law.npz", to_bytes(LAW)
+    rng = np.random.default_rng(3)
+    told = 0
+    for place in [*rng.integers(0, 3000, 60), *rng.integers(len(whole) - 3000, len(whole), 60)]:
+        path.write_bytes(whole[:place] + bytes([whole[place] ^ int(rng.integers(1, 256))]) + whole[place + 1 :])
+        try:
+            load_law(path)
+        except LawError as error:
+            assert str(path) in str(error) and "\n" not in str(error)
+            told += 1
+    assert told > 60
+
+
 @pytest.mark.filterwarnings("error::RuntimeWarning")
 @pytest.mark.parametrize("name", ["length_mm", "thickness_mm", "width_mm", "nodes", "units", "stretch", "spacing_mm"])
 def test_laws_of_impossible_numbers_are_damaged(name: str, tmp_path: Path) -> None:

@@ -196,6 +196,12 @@ def test_other_stars():
     assert metric[0, 0] == pytest.approx(metric[1, 1], rel=1e-6)
 
 
+@pytest.mark.parametrize("edge, angles", [(0.0, None), (-1.0, None), (np.nan, None), (EDGE, ()), (EDGE, (np.inf,))])
+def test_edges_and_angles_that_are_none(edge, angles):
+    with pytest.raises(ValueError, match="must be"):
+        respond(design(7.0, 0.4), edge, angles)
+
+
 def test_uneven_stretch():
     bare = respond(design(0.0, fabric={"stretch": [1.2, 1.5]}), EDGE, (0.0,))
     np.testing.assert_allclose(bare.rest_metric, np.diag([1.2**-2, 1.5**-2]), atol=1e-8)
