@@ -141,6 +141,7 @@ def simulate(
 
 def _table(s: dict[str, Any]) -> None:
     from asterism.mesh_error import in_words
+    from asterism.tube import rolled
 
     extent = " x ".join(f"{size:.1f}" for size in s["extent_mm"])
     rows = {
@@ -148,6 +149,7 @@ def _table(s: dict[str, Any]) -> None:
         "height": f"{s['height_mm']:.2f} mm",
         "extent": f"{extent} mm",
         "contraction": "-" if s["contraction"] is None else f"{s['contraction']:.4f}",
+        "rolled about": rolled(s),
         "energy": f"{s['energy_n_mm']:.4f} N mm",
         "gradient": f"{s['gradient_norm']:.1e} N",
         "smallest eigenvalue": f"{s['smallest_eigenvalue']:.3e} N/mm",

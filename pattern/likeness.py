@@ -12,6 +12,7 @@ from pattern.symmetries import Symmetry
 
 ROLLED_TURN = 1.0  # rad from one side of the sheet to the other
 ROLLED_ASPECT = 0.3  # of the curvatures' squares along and across the axis
+NEARLY = 0.7  # by which both may be missed by what is almost rolled
 
 
 def distances(first: Floats, second: Floats, symmetries: Sequence[Symmetry]) -> Floats:
@@ -27,10 +28,10 @@ def print_diameter(layout: Layout) -> float:
     return float(np.linalg.norm(layout.border[:, None] - layout.border[None], axis=2).max())
 
 
-def rolled_about(layout: Layout, normal: Floats) -> float | None:
+def rolled_about(layout: Layout, normal: Floats, nearly: bool = False) -> float | None:
     """Axis of a rolled sheet in print coordinates, 0 to 180 deg from the x axis; None for other shapes.
 
-    From unit normals (S, 3) at the star centres.
+    From unit normals (S, 3) at the star centres. `nearly`: of sheets that are almost rolled, too.
 
     At every star the change of the normal from star to star is fitted by a linear map W (3, 2) of the printed place;
     the mean of W^T W has one large eigenvalue if the sheet bends about one axis only.
@@ -51,7 +52,8 @@ def rolled_about(layout: Layout, normal: Floats) -> float | None:
     w = np.linalg.solve(square[fitted], product[fitted])
     total = (w @ np.swapaxes(w, 1, 2)).mean(axis=0)
     (low, high), vectors = np.linalg.eigh(total)
-    if np.sqrt(high) * print_diameter(layout) < ROLLED_TURN or low > ROLLED_ASPECT * high:
+    share = NEARLY if nearly else 1.0
+    if np.sqrt(high) * print_diameter(layout) < share * ROLLED_TURN or share * low > ROLLED_ASPECT * high:
         return None
     x, y = vectors[:, 0]
     return float(np.degrees(np.arctan2(y, x)) % 180.0)

@@ -62,17 +62,18 @@ def preview(
 def table_lines(s: Mapping[str, Any]) -> list[str]:
     """The numbers of a summary, one a line."""
     from asterism.previewing.expected_height import in_words
+    from asterism.tube import rolled
 
     outside, tight = len(s["stars_outside_law"]), len(s["stars_tight"])
     expected, height = s["expected_rms_percent"], s["expected_height_percent"]
-    axes = [f"{axis:.0f}" for axis in s["equivalent_axes_deg"]]
+    others = [f"{axis:.0f}" for axis in s["equivalent_axes_deg"] if abs(axis - s["roll_axis_deg"]) > 1.0]
     rows = {
         "stars": f"{s['stars']}, {outside} outside the law, {tight} curled tightly",
         "height": f"{s['height_mm']:.2f} mm"
         + ("" if height is None else f", give or take {in_words(height, s['height_mm'])}"),
         "extent": " x ".join(f"{size:.1f}" for size in s["extent_mm"]) + " mm",
         "contraction": "-" if s["contraction"] is None else f"{s['contraction']:.4f}",
-        "rolled about": "-" if s["roll_axis_deg"] is None else f"{s['roll_axis_deg']:.0f} deg, of {', '.join(axes)}",
+        "rolled about": rolled(s) + (f"; or {', '.join(others)} deg" if others else ""),
         "energy": f"{s['energy_n_mm']:.4f} N mm",
         "softest modes": ", ".join(f"{value:.1e}" for value in s["soft_modes_n_mm3"]) + " N/mm3",
         "equilibrium": "stable" if s["is_minimum"] else "no",

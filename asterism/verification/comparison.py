@@ -9,12 +9,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from asterism.cell_mean import CellMean
 from asterism.mesh_error import diameter
 from asterism.previewing.held_sheet import held_edges, held_points
 from asterism.shape import Shape
 from asterism.surface_fields import border_of
-from asterism.verification.cell_mean import CellMean
-from asterism.verification.tube import tube_radius
+from asterism.tube import tube_radius
 from pattern.layout import Floats, Layout
 from pattern.likeness import rolled_about
 from pattern.normals import triangle_normals, vertex_normals
@@ -126,12 +126,23 @@ class Comparison:
 
     @cached_property
     def roll_axes_deg(self) -> tuple[float | None, float | None]:
-        """Axes about which the sheets are rolled in print coordinates; None: not rolled."""
-        triangles = self.reference.triangles
+        """Axes about which the sheets are rolled in print coordinates; None: not rolled.
+
+        Beside one that is, a sheet that is almost rolled counts as rolled: where that begins must not part two alike.
+        """
+        axes = [rolled_about(self.layout, normals) for normals in self._normals]
+        nearly = None in axes and axes != [None, None]
         one, other = (
-            rolled_about(self.layout, self._stars(vertex_normals(mean, triangles)))
-            for mean in (self.reference_mean, self.other_mean)
+            rolled_about(self.layout, normals, nearly=True) if nearly and axis is None else axis
+            for normals, axis in zip(self._normals, axes, strict=True)
         )
+        return one, other
+
+    @cached_property
+    def _normals(self) -> tuple[Floats, Floats]:
+        """(S, 3) of the cell means, at the stars."""
+        triangles = self.reference.triangles
+        one, other = (self._stars(vertex_normals(mean, triangles)) for mean in (self.reference_mean, self.other_mean))
         return one, other
 
     @cached_property
@@ -139,7 +150,11 @@ class Comparison:
         """Radii of the tubes nearest to the star centres' cell means; None unless both are rolled."""
         if None in self.roll_axes_deg:
             return None
-        return tube_radius(self._stars(self.reference_mean)), tube_radius(self._stars(self.other_mean))
+        one, other = (
+            tube_radius(self._stars(mean), normals)
+            for mean, normals in zip((self.reference_mean, self.other_mean), self._normals, strict=True)
+        )
+        return one, other
 
     @cached_property
     def volumes_mm3(self) -> tuple[float, float] | None:

@@ -1,0 +1,52 @@
+"""The tube that a rolled sheet is nearest to."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from scipy.optimize import leastsq
+
+from pattern.layout import Floats
+
+
+def rolled(summary: Mapping[str, Any]) -> str:
+    """How a sheet is rolled, in words."""
+    if summary["roll_axis_deg"] is None:
+        return "-"
+    return f"{summary['roll_axis_deg']:.0f} deg, radius {summary['roll_radius_mm']:.1f} mm"
+
+
+def tube_radius(points: Floats, normals: Floats) -> float:
+    """mm, of the circular cylinder closest to points (n, 3) mm in the sense of least squares.
+
+    Axis, place and radius are free. The search starts from the direction that the unit normals (n, 3) of the sheet are
+    most nearly across, and from Kasa's circle through the points as they are seen along it.
+    """
+    points = points - points.mean(axis=0)
+    directions = np.linalg.svd(normals, full_matrices=False)[2][::-1]
+    axis, across = directions[0], directions[1:]
+    seen = points @ across.T
+    middle = np.linalg.lstsq(np.column_stack([2.0 * seen, np.ones(len(seen))]), (seen**2).sum(axis=1))[0]
+    radius = np.sqrt(max(middle[2] + middle[:2] @ middle[:2], 0.0))
+
+    def placed(a: Floats) -> tuple[Floats, Floats, Floats]:
+        """The axis' direction, not of unit length, and each point's place along and across it."""
+        along = axis + a[:2] @ across
+        places = points - a[2:4] @ across
+        height = places @ along / (along @ along)
+        return along, height, places - height[:, None] * along
+
+    def off(a: Floats) -> Floats:
+        return np.asarray(np.linalg.norm(placed(a)[2], axis=1) - a[4])
+
+    def slopes(a: Floats) -> Floats:
+        _, height, outwards = placed(a)
+        outwards = outwards / np.maximum(np.linalg.norm(outwards, axis=1), 1e-12)[:, None]
+        moved = outwards @ across.T
+        return np.column_stack([-height[:, None] * moved, -moved, -np.ones(len(points))])
+
+    # Levenberg and Marquardt's method; what `least_squares` does around it takes several times as long
+    found, *_ = leastsq(off, [0.0, 0.0, *middle[:2], radius], Dfun=slopes)
+    return float(abs(found[4]))

@@ -1,0 +1,34 @@
+"""The radius of a rolled sheet."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import asterism
+from asterism.tube import tube_radius
+
+
+@pytest.mark.parametrize(("radius", "turn"), [(10.0, 5.0), (30.0, 2.0), (80.0, 0.8)])
+def test_radius_of_a_tube(radius: float, turn: float) -> None:
+    """Wherever it stands, and where its normals are a little off."""
+    rng = np.random.default_rng(0)
+    angle, along = turn * (rng.random(60) - 0.5), 40.0 * rng.random(60)
+    normals = np.column_stack([0.0 * along, np.sin(angle), np.cos(angle)])
+    points = np.column_stack([along, radius * normals[:, 1], radius * normals[:, 2]])
+    turned = Rotation.random(rng=rng).as_matrix().T
+    shaken = normals + 0.1 * rng.standard_normal(normals.shape)
+    assert tube_radius(points @ turned + 7.0, shaken @ turned) == pytest.approx(radius, rel=1e-6)
+
+
+def test_both_models_say_how_far_a_sheet_rolls() -> None:
+    data = asterism.new("tube").to_dict() | {"mesh": {"edge_mm": 3.0}}
+    design = asterism.Design.from_dict(data)
+    preview, exact = (model(design).summary["roll_radius_mm"] for model in (asterism.preview, asterism.simulate))
+    assert 15.0 < exact < 45.0 and preview == pytest.approx(exact, rel=0.15)
+
+
+def test_what_is_not_rolled_has_no_radius() -> None:
+    summary = asterism.preview(asterism.new("dome")).summary
+    assert summary["roll_axis_deg"] is None and summary["roll_radius_mm"] is None
