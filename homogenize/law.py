@@ -22,6 +22,9 @@ from pattern.design import Design
 from pattern.lattice import Lattice
 from pattern.layout import Floats
 
+# parts by which numbers of a design may differ from the law's: rounding of the machine's, and of what is printed of a
+# measured material, whose curvature a law knows less well
+EXACT, MEASURED = 1e-6, 2e-3
 # tried: bare fabric then has no stiffness or no answer at all, and the natural curvature of the paper's star is .027 to
 # .079 per mm at edges from 3.5 to .8 mm, in no order
 WITHOUT_BENDING = (
@@ -98,7 +101,8 @@ class Law:
                 if _same_sites(self.material.lattice, design.lattice):
                     ours |= {key: theirs[key] for key in ("kind", "spacing_mm", "vectors_mm")}
             for key in ours:
-                if key not in free.get(section, ()) and not _same(ours[key], theirs[key]):
+                part = EXACT if section == "lattice" else MEASURED
+                if key not in free.get(section, ()) and not _same(ours[key], theirs[key], part):
                     other = "lattice" if section == "lattice" else "material"
                     raise ForeignLaw(f"{section}.{key} = {theirs[key]}: the law is for another {other}, of {ours[key]}")
         return self.at(sx)
@@ -147,11 +151,14 @@ def _same_sites(one: Lattice, other: Lattice) -> bool:
     return bool(np.abs(steps - np.rint(steps)).max() < 1e-6 and round(abs(np.linalg.det(steps))) == 1)
 
 
-def _same(a: Any, b: Any) -> bool:
+def _same(a: Any, b: Any, part: float = EXACT) -> bool:
+    """Whether numbers differ by no more than a part of them, also in lists and tables."""
     if isinstance(a, int | float) and isinstance(b, int | float):
-        return math.isclose(a, b, rel_tol=1e-6, abs_tol=1e-12)
+        return math.isclose(a, b, rel_tol=part, abs_tol=1e-12)
     if isinstance(a, list | tuple) and isinstance(b, list | tuple):
-        return len(a) == len(b) and all(map(_same, a, b))
+        return len(a) == len(b) and all(_same(one, other, part) for one, other in zip(a, b, strict=True))
+    if isinstance(a, dict) and isinstance(b, dict):
+        return a.keys() == b.keys() and all(_same(a[key], b[key], part) for key in a)
     return bool(a == b)
 
 

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from homogenize.campaign import Record
-from homogenize.errors import LawError
+from homogenize.errors import ForeignLaw, LawError
 from homogenize.fit import fit
 from homogenize.interpolation import Grid
 from homogenize.law import Law
@@ -324,6 +324,14 @@ def test_stars_turned_by_half_a_turn_have_their_relief_turned() -> None:
     for turn in (60.0, 180.0):
         np.testing.assert_allclose(reliefs[turn] @ LAW.waves(-offsets).T, heights[0.0], atol=1e-12)
         assert np.abs(heights[turn] - heights[0.0]).max() > 0.1
+
+
+def test_a_measured_material_may_be_typed_as_it_was_printed() -> None:
+    """In four digits; a fifth of a percent of E1/E2 is a fifth of a percent of the curvature."""
+    LAW.check(design(plastic__modulus_ratio=3203.0))
+    for change in ({"plastic__modulus_ratio": 3210.0}, {"plastic__kappa_bar_per_mm": 1e-4}):
+        with pytest.raises(ForeignLaw, match="another material"):
+            LAW.check(design(**change))
 
 
 def test_a_law_says_for_which_designs_it_is() -> None:
