@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -34,7 +35,7 @@ def export(
     layer: Annotated[float | None, typer.Option(help="Height of the other layers in mm.")] = None,
     plate: Annotated[float | None, typer.Option(help="Thickness of the plate under the fabric in mm.")] = None,
     fabric: Annotated[
-        float | None, typer.Option(help="Thickness of the stretched fabric in mm (the design's fabric.thickness_mm).")
+        float | None, typer.Option(help="Thickness of the stretched fabric in mm (the design's, of the released one).")
     ] = None,
     turn: Annotated[float, typer.Option(help="Turn the print on the bed, in degrees counterclockwise.")] = 0.0,
     needle_spacing: Annotated[float, typer.Option(help="Largest distance of needles on held edges in mm.")] = 20.0,
@@ -94,7 +95,7 @@ def export(
     for line in change.get("warnings", ()) if change else ():
         print(f"asterism: the shape by the {'exact model' if simulate else 'preview'}: {line}", file=sys.stderr)
     if computed is not None:
-        ready = job(computed)
+        ready = job(computed) if preview or simulate else replace(ready, glance=computed)
     summary = write_export(ready, directory, change)
     for name, text in table(summary).items():
         typer.echo(f"  {name:<20} {text}")

@@ -67,10 +67,11 @@ def _mount(job: Job) -> Chapter:
 
 def _offset(job: Job) -> Chapter:
     plate = job.printer.frame.plate_mm
+    fabric = "stretched fabric" if job.fabric_given else "fabric as the design has it, which is thinner when stretched,"
     return Chapter(
         f"3. Start on the fabric: z offset {job.z_offset_mm:.2f} mm",
         (
-            f"Plate {plate:.2f} mm + stretched fabric {job.fabric_mm:.2f} mm = {job.z_offset_mm:.2f} mm. Measure both "
+            f"Plate {plate:.2f} mm + {fabric} {job.fabric_mm:.2f} mm = {job.z_offset_mm:.2f} mm. Measure both "
             "as they lie on the bed; if they differ, export again with --plate and --fabric. A nozzle too high does "
             "not bind the plastic to the fabric, a nozzle too low tears it.",
             "The stars stand at z = 0 in the files. Leave the slicer's own z offset at 0, whose sign and meaning "

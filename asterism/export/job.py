@@ -37,10 +37,12 @@ class Job:
     arms : the pieces of all arms, about the stars' centres of `plan`.
     placement : from print coordinates to those of the sheets.
     stars, border : terraces of plastic in sheet coordinates; no border if it was not wanted or does not fit.
-    fabric_mm : thickness of the stretched fabric under the nozzle.
+    fabric_mm : thickness of the stretched fabric under the nozzle, if it was given; else the design's, released.
+    fabric_given : whether it was.
     needles : in print coordinates.
-    shape : the sheet in space, if it is known.
+    shape : the sheet in space, if its files are wanted too.
     too_large : why it cannot be printed like that; empty if it can.
+    glance : the sheet in space by the preview, if it was computed for what it says alone.
     """
 
     design: Design
@@ -54,9 +56,11 @@ class Job:
     stars: tuple[Step, ...]
     border: Step | None
     fabric_mm: float
+    fabric_given: bool
     needles: tuple[Needle, ...]
     shape: Shape | None = None
     too_large: str = ""
+    glance: Shape | None = None
 
     @property
     def z_offset_mm(self) -> float:
@@ -73,10 +77,11 @@ class Job:
     def hangs_mm(self) -> float:
         """How far the sheet hangs below the base in which its needles stand; 0 where the shape is not known."""
         known = [needle for needle in self.needles if needle.place is not None]
-        if self.shape is None or not known:
+        shape = self.shape or self.glance
+        if shape is None or not known:
             return 0.0
-        base = float(self.shape.at(known[0].printed[None])[0, 2] - known[0].place[2])  # type: ignore[index]
-        return max(base - float(self.shape.positions[:, 2].min()), 0.0)
+        base = float(shape.at(known[0].printed[None])[0, 2] - known[0].place[2])  # type: ignore[index]
+        return max(base - float(shape.positions[:, 2].min()), 0.0)
 
     @cached_property
     def solids(self) -> tuple[Solid, ...]:
@@ -104,7 +109,7 @@ def prepare(
 
     Parameters
     ----------
-    fabric_mm : thickness of the stretched fabric; the design's, if it is not given.
+    fabric_mm : thickness of the stretched fabric; the design's, which is that of the released one, if it is not given.
     border : print a line to cut along, if it fits the bed.
     turn_deg : of the print on the bed, counterclockwise.
     needle_spacing_mm : largest distance of needles on held edges.
@@ -156,6 +161,7 @@ def prepare(
         stars=tuple(placement.step(step) for step in here),
         border=line,
         fabric_mm=design.fabric.thickness_mm if fabric_mm is None else fabric_mm,
+        fabric_given=fabric_mm is not None,
         needles=needles(plan, needle_spacing_mm, shape),
         shape=shape,
         too_large=too_large,

@@ -24,13 +24,13 @@ def printed_shape(job: Job, preview: bool, simulate: bool, law: Law | None = Non
     Parameters
     ----------
     preview, simulate : ask for the shape of the preview or of the exact model. Without either, the preview still says
-        what rounding changes, if it changes anything.
+        what rounding changes, if it changes anything, and whether the sheet hangs below its needles, if there are any.
     law : of the preview; that of the paper's material by default.
 
     Returns
     -------
-    The shape or None; and `shape_change` with the `model` that it is from, or None if nothing was computed. Where the
-    preview has no law for the fabric, `model` is None and `why` says the reason.
+    The printed shape, or None if none was computed; and `shape_change` with the `model` that it is from, or None. Where
+    the preview has no law for the fabric, `model` is None and `why` says the reason.
 
     Raises
     ------
@@ -47,18 +47,17 @@ def printed_shape(job: Job, preview: bool, simulate: bool, law: Law | None = Non
                 return _both(job, lambda plan: solve(plan, report=progress.report, say=progress.say), "exact")
         finally:
             progress.close()
-    if not preview and not _is_rounded(job):
+    if not (preview or _is_rounded(job) or (job.needles and job.shape is None)):
         return None, None
     from asterism.previewing.run import preview as fast
 
     try:
         with told_of_compiling(Progress().say):
-            shape, change = _both(job, lambda plan: fast(plan, law), "preview")
+            return _both(job, lambda plan: fast(plan, law), "preview")
     except LawError as error:
         if preview:
             raise
         return None, {"model": None, "why": " ".join(str(error).split()), "are_minima": []}
-    return shape if preview else None, change
 
 
 def _both(job: Job, shape_of: Callable[[Design], Shape], model: str) -> tuple[Shape, dict[str, Any]]:

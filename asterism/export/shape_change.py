@@ -24,7 +24,8 @@ def shape_change(drawn: Shape, printed: Shape, design: Design, plan: Layout) -> 
     -------
     Heights and extents in mm before and after; `star_distance_mm`, the root mean square distance of star centres after
     the best rigid motion, a free sheet standing for all its images by the design's symmetry; the same in % of the
-    drawn shape's diameter; whether both shapes are certain; and what is to be known of the printed one.
+    drawn shape's diameter; whether both shapes are certain; how many stars a preview's law does not know; and what else
+    is to be known of the printed one.
     """
     before, after = drawn.positions[drawn.star_vertices], printed.positions[printed.star_vertices]
     distance = float(distances(before, after, symmetries(design, plan)).min()) if len(before) > 2 else 0.0
@@ -34,5 +35,8 @@ def shape_change(drawn: Shape, printed: Shape, design: Design, plan: Layout) -> 
         "star_distance_mm": distance,
         "star_distance_percent": 100.0 * distance / diameter(drawn.positions),
         "are_minima": [bool(shape.summary.get("is_minimum", False)) for shape in (drawn, printed)],
+        "stars_outside_law": len(
+            printed.summary.get("stars_outside_law", ()) or drawn.summary.get("stars_outside_law", ())
+        ),
         "warnings": list(printed.summary.get("warnings", [])),
     }

@@ -26,7 +26,8 @@ def table(s: dict[str, Any]) -> dict[str, str]:
         rows["tiny stars"] = f"{len(tiny)}, may jump off: at {places}" + (", ..." if len(tiny) > _MOST_NAMED else "")
     if not s["printed_border"]:
         rows["cut line"] = "not printed, in layout.pdf"
-    rows["z offset"] = f"{s['z_offset_mm']:.2f} mm (plate and stretched fabric), in start.gcode"
+    fabric = "stretched fabric" if s["fabric_given"] else "released fabric; measure it stretched: --fabric"
+    rows["z offset"] = f"{s['z_offset_mm']:.2f} mm (plate and {fabric}), in start.gcode"
     x, y = s["check_square_mm"]["after"]
     rows["check square"] = f"100 mm before stretching, {x:.1f} x {y:.1f} mm after"
     rows["needles"] = str(s["needles"])
@@ -54,4 +55,7 @@ def _change(change: dict[str, Any] | None) -> str:
     before, after = change["height_mm"]
     distance = f"{change['star_distance_mm']:.2f} mm ({change['star_distance_percent']:.1f} % of the diameter)"
     by = "exact model" if change["model"] == "exact" else "preview; --simulate is exact"
+    if change["stars_outside_law"]:
+        unknown = change["stars_outside_law"]
+        by = f"not to be trusted: the preview's law does not know {unknown} of the stars; --simulate is exact"
     return f"{distance}, height {before:.2f} -> {after:.2f} mm ({by})"

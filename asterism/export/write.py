@@ -106,6 +106,7 @@ def _summary(
         "turn_deg": job.placement.turn_deg,
         "origin_on_bed_mm": [float(c) for c in job.placement.shift + job.printer.bed_centre_mm],
         "z_offset_mm": job.z_offset_mm,
+        "fabric_given": job.fabric_given,
         "check_square_mm": {"before": [CHECK_SQUARE_MM] * 2, "after": list(job.check_after_mm)},
         "needles": len(job.needles),
         "hangs_below_base_mm": job.hangs_mm,

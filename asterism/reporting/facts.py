@@ -9,6 +9,8 @@ import numpy as np
 
 from asterism.export.estimate import estimate
 from asterism.export.job import Job
+from asterism.export.needles import MUCH_MM
+from asterism.export.rounded import changes
 from asterism.previewing.expected_height import in_words
 from pattern.design import Design
 from pattern.kept_curvature import KeptCurvature
@@ -29,7 +31,7 @@ def facts(job: Job, summary: Mapping[str, Any], source: str) -> Facts:
         "Fabric": _fabric(job.design),
         "Plastic": _plastic(job.design),
         "Stars": _stars(job.exact_plan, job.design),
-        "Shape": [source, *_shape(summary)],
+        "Shape": [source, *_shape(summary), *_hanging(job)],
         "Accuracy": _accuracy(summary),
         "Print": _print(job),
     }
@@ -82,6 +84,12 @@ def _shape(summary: Mapping[str, Any]) -> list[str]:
     return lines
 
 
+def _hanging(job: Job) -> list[str]:
+    if job.hangs_mm <= MUCH_MM:
+        return []
+    return [f"hangs {job.hangs_mm:.1f} mm below its base"]
+
+
 def _accuracy(summary: Mapping[str, Any]) -> list[str]:
     lines = []
     if (expected := summary.get("expected_rms_percent")) is not None:
@@ -106,10 +114,22 @@ def _print(job: Job) -> list[str]:
     return [
         *([f"LARGER than the {job.printer.name} can print"] if job.too_large else []),
         f"{job.printer.name}, {job.plastic.name}",
+        *_rounded(job),
         f"{cost['mass_g']:.1f} g, {cost['filament_m']:.2f} m of filament",
         f"about {cost['minutes']:.0f} minutes",
         f"nozzle starts {job.z_offset_mm:g} mm above the bed",
     ]
+
+
+def _rounded(job: Job) -> list[str]:
+    """Which sizes the printer makes in place of the design's."""
+    found = []
+    for name, size in changes(job.exact_plan, job.plan).items():
+        if size["stars_changed"]:
+            found.append(
+                f"{name} " + ", ".join(f"{value:g}" for value in size["values_mm"][:4]) + " mm in place of the design's"
+            )
+    return found
 
 
 def _range(values: np.ndarray) -> str:

@@ -116,9 +116,28 @@ def test_a_sheet_that_hangs_below_its_needles_is_told(file: Path, tmp_path: Path
     told = f"hangs {-low:.1f} mm below the base"
     assert told in " ".join((tmp_path / "out" / "instructions.txt").read_text().split())
     assert f"{-low:.1f} mm below the base" in result.out
-    # without a shape nothing is known
-    assert run("export", "d.toml", "-o", "plain").status == 0
-    assert json.loads((tmp_path / "plain" / "export.json").read_text())["hangs_below_base_mm"] == 0.0
+    # without the shape's files too
+    result = run("export", "d.toml", "-o", "plain")
+    assert result.status == 0 and f"{-low:.1f} mm below the base" in result.out
+    assert json.loads((tmp_path / "plain" / "export.json").read_text())["hangs_below_base_mm"] == pytest.approx(-low)
+    assert not SHAPE & {path.name for path in (tmp_path / "plain").iterdir()}
+    # nothing is known where there is no law
+    save_design(design(fabric={"stretch": 1.5}, stars={"length_mm": 8.0}, border={"rings": 2}, pins=[middle]), file)
+    assert run("export", "d.toml", "-o", "unknown").status == 0
+    assert json.loads((tmp_path / "unknown" / "export.json").read_text())["hangs_below_base_mm"] == 0.0
+
+
+def test_what_a_law_does_not_know_is_no_change_of_shape(file: Path, tmp_path: Path, run: Run) -> None:
+    """At the law's end thicker stars are as thin as its thinnest, before and after rounding."""
+    save_design(design(fabric={}, stars={"length_mm": 8.0, "thickness_mm": 0.15}, border={"rings": 1}, pins=[]), file)
+    result = run("export", "d.toml", "-o", "out", "--first-layer", "0.1", "--layer", "0.1")
+    assert result.status == 0, result.err
+    assert "not to be trusted: the preview's law does not know 7 of the stars; --simulate is exact" in result.out
+
+
+def test_the_fabric_is_to_be_measured_stretched(file: Path, tmp_path: Path, run: Run) -> None:
+    assert "released fabric; measure it stretched: --fabric" in run("export", "d.toml", "-o", "out").out
+    assert "(plate and stretched fabric)" in run("export", "d.toml", "-o", "out", "--fabric", "0.4").out
 
 
 def test_the_preview_says_what_rounding_does(file: Path, tmp_path: Path, run: Run) -> None:

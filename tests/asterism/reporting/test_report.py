@@ -108,6 +108,16 @@ def test_results_of_the_design_are_used_and_others_refused(design: Path, tmp_pat
     assert refused.status == 2 and "--results" in refused.line and "of this design" in refused.line
 
 
+def test_sheets_that_hang_and_sizes_that_are_rounded_are_on_the_page(design: Path, capsys, monkeypatch) -> None:
+    middle = "points_mm = [[-10, 0], [10, 0], [0, 12]]\nscale = 0.76\n"
+    design.write_text(DESIGN.split("[[pins]]")[0].replace("0.4", "0.38") + "[[pins]]\n" + middle)
+    assert command(["report", str(design)], capsys, monkeypatch).status == 0
+    text, _ = page(design.with_name("d-report.pdf"))
+    low = preview(load_design(design)).positions[:, 2].min()
+    assert f"hangs {-low:.1f} mm below its base" in text and low < -0.5
+    assert "thickness 0.4 mm in place of the design's" in text
+
+
 def test_what_decides_the_shape_is_on_the_page(design: Path, tmp_path: Path, capsys, monkeypatch) -> None:
     """Weight and sides of stars too; and a needle in the middle keeps its dot beside its number."""
     middle = "[[pins]]\npoints_mm = [[0, 0]]\nslide = 'z'\n[gravity]\non = true\n[fabric]\nmodulus_mpa = 1.0\n"
