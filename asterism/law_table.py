@@ -6,6 +6,7 @@ from collections import Counter
 
 from asterism.law_cells import stable
 from asterism.law_directions import directions_line
+from asterism.law_errors import coarse_line
 from homogenize.law import Law
 from homogenize.table import NAMES, Table
 
@@ -17,7 +18,7 @@ def law_table(law: Law) -> list[str]:
     lines = []
     for table in law.tables:
         lines += ["", *_values(table), *_errors(law, table)]
-    return [*_head(law), *lines, *_branches(law), *_directions(law), *_problems(law)]
+    return [*_head(law), *lines, *_branches(law), *_doubts(law), *_problems(law)]
 
 
 def _head(law: Law) -> list[str]:
@@ -84,9 +85,9 @@ def _branches(law: Law) -> list[str]:
     ]
 
 
-def _directions(law: Law) -> list[str]:
-    line = directions_line(law)
-    return ["", f"  {line}"] if line else []
+def _doubts(law: Law) -> list[str]:
+    lines = [line for line in (directions_line(law), coarse_line(law)) if line]
+    return ["", *(f"  {line}" for line in lines)] if lines else []
 
 
 def _problems(law: Law) -> list[str]:

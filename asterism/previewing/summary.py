@@ -10,6 +10,7 @@ import numpy as np
 from asterism import __version__
 from asterism.contraction import contraction
 from asterism.law_directions import directions_line
+from asterism.law_errors import coarse_line
 from asterism.mesh_error import diameter
 from asterism.pin_warnings import pin_warnings
 from asterism.previewing.equilibria import EDIT, NARROW
@@ -132,8 +133,7 @@ def warnings(
     lines = list(values.outside)
     if len(lines) > 1:
         lines = [f"{len(lines)} of {len(layout.centres)} stars are outside the law, such as {lines[0]}"]
-    if line := directions_line(preview.law):
-        lines.append(line)
+    lines += [line for line in (directions_line(preview.law), coarse_line(preview.law)) if line]
     if values.tight:
         lines.append(
             f"{len(values.tight)} of {len(layout.centres)} stars curl to a radius below two thirds of their spacing, "
