@@ -80,6 +80,7 @@ def table_lines(s: Mapping[str, Any]) -> list[str]:
         "expected": "-" if None in expected else "{:.1f} %, height {:.0f} %".format(*expected),
         "star centres": f"{s['rms_stars_percent']:.2f} % rms, {s['max_stars_percent']:.1f} % at most",
         "height": _mm(s["heights_mm"]),
+        "rise over the pins": "-" if s["rises_mm"] is None else _mm(s["rises_mm"]),
         "radius of the roll": "-" if radius is None else _mm(s["roll_radii_mm"]),
         "exact mesh error": in_words(s["exact"]),
         "exact model": f"{agree}; {release['iterations']} iterations, {near['iterations']} from the preview",
