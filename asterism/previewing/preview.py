@@ -38,6 +38,7 @@ from pattern.symmetries import Symmetry, symmetries
 Say = Callable[[str], None]
 ALIKE = 0.01  # sizes of stars that differ by less than this part are the same
 MANY = 0.4  # part of the stars
+LARGE = 300  # triangles: sheets of thousands of stars, of which some need hundreds of iterations
 MOST = 10_000  # triangles: many more would fill the memory
 FLIPPED: dict[Side, Side] = {"down": "up", "up": "down"}
 
@@ -129,7 +130,8 @@ class Preview:
         self._lens: Lens | None = None
         self._symmetries: list[Symmetry] | None = None
         count = self.sheet.space.mesh.nelements
-        self._say(f"{len(plan.centres)} stars on {count} triangles")
+        patience = ": this may take a minute" if count > LARGE else ""
+        self._say(f"{len(plan.centres)} stars on {count} triangles{patience}")
         self._settle()
 
     def _settle(self) -> None:
