@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import tempfile
 import tomllib
 from pathlib import Path
@@ -42,7 +43,7 @@ def read_table(path: Path) -> dict[str, Any]:
         raise wrong("is nested too deeply") from None
     except ValueError as error:  # syntax errors of both formats, with their line
         long = "sys.set_int_max_str_digits" in str(error)  # a hint for programmers
-        problem = "a whole number has too many digits" if long else error
+        problem = "a whole number has too many digits" if long else f"{error}{_comma(text, str(error))}"
         raise wrong(f"is not {suffix[1:].upper()}: {problem}") from None
     if not isinstance(table, dict):
         raise wrong("must hold a table of keys and values")
@@ -51,6 +52,13 @@ def read_table(path: Path) -> dict[str, Any]:
     except UnicodeEncodeError:
         raise wrong("holds half a character (\\ud800 to \\udfff alone), which is no text") from None
     return table
+
+
+def _comma(text: str, problem: str) -> str:
+    """A hint, where the line that is wrong has a number with a comma."""
+    at = re.search(r"at line (\d+)", problem)
+    line = text.split("\n")[int(at[1]) - 1] if at else ""
+    return "; decimals have a point, 7.5" if re.search(r"=\s*[-+]?\d+,\d", line) else ""
 
 
 def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

@@ -239,6 +239,7 @@ BAD_FILES = [
     ("a.json", "[" * 100_000, "nested too deeply"),
     ("a.toml", "a = " + "[" * 100_000, "nested too deeply"),
     ("a.toml", "mesh = " + "9" * 5000, "is not TOML"),
+    ("a.toml", "[stars]\nlength_mm = 7,5", "decimals have a point"),
     ("a.toml", "#" * 10_000_001, "larger than 10 MB"),
     ("a.json", json.dumps({**GOOD, "mesh": {"edge_mm": 40}}), "mesh.edge_mm = 40.0: must be at most"),
     ("a.json", '{"stars": {"length_mm": NaN}, "border": {"rings": 1}}', "stars.length_mm = nan: must be a finite"),
