@@ -67,7 +67,7 @@ def export(
     machine = _changed(load_printer(printer), first_layer, layer, plate)
     directory = output or design.with_name(f"{design.stem}-print")
     check_kept(design, directory, ROUNDED, SUMMARY)
-    check_writable(directory)
+    check_writable(directory, SUMMARY)
     elsewhere = shape is not None and directory.resolve() != folder_of(shape)
     if (preview or simulate or elsewhere) and holds_result(directory):
         raise DesignError("--output", "holds other results, whose shape.vtu would be replaced", str(directory))

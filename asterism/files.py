@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import json
 import os
 import re
 import secrets
@@ -89,7 +90,12 @@ def staged(directory: str | Path, stale: str | None = None) -> Iterator[Path]:
 
 
 def check_writable(directory: str | Path, name: str = LAST) -> None:
-    """Raise OutputError now if a file could not be written into `directory` later; leaves no trace."""
+    """Raise OutputError now if a file could not be written into `directory` later; leaves no trace.
+
+    A summary.json that is somebody else's is not written over.
+    """
+    if name == LAST and _is_foreign(Path(directory) / LAST):
+        raise OutputError(f"{Path(directory) / LAST} was not written by asterism; choose another folder with -o")
     with suppress(_Rehearsal), staged(directory) as folder:
         (folder / name).write_text("{}")
         raise _Rehearsal
@@ -104,6 +110,17 @@ def check_kept(file: Path, directory: str | Path, *written: str) -> None:
 def holds_result(directory: str | Path) -> bool:
     """Whether a finished result lies there, whatever other files do."""
     return (Path(directory) / LAST).is_file()
+
+
+def _is_foreign(summary: Path) -> bool:
+    """Whether there is a file that is no summary: those of results say a version, a law's its digest."""
+    try:
+        found = json.loads(summary.read_text(encoding="utf-8"))
+    except OSError:
+        return False  # there is none, or writing will say why not
+    except ValueError:
+        return True
+    return not (isinstance(found, dict) and {"version", "digest"} & found.keys())
 
 
 def write_file(path: str | Path, content: str | bytes) -> None:

@@ -175,6 +175,17 @@ def test_things_in_the_way_are_named(tmp_path: Path) -> None:
     assert contents(tmp_path) == {"file": "mine"}
 
 
+def test_a_summary_of_somebody_else_is_not_written_over(tmp_path: Path) -> None:
+    for mine in ("my notes", '{"sales": 3}', "[1, 2]"):
+        (tmp_path / "summary.json").write_text(mine)
+        with pytest.raises(OutputError, match=r"summary\.json was not written by asterism; choose another folder"):
+            check_writable(tmp_path)
+        check_writable(tmp_path, "export.json")
+    for ours in ('{"version": "0.1.0"}', '{"digest": "a"}'):
+        (tmp_path / "summary.json").write_text(ours)
+        check_writable(tmp_path)
+
+
 def test_a_name_that_is_too_long_is_named(tmp_path: Path) -> None:
     name = 300 * "x"
     for check in (lambda: check_writable(tmp_path / name), lambda: check_writable(tmp_path / "new", name)):

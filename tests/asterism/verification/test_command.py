@@ -24,7 +24,7 @@ def test_verify_writes_a_report_and_a_table(tmp_path: Path) -> None:
     (tmp_path / "law.npz").write_bytes(to_bytes(plain_law()))
     (tmp_path / "d-verified").mkdir()
     for earlier in ("summary.json", "shape.vtu", "rods.vtu", "shape.png"):
-        (tmp_path / "d-verified" / earlier).write_text("of simulate")
+        (tmp_path / "d-verified" / earlier).write_text('{"version": "of simulate"}')
     result = run("verify", "d.toml", "--law", "law.npz", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     assert "% of the diameter rms" in result.stdout and "same form" in result.stdout
