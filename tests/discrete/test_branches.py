@@ -121,6 +121,15 @@ def test_the_first_start_is_the_default_and_all_are_fixed() -> None:
     assert len({(b.bend, b.axis_deg, b.sag_mm, b.releases, b.seed, b.branch) for b in once}) == 30
 
 
+def test_rolls_and_saddles_begin_about_a_fan_of_axes() -> None:
+    """Across each other in every cycle of nine starts, and halfway between those before."""
+    starts = beginnings(7, 1 + 4 * 9)
+    rolls = [b.axis_deg for b in starts if b.bend == "roll" and not b.name.startswith("tight")]
+    assert rolls == [0.0, 90.0, 45.0, 135.0, 22.5, 112.5, 67.5, 157.5]
+    tight = [b.axis_deg for b in starts if b.name.startswith("tight")]
+    assert tight == rolls[::2] and [b.axis_deg for b in starts if b.bend == "saddle"] == rolls[1::2]
+
+
 def test_at_least_one_start_is_needed() -> None:
     with pytest.raises(ValueError, match="at least 1"):
         find_minima(model(rings=0), 0)

@@ -161,6 +161,17 @@ def test_indefinite_with_a_positive_diagonal(factor):
     assert not factor.factorise(data)
 
 
+@pytest.mark.parametrize("entries", [[0.0, 1.0, 0.0], [1.0, 1.0, 1.0, 0.0, 1.0, 0.0]])
+@pytest.mark.parametrize("name", available())
+def test_pivots_that_are_exactly_zero(name, entries):
+    """An LU that exchanges rows there ends with positive pivots: two masses that only pull at each other, and three."""
+    size = 2 if len(entries) == 3 else 3
+    pattern = SparsePattern([np.arange(size)[None]], size, np.arange(size))
+    made = make_factor(pattern, name)
+    assert not made.factorise(pattern.assemble([np.array([entries])]))
+    made.close()
+
+
 def test_zero_matrix_is_not_definite(factor):
     assert not factor.factorise(np.zeros(PATTERN.nnz))
 

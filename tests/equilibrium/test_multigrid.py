@@ -137,6 +137,24 @@ def test_negative_curvature_is_said():
     assert proves_definite(lambda v: abs(diagonal) * v, lambda v: v.copy(), 3, 1.0)
 
 
+@pytest.mark.parametrize("size", [5, 10, 20])
+def test_a_chain_that_floats_is_never_proven_definite(size):
+    """Singular: rounding takes the drift out of the residual in the end, by steps without measure."""
+    chain = 2.0 * np.eye(size) - np.eye(size, k=1) - np.eye(size, k=-1)
+    chain[0, 0] = chain[-1, -1] = 1.0
+    held = chain + np.diag(np.r_[1.0, np.zeros(size - 1)])
+    for seed in range(10):
+        assert not proves_definite(lambda v: chain @ v, lambda v: v.copy(), size, 1.0, seed)
+        assert proves_definite(lambda v: held @ v, lambda v: v.copy(), size, 1.0, seed)
+
+
+def test_a_residual_that_has_grown_a_million_times_proves_nothing():
+    """A preconditioner that misses the soft direction by nine orders: what falls afterwards is mostly rounding."""
+    stiff = np.array([1e8, 1.0])
+    assert not proves_definite(lambda v: stiff * [1.0, 1e-9] * v, lambda v: v / stiff, 2, 1e8)
+    assert proves_definite(lambda v: stiff * [1.0, 0.1] * v, lambda v: v / stiff, 2, 1e8)
+
+
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -1.0])
 def test_bad_entries_are_refused(bad):
     factor = MultigridFactor(PATTERN, smallest=0)

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from equilibrium.factor import Factor, make_factor
-from equilibrium.newton import Iteration, Minimum, minimise
+from equilibrium.multigrid import MultigridFactor
+from equilibrium.newton import FORCING, Iteration, Minimum, minimise
 from equilibrium.sparse_pattern import Floats, Ints, SparsePattern
 
 METHODS = pytest.mark.parametrize("method", ["blended", "shifted"])
@@ -56,12 +57,13 @@ class Patient:
     """A factorisation that fails the test where Newton would try matrices for ever."""
 
     def __init__(self, factor: Factor) -> None:
-        self.name, self.solve, self._factor, self._calls = factor.name, factor.solve, factor, 0
+        self.name, self.solve, self._factor = factor.name, factor.solve, factor
+        self.verdicts: list[bool] = []
 
     def factorise(self, data: Floats) -> bool:
-        self._calls += 1
-        assert self._calls < 2000, "no end in sight"
-        return self._factor.factorise(data)
+        assert len(self.verdicts) < 2000, "no end in sight"
+        self.verdicts.append(self._factor.factorise(data))
+        return self.verdicts[-1]
 
     def close(self) -> None:
         self._factor.close()
@@ -261,3 +263,64 @@ def test_gradients_that_are_only_noise_end_it(method):
     assert found.idle and not found.converged and found.iterations < 60
     assert np.abs(found.state).max() < 1e-6
     assert not run(problem, [1.0, -2.0, 0.7], tolerance=1e-5, method=method).idle
+
+
+class Sloppy(MultigridFactor):
+    """An iterative solver that is never more exact than it is asked to be."""
+
+    def __init__(self, pattern: SparsePattern) -> None:
+        super().__init__(pattern)
+        self.asked: list[float] = []
+
+    def solve(self, b: Floats, tolerance: float = 0.0) -> Floats:
+        self.asked.append(tolerance)
+        rest = np.where(np.arange(len(b)) % 2, -1.0, 1.0) / np.sqrt(len(b))
+        return super().solve(b + tolerance * np.linalg.norm(b) * rest)
+
+
+def test_an_iterative_solver_is_asked_for_no_more_than_quadratic_convergence_takes():
+    """Little far away, and near the minimum so much that each gradient is of the order of the square of the last."""
+    problem = Analytic(
+        lambda x: (np.cosh(x) + x**3 / 6.0).sum(),
+        lambda x: np.sinh(x) + x**2 / 2.0,
+        lambda x: np.diag(np.cosh(x) + x),
+        3,
+    )
+    factor = Sloppy(problem.pattern)
+    found = minimise(problem, np.array([0.5, 1.0, 2.0]), factor, 1e-9, shift=0.0)
+    assert found.converged and found.iterations < 9
+    norms = np.array([entry.gradient_norm for entry in found.history])
+    close = norms[:-1] < 0.1
+    assert close.sum() >= 2 and (norms[1:] < 5.0 * norms[:-1] ** 2)[close].all()
+    assert factor.asked[0] == FORCING and min(factor.asked) < 1e-3
+    assert (np.array(factor.asked[1:]) >= 0.1 * (norms[1:-1] / norms[:-2]) ** 2).all()
+
+
+@METHODS
+def test_what_was_refused_is_not_tried_again_at_once(method):
+    """Curvature that stays negative: the amount just found serves the next step too, and only then is less tried."""
+    problem = Analytic(
+        lambda x: x[1] ** 2 - x[0] ** 2, lambda x: [-2.0, 2.0] * x, lambda x: np.diag([-2.0, 2.0]), 2, 0.1
+    )
+    factor = Patient(make_factor(problem.pattern))
+    found = minimise(problem, np.array([1.0, 1.0]), factor, 1e-10, 12, method, verdict=False)
+    factor.close()
+    tried = "".join("+" if accepted else "-" for accepted in factor.verdicts)
+    assert found.iterations == 12 and tried.count("+") == 12
+    assert tried.startswith("-") and "++-" in tried and "-+-" not in tried
+
+
+def test_a_convex_model_that_is_not_quite_convex_is_stiffened_until_it_serves():
+    """Rounding of large entries leaves it negative by more than what is added first."""
+
+    class Rounded(Analytic):
+        def hessian(self, state: Floats, blend: float) -> Floats:
+            data = super().hessian(state, blend)
+            data[self.pattern.diagonal] -= 0.05 * blend
+            return data
+
+    problem = Rounded(lambda x: np.sin(x).sum(), lambda x: np.cos(x), lambda x: np.diag(-np.sin(x)), 2)
+    found = run(problem, [0.5 * np.pi + 0.1, 0.5 * np.pi - 0.2])
+    assert found.converged and found.definite
+    assert found.energy == pytest.approx(-2.0)
+    assert max(entry.blend for entry in found.history) > 1.0
