@@ -13,11 +13,12 @@ from hypothesis import strategies as st
 
 from homogenize.campaign import Record
 from homogenize.errors import ForeignLaw, LawError
-from homogenize.fit import fit
+from homogenize.fit import filled, fit, row
 from homogenize.interpolation import Grid
 from homogenize.law import Law
 from homogenize.law_file import digest, load_law, to_bytes
-from homogenize.plan import Material
+from homogenize.plan import Material, Task
+from homogenize.residuals import residuals
 from homogenize.table import NAMES
 from pattern.design import Design
 from tests.homogenize import fake
@@ -187,6 +188,25 @@ def test_a_single_cell_without_an_answer_is_bridged_along_its_line() -> None:
     assert values.value["kappa"] == pytest.approx(known.value["kappa"], rel=0.02)
 
 
+def test_beyond_the_last_answer_that_answer_stands() -> None:
+    """Shorter arms that have none lie between two that do; nothing is told from the slope at the end."""
+    lengths = np.array([0.0, 1.0, 2.0, 4.0, 5.0, 6.0])
+    stored = np.stack([lengths**2, -3.0 * lengths], axis=-1)[:, None, None]
+    good = np.array([True, True, False, True, False, False])[:, None, None]
+    whole = filled(lengths, np.where(good[..., None], stored, np.nan), good)[:, 0, 0]
+    np.testing.assert_array_equal(whole[[0, 1, 3]], stored[[0, 1, 3], 0, 0])
+    np.testing.assert_allclose(whole[4:], [whole[3], whole[3]], rtol=1e-13)
+    assert 1.0 < whole[2, 0] < 16.0 and whole[2, 1] == pytest.approx(-6.0)
+
+
+def test_sheets_that_hardly_curl_have_no_sixfold_part() -> None:
+    """The energies of two directions differ by rounding there, and a cubic makes much of it."""
+    cell = fake.respond(design(), 2.0).data
+    for curl, sixfold in ((0.029, 0.0), (0.031, 7.0), (-0.031, 7.0)):
+        rolled = {"natural_curvature": [curl / cell["spacing_mm"]] * 3, "sixfold": 7.0}
+        assert row(cell | rolled, 1.35)[NAMES.index("c3")] == sixfold
+
+
 def test_tight_sheets_are_marked_and_keep_their_values() -> None:
     values = LAW.at(1.35)(np.array([2.0, 12.0]), 0.2, 1.2)
     curls = 17.320508 * values.value["kappa"]
@@ -214,6 +234,21 @@ def test_held_out_cells_and_cells_left_out() -> None:
         assert held["errors"]["lam"]["largest_percent"] < 0.2
         assert held["errors"]["kappa"]["largest_percent"] < 3 and held["errors"]["bending"]["largest_percent"] < 3
         assert loo["errors"]["kappa"]["rms_percent"] < 20
+
+
+def test_errors_are_of_the_cell_or_of_a_part_of_the_largest() -> None:
+    """Of a tenth for what changes its sign, of three hundredths else: a cell near zero does not count for all."""
+    table = LAW.at(1.35)
+    values = {name: float(value[0]) for name, value in table(7.0, 0.35, 1.0).value.items()}
+    cell = values | {"lam": values["lam"] / 1.01, "a12": 0.0, "c3": 0.0, "offset_mm": 0.0}
+    task = Task(1.35, True, 7.0, 0.35, 1.0)
+    found = residuals([table], [[(task, np.array([cell[name] for name in NAMES]))]], "grid")["1.35"]["held_out"]
+    percent = found["cells"][0]["error_percent"]
+    assert percent["lam"] == pytest.approx(1.0) and percent["kappa"] == 0.0
+    for name, part in (("a12", 0.1), ("c3", 0.1), ("offset_mm", 0.03)):
+        largest = table.nodes[..., NAMES.index(name)].max()
+        assert percent[name] == pytest.approx(100.0 * values[name] / (part * largest)), name
+    assert found["errors"]["c3"]["largest_percent"] == percent["c3"]
 
 
 def test_scattered_cells_make_a_law_too() -> None:
