@@ -174,7 +174,7 @@ def _rod_fields(model: Model, found: Equilibrium) -> dict[str, np.ndarray]:
     }
 
 
-def _roll_radius(model: Model, shape: Shape) -> float:
+def _roll_radius(model: Model, shape: Shape) -> float | None:
     """mm, of the tube nearest to the sheet's mean surface at the stars."""
     mean = CellMean(shape.printed, shape.weights, model.layout.lattice_vectors)(shape.positions)
     return tube_radius(mean[shape.star_vertices], vertex_normals(mean, shape.triangles)[shape.star_vertices])

@@ -15,15 +15,18 @@ def rolled(summary: Mapping[str, Any]) -> str:
     """How a sheet is rolled, in words."""
     if summary["roll_axis_deg"] is None:
         return "-"
-    return f"{summary['roll_axis_deg']:.0f} deg, radius {summary['roll_radius_mm']:.1f} mm"
+    radius = summary["roll_radius_mm"]
+    return f"{summary['roll_axis_deg']:.0f} deg" + ("" if radius is None else f", radius {radius:.1f} mm")
 
 
-def tube_radius(points: Floats, normals: Floats) -> float:
-    """mm, of the circular cylinder closest to points (n, 3) mm in the sense of least squares.
+def tube_radius(points: Floats, normals: Floats) -> float | None:
+    """mm, of the circular cylinder closest to points (n, 3) mm in the sense of least squares; None of fewer than five.
 
     Axis, place and radius are free. The search starts from the direction that the unit normals (n, 3) of the sheet are
     most nearly across, and from Kasa's circle through the points as they are seen along it.
     """
+    if len(points) < 5:  # through four there are many
+        return None
     points = points - points.mean(axis=0)
     directions = np.linalg.svd(normals, full_matrices=False)[2][::-1]
     axis, across = directions[0], directions[1:]

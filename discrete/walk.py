@@ -91,7 +91,7 @@ class Walk:
         # the flag also falls for rigid motions, which cost nothing only where all forces vanish
         while kicks < KICKS and not result.definite and np.isfinite(result.energy):
             pair = self._lowest(model, result.state, factor, "stability")
-            if pair.value > -clear - pair.error:
+            if pair.value >= -clear - pair.error:
                 break
             kicks += 1
             away = left(model, result.state, pair)
@@ -108,7 +108,7 @@ class Walk:
         while True:
             pair = self._lowest(model, result.state, factor, "certificate")
             # near a saddle on a fine mesh the gradient may not fall below the tolerance
-            if not (result.converged or result.idle) or pair.value > -pair.error or saddles == KICKS:
+            if not (result.converged or result.idle) or pair.value >= -pair.error or saddles == KICKS:
                 break
             saddles += 1
             away = left(model, result.state, pair)

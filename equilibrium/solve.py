@@ -130,7 +130,7 @@ def settle(
         modes = problem.rigid_modes(found.state)
         found.lowest = clock("eigenvalue", smallest_eigenvalue, problem.pattern, data, factor, modes)
         found.factorisations += found.lowest.factorisations
-        if found.lowest.value > -found.lowest.error or found.saddles_left == max_saddles:
+        if found.lowest.value >= -found.lowest.error or found.saddles_left == max_saddles:
             break
         energy, kicked = found.energy, left(problem, found.state, found.lowest.vector, longest)
         follow(kicked)

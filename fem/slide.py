@@ -12,10 +12,14 @@ from equilibrium.newton import STOP
 from fem.shapes import Plane, Shape, similar
 from fem.shell import Shell
 from fem.tabulation import Evaluation, Floats
+from pattern.rigid_fit import rigid_fit
 
 SLIDES = 3
 SLIGHT = 0.1  # of the energy: corrections that gain less are the last
 LATER = 0.25  # of what a correction gains: as much as all later ones; mostly each gains a fifth of the one before
+
+LINE = 1e-3  # width over length of places below which they are a line
+AS_PRINTED = 1e-6  # largest entry of a turn that is none
 
 
 @dataclass(frozen=True)
@@ -50,6 +54,20 @@ class Frame:
         diagonal = shell.pattern.diagonal
         data[diagonal[shell.support(shell.flat)]] += STOP * data[diagonal].max()
         return self._factor.factorise(data)
+
+    @cached_property
+    def _turn(self) -> Floats | None:
+        """(3, 3) how the places of what is held lie in space, against the print; None where they do as it does.
+
+        A line of places says nothing of the turn about it.
+        """
+        held = self._shell.held_points
+        places = self._shell.reduction.offset(self._shell.progress).reshape(-1, 3)[held]
+        if len(held) < 3:
+            return None
+        spread = np.linalg.svd(places - places.mean(axis=0), compute_uv=False)
+        turn = rigid_fit(self._shell.flat[held], places)[0]
+        return None if spread[1] <= LINE * spread[0] or np.abs(turn - np.eye(3)).max() < AS_PRINTED else turn
 
     def bent(self, shape: Shape) -> Start:
         """A shape as the conditions hold it."""
@@ -101,6 +119,7 @@ class Frame:
             return x
         held = shell.held_points
         if len(held):
+            x = x if self._turn is None else shell.shifted(x @ self._turn.T, np.zeros(3))
             places = shell.reduction.offset(shell.progress).reshape(-1, 3)
             x = shell.shifted(x, places[held].mean(axis=0) - x[held].mean(axis=0))
         stepped = shell.held(x)

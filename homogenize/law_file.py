@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import tokenize
 import zipfile
 import zlib
 from collections.abc import Sequence
@@ -72,7 +73,7 @@ def to_bytes(law: Law) -> bytes:
 
 
 # what the readers of archives raise for files that are none, or damaged
-DAMAGES = (KeyError, TypeError, ValueError, EOFError, RuntimeError, zipfile.BadZipFile, zlib.error)
+DAMAGES = (KeyError, TypeError, ValueError, EOFError, RuntimeError, tokenize.TokenError, zipfile.BadZipFile, zlib.error)
 
 
 def digest(law: Law) -> str:

@@ -10,11 +10,13 @@ from scipy.spatial import cKDTree
 
 from pattern.layout import Floats, Ints, Layout
 from pattern.pin_places import pin_places
+from pattern.planar import cross
 
 if TYPE_CHECKING:
     from pattern.design import Design
 
 NEAR = 1e-6  # of the spacing, or of a size: equal but for rounding
+STRAIGHT = 1e-6  # rad: an outline that turns by less has no corner there
 
 
 @dataclass(frozen=True)
@@ -54,18 +56,25 @@ def symmetries(design: Design, layout: Layout) -> list[Symmetry]:
     centre = layout.centres.mean(axis=0)
     # tips may meet: a quarter of the way back to the centre no two arms do
     inner = cKDTree(layout.arm_tip + 0.25 * (layout.centres[layout.arm_star] - layout.arm_tip))
-    stars, corners, pins = cKDTree(layout.centres), cKDTree(layout.border), pin_places(layout)
+    border = _corners(layout.border)
+    stars, corners, pins = cKDTree(layout.centres), cKDTree(border), pin_places(layout)
     found = []
     for turn in _candidates(layout.lattice_vectors):
         shift = centre - turn @ centre
         star = _image(layout.centres @ turn.T + shift, stars, near)
         if star is None or not _keeps_directions(design, turn):
             continue
-        if not _same_sides(_image(layout.border @ turn.T + shift, corners, near)):
+        if not _same_sides(_image(border @ turn.T + shift, corners, near)):
             continue
         if _same_arms(layout, inner, turn, shift, star, near) and _same_pins(pins, turn, shift, near):
             found.append(Symmetry(turn, shift, star))
     return found
+
+
+def _corners(border: Floats) -> Floats:
+    """Corners (n, 2) at which an outline turns: others are on a side, and change nothing."""
+    ahead, behind = np.roll(border, -1, axis=0) - border, border - np.roll(border, 1, axis=0)
+    return border[np.abs(np.arctan2(cross(behind, ahead), (behind * ahead).sum(axis=1))) > STRAIGHT]
 
 
 def _candidates(vectors: Floats) -> list[Floats]:

@@ -73,8 +73,9 @@ def weight(design: Design, layout: Layout, weights: sp.csr_matrix) -> Floats:
     gravity, fabric, plastic = design.gravity, design.fabric, design.plastic
     if not gravity.on:
         return np.zeros((weights.shape[0], 3))
-    # an arm's section is that of its middle
-    section = (layout.arm_thickness * layout.arm_width).mean(axis=1)
+    # the mean of a product of two that change evenly along the arm
+    thickness, width = layout.arm_thickness, layout.arm_width
+    section = thickness.mean(axis=1) * width.mean(axis=1) + np.diff(thickness)[:, 0] * np.diff(width)[:, 0] / 12.0
     volume = np.bincount(layout.arm_star, section * layout.arm_length, len(layout.centres))
     cell = abs(np.linalg.det(layout.lattice_vectors))
     mass = fabric.printed_mass + 1e-9 * plastic.density_kg_m3 * (weights @ volume) / cell

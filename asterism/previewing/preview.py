@@ -139,6 +139,7 @@ class Preview:
         fields = self._clock("fields", self.sheet.fields, self.values)
         curls = len(self.values.tight) > MANY * len(self.values.sizes)
         uniform = bool((np.ptp(self.values.sizes, axis=0) <= ALIKE * self.values.sizes.max(axis=0)).all())
+        free = True
         for step in self.sheet.layout.pin_steps:
             shell = self._clock("shell", self.sheet.shell, self.design, fields, step)
             factor = shell.factor()
@@ -148,9 +149,10 @@ class Preview:
                     "equilibrium", settled, shell, factor, self.side, uniform, curls, turns
                 )
             else:
-                free = len(self.shell.held_points) == 0
                 found = self._clock("pins", taken, shell, factor, found.x, free)
-            self.shell, self._factor, self.equilibrium = shell, factor, found
+            free = len(shell.held_points) == 0
+        # all at once: who interrupts the steps keeps the sheet that was there
+        self.shell, self._factor = shell, factor
         self.equilibrium = replace(found, x=shell.grounded(found.x))
 
     def edit(self, design: Design) -> Iterator[Stage]:
@@ -161,7 +163,7 @@ class Preview:
         goes on, the summary knows of none.
 
         Nothing happens before the first stage is asked for. Who stops after the linear response has a preview of that,
-        which says that it is no equilibrium.
+        which says that it is no equilibrium, if the edit changed anything.
 
         Raises
         ------
@@ -181,15 +183,15 @@ class Preview:
             self._clock("fields", self._change, design, plan, values)
             old = self.equilibrium
             linear = self._clock("linear response", linear_response, self.shell, old.x, self._factor)
-            seen = self.shell.grounded(linear.x)
-            # until the next stage is asked for: no equilibrium of anything
+            seen, gradient = self.shell.grounded(linear.x), float(np.linalg.norm(self.shell.gradient(linear.x)))
+            # until the next stage is asked for: no equilibrium of anything, unless nothing has changed
             self.equilibrium = replace(
                 old,
                 x=seen,
                 strains=linear.strains,
                 energies=energies_of(self.shell, linear.x),
-                gradient_norm=float(np.linalg.norm(self.shell.gradient(linear.x))),
-                definite=False,
+                gradient_norm=gradient,
+                definite=old.definite and gradient <= old.tolerance,
                 soft_modes=np.empty(0),
                 trials=(),
             )

@@ -133,7 +133,9 @@ class Sheet:
 
     def shell(self, design: Design, fields: Fields, step: int) -> Shell:
         """The shell with the pins up to a step; `DesignError` if they contradict each other."""
-        loads = self.loads(design) if design.gravity.on else None
+        # what nothing holds yet would fall: it lies somewhere until its first pins take hold
+        carried = any(pins.step <= step for pins in self.layout.pins)
+        loads = self.loads(design) if design.gravity.on and carried else None
         try:
             held = conditions(self.layout, self._mesh, self.space.mesh, step)
             return Shell(self.space, fields, held, loads)

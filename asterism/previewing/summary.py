@@ -178,7 +178,7 @@ def _roll_axis(preview: Preview, shape: Shape) -> float | None:
     return rolled_about(preview.sheet.layout, shape.point_fields["normal"][shape.star_vertices])
 
 
-def _roll_radius(shape: Shape) -> float:
+def _roll_radius(shape: Shape) -> float | None:
     """mm, of the tube nearest to the smooth surface at the stars."""
     smooth = shape.positions - shape.point_fields["bump_mm"]
     return tube_radius(smooth[shape.star_vertices], shape.point_fields["normal"][shape.star_vertices])

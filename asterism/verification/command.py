@@ -66,7 +66,9 @@ def table_lines(s: Mapping[str, Any]) -> list[str]:
     """The numbers of a summary, one a line."""
     from asterism.mesh_error import in_words
 
-    radius, expected = s["roll_radius_error_percent"], (s["expected_rms_percent"], s["expected_height_percent"])
+    radius, rms, height = (
+        s[name] for name in ("roll_radius_error_percent", "expected_rms_percent", "expected_height_percent")
+    )
     release, near = s["starts"]["release"], s["starts"]["preview"]
     apart = f"two minima, {s['starts_distance_percent']:.1f} % apart"
     if not (release["is_minimum"] and near["is_minimum"]):
@@ -77,7 +79,7 @@ def table_lines(s: Mapping[str, Any]) -> list[str]:
     rows = {
         "same form": {True: "yes", False: "no", None: "not known: no certified exact shape"}[s["same_branch"]],
         "distance": f"{s['rms_percent']:.2f} % of the diameter rms, {s['max_percent']:.1f} % at most",
-        "expected": "-" if None in expected else "{:.1f} %, height {:.0f} %".format(*expected),
+        "expected": f"{_expected(rms, 1)}, height {_expected(height, 0)}",
         "star centres": f"{s['rms_stars_percent']:.2f} % rms, {s['max_stars_percent']:.1f} % at most",
         "height": _mm(s["heights_mm"]),
         "rise over the pins": "-" if s["rises_mm"] is None else _mm(s["rises_mm"]),
@@ -88,6 +90,10 @@ def table_lines(s: Mapping[str, Any]) -> list[str]:
         "speed-up": f"{s['speedup']:.0f}",
     }
     return [f"  {name:<20} {value}" for name, value in rows.items()]
+
+
+def _expected(percent: float | None, digits: int) -> str:
+    return "not known" if percent is None else f"{percent:.{digits}f} %"
 
 
 def _mm(pair: list[float]) -> str:

@@ -147,14 +147,14 @@ class Comparison:
 
     @cached_property
     def roll_radii_mm(self) -> tuple[float, float] | None:
-        """Radii of the tubes nearest to the star centres' cell means; None unless both are rolled."""
+        """Radii of the tubes nearest to the star centres' cell means; None unless both are rolled, of five stars."""
         if None in self.roll_axes_deg:
             return None
         one, other = (
             tube_radius(self._stars(mean), normals)
             for mean, normals in zip((self.reference_mean, self.other_mean), self._normals, strict=True)
         )
-        return one, other
+        return None if one is None or other is None else (one, other)
 
     @cached_property
     def volumes_mm3(self) -> tuple[float, float] | None:

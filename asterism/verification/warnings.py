@@ -58,7 +58,7 @@ def _high(comparison: Comparison, expected: float | None) -> Iterator[str]:
     if off > 100.0 * FLAT * comparison.diameter_mm and off > most * exact:
         heights = f"the preview is {preview:.1f} mm high, the exact shape {exact:.1f} mm"
         told = "" if expected is None else f", more than twice what it expected ({expected:.1f} %)"
-        yield f"{heights}: {off / exact:.0f} % off{told}"
+        yield f"{heights}: {off / exact:.0f} % off{told}" if exact else heights
 
 
 def _meshes(exact: Mapping[str, Any], of_law: float | None, distance: float) -> Iterator[str]:

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import asterism
-from asterism.tube import tube_radius
+from asterism.tube import rolled, tube_radius
 
 
 @pytest.mark.parametrize(("radius", "turn"), [(10.0, 5.0), (30.0, 2.0), (80.0, 0.8)])
@@ -27,6 +27,20 @@ def test_both_models_say_how_far_a_sheet_rolls() -> None:
     design = asterism.Design.from_dict(data)
     preview, exact = (model(design).summary["roll_radius_mm"] for model in (asterism.preview, asterism.simulate))
     assert 15.0 < exact < 45.0 and preview == pytest.approx(exact, rel=0.15)
+
+
+def test_four_stars_are_on_many_tubes() -> None:
+    """Two edges pushed together; a star in the middle is left out."""
+    of = {
+        "stars": {"length_mm": 8.0, "thickness_mm": 0.3, "override": [{"star": 2, "remove": True}]},
+        "border": {"rectangle_mm": [60.0, 40.0]},
+        "pins": [{"edges": [1, 3], "scale": 0.5}],
+        "mesh": {"edge_mm": 4.0},
+    }
+    shape = asterism.preview(asterism.Design.from_dict(of))
+    assert len(shape.star_vertices) == 4 and shape.summary["roll_radius_mm"] is None
+    assert tube_radius(np.eye(4, 3), np.eye(4, 3)) is None
+    assert rolled({"roll_axis_deg": 90.0, "roll_radius_mm": None}) == "90 deg"
 
 
 def test_what_is_not_rolled_has_no_radius() -> None:

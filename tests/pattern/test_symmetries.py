@@ -48,6 +48,20 @@ def test_count(changes: dict, expected: tuple[int, int]) -> None:
     assert count(**changes) == expected
 
 
+def test_corners_on_a_straight_side_change_nothing() -> None:
+    """A hexagon as a polygon, one side of it in two pieces."""
+    angle = np.radians(30.0 + 60.0 * np.arange(6))
+    corners = 57.0 * np.column_stack([np.cos(angle), np.sin(angle)])
+    pieces = np.insert(corners, 1, 0.3 * corners[0] + 0.7 * corners[1], axis=0)
+    free: dict = {"pins": []}
+    assert count(border={"polygon_mm": pieces.tolist()}, **free) == count(
+        border={"polygon_mm": corners.tolist()}, **free
+    )
+    assert count(border={"polygon_mm": pieces.tolist()}, **free)[0] == 6
+    # but a piece that is held does
+    assert count(border={"polygon_mm": pieces.tolist()}, pins=[{"edges": [0], "scale": 0.8}])[0] < 6
+
+
 def test_weight_must_keep_its_direction() -> None:
     fabric = {"modulus_mpa": 1.0}
     assert count(fabric=fabric, gravity={"on": True}) == (6, 3)

@@ -8,10 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
+from scipy.spatial.transform import Rotation
 
 import asterism
 import asterism.previewing.preview as preview_module
 from asterism.previewing.arm_relief import Arms
+from asterism.previewing.held_sheet import weight
 from asterism.previewing.preview import Preview
 from asterism.previewing.star_relief import TURN
 from asterism.simulation import simulate
@@ -269,6 +272,79 @@ def test_targets_and_later_steps() -> None:
     assert preview.equilibrium.start == "pins take hold"
     assert preview.equilibrium.is_minimum
     assert preview.at(np.array(points)).smooth == pytest.approx(np.array(target), abs=1e-9)
+
+
+@pytest.mark.parametrize("turn", [("z", 180.0), ("x", 90.0), ("y", 150.0)])
+def test_pins_that_are_turned_in_space_turn_the_shape(turn: tuple[str, float]) -> None:
+    """Stood upright or laid on its back: without weight the energy is the same."""
+    corners = layout(design()).border[::2]
+    places = np.column_stack([0.8 * corners, np.zeros(3)])
+    turned = places @ Rotation.from_euler(*turn, degrees=True).as_matrix().T
+    one, other = (
+        Preview(design(pins=[{"corners": [0, 2, 4], "target_mm": at.tolist()}]), plain_law()).equilibrium
+        for at in (places, turned)
+    )
+    assert one.is_minimum and other.is_minimum and other.energy == pytest.approx(one.energy, rel=1e-6)
+
+
+def test_what_nothing_holds_yet_does_not_fall() -> None:
+    """Corners that slide on the ground from the beginning, and after the release."""
+    energies = []
+    for step in (0, 1):
+        pins = [{"where": "corners", "slide": "plane", "step": step}]
+        heavy = design(fabric={"modulus_mpa": 1.0}, gravity={"on": True}, pins=pins, stars={"length_mm": 8.0})
+        found = Preview(heavy, plain_law()).equilibrium
+        assert found.is_minimum
+        energies.append(found.energy)
+    assert energies[1] == pytest.approx(energies[0], rel=1e-6)
+
+
+def test_arms_weigh_what_they_are_printed_as() -> None:
+    """Thicker and narrower from the centre to the tip: 1200 kg/m^3 times the integral of the section."""
+    axis = {"profile": "axis", "axis": "y", "over_mm": 40.0}
+    sizes = {
+        "length_mm": 8.0,
+        "vary_along_arms": True,
+        "thickness_mm": {**axis, "from": 0.2, "to": 0.9},
+        "width_mm": {**axis, "from": 3.0, "to": 0.8},
+    }
+    heavy = design(gravity={"on": True}, fabric={"modulus_mpa": 1.0, "density_kg_m3": 0.0}, stars=sizes)
+    plan = layout(heavy)
+    stars = len(plan.centres)
+    found = weight(heavy, plan, sp.eye_array(stars, format="csr"))[:, 2] * abs(np.linalg.det(plan.lattice_vectors))
+    at = (np.arange(1000) + 0.5) / 1000
+    (t0, t1), (w0, w1) = plan.arm_thickness.T[..., None], plan.arm_width.T[..., None]
+    volume = ((t0 + (t1 - t0) * at) * (w0 + (w1 - w0) * at)).mean(axis=1) * plan.arm_length
+    expected = -9.81e-9 * heavy.plastic.density_kg_m3 * np.bincount(plan.arm_star, volume, stars)
+    np.testing.assert_allclose(found, expected, rtol=1e-5)
+
+
+def test_an_interrupted_edit_is_not_gone_on_from(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ctrl-C while later pins take hold: the next edit is as good as a new preview."""
+    late = [{"where": "corners", "scale": 0.8, "step": 1}]
+    preview = Preview(design(stars={"length_mm": 8.0}, pins=late), plain_law())
+
+    def stop(*args: object) -> None:
+        raise KeyboardInterrupt
+
+    def lost(shell: Any, x: Any, factor: Any, *rest: Any) -> Any:
+        return replace(preview.equilibrium, definite=False)
+
+    other = design(stars={"length_mm": 8.5}, pins=late)
+    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
+        patch.setattr(preview_module, "taken", stop)
+        patch.setattr(preview_module, "follow", lost)
+        list(preview.edit(other))
+    assert not preview.equilibrium.is_minimum and len(preview.shell.held_points)
+    list(preview.edit(other))
+    assert preview.equilibrium.energy == pytest.approx(Preview(other, plain_law()).equilibrium.energy, rel=1e-6)
+
+
+def test_an_edit_that_changes_nothing_leaves_an_equilibrium() -> None:
+    preview = Preview(design(pins=[{"where": "border", "scale": 0.8}]), plain_law())
+    assert next(preview.edit(preview.design)).name == "linear" and preview.equilibrium.is_minimum
+    assert next(preview.edit(design(pins=preview.design.to_dict()["pins"], stars={"length_mm": 9.0}))).name == "linear"
+    assert not preview.equilibrium.is_minimum
 
 
 def test_weight_pulls_a_roof_down() -> None:
