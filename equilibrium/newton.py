@@ -149,7 +149,6 @@ def minimise(
             stuck = not regularise.harden()
             continue
         state, energy, step = found
-        largest = max(largest, abs(energy))
         gradient = clock("gradient", problem.gradient, state)
         norm = float(np.linalg.norm(gradient))
         regularise.relax()
@@ -272,7 +271,7 @@ def _line_search(
 ) -> tuple[State, float, float] | None:
     """Backtrack until the energy falls enough (Armijo); None if it does not for any step worth taking.
 
-    Where the promised decrease drowns in the rounding of the energy, or of the largest one before it (its terms may
+    Where the promised decrease drowns in the rounding of the energy, or of the first and largest one (its terms may
     cancel now), a smaller gradient decides.
     """
     a = longest

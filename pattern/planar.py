@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 
 from pattern.layout import Floats, Ints
 
+TABLE = 2_000_000  # entries of a table of distances
+
 
 def cross(a: Floats, b: Floats) -> Floats:
     """z component of the cross product of the vectors in the last axis."""
@@ -71,6 +73,11 @@ def distance_to_segment(points: Floats, a: Floats, b: Floats) -> Floats:
     t = (x * along_x + y * along_y) / np.maximum(along_x**2 + along_y**2, np.finfo(float).tiny)
     t = np.minimum(np.maximum(t, 0.0), 1.0)
     return np.asarray(np.sqrt((x - t * along_x) ** 2 + (y - t * along_y) ** 2))
+
+
+def pieces(points: Floats, against: int) -> list[Floats]:
+    """Points (n, 2) cut up so that a table of each piece against so many others stays small."""
+    return np.array_split(points, len(points) * against // TABLE + 1)
 
 
 def distance_to_outline(points: Floats, polygon: Floats) -> Floats:

@@ -11,7 +11,7 @@ from fem.conditions import Condition, HeldEdge, HeldPoints, vertices_at
 from fem.placement import affine
 from pattern.design import Design
 from pattern.layout import Floats, Ints, Layout, PinSet
-from pattern.planar import distance_to_segment
+from pattern.planar import distance_to_segment, pieces
 
 
 def held_points(layout: Layout) -> Floats:
@@ -31,10 +31,14 @@ def held_edges(layout: Layout) -> list[int]:
 
 def distance_to_held(layout: Layout, points: Floats) -> Floats:
     """(n,) mm from printed points (n, 2) to the nearest place that is held; infinite where nothing is."""
-    held, pins, points = held_edges(layout), held_points(layout), np.asarray(points)[:, None]
+    held, pins = held_edges(layout), held_points(layout)
     start, end = layout.border[held], np.roll(layout.border, -1, axis=0)[held]
-    far = np.hstack([distance_to_segment(points, start, end), np.linalg.norm(points - pins, axis=-1)])
-    return np.asarray(far.min(axis=1, initial=np.inf))
+
+    def nearest(some: Floats) -> Floats:
+        far = np.hstack([distance_to_segment(some, start, end), np.linalg.norm(some - pins, axis=-1)])
+        return np.asarray(far.min(axis=1, initial=np.inf))
+
+    return np.concatenate([nearest(some[:, None]) for some in pieces(np.asarray(points), len(start) + len(pins))])
 
 
 def conditions(layout: Layout, sheet: SheetMesh, mesh: MeshTri, step: int) -> list[Condition]:

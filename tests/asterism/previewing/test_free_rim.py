@@ -19,6 +19,7 @@ from asterism.previewing.free_rim import (
     rim_curvature,
     rim_fall,
 )
+from asterism.previewing.held_sheet import distance_to_held
 from asterism.previewing.preview import Preview
 from asterism.previewing.star_relief import relief_heights
 from asterism.previewing.star_values import star_values
@@ -139,3 +140,15 @@ def test_the_rim_of_a_lone_star_is_as_deep_as_in_the_exact_model(monkeypatch: py
     without = fall(lambda points: preview.at(points).bumpy)
     assert exact > 2.0
     assert abs(found - exact) < 0.6 * abs(without - exact)
+
+
+def test_outlines_of_many_corners_are_asked_in_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever the size of the tables, the answers are the same."""
+    held = Design.from_dict(TUBE.to_dict() | {"pins": [{"edges": [0, 1]}, {"corners": [3], "scale": 0.9}]})
+    plan = layout(held)
+    points = np.random.default_rng(2).uniform(-60.0, 60.0, (300, 2))
+    whole = free_normals(plan, points), distance_to_held(plan, points)
+    monkeypatch.setattr("pattern.planar.TABLE", 100)
+    np.testing.assert_array_equal(free_normals(plan, points), whole[0])
+    np.testing.assert_array_equal(distance_to_held(plan, points), whole[1])
+    assert len(distance_to_held(plan, points[:0])) == 0 and np.isinf(distance_to_held(PLAN, points)).all()
