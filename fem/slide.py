@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from equilibrium.factor import Factor
 from equilibrium.newton import STOP
 from fem.shapes import Plane, Shape, similar
 from fem.shell import Shell
 from fem.tabulation import Evaluation, Floats
-from pattern.rigid_fit import rigid_fit
 
 SLIDES = 3
 SLIGHT = 0.1  # of the energy: corrections that gain less are the last
@@ -62,12 +62,15 @@ class Frame:
         A line of places says nothing of the turn about it.
         """
         held = self._shell.held_points
-        places = self._shell.reduction.offset(self._shell.progress).reshape(-1, 3)[held]
         if len(held) < 3:
             return None
-        spread = np.linalg.svd(places - places.mean(axis=0), compute_uv=False)
-        turn = rigid_fit(self._shell.flat[held], places)[0]
-        return None if spread[1] <= LINE * spread[0] or np.abs(turn - np.eye(3)).max() < AS_PRINTED else turn
+        places = self._shell.reduction.offset(self._shell.progress).reshape(-1, 3)[held]
+        printed, places = (at - at.mean(axis=0) for at in (self._shell.flat[held], places))
+        spread = np.linalg.svd(places, compute_uv=False)
+        if spread[1] <= LINE * spread[0]:
+            return None
+        turn = Rotation.align_vectors(places, printed)[0].as_matrix()
+        return None if np.abs(turn - np.eye(3)).max() < AS_PRINTED else np.asarray(turn)
 
     def bent(self, shape: Shape) -> Start:
         """A shape as the conditions hold it."""
