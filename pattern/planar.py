@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from pattern.layout import Floats, Ints
 
 TABLE = 2_000_000  # entries of a table of distances
+STRAIGHT = 1e-6  # rad: an outline that turns by less has no corner there
 
 
 def cross(a: Floats, b: Floats) -> Floats:
@@ -19,6 +20,12 @@ def cross(a: Floats, b: Floats) -> Floats:
 def polygon_area(polygon: Floats) -> float:
     """Signed area of a polygon (n, 2): positive if counterclockwise."""
     return float(cross(polygon, np.roll(polygon, -1, axis=0)).sum() / 2)
+
+
+def turns(ring: Floats) -> Floats:
+    """(n,) rad, how much a ring (n, 2) turns left at each point."""
+    ahead, behind = np.roll(ring, -1, axis=0) - ring, ring - np.roll(ring, 1, axis=0)
+    return np.arctan2(cross(behind, ahead), (behind * ahead).sum(axis=1))
 
 
 def triangle_areas(points: Floats, triangles: Ints) -> Floats:

@@ -10,13 +10,12 @@ from scipy.spatial import cKDTree
 
 from pattern.layout import Floats, Ints, Layout
 from pattern.pin_places import pin_places
-from pattern.planar import cross
+from pattern.planar import STRAIGHT, turns
 
 if TYPE_CHECKING:
     from pattern.design import Design
 
 NEAR = 1e-6  # of the spacing, or of a size: equal but for rounding
-STRAIGHT = 1e-6  # rad: an outline that turns by less has no corner there
 
 
 @dataclass(frozen=True)
@@ -56,7 +55,8 @@ def symmetries(design: Design, layout: Layout) -> list[Symmetry]:
     centre = layout.centres.mean(axis=0)
     # tips may meet: a quarter of the way back to the centre no two arms do
     inner = cKDTree(layout.arm_tip + 0.25 * (layout.centres[layout.arm_star] - layout.arm_tip))
-    border = _corners(layout.border)
+    # corners on a side change nothing
+    border = layout.border[np.abs(turns(layout.border)) > STRAIGHT]
     stars, corners, pins = cKDTree(layout.centres), cKDTree(border), pin_places(layout)
     found = []
     for turn in _candidates(layout.lattice_vectors):
@@ -71,27 +71,21 @@ def symmetries(design: Design, layout: Layout) -> list[Symmetry]:
     return found
 
 
-def _corners(border: Floats) -> Floats:
-    """Corners (n, 2) at which an outline turns: others are on a side, and change nothing."""
-    ahead, behind = np.roll(border, -1, axis=0) - border, border - np.roll(border, 1, axis=0)
-    return border[np.abs(np.arctan2(cross(behind, ahead), (behind * ahead).sum(axis=1))) > STRAIGHT]
-
-
 def _candidates(vectors: Floats) -> list[Floats]:
     """Orthogonal matrices that map the lattice onto itself, the identity first."""
     steps = np.stack(np.meshgrid(*2 * [np.arange(-3, 4)], indexing="ij"), axis=-1).reshape(-1, 2) @ vectors
     angle = np.arctan2(*vectors[0][::-1])
     length = np.linalg.norm(steps, axis=1)
     same = steps[np.abs(length - np.linalg.norm(vectors[0])) < NEAR * length.max()]
-    turns = []
+    found = []
     for target in np.sort(np.arctan2(same[:, 1], same[:, 0])):
         for mirror in (1.0, -1.0):
             c, s = np.cos(target - mirror * angle), np.sin(target - mirror * angle)
             turn = np.array([[c, -s], [s, c]]) @ np.diag([1.0, mirror])
             cells = vectors @ turn.T @ np.linalg.inv(vectors)
             if np.abs(cells - np.rint(cells)).max() < 1e-6:
-                turns.append(turn)
-    return sorted(turns, key=lambda turn: bool(np.abs(turn - np.eye(2)).max() > 1e-9))
+                found.append(turn)
+    return sorted(found, key=lambda turn: bool(np.abs(turn - np.eye(2)).max() > 1e-9))
 
 
 def _image(moved: Floats, points: cKDTree, near: float) -> Ints | None:

@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 
 from pattern.layout import Floats, Ints
-from pattern.planar import polygon_area
+from pattern.planar import polygon_area, turns
 
 # a line that turns by more has a corner there
 CORNER_DEG = 35.0
@@ -43,7 +43,7 @@ def coarse_outline(border: Floats, edge_mm: float, fixed: Ints) -> CoarseOutline
     edge_mm : what counts as short.
     fixed : corners that must stay.
     """
-    kept = np.union1d(fixed, np.flatnonzero(np.abs(_turns(border)) > np.radians(CORNER_DEG))).astype(np.int64)
+    kept = np.union1d(fixed, np.flatnonzero(np.abs(turns(border)) > np.radians(CORNER_DEG))).astype(np.int64)
     whole = np.arange(len(border))
     if len(kept) == len(border):
         return CoarseOutline(border, whole)
@@ -64,14 +64,6 @@ def coarse_outline(border: Floats, edge_mm: float, fixed: Ints) -> CoarseOutline
     if len(ring) < 3 or not shapely.is_valid(shapely.polygons(ring)):
         return CoarseOutline(border, whole)
     return CoarseOutline(ring, np.concatenate(sides))
-
-
-def _turns(ring: Floats) -> Floats:
-    """(n,) rad, how much the ring turns left at each point."""
-    ahead = np.roll(ring, -1, axis=0) - ring
-    behind = ring - np.roll(ring, 1, axis=0)
-    cross = behind[:, 0] * ahead[:, 1] - behind[:, 1] * ahead[:, 0]
-    return np.arctan2(cross, (behind * ahead).sum(axis=1))
 
 
 def _simplified(line: Floats, tolerance: float) -> Ints:

@@ -27,7 +27,7 @@ from asterism.previewing.held_sheet import held_edges, held_points
 from asterism.previewing.star_cells import long_arms
 from asterism.previewing.star_values import StarValues
 from pattern.layout import Floats, Ints, Layout
-from pattern.planar import distance_to_segment, pieces
+from pattern.planar import STRAIGHT, distance_to_segment, pieces, turns
 
 # curvature of bare fabric over that of the bumps beside it. Shares are smoothed, and less than half of the outline is
 # bare: more than 1 it must be. With 2 previews are nearest to the exact model
@@ -55,7 +55,11 @@ def free_normals(layout: Layout, points: Floats) -> Floats:
     pins = held_points(layout)
     if len(pins) > 1:
         near = NEAR * layout.spacing_mm
-        normal[(distance_to_segment(pins[:, None], start, end) < near).any(axis=0)] = 0.0
+        held = (distance_to_segment(pins[:, None], start, end) < near).any(axis=0)
+        # a side in several pieces is one
+        side = np.cumsum(np.abs(turns(layout.border)) > STRAIGHT)
+        side[side == 0] = side[-1]
+        normal[np.isin(side, side[held])] = 0.0
     return np.asarray(normal[nearest])
 
 

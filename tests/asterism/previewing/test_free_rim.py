@@ -152,3 +152,22 @@ def test_outlines_of_many_corners_are_asked_in_pieces(monkeypatch: pytest.Monkey
     np.testing.assert_array_equal(free_normals(plan, points), whole[0])
     np.testing.assert_array_equal(distance_to_held(plan, points), whole[1])
     assert len(distance_to_held(plan, points[:0])) == 0 and np.isinf(distance_to_held(PLAN, points)).all()
+
+
+def test_a_side_in_pieces_is_one_side() -> None:
+    """Held at a corner it keeps no curl along its whole length, however many corners lie on it."""
+    corners = PLAN.border
+    pieces = np.concatenate(
+        [np.linspace(a, b, 5)[:-1] for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True)]
+    )
+    points = np.random.default_rng(3).uniform(-60.0, 60.0, (200, 2))
+    for held in (corners[:1], corners[:2], corners[::3]):
+        pins = [{"points_mm": held.tolist(), "scale": 0.9}]
+        one, other = (
+            free_normals(
+                layout(Design.from_dict(TUBE.to_dict() | {"border": {"polygon_mm": ring.tolist()}, "pins": pins})),
+                points,
+            )
+            for ring in (corners, np.roll(pieces, 2, axis=0))
+        )
+        np.testing.assert_allclose(one, other, atol=1e-9)
