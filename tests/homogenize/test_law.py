@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import zipfile
 from pathlib import Path
 from typing import Any
 
@@ -336,6 +337,15 @@ def test_a_byte_that_changed_is_told_in_one_line(tmp_path: Path) -> None:
             assert str(path) in str(error) and "\n" not in str(error)
             told += 1
     assert told > 60
+
+
+def test_an_array_whose_header_is_cut_is_told_in_one_line(tmp_path: Path) -> None:
+    header = b"{'descr': '<i8', 'fortran_order': False, 'shape': (L,"
+    header += b" " * (118 - len(header) - 1) + b"\n"
+    with zipfile.ZipFile(tmp_path / "law.npz", "w") as archive:
+        archive.writestr("format.npy", b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header + bytes(8))
+    with pytest.raises(LawError, match="is not a law, or damaged"):
+        load_law(tmp_path / "law.npz")
 
 
 @pytest.mark.filterwarnings("error::RuntimeWarning")
