@@ -273,11 +273,15 @@ class Shell:
         """Nothing holds or pulls the sheet: wherever it is, all rigid motions are free."""
         return self.is_free and not self.loads.any() and not self.moments
 
-    def rigid_modes(self, x: Floats) -> Floats:
-        """(n, k) orthonormal rigid motions that the conditions leave free, and that cost nothing."""
+    def motions(self, x: Floats) -> Floats:
+        """(n, k) orthonormal rigid motions that the conditions leave free."""
         if spread(x[self.held_points]):
             return np.empty((self.pattern.size, 0))
-        motions = np.linalg.qr(admissible_motions(x, self._shifts, self.reduction.map, self.reduction.free))[0]
+        return np.linalg.qr(admissible_motions(x, self._shifts, self.reduction.map, self.reduction.free))[0]
+
+    def rigid_modes(self, x: Floats) -> Floats:
+        """(n, k) of `motions`, those that cost nothing."""
+        motions = self.motions(x)
         if motions.shape[1] == 0 or self.floats:
             return motions
         data = self.hessian(x)

@@ -140,8 +140,11 @@ def by_load_steps(shell: Shell, factor: Factor, steps: int) -> ShellEquilibrium 
 
 
 def modes_of(shell: Shell, x: Floats, factor: Factor, count: int = SOFTEST) -> tuple[Floats, Floats]:
-    """(k,) N/mm^3 and (n, k) softest modes over the free unknowns; the factor holds the Hessian at the minimum x."""
-    return softest(shell.mass, factor, shell.rigid_modes(x), count)
+    """(k,) N/mm^3 and (n, k) softest modes over the free unknowns; the factor holds the Hessian at the minimum x.
+
+    What swings as a whole under its weight keeps its form: rigid motions are left out, whatever they cost.
+    """
+    return softest(shell.mass, factor, shell.motions(x), count)
 
 
 def energies_of(shell: Shell, x: Floats) -> dict[str, float]:

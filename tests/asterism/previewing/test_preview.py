@@ -299,6 +299,20 @@ def test_what_nothing_holds_yet_does_not_fall() -> None:
     assert energies[1] == pytest.approx(energies[0], rel=1e-6)
 
 
+def test_a_sheet_that_swings_keeps_its_form() -> None:
+    """Hung from a needle in its middle it expects what it expects there without weight, and fears no other form."""
+    hung = {
+        "border": {"rings": 2},
+        "pins": [{"points_mm": [[0.0, 0.0]]}],
+        "stars": {"length_mm": 8.0},
+        "fabric": {"modulus_mpa": 7.0},
+    }
+    light, heavy = (asterism.preview(design(**hung, gravity={"on": on}), plain_law()).summary for on in (False, True))
+    assert light["is_minimum"] and heavy["is_minimum"]
+    assert heavy["expected_rms_percent"] == pytest.approx(light["expected_rms_percent"], rel=0.2)
+    assert not any("form" in line for line in heavy["warnings"])
+
+
 def test_arms_weigh_what_they_are_printed_as() -> None:
     """Thicker and narrower from the centre to the tip: 1200 kg/m^3 times the integral of the section."""
     axis = {"profile": "axis", "axis": "y", "over_mm": 40.0}
