@@ -34,18 +34,18 @@ def tube_radius(points: Floats, normals: Floats) -> float | None:
     middle = np.linalg.lstsq(np.column_stack([2.0 * seen, np.ones(len(seen))]), (seen**2).sum(axis=1))[0]
     radius = np.sqrt(max(middle[2] + middle[:2] @ middle[:2], 0.0))
 
-    def placed(a: Floats) -> tuple[Floats, Floats, Floats]:
-        """The axis' direction, not of unit length, and each point's place along and across it."""
+    def placed(a: Floats) -> tuple[Floats, Floats]:
+        """Each point's place along the axis, over the length of its direction, and across it."""
         along = axis + a[:2] @ across
         places = points - a[2:4] @ across
         height = places @ along / (along @ along)
-        return along, height, places - height[:, None] * along
+        return height, places - height[:, None] * along
 
     def off(a: Floats) -> Floats:
-        return np.asarray(np.linalg.norm(placed(a)[2], axis=1) - a[4])
+        return np.asarray(np.linalg.norm(placed(a)[1], axis=1) - a[4])
 
     def slopes(a: Floats) -> Floats:
-        _, height, outwards = placed(a)
+        height, outwards = placed(a)
         outwards = outwards / np.maximum(np.linalg.norm(outwards, axis=1), 1e-12)[:, None]
         moved = outwards @ across.T
         return np.column_stack([-height[:, None] * moved, -moved, -np.ones(len(points))])

@@ -66,7 +66,7 @@ def table_lines(s: Mapping[str, Any]) -> list[str]:
 
     outside, tight = len(s["stars_outside_law"]), len(s["stars_tight"])
     expected, height = s["expected_rms_percent"], s["expected_height_percent"]
-    others = [f"{axis:.0f}" for axis in s["equivalent_axes_deg"] if abs(axis - s["roll_axis_deg"]) > 1.0]
+    others = [f"{axis:.0f}" for axis in s["equivalent_axes_deg"] if 1.0 < abs(axis - s["roll_axis_deg"]) < 179.0]
     rows = {
         "stars": f"{s['stars']}, {outside} outside the law, {tight} curled tightly",
         "height": f"{s['height_mm']:.2f} mm"
