@@ -8,6 +8,8 @@ import shapely
 from pattern.errors import DesignError
 from pattern.layout import Floats, Ints
 
+MEANT_MM = 0.02  # ends that are nearer were to meet, and their length was rounded
+
 
 def cut(centres: Floats, tips: Floats, corners: Floats, margin: float) -> tuple[Floats, Ints]:
     """Tips pulled back to stay `margin` (mm) inside the outline, and which arms were too long.
@@ -65,4 +67,5 @@ def check_clear(centres: Floats, tips: Floats, star: Ints, width: Floats, meetin
     i, j = first[bad[0]], second[bad[0]]
     here, there = (f"[{x:.2f}, {y:.2f}]" for x, y in (centres[i], centres[j]))
     what = "overlap" if distance[bad[0]] == 0 else f"are {distance[bad[0]]:.3f} mm apart and would print as one"
-    raise DesignError("stars", f"arms of the stars at {here} and {there} {what}; shorten or turn them")
+    meant = "; length_fraction makes ends meet" if gap[bad[0]].min() < MEANT_MM else ""
+    raise DesignError("stars", f"arms of the stars at {here} and {there} {what}; shorten or turn them{meant}")

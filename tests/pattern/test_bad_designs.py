@@ -46,6 +46,7 @@ BAD = [
     ([("stars.length_mm", 0)], "stars", "at least one arm"),
     ([("stars.length_mm", 0.5)], "stars", "at least one arm"),
     ([("stars.length_mm", 17)], "stars", "apart and would print as one"),
+    ([("stars.length_mm", 17.32)], "stars", "shorten or turn them; length_fraction makes ends meet"),
     ([("stars.lenght_mm", 3)], "stars.lenght_mm", "did you mean length_mm?"),
     ([("stars.thickness_mm", 0.01)], "stars.thickness_mm", "from 0.05 to 5"),
     ([("stars.thickness_mm", 6)], "stars.thickness_mm", "from 0.05 to 5"),
