@@ -125,7 +125,7 @@ def minimise(
     clock = Clock()
     history: list[Iteration] = []
     energy = problem.energy(state)
-    largest = abs(energy)  # terms that cancel at the end keep the rounding of their beginning
+    first = abs(energy)  # terms that cancel at the end keep the rounding of their beginning
     gradient = clock("gradient", problem.gradient, state)
     norm = float(np.linalg.norm(gradient))
     regularise = _Regularisation(problem, factor, method, shift, clock, blend)
@@ -137,14 +137,14 @@ def minimise(
         if report:
             report(history[-1])
         # steps at the end may lower the energy by less than its rounding, but then the gradient falls
-        if energy < lowest - _rounding(energy, largest) or norm < 0.9 * least:
+        if energy < lowest - _rounding(energy, first) or norm < 0.9 * least:
             lowest, least, since = min(lowest, energy), min(least, norm), number
         if norm <= tolerance or stuck or number == max_iterations or not np.isfinite(norm) or number >= since + IDLE:
             break
         direction = regularise.direction(state, gradient)
         path, longest = problem.path(state, direction, method == "shifted")
         slope = float(gradient @ direction)
-        found = clock("line search", _line_search, problem, path, energy, largest, slope, norm, min(1.0, longest))
+        found = clock("line search", _line_search, problem, path, energy, first, slope, norm, min(1.0, longest))
         if found is None:
             stuck = not regularise.harden()
             continue
@@ -256,26 +256,26 @@ class _Regularisation:
         return bool(self.clock("factorisation", self.factor.factorise, data))
 
 
-def _rounding(energy: float, largest: float) -> float:
-    return max(1e-13 * abs(energy), 1e-16 * largest)
+def _rounding(energy: float, first: float) -> float:
+    return max(1e-13 * abs(energy), 1e-16 * first)
 
 
 def _line_search(
     problem: Problem,
     path: Callable[[float], State],
     energy: float,
-    largest: float,
+    first: float,
     slope: float,
     norm: float,
     longest: float,
 ) -> tuple[State, float, float] | None:
     """Backtrack until the energy falls enough (Armijo); None if it does not for any step worth taking.
 
-    Where the promised decrease drowns in the rounding of the energy, or of the first and largest one (its terms may
-    cancel now), a smaller gradient decides.
+    Where the promised decrease drowns in the rounding of the energy, or of the first one (its terms may cancel
+    now), a smaller gradient decides.
     """
     a = longest
-    rounding = _rounding(energy, largest)
+    rounding = _rounding(energy, first)
     while a > 1e-8:
         state = path(a)
         trial = problem.energy(state)

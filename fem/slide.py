@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from equilibrium.factor import Factor
 from equilibrium.newton import STOP
+from fem.rigid import spread
 from fem.shapes import Plane, Shape, similar
 from fem.shell import Shell
 from fem.tabulation import Evaluation, Floats
@@ -17,8 +18,6 @@ from fem.tabulation import Evaluation, Floats
 SLIDES = 3
 SLIGHT = 0.1  # of the energy: corrections that gain less are the last
 LATER = 0.25  # of what a correction gains: as much as all later ones; mostly each gains a fifth of the one before
-
-LINE = 1e-3  # width over length of places below which they are a line
 AS_PRINTED = 1e-6  # largest entry of a turn that is none
 
 
@@ -62,13 +61,10 @@ class Frame:
         A line of places says nothing of the turn about it.
         """
         held = self._shell.held_points
-        if len(held) < 3:
-            return None
         places = self._shell.reduction.offset(self._shell.progress).reshape(-1, 3)[held]
-        printed, places = (at - at.mean(axis=0) for at in (self._shell.flat[held], places))
-        spread = np.linalg.svd(places, compute_uv=False)
-        if spread[1] <= LINE * spread[0]:
+        if not spread(places):
             return None
+        printed, places = (at - at.mean(axis=0) for at in (self._shell.flat[held], places))
         turn = Rotation.align_vectors(places, printed)[0].as_matrix()
         return None if np.abs(turn - np.eye(3)).max() < AS_PRINTED else np.asarray(turn)
 
