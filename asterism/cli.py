@@ -20,6 +20,7 @@ def main() -> None:
     """Run the command line; exits with 0 done, 1 no answer, 2 wrong input, 130 interrupted."""
     try:
         interruption.listen()
+        _print_all_names()
         status = _run()
     except KeyboardInterrupt:
         status = 130
@@ -39,6 +40,12 @@ def stop(line: str, status: int) -> NoReturn:
     """End with one line."""
     print("asterism: " + " ".join(line.split()), file=sys.stderr)
     sys.exit(status)
+
+
+def _print_all_names() -> None:
+    """Names of files may be no text: strict output would end in an exception where the rest is written already."""
+    if getattr(sys.stdout, "errors", None) == "strict" and hasattr(sys.stdout, "reconfigure"):
+        sys.stdout.reconfigure(errors="backslashreplace")
 
 
 def _run() -> int:

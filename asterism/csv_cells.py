@@ -8,6 +8,8 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
+from pattern.errors import one_line
+
 LARGEST_BYTES = 2_000_000
 
 
@@ -21,7 +23,7 @@ class TableError(ValueError):
 
     def __init__(self, file: str | Path, row: int | None, column: str | None, problem: str):
         place = [str(file), *([f"row {row}"] if row else []), *([f"column {column}"] if column else [])]
-        super().__init__("".join(c if c.isprintable() else " " for c in f"{', '.join(place)}: {problem}"))
+        super().__init__(one_line(f"{', '.join(place)}: {problem}"))
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from pattern.errors import DesignError, from_validation
 from pattern.files import read_table
 from pattern.lattice import Lattice
 from pattern.materials import Fabric, Plastic
-from pattern.section import Number, Point, Section, Text, Whole
+from pattern.section import Line, Number, Point, Section, Whole
 from pattern.stars import SHORTEST_ARM_MM, THICKNESS_MM, WIDTH_MM
 
 PAPER = Path(__file__).parent / "data" / "paper.toml"
@@ -151,7 +151,7 @@ class Plan(Section):
 class Material(Section):
     """A material file: fabric, plastic and lattice as in a design, and the plan."""
 
-    name: Text = Field("material", min_length=1, max_length=100)
+    name: Line = Field("material", min_length=1, max_length=100)
     fabric: Fabric = Fabric()
     plastic: Plastic = Plastic()
     lattice: Lattice = Lattice()

@@ -43,7 +43,7 @@ def _first_exit(arm: shapely.LineString, centre: Floats, inner: shapely.Geometry
 def check_clear(centres: Floats, tips: Floats, star: Ints, width: Floats, meeting: float) -> None:
     """Refuse arms of different stars that cross, or that are so close that they print as one.
 
-    Ends that meet within `meeting` (mm) are joined on purpose and are fine.
+    Ends that meet within `meeting` (mm) are joined on purpose and are fine, unless one of the arms lies on the other.
 
     Parameters
     ----------
@@ -58,14 +58,21 @@ def check_clear(centres: Floats, tips: Floats, star: Ints, width: Floats, meetin
     ends = np.stack([centres, tips], axis=1)
     gap = np.linalg.norm(ends[first][:, :, None] - ends[second][:, None], axis=-1).reshape(-1, 4)
     joined = gap.min(axis=1) <= meeting if len(gap) else np.zeros(0, dtype=bool)
-    shared = shapely.length(shapely.intersection(arms[first], arms[second]))
+    # of four ends, two where arms are joined; a third is the far end of the shorter one, if it lies on the longer
+    touching = _ends_on(ends[first], arms[second], meeting) + _ends_on(ends[second], arms[first], meeting)
     distance = shapely.distance(arms[first], arms[second])
     clearance = (width[first].max(axis=1) + width[second].max(axis=1)) / 2
-    bad = np.flatnonzero(np.where(joined, shared > meeting, distance < clearance))
+    bad = np.flatnonzero(np.where(joined, touching > 2, distance < clearance))
     if len(bad) == 0:
         return
     i, j = first[bad[0]], second[bad[0]]
     here, there = (f"[{x:.2f}, {y:.2f}]" for x, y in (centres[i], centres[j]))
-    what = "overlap" if distance[bad[0]] == 0 else f"are {distance[bad[0]]:.3f} mm apart and would print as one"
+    apart = f"are {distance[bad[0]]:.3f} mm apart and would print as one"
+    what = "overlap" if joined[bad[0]] or distance[bad[0]] == 0 else apart
     meant = "; length_fraction makes ends meet" if gap[bad[0]].min() < MEANT_MM else ""
     raise DesignError("stars", f"arms of the stars at {here} and {there} {what}; shorten or turn them{meant}")
+
+
+def _ends_on(ends: Floats, others: np.ndarray, near: float) -> Ints:
+    """(n,) how many of both ends (n, 2, 2) of an arm lie on another one; asked of an intersection, rounding decides."""
+    return np.count_nonzero(shapely.distance(shapely.points(ends), others[:, None]) <= near, axis=1)

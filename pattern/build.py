@@ -39,6 +39,7 @@ def layout(design: Design) -> Layout:
         within = f"border.star_margin_mm = {star_margin_mm(design.border, lattice):.4g} from its outline"
         raise DesignError("border", f"must have room for at least one star, {within}")
     centres = lattice.place(cells)
+    _check_tip_margin(design.border.tip_margin_mm, centres, corners)
     directions = lattice.arm_directions
     size = sizes(design.stars, centres, lattice.spacing_mm, directions)
 
@@ -84,6 +85,14 @@ def layout(design: Design) -> Layout:
         star_branch=size.branch[kept],
         star_number=kept,
     )
+
+
+def _check_tip_margin(margin: float, centres: Floats, corners: Floats) -> None:
+    """Refuse a margin that whole stars lie in: they would vanish."""
+    room = float(shapely.distance(shapely.linearrings(corners), shapely.points(centres)).min())
+    if margin >= room:
+        problem = f"must be below {room:.4g} mm, what the outermost star is from the outline"
+        raise DesignError("border.tip_margin_mm", problem, margin)
 
 
 def check_carried(design: Design, plan: Layout) -> None:

@@ -17,7 +17,7 @@ from pattern.files import read_table, write_table
 from pattern.lattice import Lattice
 from pattern.materials import Fabric, Plastic
 from pattern.pins import Pins
-from pattern.section import Flag, Number, Place, Section, Text, Whole
+from pattern.section import Flag, Line, Number, Place, Section, Text, Whole
 from pattern.stars import Stars
 
 
@@ -59,7 +59,7 @@ class Solver(Section):
 class Design(Section):
     """A sheet of plastic stars on stretched fabric; lengths in mm on the stretched fabric, moduli in MPa."""
 
-    name: Text = Field("design", min_length=1, max_length=100)
+    name: Line = Field("design", min_length=1, max_length=100)
     units: Text = "mm"
     fabric: Fabric = Fabric()
     plastic: Plastic = Plastic()
@@ -70,13 +70,6 @@ class Design(Section):
     gravity: Gravity = Gravity()
     mesh: MeshChoice = MeshChoice()
     solver: Solver = Solver()
-
-    @field_validator("name")
-    @classmethod
-    def _one_line(cls, name: str) -> str:
-        if not name.isprintable():
-            raise DesignError("", "must be one line of printable characters", name)
-        return name
 
     @field_validator("units")
     @classmethod

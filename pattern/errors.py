@@ -25,7 +25,7 @@ class DesignError(ValueError):
     def __init__(self, field: str, allowed: str, value: Any = _NOTHING, file: str | Path | None = None):
         self.field, self.allowed, self.value, self.file = field, allowed, value, file
         place = field if value is _NOTHING else f"{field} = {_short(value)}"
-        super().__init__(_one_line(": ".join(part for part in (str(file or ""), place, allowed) if part)))
+        super().__init__(one_line(": ".join(part for part in (str(file or ""), place, allowed) if part)))
 
     def within(self, file: str | Path) -> DesignError:
         """The same mistake, with its file named."""
@@ -103,8 +103,8 @@ def _short(value: Any) -> str:
     return text if len(text) <= _LONGEST_VALUE else f"{text[: _LONGEST_VALUE - 3]}..."
 
 
-def _one_line(text: str) -> str:
-    # a file or key may be named anything, and the terminal must show one line all the same
+def one_line(text: str) -> str:
+    """A text with spaces for all that cannot be printed: files, keys and designs may be named anything."""
     return "".join(c if c.isprintable() else " " for c in text)
 
 

@@ -9,6 +9,8 @@ import numpy as np
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Strict, Tag, model_validator
 from pydantic_core import PydanticCustomError, PydanticKnownError
 
+from pattern.errors import DesignError
+
 MOST = 1e12  # what is larger is a slip, and its square may be no number
 
 
@@ -29,11 +31,18 @@ def _moderate(value: float) -> float:
     )
 
 
+def _printable(text: str) -> str:
+    if not text.isprintable():
+        raise DesignError("", "must be one line of printable characters", text)
+    return text
+
+
 # strict: neither a bool nor a text passes for a number
 Number = Annotated[float, Strict(), AfterValidator(_moderate)]
 Whole = Annotated[int, Strict(), BeforeValidator(_from_array)]
 Flag = Annotated[bool, Strict()]
 Text = Annotated[str, Strict()]
+Line = Annotated[Text, AfterValidator(_printable)]
 Point = tuple[Number, Number]
 Place = tuple[Number, Number, Number]
 

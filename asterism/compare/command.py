@@ -23,6 +23,7 @@ from asterism.mesh_error import diameter
 from asterism.read_shape import folder_of, read_shape
 from asterism.results import staged_result
 from asterism.shape import Shape
+from pattern.errors import one_line
 
 # farther off, the scan or outline may not have been laid on the shape rightly
 POOR_PERCENT = 1.5
@@ -49,7 +50,7 @@ def compare(shape: Path, scan: Path, output: Path | None, unit: str | None, view
         raise OutputError(f"--output: {str(directory)!r} is where the shape is and stays; choose another name")
     check_writable(directory)
     name = found.summary.get("design", {}).get("name", shape.stem)
-    title = f"{name} and {scan.name}"
+    title = one_line(f"{name} and {scan.name}")
     about: dict[str, Any] = {"version": __version__, "shape": str(shape), "scan": str(scan)}
     if scan.suffix.lower() in outline.FORMATS:
         view = view or "above"

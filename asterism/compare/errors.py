@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from pattern.errors import one_line
+
 
 class ScanError(ValueError):
     """A scan that cannot be read or compared; `str` is one line that begins with the file."""
 
     def __init__(self, file: str | Path, problem: str):
-        super().__init__("".join(c if c.isprintable() else " " for c in f"{file}: {problem}"))
+        super().__init__(one_line(f"{file}: {problem}"))

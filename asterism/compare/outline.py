@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
+from typing import BinaryIO
+from xml.etree import ElementTree
 
 import numpy as np
 import shapely
@@ -16,6 +19,10 @@ from pattern.layout import Floats
 
 FORMATS = (".svg", ".csv")
 _LARGEST = 1e6
+_PX = 25.4 / 96.0  # mm of a user unit without a viewBox, as SVG has it
+_UNSEEN = ("marker", "mask")  # elements whose content is no line of the drawing
+# gap between the ends of a closed line, over its size: programs round
+_CLOSED = 1e-3
 # pieces of a curve
 _PIECES = 100
 # width over length of corners that are on a line but for rounding
@@ -80,8 +87,7 @@ def _from_svg(path: Path, unit: str | None) -> Outline:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            # at 25.4 units an inch, a unit is a millimetre
-            drawing = svg.SVG.parse(str(path), reify=True, ppi=25.4)
+            drawing = svg.SVG.parse(_drawn(path), reify=True, ppi=96)
     except Exception as error:
         reason = str(error).strip().split("\n")[0] or type(error).__name__
         raise ScanError(path, f"cannot be read as SVG: {reason}") from None
@@ -89,14 +95,19 @@ def _from_svg(path: Path, unit: str | None) -> Outline:
         raise ScanError(path, "is not a drawing in SVG")
     said = [str(drawing.values.get(side, "")).strip().lower() for side in ("width", "height")]
     measured = all(text.endswith(("mm", "cm", "in", "pt", "pc")) for text in said)
-    lines = []
+    lines: list[Floats] = []
+    opened: list[Floats] = []
     for shape in drawing.elements(lambda element: isinstance(element, svg.Shape)):
+        if shape.values.get("visibility") in ("hidden", "collapse"):
+            continue
         for part in svg.Path(shape).as_subpaths():
             places = [(p.x, p.y) for piece in svg.Path(part) for p in _points(piece)]
             if len(places) >= 3:
-                lines.append(np.array(places, dtype=float))
+                line = np.array(places, dtype=float)
+                closed = np.linalg.norm(line[0] - line[-1]) <= _CLOSED * np.linalg.norm(np.ptp(line, axis=0))
+                (lines if closed else opened).append(line)
     if not lines:
-        raise ScanError(path, "holds no line with three corners or more")
+        raise ScanError(path, f"holds no {'closed ' if opened else ''}line with three corners or more")
     largest = max(lines, key=_area)
     if not np.isfinite(largest).all() or np.abs(largest).max() > _LARGEST:
         raise ScanError(path, "holds places that are not finite numbers, or too large")
@@ -107,8 +118,25 @@ def _from_svg(path: Path, unit: str | None) -> Outline:
         how = "%" if "%" in "".join(said) else "px"
         raise ScanError(path, f"has its size in {how}: give width and height in mm")
     steps = np.linalg.norm(np.diff(largest, axis=0, append=largest[:1]), axis=1)
-    corners = largest[steps > 1e-9] * [1.0, -1.0] * MM[unit or "mm"]
+    corners = largest[steps > 1e-9] * [1.0, -1.0] * (MM[unit] if unit else _PX)
     return Outline(corners, len(lines), unit)
+
+
+def _drawn(path: Path) -> BinaryIO:
+    """A drawing without what is in it only to be used elsewhere; svgelements takes that for lines of the drawing."""
+    tree = ElementTree.parse(path).getroot()
+    for parent in list(tree.iter()):
+        for child in list(parent):
+            space, _, name = str(child.tag).rpartition("}")
+            if name in _UNSEEN:
+                parent.remove(child)
+            elif name == "symbol":
+                place = f"{space}}}" if space else ""
+                child.tag = f"{place}g"
+                kept = ElementTree.Element(f"{place}defs")
+                parent[list(parent).index(child)] = kept
+                kept.append(child)
+    return BytesIO(ElementTree.tostring(tree))
 
 
 def _points(piece: object) -> list:

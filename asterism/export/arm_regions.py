@@ -12,6 +12,8 @@ from asterism.export.strips_of_arms import Strip
 from pattern.layout import Layout
 from pattern.rounding import Rounding
 
+THIN = 0.1  # of a line's width, half of what is too narrow for a piece of the cut line
+
 
 def star_terraces(plan: Layout, arms: Sequence[Strip]) -> tuple[Step, ...]:
     """Terraces of all stars in print coordinates; arms that overlap are one."""
@@ -32,4 +34,7 @@ def border_terrace(plan: Layout, stars: Sequence[Step], rounding: Rounding) -> S
     around = sheet.buffer(rounding.line_mm, join_style="mitre", mitre_limit=5).difference(sheet)
     # plastic that reaches over the border must not hang on the line
     clear = around.difference(stars[0].region.buffer(rounding.line_mm))
-    return Step(rounding.first_layer_mm, shapely.set_precision(clear, GRID_MM))
+    # slivers cannot be printed, and would hang on the rest by a point
+    thin = THIN * rounding.line_mm
+    wide = clear.buffer(-thin, join_style="mitre").buffer(thin, join_style="mitre", mitre_limit=5)
+    return Step(rounding.first_layer_mm, shapely.set_precision(wide, GRID_MM))

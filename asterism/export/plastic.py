@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from pattern.section import Number, Section, Text
+from pattern.section import Line, Number, Section
 
 
 class PlasticProfile(Section):
@@ -18,9 +18,9 @@ class PlasticProfile(Section):
     advice : lines for the instruction.
     """
 
-    name: Text = Field(min_length=1, max_length=100)
+    name: Line = Field(min_length=1, max_length=100)
     density_kg_m3: Number = Field(gt=0, le=20000)
     tiny_arm_mm: Number = Field(3.0, ge=0, le=100)
     nozzle_c: Number | None = Field(None, ge=0, le=500)
     bed_c: Number | None = Field(None, ge=0, le=200)
-    advice: tuple[Text, ...] = Field((), max_length=20)
+    advice: tuple[Line, ...] = Field((), max_length=20)

@@ -9,7 +9,7 @@ from pydantic import Field, field_validator
 
 from pattern.errors import DesignError
 from pattern.rounding import Rounding
-from pattern.section import Number, Point, Section, Text
+from pattern.section import Line, Number, Point, Section, Text
 
 LayerHeight = Annotated[Number, Field(ge=0.05, le=2)]
 # what may stand in braces in a printer's start code
@@ -63,7 +63,7 @@ class Printer(Section):
     start_code : G-code that makes the nozzle start on the fabric, with the `PLACEHOLDERS` in braces.
     """
 
-    name: Text = Field(min_length=1, max_length=100)
+    name: Line = Field(min_length=1, max_length=100)
     bed_mm: Point
     origin: Literal["corner", "centre"] = "corner"
     nozzle_mm: Number = Field(0.4, ge=0.1, le=2)

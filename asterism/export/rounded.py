@@ -16,7 +16,7 @@ from pattern.rounding import Rounding
 # layers that common printers can do, the coarsest first, and first layers as parts of the nozzle
 _LAYERS = (0.2, 0.15, 0.1, 0.05)
 _FIRST_LAYERS = (0.2, 0.3, 0.15, 0.25, 0.1)
-_THICKEST_LAYER = 0.75
+THICKEST_LAYER = 0.75
 # changes of a thickness that are worth another setting, as a fraction
 _WORTH_IT = 0.02
 
@@ -69,7 +69,7 @@ def better_layers(plan: Layout, rounding: Rounding) -> Rounding | None:
         rounding.model_copy(update={"first_layer_mm": first, "layer_mm": layer})
         for layer in _LAYERS
         for first in _FIRST_LAYERS
-        if max(first, layer) <= _THICKEST_LAYER * rounding.line_mm + 1e-9
+        if max(first, layer) <= THICKEST_LAYER * rounding.line_mm + 1e-9
     ]
     if not others:
         return None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from asterism.export.job import Job
+from pattern.errors import one_line
 
 HEADING = "x, y of the centre; for every piece of an arm its angle (deg), begin, end, width there and there, height"
 
@@ -28,4 +29,4 @@ def number(value: float) -> str:
 
 def comment(text: str) -> str:
     """One line that stays a comment, whatever a design's name contains."""
-    return "".join(sign if sign.isprintable() else " " for sign in text)
+    return one_line(text)

@@ -90,11 +90,13 @@ def first_guess(model: Model, bent: Data, data: Data) -> Floats:
     Raises
     ------
     NoMaterial
-        Every strip with its fabric is flat; the message gives the bound that is left.
+        Every strip with its fabric is flat, and the message gives the bound that is left; or there is none.
     """
     with_fabric = bent.take(~bent.peeled)
     if len(with_fabric.curvature) == 0:
         flat = data.take(~data.peeled)
+        if len(flat.curvature) == 0:  # they were outliers of each other
+            raise NoMaterial("the strips with their fabric contradict each other: measure again")
         bound = np.max(_of_ratio_one(model, flat) / flat.limit)
         raise NoMaterial(
             f"every strip with its fabric looks flat: E1/E2 is above {bound:.0f} ({model.formula}) if kappa_bar is 0, "

@@ -12,6 +12,7 @@ from asterism.strips.material import check_ours, material_text
 from asterism.strips.model import Formula, KappaBarKind
 from asterism.strips.picture import draw_fit
 from asterism.strips.table import read_strips
+from pattern.errors import one_line
 
 
 def fit(
@@ -53,9 +54,9 @@ def fit(
     )
     rows, words, worries = statement.table(found), statement.conventions(found), statement.warnings(found)
     remarks = [f"{name}: {value}" for name, value in rows.items()] + words
-    title = f"{strips.name}: {len(found.used)} readings of strips"
+    title = one_line(f"{strips.name}: {len(found.used)} readings of strips")
     with staged(path.parent) as folder:
-        (folder / path.name).write_text(material_text(found, path.stem, remarks), encoding="utf-8")
+        (folder / path.name).write_text(material_text(found, one_line(path.stem), remarks), encoding="utf-8")
         draw_fit(found, title, folder / f"{path.stem}.png")
         numbers = {"strips": strips.name, **statement.summary(found)}
         (folder / f"{path.stem}.json").write_text(json.dumps(numbers, indent=2) + "\n", encoding="utf-8")

@@ -6,7 +6,7 @@ import numpy as np
 
 from asterism.export.drawing import Drawing, Layer, Line, Text, rectangle
 from asterism.strips import arc
-from asterism.strips.specimen import Specimen, layers
+from asterism.strips.specimen import Specimen
 from asterism.strips.table import BOXES, GIVEN
 from pattern.layout import Floats
 from pattern.materials import Fabric, Plastic, rest_curvature
@@ -20,11 +20,17 @@ BOX = Layer("boxes", "#c8553d", 0.25, dash_mm=(1.5, 1.0))
 ARC = Layer("arcs", "#2a6f97", 0.8)
 
 
-def form(specimen: Specimen, bed_mm: tuple[float, float], stretch: float, fabric_mm: float) -> tuple[Drawing, ...]:
-    """Pages of A4: the map with the instruction, and the table, 40 strips a page."""
+Pair = tuple[float, float]
+
+
+def form(specimen: Specimen, bed_mm: Pair, layers_mm: Pair, stretch: float, fabric_mm: float) -> tuple[Drawing, ...]:
+    """Pages of A4: the map with the instruction, and the table, 40 strips a page.
+
+    `layers_mm`: heights of the first layer and of the others.
+    """
     rows = [specimen.strips[i : i + 40] for i in range(0, len(specimen.strips), 40)]
     tables = [_table_page(specimen, page) for page in rows]
-    return (_first_page(specimen, bed_mm, stretch, fabric_mm), *tables)
+    return (_first_page(specimen, bed_mm, layers_mm, stretch, fabric_mm), *tables)
 
 
 def csv_text(specimen: Specimen, stretch: float, fabric_mm: float) -> str:
@@ -36,12 +42,12 @@ def csv_text(specimen: Specimen, stretch: float, fabric_mm: float) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _first_page(specimen: Specimen, bed_mm: tuple[float, float], stretch: float, fabric_mm: float) -> Drawing:
+def _first_page(specimen: Specimen, bed_mm: Pair, layers_mm: Pair, stretch: float, fabric_mm: float) -> Drawing:
     items: list[Line | Text] = [
         Text(INK, np.array([15.0, 278.0]), "Strips to measure a plastic and a fabric", 6.0, bold=True)
     ]
     y = 268.0
-    for line in instructions(specimen, stretch, fabric_mm):
+    for line in instructions(specimen, layers_mm, stretch, fabric_mm):
         items.append(Text(INK, np.array([15.0, y]), line, 3.0))
         y -= 5.0
     items += _boxes(np.array([15.0, y - 34.0]))
@@ -69,9 +75,9 @@ def _map(specimen: Specimen, bed_mm: tuple[float, float]) -> list[Line | Text]:
     return items
 
 
-def instructions(specimen: Specimen, stretch: float, fabric_mm: float) -> list[str]:
+def instructions(specimen: Specimen, layers_mm: Pair, stretch: float, fabric_mm: float) -> list[str]:
     """What to do, line by line."""
-    first, others = layers(specimen.thicknesses_mm)
+    first, others = layers_mm
     heights = [float(arc.box(_expected(h, stretch, fabric_mm), specimen.length_mm)[1]) for h in specimen.thicknesses_mm]
     thicknesses = ", ".join(f"{h:g}" for h in specimen.thicknesses_mm)
     return [

@@ -19,7 +19,7 @@ def material_text(fit: StripFit, name: str, remarks: list[str]) -> str:
     """TOML of the material: thickness and stretch of the fabric, E1/E2, its convention, and kappa_bar."""
     fabrics, stretches = {r.fabric_thickness_mm for r in fit.used}, {r.stretch for r in fit.used}
     lines = [FIRST_LINE, *(f"# {remark}" for remark in remarks)]
-    lines += [f"name = {json.dumps(name)}", "", "[fabric]"]
+    lines += [f"name = {json.dumps(name, ensure_ascii=False)}", "", "[fabric]"]
     # without one value the commands keep the design's
     if len(stretches) == 1:
         lines.append(f"stretch = {stretches.pop():g}")
@@ -57,5 +57,5 @@ def _kappa_bar(fit: StripFit) -> str:
     if fit.kappa_bar_kind != "per-thickness":
         return f"{fit.kappa_bar[None].value:.4g}" if fit.kappa_bar else "0.0"
     values = ", ".join(f"{interval.value:.4g}" for interval in fit.kappa_bar.values())
-    thicknesses = ", ".join(f"{h:g}" for h in fit.kappa_bar if h is not None)
+    thicknesses = ", ".join(repr(float(h)) for h in fit.kappa_bar if h is not None)  # near ones stay apart
     return f"{{ thickness_mm = [{thicknesses}], per_mm = [{values}] }}"

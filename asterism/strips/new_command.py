@@ -35,16 +35,18 @@ def new(
     Raises
     ------
     DesignError
-        The strips do not fit on the bed, or a thickness is out of range.
+        The strips do not fit on the bed, or a thickness is out of range or not one of the nozzle.
     OutputError
         The files cannot be written, or a table is there that has been filled in.
     """
-    bed = load_printer(printer).bed_mm
+    profile = load_printer(printer)
+    bed = profile.bed_mm
     for h in thicknesses_mm:
         if not THICKNESS_MM[0] <= h <= THICKNESS_MM[1]:
             raise DesignError("--thickness", f"must be from {THICKNESS_MM[0]:g} to {THICKNESS_MM[1]:g} mm", h)
     if len(set(thicknesses_mm)) < len(thicknesses_mm):
         raise DesignError("--thickness", "must not be given twice", max(thicknesses_mm, key=thicknesses_mm.count))
+    heights = layers(thicknesses_mm, profile.nozzle_mm)
     strips = specimen(bed, thicknesses_mm, count, length_mm, width_mm)
     table, text = directory / "strips.csv", csv_text(strips, stretch, fabric_mm)
     if table.exists() and table.read_bytes() != text.encode():
@@ -54,8 +56,7 @@ def new(
         threemf.write(folder / "strips.3mf", solids, "strips")
         stl.write(folder / "strips.stl", *_joined(solids))
         (folder / "strips.csv").write_text(text, encoding="utf-8", newline="\n")
-        pdf.write(folder / "strips.pdf", form(strips, bed, stretch, fabric_mm))
-    heights = layers(strips.thicknesses_mm)
+        pdf.write(folder / "strips.pdf", form(strips, bed, heights, stretch, fabric_mm))
     thick = ", ".join(f"{h:g}" for h in strips.thicknesses_mm)
     return [
         f"  {len(strips.strips)} strips of {length_mm:g} x {width_mm:g} mm, {thick} mm thick",

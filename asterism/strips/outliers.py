@@ -130,6 +130,8 @@ def _robust_distance(model: Model, data: Data) -> Floats:
             weight = absolute if turn < 20 else np.maximum(1 - (u / _BIWEIGHT) ** 2, 0.0) ** 2
             root = np.sqrt(weight) / share
             jacobian = model.jacobian(parameters, bent) * root[:, None]
+            if not np.isfinite(jacobian).all():  # LAPACK would print a line of its own
+                raise np.linalg.LinAlgError("the robust fit has left all numbers")
             parameters = parameters + np.linalg.lstsq(jacobian, (bent.curvature - mean) * root, rcond=None)[0]
         likelihood = np.log(scale) + np.mean(np.log(share))
         if likelihood < best:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from asterism.export.rounded import THICKEST_LAYER
 from pattern.errors import DesignError
 
 THICKNESSES_MM = (0.30, 0.35, 0.40, 0.45)
 # between a strip and the next: room for the scissors
 GAP_MM = 8.0
 EDGE_MM = 5.0
+_THINNEST_LAYER_UM = 40  # that common printers can do
 
 
 @dataclass(frozen=True)
@@ -77,9 +79,24 @@ def specimen(
     return Specimen(length_mm, width_mm, tuple(strips))
 
 
-def layers(thicknesses_mm: tuple[float, ...]) -> tuple[float, float]:
-    """Heights (mm) of the first layer and of the others, as high as can be, that make all thicknesses exactly."""
-    micrometres = sorted(round(1000 * h) for h in thicknesses_mm)
-    first = micrometres[0]
-    rest = math.gcd(*(h - first for h in micrometres[1:])) if len(micrometres) > 1 else first
-    return first / 1000, (rest or first) / 1000
+def layers(thicknesses_mm: tuple[float, ...], nozzle_mm: float) -> tuple[float, float]:
+    """Heights (mm) of the first layer and of the others, as high as can be, that make all thicknesses exactly.
+
+    Raises
+    ------
+    DesignError
+        The nozzle has no such layers.
+    """
+    heights = sorted(round(1000 * h) for h in thicknesses_mm)
+    most = round(1000 * THICKEST_LAYER * nozzle_mm)
+    if heights[0] <= most:
+        first, step = heights[0], math.gcd(*(h - heights[0] for h in heights[1:])) or heights[0]
+    else:
+        first, step = 0, math.gcd(*heights)
+    others = next(step // parts for parts in range(1, step + 1) if step % parts == 0 and step // parts <= most)
+    if min(first or others, others) < _THINNEST_LAYER_UM:
+        least = _THINNEST_LAYER_UM / 1000
+        which = f"{least:g} to {most / 1000:g} mm (nozzle {nozzle_mm:g} mm)"
+        problem = f"must be a first layer and equal others, of {which}"
+        raise DesignError("--thickness", problem, ", ".join(f"{h:g}" for h in sorted(thicknesses_mm)))
+    return (first or others) / 1000, others / 1000

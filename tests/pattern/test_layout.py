@@ -220,10 +220,29 @@ def test_arms_that_touch_are_refused(tables):
         lay(**tables)
 
 
+@pytest.mark.parametrize("angle", range(0, 360, 30))
+def test_arms_that_lie_on_each_other_are_refused_however_they_are_turned(angle: int) -> None:
+    x, y = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    lattice = {"kind": "custom", "vectors_mm": [[17 * x, 17 * y], [-17 * y, 17 * x]], "arms": 4}
+    corners = 40.0 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) @ np.array([[x, y], [-y, x]])
+    with pytest.raises(DesignError, match=r"stars: arms of the stars .* overlap"):
+        lay(
+            lattice=lattice | {"orientation_deg": angle},
+            stars={"length_fraction": 1.0},
+            border={"polygon_mm": corners.tolist()},
+        )
+
+
 def test_tips_that_meet_are_fine():
     sheet = lay(lattice={"arms": 6}, stars={"length_fraction": 0.5}, border={"rings": 1})
     tips = sheet.arm_tip[:, None] - sheet.arm_tip
     assert ((np.linalg.norm(tips, axis=2) < 1e-9).sum() - len(tips)) // 2 == len(sheet.neighbours)
+
+
+@pytest.mark.parametrize("border", [{"rings": 2}, {"rectangle_mm": [100, 80]}])
+def test_a_margin_that_takes_whole_stars_is_refused(border: dict) -> None:
+    with pytest.raises(DesignError, match=r"border\.tip_margin_mm = 20\.0: must be below .* mm"):
+        lay(border=border | {"tip_margin_mm": 20.0})
 
 
 def test_thousands_of_stars_take_a_fraction_of_a_second():

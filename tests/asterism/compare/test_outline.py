@@ -24,6 +24,8 @@ RECT = '<rect x="10" y="10" width="50" height="20"/>'
         ('width="100mm" height="100mm" viewBox="0 0 100 100"', 1.0),
         ('width="10cm" height="10cm" viewBox="0 0 200 200"', 0.5),
         ('width="2in" height="2in" viewBox="0 0 100 100"', 0.508),
+        ('width="72pt" height="6pc" viewBox="0 0 100 100"', 0.254),
+        ('width="100mm" height="80mm"', 25.4 / 96),  # without a viewBox a unit is a pixel, whatever the size
         ('viewBox="0 0 100 100"', 1.0),
     ],
 )
@@ -44,6 +46,25 @@ def test_curves_and_transforms(tmp_path: Path) -> None:
     assert circle.area == pytest.approx(np.pi * 20**2, rel=1e-3)
 
 
+@pytest.mark.parametrize(
+    ("body", "lines"),
+    [
+        ('<path d="M0 0 L100 0 L100 90"/>', 1),
+        ('<rect width="90" height="90" visibility="hidden"/>', 1),
+        ('<g visibility="hidden"><rect width="90" height="90"/></g>', 1),
+        ('<marker><rect width="90" height="90"/></marker>', 1),
+        ('<mask><rect width="90" height="90"/></mask><symbol id="b"><rect width="90" height="90"/></symbol>', 1),
+        ('<symbol id="b"><rect width="9" height="9"/></symbol><use href="#b"/>', 2),
+        ('<polyline points="0,0 20,0 20,20 0,0"/>', 2),
+    ],
+)
+def test_only_closed_lines_that_are_drawn_count(body: str, lines: int, tmp_path: Path) -> None:
+    (tmp_path / "a.svg").write_text(SVG.format(size="", body=RECT + body))
+    outline = read_outline(tmp_path / "a.svg")
+    assert outline.lines == lines
+    np.testing.assert_allclose(np.ptp(outline.corners, axis=0), [50, 20], rtol=1e-5)
+
+
 def test_csv(tmp_path: Path) -> None:
     (tmp_path / "a.csv").write_text("x_mm;y_mm\n0;0\n10;0\n10;10\n0;0\n")
     np.testing.assert_array_equal(read_outline(tmp_path / "a.csv", "cm").corners, [[0, 0], [100, 0], [100, 100]])
@@ -61,6 +82,7 @@ def test_a_drawing_with_a_size_takes_no_unit(tmp_path: Path) -> None:
         ("a.svg", "", "SVG"),
         ("a.svg", "nonsense", "SVG"),
         ("a.svg", SVG.format(size="", body=""), "no line"),
+        ("a.svg", SVG.format(size="", body='<path d="M0 0 H9 V9"/>'), "holds no closed line with three corners"),
         ("a.svg", "<html></html>", "is not a drawing in SVG"),
         (
             "a.svg",

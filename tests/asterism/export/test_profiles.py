@@ -86,6 +86,7 @@ def test_own_files_by_path_by_folder_and_by_home(monkeypatch: pytest.MonkeyPatch
         (("{z_offset_mm}", "{offset}"), r"start_code = '\{offset\}': may have z_offset_mm, above_bed_mm"),
         (("{z_offset_mm}", ""), r"start_code: must use \{z_offset_mm\} or \{above_bed_mm\}"),
         (('homes = "away"', ""), "homes: is missing"),
+        (('name = "My machine"', 'name = "My\\u0001machine"'), "name = .*: must be one line of printable characters"),
         (("island_s = 1.0", "island_s = true"), "speed.island_s = True: must be a number"),
         (("[speed]", "[speed"), "is not TOML"),
     ],

@@ -17,6 +17,7 @@ from asterism.export.arm_regions import border_terrace, star_terraces
 from asterism.export.solid import GRID_MM, Solid, Step, stack, terraces
 from asterism.export.strips_of_arms import strips
 from pattern.build import layout
+from pattern.design import Design
 from pattern.rounding import Rounding
 from tests.asterism.export.jobs import design, job
 
@@ -106,6 +107,12 @@ def test_the_border_gives_way_to_plastic_that_reaches_over_it() -> None:
     over = Step(0.2, shapely.Point(plan.border[0]).buffer(2.0))
     line = border_terrace(plan, [over], RULE)
     assert line.region.distance(over.region) >= RULE.line_mm - 0.002
+
+
+@pytest.mark.parametrize("rings", [1, 2])
+def test_a_border_in_pieces_is_watertight(rings: int) -> None:
+    stars = {"length_fraction": 1.0, "width_mm": 2.0}
+    checked(job(Design.from_dict({"stars": stars, "border": {"rings": rings}})).solids[1])
 
 
 def test_nothing_makes_no_solid() -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,6 +12,8 @@ from PIL import Image
 
 from asterism.material import with_material
 from asterism.strips import arc
+from asterism.strips.fit import fit_strips
+from asterism.strips.material import material_text
 from asterism.strips.strip import Reading
 from asterism.strips.synthetic import readings
 from homogenize.plan import load_material
@@ -97,6 +101,50 @@ def test_mistakes_leave_nothing(strips: Path, capsys, monkeypatch) -> None:
     done = command(["strips", "fit", str(strips), "--kappa-bar", "zero"], capsys, monkeypatch)
     assert done.status == 1 and "looks flat" in done.line
     assert [file.name for file in strips.parent.iterdir()] == ["strips.csv"]
+
+
+HEAD = "strip,thickness_mm,length_mm,stretch,fabric_thickness_mm,curvature_per_mm,peeled_curvature_per_mm\n"
+
+
+@pytest.mark.parametrize(
+    ("rows", "options", "problem"),
+    [
+        (
+            [".3,60,1.35,.8,.020,.0030", ".3,60,1.35,.8,.030,.0031", *(f".3,60,1.35,.8,,.00{k}" for k in (29, 30, 32))],
+            [],
+            "with their fabric contradict each other",
+        ),
+        (
+            [".3,30,1.01,10,.0130367,.00278312", ".4,30,1.01,10,.00853419,-.00290093"],
+            ["--kappa-bar", "zero", "--rest-curvature", "timoshenko"],
+            "no plastic on this fabric",
+        ),
+    ],
+)
+def test_tables_without_a_material_end_in_one_line(rows, options, problem, tmp_path, capfd, monkeypatch) -> None:
+    lines = [f"{number},{row}" for number, row in enumerate(rows, 1)]
+    (tmp_path / "strips.csv").write_text(HEAD + "\n".join(lines) + "\n")
+    done = command(["strips", "fit", str(tmp_path / "strips.csv"), *options], capfd, monkeypatch)
+    assert done.status == 1 and problem in done.line and not done.out
+    assert [file.name for file in tmp_path.iterdir()] == ["strips.csv"]
+
+
+@pytest.mark.parametrize("name", ["a\N{GRINNING FACE}.toml", "m\udce9s.toml"])
+def test_a_material_of_any_file_name_can_be_read(name: str, strips: Path, capsys, monkeypatch) -> None:
+    try:
+        odd = strips.rename(strips.with_name(name.replace(".toml", ".csv")))
+    except (OSError, UnicodeError):
+        pytest.skip("no such names on this disk")
+    path = strips.with_name(name)
+    assert command(["strips", "fit", str(odd), "-o", str(path)], capsys, monkeypatch).status == 0
+    assert load_material(path).name.isprintable()
+
+
+def test_thicknesses_that_are_nearly_one_stay_apart() -> None:
+    near = [replace(r, thickness_mm=0.3000001) if r.thickness_mm == 0.35 else r for r in readings(0)]
+    fit = fit_strips(near, kappa_bar="per-thickness")
+    text = tomllib.loads(material_text(fit, "near", []))
+    assert text["plastic"]["kappa_bar_per_mm"]["thickness_mm"][:2] == [0.3, 0.3000001]
 
 
 def test_a_material_takes_the_place_of_the_designs_own(tmp_path: Path) -> None:

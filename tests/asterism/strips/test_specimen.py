@@ -57,13 +57,22 @@ def test_strips_keep_apart_and_on_the_bed(count: int, length: float, kinds: int,
         ((0.2, 0.4, 0.8), (0.2, 0.2)),
         ((0.3,), (0.3, 0.3)),
         ((0.25, 0.4), (0.25, 0.15)),
+        ((0.6, 0.9), (0.3, 0.3)),
+        ((0.6, 0.75), (0.15, 0.15)),
+        ((5.0,), (0.25, 0.25)),
     ],
 )
 def test_layers_make_every_thickness(thicknesses: tuple[float, ...], expected: tuple[float, float]) -> None:
-    first, others = layers(thicknesses)
+    first, others = layers(thicknesses, 0.4)
     assert (first, others) == expected
     for h in thicknesses:
         assert (h - first) / others == pytest.approx(round((h - first) / others), abs=1e-9)
+
+
+@pytest.mark.parametrize("thicknesses", [(0.3, 0.37, 0.4512), (0.02,), (0.61, 0.9)])
+def test_thicknesses_without_layers_are_refused(thicknesses: tuple[float, ...]) -> None:
+    with pytest.raises(DesignError, match=r"of 0.04 to 0.3 mm \(nozzle 0.4 mm\)"):
+        layers(thicknesses, 0.4)
 
 
 @pytest.fixture(scope="module")
