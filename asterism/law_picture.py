@@ -92,7 +92,7 @@ def _errors(axes: Axes, residuals: dict[str, Any]) -> None:
     axes.set_xticks(range(len(NAMES)), NAMES, rotation=30, fontsize=7)
     axes.plot([], [], "o", color="#2a6f97", markersize=3, label="held out")
     axes.plot([], [], "_-", color="#c8553d", markersize=8, label="left out on its line: median to rms")
-    axes.legend(fontsize=7, frameon=False, loc="lower right")
+    axes.legend(fontsize=7, frameon=False, loc="upper left")
 
 
 def _tidy(axes: Axes, title: str, below: str) -> None:

@@ -95,8 +95,9 @@ def _read(path: Path) -> meshio.Mesh:
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
             return meshio.vtu.read(str(path))
     except (Exception, SystemExit) as error:
-        reason = str(error).strip().split("\n")[0] or type(error).__name__
-        raise DesignError("", f"cannot be read as VTU: {reason}", file=path) from None
+        reason = str(error).strip().split("\n")[0]
+        other = f": {reason}" if reason else "; a folder of results, or the shape.vtu in it, can"
+        raise DesignError("", f"cannot be read as VTU{other}", file=path) from None
 
 
 def _printed(mesh: meshio.Mesh, path: Path) -> Floats:

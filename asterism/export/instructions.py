@@ -12,7 +12,7 @@ import numpy as np
 from asterism.export.drawing import Circle, Drawing, Line, Text, size_within
 from asterism.export.job import CHECK_SQUARE_MM, Job
 from asterism.export.layers import TEXT
-from asterism.export.needles import MUCH_MM, Needle
+from asterism.export.needles import MUCH_MM, Needle, hanging
 
 _A4_MM = (210.0, 297.0)
 _MARGIN_MM = 18.0
@@ -133,8 +133,8 @@ def _finish(job: Job) -> Chapter:
             lines.append(heights)
         if job.hangs_mm > MUCH_MM:
             lines.append(
-                f"The sheet hangs {job.hangs_mm:.1f} mm below the base: set all needles so much higher, on posts, or "
-                "cut the base out under it."
+                f"The sheet hangs {hanging(job.hangs_mm, job.hangs_doubt_mm)}: set all needles so much higher, on "
+                "posts, or cut the base out under it."
             )
         if len(known) < len(job.needles):
             sliding = len(job.needles) - len(known)

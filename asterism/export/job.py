@@ -13,7 +13,7 @@ from asterism.export.needles import Needle, needles
 from asterism.export.placement import Placement, place
 from asterism.export.plastic import PlasticProfile
 from asterism.export.printer import Printer
-from asterism.export.rounded import choose, exact, rounded_layout, with_rounding
+from asterism.export.rounded import changes, choose, exact, rounded_layout, with_rounding
 from asterism.export.solid import Solid, Step, stack
 from asterism.export.strips_of_arms import Strip, strips
 from asterism.shape import Shape
@@ -32,8 +32,8 @@ class Job:
 
     Attributes
     ----------
-    design : with the printer's rounding.
-    exact_plan, plan : its layout without and with rounding, in print coordinates.
+    drawn, design : as it was given, and with the printer's rounding.
+    drawn_plan, plan : their layouts, in print coordinates.
     arms : the pieces of all arms, about the stars' centres of `plan`.
     placement : from print coordinates to those of the sheets.
     stars, border : terraces of plastic in sheet coordinates; no border if it was not wanted or does not fit.
@@ -45,11 +45,12 @@ class Job:
     glance : the sheet in space by the preview, if it was computed for what it says alone.
     """
 
+    drawn: Design
     design: Design
     printer: Printer
     plastic: PlasticProfile
     rounding: Rounding
-    exact_plan: Layout
+    drawn_plan: Layout
     plan: Layout
     arms: tuple[Strip, ...]
     placement: Placement
@@ -74,6 +75,11 @@ class Job:
         return CHECK_SQUARE_MM * x, CHECK_SQUARE_MM * y
 
     @cached_property
+    def is_rounded(self) -> bool:
+        """Whether the printer makes any star another size than the design has it."""
+        return any(size["stars_changed"] for size in changes(self.drawn_plan, self.plan).values())
+
+    @cached_property
     def hangs_mm(self) -> float:
         """How far the sheet hangs below the base in which its needles stand; 0 where the shape is not known."""
         known = [needle for needle in self.needles if needle.place is not None]
@@ -82,6 +88,14 @@ class Job:
             return 0.0
         base = float(shape.at(known[0].printed[None])[0, 2] - known[0].place[2])  # type: ignore[index]
         return max(base - float(shape.positions[:, 2].min()), 0.0)
+
+    @property
+    def hangs_doubt_mm(self) -> float | None:
+        """How far off the preview expects the height to be in which the sheet hangs; None of other shapes."""
+        shape = self.shape or self.glance
+        summary = {} if shape is None else shape.summary
+        percent = summary.get("expected_height_percent")
+        return None if percent is None else percent / 100.0 * summary["height_mm"]
 
     @cached_property
     def solids(self) -> tuple[Solid, ...]:
@@ -128,8 +142,8 @@ def prepare(
     ):
         if value is not None and not limits[0] <= value <= limits[1]:
             raise DesignError(option, f"must be from {limits[0]:g} to {limits[1]:g}", value)
-    exact_plan = layout(exact(design))
-    rounding = choose(exact_plan, printer)
+    drawn_plan = layout(design)
+    rounding = choose(drawn_plan, printer)
     rounded = with_rounding(design, rounding)
     plan = rounded_layout(rounded, printer)
     arms = tuple(strips(plan, rounding))
@@ -150,11 +164,12 @@ def prepare(
     if shape is not None:
         _check_same_sheet(design, plan, shape)
     return Job(
+        drawn=design,
         design=rounded,
         printer=printer,
         plastic=plastic,
         rounding=rounding,
-        exact_plan=exact_plan,
+        drawn_plan=drawn_plan,
         plan=plan,
         arms=arms,
         placement=placement,

@@ -84,3 +84,9 @@ def _slides(pins: PinSet) -> str:
     if all(pins.fixed):
         return ""
     return "z" if pins.fixed[0] else "plane"
+
+
+def hanging(below_mm: float, doubt_mm: float | None) -> str:
+    """How far a sheet hangs; `doubt_mm`: how far off a preview expects its height to be."""
+    doubt = "" if doubt_mm is None else f", give or take {doubt_mm:.1f} mm"
+    return f"{below_mm:.1f} mm below the base{doubt}"

@@ -84,7 +84,7 @@ def _shifts(plastic: Floats, sheet: Floats, bed: Floats, frame: Floats) -> tuple
 
 def _advice(plastic: Floats, sheet: Floats, bed: Floats, frame: Floats) -> str:
     """The least turn in degrees that makes plastic (n, 2) and sheet (m, 2) fit, in words; empty if there is none."""
-    for turn in range(1, 180):
+    for turn in range(180):
         turned = Placement(turn, np.zeros(2))
         least, most = _shifts(turned.points(plastic), turned.points(sheet), bed, frame)
         if (least <= most).all():

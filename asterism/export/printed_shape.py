@@ -7,7 +7,6 @@ from typing import Any
 
 from asterism.compiling import told_of_compiling
 from asterism.export.job import Job
-from asterism.export.rounded import changes, exact
 from asterism.export.shape_change import shape_change
 from asterism.progress import Progress
 from asterism.shape import Shape
@@ -47,7 +46,7 @@ def printed_shape(job: Job, preview: bool, simulate: bool, law: Law | None = Non
                 return _both(job, lambda plan: solve(plan, report=progress.report, say=progress.say), "exact")
         finally:
             progress.close()
-    if not (preview or _is_rounded(job) or (job.needles and job.shape is None)):
+    if not (preview or job.is_rounded or (job.needles and job.shape is None)):
         return None, None
     from asterism.previewing.run import preview as fast
 
@@ -62,10 +61,5 @@ def printed_shape(job: Job, preview: bool, simulate: bool, law: Law | None = Non
 
 def _both(job: Job, shape_of: Callable[[Design], Shape], model: str) -> tuple[Shape, dict[str, Any]]:
     printed = shape_of(job.design)
-    drawn = shape_of(exact(job.design)) if _is_rounded(job) else printed
+    drawn = shape_of(job.drawn) if job.is_rounded else printed
     return printed, {"model": model, **shape_change(drawn, printed, job.design, job.plan)}
-
-
-def _is_rounded(job: Job) -> bool:
-    """Whether the printer makes any star another size than the design has it."""
-    return any(size["stars_changed"] for size in changes(job.exact_plan, job.plan).values())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from asterism.export.needles import MUCH_MM
+from asterism.export.needles import MUCH_MM, hanging
 
 _MOST_NAMED = 4
 
@@ -32,9 +32,7 @@ def table(s: dict[str, Any]) -> dict[str, str]:
     rows["check square"] = f"100 mm before stretching, {x:.1f} x {y:.1f} mm after"
     rows["needles"] = str(s["needles"])
     if s["hangs_below_base_mm"] > MUCH_MM:
-        rows["hangs"] = (
-            f"{s['hangs_below_base_mm']:.1f} mm below the base: set the needles so much higher, or cut it out"
-        )
+        rows["hangs"] = f"{hanging(s['hangs_below_base_mm'], s['hangs_doubt_mm'])}: set needles higher, or cut it out"
     rows["estimate"] = f"{cost['minutes']:.0f} min, {cost['mass_g']:.2f} g, {cost['filament_m']:.2f} m"
     return rows
 

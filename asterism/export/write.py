@@ -90,14 +90,14 @@ def _write_sheets(job: Job, folder: Path) -> None:
 def _summary(
     job: Job, cost: dict[str, float], tiny: list[dict[str, Any]], change: dict[str, Any] | None
 ) -> dict[str, Any]:
-    better = better_layers(job.exact_plan, job.rounding)
+    better = better_layers(job.drawn_plan, job.rounding)
     return {
         "design": job.design.to_dict(),
         "printer": job.printer.model_dump(mode="json"),
         "plastic": job.plastic.model_dump(mode="json"),
         "stars": len(job.plan.centres),
         "rounding": job.rounding.model_dump(mode="json")
-        | changes(job.exact_plan, job.plan)
+        | changes(job.drawn_plan, job.plan)
         | {"better_layers": None if better is None else better.model_dump(mode="json")},
         "shape_change": change,
         "tiny_stars": tiny,
@@ -110,5 +110,6 @@ def _summary(
         "check_square_mm": {"before": [CHECK_SQUARE_MM] * 2, "after": list(job.check_after_mm)},
         "needles": len(job.needles),
         "hangs_below_base_mm": job.hangs_mm,
+        "hangs_doubt_mm": job.hangs_doubt_mm,
         "estimate": cost,
     }

@@ -166,10 +166,9 @@ def warnings(
         lines.append(f"{passing(through)}; the exact model can keep it apart (--contact)")
     soft = found.soft_modes
     if axis is not None and len(soft) > 1 and soft[1] > NEUTRAL * soft[0]:
-        lines.append(
-            f"one motion is {soft[1] / soft[0]:.0f} times softer than all others: an even sheet hardly prefers "
-            f"the axis about which it rolls ({axis:.0f} deg)"
-        )
+        softer = f"one motion is {soft[1] / soft[0]:.0f} times softer than all others"
+        even = f"an even sheet hardly prefers the axis about which it rolls ({axis:.0f} deg)"
+        lines.append(f"{softer}: {'small changes move it far' if layout.is_pulled else even}")
     return lines
 
 

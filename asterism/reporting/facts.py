@@ -30,8 +30,8 @@ def facts(job: Job, summary: Mapping[str, Any], source: str) -> Facts:
     found = {
         "Fabric": _fabric(job.design),
         "Plastic": _plastic(job.design),
-        "Stars": _stars(job.exact_plan, job.design),
-        "Shape": [source, *_shape(summary), *_hanging(job)],
+        "Stars": _stars(job.drawn_plan, job.design),
+        "Shape": [source, *_as_drawn(job, summary), *_shape(summary), *_hanging(job)],
         "Accuracy": _accuracy(summary),
         "Print": _print(job),
     }
@@ -71,6 +71,13 @@ def _sides(plan: Layout) -> list[str]:
     down, free = (int((plan.star_branch == side).sum()) for side in (-1, 0))
     started = [f"{count} {how}" for count, how in ((down, "bumped down"), (free, "flat")) if count]
     return ["started " + ", ".join(started)] if started else []
+
+
+def _as_drawn(job: Job, summary: Mapping[str, Any]) -> list[str]:
+    """That the shape is not of what is printed, where the printer rounds."""
+    if not job.is_rounded or "design" not in summary or Design.from_dict(summary["design"]).stars == job.design.stars:
+        return []
+    return ["as drawn; the print is rounded, see there"]
 
 
 def _shape(summary: Mapping[str, Any]) -> list[str]:
@@ -124,7 +131,7 @@ def _print(job: Job) -> list[str]:
 def _rounded(job: Job) -> list[str]:
     """Which sizes the printer makes in place of the design's."""
     found = []
-    for name, size in changes(job.exact_plan, job.plan).items():
+    for name, size in changes(job.drawn_plan, job.plan).items():
         if size["stars_changed"]:
             found.append(
                 f"{name} " + ", ".join(f"{value:g}" for value in size["values_mm"][:4]) + " mm in place of the design's"

@@ -121,7 +121,9 @@ def _boxed(row: Row, prefix: str, reading: Reading, around: float) -> Measured:
     ratio = float(arc.arc_length(width, height)) / reading.length_mm
     for unit, factor in _UNITS.items():
         if abs(ratio / factor - 1) < ARC_TOLERANCE:
-            raise row.wrong(across, f"a strip of {reading.length_mm:g} mm has no arc this size in {unit}? write mm")
+            raise row.wrong(
+                across, f"a strip of {reading.length_mm:g} mm has no arc of this size; is it in {unit}? write mm"
+            )
     found = replace(reading, curvature_per_mm=float(arc.curvature(width, height)) or None)
     rolled_over_itself = ratio < 1 and height > 0.95 * width
     if abs(ratio - 1) > ARC_TOLERANCE and not rolled_over_itself:

@@ -113,7 +113,9 @@ def test_a_sheet_that_hangs_below_its_needles_is_told(file: Path, tmp_path: Path
     said = json.loads((tmp_path / "out" / "export.json").read_text())
     low = asterism.preview(load_design(tmp_path / "out" / "rounded.toml")).positions[:, 2].min()
     assert said["hangs_below_base_mm"] == pytest.approx(-low, rel=1e-6) and low < -0.5
-    told = f"hangs {-low:.1f} mm below the base"
+    doubt = said["hangs_doubt_mm"]
+    assert doubt > 0.0
+    told = f"hangs {-low:.1f} mm below the base, give or take {doubt:.1f} mm"
     assert told in " ".join((tmp_path / "out" / "instructions.txt").read_text().split())
     assert f"{-low:.1f} mm below the base" in result.out
     # without the shape's files too

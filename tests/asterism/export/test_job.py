@@ -34,12 +34,20 @@ def test_the_first_layer_suits_the_design(thickness: float, first: float) -> Non
 
 def test_changes_are_counted_in_stars() -> None:
     one = job()
-    said = changes(one.exact_plan, one.plan)["thickness"]
-    exact, rounded = one.exact_plan.arm_thickness[:, 0], one.plan.arm_thickness[:, 0]
+    said = changes(one.drawn_plan, one.plan)["thickness"]
+    exact, rounded = one.drawn_plan.arm_thickness[:, 0], one.plan.arm_thickness[:, 0]
     assert said["stars_changed"] == len(np.unique(one.plan.arm_star[np.abs(exact - rounded) > 1e-6]))
     assert abs(said["largest_change_mm"]) == pytest.approx(np.abs(exact - rounded).max())
     assert said["values_mm"] == pytest.approx(np.unique(rounded))
     assert changes(one.plan, one.plan)["width"]["stars_changed"] == 0
+
+
+def test_what_is_rounded_already_is_printed_as_drawn() -> None:
+    once = job()
+    again = job(once.design)
+    assert once.is_rounded and not again.is_rounded
+    assert again.drawn == once.design and again.rounding == once.rounding
+    np.testing.assert_array_equal(again.plan.arm_thickness, once.plan.arm_thickness)
 
 
 def test_better_layers_are_named_where_there_are_any() -> None:
@@ -97,6 +105,9 @@ def test_a_turn_that_helps_is_named_and_does() -> None:
     one, straight = job(bar, turn_deg=turn), job(bar, printer={"bed_mm": (250.0, 250.0)})
     assert one.solids[0].volume_mm3 == pytest.approx(straight.solids[0].volume_mm3, rel=1e-4)
     assert np.ptp(one.solids[0].box[:, :2], axis=0).max() <= 223.0
+    # where the bed has room as it is, no turn is the advice
+    with pytest.raises(DesignError, match=r"--turn 0 makes it fit$"):
+        job(bar, turn_deg=40.0, printer={"bed_mm": (250.0, 100.0)})
     # a fabric stretched differently in x and y cannot be turned under its print
     with pytest.raises(DesignError, match=r"--turn = 20\.0: must be 0 on a fabric"):
         job(rectangle(240.0, 60.0), turn_deg=20.0)

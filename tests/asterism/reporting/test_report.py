@@ -115,7 +115,13 @@ def test_sheets_that_hang_and_sizes_that_are_rounded_are_on_the_page(design: Pat
     text, _ = page(design.with_name("d-report.pdf"))
     low = preview(load_design(design)).positions[:, 2].min()
     assert f"hangs {-low:.1f} mm below its base" in text and low < -0.5
-    assert "thickness 0.4 mm in place of the design's" in text
+    assert "thickness 0.4 mm in place of the design's" in text and "as drawn; the print is rounded" in text
+    # a design that is what the printer makes has a page without such lines
+    assert command(["export", str(design), "-o", str(design.with_name("out"))], capsys, monkeypatch).status == 0
+    rounded = design.with_name("out") / "rounded.toml"
+    assert command(["report", str(rounded), "-o", str(rounded.with_name("r.pdf"))], capsys, monkeypatch).status == 0
+    text, _ = page(rounded.with_name("r.pdf"))
+    assert "thickness 0.4, width" in text and "in place of" not in text and "as drawn" not in text
 
 
 def test_what_decides_the_shape_is_on_the_page(design: Path, tmp_path: Path, capsys, monkeypatch) -> None:
