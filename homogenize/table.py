@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 from typing import Literal
 
 import numpy as np
@@ -53,6 +54,7 @@ _LOG, _ASINH = (np.array([q.form == form for q in QUANTITIES.values()]) for form
 TIGHT = 1.5
 # curvature from which its logarithm is interpolated, times the spacing of the stars
 SMALL_CURVATURE = 0.03
+BESIDE = 1e-9  # mm, or logarithms: places so near to a node are on it, and in all boxes around it
 
 
 @dataclass(frozen=True)
@@ -151,7 +153,7 @@ class Table:
         slope *= within[:, :, None]
         slope *= _rate(value, self.units)[:, None]
         value = from_stored(value, self.units)
-        solved = self._whole[self._grid.box(places)[0]] | (asked[:, 0] == 0.0)
+        solved = self._is_solved(places) | (asked[:, 0] == 0.0)
         inside = within.all(axis=1) & solved
         outside = () if inside.all() else tuple(self._why(int(n), asked[n], within[n]) for n in np.flatnonzero(~inside))
         return Values(
@@ -161,6 +163,13 @@ class Table:
             outside,
             np.abs(value[:, NAMES.index("kappa")]) * self.spacing_mm > TIGHT,
         )
+
+    def _is_solved(self, places: Floats) -> Bools:
+        """(N,) whether a place on the grid is in a box that has its answers, or on the rim of one."""
+        solved = self._whole[self._grid.box(places)[0]]
+        for sides in () if solved.all() else product((-BESIDE, BESIDE), repeat=3):
+            solved |= self._whole[self._grid.box(places + np.array(sides))[0]]
+        return solved
 
     def relief(self, length_mm: ArrayLike, thickness_mm: ArrayLike, width_mm: ArrayLike) -> Floats:
         """(N, 2, W) mm and mm^2, amplitudes of the stars' heights over the mean surface, of the waves `Law.waves`.

@@ -72,8 +72,11 @@ def _facets(mesh: MeshTri, pairs: Ints) -> Ints:
     return order[np.searchsorted(codes[order], low * size + high)]
 
 
-def weight(design: Design, layout: Layout, weights: sp.csr_matrix) -> Floats:
-    """(n, 3) N per printed mm^2 where stars count with weights (n, S); zero without gravity."""
+def weight(design: Design, layout: Layout, weights: sp.csr_matrix, covered: Floats) -> Floats:
+    """(n, 3) N per printed mm^2 where stars count with weights (n, S); zero without gravity.
+
+    `covered`: (S,) mm^2, the weights of each star added up over the sheet, so that it weighs what is printed.
+    """
     gravity, fabric, plastic = design.gravity, design.fabric, design.plastic
     if not gravity.on:
         return np.zeros((weights.shape[0], 3))
@@ -81,7 +84,6 @@ def weight(design: Design, layout: Layout, weights: sp.csr_matrix) -> Floats:
     thickness, width = layout.arm_thickness, layout.arm_width
     section = thickness.mean(axis=1) * width.mean(axis=1) + np.diff(thickness)[:, 0] * np.diff(width)[:, 0] / 12.0
     volume = np.bincount(layout.arm_star, section * layout.arm_length, len(layout.centres))
-    cell = abs(np.linalg.det(layout.lattice_vectors))
-    mass = fabric.printed_mass + 1e-9 * plastic.density_kg_m3 * (weights @ volume) / cell
+    mass = fabric.printed_mass + 1e-9 * plastic.density_kg_m3 * (weights @ (volume / covered))
     direction = np.asarray(gravity.direction, dtype=float)
     return mass[:, None] * gravity.acceleration_m_s2 * direction / np.linalg.norm(direction)

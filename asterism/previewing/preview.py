@@ -32,6 +32,7 @@ from pattern.arguments import check_kind
 from pattern.build import check_carried, layout
 from pattern.design import Design
 from pattern.layout import Layout
+from pattern.pin_freedom import tilts
 from pattern.section import is_whole
 from pattern.symmetries import Symmetry, symmetries
 
@@ -284,7 +285,9 @@ class Preview:
         if not shape.held:
             shape, up = shape.aligned(), shape.upright()[2]
         doubts = None
-        if self.equilibrium.is_minimum:
+        # pins that let the sheet tilt leave open what counts as its height, unless weight tells
+        certain = self.design.gravity.on or not shape.held or not tilts(self.sheet.layout)
+        if self.equilibrium.is_minimum and certain:
             doubts = self._clock("expected height", height_doubts, self, shape, up, self._factor)
         return replace(shape, summary=summary(self, shape, mesh, doubts, self.seconds))
 

@@ -113,7 +113,7 @@ class Sheet:
         early = EARLY if self.layout.is_pulled else free_early(values, spacing)
         gaussian = gaussian_moduli(values, spacing)
         shape = self._table.weights.shape
-        fields = sheet_fields(shares, values, shape, arms, self._normals, early, self._carried, gaussian=gaussian)
+        fields = sheet_fields(shares, values, shape, arms, self._normals, early, self._carried, gaussian, spacing)
         if self._soft is not None:
             bare = 1.0 - np.asarray(shares.sum(axis=1)).reshape(self._soft.shape)
             fields = giving_way(fields, self._soft, bare)
@@ -129,7 +129,13 @@ class Sheet:
 
     def loads(self, design: Design) -> Floats:
         """(N, 3) N, the weight."""
-        return area_load(self.space, lambda points: weight(design, self.layout, self.cells.shares(points).wide))
+        # cells at the outline reach over it, and share what is left
+        covered = self._shares.wide.T @ self._table.weights.ravel()
+
+        def pulls(points: Floats) -> Floats:
+            return weight(design, self.layout, self.cells.shares(points).wide, covered)
+
+        return area_load(self.space, pulls)
 
     def shell(self, design: Design, fields: Fields, step: int) -> Shell:
         """The shell with the pins up to a step; `DesignError` if they contradict each other."""

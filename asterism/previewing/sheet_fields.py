@@ -49,17 +49,18 @@ from asterism.previewing.star_arms import arm_metric
 from asterism.previewing.star_values import StarValues
 from fem.density import Density, isotropic
 from fem.fields import Fields
+from pattern.lattice import DEFAULT_SPACING
 from pattern.layout import Floats
 
 # Poisson's ratio of bending: it shapes no tube, but caps. Small free sheets are nearest to the exact model with 0 to .1
 POISSON = 0.05
 # sixfold term over that of the cells: in exact strips of long thin stars directions differ by up to twice as much
 SIXFOLD = 1.4
-# saturation over the natural curvature's `|(b11 - b22)/2 + i b12|`, and the least one, per mm
-BEYOND, LEAST = 3.0, 1e-3
+# saturation over the natural curvature's `|(b11 - b22)/2 + i b12|`, and the least one as a turn over a spacing, rad
+BEYOND, LEAST = 3.0, 1e-3 * DEFAULT_SPACING
 # part of the way from the natural tube's lengths to the flat cell's that counts in held sheets; the turn over a
-# spacing, rad, in which cells make most of it; the least curvature, per mm
-EARLY, TURN, CURLED = 0.3, 1.5, 3e-3
+# spacing, rad, in which cells make most of it; the least natural one
+EARLY, TURN, CURLED = 0.3, 1.5, 3e-3 * DEFAULT_SPACING
 # modulus of Gaussian curvature over the one that leaves the bending energy indefinite, at most
 STABLE = 0.95
 _PLAIN = ("kappa", "a12", "c3")
@@ -74,6 +75,7 @@ def sheet_fields(
     early: float | Floats = EARLY,
     carried: Floats | None = None,
     gaussian: Floats | None = None,
+    spacing: float = DEFAULT_SPACING,
 ) -> Fields:
     """The fields at places where stars count with weights (n, S), bare fabric with what is missing to 1.
 
@@ -81,8 +83,8 @@ def sheet_fields(
     a spacing back along it (`asterism.previewing.star_arms`); without them the metric is `lam^2 I`. `normals`: (n, 2)
     of free rims (`asterism.previewing.free_rim.free_normals`); without them rims do not curl. `early`: e above, of all
     or of each star (S + 1,), see `free_early`. `carried`: (S, N) part of the natural curvature that arms carry on into
-    a free rim (`asterism.previewing.rim_arms`). `gaussian`: (S,) N mm, g of each star; none without. The sixfold term
-    is larger by what its saturation takes away from it at the natural curvature.
+    a free rim (`asterism.previewing.rim_arms`). `gaussian`: (S,) N mm, g of each star; none without. `spacing`: mm,
+    of the stars. The sixfold term is larger by what its saturation takes away from it at the natural curvature.
     """
 
     def mean(of: Floats, shares: sp.csr_matrix = weights) -> Floats:
@@ -99,7 +101,7 @@ def sheet_fields(
         along = [np.exp(mean(np.log(natural), shares)) for _, shares in arms]
         metric = arm_metric(lam, np.stack(along, axis=-1), np.array([direction for direction, _ in arms]))
     bend = -kappa * square / (1.0 + POISSON)
-    longer = np.where(np.abs(kappa) > CURLED, flat**2 - square, 0.0)
+    longer = np.where(np.abs(kappa) * spacing > CURLED, flat**2 - square, 0.0)
     # half of what the metric changes by per trace of the curvature, which at rest is twice `bend`
     coupling = 0.5 * longer / (np.where(longer == 0.0, 1.0, kappa) * square)
     metric = metric * (1.0 + longer * (1.0 - 2.0 / (1.0 + POISSON)) / square)[..., None]
@@ -107,7 +109,7 @@ def sheet_fields(
         stiffness=_coupled(isotropic(a11, bending / lam**4, a12 / a11, POISSON), coupling),
         sixfold=SIXFOLD * (1.0 + 1.0 / BEYOND**2) * c3 / lam**6,
         orientation=zero,
-        saturation=np.maximum(BEYOND * 0.5 * np.abs(kappa) * square, LEAST),
+        saturation=np.maximum(BEYOND * 0.5 * np.abs(kappa) * square, LEAST / spacing),
     )
     curvature = np.stack([bend, bend, zero], axis=-1)
     if normals is not None:

@@ -177,6 +177,17 @@ def test_cells_without_an_answer_are_marked_with_their_surroundings() -> None:
     assert sum(s["problem"] is not None for s in holed.samples) >= 12
 
 
+@pytest.mark.parametrize("fails", [lambda h: h < 0.3, lambda h: h > 0.3])
+def test_a_cell_with_an_answer_is_inside_whichever_side_has_none(fails: Any) -> None:
+    def beside(design: Design, edge_mm: float) -> fake.Answer:
+        lost = fails(design.stars.thickness_mm - 1e-9) and fails(design.stars.thickness_mm + 1e-9)
+        return fake.Answer({}, "no") if lost and design.stars.length_mm >= 8.0 else fake.respond(design, edge_mm)
+
+    table = law(beside, thicknesses_mm=[0.2, 0.3, 0.4]).at(1.35)
+    assert table(10.0, 0.3, 1.0).inside.all()
+    assert not table(10.0, 0.25 if fails(0.2) else 0.35, 1.0).inside.any()
+
+
 def test_a_single_cell_without_an_answer_is_bridged_along_its_line() -> None:
     def one_gap(design: Design, edge_mm: float) -> fake.Answer:
         gap = design.stars.length_mm == 6.0 and design.stars.thickness_mm == 0.3

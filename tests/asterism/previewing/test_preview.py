@@ -25,6 +25,7 @@ from pattern import gallery
 from pattern.build import layout
 from pattern.design import Design
 from pattern.errors import DesignError
+from pattern.planar import polygon_area
 from pattern.symmetries import symmetries
 from tests.asterism.previewing.laws import SPACING, plain_law
 
@@ -325,12 +326,45 @@ def test_arms_weigh_what_they_are_printed_as() -> None:
     heavy = design(gravity={"on": True}, fabric={"modulus_mpa": 1.0, "density_kg_m3": 0.0}, stars=sizes)
     plan = layout(heavy)
     stars = len(plan.centres)
-    found = weight(heavy, plan, sp.eye_array(stars, format="csr"))[:, 2] * abs(np.linalg.det(plan.lattice_vectors))
+    cell = abs(np.linalg.det(plan.lattice_vectors))
+    found = weight(heavy, plan, sp.eye_array(stars, format="csr"), np.full(stars, cell))[:, 2] * cell
     at = (np.arange(1000) + 0.5) / 1000
     (t0, t1), (w0, w1) = plan.arm_thickness.T[..., None], plan.arm_width.T[..., None]
     volume = ((t0 + (t1 - t0) * at) * (w0 + (w1 - w0) * at)).mean(axis=1) * plan.arm_length
     expected = -9.81e-9 * heavy.plastic.density_kg_m3 * np.bincount(plan.arm_star, volume, stars)
     np.testing.assert_allclose(found, expected, rtol=1e-5)
+
+
+@pytest.mark.parametrize("border", [{"rings": 0}, {"rectangle_mm": [90.0, 60.0], "rings": None}])
+def test_a_sheet_weighs_what_is_printed(border: dict[str, Any]) -> None:
+    """Where cells reach over the outline too."""
+    gravity = {"on": True, "direction": [0.0, 0.0, -1.0]}
+    pins = [{"where": "corners"}]
+    heavy = design(gravity=gravity, fabric={"modulus_mpa": 1.0}, stars={"length_mm": 8.0}, border=border, pins=pins)
+    preview = Preview(heavy, plain_law())
+    sheet, plan = preview.sheet, preview.sheet.layout
+    # lifting all by a millimetre takes the whole weight
+    lifted = np.zeros((6, 3))
+    lifted[0, 2] = 1.0
+    pulled = sheet.space.interpolate(lambda points: np.repeat(lifted[None], len(points), axis=0))[:, 2]
+    pulled = pulled @ sheet.loads(heavy)[:, 2]
+    volume = (plan.arm_length * plan.arm_thickness.mean(axis=1) * plan.arm_width.mean(axis=1)).sum()
+    plastic = 1e-9 * heavy.plastic.density_kg_m3 * volume
+    fabric = heavy.fabric.printed_mass * polygon_area(plan.border)
+    assert pulled == pytest.approx(-9.81 * (plastic + fabric), rel=2e-3)
+
+
+def test_sheets_that_may_tilt_do_not_say_how_high_they_are() -> None:
+    """Two pins let it turn about the line through them; three do not."""
+    two, three = ([[-15.0, 0.0], [15.0, 0.0]], [[-15.0, 0.0], [15.0, 0.0], [0.0, 15.0]])
+    summaries = [
+        asterism.preview(
+            design(stars={"length_mm": 8.0}, pins=[{"points_mm": points, "scale": 0.8}]), plain_law()
+        ).summary
+        for points in (two, three)
+    ]
+    assert summaries[0]["expected_height_percent"] is None and summaries[1]["expected_height_percent"] > 0.0
+    assert summaries[0]["is_minimum"] and summaries[0]["expected_rms_percent"] > 0.0
 
 
 def test_an_interrupted_edit_is_not_gone_on_from(monkeypatch: pytest.MonkeyPatch) -> None:
