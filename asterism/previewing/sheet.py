@@ -69,6 +69,11 @@ class Sheet:
         self.layout = plan
         vars(self).pop("arms", None)
 
+    @property
+    def outline(self) -> Floats:
+        """(R, 2) mm, that of the mesh."""
+        return np.asarray(self._mesh.points[self._mesh.rim[:, 0]])
+
     @cached_property
     def arms(self) -> Arms:
         """Of its stars, on its shells."""

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from asterism.previewing.free_rim import beyond_stars
+from asterism.previewing.held_rim import HeldRim
 from asterism.previewing.held_sheet import distance_to_held
 from asterism.previewing.sheet import Sheet
 from asterism.previewing.smooth_surface import SmoothSurface, smooth_surface
@@ -56,7 +57,7 @@ class Lens:
         self._waves = waves(self.points - sheet.layout.lattice_origin)
         self._spacing, self._held = sheet.layout.spacing_mm, bool(sheet.layout.pins)
         self._stays = held_still(distance_to_held(sheet.layout, self.points), self._spacing)
-        self._at = sheet.space.locate(self.points)
+        self._at, self._rim = sheet.space.locate(self.points), HeldRim(sheet, self.points)
         self._shares = sheet.cells.shares(self.points)
         self._beyond, self._nearest = beyond_stars(sheet.layout, self.points)
         self._arms = sheet.arms
@@ -65,6 +66,7 @@ class Lens:
     def __call__(self, x: Floats, values: StarValues) -> Places:
         """Where positions x (N, 3) of the shell's dofs take the points."""
         smooth = smooth_surface(self._at, x)
+        smooth = replace(smooth, places=smooth.places + self._rim(x))
         weights = self._shares(values.sizes[:, 0])
         curvature = 2.0 * smooth.mean_curvature
         rim = self._beyond, self._nearest
