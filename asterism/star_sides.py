@@ -10,9 +10,10 @@ def off_branch(summary: Mapping[str, Any]) -> Iterator[str]:
     """A line, if there are such stars in an exact shape, from its summary."""
     if off := summary["stars_off_branch"]:
         stars = f"{len(off)} of {summary['stars_total']} stars of the exact shape"
-        yield f"{stars} are not on the side that the design asks for: stars {few(off)}"
+        yield f"{stars} are not on the side that the design asks for: {few(off)}"
 
 
 def few(stars: Sequence[int]) -> str:
     """The numbers of the first stars."""
-    return ", ".join(map(str, stars[:8])) + (", ..." if len(stars) > 8 else "")
+    numbers = ", ".join(map(str, stars[:8])) + (", ..." if len(stars) > 8 else "")
+    return f"star{'s' if len(stars) > 1 else ''} {numbers}"

@@ -132,7 +132,8 @@ class Preview:
         self._symmetries: list[Symmetry] | None = None
         count = self.sheet.space.mesh.nelements
         patience = ": this may take a minute" if count > LARGE else ""
-        self._say(f"{len(plan.centres)} stars on {count} triangles{patience}")
+        stars = len(plan.centres)
+        self._say(f"{stars} star{'s' if stars > 1 else ''} on {count} triangles{patience}")
         self._settle()
 
     def _settle(self) -> None:

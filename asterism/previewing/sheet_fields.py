@@ -21,10 +21,11 @@ lengths at rest follow the curvature,
     a = (lam^2 + e (lam_flat^2 - lam^2) (1 + tr b / (kappa lam^2))) I,
 
 which on the natural tube, where `tr b = -kappa lam^2`, is `lam^2 I` again: tubes stay the law's. It couples membrane
-and bending, since strains are measured from there. In cells of long thin stars most of the way is made at a fraction of
-the natural curvature: it is a tanh of x, the turn over a spacing in units of TURN. Free sheets are near their natural
-curvature, where its slope counts, `e = 2x / sinh(2x)` for each star. Held ones are anywhere in between; there a
-straight line through sheets that are curled a little starts below the flat cell, `e = EARLY`.
+and bending, since strains are measured from there. Of rims that curl on their own, `tr b` is what is beyond that curl.
+In cells of long thin stars most of the way is made at a fraction of the natural curvature: it is a tanh of x, the turn
+over a spacing in units of TURN. Free sheets are near their natural curvature, where its slope counts,
+`e = 2x / sinh(2x)` for each star. Held ones are anywhere in between; there a straight line through sheets that are
+curled a little starts below the flat cell, `e = EARLY`.
 
 **Stars and bare fabric bend in series** (`_in_series`): where they share a place their compliances add. Beyond the last
 stars nothing carries on what their arms bear. In exact strips, thick outer rows bend 11 to 28 % more than if logarithms

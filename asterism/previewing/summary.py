@@ -137,12 +137,12 @@ def warnings(
     if values.tight:
         lines.append(
             f"{len(values.tight)} of {len(layout.centres)} stars curl to a radius below two thirds of their spacing, "
-            f"where a smooth sheet says little: stars {few(values.tight)}"
+            f"where a smooth sheet says little: {few(values.tight)}"
         )
     lines += pin_warnings(layout, preview.design.gravity.on)
     down = layout.star_number[layout.star_branch < 0].tolist()
     if down:
-        lines.append(f"the law's stars bump up, but {len(down)} of the design start down: stars {few(down)}")
+        lines.append(f"the law's stars bump up, but {len(down)} of the design start down: {few(down)}")
     if preview.side != "auto" and (side := side_of(preview.shell, found.x)) not in ("auto", preview.side):
         lines.append(f"the edges were asked to go {preview.side}, but no such form was reached: they go {side}")
     if width < NARROW and not soft_in_two_ways:

@@ -39,7 +39,7 @@ def _exact_shape(exact: Mapping[str, Any]) -> Iterator[str]:
         yield passing(exact["self_intersections"], "the exact sheet")
     down, off, total = exact["stars_down"], exact["stars_off_branch"], exact["stars_total"]
     if down:
-        yield f"{len(down)} of {total} stars of the exact shape bump down: stars {few(down)}"
+        yield f"{len(down)} of {total} stars of the exact shape bump down: {few(down)}"
     if set(off) - set(down):  # sent down, and up again
         yield from off_branch(exact)
 

@@ -71,7 +71,7 @@ def test_stars_that_do_not_stay_where_they_were_sent_are_named(
     (tmp_path / "d.toml").write_text("[stars]\nlength_mm = 5.0\nbranch = 'down'\n[border]\nrings = 0\n")
     done = command(["simulate", str(tmp_path / "d.toml")], capsys, monkeypatch)
     assert done.status == 0 and "1 of 1 up" in done.out
-    assert done.err.endswith("1 of 1 stars of the exact shape are not on the side that the design asks for: stars 0\n")
+    assert done.err.endswith("1 of 1 stars of the exact shape are not on the side that the design asks for: star 0\n")
     # on a fabric that was not stretched stars stay flat, and are on no side
     (tmp_path / "f.toml").write_text("[fabric]\nstretch = 1.0\n" + SMALL)
     done = command(["simulate", str(tmp_path / "f.toml")], capsys, monkeypatch)

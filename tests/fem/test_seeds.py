@@ -24,6 +24,15 @@ def test_a_modulus_of_gaussian_curvature_leaves_arcs_alone() -> None:
     assert arcs[0] and arcs[1] == pytest.approx(arcs[0])
 
 
+def test_the_curvature_that_is_wanted_is_the_mean_one_of_a_sheared_metric() -> None:
+    """Half the trace of `a^-1 b`, whatever the coordinates."""
+    a, b = np.array([[0.7, 0.15], [0.15, 0.6]]), np.array([[0.02, 0.012], [0.012, -0.005]])
+    fields = replace(FIELDS["rolled"], metric=a[[0, 1, 0], [0, 1, 1]], curvature=b[[0, 1, 0], [0, 1, 1]])
+    wants = trends(Shell(Argyris(hexagon(1)), fields))
+    assert wants.curvature == pytest.approx(0.5 * np.trace(np.linalg.solve(a, b)))
+    assert wants.stretch == pytest.approx(np.linalg.det(a) ** 0.25)
+
+
 def test_what_is_no_side_is_refused() -> None:
     with pytest.raises(ValueError, match="side = 'sideways': must be auto, up, down"):
         shapes(Trends(np.zeros(2), 0.8, 0.0, 0.01, 0.3, np.inf), SIZE, "sideways")  # type: ignore[arg-type]

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from fem.argyris import Argyris
 from fem.conditions import HeldEdge, HeldPoints, vertices_at
 from fem.density import Density, isotropic
 from fem.end_moment import EndMoment
@@ -12,6 +15,7 @@ from fem.fields import of_stretch
 from fem.loads import area_load
 from fem.shell import Shell
 from fem.tabulation import Floats
+from tests.fem.hexagons import FIELDS, hexagon
 from tests.fem.maps import arc
 from tests.fem.meshes import facets_where, rectangle
 from tests.fem.spaces import SPACES
@@ -68,3 +72,19 @@ def test_a_free_sheet_may_be_moved_and_turned(name: str) -> None:
     turn = np.eye(3) + np.sin(2.0) * cross + (1.0 - np.cos(2.0)) * cross @ cross
     moved = shell.shifted(x @ turn.T, np.array([30.0, -20.0, 5.0]))
     assert shell.energy(moved) == pytest.approx(shell.energy(x), rel=1e-9)
+
+
+def test_the_part_of_gaussian_curvature_is_what_its_modulus_adds() -> None:
+    """On a twisted sheet too, where `b12` is all of it."""
+    space = Argyris(hexagon(1))
+    plain, more = (Shell(space, replace(FIELDS["rolled"], gaussian=g)) for g in (0.0, 0.3))
+
+    def twist(points: np.ndarray) -> np.ndarray:
+        """`z = rate x y` with its derivatives."""
+        out, (one, two), rate = np.zeros((len(points), 6, 3)), points.T, 5e-3
+        out[:, 0, 2], out[:, 1, 2], out[:, 2, 2], out[:, 5, 2] = rate * one * two, rate * two, rate * one, rate
+        return out
+
+    x = plain.flat + space.interpolate(twist)
+    assert more.gaussian_energy(x) == pytest.approx(more.energy(x) - plain.energy(x), rel=1e-6)
+    assert more.gaussian_energy(x) < -1e-3

@@ -177,6 +177,13 @@ def test_cells_without_an_answer_are_marked_with_their_surroundings() -> None:
     assert sum(s["problem"] is not None for s in holed.samples) >= 12
 
 
+def test_the_contraction_of_a_tube_is_that_of_its_area() -> None:
+    """The geometric mean of the stretches around and along it."""
+    sample = fake.respond(Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rings": 1}}), 2.0).data
+    sample |= {"natural_hoop": [0.9, 0.9, 0.8], "natural_axial": [0.8, 0.8, 0.9]}
+    assert row(sample, 1.35)[NAMES.index("lam_n")] == pytest.approx(np.sqrt(0.72), rel=1e-12)
+
+
 @pytest.mark.parametrize("fails", [lambda h: h < 0.3, lambda h: h > 0.3])
 def test_a_cell_with_an_answer_is_inside_whichever_side_has_none(fails: Any) -> None:
     def beside(design: Design, edge_mm: float) -> fake.Answer:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from homogenize.arm_segments import arm_segments
 from homogenize.isotropy import isotropic, off_isotropic
@@ -142,3 +143,9 @@ def test_the_nearest_isotropic_tensor() -> None:
     assert isotropic(plane) == pytest.approx((3.0, 1.0)) and off_isotropic(plane) < 1e-15
     stiffer = plane + np.diag([1.0, 0.0, 0.0])
     assert isotropic(stiffer) == pytest.approx((3.375, 1.125)) and 0.1 < off_isotropic(stiffer) < 0.3
+    # neither depends on the axes; strains turn as forms do
+    form = Rotation.from_euler("z", 0.4).as_matrix()[:2, :2]
+    turn = np.array([_strain(form @ e @ form.T) for e in ([[1, 0], [0, 0]], [[0, 0], [0, 1]], [[0, 0.5], [0.5, 0]])]).T
+    turned = turn.T @ stiffer @ turn
+    assert isotropic(turned) == pytest.approx(isotropic(stiffer))
+    assert off_isotropic(turned) == pytest.approx(off_isotropic(stiffer))

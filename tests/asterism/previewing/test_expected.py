@@ -9,14 +9,17 @@ import pytest
 
 from asterism.previewing.expected import (
     BUCKLED,
+    FLOOR,
     FORGIVEN,
     MIRRORED,
     SHARE,
+    UNSURE,
     amplitudes_percent,
     another_form_is_near,
     expected_rms_percent,
     share_of,
 )
+from asterism.previewing.other_forms import OtherForm
 from pattern import gallery
 from pattern.build import layout
 from pattern.design import Design
@@ -55,6 +58,14 @@ def test_a_mirror_alone_forgives_nothing(border, share):
     same = symmetries(design, layout(design))
     assert share_of(False, same) == share
     assert share_of(True, same) == FORGIVEN
+
+
+def test_forms_count_by_the_chance_that_they_are_lower():
+    """Of a normal error of the energies: one in two at equal ones, .1587 one standard deviation above."""
+    stiff = np.zeros(2)
+    for gap, chance in ((0.0, 0.5), (UNSURE, 0.158655), (-UNSURE, 0.841345)):
+        found = expected_rms_percent(stiff, [OtherForm("arc", 1.0, gap, 60.0)], share=0.0)
+        assert found == pytest.approx(np.hypot(FLOOR, 60.0 * np.sqrt(chance)), rel=1e-5)
 
 
 def test_stars_that_curl_tightly_are_beyond_a_smooth_sheet():

@@ -18,6 +18,7 @@ from asterism.previewing.held_sheet import weight
 from asterism.previewing.preview import Preview
 from asterism.previewing.star_relief import TURN
 from asterism.simulation import simulate
+from asterism.tube import tube_radius
 from asterism.verification.comparison import compare
 from homogenize.errors import LawError
 from homogenize.table import NAMES
@@ -354,6 +355,16 @@ def test_a_sheet_weighs_what_is_printed(border: dict[str, Any]) -> None:
     assert pulled == pytest.approx(-9.81 * (plastic + fabric), rel=2e-3)
 
 
+def test_the_radius_of_a_roll_is_that_of_its_smooth_surface() -> None:
+    preview = Preview(design(stars={"length_mm": 9.0, "thickness_mm": 0.35}), plain_law())
+    shape = preview.shape()
+    centres = preview.at(preview.sheet.layout.centres)
+    assert shape.summary["roll_radius_mm"] == pytest.approx(
+        tube_radius(centres.smooth, centres.surface.normals), rel=1e-6
+    )
+    assert abs(tube_radius(centres.bumpy, centres.surface.normals) / shape.summary["roll_radius_mm"] - 1.0) > 1e-3
+
+
 def test_sheets_that_may_tilt_do_not_say_how_high_they_are() -> None:
     """Two pins let it turn about the line through them; three do not."""
     two, three = ([[-15.0, 0.0], [15.0, 0.0]], [[-15.0, 0.0], [15.0, 0.0], [0.0, 15.0]])
@@ -433,7 +444,7 @@ def test_warnings_name_stars_by_the_numbers_of_the_design() -> None:
     assert shape.summary["stars_outside_law"][0].startswith("star 5 at [")
     assert shape.star.max() == len(shape.star_vertices) and 0 not in shape.star[shape.star_vertices]
     down = Preview(design(stars={"override": [odd[0], {"star": 3, "branch": "down"}]}), plain_law()).shape()
-    assert any(line.endswith("start down: stars 3") for line in down.summary["warnings"])
+    assert any(line.endswith("start down: star 3") for line in down.summary["warnings"])
 
 
 def test_many_stars_beyond_the_law_are_one_warning() -> None:

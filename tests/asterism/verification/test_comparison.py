@@ -54,6 +54,14 @@ def test_the_relief_is_what_repeats_from_star_to_star():
     assert found.rms_percent < 0.2
 
 
+def test_normals_differ_by_the_angle_of_the_slopes():
+    """A flat sheet and a shallow roof, whose sides go down by 10 degrees, but for the cells at the ridge."""
+    slope = np.tan(np.radians(10.0))
+    flat = shape(UNIFORM, lambda p: np.column_stack([p, np.zeros(len(p))]))
+    roof = shape(UNIFORM, lambda p: np.column_stack([p, -slope * np.abs(p[:, 0])]))
+    assert 8.0 < compared(UNIFORM, flat, roof).normals_rms_deg < 10.0
+
+
 @settings(max_examples=15, deadline=None)
 @given(st.tuples(*4 * [st.floats(-1.0, 1.0)]).filter(lambda q: sum(x * x for x in q) > 0.01), st.floats(-500.0, 500.0))
 def test_distances_do_not_depend_on_where_the_other_shape_lies(quaternion, far):

@@ -87,7 +87,7 @@ def test_heights_that_were_expected_to_differ_are_no_surprise(
     [
         ([2, 5], [2, 5], "2 of 7 stars of the exact shape bump down: stars 2, 5"),
         ([2, 5], [], "2 of 7 stars of the exact shape bump down: stars 2, 5"),
-        ([], [3], "1 of 7 stars of the exact shape are not on the side that the design asks for: stars 3"),
+        ([], [3], "1 of 7 stars of the exact shape are not on the side that the design asks for: star 3"),
     ],
 )
 def test_stars_on_another_side_are_named_once(down: list[int], off: list[int], line: str) -> None:
