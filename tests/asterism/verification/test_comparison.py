@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from asterism.cell_mean import CellMean
 from asterism.mesh_error import diameter
 from asterism.surface_fields import triangle_areas
-from asterism.verification.comparison import Comparison, compare
+from asterism.verification.comparison import Comparison, compare, image
 from asterism.verification.numbers import alike
 from pattern.build import layout
 from pattern.design import Design
@@ -52,6 +52,15 @@ def test_the_relief_is_what_repeats_from_star_to_star():
     found = compared(UNIFORM, right, other)
     assert found.relief_error_percent == pytest.approx(30.0, abs=4.0)
     assert found.rms_percent < 0.2
+
+
+def test_images_have_their_stars_where_the_design_has_them():
+    plan = layout(UNIFORM)
+    one = shape(UNIFORM, lumpy)
+    for symmetry in symmetries(UNIFORM, plan):
+        found = image(one, symmetry)
+        np.testing.assert_allclose(found.printed[found.star_vertices], plan.centres, atol=1e-9)
+        np.testing.assert_array_equal(found.star[found.star_vertices], np.arange(len(plan.centres)))
 
 
 def test_normals_differ_by_the_angle_of_the_slopes():
