@@ -27,7 +27,8 @@ def write_verification(found: Verification, directory: str | Path) -> list[str]:
     """
     check_kind(found, Verification, "verify makes them")
     with staged_result(directory) as folder:
-        (folder / "report.html").write_text(report(found), encoding="utf-8")
+        # the command holds names of files, which may be no text
+        (folder / "report.html").write_text(report(found), encoding="utf-8", errors="backslashreplace")
         write_shape_vtu(found.comparison.reference, folder / "exact.vtu")
         write_shape_vtu(found.comparison.other, folder / "preview.vtu")
         (folder / LAST).write_text(json.dumps(plain(found.summary), indent=2, allow_nan=False) + "\n")

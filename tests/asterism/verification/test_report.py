@@ -114,6 +114,13 @@ def test_it_takes_the_place_of_another_result(found, tmp_path):
     assert read_shape(tmp_path).positions == pytest.approx(found.comparison.reference.positions, abs=1e-6)
 
 
+def test_names_of_files_that_are_no_text_do_not_stop_it(found, tmp_path):
+    """As Python gives them to commands."""
+    odd = replace(found, summary=found.summary | {"command": "asterism verify d\udce9.toml"})
+    write_verification(odd, tmp_path)
+    assert "asterism verify d\\udce9.toml" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
 def test_both_shapes_of_a_verification_can_be_read_again(found, folder):
     exact, preview = read_shape(folder), read_shape(folder / "preview.vtu")
     assert exact.positions == pytest.approx(found.comparison.reference.positions, abs=1e-6)
