@@ -42,7 +42,7 @@ def _strain_rates(cell: Cell, tube: Tube) -> Array:
     rows = rates[:, : x.size].reshape(3, *x.shape)
     # axial shifts tau_m = A_m . s, with s = (axial stretch, shear) in the axes of the tube
     slopes = cell.turn @ np.linalg.inv(cell.cell_vectors)
-    _, shear = cell.turn @ np.linalg.solve(cell.cell_vectors, x[n:, 0])
+    _, shear = slopes @ x[n:, 0]
     rows[0, n:, 0] = tube.axial * slopes[0]
     # places on the mean surface go along the tube by axial u + shear v, and around it by hoop v
     rows[1, n:, 0] = shear * slopes[1]

@@ -87,6 +87,12 @@ def pieces(points: Floats, against: int) -> list[Floats]:
     return np.array_split(points, len(points) * against // TABLE + 1)
 
 
+def nearest_segment(points: Floats, a: Floats, b: Floats) -> Ints:
+    """(n,) number of the segment from `a` to `b` (s, 2) that each point (n, 2) is nearest to, the first of equals."""
+    far = (distance_to_segment(some[:, None], a, b) for some in pieces(points, len(a)))
+    return np.concatenate([each.argmin(axis=1) for each in far])
+
+
 def distance_to_outline(points: Floats, polygon: Floats) -> Floats:
     """Distance (n,) of points to the outline of a polygon."""
     ring = shapely.linearrings(polygon)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from asterism.export.job import Job
-from asterism.export.star_table import HEADING, comment, number, star_table
+from asterism.export.star_table import HEADING, number, star_table
+from pattern.errors import one_line
 
 _FUNCTIONS = """
 -- a piece of an arm as a prism
@@ -45,7 +46,7 @@ end
 
 def write(path: Path, job: Job) -> None:
     """Write the stars of a job in the printer's coordinates."""
-    lines = [f"-- {comment(job.design.name)}: stars for the {comment(job.printer.name)}, in mm", f"-- {HEADING}", ""]
+    lines = [f"-- {one_line(job.design.name)}: stars for the {one_line(job.printer.name)}, in mm", f"-- {HEADING}", ""]
     lines.append("stars = {")
     for (x, y), pieces in star_table(job):
         inner = ", ".join("{" + ", ".join(map(number, piece)) + "}" for piece in pieces)

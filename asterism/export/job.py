@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import shapely
@@ -75,25 +76,33 @@ class Job:
         return CHECK_SQUARE_MM * x, CHECK_SQUARE_MM * y
 
     @cached_property
+    def size_changes(self) -> dict[str, Any]:
+        """What rounding does to the sizes, see `asterism.export.rounded.changes`."""
+        return changes(self.drawn_plan, self.plan)
+
+    @property
     def is_rounded(self) -> bool:
         """Whether the printer makes any star another size than the design has it."""
-        return any(size["stars_changed"] for size in changes(self.drawn_plan, self.plan).values())
+        return any(size["stars_changed"] for size in self.size_changes.values())
+
+    @property
+    def seen(self) -> Shape | None:
+        """The sheet in space, if it is known."""
+        return self.shape or self.glance
 
     @cached_property
     def hangs_mm(self) -> float:
         """How far the sheet hangs below the base in which its needles stand; 0 where the shape is not known."""
         known = [needle for needle in self.needles if needle.place is not None]
-        shape = self.shape or self.glance
-        if shape is None or not known:
+        if self.seen is None or not known:
             return 0.0
-        base = float(shape.at(known[0].printed[None])[0, 2] - known[0].place[2])  # type: ignore[index]
-        return max(base - float(shape.positions[:, 2].min()), 0.0)
+        base = float(self.seen.at(known[0].printed[None])[0, 2] - known[0].place[2])  # type: ignore[index]
+        return max(base - float(self.seen.positions[:, 2].min()), 0.0)
 
     @property
     def hangs_doubt_mm(self) -> float | None:
         """How far off the preview expects the height to be in which the sheet hangs; None of other shapes."""
-        shape = self.shape or self.glance
-        summary = {} if shape is None else shape.summary
+        summary = {} if self.seen is None else self.seen.summary
         percent = summary.get("expected_height_percent")
         return None if percent is None else percent / 100.0 * summary["height_mm"]
 

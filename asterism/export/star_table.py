@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 from asterism.export.job import Job
-from pattern.errors import one_line
 
 HEADING = "x, y of the centre; for every piece of an arm its angle (deg), begin, end, width there and there, height"
 
@@ -25,8 +24,3 @@ def number(value: float) -> str:
     """Up to six digits after the point, as OpenSCAD and Lua read them."""
     text = f"{value:.6f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text
-
-
-def comment(text: str) -> str:
-    """One line that stays a comment, whatever a design's name contains."""
-    return one_line(text)

@@ -9,7 +9,7 @@ from typing import Any
 from asterism.export import dxf, glb, icesl, instructions, needle_table, obj, openscad, pdf, sheets, stl, svg, threemf
 from asterism.export.estimate import estimate
 from asterism.export.job import CHECK_SQUARE_MM, Job
-from asterism.export.rounded import better_layers, changes, tiny_stars
+from asterism.export.rounded import better_layers, tiny_stars
 from asterism.export_vtu import write_rods_vtu, write_shape_vtu
 from asterism.files import holds_result, staged
 from asterism.shape import Shape
@@ -97,7 +97,7 @@ def _summary(
         "plastic": job.plastic.model_dump(mode="json"),
         "stars": len(job.plan.centres),
         "rounding": job.rounding.model_dump(mode="json")
-        | changes(job.drawn_plan, job.plan)
+        | job.size_changes
         | {"better_layers": None if better is None else better.model_dump(mode="json")},
         "shape_change": change,
         "tiny_stars": tiny,

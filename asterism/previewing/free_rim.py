@@ -27,7 +27,7 @@ from asterism.previewing.held_sheet import held_edges, held_points
 from asterism.previewing.star_cells import long_arms
 from asterism.previewing.star_values import StarValues
 from pattern.layout import Floats, Ints, Layout
-from pattern.planar import STRAIGHT, distance_to_segment, pieces, turns
+from pattern.planar import STRAIGHT, distance_to_segment, nearest_segment, turns
 
 # curvature of bare fabric over that of the bumps beside it. Shares are smoothed, and less than half of the outline is
 # bare: more than 1 it must be. With 2 previews are nearest to the exact model
@@ -48,8 +48,7 @@ def free_normals(layout: Layout, points: Floats) -> Floats:
     """
     start, end = layout.border, np.roll(layout.border, -1, axis=0)
     along = end - start
-    far = (distance_to_segment(some[:, None], start, end) for some in pieces(points, len(start)))
-    nearest = np.concatenate([each.argmin(axis=1) for each in far])
+    nearest = nearest_segment(points, start, end)
     normal = np.column_stack([along[:, 1], -along[:, 0]]) / np.linalg.norm(along, axis=1)[:, None]
     normal[held_edges(layout)] = 0.0
     pins = held_points(layout)

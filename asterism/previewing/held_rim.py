@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from asterism.previewing.held_sheet import held_edges
 from asterism.previewing.sheet import Sheet
 from fem.conditions import HeldEdge
 from fem.tabulation import Floats
-from pattern.planar import STRAIGHT, distance_to_outline, pieces, turns
+from pattern.planar import STRAIGHT, distance_to_outline, nearest_segment, turns
 
 REACH = 0.5  # of the spacing: how far from the outline the sheet is moved
 NEAR = 1e-6  # of the spacing: sides that are those of the mesh
@@ -23,25 +24,22 @@ class HeldRim:
 
     def __init__(self, sheet: Sheet, points: Floats) -> None:
         plan = sheet.layout
-        sides = [(pin, edge) for pin in plan.pins for edge in pin.edges]
-        start = plan.border[[edge for _, edge in sides]]
+        held = np.array(held_edges(plan), dtype=np.int64)
+        start, end = plan.border[held], np.roll(plan.border, -1, axis=0)[held]
         self._count, self._moved = len(points), np.empty(0, dtype=np.int64)
-        if not sides or not _is_round(sheet, start):
+        if not len(held) or not _is_round(sheet, start):
             return
-        along = np.roll(plan.border, -1, axis=0)[[edge for _, edge in sides]] - start
-        foot, side = _feet(points, start, along)
-        distance = np.linalg.norm(points - foot, axis=1)
-        self._moved = np.flatnonzero(distance < REACH * plan.spacing_mm)
-        foot, side, distance = foot[self._moved], side[self._moved], distance[self._moved]
+        side = nearest_segment(points, start, end)
+        foot = _feet(points, start[side], end[side])
+        away = np.linalg.norm(points - foot, axis=1) / (REACH * plan.spacing_mm)
+        self._moved = np.flatnonzero(away < 1.0)
+        foot, edge, away = foot[self._moved], held[side[self._moved]], away[self._moved]
         self._feet = sheet.space.locate(foot).value
-        places = np.zeros((len(foot), 3))
-        share = np.zeros((len(foot), 3))
-        for number, (pin, _) in enumerate(sides):
-            its = side == number
-            places[its] = pin.places(foot[its])
-            share[its] = pin.fixed
-        self._places = places
-        self._share = share * (1.0 - distance / (REACH * plan.spacing_mm))[:, None]
+        self._places, fixed = np.zeros((2, len(foot), 3))
+        for pin in plan.pins:
+            its = np.isin(edge, pin.edges)
+            self._places[its], fixed[its] = pin.places(foot[its]), pin.fixed
+        self._share = fixed * (1.0 - away)[:, None]
 
     def __call__(self, x: Floats) -> Floats:
         """(n, 3) mm, what positions x (N, 3) of the shell's dofs are moved by."""
@@ -59,14 +57,8 @@ def _is_round(sheet: Sheet, start: Floats) -> bool:
     return bool((distance_to_outline(start, sheet.outline) > NEAR * sheet.layout.spacing_mm).any())
 
 
-def _feet(points: Floats, start: Floats, along: Floats) -> tuple[Floats, Floats]:
-    """The nearest point (n, 2) on any of some segments, and that segment's number (n,)."""
-    feet, sides = [], []
-    square = np.einsum("si,si->s", along, along)
-    for some in pieces(points, len(start)):
-        part = np.clip(np.einsum("nsi,si->ns", some[:, None] - start, along) / square, 0.0, 1.0)
-        every = start + part[..., None] * along
-        side = np.linalg.norm(every - some[:, None], axis=-1).argmin(axis=1)
-        feet.append(every[np.arange(len(some)), side])
-        sides.append(side)
-    return np.concatenate(feet), np.concatenate(sides)
+def _feet(points: Floats, start: Floats, end: Floats) -> Floats:
+    """(n, 2) the nearest point to each of some points on a segment of its own."""
+    along = end - start
+    part = np.einsum("ni,ni->n", points - start, along) / np.einsum("ni,ni->n", along, along)
+    return np.asarray(start + np.clip(part, 0.0, 1.0)[:, None] * along)

@@ -10,7 +10,6 @@ import numpy as np
 from asterism.export.estimate import estimate
 from asterism.export.job import Job
 from asterism.export.needles import MUCH_MM
-from asterism.export.rounded import changes
 from asterism.previewing.expected_height import in_words
 from pattern.design import Design
 from pattern.kept_curvature import KeptCurvature
@@ -131,7 +130,7 @@ def _print(job: Job) -> list[str]:
 def _rounded(job: Job) -> list[str]:
     """Which sizes the printer makes in place of the design's."""
     found = []
-    for name, size in changes(job.drawn_plan, job.plan).items():
+    for name, size in job.size_changes.items():
         if size["stars_changed"]:
             found.append(
                 f"{name} " + ", ".join(f"{value:g}" for value in size["values_mm"][:4]) + " mm in place of the design's"

@@ -19,7 +19,6 @@ STRIP = Layer("strips", "#26262b", 0.2, filled=True)
 BOX = Layer("boxes", "#c8553d", 0.25, dash_mm=(1.5, 1.0))
 ARC = Layer("arcs", "#2a6f97", 0.8)
 
-
 Pair = tuple[float, float]
 
 

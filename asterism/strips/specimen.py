@@ -89,14 +89,13 @@ def layers(thicknesses_mm: tuple[float, ...], nozzle_mm: float) -> tuple[float, 
     """
     heights = sorted(round(1000 * h) for h in thicknesses_mm)
     most = round(1000 * THICKEST_LAYER * nozzle_mm)
-    if heights[0] <= most:
-        first, step = heights[0], math.gcd(*(h - heights[0] for h in heights[1:])) or heights[0]
-    else:
-        first, step = 0, math.gcd(*heights)
+    in_one = heights[0] <= most
+    step = math.gcd(*(h - heights[0] * in_one for h in heights)) or heights[0]
     others = next(step // parts for parts in range(1, step + 1) if step % parts == 0 and step // parts <= most)
-    if min(first or others, others) < _THINNEST_LAYER_UM:
+    first = heights[0] if in_one else others
+    if min(first, others) < _THINNEST_LAYER_UM:
         least = _THINNEST_LAYER_UM / 1000
         which = f"{least:g} to {most / 1000:g} mm (nozzle {nozzle_mm:g} mm)"
         problem = f"must be a first layer and equal others, of {which}"
         raise DesignError("--thickness", problem, ", ".join(f"{h:g}" for h in sorted(thicknesses_mm)))
-    return (first or others) / 1000, others / 1000
+    return first / 1000, others / 1000

@@ -36,9 +36,7 @@ def test_membrane_of_a_tube_says_what_a_dead_pull_does() -> None:
     compliance, where F takes the print to the tube laid flat, which is sheared."""
     cell, flat = relaxed(10.0, 0.4)
     tube = roll(cell, unrolled_flat(flat, 0.2), 0.04, 0.2)
-    turn = np.array(  # Voigt strains in the tube's axes of those in the print's
-        [_strain(cell.turn @ form @ cell.turn.T) for form in ([[1, 0], [0, 0]], [[0, 0], [0, 1]], [[0, 0.5], [0.5, 0]])]
-    ).T
+    turn = _turned_strains(cell.turn)  # in the tube's axes of those in the print's
     compliance = turn @ np.linalg.inv(rolled_membrane(cell, tube)) @ turn.T
     n, pull = cell.torus.n_base, 1e-3
     slopes = cell.turn @ np.linalg.inv(cell.cell_vectors)
@@ -62,6 +60,12 @@ def test_membrane_of_a_tube_says_what_a_dead_pull_does() -> None:
 
 def _strain(form: np.ndarray) -> list[float]:
     return [form[0, 0], form[1, 1], 2.0 * form[0, 1]]
+
+
+def _turned_strains(turn: np.ndarray) -> np.ndarray:
+    """(3, 3) Voigt strains after a turn (2, 2) of those before."""
+    forms = ([[1, 0], [0, 0]], [[0, 0], [0, 1]], [[0, 0.5], [0.5, 0]])
+    return np.array([_strain(turn @ form @ turn.T) for form in forms]).T
 
 
 @given(st.lists(st.floats(-2.0, 2.0), min_size=12, max_size=12), st.integers(0, 5))
@@ -144,8 +148,7 @@ def test_the_nearest_isotropic_tensor() -> None:
     stiffer = plane + np.diag([1.0, 0.0, 0.0])
     assert isotropic(stiffer) == pytest.approx((3.375, 1.125)) and 0.1 < off_isotropic(stiffer) < 0.3
     # neither depends on the axes; strains turn as forms do
-    form = Rotation.from_euler("z", 0.4).as_matrix()[:2, :2]
-    turn = np.array([_strain(form @ e @ form.T) for e in ([[1, 0], [0, 0]], [[0, 0], [0, 1]], [[0, 0.5], [0.5, 0]])]).T
+    turn = _turned_strains(Rotation.from_euler("z", 0.4).as_matrix()[:2, :2])
     turned = turn.T @ stiffer @ turn
     assert isotropic(turned) == pytest.approx(isotropic(stiffer))
     assert off_isotropic(turned) == pytest.approx(off_isotropic(stiffer))
