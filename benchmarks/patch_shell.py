@@ -32,9 +32,8 @@ def shell_stars(design: Design, stars: Sample, bare: Sample) -> tuple[np.ndarray
     count = len(plan.centres)
     ours, fabric = (row(sample.to_dict(), sample.stretch) for sample in (stars, bare))
     both = np.vstack([np.tile(ours, (count, 1)), fabric])
-    values = StarValues(
-        {name: both[:, q] for q, name in enumerate(NAMES)}, np.empty(0), np.empty(0), (), (), np.empty(0), np.empty(0)
-    )
+    none = np.empty(0)
+    values = StarValues({name: both[:, q] for q, name in enumerate(NAMES)}, none, none, (), (), (), none, none)
     outline = sheet_mesh(plan.border, EDGE)
     space = Argyris(MeshTri(outline.points.T.copy(), outline.triangles.T.copy()))
     points = space.tabulate(ORDER).points

@@ -63,8 +63,8 @@ class ShellEquilibrium:
 
     @property
     def at_stake(self) -> float:
-        """N mm, the energy, what Gaussian curvature and loads save counted as spent: errors are a part of it."""
-        return self.energy + 2.0 * sum(max(-self.energies.get(part, 0.0), 0.0) for part in ("gaussian", "loads"))
+        """N mm, the energy, what a part saves counted as spent: errors are a part of it."""
+        return sum(map(abs, self.energies.values()))
 
     @property
     def converged(self) -> bool:

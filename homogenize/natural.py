@@ -26,7 +26,7 @@ GROWTH = 2.5  # of the curvature from one step to the next
 FLAT = 1e-3  # of the first tube's moment, below which that of the flat cell is rounding and higher order
 SLIGHT = 0.015  # natural curvatures that are not looked for: so far from its axis, a tube's moment is rounding
 CLOSE = 1e-5  # relative to the curvature, or to one over the spacing, where the natural one is found
-SNAP = 0.5  # mm, bumps that are not just flat
+SNAP = 0.029  # of the spacing, bumps that are not just flat
 BEYOND = 1.15  # steps past the place where the moment is expected to vanish, to have its sign on both sides
 TRIALS = 3  # such steps, from a tube of another direction
 Point = tuple[float, float]  # curvature and moment
@@ -107,7 +107,8 @@ class _Walk:
     def _roll(self, sheet: Unrolled, bump: Array, curvature: float) -> Tube:
         tube = roll(self.cell, sheet, curvature, self.angle)
         side = np.sign(curvature)  # a star that leaves the wrong side finds its branch
-        if ((side * bump > SNAP) & (side * tube.bump < -SNAP)).any():
+        snap = SNAP * self.cell.spacing
+        if ((side * bump > snap) & (side * tube.bump < -snap)).any():
             raise ArithmeticError(f"tube: a star snapped to the other side at curvature {curvature:.4g}/mm")
         self.tubes.append(tube)
         return tube

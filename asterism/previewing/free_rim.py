@@ -8,13 +8,15 @@ bump of height B over arms of length l is a cap of curvature `2 B / l^2`. So bar
 
 across the nearest side of the outline, n being normal to it, and none along it. Without it, free rims of previews turn
 down less than the exact model's. A side that is held keeps none, along its length or at a point of it where the sheet
-is held at more than one: there the fabric is pulled along the rim, and straight.
+is held at more than one: there the fabric is pulled along the rim, and straight. Points that slide in their plane do
+not pull. A hole, bare sites with stars all around, has no side to turn to.
 
 Under arms that point outwards it curls along them too: `asterism.previewing.rim_arms`.
 
 **Long arms turn it further.** In the exact model the rim beyond long arms goes down steeply even where bumps are flat.
 So the relief of bare fabric falls by `FALL` per distance from the stars, less where bumps make it curl anyway. It does
-so out to the corners of wide rims, far from all stars.
+so out to the corners of wide rims, far from all stars. What drives it is that the fabric contracts and the arms do not,
+so that fabric of a small stretch falls less: in proportion to the area it gives up, up to that of stretch `PULLED`.
 """
 
 from __future__ import annotations
@@ -23,7 +25,9 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
-from asterism.previewing.held_sheet import held_edges, held_points
+from asterism.previewing.held_sheet import held_edges
+from asterism.previewing.holes import in_holes
+from asterism.previewing.point_pins import pinned_points
 from asterism.previewing.star_cells import long_arms
 from asterism.previewing.star_values import StarValues
 from pattern.layout import Floats, Ints, Layout
@@ -35,6 +39,7 @@ CURL = 2.0
 # rad, by which long arms turn it further, and the curvature of their bumps over the spacing at which they do no more:
 # distances of free sheets with long arms from the exact model's sink by a tenth
 FALL, ROUND = 0.25, 0.75
+PULLED = 1.35
 # share of the stars below which a place has no star beside it
 ALONE = 0.02
 # how near to a side a point of it is held, over the spacing
@@ -42,16 +47,16 @@ NEAR = 0.5
 
 
 def free_normals(layout: Layout, points: Floats) -> Floats:
-    """(n, 2) unit normals of the sides nearest to printed points (n, 2) mm; zero where that side is held.
+    """(n, 2) unit normals of the sides nearest to printed points (n, 2) mm; zero where that side is held, and in holes.
 
-    A side is held along its length, or at a point of it in a sheet that is held at two points or more.
+    A side is held along its length, or at a point of it in a sheet that is held along the print at two points or more.
     """
     start, end = layout.border, np.roll(layout.border, -1, axis=0)
     along = end - start
     nearest = nearest_segment(points, start, end)
     normal = np.column_stack([along[:, 1], -along[:, 0]]) / np.linalg.norm(along, axis=1)[:, None]
     normal[held_edges(layout)] = 0.0
-    pins = held_points(layout)
+    pins = pinned_points(layout)
     if len(pins) > 1:
         near = NEAR * layout.spacing_mm
         held = (distance_to_segment(pins[:, None], start, end) < near).any(axis=0)
@@ -59,7 +64,7 @@ def free_normals(layout: Layout, points: Floats) -> Floats:
         side = np.cumsum(np.abs(turns(layout.border)) > STRAIGHT)
         side[side == 0] = side[-1]
         normal[np.isin(side, side[held])] = 0.0
-    return np.asarray(normal[nearest])
+    return np.where(in_holes(layout, points)[:, None], 0.0, normal[nearest])
 
 
 def rim_curvature(weights: sp.csr_matrix, values: StarValues, normals: Floats) -> Floats:
@@ -89,7 +94,8 @@ def rim_fall(weights: sp.csr_matrix, nearest: Ints, values: StarValues, beyond: 
     `weights`: (n, S) share of each star at the places, `beyond` and `nearest`: (n,), see `beyond_stars`.
     """
     straight = np.maximum(1.0 - np.abs(values.caps[:-1]) * spacing / ROUND, 0.0)
-    turn = FALL * np.sign(values.value["kappa"][:-1]) * long_arms(values.sizes[:, 0], spacing) * straight
+    pull = min((1.0 - values.value["lam_n"][-1] ** 2) / (1.0 - PULLED**-2), 1.0)
+    turn = FALL * pull * np.sign(values.value["kappa"][:-1]) * long_arms(values.sizes[:, 0], spacing) * straight
     return beside(weights, turn, nearest) * beyond
 
 

@@ -90,9 +90,10 @@ class Sheet:
         self._carried = None if plan.is_pulled else carried(plan, lattice.arm_directions)
 
     def _pin(self, design: Design, plan: Layout) -> None:
-        """How soft the sheet is around single points that are held; None without any."""
+        """How soft the sheet is around single points that pull at it; None without any."""
         pins = pinned_points(plan)
-        self._soft = softness(self._mesh, pins, self._table.points, design.mesh.edge_mm) if len(pins) else None
+        pulls = plan.is_pulled and len(pins) > 0
+        self._soft = softness(self._mesh, pins, self._table.points, design.mesh.edge_mm) if pulls else None
 
     def holds(self, design: Design, plan: Layout, before: Design) -> bool:
         """Whether a design that follows `before` has the same print but for its stars and material."""

@@ -12,7 +12,8 @@ rosette,
 
     a_r = lam^2 (m I + 4/N sum_k (s_k - m) (d_k d_k - I/2)),    s_k = rho_k^2 / (prod_j rho_j)^(2/N),    m = mean s_k.
 
-For equal stars it is `lam^2 I`; for other numbers of arms than three a gradient does not change it.
+with 2/N for four arms: they lie along two lines only, which know nothing of the shear between them. For equal stars it
+is `lam^2 I`; for other numbers of arms than three a gradient does not change it.
 """
 
 from __future__ import annotations
@@ -45,13 +46,15 @@ def arm_metric(lam: Floats, along: Floats, directions: Floats) -> Floats:
 def rosette(along: Floats, directions: Floats) -> Floats:
     """(..., 3) components 11, 22, 12 of `4/N sum_k (s_k - m) (d_k d_k - I/2)`: a strain rosette less its mean.
 
+    Of four directions, opposite in pairs, it is half of that.
+
     Parameters
     ----------
     along : (..., N) s_k along each direction; m is their mean.
     directions : (N, 2) unit vectors d_k.
     """
     x, y = directions.T
-    rest = 4.0 / len(directions) * (along - along.mean(axis=-1, keepdims=True))
+    rest = (2.0 if len(directions) == 4 else 4.0) / len(directions) * (along - along.mean(axis=-1, keepdims=True))
     return np.stack([rest @ (x * x - 0.5), rest @ (y * y - 0.5), rest @ (x * y)], axis=-1)
 
 

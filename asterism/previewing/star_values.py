@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from homogenize.errors import LawError
+from homogenize.interpolation import Bools
 from homogenize.law import Law
 from homogenize.table import NAMES
 from pattern.design import Design
@@ -15,6 +16,9 @@ from pattern.layout import Floats, Layout
 
 # a star's cell ends there, over the spacing; and arms below which a bump is no cap
 REACH, SHORTEST = 0.6, 0.17
+# part of the bending stiffness that a sixfold term takes away in some direction, at most: with more the sheet would
+# gain by curling without end. Cells of the paper's material stay below, by far in the stated range
+SIXFOLD_MOST = 0.7
 
 
 @dataclass(frozen=True)
@@ -23,11 +27,14 @@ class StarValues:
 
     Attributes
     ----------
-    value : for each of the law's quantities (S + 1,); the last is the bare fabric's.
+    value : for each of the law's quantities (S + 1,); the last is the bare fabric's. `c3` is SIXFOLD_MOST of
+        `bending/|kappa|` at most.
     relief : (S + 1, 2, W) mm and mm^2, amplitudes of the law's waves: flat, and more per curvature.
     sizes : (S, 3) mm, length, thickness and width that the law was asked for.
     outside : one line for each star beyond the law's range; it counts as the nearest star in the range.
     tight : numbers of the stars whose sheet would curl to a radius below two thirds of their spacing.
+    uneven : numbers of the stars whose `c3` was more than that: they curl to one side in some directions, and to the
+        other, or hardly, elsewhere.
     tips : (S + 1, 2) mm and mm^2, the relief at the tips of a star's arms, mean over the arms: flat, and more per
         curvature.
     caps : (S + 1,) 1/mm, curvature `2 B / l^2` of a star's bump of height B over arms of length l, on its natural tube.
@@ -38,6 +45,7 @@ class StarValues:
     sizes: Floats
     outside: tuple[str, ...]
     tight: tuple[int, ...]
+    uneven: tuple[int, ...]
     tips: Floats
     caps: Floats
 
@@ -73,7 +81,17 @@ def star_values(design: Design, layout: Layout, law: Law) -> StarValues:
     tight = tuple(layout.star_number[found.tight[:-1]].tolist())
     relief = law.relief(design, *asked.T)
     tips, caps = _bumps(design, law, asked[:, 0], relief, found.value["kappa"])
-    return StarValues(found.value, relief, sizes, outside, tight, tips, caps)
+    c3, too_much = _bounded_sixfold(found.value)
+    uneven = tuple(layout.star_number[too_much[:-1]].tolist())
+    return StarValues(found.value | {"c3": c3}, relief, sizes, outside, tight, uneven, tips, caps)
+
+
+def _bounded_sixfold(value: dict[str, Floats]) -> tuple[Floats, Bools]:
+    """(n,) `c3` as far as the bending stiffness bears it, and (n,) where it is more."""
+    c3, most = value["c3"], SIXFOLD_MOST * value["bending"]
+    taken = np.abs(c3 * value["kappa"])
+    too_much = taken > most
+    return np.where(too_much, c3 * most / np.where(too_much, taken, 1.0), c3), too_much
 
 
 def _bumps(design: Design, law: Law, length: Floats, relief: Floats, kappa: Floats) -> tuple[Floats, Floats]:

@@ -43,7 +43,7 @@ NEUTRAL = 5.0
 SAME_AXIS_DEG = 2.0
 # part of the energy at stake by which one buckled form may be above another, and yet be the right one
 BUCKLES = 0.5
-FOREIGN = 0.1  # part of the stars: with more of them outside the law nothing is known of the error
+FOREIGN = 0.1  # part of the stars: with more of them outside the law, or uneven, nothing is known of the error
 
 
 def summary(
@@ -64,7 +64,8 @@ def summary(
     share = share_of(held, () if held else preview.symmetries)
     tight = len(preview.values.tight) / len(layout.centres)
     # what is expected was found with three-armed stars, whose law is the same in all directions, within its range
-    known = not left_out(preview.design.lattice) and len(preview.values.outside) <= FOREIGN * len(layout.centres)
+    foreign = max(len(preview.values.outside), len(preview.values.uneven))
+    known = not left_out(preview.design.lattice) and foreign <= FOREIGN * len(layout.centres)
     return {
         "model": "preview",
         "converged": found.converged,
@@ -98,6 +99,7 @@ def summary(
         "law_in_range": not preview.values.outside,
         "stars_outside_law": list(preview.values.outside),
         "stars_tight": list(preview.values.tight),
+        "stars_uneven": list(preview.values.uneven),
         "smoothing_mm": preview.sheet.cells.width_mm,
         "shell_triangles": preview.sheet.space.mesh.nelements,
         "dofs": preview.shell.reduction.map.shape[1],
@@ -138,6 +140,11 @@ def warnings(
         lines.append(
             f"{len(values.tight)} of {len(layout.centres)} stars curl to a radius below two thirds of their spacing, "
             f"where a smooth sheet says little: {few(values.tight)}"
+        )
+    if values.uneven:
+        lines.append(
+            f"{len(values.uneven)} of {len(layout.centres)} stars curl far more in some directions than in others, of "
+            f"which the law knows little: {few(values.uneven)}"
         )
     lines += pin_warnings(layout, preview.design.gravity.on)
     down = layout.star_number[layout.star_branch < 0].tolist()

@@ -52,6 +52,8 @@ def test_normals_are_those_of_the_nearest_side_and_vanish_where_it_is_held() -> 
     # points on the right side and near the lower one
     pulled = layout(rectangle([{"points_mm": [[40.0, 5.0], [10.0, -28.0]], "scale": 0.8}]))
     assert free_normals(pulled, places) == pytest.approx(expected * np.array([[0.0], [1.0], [1.0], [0.0]]))
+    sliding = layout(rectangle([{"points_mm": [[40.0, 5.0], [10.0, -28.0]], "slide": "plane"}]))
+    assert free_normals(sliding, places) == pytest.approx(expected)
     alone = layout(rectangle([{"points_mm": [[40.0, 25.0]], "scale": 0.8}]))
     assert free_normals(alone, places) == pytest.approx(expected)
 
@@ -95,6 +97,10 @@ def test_free_rims_go_on_down_by_their_distance_from_the_stars() -> None:
     beyond, nearest = np.array([4.0, 0.0, 12.0]), np.zeros(3, dtype=np.int64)
     flat = replace(VALUES, caps=0.0 * VALUES.caps)
     assert rim_fall(weights, nearest, flat, beyond, SPACING) == pytest.approx(beyond * FALL)
+    # fabric that gives up half of the area falls half as far, and no fabric further
+    for released, part in ((0.5 * (1.0 - 1.35**-2), 0.5), (0.7, 1.0), (0.0, 0.0)):
+        other = replace(flat, value=flat.value | {"lam_n": np.full(COUNT + 1, np.sqrt(1.0 - released))})
+        assert rim_fall(weights, nearest, other, beyond, SPACING) == pytest.approx(part * beyond * FALL)
     # where bumps are round it curls instead
     rounded = replace(VALUES, caps=np.full_like(VALUES.caps, ROUND / SPACING))
     assert rim_fall(weights, nearest, rounded, beyond, SPACING) == pytest.approx(0.0)

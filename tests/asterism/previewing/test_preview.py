@@ -17,6 +17,7 @@ from asterism.previewing.arm_relief import Arms
 from asterism.previewing.held_sheet import weight
 from asterism.previewing.preview import Preview
 from asterism.previewing.star_relief import TURN
+from asterism.previewing.star_values import SIXFOLD_MOST, star_values
 from asterism.simulation import simulate
 from asterism.tube import tube_radius
 from asterism.verification.comparison import compare
@@ -606,3 +607,29 @@ def test_sheets_that_slide_on_all_their_pins_expect_to_be_as_far_off_as_free_one
     held = asterism.preview(Design.from_dict(curly | {"pins": [{"where": "corners", "scale": 0.62}]}))
     assert len(sliding.summary["stars_tight"]) == 19 and sliding.summary["expected_rms_percent"] > 4.0
     assert len(held.summary["stars_tight"]) == 19 and held.summary["expected_rms_percent"] < 4.0
+
+
+@pytest.mark.parametrize(
+    "pins", [{"points_mm": [[0.0, 0.0]]}, {"corners": [0]}, {"corners": [0, 2, 4], "slide": "plane"}]
+)
+def test_pins_that_a_free_sheet_meets_anyway_cost_nothing(pins: dict[str, object]) -> None:
+    """One held point, or three that slide in their plane: there is always a rigid motion to them."""
+    data = {"stars": {"length_mm": 4.0, "thickness_mm": 0.6}, "border": {"rings": 3}}
+    free, held = (Preview(Design.from_dict(data | more)).equilibrium for more in ({}, {"pins": [pins]}))
+    assert held.is_minimum and held.energy == pytest.approx(free.energy, rel=1e-6)
+
+
+def test_a_sixfold_term_that_outweighs_the_bending_is_bounded_and_told() -> None:
+    law = plain_law()
+    nodes = law.tables[0].nodes.copy()
+    nodes[..., NAMES.index("c3")] *= 1e4
+    wild = replace(law, tables=(replace(law.tables[0], nodes=nodes),))
+    plan = layout(TUBE)
+    values = star_values(TUBE, plan, wild)
+    assert values.uneven == tuple(plan.star_number.tolist()) and not star_values(TUBE, plan, law).uneven
+    taken = np.abs(values.value["c3"] * values.value["kappa"])
+    assert taken[:-1] == pytest.approx(SIXFOLD_MOST * values.value["bending"][:-1])
+    summary = asterism.preview(TUBE, law=wild).summary
+    assert summary["expected_rms_percent"] is None and summary["expected_height_percent"] is None
+    assert "37 of 37 stars curl far more in some directions than in others" in " ".join(summary["warnings"])
+    assert summary["energy_n_mm"] > 0.0

@@ -29,6 +29,20 @@ def test_stretches_along_the_arms_are_those_asked_for():
     assert [d @ metric @ d for d in THREE] == pytest.approx(along**2)
 
 
+@pytest.mark.parametrize("arms", range(3, 9))
+@pytest.mark.parametrize("turn", [0.0, 0.3])
+def test_a_known_metric_is_found_from_its_stretches_along_the_arms(arms, turn):
+    """Of any number of arms; four, along two lines, miss the shear between them."""
+    angles = turn + 2.0 * np.pi * np.arange(arms) / arms
+    directions = np.column_stack([np.cos(angles), np.sin(angles)])
+    known = np.array([[0.70, 0.03], [0.03, 0.62]])
+    if arms == 4:
+        known = directions[:2].T @ np.diag([0.70, 0.62]) @ directions[:2]
+    along = np.sqrt(np.einsum("ni,ij,nj->n", directions, known, directions))
+    lam = float(np.exp(np.log(along).mean()))
+    assert tensor(arm_metric(np.array(lam), along, directions)) == pytest.approx(known)
+
+
 def test_turning_the_arms_turns_the_metric():
     along, a = np.array([0.80, 0.84, 0.78]), 0.7
     turn = np.array([[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]])
