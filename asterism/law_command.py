@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 from asterism.calibrate_command import summary
+from asterism.files import check_writable
 from asterism.law_cells import law_cells
 from asterism.law_picture import draw_law
 from asterism.law_table import law_table
@@ -22,9 +23,15 @@ def show(path: Path | None, output: Path | None) -> list[str]:
         The file is not a law of this version.
     """
     law = load_law(path or PAPER)
-    directory = output or (Path("paper-law") if path is None else path.with_suffix(""))
+    directory = output or (Path("paper-law") if path is None else _beside(path))
+    check_writable(directory)
     with staged_result(directory) as folder:
         draw_law(law, folder / "law.png")
         (folder / "cells.csv").write_text(law_cells(law), encoding="utf-8")
         (folder / "summary.json").write_text(json.dumps(summary(law), indent=1) + "\n", encoding="utf-8")
     return [*law_table(law), f"{directory}: law.png, cells.csv, summary.json"]
+
+
+def _beside(path: Path) -> Path:
+    """A folder for a law's picture: never that of a design's results, which has the design's name."""
+    return path.with_name(path.stem if path.stem.endswith("law") else f"{path.stem}-law")

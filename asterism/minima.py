@@ -9,16 +9,22 @@ from discrete.evidence import Equilibrium
 from discrete.model import Model
 from discrete.roll_axis import roll_axis_deg
 
-ONE_START = "the default start's"
+ONE_START, NEAR = "the default start's", "from a shape that was given"
 LOWEST = "lowest energy"
 KEPT = "lowest energy of those whose stars are all on their branch"
 
 
-def one_minimum(model: Model, found: Equilibrium) -> dict[str, Any]:
-    """Entries for a single start."""
+def one_minimum(model: Model, found: Equilibrium, near: bool = False) -> dict[str, Any]:
+    """Entries for a single start: the default one, or `near` a shape."""
     axis = roll_axis_deg(model, found.state)
     entry = {"energy_n_mm": found.energy, "stars_up": found.stars_up, "roll_axis_deg": axis, "starts": 1}
-    return {"starts": 1, "result_is": ONE_START, "minima_seen": 1, "minima": [entry], "next_minimum_percent": None}
+    return {
+        "starts": 1,
+        "result_is": NEAR if near else ONE_START,
+        "minima_seen": 1,
+        "minima": [entry],
+        "next_minimum_percent": None,
+    }
 
 
 def many_minima(minima: Minima, starts: int) -> dict[str, Any]:
@@ -31,6 +37,8 @@ def many_minima(minima: Minima, starts: int) -> dict[str, Any]:
     left_behind = minima.carried.count(False)
     others = sorted(b.found.energy for b in fine[1:])
     lowest = fine[0].found.energy
+    # how high a sheet hangs makes it no more or less likely to rest in another form
+    elastic = lowest - fine[0].found.energies.get("gravity", 0.0)
     by_energy = all(lowest <= energy for energy in others)
     return {
         "starts": starts,
@@ -38,7 +46,7 @@ def many_minima(minima: Minima, starts: int) -> dict[str, Any]:
         "result_is": LOWEST if by_energy else KEPT,
         "minima_seen": len(fine) + left_behind,
         "minima_not_carried": left_behind,
-        "next_minimum_percent": 100.0 * (others[0] / lowest - 1.0) if others else None,
+        "next_minimum_percent": 100.0 * (others[0] - lowest) / elastic if others else None,
         "next_minimum_n_mm": others[0] - lowest if others else None,
         "symmetries": len(minima.symmetries),
         "minima": [_entry(b, minima, f"minimum-{k}" if k > 1 else "shape") for k, b in enumerate(fine, 1)],

@@ -62,6 +62,11 @@ class Shape:
         return np.repeat(np.arange(len(self.rods)), [len(path) - 1 for path in self.rods])
 
     @property
+    def made_by(self) -> str:
+        """Which model computed it, in words."""
+        return "by the preview" if self.summary.get("model") == "preview" else "by the exact model"
+
+    @property
     def height_mm(self) -> float:
         """Extent along z. A free sheet has no up: ask its `aligned()` copy."""
         return float(np.ptp(self.positions[:, 2]))

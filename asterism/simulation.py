@@ -100,7 +100,7 @@ def simulate(
         found, levels = find_equilibrium(
             model, solver.start, seed=solver.seed, backend=backend, report=report, near=near.at if near else None
         )
-        minima = one_minimum(model, found)
+        minima = one_minimum(model, found, near is not None)
         return _shape(model, found, levels, before | found.seconds, time.perf_counter() - start, minima)
     all_found = find_minima(model, starts, seed=solver.seed, backend=backend, report=report)
     minima = many_minima(all_found, starts)

@@ -15,6 +15,7 @@ from discrete.solve import relax
 from discrete.starts import beginnings
 from discrete.walk import Report
 from equilibrium.newton import Method
+from pattern.errors import DesignError
 from pattern.likeness import distances, print_diameter
 from pattern.symmetries import Symmetry, symmetries
 
@@ -107,7 +108,14 @@ def find_minima(
     lost = 0
     for number, one in enumerate(beginnings(len(model.layout.centres), starts, start == "bump", seed)):
         tell = _named(report, f"start {number + 1} of {starts}")
-        end = relax(models[0], one, None, seed, backend, method, max_iterations, tell)
+        try:
+            end = relax(models[0], one, None, seed, backend, method, max_iterations, tell)
+        except (DesignError, FloatingPointError):
+            # what the design's own start cannot do is a mistake in it; another one may begin where nothing goes on
+            if number == 0:
+                raise
+            lost += 1
+            continue
         if end.is_minimum or number == 0:
             found.append(Branch(end, models[0], (one.name,), number == 0))
         else:

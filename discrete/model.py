@@ -128,10 +128,13 @@ class Model(System):
         """mm, nearest distance of two stars of the lattice."""
         return self.layout.spacing_mm
 
+    def printed_state(self) -> State:
+        """The print as it lies: flat, plastic up."""
+        return State(self.constraints.printed.copy(), np.tile([0.0, 0.0, 1.0], (len(self.edges), 1)))
+
     def flat_state(self) -> State:
-        """The print as it lies: flat, plastic up, held vertices at their places for the present progress."""
-        directors = np.tile([0.0, 0.0, 1.0], (len(self.edges), 1))
-        return self.moved_pins(State(self.constraints.printed.copy(), directors))
+        """The print with its held vertices at their places for the present progress."""
+        return self.moved_pins(self.printed_state())
 
     def moved_pins(self, state: State) -> State:
         """The state with its held components where the present progress puts them, and the rest moved along."""

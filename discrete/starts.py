@@ -82,8 +82,9 @@ class Beginning:
         state = model.flat_state()
         held = model.constraints.held
         if self.bend != "none":
+            # the print is bent, and then taken to where its pins stand, however far away that is
             bent = _bent(model.mesh.points, self.bend, np.radians(self.axis_deg), self.sag_mm)
-            state = _moved(model, state, np.where(held, state.positions, bent))
+            state = model.moved_pins(_moved(model, model.printed_state(), bent))
         state = bumped(model, state, BUMP_MM * self.branches(model))
         noise = self.noise_mm * np.random.default_rng(self.seed).standard_normal(state.positions.shape)
         return _moved(model, state, state.positions + np.where(held, 0.0, noise))

@@ -13,6 +13,7 @@ from equilibrium.factor import Factor, make_solver
 from equilibrium.sparse_pattern import SparsePattern
 from equilibrium.support import independent_dofs
 
+ROUNDING = 1e-13  # of the Hessian's largest entry: what it does to a rigid motion where no force acts
 PIECE = 8192  # elements whose Hessians are in memory, and in the processor's cache, at a time
 
 
@@ -92,14 +93,16 @@ class System:
         """(free, k) orthonormal rigid motions that what is held leaves free, and that cost nothing.
 
         Where pins allow a motion to first order only (a sheet that tilts between two vertical slides), their forces
-        give it a stiffness, which may be negative: such a motion is not rigid, and stays in the spectrum.
+        give it a stiffness, which may be negative: such a motion is not rigid, and stays in the spectrum. So does one
+        that weight gives a stiffness, however small, as to a pendulum.
         """
         modes = rigid_modes(state, self.edges, self.held, self.free)
         if modes.shape[1] == 0 or not self.held.any():
             return modes
         data = self.hessian(state, 0.0)
         stiffness = self.pattern.product(data, modes)
-        tiny = 1e-6 * np.median(np.abs(data[self.pattern.diagonal])) + np.linalg.norm(self.gradient(state))
+        size_mm = float(np.linalg.norm(state.positions - state.positions.mean(axis=0)))
+        tiny = ROUNDING * np.abs(data[self.pattern.diagonal]).max() + np.linalg.norm(self.gradient(state)) / size_mm
         _, size, rows = np.linalg.svd(stiffness, full_matrices=False)
         return modes @ rows[size < tiny].T
 

@@ -22,6 +22,7 @@ from equilibrium.newton import Iteration, Method, Minimum, minimise
 Report = Callable[[str, Iteration], None]
 
 TOLERANCE, LOOSE = 1e-8, 1e-4  # of the force scale: at the end, and on the way there
+WEIGHED = 1e-3  # of the weight, vertex by vertex: a stiff sheet on two needles must find out how it hangs
 CLEARLY = 1e-7  # of modulus times thickness: an eigenvalue below minus this is negative at the loose tolerance too
 CARRIED = 1.0  # first blend at a state that comes from another mesh: smaller ones would be refused
 KICKS = 5
@@ -32,6 +33,13 @@ def force_scale(model: Model) -> float:
     """N: modulus times fabric thickness times star spacing."""
     fabric = model.design.fabric
     return float(fabric.modulus_mpa * fabric.thickness_mm * model.spacing)
+
+
+def goal(model: Model, tolerance: float) -> float:
+    """N, the gradient at which to stop: a part of the force scale, and at the end one of the weight that must hang."""
+    part = tolerance * force_scale(model)
+    weight = WEIGHED * float(np.linalg.norm(model.load))
+    return min(part, weight) if weight and tolerance == TOLERANCE else part
 
 
 class Walk:
@@ -120,7 +128,7 @@ class Walk:
             result.state,
             model.energies(result.state),
             result.gradient_norm,
-            TOLERANCE * force_scale(model),
+            goal(model, TOLERANCE),
             pair.value,
             pair.error,
             bump_heights(model, result.state),
@@ -153,14 +161,13 @@ class Walk:
         """Newton's method on the clock of a stage; `tolerance` is a part of the force scale."""
         report = self.report
         tell = (lambda iteration: report(name, iteration)) if report else None
-        goal = tolerance * force_scale(model)
         result = self.effort.clock(
             stage,
             lambda: minimise(
                 model,
                 state,
                 factor,
-                goal,
+                goal(model, tolerance),
                 self.max_iterations,
                 self.method,
                 report=tell,

@@ -30,7 +30,7 @@ class Pins(Section):
     points_mm: tuple[Point, ...] | None = Field(None, min_length=1, max_length=10000)
     edges: tuple[Whole, ...] | None = Field(None, min_length=1, max_length=1000)
     corners: tuple[Whole, ...] | None = Field(None, min_length=1, max_length=1000)
-    scale: Number = Field(1.0, gt=0, le=10)
+    scale: Number = Field(1.0, ge=1e-3, le=10)
     offset_mm: Place = (0.0, 0.0, 0.0)
     target_mm: tuple[Place, ...] | None = None
     slide: Literal["z", "plane"] | None = None

@@ -44,14 +44,23 @@ def compare(shape: Path, scan: Path, output: Path | None, unit: str | None, view
     OutputError
         The files cannot be written.
     """
+    if not scan.is_file():
+        raise ScanError(scan, "is no file" if scan.exists() else "is not there")
     found = read_shape(shape)
     directory = output or scan.with_name(f"{scan.stem}-compared")
     if directory.resolve() == folder_of(shape) and holds_result(directory):
         raise OutputError(f"--output: {str(directory)!r} is where the shape is and stays; choose another name")
     check_writable(directory)
     name = found.summary.get("design", {}).get("name", shape.stem)
-    title = one_line(f"{name} and {scan.name}")
-    about: dict[str, Any] = {"version": __version__, "shape": str(shape), "scan": str(scan)}
+    title = one_line(f"{name}, {found.made_by}, and {scan.name}")
+    about: dict[str, Any] = {
+        "version": __version__,
+        "shape": str(shape),
+        "shape_made": found.made_by,
+        "shape_is_minimum": found.summary.get("is_minimum"),
+        "scan": str(scan),
+        "trim": trim,
+    }
     if scan.suffix.lower() in outline.FORMATS:
         view = view or "above"
         outlined = read_outline(scan, unit)

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from asterism.compare.nearest import NearestOnSurface
-from asterism.compare.registration import Pose, register
+from asterism.compare.registration import Pose, distinct, register, spread
 from asterism.compare.scan import Scan
 from asterism.mesh_error import diameter
 from asterism.shape import Shape
@@ -19,6 +19,9 @@ from pattern.layout import Floats, Ints
 # poses whose spread is larger than the best one's by less than this are as good
 _AS_GOOD = 1.1
 _SAME_MM = 0.02  # spreads of a scan without noise are what its registration leaves
+# parts of the diameter: with a larger spread a scan of a part may lie elsewhere, and is laid on the shape again with
+# this many times as many starts
+_UNSURE, _EFFORT = 0.002, 3
 # nearer points, in parts of the diameter, are taken for the sheet's: a printed sheet may be that far off
 _SHEETS_OWN = 0.03
 
@@ -88,9 +91,7 @@ def compare_scan(shape: Shape, scan: Scan, trim: float = 0.2, seed: int = 0) -> 
     ----------
     trim : the part of the scan's points that may not belong to the sheet.
     """
-    # among much else the sheet is hard to find
-    effort = 3 if trim > 0.3 else 1
-    poses = register(scan.points, shape.positions, shape.triangles, trim, seed, effort)
+    poses = _laid(shape, scan, trim, seed)
     points = poses[0](scan.points)
     nearest = NearestOnSurface(shape.positions, shape.triangles)(points)
     distance = np.abs(nearest.distance)
@@ -109,6 +110,17 @@ def compare_scan(shape: Shape, scan: Scan, trim: float = 0.2, seed: int = 0) -> 
     )
 
 
+def _laid(shape: Shape, scan: Scan, trim: float, seed: int) -> list[Pose]:
+    """The best pose first."""
+    surface = shape.positions, shape.triangles
+    # among much else the sheet is hard to find
+    much_else = trim > 0.3
+    poses = register(scan.points, *surface, trim, seed, _EFFORT if much_else else 1)
+    if much_else or poses[0].spread_mm < _UNSURE * diameter(shape.positions):
+        return poses
+    return distinct(sorted([*poses, *register(scan.points, *surface, trim, seed + 1, _EFFORT)], key=spread))
+
+
 def _covered(shape: Shape, points: Floats, off_mm: float) -> np.ndarray:
     """(T,) bool, triangles with points nearer to their middle than the points' own gaps and the triangle's size."""
     tree = cKDTree(points)
@@ -117,4 +129,4 @@ def _covered(shape: Shape, points: Floats, off_mm: float) -> np.ndarray:
     some = points[:: max(len(points) // 1000, 1)]
     gap = float(np.quantile(tree.query(some, k=2)[0][:, 1], 0.9))
     distance, _ = tree.query(corners.mean(axis=1))
-    return np.asarray(distance <= np.hypot(size + 2 * gap, off_mm))
+    return np.asarray(distance <= np.hypot(size + gap, off_mm))

@@ -10,8 +10,8 @@ from scipy.spatial import cKDTree
 from pattern.layout import Floats, Ints
 from pattern.normals import triangle_normals
 
-# the nearest triangle is among those with the nearest centres, as long as triangles are of similar size
-_CANDIDATES = 12
+# the nearest triangle is among those of each size with the nearest centres; sizes within this factor are alike
+_CANDIDATES, _ALIKE = 12, 2.0
 _AT_ONCE = 20_000
 
 
@@ -39,7 +39,10 @@ class NearestOnSurface:
         self._corners = vertices[triangles]
         normals = triangle_normals(vertices, triangles)
         self.normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
-        self._tree = cKDTree(self._corners.mean(axis=1))
+        centres = self._corners.mean(axis=1)
+        size = np.linalg.norm(self._corners - centres[:, None], axis=2).max(axis=1)
+        kind = np.floor(np.log(np.maximum(size, 1e-9) / max(size.max(), 1e-9)) / np.log(_ALIKE)).astype(int)
+        self._kinds = [(cKDTree(centres[kind == k]), np.flatnonzero(kind == k)) for k in np.unique(kind)]
 
     def __call__(self, points: Floats) -> Nearest:
         """For points (n, 3)."""
@@ -50,12 +53,17 @@ class NearestOnSurface:
         return Nearest(places, triangle, side * np.linalg.norm(away, axis=1))
 
     def _some(self, points: Floats) -> tuple[Floats, Ints]:
-        count = min(_CANDIDATES, len(self._triangles))
-        candidates = self._tree.query(points, k=count)[1].reshape(len(points), count)
+        candidates = np.concatenate([_nearest(tree, among, points) for tree, among in self._kinds], axis=1)
         places = nearest_in_triangles(points[:, None, :], self._corners[candidates])
         best = ((places - points[:, None, :]) ** 2).sum(axis=2).argmin(axis=1)
         rows = np.arange(len(points))
         return places[rows, best], candidates[rows, best]
+
+
+def _nearest(tree: cKDTree, among: Ints, points: Floats) -> Ints:
+    """(n, k) triangles of one size whose centres are nearest."""
+    count = min(_CANDIDATES, len(among))
+    return among[tree.query(points, k=count)[1].reshape(len(points), count)]
 
 
 def nearest_in_triangles(points: Floats, corners: Floats) -> Floats:

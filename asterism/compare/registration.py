@@ -78,13 +78,23 @@ def register(
     coarse_target, target = (_target(vertices, triangles, surface, count, rng) for count in (2000, 15_000))
     few, some, many = (_some(points, count, rng) for count in (_COARSE_POINTS, _MIDDLE_POINTS, _FINE_POINTS))
     starts = _starts(points, coarse_target, effort * _RANDOM_STARTS, rng)
-    first = sorted((_coarse(few, start, coarse_target, trim, 4) for start in starts), key=_spread)
-    coarse = sorted((_coarse(few, pose, coarse_target, trim, 12) for pose in first[: effort * _PROMISING]), key=_spread)
-    coarse = _distinct(coarse, 15.0)[: effort * _REFINED]
-    middle = sorted((_refine(some, pose, target, trim, 25) for pose in coarse), key=_spread)
-    fine = [_refine(many, pose, target, trim, 60) for pose in _distinct(middle, 15.0)[:4]]
+    first = sorted((_coarse(few, start, coarse_target, trim, 4) for start in starts), key=spread)
+    coarse = sorted((_coarse(few, pose, coarse_target, trim, 12) for pose in first[: effort * _PROMISING]), key=spread)
+    coarse = distinct(coarse)[: effort * _REFINED]
+    middle = sorted((_refine(some, pose, target, trim, 25) for pose in coarse), key=spread)
+    fine = [_refine(many, pose, target, trim, 60) for pose in distinct(middle)[:4]]
     exact = [replace(pose, spread_mm=_trimmed(np.abs(surface(pose(many)).distance), trim)) for pose in fine]
-    return _distinct(sorted(exact, key=_spread), 15.0)
+    return distinct(sorted(exact, key=spread))
+
+
+def distinct(poses: list[Pose], degrees: float = 15.0) -> list[Pose]:
+    """Those that differ from all better ones before them by a turn of so many degrees."""
+    found: list[Pose] = []
+    for pose in poses:
+        cosines = [(np.trace(pose.rotation.T @ other.rotation) - 1) / 2 for other in found]
+        if all(cosine < np.cos(np.deg2rad(degrees)) for cosine in cosines):
+            found.append(pose)
+    return found
 
 
 def _target(
@@ -96,7 +106,8 @@ def _target(
     return _Target(places, surface.normals[which], tree, spacing)
 
 
-def _spread(pose: Pose) -> float:
+def spread(pose: Pose) -> float:
+    """mm."""
     return pose.spread_mm
 
 
@@ -197,13 +208,3 @@ def _refine(points: Floats, pose: Pose, target: _Target, trim: float, most: int)
 
 def _some(points: Floats, count: int, rng: np.random.Generator) -> Floats:
     return points[rng.choice(len(points), min(len(points), count), replace=False)]
-
-
-def _distinct(poses: list[Pose], degrees: float) -> list[Pose]:
-    """Those that differ from all better ones by a turn."""
-    found: list[Pose] = []
-    for pose in poses:
-        cosines = [(np.trace(pose.rotation.T @ other.rotation) - 1) / 2 for other in found]
-        if all(cosine < np.cos(np.deg2rad(degrees)) for cosine in cosines):
-            found.append(pose)
-    return found

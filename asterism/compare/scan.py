@@ -15,6 +15,7 @@ from pattern.layout import Floats, Ints
 
 FORMATS = (".obj", ".stl", ".ply")
 MOST_POINTS = 20_000
+LARGEST = 1e9  # in the file's unit
 LINE = 1e-3  # width over length below which points are no surface
 
 
@@ -64,8 +65,8 @@ def read_scan(path: Path, unit: str = "mm", seed: int = 0) -> Scan:
     vertices, triangles = _read(path)
     if len(vertices) == 0:
         raise ScanError(path, "holds no points")
-    if not np.isfinite(vertices).all():
-        raise ScanError(path, "holds points that are not finite numbers")
+    if not np.isfinite(vertices).all() or np.abs(vertices).max() > LARGEST:
+        raise ScanError(path, "holds points that are not finite numbers, or too far away")
     vertices = vertices * MM[unit]
     rng = np.random.default_rng(seed)
     if len(triangles) == 0:
@@ -104,7 +105,7 @@ def _read(path: Path) -> tuple[Floats, Ints]:
         raise ScanError(path, "is not there")
     logging.getLogger("trimesh").setLevel(logging.CRITICAL)
     try:
-        with path.open("rb") as stream:
+        with path.open("rb") as stream, np.errstate(all="ignore"):
             loaded: Any = trimesh.load(stream, file_type=path.suffix[1:].lower(), process=False)
     except (ImportError, UnicodeDecodeError):  # it looks for a package that guesses the encoding of a text
         raise ScanError(path, f"cannot be read as {path.suffix[1:].upper()}: it is not text") from None

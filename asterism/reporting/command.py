@@ -31,12 +31,15 @@ def report(
     from asterism.reporting.facts import facts
     from asterism.reporting.page import write_page
     from asterism.reporting.shape import shape_of
+    from homogenize.errors import LawError
     from pattern.design import load_design
 
+    if law and results:
+        raise LawError("--law: is for a new preview, not with --results")
+    plan = with_material(load_design(design), material)
     path = output or design.with_name(f"{design.stem}-report.pdf")
     if path.suffix.lower() != ".pdf":
         raise OutputError(f"--output: {str(path)!r} must end with .pdf")
-    plan = with_material(load_design(design), material)
     check_writable(path.parent, path.name)
     machine, profile = load_printer(printer), load_plastic(plastic)
     prepare(plan, machine, profile, any_size=True)  # before anything is computed: most mistakes are found here

@@ -111,6 +111,8 @@ def _accuracy(summary: Mapping[str, Any]) -> list[str]:
         lines.append("mesh error not known, one mesh was solved")
     elif summary and not lines:
         lines.append("not known how far from the exact model")
+    if (law := summary.get("law")) is not None:
+        lines.append(f"law: {law['material']}, edges of {law['edge_mm']:g} mm")
     return lines
 
 

@@ -20,7 +20,7 @@ def shape_of(
     Parameters
     ----------
     results : a directory of results, or its shape.vtu.
-    beside : where results usually are; taken only if they are of this design.
+    beside : where results usually are; taken only if they are of this design, and no preview where a law is given.
     say : called with a line if something takes long the first time, and if there is no shape.
     law : of a new preview; that of the paper's material by default.
 
@@ -37,15 +37,15 @@ def shape_of(
         shape = read_shape(results)
         if not _is_of(shape, design):
             raise DesignError("--results", "must be of this design; compute them again", str(results))
-        return shape, _kind(shape)
+        return shape, shape.made_by
     if (beside / "shape.vtu").is_file():
         try:
             shape = read_shape(beside)
         except DesignError:
             pass  # what lies there by chance is no mistake
         else:
-            if _is_of(shape, design):
-                return shape, _kind(shape)
+            if _is_of(shape, design) and (law is None or shape.summary.get("model") != "preview"):
+                return shape, shape.made_by
     try:
         with told_of_compiling(say):
             shape = preview(design, law)
@@ -53,7 +53,7 @@ def shape_of(
         give = "--law or --results" if isinstance(error, ForeignLaw) else "--results"
         say(f"the page has no picture: {error}; give {give}")
         return None, "not known: no law of this material"
-    return shape, _kind(shape)
+    return shape, shape.made_by
 
 
 def _is_of(shape: Shape, design: Design) -> bool:
@@ -64,7 +64,3 @@ def _is_of(shape: Shape, design: Design) -> bool:
     except DesignError:
         return False
     return other is not None and other.model_copy(update={"mesh": design.mesh, "solver": design.solver}) == design
-
-
-def _kind(shape: Shape) -> str:
-    return "by the preview" if shape.summary.get("model") == "preview" else "by the exact model"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from asterism import __version__
 from asterism.files import OutputError, staged
 from asterism.strips import statement
 from asterism.strips.fit import fit_strips
@@ -58,7 +59,14 @@ def fit(
     with staged(path.parent) as folder:
         (folder / path.name).write_text(material_text(found, one_line(path.stem), remarks), encoding="utf-8")
         draw_fit(found, title, folder / f"{path.stem}.png")
-        numbers = {"strips": strips.name, **statement.summary(found)}
+        asked = {"outside": outside, "flat_height_mm": flat_height_mm, "keep_outliers": keep_outliers}
+        given = {"stretch": stretch, "fabric_thickness_mm": fabric_thickness_mm}
+        numbers = {
+            "version": __version__,
+            "strips": strips.name,
+            "options": asked | {name: value for name, value in given.items() if value is not None},
+            **statement.summary(found),
+        }
         (folder / f"{path.stem}.json").write_text(json.dumps(numbers, indent=2) + "\n", encoding="utf-8")
     left_out = [f"  left out: {o.reading.name} (row {o.reading.row}): {o.reason}" for o in found.left_out]
     lines = [f"  {name:<20} {value}" for name, value in rows.items()] + left_out

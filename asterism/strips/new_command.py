@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from shlex import quote
 
 import numpy as np
 import shapely
@@ -61,7 +62,7 @@ def new(
     return [
         f"  {len(strips.strips)} strips of {length_mm:g} x {width_mm:g} mm, {thick} mm thick",
         f"  slice with a first layer of {heights[0]:g} mm and others of {heights[1]:g} mm",
-        f"{directory}: {', '.join(FILES)}; measure, fill in the table, then  asterism strips fit {table}",
+        f"{directory}: {', '.join(FILES)}; measure, fill in the table, then  asterism strips fit {quote(str(table))}",
     ]
 
 

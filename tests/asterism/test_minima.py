@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,8 +13,13 @@ from asterism.read_shape import read_shape
 from asterism.results import write_results
 from asterism.shape import Shape
 from asterism.simulation import simulate
+from discrete import branches
+from discrete.evidence import Equilibrium
+from discrete.model import Model
+from discrete.starts import Beginning
 from pattern import gallery
 from pattern.design import Design
+from pattern.errors import DesignError
 
 STARTS = 9
 
@@ -110,3 +116,39 @@ def test_many_starts_with_other_options(sections: dict[str, object]) -> None:
     assert sum(m["starts"] for m in s["minima"]) + s["starts_lost"] == 4 and s["starts_lost"] <= 1
     assert sum(m["default"] for m in s["minima"]) == 1
     assert s["minima"][0]["stars_off_branch"] == 0
+
+
+def test_where_the_pins_stand_makes_no_difference_to_the_starts() -> None:
+    """Three starts from bent sheets are taken along with their pins."""
+    held = {"corners": [0, 2, 4], "scale": 0.8}
+    here, there = (
+        simulate(small(pins=[held | {"offset_mm": at}]), starts=4).summary
+        for at in ([0.0, 0.0, 0.0], [300.0, 0.0, 90.0])
+    )
+    assert here["starts_lost"] == there["starts_lost"] == 0
+    assert there["minima_seen"] == here["minima_seen"]
+    assert there["energy_n_mm"] == pytest.approx(here["energy_n_mm"], rel=1e-8)
+
+
+def test_how_high_a_sheet_hangs_makes_no_difference_to_the_next_minimum() -> None:
+    weight = {"gravity": {"on": True}, "fabric": {"modulus_mpa": 1.0, "density_kg_m3": 2000.0}}
+    held = {"corners": [0, 2, 4], "scale": 0.8}
+    low, high = (
+        simulate(small(**weight, pins=[held | {"offset_mm": [0.0, 0.0, z]}]), starts=8).summary for z in (-900.0, 0.0)
+    )
+    assert low["minima_seen"] == high["minima_seen"] > 1
+    assert low["next_minimum_percent"] == pytest.approx(high["next_minimum_percent"], rel=1e-4)
+    assert low["next_minimum_n_mm"] == pytest.approx(high["next_minimum_n_mm"], rel=1e-4)
+
+
+def test_a_start_that_cannot_go_on_is_lost_and_not_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    relax = branches.relax
+
+    def failing(model: Model, start: Beginning, *rest: Any) -> Equilibrium:
+        if start.bend != "none":
+            raise DesignError("solver.contact", "the pins push the sheet through itself; it cannot follow them")
+        return relax(model, start, *rest)
+
+    monkeypatch.setattr(branches, "relax", failing)
+    summary = simulate(small(), starts=3).summary
+    assert summary["is_minimum"] and summary["starts_lost"] == 2

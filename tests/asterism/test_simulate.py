@@ -133,7 +133,8 @@ def test_starts_from_a_shape_of_the_design():
     coarse, fine = (Design.from_dict(data | {"mesh": {"edge_mm": edge}}) for edge in (2.5, 2.0))
     alone = simulate(fine)
     near = simulate(fine, near=simulate(coarse))
-    assert near.summary["is_minimum"]
+    assert near.summary["is_minimum"] and near.summary["result_is"] == "from a shape that was given"
+    assert alone.summary["result_is"] == "the default start's"
     assert near.summary["energy_n_mm"] == pytest.approx(alone.summary["energy_n_mm"], rel=1e-9)
     assert near.summary["iterations"] < 0.5 * alone.summary["iterations"]
     with pytest.raises(ValueError, match="near"):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from discrete.evidence import Equilibrium
 from discrete.model import Model
 from discrete.solve import relax
 from pattern.build import layout
@@ -55,3 +56,49 @@ def test_what_holds_the_sheet_carries_it() -> None:
     forces = m.full_gradient(found.state)[: 3 * m.n_vertices].reshape(-1, 3)
     carried = forces[m.constraints.held.any(axis=1), 2].sum()
     assert carried == pytest.approx(GRAVITY * mass(len(m.layout.centres)), rel=1e-6)
+
+
+def hung(
+    modulus: float, pins: dict[str, object], direction: tuple[float, float, float] = (0.0, 0.0, -1.0)
+) -> tuple[Equilibrium, np.ndarray, np.ndarray]:
+    """Seven stars of a fabric of any modulus, which gravity has to turn about what holds them.
+
+    What was found, its centre of mass (3,), and the places that are held (n, 3), mm.
+    """
+    data = {
+        "fabric": {"modulus_mpa": modulus},
+        "stars": {"length_mm": 10.0, "thickness_mm": 0.3},
+        "border": {"rings": 1},
+        "mesh": {"edge_mm": 3.0},
+        "gravity": {"on": True, "direction": direction},
+    }
+    design = Design.from_dict(data | {"pins": [pins]})
+    plan = layout(design)
+    m = Model(design, plan, mesh_layout(plan, design.mesh.edge_mm))
+    found = relax(m)
+    places, mass = found.state.positions, np.linalg.norm(m.load.reshape(-1, 3), axis=1)
+    return found, mass @ places / mass.sum(), places[m.constraints.held.any(axis=1)]
+
+
+@pytest.mark.parametrize("modulus", [7.1875, 1000.0])
+def test_a_sheet_on_one_needle_hangs_below_it_or_is_no_equilibrium(modulus: float) -> None:
+    """Its weight is a hundred millionth of what would stretch it; turned over, it stands on the needle and falls."""
+    needle = {"points_mm": [[0.0, 0.0]]}
+    below, middle, _ = hung(modulus, needle)
+    assert below.is_minimum
+    assert middle[2] < -1.0 and np.linalg.norm(middle[:2]) < 0.02
+    # a pendulum's stiffness: all other motions are stiffer by far
+    assert 0.0 < below.smallest_eigenvalue < 1e-5
+    above, middle, _ = hung(modulus, needle, (0.0, 0.0, 1.0))
+    assert not above.is_minimum or middle[2] > 1.0
+
+
+@pytest.mark.parametrize("modulus", [7.1875, 1e4])
+def test_a_sheet_on_two_needles_hangs_below_them_or_is_no_equilibrium(modulus: float) -> None:
+    found, middle, (first, second) = hung(modulus, {"corners": [0, 1]})
+    along = (second - first) / np.linalg.norm(second - first)
+    across = np.eye(3) - np.outer(along, along)
+    arm, down = across @ (middle - first), across @ np.array([0.0, 0.0, -1.0])
+    hangs = arm @ down > 0.999 * np.linalg.norm(arm) * np.linalg.norm(down)
+    assert hangs or not found.is_minimum
+    assert hangs or modulus > 100.0

@@ -6,6 +6,7 @@ import numpy as np
 import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.spatial import Delaunay
 
 from asterism.compare.nearest import NearestOnSurface, nearest_in_triangles
 from tests.asterism.sheets import saddle, sheet
@@ -35,3 +36,18 @@ def test_on_a_sheet_with_its_side() -> None:
         ]
     )
     np.testing.assert_allclose(np.abs(surface(points[::25]).distance), every, atol=1e-9)
+
+
+def test_beside_small_triangles_a_large_one_is_found() -> None:
+    """A sheet whose triangles grow from one side to the other, by two orders of magnitude."""
+    rng = np.random.default_rng(4)
+    x, y = 60.0 * rng.random(1500) ** 3, 20.0 * rng.random(1500)
+    vertices = np.column_stack([x, y, 0.1 * x * np.sin(0.3 * y)])
+    triangles = Delaunay(vertices[:, :2]).simplices
+    surface, corners = NearestOnSurface(vertices, triangles), vertices[triangles]
+    points = vertices[::7] + rng.normal(0.0, 2.0, (len(vertices[::7]), 3))
+    every = [
+        np.linalg.norm(trimesh.triangles.closest_point(corners, np.tile(p, (len(corners), 1))) - p, axis=1).min()
+        for p in points
+    ]
+    np.testing.assert_allclose(np.abs(surface(points).distance), every, atol=1e-9)

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from asterism.compare.comparison import compare_scan
 from asterism.compare.registration import register
-from asterism.compare.scan import Scan
+from asterism.compare.scan import Scan, sample
+from asterism.previewing.run import preview
+from pattern import gallery
 from tests.asterism.compare.scans import bent_sheet, motion, scanned
 from tests.asterism.sheets import dome, saddle, sheet, tube
 
@@ -87,3 +90,16 @@ def test_a_sheet_like_itself_from_two_sides_says_two() -> None:
         rotation, shift = motion(seed)
         found = compare_scan(shape, Scan(points @ rotation.T + shift, 0, len(points)), seed=seed)
         assert found.summary()["poses_as_good"] == 2
+
+
+@pytest.mark.parametrize(("seed", "part"), [(2, 0.35), (0, 0.5)])
+def test_a_scan_of_a_part_is_laid_where_it_belongs(seed: int, part: float) -> None:
+    """Pieces of a rolled sheet without noise; the first starts lay both elsewhere, .8 and 1.6 mm off."""
+    shape = preview(gallery.load("fig8-l-increasing"))
+    rng = np.random.default_rng(seed)
+    angle = rng.uniform(0.0, 6.28)
+    along = shape.printed[shape.triangles].mean(axis=1) @ [np.cos(angle), np.sin(angle)]
+    points = sample(shape.positions, shape.triangles[along > np.quantile(along, 1.0 - part)], 5000, rng)[0]
+    turn = Rotation.random(random_state=seed).as_matrix()
+    s = compare_scan(shape, Scan(points @ turn.T + [10.0, 20.0, 30.0], 0, len(points))).summary()
+    assert s["rms_mm"] < 0.01 and s["poses_as_good"] == 1
