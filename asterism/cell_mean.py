@@ -6,7 +6,7 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array, vstack
 from scipy.spatial import cKDTree
 
-from pattern.layout import Floats
+from pattern.layout import Floats, Ints
 
 TIE = 1e-6  # of the spacing: on the rim of a cell
 AT_ONCE = 2000  # points whose neighbourhoods are looked up together
@@ -23,9 +23,10 @@ class CellMean:
     points : (V, 2) mm, vertices of the printed mesh.
     weights : (V,) mm^2, the part of the sheet that each stands for.
     lattice_vectors : (2, 2) mm, rows.
+    at : (k,) the vertices whose means are asked for; all by default.
     """
 
-    def __init__(self, points: Floats, weights: Floats, lattice_vectors: Floats) -> None:
+    def __init__(self, points: Floats, weights: Floats, lattice_vectors: Floats, at: Ints | None = None) -> None:
         span = np.array([[i, j] for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)])
         steps = span @ lattice_vectors
         # no point of the plane is further from the lattice than half the diagonal of a rectangle of these sides
@@ -34,8 +35,9 @@ class CellMean:
         reach *= 1.0 + TIE
         tree = cKDTree(points)
         rows = []
-        for begin in range(0, len(points), AT_ONCE):
-            some = points[begin : begin + AT_ONCE]
+        middles = points if at is None else points[at]
+        for begin in range(0, len(middles), AT_ONCE):
+            some = middles[begin : begin + AT_ONCE]
             pairs = cKDTree(some).sparse_distance_matrix(tree, reach, output_type="ndarray")
             i, j = pairs["i"], pairs["j"]
             gap = points[j] - some[i]
@@ -54,5 +56,5 @@ class CellMean:
         self._matrix = matrix
 
     def __call__(self, values: Floats) -> Floats:
-        """(V, m) means of values (V, m)."""
+        """(k, m) means of values (V, m)."""
         return self._matrix @ values

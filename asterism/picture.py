@@ -1,4 +1,4 @@
-"""A picture of a shape: in perspective, from above and from the side, to scale."""
+"""A picture of a shape: in perspective, from above and from the front, to scale."""
 
 from __future__ import annotations
 
@@ -96,9 +96,9 @@ def _perspective(canvas: Floats, thing: Surface, centre: Floats, diameter: float
 
 
 def _to_scale(figure: Figure, canvas: Floats, thing: Surface, centre: Floats) -> None:
-    """From above, and below it from the side, both to the same scale, with its bar."""
-    above, side = camera(-90.0, 90.0, centre), camera(-90.0, 0.0, centre)
-    (x, y), (_, z) = _size(thing, above), _size(thing, side)
+    """From above, and below it from the front, both to the same scale, with its bar."""
+    above, front = camera(-90.0, 90.0, centre), camera(-90.0, 0.0, centre)
+    (x, y), (_, z) = _size(thing, above), _size(thing, front)
     column, bar_room, label_room = WIDTH - MARGIN - DIVISION, 70, 64
     room = HEIGHT - CAPTION - MARGIN - bar_room - 2 * label_room
     scale = float(min(column / x, room / (y + z)))
@@ -113,8 +113,8 @@ def _to_scale(figure: Figure, canvas: Floats, thing: Surface, centre: Floats) ->
         ends = (middle + np.array([-x, x]) * scale / 2) / WIDTH
         figure.add_artist(Line2D(ends, 2 * [bottom / HEIGHT], color=INK, linewidth=0.8))
     else:
-        _paste(canvas, render(thing, side, scale), middle, bottom + scale * z / 2)
-    _text(figure, middle, bottom - 36, "from the side", size=8, color=PALE, ha="center")
+        _paste(canvas, render(thing, front, scale), middle, bottom + scale * z / 2)
+    _text(figure, middle, bottom - 36, "from the front", size=8, color=PALE, ha="center")
     bottom += scale * z + gap + label_room
     _paste(canvas, render(thing, above, scale), middle, bottom + scale * y / 2)
     _text(figure, middle, bottom - 36, "from above", size=8, color=PALE, ha="center")

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from asterism import __version__
-from asterism.cell_mean import CellMean
 from asterism.contraction import contraction
 from asterism.exact_warnings import exact_warnings
 from asterism.mesh_error import mesh_error
@@ -18,7 +17,7 @@ from asterism.minima import many_minima, one_minimum
 from asterism.self_intersections import self_intersections
 from asterism.shape import Shape
 from asterism.surface_fields import cell_fields, point_fields
-from asterism.tube import tube_radius
+from asterism.tube import roll_radius
 from discrete.branches import find_minima, stars_off_branch
 from discrete.contact import ipc_toolkit
 from discrete.contact_model import ContactModel
@@ -34,7 +33,6 @@ from equilibrium.threads import one_blas_thread
 from pattern.build import check_carried, layout
 from pattern.design import Design
 from pattern.meshing import mesh_layout
-from pattern.normals import vertex_normals
 from pattern.section import is_whole
 
 Say = Callable[[str], None]
@@ -174,12 +172,6 @@ def _rod_fields(model: Model, found: Equilibrium) -> dict[str, np.ndarray]:
     }
 
 
-def _roll_radius(model: Model, shape: Shape) -> float | None:
-    """mm, of the tube nearest to the sheet's mean surface at the stars."""
-    mean = CellMean(shape.printed, shape.weights, model.layout.lattice_vectors)(shape.positions)
-    return tube_radius(mean[shape.star_vertices], vertex_normals(mean, shape.triangles)[shape.star_vertices])
-
-
 def _summary(model: Model, found: Equilibrium, shape: Shape, seconds: dict[str, float], wall: float) -> dict[str, Any]:
     number, axis = model.layout.star_number, roll_axis_deg(model, found.state)
     return {
@@ -198,7 +190,7 @@ def _summary(model: Model, found: Equilibrium, shape: Shape, seconds: dict[str, 
         "stars_down": number[found.sides < 0].tolist(),
         "stars_off_branch": number[stars_off_branch(model, found)].tolist(),
         "roll_axis_deg": axis,
-        "roll_radius_mm": None if axis is None else _roll_radius(model, shape),
+        "roll_radius_mm": None if axis is None else roll_radius(shape, model.layout.lattice_vectors),
         "vertices": model.n_vertices,
         "triangles": len(model.mesh.triangles),
         "dofs": len(model.free),

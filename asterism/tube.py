@@ -8,7 +8,10 @@ from typing import Any
 import numpy as np
 from scipy.optimize import leastsq
 
+from asterism.cell_mean import CellMean
+from asterism.shape import Shape
 from pattern.layout import Floats
+from pattern.normals import vertex_normals
 
 
 def rolled(summary: Mapping[str, Any]) -> str:
@@ -17,6 +20,13 @@ def rolled(summary: Mapping[str, Any]) -> str:
         return "-"
     radius = summary["roll_radius_mm"]
     return f"{summary['roll_axis_deg']:.0f} deg" + ("" if radius is None else f", radius {radius:.1f} mm")
+
+
+def roll_radius(shape: Shape, lattice_vectors: Floats) -> float | None:
+    """mm, of the tube nearest to the shape's means over the cells of its stars; None of fewer than five."""
+    stars = shape.star_vertices
+    middles = CellMean(shape.printed, shape.weights, lattice_vectors, stars)(shape.positions)
+    return tube_radius(middles, vertex_normals(shape.positions, shape.triangles)[stars])
 
 
 def tube_radius(points: Floats, normals: Floats) -> float | None:

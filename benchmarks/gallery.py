@@ -77,7 +77,7 @@ def page(table: str) -> str:
         lines = gallery.path(name).read_text(encoding="utf-8").splitlines()
         comment = takewhile(lambda line: line.startswith("#"), lines)
         parts += [f"## {name}", "", *(line.removeprefix("#").strip() for line in comment), ""]
-        parts += [f"![{name}: perspective, from above, from the side](pictures/{name}.png)", ""]
+        parts += [f"![{name}: perspective, from above, from the front](pictures/{name}.png)", ""]
     return "\n".join(parts)
 
 

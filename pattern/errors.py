@@ -9,6 +9,7 @@ from pydantic import ValidationError
 
 _NOTHING: Any = object()
 _LONGEST_VALUE = 60
+A_LIST = "must be a list"
 
 
 class DesignError(ValueError):
@@ -24,7 +25,7 @@ class DesignError(ValueError):
 
     def __init__(self, field: str, allowed: str, value: Any = _NOTHING, file: str | Path | None = None):
         self.field, self.allowed, self.value, self.file = field, allowed, value, file
-        place = field if value is _NOTHING else f"{field} = {_short(value)}"
+        place = field if value is _NOTHING else f"{field} = {_short(value)}" if field else _short(value)
         super().__init__(one_line(": ".join(part for part in (str(file or ""), place, allowed) if part)))
 
     def within(self, file: str | Path) -> DesignError:
@@ -42,8 +43,10 @@ def from_validation(error: ValidationError, file: str | Path | None = None) -> D
     if isinstance(cause := context.get("error"), DesignError):
         inner = ".".join(part for part in (field, cause.field) if part)
         return DesignError(inner, cause.allowed, cause.value, file)
-    value = context.get("value", first["input"])
-    return DesignError(field, _allowed(first["type"], context, first["msg"]), value, file)
+    value, allowed = context.get("value", first["input"]), _allowed(first["type"], context, first["msg"])
+    if allowed == A_LIST and isinstance(value, dict):
+        allowed += f"; a table in it begins with [[{field}]]"
+    return DesignError(field, allowed, value, file)
 
 
 def _allowed(kind: str, context: dict[str, Any], message: str) -> str:
@@ -75,9 +78,11 @@ def _allowed(kind: str, context: dict[str, Any], message: str) -> str:
         case "too_short":
             return f"must have at least {context['min_length']} entries"
         case "too_long":
-            return f"must have at most {context['max_length']} entries"
+            # a comma in every number makes two of it
+            commas = context.get("actual_length") == 2 * context["max_length"]
+            return f"must have at most {context['max_length']} entries" + ("; decimals have a point" if commas else "")
         case "tuple_type" | "list_type":
-            return "must be a list"
+            return A_LIST
         case "model_type" | "dict_type" | "model_attributes_type":
             return "must be a table of keys and values"
         case _:

@@ -116,4 +116,6 @@ def _value(node: ast.expr, variables: Mapping[str, Floats], depth: int) -> Any:
             raise FormulaError(f"has an unknown function {name}; known are {', '.join(_FUNCTIONS)}")
         case _:
             pass
-    raise FormulaError("may only hold numbers, + - * / % **, < <= > >=, brackets and the known functions")
+    raise FormulaError(
+        "may only hold numbers, + - * / % **, < <= > >=, brackets and the known functions; powers are **"
+    )

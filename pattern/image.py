@@ -98,7 +98,9 @@ def _grey_values(path: Path) -> np.ndarray:
 
     try:
         if not path.is_file():
-            raise _Unreadable("must be a file" if path.is_dir() else f"there is no such file in {path.parent}")
+            raise _Unreadable(
+                "must be a file" if path.is_dir() else f"there is no such file in {path.parent.absolute()}"
+            )
         if path.stat().st_size > _LARGEST_FILE:
             raise _Unreadable(f"must be at most {_LARGEST_FILE // 1_000_000} MB")
         with warnings.catch_warnings():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from dataclasses import dataclass
 from io import BytesIO
@@ -23,6 +24,8 @@ _PX = 25.4 / 96.0  # mm of a user unit without a viewBox, as SVG has it
 _UNSEEN = ("marker", "mask")  # elements whose content is no line of the drawing
 # gap between the ends of a closed line, over its size: programs round
 _CLOSED = 1e-3
+# a width or a height as SVG has it; none is what programs leave out
+_SIZE = re.compile(r"([+]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?\s*(mm|cm|in|pt|pc|px|%|em|ex)?|auto)?")
 # pieces of a curve
 _PIECES = 100
 # width over length of corners that are on a line but for rounding
@@ -45,7 +48,7 @@ class Outline:
     unit: str | None
 
 
-def read_outline(path: Path, unit: str | None = None) -> Outline:
+def read_outline(path: str | Path, unit: str | None = None) -> Outline:
     """The largest closed line in a file.
 
     Parameters
@@ -57,6 +60,7 @@ def read_outline(path: Path, unit: str | None = None) -> Outline:
     ScanError, TableError
         The file is not an outline, or says its size and a unit is given too.
     """
+    path = Path(path)
     if not path.is_file():
         raise ScanError(path, "is not there")
     outline = (_from_csv if path.suffix.lower() == ".csv" else _from_svg)(path, unit)
@@ -94,6 +98,9 @@ def _from_svg(path: Path, unit: str | None) -> Outline:
     if not isinstance(drawing, svg.SVG):
         raise ScanError(path, "is not a drawing in SVG")
     said = [str(drawing.values.get(side, "")).strip().lower() for side in ("width", "height")]
+    if odd := next((text for text in said if not _SIZE.fullmatch(text)), None):
+        hint = "; decimals have a point" if "," in odd else ""
+        raise ScanError(path, f"has the size {odd!r}: must be a number and a unit, 120mm{hint}")
     measured = all(text.endswith(("mm", "cm", "in", "pt", "pc")) for text in said)
     lines: list[Floats] = []
     opened: list[Floats] = []

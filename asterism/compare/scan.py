@@ -52,7 +52,7 @@ def _extents(points: Floats) -> Floats:
     return np.asarray(np.sort(np.ptp(centred @ axes, axis=0))[::-1])
 
 
-def read_scan(path: Path, unit: str = "mm", seed: int = 0) -> Scan:
+def read_scan(path: str | Path, unit: str = "mm", seed: int = 0) -> Scan:
     """A scan from an OBJ, STL or PLY file.
 
     Raises
@@ -60,6 +60,7 @@ def read_scan(path: Path, unit: str = "mm", seed: int = 0) -> Scan:
     ScanError
         The file is not a scan, or empty.
     """
+    path = Path(path)
     if path.suffix.lower() not in FORMATS:
         raise ScanError(path, f"must end in {', '.join(FORMATS)}, or in .svg or .csv for an outline")
     vertices, triangles = _read(path)

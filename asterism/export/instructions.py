@@ -12,7 +12,7 @@ import numpy as np
 from asterism.export.drawing import Circle, Drawing, Line, Text, size_within
 from asterism.export.job import CHECK_SQUARE_MM, Job
 from asterism.export.layers import TEXT
-from asterism.export.needles import MUCH_MM, Needle, hanging
+from asterism.export.needles import MUCH_MM, Needle, at_the_edge, hanging, in_plastic, named
 
 _A4_MM = (210.0, 297.0)
 _MARGIN_MM = 18.0
@@ -123,6 +123,10 @@ def _print(job: Job, cost: dict[str, float]) -> Chapter:
 def _finish(job: Job) -> Chapter:
     line = "along the inner edge of the printed line" if job.border is not None else "along the cut line of layout.pdf"
     lines = [f"Let the plastic cool, open the frame, cut the fabric {line}."]
+    if edge := at_the_edge(job.plan, job.needles):
+        lines.append(f"Leave a tab of fabric outside the line, 5 mm or more, at {named(edge)}: they stand on it.")
+    if arms := in_plastic(job.plan, job.needles):
+        lines.append(f"The plastic is in the way of {named(arms)}: drill a hole through the arm there first.")
     known = [needle for needle in job.needles if needle.place is not None]
     if known:
         lines.append(
@@ -144,7 +148,7 @@ def _finish(job: Job) -> Chapter:
     else:
         lines.append("The design has no pins: the sheet takes its shape by itself.")
     if len(steps := sorted({needle.step for needle in job.needles})) > 1:
-        turns = [_numbers([needle.number for needle in job.needles if needle.step == step]) for step in steps]
+        turns = [named([needle.number for needle in job.needles if needle.step == step]) for step in steps]
         lines.append(f"Set them in the design's order: first {', then '.join(turns)}.")
     return Chapter("6. Release, cut, pin", tuple(lines))
 
@@ -159,21 +163,9 @@ def _heights(needles: Sequence[Needle]) -> str:
         return ""
     if len(at) > _MOST_NAMED:
         return "They hold the sheet at heights over the base that are written beside their holes, and in needles.csv."
-    each = "; ".join(f"{height} mm at {_numbers(numbers)}" for height, numbers in at.items())
+    each = "; ".join(f"{height} mm at {named(numbers)}" for height, numbers in at.items())
     rest = "" if all(needle.is_raised for needle in needles) else "; on the base at the others"
     return f"They hold the sheet at these heights over the base: {each}{rest}."
-
-
-def _numbers(numbers: list[int]) -> str:
-    """Such as `needle 3` or `needles 1, 4 to 9`."""
-    runs: list[list[int]] = []
-    for number in sorted(numbers):
-        if runs and number == runs[-1][-1] + 1:
-            runs[-1].append(number)
-        else:
-            runs.append([number])
-    texts = [f"{run[0]} to {run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in runs]
-    return f"needle{'s' if len(numbers) > 1 else ''} {', '.join(texts)}"
 
 
 def as_text(job: Job, parts: tuple[Chapter, ...]) -> str:

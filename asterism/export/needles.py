@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from asterism.shape import Shape
 from pattern.layout import Floats, Layout, PinSet
+from pattern.planar import distance_to_outline, distance_to_segment
 
 # by which a sheet may hang below the base: it is as thick
 MUCH_MM = 0.5
+# fabric that a needle needs around it
+EDGE_MM = 2.0
 FLAT_MM = 0.05  # lower places are on the base
 
 
@@ -84,6 +88,36 @@ def _slides(pins: PinSet) -> str:
     if all(pins.fixed):
         return ""
     return "z" if pins.fixed[0] else "plane"
+
+
+def at_the_edge(plan: Layout, some: Sequence[Needle]) -> list[int]:
+    """Numbers of those that stand so near to the cut line that the fabric would tear there."""
+    if not some:
+        return []
+    away = distance_to_outline(np.array([needle.printed for needle in some]), plan.border)
+    return [needle.number for needle, far in zip(some, away, strict=True) if far < EDGE_MM]
+
+
+def in_plastic(plan: Layout, some: Sequence[Needle]) -> list[int]:
+    """Numbers of those that would have to go through an arm."""
+    if not some:
+        return []
+    printed = np.array([needle.printed for needle in some])[:, None]
+    far = distance_to_segment(printed, plan.centres[plan.arm_star], plan.arm_tip)
+    through = (far < 0.5 * plan.arm_width.max(axis=1)).any(axis=1)
+    return [needle.number for needle, hit in zip(some, through, strict=True) if hit]
+
+
+def named(numbers: Sequence[int]) -> str:
+    """Such as `needle 3` or `needles 1, 4 to 9`."""
+    runs: list[list[int]] = []
+    for number in sorted(numbers):
+        if runs and number == runs[-1][-1] + 1:
+            runs[-1].append(number)
+        else:
+            runs.append([number])
+    texts = [f"{run[0]} to {run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in runs]
+    return f"needle{'s' if len(numbers) > 1 else ''} {', '.join(texts)}"
 
 
 def hanging(below_mm: float, doubt_mm: float | None) -> str:

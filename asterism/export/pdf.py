@@ -14,12 +14,15 @@ from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.path import Path as Outline
+from matplotlib.patheffects import Stroke
 from matplotlib.transforms import Affine2D, Transform
 
 from asterism.export.drawing import Circle, Drawing, Line, Text
+from asterism.export.layers import NEEDLES
 from pattern.layout import Floats
 
 _INCH = 25.4
+_HALO_MM = 1.0  # width of the white line around a number
 _POINTS = 72 / _INCH
 
 
@@ -81,16 +84,22 @@ def _ring(points: Floats, turn: int) -> Outline:
 
 
 def _write_text(figure: Figure, item: Text, to_page: Transform) -> None:
-    figure.text(
-        float(item.at[0]),
-        float(item.at[1]),
-        item.text,
-        transform=to_page,
-        fontsize=item.size_mm * _POINTS,
-        family="DejaVu Sans Mono" if item.fixed_pitch else "DejaVu Sans",
-        weight="bold" if item.bold else "normal",
-        color=item.layer.colour,
-        ha="left" if item.end == "left" else "center",
-        va="baseline",
-        parse_math=False,
-    )
+    # a number may stand on an arm: white around it first, as a drawing, and then the text, to be found as one
+    for effects in (
+        [Stroke(linewidth=_HALO_MM * _POINTS, foreground="white")] if item.layer is NEEDLES else None,
+        None,
+    ):
+        figure.text(
+            float(item.at[0]),
+            float(item.at[1]),
+            item.text,
+            transform=to_page,
+            fontsize=item.size_mm * _POINTS,
+            family="DejaVu Sans Mono" if item.fixed_pitch else "DejaVu Sans",
+            weight="bold" if item.bold else "normal",
+            color=item.layer.colour,
+            ha="left" if item.end == "left" else "center",
+            va="baseline",
+            parse_math=False,
+            path_effects=effects,
+        )

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field, field_validator
+from pydantic import Field, field_validator, model_validator
 
 from pattern.errors import DesignError
 from pattern.rounding import Rounding
@@ -74,6 +74,15 @@ class Printer(Section):
     speed: Speed
     frame: Frame = Frame()
     start_code: Text = Field(max_length=10_000)
+
+    @model_validator(mode="after")
+    def _layers_of_the_nozzle(self) -> Self:
+        heights = {"layer_mm": self.layer_mm}
+        heights |= {f"first_layers_mm[{number}]": height for number, height in enumerate(self.first_layers_mm)}
+        for field, height in heights.items():
+            if height > self.nozzle_mm:
+                raise DesignError(field, f"must be at most the nozzle's {self.nozzle_mm:g} mm", height)
+        return self
 
     @field_validator("bed_mm")
     @classmethod

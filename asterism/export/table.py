@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from asterism.export.needles import MUCH_MM, hanging
+from asterism.export.needles import MUCH_MM, hanging, named
 
 _MOST_NAMED = 4
 
@@ -31,6 +31,8 @@ def table(s: dict[str, Any]) -> dict[str, str]:
     x, y = s["check_square_mm"]["after"]
     rows["check square"] = f"100 mm before stretching, {x:.1f} x {y:.1f} mm after"
     rows["needles"] = str(s["needles"])
+    if through := s["needles_in_plastic"]:
+        rows["in plastic"] = f"{named(through)}: drill the arm there, or move the pin"
     if s["hangs_below_base_mm"] > MUCH_MM:
         rows["hangs"] = f"{hanging(s['hangs_below_base_mm'], s['hangs_doubt_mm'])}: set needles higher, or cut it out"
     rows["estimate"] = f"{cost['minutes']:.0f} min, {cost['mass_g']:.2f} g, {cost['filament_m']:.2f} m"

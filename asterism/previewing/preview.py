@@ -164,14 +164,26 @@ class Preview:
         that leads nowhere, it starts anew, without a linear response. Only starts meet other forms: after an edit that
         goes on, the summary knows of none.
 
-        Nothing happens before the first stage is asked for. Who stops after the linear response has a preview of that,
-        which says that it is no equilibrium, if the edit changed anything.
+        Nothing happens before the first stage is asked for; `update` asks for all. Who stops after the linear response
+        has a preview of that, which says that it is no equilibrium, if the edit changed anything.
 
         Raises
         ------
         DesignError, MeshError, LawError
             As for a new preview; the old one then stays as it was.
+        TypeError
+            It is no design; at once.
         """
+        check_kind(design, Design, "load_design reads one from a file")
+        return self._stages(design)
+
+    def update(self, design: Design) -> Shape:
+        """Change the design and go on to its equilibrium; what `edit` raises, and its shape."""
+        for _ in self.edit(design):
+            pass
+        return self.shape()
+
+    def _stages(self, design: Design) -> Iterator[Stage]:
         with one_blas_thread():
             self._clock = Clock()
             plan = self._clock("layout", layout, design)

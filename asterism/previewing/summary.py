@@ -27,7 +27,7 @@ from asterism.previewing.other_forms import OtherForm, other_forms
 from asterism.self_intersections import meets_itself, passing, self_intersections
 from asterism.shape import Shape
 from asterism.star_sides import few
-from asterism.tube import tube_radius
+from asterism.tube import roll_radius
 from fem.seeds import trends
 from fem.sides import side_of
 from homogenize.directions import left_out
@@ -79,7 +79,7 @@ def summary(
         "stars": len(layout.centres),
         "roll_axis_deg": axis,
         "equivalent_axes_deg": _equivalent_axes(preview, axis),
-        "roll_radius_mm": None if axis is None else _roll_radius(shape),
+        "roll_radius_mm": None if axis is None else roll_radius(shape, layout.lattice_vectors),
         "side": preview.side,
         "start": found.start,
         "starts": [
@@ -182,12 +182,6 @@ def warnings(
 def _roll_axis(preview: Preview, shape: Shape) -> float | None:
     """Axis of a rolled sheet in print coordinates, 0 to 180 deg from the x axis; None for other shapes."""
     return rolled_about(preview.sheet.layout, shape.point_fields["normal"][shape.star_vertices])
-
-
-def _roll_radius(shape: Shape) -> float | None:
-    """mm, of the tube nearest to the smooth surface at the stars."""
-    smooth = shape.positions - shape.point_fields["bump_mm"]
-    return tube_radius(smooth[shape.star_vertices], shape.point_fields["normal"][shape.star_vertices])
 
 
 def _equivalent_axes(preview: Preview, axis: float | None) -> list[float]:

@@ -93,7 +93,9 @@ def _shape(summary: Mapping[str, Any]) -> list[str]:
 def _hanging(job: Job) -> list[str]:
     if job.hangs_mm <= MUCH_MM:
         return []
-    return [f"hangs {job.hangs_mm:.1f} mm below its base"]
+    doubt = job.hangs_doubt_mm
+    below = f"hangs {job.hangs_mm:.1f} mm below its base"
+    return [below] if doubt is None else [f"{below},", f"give or take {doubt:.1f} mm"]
 
 
 def _accuracy(summary: Mapping[str, Any]) -> list[str]:

@@ -108,8 +108,8 @@ def _pictures(found: Verification) -> list[str]:
         figures(
             [
                 (seen["overlaid"][0], "exact blue, preview orange; what is outside is seen"),
-                (seen["overlaid"][1], "from the side"),
-                (seen["overlaid"][2], "from the front"),
+                (seen["overlaid"][1], "from the front"),
+                (seen["overlaid"][2], "from the side"),
             ]
         ),
         "<h2>Where the distance is</h2>",

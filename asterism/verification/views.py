@@ -17,11 +17,11 @@ ORANGE = (0.93, 0.47, 0.16)
 TALL, WIDE = 440, 640  # pixels: no picture is larger
 COLOURS = colormaps["magma_r"]
 # (azimuth, elevation), deg; the first in perspective
-ABOVE, SIDE, FRONT = (-62.0, 30.0), (-90.0, 0.0), (0.0, 0.0)
+ABOVE, FRONT, SIDE = (-62.0, 30.0), (-90.0, 0.0), (0.0, 0.0)
 
 
 def views(comparison: Comparison) -> dict[str, list[Floats]]:
-    """Images (height, width, 4) by name, in perspective, and `overlaid` from the side and from the front too.
+    """Images (height, width, 4) by name, in perspective, and `overlaid` from the front and from the side too.
 
     `exact` and `preview` with their arms; `overlaid`: the exact sheet blue, the preview orange; `distance`: the exact
     sheet, the darker the further the preview is away.
@@ -36,7 +36,7 @@ def views(comparison: Comparison) -> dict[str, list[Floats]]:
     frame = np.concatenate([exact.points, preview.points])
     low, high = frame.min(axis=0), frame.max(axis=0)
     middle, size = (low + high) / 2, float(np.linalg.norm(high - low))
-    cameras = [camera(*ABOVE, middle, 2.6 * size), camera(*SIDE, middle), camera(*FRONT, middle)]
+    cameras = [camera(*ABOVE, middle, 2.6 * size), camera(*FRONT, middle), camera(*SIDE, middle)]
     return {
         name: [_framed(thing, view, frame) for view in (cameras if name == "overlaid" else cameras[:1])]
         for name, thing in things.items()

@@ -27,6 +27,9 @@ def test_both_models_say_how_far_a_sheet_rolls() -> None:
     design = asterism.Design.from_dict(data)
     preview, exact = (model(design).summary["roll_radius_mm"] for model in (asterism.preview, asterism.simulate))
     assert 15.0 < exact < 45.0 and preview == pytest.approx(exact, rel=0.15)
+    # and it is the one that they are compared by
+    radii = asterism.verify(design).summary["roll_radii_mm"]
+    assert [exact, preview] == pytest.approx(radii, rel=0.005)
 
 
 def test_four_stars_are_on_many_tubes() -> None:

@@ -19,7 +19,6 @@ from asterism.previewing.preview import Preview
 from asterism.previewing.star_relief import TURN
 from asterism.previewing.star_values import SIXFOLD_MOST, star_values
 from asterism.simulation import simulate
-from asterism.tube import tube_radius
 from asterism.verification.comparison import compare
 from homogenize.errors import LawError
 from homogenize.table import NAMES
@@ -354,16 +353,6 @@ def test_a_sheet_weighs_what_is_printed(border: dict[str, Any]) -> None:
     plastic = 1e-9 * heavy.plastic.density_kg_m3 * volume
     fabric = heavy.fabric.printed_mass * polygon_area(plan.border)
     assert pulled == pytest.approx(-9.81 * (plastic + fabric), rel=2e-3)
-
-
-def test_the_radius_of_a_roll_is_that_of_its_smooth_surface() -> None:
-    preview = Preview(design(stars={"length_mm": 9.0, "thickness_mm": 0.35}), plain_law())
-    shape = preview.shape()
-    centres = preview.at(preview.sheet.layout.centres)
-    assert shape.summary["roll_radius_mm"] == pytest.approx(
-        tube_radius(centres.smooth, centres.surface.normals), rel=1e-6
-    )
-    assert abs(tube_radius(centres.bumpy, centres.surface.normals) / shape.summary["roll_radius_mm"] - 1.0) > 1e-3
 
 
 def test_sheets_that_may_tilt_do_not_say_how_high_they_are() -> None:
