@@ -10,6 +10,9 @@ from asterism.self_intersections import passing
 from asterism.star_sides import off_branch
 from pattern.layout import Layout
 
+# edges over the spacing of the stars from which on a free roll's radius is near that of finer meshes
+FINE = 0.03
+
 
 def exact_warnings(summary: Mapping[str, Any], layout: Layout) -> list[str]:
     """One line each; `summary` has everything but them."""
@@ -22,4 +25,8 @@ def exact_warnings(summary: Mapping[str, Any], layout: Layout) -> list[str]:
         lines.append(f"not an equilibrium: smallest eigenvalue {least:.1e} N/mm is not positive")
     if pairs := summary["self_intersections"]:
         lines.append(passing(pairs) + ("" if summary["self_contact"] else "; --contact keeps it apart"))
+    rolls = not layout.is_pulled and summary["roll_axis_deg"] is not None
+    if rolls and summary["edge_mm"] > FINE * layout.spacing_mm:
+        depends = "the radius of a free roll depends on the mesh"
+        lines.append(f"{depends}: that of the gallery's tube by a quarter between edges of 2 and .5 mm (docs/mesh.md)")
     return [*lines, *off_branch(summary), *pin_warnings(layout, summary["design"]["gravity"]["on"])]

@@ -124,7 +124,7 @@ def _finish(job: Job) -> Chapter:
     line = "along the inner edge of the printed line" if job.border is not None else "along the cut line of layout.pdf"
     lines = [f"Let the plastic cool, open the frame, cut the fabric {line}."]
     if edge := at_the_edge(job.plan, job.needles):
-        lines.append(f"Leave a tab of fabric outside the line, 5 mm or more, at {named(edge)}: they stand on it.")
+        lines.append(f"Leave a tab of fabric outside the line, 5 mm or more, at {named(edge)}, on the line.")
     if arms := in_plastic(job.plan, job.needles):
         lines.append(f"The plastic is in the way of {named(arms)}: drill a hole through the arm there first.")
     known = [needle for needle in job.needles if needle.place is not None]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shlex
+import shutil
 from pathlib import Path
 
 import pytest
@@ -55,6 +56,13 @@ def test_from_the_refusal_to_the_preview(
     assert summary["law_in_range"] and summary["law"]["material"] == "thick" and summary["is_minimum"]
     # the law's own files are beside the results, not among them
     assert command(["law", "show", "my sheet-law.npz"], capsys, monkeypatch).status == 0
+    shutil.copy(folder / "my sheet-law.npz", folder / "my sheet.npz")
+    assert command(["law", "show", "my sheet.npz"], capsys, monkeypatch).status == 0
+    assert (folder / "my sheet" / "shape.vtu").exists()
+    (folder / "mine").mkdir()
+    (folder / "mine" / "summary.json").write_text('{"mine": 1}')
+    refused = command(["law", "show", "my sheet.npz", "-o", "mine"], capsys, monkeypatch)
+    assert refused.status == 2 and "was not written by asterism" in refused.line
     assert (folder / "my sheet-law" / "law.png").exists() and not (folder / "my sheet" / "law.png").exists()
     # finished cells are taken again
     again = command([*words, "-o", "my sheet-law.npz"], capsys, monkeypatch)

@@ -90,6 +90,12 @@ def test_a_drawing_with_a_size_takes_no_unit(tmp_path: Path) -> None:
             "size in px: give width and height in mm",
         ),
         ("a.svg", SVG.format(size='width="100" height="100"', body=RECT), "size in px: give width and height in mm"),
+        (
+            "a.svg",
+            SVG.format(size='width="100,0mm" height="60,0mm" viewBox="0 0 100 60"', body=RECT),
+            "has the size '100,0mm': must be a number and a unit, 120mm; decimals have a point",
+        ),
+        ("a.svg", SVG.format(size='width="wide" height="60mm"', body=RECT), "has the size 'wide': must be a number"),
         ("a.svg", SVG.format(size='width="100%" height="100%"', body=RECT), "size in %: give width and height in mm"),
         ("a.csv", "x_mm,y_mm\n0,0\n10,10\n10,0\n0,10\n", "crosses itself"),
         ("a.csv", "x_mm,y_mm\n0,0\n10,10\n", "at least three"),

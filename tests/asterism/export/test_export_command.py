@@ -216,6 +216,8 @@ def test_printers_are_listed(tmp_path: Path, run: Run) -> None:
         (["--printer", "mine.toml"], "mine.toml: cannot be read"),
         (["--plastic", "wood"], "--plastic = 'wood': must be a file"),
         (["--layer", "0"], "--layer = 0.0: must be at least 0.01"),
+        (["--layer", "1.9"], "--layer = 1.9: must be at most the nozzle's 0.4 mm"),
+        (["--first-layer", "0.5"], "--first-layer = 0.5: must be at most the nozzle's 0.4 mm"),
         (["--first-layer", "9"], "--first-layer = 9.0: must be at most 2"),
         (["--plate", "-1"], "--plate = -1.0: must be at least 0"),
         (["--fabric", "nan"], "--fabric = nan: must be from 0 to 50"),

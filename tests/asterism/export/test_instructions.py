@@ -14,6 +14,7 @@ from asterism.export import instructions, sheets
 from asterism.export.drawing import Drawing, Text
 from asterism.export.estimate import estimate
 from asterism.export.job import Job
+from asterism.export.needles import at_the_edge, in_plastic
 from asterism.export.rounded import tiny_stars
 from asterism.previewing.run import preview
 from tests.asterism.export.jobs import design, job
@@ -132,3 +133,14 @@ def test_many_heights_are_beside_their_holes() -> None:
     targets = [[2.5 * k, 0.0, 10.0 + 0.5 * k] for k in range(-7, 8)]
     text = said(job(design(pins=[{"points_mm": points, "target_mm": targets}])))
     assert "heights over the base that are written beside their holes" in text
+
+
+def test_needles_that_stand_on_the_cut_line_or_on_an_arm_are_told() -> None:
+    """The first on the centre of a star, the second beside its arms, the third at a corner."""
+    pins = [{"points_mm": [[0.0, 17.32], [5.0, 14.44]], "scale": 0.8}, {"corners": [0], "scale": 0.8}]
+    made = job(design(pins=pins))
+    assert in_plastic(made.plan, made.needles) == [1] and at_the_edge(made.plan, made.needles) == [3]
+    assert "The plastic is in the way of needle 1: drill" in said(made)
+    assert "Leave a tab of fabric outside the line, 5 mm or more, at needle 3, on the line" in said(made)
+    inside = job(design(pins=[{"points_mm": [[5.0, 14.44], [-5.0, 14.44]], "scale": 0.8}]))
+    assert not in_plastic(inside.plan, inside.needles) and not at_the_edge(inside.plan, inside.needles)

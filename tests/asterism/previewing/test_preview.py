@@ -622,3 +622,15 @@ def test_a_sixfold_term_that_outweighs_the_bending_is_bounded_and_told() -> None
     assert summary["expected_rms_percent"] is None and summary["expected_height_percent"] is None
     assert "37 of 37 stars curl far more in some directions than in others" in " ".join(summary["warnings"])
     assert summary["energy_n_mm"] > 0.0
+
+
+def test_an_update_is_an_edit_to_its_end() -> None:
+    preview = Preview(design(), plain_law())
+    thicker = design(stars={"thickness_mm": 0.45})
+    with pytest.raises(TypeError, match="a Design is needed"):
+        preview.edit("tube.toml")  # type: ignore[arg-type]
+    preview.edit(thicker)  # nothing yet
+    assert preview.design == design()
+    shape = preview.update(thicker)
+    assert preview.design == thicker and shape.summary["is_minimum"]
+    assert shape.height_mm == pytest.approx(preview.shape().height_mm)

@@ -189,3 +189,17 @@ def test_sheets_larger_than_the_printer_have_a_page(design: Path, tmp_path: Path
     text, _ = page(tmp_path / "r.pdf")
     assert "LARGER than the Ultimaker 2+ can print" in text
     assert "warning 0" in text and "and more: see the summary" in text and "warning 4" not in text
+
+
+def test_a_law_that_is_given_makes_the_preview(design: Path, tmp_path: Path, capsys, monkeypatch) -> None:
+    """What lies beside the design may be of another law; a given one is not for results."""
+    plan = load_design(design)
+    shape = preview(plan, load_law(None))
+    write_results(replace(shape, summary={**shape.summary, "height_mm": 77.7}), tmp_path / "d")
+    words = ["report", str(design), "-o", str(tmp_path / "r.pdf")]
+    for given, told in (([], True), (["--law", str(PAPER)], False)):
+        assert command([*words, *given], capsys, monkeypatch).status == 0
+        text, _ = page(tmp_path / "r.pdf")
+        assert ("height 77.7 mm" in text) == told and "law: paper, edges of 1.15 mm" in text
+    both = command([*words, "--law", str(PAPER), "--results", str(tmp_path / "d")], capsys, monkeypatch)
+    assert both.status == 2 and "--law: is for a new preview" in both.line
