@@ -159,6 +159,8 @@ def _table(s: dict[str, Any]) -> None:
         "work": f"{s['iterations']} iterations, {s['factorisations']} factorisations, {s['wall_s']:.1f} s",
     }
     if s["starts"] > 1:
+        if lost := s["starts_lost"]:
+            rows["starts"] = f"{s['starts']}, of which {lost} came to no equilibrium"
         rows |= {f"minimum {number}": _minimum(m) for number, m in enumerate(s["minima"], 1)}
     for name, value in rows.items():
         typer.echo(f"  {name:<20} {value}")
