@@ -85,10 +85,8 @@ def _ring(points: Floats, turn: int) -> Outline:
 
 def _write_text(figure: Figure, item: Text, to_page: Transform) -> None:
     # a number may stand on an arm: white around it first, as a drawing, and then the text, to be found as one
-    for effects in (
-        [Stroke(linewidth=_HALO_MM * _POINTS, foreground="white")] if item.layer is NEEDLES else None,
-        None,
-    ):
+    halo = [Stroke(linewidth=_HALO_MM * _POINTS, foreground="white")]
+    for effects in [halo, None] if item.layer is NEEDLES else [None]:
         figure.text(
             float(item.at[0]),
             float(item.at[1]),

@@ -69,3 +69,13 @@ def lines_mm(cover: Pixels, pixels_per_mm: float) -> list[float]:
         columns = np.arange(start, end)
         middles.append(float((profile[columns] * (columns + 0.5)).sum() / profile[columns].sum() / pixels_per_mm))
     return middles
+
+
+def pdf_words(path: Path, page: int) -> list[str]:
+    """All words on a page of a PDF, as another program finds them."""
+    import pypdfium2
+
+    document = pypdfium2.PdfDocument(path)
+    words = document[page].get_textpage().get_text_range().split()
+    document.close()
+    return list(words)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -188,3 +189,11 @@ def test_the_origin_is_not_written_over_a_needle(place: list[float]) -> None:
 
 def texts(page: Drawing) -> list[str]:
     return [item.text for item in page.items if isinstance(item, Text)]
+
+
+def test_every_text_of_a_pdf_is_there_once(tmp_path: Path) -> None:
+    """Numbers of needles have white around them, which is no text."""
+    drawing = sheets.layout_sheet(job())
+    pdf.write(tmp_path / "a.pdf", [drawing])
+    texts = [item.text for item in drawing.items if isinstance(item, Text)]
+    assert Counter(measure.pdf_words(tmp_path / "a.pdf", 0)) == Counter(" ".join(texts).split())
