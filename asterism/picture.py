@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from PIL import Image
 
-from asterism.render import Camera, Surface, camera, render, surface
+from asterism.render import OBLIQUE, VIEWS, Camera, Surface, camera, render, surface
 from asterism.shape import Shape
 from pattern.layout import Floats
 
@@ -89,7 +89,7 @@ def _of_preview(summary: Mapping[str, Any], certified: bool) -> str:
 
 def _perspective(canvas: Floats, thing: Surface, centre: Floats, diameter: float) -> None:
     """The large view on the left."""
-    view = camera(-62.0, 30.0, centre, distance_mm=2.6 * diameter)
+    view = camera(*OBLIQUE, centre, distance_mm=2.6 * diameter)
     room = np.array([DIVISION - 2 * MARGIN, HEIGHT - CAPTION - MARGIN])
     scale = float((room / _size(thing, view)).min())
     _paste(canvas, render(thing, view, scale), DIVISION / 2, MARGIN + room[1] / 2)
@@ -97,7 +97,7 @@ def _perspective(canvas: Floats, thing: Surface, centre: Floats, diameter: float
 
 def _to_scale(figure: Figure, canvas: Floats, thing: Surface, centre: Floats) -> None:
     """From above, and below it from the front, both to the same scale, with its bar."""
-    above, front = camera(-90.0, 90.0, centre), camera(-90.0, 0.0, centre)
+    above, front = (camera(*VIEWS[name], centre) for name in ("above", "front"))
     (x, y), (_, z) = _size(thing, above), _size(thing, front)
     column, bar_room, label_room = WIDTH - MARGIN - DIVISION, 70, 64
     room = HEIGHT - CAPTION - MARGIN - bar_room - 2 * label_room

@@ -20,6 +20,9 @@ OUTLINE = (0.16, 0.16, 0.18)
 # from the upper left, in front; and where its reflection is seen
 KEY_LIGHT = np.array([-0.50, 0.62, 0.60]) / np.linalg.norm([-0.50, 0.62, 0.60])
 HALFWAY = (KEY_LIGHT + np.array([0.0, 0.0, 1.0])) / np.linalg.norm(KEY_LIGHT + np.array([0.0, 0.0, 1.0]))
+# (azimuth, elevation), deg: in perspective, and the drawings to scale; all pictures and measurements call them so
+OBLIQUE = (-62.0, 30.0)
+VIEWS = {"above": (-90.0, 90.0), "front": (-90.0, 0.0), "side": (0.0, 0.0)}
 # every pixel of the image is the mean of this many squared
 FINER = 2
 

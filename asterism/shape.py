@@ -62,9 +62,14 @@ class Shape:
         return np.repeat(np.arange(len(self.rods)), [len(path) - 1 for path in self.rods])
 
     @property
+    def is_preview(self) -> bool:
+        """The preview computed it, not the exact model."""
+        return self.summary.get("model") == "preview"
+
+    @property
     def made_by(self) -> str:
         """Which model computed it, in words."""
-        return "by the preview" if self.summary.get("model") == "preview" else "by the exact model"
+        return "by the preview" if self.is_preview else "by the exact model"
 
     @property
     def height_mm(self) -> float:

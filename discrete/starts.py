@@ -79,9 +79,10 @@ class Beginning:
 
     def state(self, model: Model) -> State:
         """The state to start from, for the model's present release."""
-        state = model.flat_state()
         held = model.constraints.held
-        if self.bend != "none":
+        if self.bend == "none":
+            state = model.flat_state()
+        else:
             # the print is bent, and then taken to where its pins stand, however far away that is
             bent = _bent(model.mesh.points, self.bend, np.radians(self.axis_deg), self.sag_mm)
             state = model.moved_pins(_moved(model, model.printed_state(), bent))

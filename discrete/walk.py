@@ -35,11 +35,10 @@ def force_scale(model: Model) -> float:
     return float(fabric.modulus_mpa * fabric.thickness_mm * model.spacing)
 
 
-def goal(model: Model, tolerance: float) -> float:
-    """N, the gradient at which to stop: a part of the force scale, and at the end one of the weight that must hang."""
-    part = tolerance * force_scale(model)
-    weight = WEIGHED * float(np.linalg.norm(model.load))
-    return min(part, weight) if weight and tolerance == TOLERANCE else part
+def certain(model: Model) -> float:
+    """N, the gradient of an equilibrium: a part of the force scale, and of the weight that must hang."""
+    part, weight = TOLERANCE * force_scale(model), WEIGHED * float(np.linalg.norm(model.load))
+    return min(part, weight) if weight else part
 
 
 class Walk:
@@ -93,8 +92,8 @@ class Walk:
     def _followed(self, model: Model, state: State, step: int, factor: Factor, name: str) -> State:
         """Loosely minimise; where the path has lost its stability, kick it to the side and minimise again."""
         fabric = model.design.fabric
-        clear = CLEARLY * fabric.modulus_mpa * fabric.thickness_mm
-        result = self._minimised(model, state, LOOSE, factor, "release", name)
+        clear, loose = CLEARLY * fabric.modulus_mpa * fabric.thickness_mm, LOOSE * force_scale(model)
+        result = self._minimised(model, state, loose, factor, "release", name)
         iterations, kicks = result.iterations, 0
         # the flag also falls for rigid motions, which cost nothing only where all forces vanish
         while kicks < KICKS and not result.definite and np.isfinite(result.energy):
@@ -103,7 +102,7 @@ class Walk:
                 break
             kicks += 1
             away = left(model, result.state, pair)
-            result = self._minimised(model, away, LOOSE, factor, "release", f"{name}, to the side")
+            result = self._minimised(model, away, loose, factor, "release", f"{name}, to the side")
             iterations += result.iterations
         here = (step, model.release, model.progress, model.n_vertices)
         self.effort.path.append(PathStep(*here, result.energy, iterations, kicks))
@@ -111,7 +110,7 @@ class Walk:
 
     def _certified(self, model: Model, state: State, factor: Factor, blend: float = 0.0) -> Equilibrium:
         """Minimise tightly, find the smallest eigenvalue, and while it is negative leave along its mode."""
-        result = self._minimised(model, state, TOLERANCE, factor, "equilibrium", "equilibrium", blend)
+        result = self._minimised(model, state, certain(model), factor, "equilibrium", "equilibrium", blend)
         iterations, saddles = result.iterations, 0
         while True:
             pair = self._lowest(model, result.state, factor, "certificate")
@@ -120,7 +119,7 @@ class Walk:
                 break
             saddles += 1
             away = left(model, result.state, pair)
-            result = self._minimised(model, away, TOLERANCE, factor, "saddle", "leaving a saddle")
+            result = self._minimised(model, away, certain(model), factor, "saddle", "leaving a saddle")
             iterations += result.iterations
         here = (model.layout.pin_steps[-1], model.release, model.progress, model.n_vertices)
         self.effort.path.append(PathStep(*here, result.energy, iterations, saddles))
@@ -128,7 +127,7 @@ class Walk:
             result.state,
             model.energies(result.state),
             result.gradient_norm,
-            goal(model, TOLERANCE),
+            certain(model),
             pair.value,
             pair.error,
             bump_heights(model, result.state),
@@ -152,13 +151,13 @@ class Walk:
         self,
         model: Model,
         state: State,
-        tolerance: float,
+        goal: float,
         factor: Factor,
         stage: str,
         name: str,
         blend: float = 0.0,
     ) -> Minimum:
-        """Newton's method on the clock of a stage; `tolerance` is a part of the force scale."""
+        """Newton's method on the clock of a stage, to a gradient of `goal` N."""
         report = self.report
         tell = (lambda iteration: report(name, iteration)) if report else None
         result = self.effort.clock(
@@ -167,7 +166,7 @@ class Walk:
                 model,
                 state,
                 factor,
-                goal(model, tolerance),
+                goal,
                 self.max_iterations,
                 self.method,
                 report=tell,

@@ -34,6 +34,11 @@ class PinSet:
     target_mm: Floats | None = None
     step: int = 0
 
+    @property
+    def is_along_print(self) -> bool:
+        """It holds x or y, and does not let its places slide in the plane."""
+        return self.fixed[0] or self.fixed[1]
+
     def places(self, printed: Floats) -> Floats:
         """Where the printed points (n, 2) are held, (n, 3) mm; only the components in `fixed` count."""
         if self.target_mm is not None:
@@ -93,7 +98,7 @@ class Layout:
 
         Where all of them slide there, or a single point is held, the sheet shapes itself as a free one does.
         """
-        along = [pin for pin in self.pins if pin.fixed[0] or pin.fixed[1]]
+        along = [pin for pin in self.pins if pin.is_along_print]
         return any(pin.edges for pin in along) or sum(len(pin.points) for pin in along) > 1
 
     @property

@@ -12,7 +12,7 @@ import shapely
 from asterism import __version__
 from asterism.compare import outline
 from asterism.compare.comparison import compare_scan
-from asterism.compare.errors import ScanError
+from asterism.compare.errors import ScanError, check_file
 from asterism.compare.outline import Outline, read_outline
 from asterism.compare.picture import draw_outline, draw_scan
 from asterism.compare.scan import extent, read_scan
@@ -44,8 +44,7 @@ def compare(shape: Path, scan: Path, output: Path | None, unit: str | None, view
     OutputError
         The files cannot be written.
     """
-    if not scan.is_file():
-        raise ScanError(scan, "is no file" if scan.exists() else "is not there")
+    check_file(scan)
     found = read_shape(shape)
     directory = output or scan.with_name(f"{scan.stem}-compared")
     if directory.resolve() == folder_of(shape) and holds_result(directory):

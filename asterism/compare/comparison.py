@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from asterism.compare.nearest import NearestOnSurface
-from asterism.compare.registration import Pose, distinct, register, spread
+from asterism.compare.registration import SPREAD, Pose, distinct, register
 from asterism.compare.scan import Scan
 from asterism.mesh_error import diameter
 from asterism.shape import Shape
@@ -118,7 +118,7 @@ def _laid(shape: Shape, scan: Scan, trim: float, seed: int) -> list[Pose]:
     poses = register(scan.points, *surface, trim, seed, _EFFORT if much_else else 1)
     if much_else or poses[0].spread_mm < _UNSURE * diameter(shape.positions):
         return poses
-    return distinct(sorted([*poses, *register(scan.points, *surface, trim, seed + 1, _EFFORT)], key=spread))
+    return distinct(sorted([*poses, *register(scan.points, *surface, trim, seed + 1, _EFFORT)], key=SPREAD))
 
 
 def _covered(shape: Shape, points: Floats, off_mm: float) -> np.ndarray:

@@ -12,3 +12,9 @@ class ScanError(ValueError):
 
     def __init__(self, file: str | Path, problem: str):
         super().__init__(one_line(f"{file}: {problem}"))
+
+
+def check_file(path: Path) -> None:
+    """Raise ScanError unless there is a file."""
+    if not path.is_file():
+        raise ScanError(path, "is no file" if path.exists() else "is not there")

@@ -13,7 +13,7 @@ from xml.etree import ElementTree
 import numpy as np
 import shapely
 
-from asterism.compare.errors import ScanError
+from asterism.compare.errors import ScanError, check_file
 from asterism.compare.units import MM
 from asterism.csv_cells import read_rows
 from pattern.layout import Floats
@@ -24,8 +24,9 @@ _PX = 25.4 / 96.0  # mm of a user unit without a viewBox, as SVG has it
 _UNSEEN = ("marker", "mask")  # elements whose content is no line of the drawing
 # gap between the ends of a closed line, over its size: programs round
 _CLOSED = 1e-3
-# a width or a height as SVG has it; none is what programs leave out
-_SIZE = re.compile(r"([+]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?\s*(mm|cm|in|pt|pc|px|%|em|ex)?|auto)?")
+# units of a width or a height that say how large the drawing is; and all that SVG has, or leaves out
+_MEASURES = ("mm", "cm", "in", "pt", "pc")
+_SIZE = re.compile(rf"([+]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?\s*({'|'.join(_MEASURES)}|px|%|em|ex)?|auto)?")
 # pieces of a curve
 _PIECES = 100
 # width over length of corners that are on a line but for rounding
@@ -61,8 +62,7 @@ def read_outline(path: str | Path, unit: str | None = None) -> Outline:
         The file is not an outline, or says its size and a unit is given too.
     """
     path = Path(path)
-    if not path.is_file():
-        raise ScanError(path, "is not there")
+    check_file(path)
     outline = (_from_csv if path.suffix.lower() == ".csv" else _from_svg)(path, unit)
     corners = outline.corners
     length, width = np.linalg.svd(corners - corners.mean(axis=0), compute_uv=False) if len(corners) > 2 else (0.0, 0.0)
@@ -101,7 +101,7 @@ def _from_svg(path: Path, unit: str | None) -> Outline:
     if odd := next((text for text in said if not _SIZE.fullmatch(text)), None):
         hint = "; decimals have a point" if "," in odd else ""
         raise ScanError(path, f"has the size {odd!r}: must be a number and a unit, 120mm{hint}")
-    measured = all(text.endswith(("mm", "cm", "in", "pt", "pc")) for text in said)
+    measured = all(text.endswith(_MEASURES) for text in said)
     lines: list[Floats] = []
     opened: list[Floats] = []
     for shape in drawing.elements(lambda element: isinstance(element, svg.Shape)):

@@ -18,7 +18,7 @@ from matplotlib.ticker import MaxNLocator
 from asterism.chart_axes import INK, PALE, tidy
 from asterism.compare.comparison import ScanComparison
 from asterism.compare.silhouette import Fitted
-from asterism.render import camera, render
+from asterism.render import OBLIQUE, camera, render
 from asterism.verification.views import bare
 from pattern.layout import Floats
 
@@ -101,7 +101,7 @@ def _coloured(figure: Figure, found: ScanComparison, scale: Normalize) -> None:
     colours = np.where(known[:, None], COLOURS(scale(np.where(known, distance, 0.0)))[:, :3], NOT_SCANNED)
     thing = bare(found.shape, colours)
     low, high = found.shape.positions.min(axis=0), found.shape.positions.max(axis=0)
-    view = camera(-62.0, 30.0, (low + high) / 2, 2.6 * float(np.linalg.norm(high - low)))
+    view = camera(*OBLIQUE, (low + high) / 2, 2.6 * float(np.linalg.norm(high - low)))
     room = np.array([0.46 * WIDTH, 0.68 * HEIGHT]) * DPI
     seen = np.maximum(np.ptp(view.project(thing.points)[:, :2], axis=0), 1e-3)
     image = render(thing, view, float((room / seen).min()))

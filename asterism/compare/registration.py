@@ -6,6 +6,7 @@ Only turned and shifted, never mirrored or scaled: a mirrored shape is another s
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from operator import attrgetter
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -23,6 +24,8 @@ _TUKEY = 4.685
 _NEIGHBOURS = 60
 # points that fix a pose
 _FEWEST = 10
+# to sort poses by, the best first
+SPREAD = attrgetter("spread_mm")
 # errors of the shape's triangles and of the scanner are at least of this size
 _LEAST_SCALE_MM = 0.02
 
@@ -78,13 +81,13 @@ def register(
     coarse_target, target = (_target(vertices, triangles, surface, count, rng) for count in (2000, 15_000))
     few, some, many = (_some(points, count, rng) for count in (_COARSE_POINTS, _MIDDLE_POINTS, _FINE_POINTS))
     starts = _starts(points, coarse_target, effort * _RANDOM_STARTS, rng)
-    first = sorted((_coarse(few, start, coarse_target, trim, 4) for start in starts), key=spread)
-    coarse = sorted((_coarse(few, pose, coarse_target, trim, 12) for pose in first[: effort * _PROMISING]), key=spread)
+    first = sorted((_coarse(few, start, coarse_target, trim, 4) for start in starts), key=SPREAD)
+    coarse = sorted((_coarse(few, pose, coarse_target, trim, 12) for pose in first[: effort * _PROMISING]), key=SPREAD)
     coarse = distinct(coarse)[: effort * _REFINED]
-    middle = sorted((_refine(some, pose, target, trim, 25) for pose in coarse), key=spread)
+    middle = sorted((_refine(some, pose, target, trim, 25) for pose in coarse), key=SPREAD)
     fine = [_refine(many, pose, target, trim, 60) for pose in distinct(middle)[:4]]
     exact = [replace(pose, spread_mm=_trimmed(np.abs(surface(pose(many)).distance), trim)) for pose in fine]
-    return distinct(sorted(exact, key=spread))
+    return distinct(sorted(exact, key=SPREAD))
 
 
 def distinct(poses: list[Pose], degrees: float = 15.0) -> list[Pose]:
@@ -104,11 +107,6 @@ def _target(
     tree = cKDTree(places)
     spacing = float(np.median(tree.query(places[:500], k=2)[0][:, 1]))
     return _Target(places, surface.normals[which], tree, spacing)
-
-
-def spread(pose: Pose) -> float:
-    """mm."""
-    return pose.spread_mm
 
 
 def _trimmed(distance: Floats, trim: float) -> float:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from asterism.compare.errors import ScanError
+from asterism.compare.errors import ScanError, check_file
 from asterism.compare.units import MM
 from pattern.layout import Floats, Ints
 
@@ -102,8 +102,7 @@ def _read(path: Path) -> tuple[Floats, Ints]:
     """Vertices and triangles of all parts of a file, polygons cut into triangles."""
     import trimesh  # takes half a second, and only scans need it
 
-    if not path.is_file():
-        raise ScanError(path, "is not there")
+    check_file(path)
     logging.getLogger("trimesh").setLevel(logging.CRITICAL)
     try:
         with path.open("rb") as stream, np.errstate(all="ignore"):

@@ -9,11 +9,10 @@ import shapely
 from scipy.optimize import least_squares
 from scipy.spatial import cKDTree
 
-from asterism.render import camera
+from asterism.render import VIEWS, camera
 from asterism.shape import Shape
 from pattern.layout import Floats
 
-VIEWS = {"above": (-90.0, 90.0), "front": (-90.0, 0.0), "side": (0.0, 0.0)}
 _STEP_MM = 0.25
 _STARTS = 72
 # of an edge that is seen from its end

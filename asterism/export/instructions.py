@@ -12,7 +12,7 @@ import numpy as np
 from asterism.export.drawing import Circle, Drawing, Line, Text, size_within
 from asterism.export.job import CHECK_SQUARE_MM, Job
 from asterism.export.layers import TEXT
-from asterism.export.needles import MUCH_MM, Needle, at_the_edge, hanging, in_plastic, named
+from asterism.export.needles import MUCH_MM, Needle, at_the_edge, hanging, named
 
 _A4_MM = (210.0, 297.0)
 _MARGIN_MM = 18.0
@@ -125,7 +125,7 @@ def _finish(job: Job) -> Chapter:
     lines = [f"Let the plastic cool, open the frame, cut the fabric {line}."]
     if edge := at_the_edge(job.plan, job.needles):
         lines.append(f"Leave a tab of fabric outside the line, 5 mm or more, at {named(edge)}, on the line.")
-    if arms := in_plastic(job.plan, job.needles):
+    if arms := job.needles_in_plastic:
         lines.append(f"The plastic is in the way of {named(arms)}: drill a hole through the arm there first.")
     known = [needle for needle in job.needles if needle.place is not None]
     if known:

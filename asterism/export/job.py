@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 
 from asterism.export.arm_regions import border_terrace, star_terraces
-from asterism.export.needles import Needle, needles
+from asterism.export.needles import Needle, in_plastic, needles
 from asterism.export.placement import Placement, place
 from asterism.export.plastic import PlasticProfile
 from asterism.export.printer import Printer
@@ -84,6 +84,11 @@ class Job:
     def is_rounded(self) -> bool:
         """Whether the printer makes any star another size than the design has it."""
         return any(size["stars_changed"] for size in self.size_changes.values())
+
+    @cached_property
+    def needles_in_plastic(self) -> list[int]:
+        """Numbers of the needles that would have to go through an arm."""
+        return in_plastic(self.plan, self.needles)
 
     @property
     def seen(self) -> Shape | None:

@@ -9,7 +9,6 @@ from typing import Any
 from asterism.export import dxf, glb, icesl, instructions, needle_table, obj, openscad, pdf, sheets, stl, svg, threemf
 from asterism.export.estimate import estimate
 from asterism.export.job import CHECK_SQUARE_MM, Job
-from asterism.export.needles import in_plastic
 from asterism.export.rounded import better_layers, tiny_stars
 from asterism.export_vtu import write_rods_vtu, write_shape_vtu
 from asterism.files import holds_result, staged
@@ -110,7 +109,7 @@ def _summary(
         "fabric_given": job.fabric_given,
         "check_square_mm": {"before": [CHECK_SQUARE_MM] * 2, "after": list(job.check_after_mm)},
         "needles": len(job.needles),
-        "needles_in_plastic": in_plastic(job.plan, job.needles),
+        "needles_in_plastic": job.needles_in_plastic,
         "hangs_below_base_mm": job.hangs_mm,
         "hangs_doubt_mm": job.hangs_doubt_mm,
         "estimate": cost,

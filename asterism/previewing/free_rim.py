@@ -25,9 +25,8 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
-from asterism.previewing.held_sheet import held_edges
+from asterism.previewing.held_sheet import held_edges, pinned_points
 from asterism.previewing.holes import in_holes
-from asterism.previewing.point_pins import pinned_points
 from asterism.previewing.star_cells import long_arms
 from asterism.previewing.star_values import StarValues
 from pattern.layout import Floats, Ints, Layout

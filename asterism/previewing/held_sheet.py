@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 import scipy.sparse as sp
 from skfem import MeshTri
@@ -16,7 +18,12 @@ from pattern.planar import distance_to_segment, pieces
 
 def held_points(layout: Layout) -> Floats:
     """(n, 2) mm, all single points that are held."""
-    return np.concatenate([np.empty((0, 2)), *(np.reshape(pin.points, (-1, 2)) for pin in layout.pins)])
+    return _points(layout.pins)
+
+
+def pinned_points(layout: Layout) -> Floats:
+    """(n, 2) mm, those of them that are held along the print."""
+    return _points([pin for pin in layout.pins if pin.is_along_print])
 
 
 def held_sides(layout: Layout) -> list[tuple[int, ...]]:
@@ -56,6 +63,10 @@ def conditions(layout: Layout, sheet: SheetMesh, mesh: MeshTri, step: int) -> li
             placement = affine(pin.scale * np.eye(3)[:, :2], pin.offset_mm)
             found.append(HeldEdge(facets[np.isin(sheet.side, pin.edges)], placement, directions, name=name))
     return found
+
+
+def _points(pins: Iterable[PinSet]) -> Floats:
+    return np.concatenate([np.empty((0, 2)), *(np.reshape(pin.points, (-1, 2)) for pin in pins)])
 
 
 def _places(pin: PinSet) -> Floats:

@@ -24,7 +24,6 @@ from asterism.previewing.stretched_fabric import stretched_fabric
 from fem.density import Density
 from fem.fields import Fields
 from fem.tabulation import Floats, Ints
-from pattern.layout import Layout
 from pattern.planar import triangle_angles
 
 SPOT = 0.35
@@ -34,12 +33,6 @@ LEAST = -0.5
 ANGLES_DEG = (45.0, 60.0, 90.0, 120.0, 150.0, 180.0, 270.0, 360.0)
 LACK = (2.90, 2.81, 2.53, 1.71, 1.48, 1.38, 0.97, 0.86)
 GAIN = (2.82, 2.67, 2.30, 1.49, 1.14, 0.93, 0.59, 0.74)
-
-
-def pinned_points(layout: Layout) -> Floats:
-    """(n, 2) mm, single points that are held along the print."""
-    held = [np.reshape(pin.points, (-1, 2)) for pin in layout.pins if pin.fixed[0] or pin.fixed[1]]
-    return np.concatenate([np.empty((0, 2)), *held])
 
 
 def softness(mesh: SheetMesh, pins: Floats, points: Floats, edge_mm: float) -> Floats:

@@ -9,8 +9,8 @@ from skfem import MeshTri
 
 from asterism.previewing.arm_relief import Arms
 from asterism.previewing.free_rim import free_normals
-from asterism.previewing.held_sheet import conditions, held_points, held_sides, weight
-from asterism.previewing.point_pins import giving_way, pinned_points, softness
+from asterism.previewing.held_sheet import conditions, held_points, held_sides, pinned_points, weight
+from asterism.previewing.point_pins import giving_way, softness
 from asterism.previewing.rim_arms import carried
 from asterism.previewing.self_stress import gaussian_moduli
 from asterism.previewing.sheet_fields import EARLY, free_early, sheet_fields

@@ -44,7 +44,7 @@ def shape_of(
         except DesignError:
             pass  # what lies there by chance is no mistake
         else:
-            if _is_of(shape, design) and (law is None or shape.summary.get("model") != "preview"):
+            if _is_of(shape, design) and not (law is not None and shape.is_preview):
                 return shape, shape.made_by
     try:
         with told_of_compiling(say):

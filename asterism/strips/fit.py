@@ -77,6 +77,14 @@ class StripFit:
     thicknesses_apart: tuple[float, ...] = ()
     flat_height_mm: float = field(default=FLAT_HEIGHT_MM)
 
+    @property
+    def fabrics(self) -> dict[str, set[float]]:
+        """What the strips were printed on, by the keys of a design's fabric; each has one value in most."""
+        return {
+            "stretch": {reading.stretch for reading in self.used},
+            "thickness_mm": {reading.fabric_thickness_mm for reading in self.used},
+        }
+
     def plastic(self, modulus_ratio: float | None = None) -> Plastic:
         """The plastic as a design has it, with another ratio if one is given."""
         kept: Any = self.kappa_bar[None].value if None in self.kappa_bar else 0.0

@@ -17,14 +17,10 @@ BESIDE = (".png", ".json")  # files of the same name that are written with it
 
 def material_text(fit: StripFit, name: str, remarks: list[str]) -> str:
     """TOML of the material: thickness and stretch of the fabric, E1/E2, its convention, and kappa_bar."""
-    fabrics, stretches = {r.fabric_thickness_mm for r in fit.used}, {r.stretch for r in fit.used}
     lines = [FIRST_LINE, *(f"# {remark}" for remark in remarks)]
     lines += [f"name = {json.dumps(name, ensure_ascii=False)}", "", "[fabric]"]
     # without one value the commands keep the design's
-    if len(stretches) == 1:
-        lines.append(f"stretch = {stretches.pop():g}")
-    if len(fabrics) == 1:
-        lines.append(f"thickness_mm = {fabrics.pop():g}")
+    lines += [f"{key} = {values.pop():g}" for key, values in fit.fabrics.items() if len(values) == 1]
     lines += [
         "",
         "[plastic]",

@@ -62,15 +62,12 @@ def warnings(fit: StripFit) -> list[str]:
         lines.append("peeled strips of different thickness keep different curvatures: try --kappa-bar per-thickness")
     if math.isinf(fit.ratio[fit.formula].high):
         lines.append("E1/E2 has no upper bound: the strips bend too little")
-    for what, key, values in (
-        ("stretches", "stretch", {r.stretch for r in fit.used}),
-        ("thicknesses of the fabric", "thickness_mm", {r.fabric_thickness_mm for r in fit.used}),
-    ):
-        if len(values) > 1:
-            lines.append(
-                f"strips of {len(values)} {what}: the material says none; add fabric.{key} to it for asterism calibrate"
-            )
-    return lines
+    called = {"stretch": "stretches", "thickness_mm": "thicknesses of the fabric"}
+    return lines + [
+        f"strips of {len(values)} {called[key]}: the material says none; add fabric.{key} to it for asterism calibrate"
+        for key, values in fit.fabrics.items()
+        if len(values) > 1
+    ]
 
 
 def table(fit: StripFit) -> dict[str, str]:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from matplotlib import colormaps
 
-from asterism.render import FABRIC_SIDE, Camera, Surface, camera, render, surface
+from asterism.render import FABRIC_SIDE, OBLIQUE, VIEWS, Camera, Surface, camera, render, surface
 from asterism.shape import Shape
 from asterism.verification.comparison import Comparison
 from pattern.layout import Floats
@@ -16,8 +16,6 @@ from pattern.layout import Floats
 ORANGE = (0.93, 0.47, 0.16)
 TALL, WIDE = 440, 640  # pixels: no picture is larger
 COLOURS = colormaps["magma_r"]
-# (azimuth, elevation), deg; the first in perspective
-ABOVE, FRONT, SIDE = (-62.0, 30.0), (-90.0, 0.0), (0.0, 0.0)
 
 
 def views(comparison: Comparison) -> dict[str, list[Floats]]:
@@ -36,7 +34,7 @@ def views(comparison: Comparison) -> dict[str, list[Floats]]:
     frame = np.concatenate([exact.points, preview.points])
     low, high = frame.min(axis=0), frame.max(axis=0)
     middle, size = (low + high) / 2, float(np.linalg.norm(high - low))
-    cameras = [camera(*ABOVE, middle, 2.6 * size), camera(*FRONT, middle), camera(*SIDE, middle)]
+    cameras = [camera(*OBLIQUE, middle, 2.6 * size), *(camera(*VIEWS[name], middle) for name in ("front", "side"))]
     return {
         name: [_framed(thing, view, frame) for view in (cameras if name == "overlaid" else cameras[:1])]
         for name, thing in things.items()

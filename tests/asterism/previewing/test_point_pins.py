@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from asterism.previewing.point_pins import ANGLES_DEG, GAIN, LACK, amounts_of, pinned_points, softened
+from asterism.previewing.held_sheet import pinned_points
+from asterism.previewing.point_pins import ANGLES_DEG, GAIN, LACK, amounts_of, softened
 from asterism.previewing.preview import Preview
 from asterism.simulation import simulate
 from asterism.verification.comparison import compare
