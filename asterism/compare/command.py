@@ -28,6 +28,8 @@ from pattern.errors import one_line
 # farther off, the scan or outline may not have been laid on the shape rightly
 POOR_PERCENT = 1.5
 MANY_PERCENT = 3.0  # of the points: so many left out may be the sheet's
+# a scan is of another size by this part and more, if in its own it is so near, and so many times nearer
+OTHER_SIZE, NEAR_PERCENT, NEARER = 0.01, 1.0, 2.0
 
 
 def compare(shape: Path, scan: Path, output: Path | None, unit: str | None, view: str | None, trim: float) -> list[str]:
@@ -136,6 +138,9 @@ def _scan_rows(s: dict[str, Any]) -> dict[str, str]:
     whole = 100.0 * s["rms_of_all_points_mm"] / s["diameter_mm"]
     if "a poor fit" not in rows and s["points_left_out_percent"] > MANY_PERCENT and whole > POOR_PERCENT:
         rows["perhaps another shape"] = f"{whole:.1f} % with what is left out: is that a table or clamps, or the sheet?"
+    ratio, left = s["best_size"], s["rms_percent_at_best_size"]
+    if ratio and abs(ratio - 1.0) > OTHER_SIZE and left <= min(NEAR_PERCENT, s["rms_percent"] / NEARER):
+        rows["perhaps another size"] = f"{ratio:.3f} times the shape's; without that it is {left:.2f} % off"
     if s["poses_as_good"] > 1:
         rows["poses as good"] = f"{s['poses_as_good']}: the shape looks alike from several sides"
     return rows

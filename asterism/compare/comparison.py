@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 from asterism.compare.nearest import NearestOnSurface
 from asterism.compare.registration import SPREAD, Pose, distinct, register
 from asterism.compare.scan import Scan
+from asterism.compare.size import Size, fitted_size
 from asterism.mesh_error import diameter
 from asterism.shape import Shape
 from asterism.surface_fields import triangle_areas
@@ -39,6 +40,7 @@ class ScanComparison:
     used : (n,) bool, points that belong to the sheet; others (a table, clamps) are farther than `cut_mm`.
     covered : (T,) bool, triangles of the shape that the scan has points near.
     poses : all that were found, the best first.
+    size : that it fits best in; None if it is of a part of the shape.
     """
 
     shape: Shape
@@ -49,6 +51,7 @@ class ScanComparison:
     cut_mm: float
     covered: np.ndarray
     poses: tuple[Pose, ...]
+    size: Size | None
 
     @property
     def vertex_distance(self) -> Floats:
@@ -79,6 +82,8 @@ class ScanComparison:
             "left_out_beyond_mm": self.cut_mm,
             "shape_covered_percent": 100 * float(area[self.covered].sum() / area.sum()),
             "diameter_mm": size,
+            "best_size": self.size and self.size.ratio,
+            "rms_percent_at_best_size": self.size and 100 * self.size.rms_mm / size,
             "poses_as_good": sum(p.spread_mm <= _AS_GOOD * self.poses[0].spread_mm + _SAME_MM for p in self.poses),
             "scan_to_shape": matrix.tolist(),
         }
@@ -107,6 +112,7 @@ def compare_scan(shape: Shape, scan: Scan, trim: float = 0.2, seed: int = 0) -> 
         cut,
         _covered(shape, points[used], 5 * scatter),
         tuple(poses),
+        fitted_size(shape, points, cut),
     )
 
 

@@ -53,6 +53,14 @@ def test_a_scan_in_inches(folder: Path, capsys, monkeypatch) -> None:
         assert (np.ptp(colours, axis=1) > 8).mean() > 0.02
 
 
+@pytest.mark.parametrize("scale", [1.0, 1.08])
+def test_a_scan_of_another_size(folder: Path, capsys, monkeypatch, scale: float) -> None:
+    trimesh.Trimesh(SHAPE.positions * scale, SHAPE.triangles, process=False).export(folder / "scan.ply")
+    done = command(["compare", str(folder / "shape.vtu"), str(folder / "scan.ply")], capsys, monkeypatch)
+    assert done.status == 0, done.err
+    assert ("perhaps another size" in done.out and "1.08" in done.out) is (scale != 1.0)
+
+
 def test_an_outline_from_above(folder: Path, capsys, monkeypatch) -> None:
     corners = np.array([[-50, -40], [50, -40], [50, 40], [-50, 40]]) * 1.02 + [10, 20]
     (folder / "outline.csv").write_text("x_mm,y_mm\n" + "".join(f"{x:.2f},{y:.2f}\n" for x, y in corners))

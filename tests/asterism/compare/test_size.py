@@ -1,0 +1,33 @@
+"""Scans that are too large or too small."""
+
+from __future__ import annotations
+
+import pytest
+
+from asterism.compare.comparison import ScanComparison, compare_scan
+from asterism.compare.scan import Scan
+from asterism.shape import Shape
+from tests.asterism.compare.scans import bent_sheet, motion, scanned
+from tests.asterism.sheets import dome, sheet
+
+
+def laid(shape: Shape, ratio: float, part: float = 1.0) -> ScanComparison:
+    """A scan of so many times its size."""
+    points, _ = scanned(shape, 5, 0.05, part, other=0.0)
+    rotation, shift = motion(5)
+    return compare_scan(shape, Scan(ratio * points @ rotation.T + shift, 0, len(points)))
+
+
+@pytest.mark.parametrize("ratio", [0.95, 1.0, 1.12])
+@pytest.mark.parametrize("shape", [bent_sheet(), sheet(dome)], ids=["bent", "dome"])
+def test_the_size_of_a_whole_scan_is_found(shape: Shape, ratio: float) -> None:
+    numbers = laid(shape, ratio).summary()
+    assert numbers["best_size"] == pytest.approx(ratio, abs=0.005)
+    assert numbers["rms_percent_at_best_size"] < 0.2
+    if ratio != 1.0:
+        assert numbers["rms_percent"] > 1.2 * numbers["rms_percent_at_best_size"]
+
+
+def test_a_part_fits_in_many_sizes() -> None:
+    numbers = laid(bent_sheet(), 1.05, part=0.7).summary()
+    assert numbers["best_size"] is None and numbers["rms_percent_at_best_size"] is None
