@@ -13,7 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from equilibrium.certificate import Eigenpair, smallest_eigenvalue
-from equilibrium.factor import Factor
+from equilibrium.factor import Factor, Iterative
 from equilibrium.newton import STOP, Clock, Problem, minimise
 from equilibrium.saddle import left
 from equilibrium.sparse_pattern import Floats
@@ -158,4 +158,4 @@ def held_definite(problem: Problem, state: State, data: Floats, factor: Factor) 
     held = data.copy()
     diagonal = problem.pattern.diagonal
     held[diagonal[problem.support(state)]] += STOP * held[diagonal].max()
-    return factor.factorise(held)
+    return factor.factorise(held) and (not isinstance(factor, Iterative) or factor.proves_definite())

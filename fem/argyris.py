@@ -16,6 +16,7 @@ from skfem.quadrature import get_quadrature
 
 from fem.location import triangles_at
 from fem.monomials import monomials, polynomials, powers
+from fem.printed_mesh import usable
 from fem.tabulation import Evaluation, Floats, Ints, Tabulation
 
 Map = Callable[[Floats], Floats]
@@ -29,7 +30,7 @@ class Argyris:
 
     Parameters
     ----------
-    mesh : scikit-fem's, in printed mm.
+    mesh : scikit-fem's, in printed mm; see `fem.printed_mesh.usable`.
 
     Attributes
     ----------
@@ -46,7 +47,7 @@ class Argyris:
     degree = 5
 
     def __init__(self, mesh: MeshTri) -> None:
-        self.mesh = mesh
+        self.mesh = mesh = usable(mesh)
         numbers = Dofs(mesh, ElementTriArgyris())
         self.size: int = numbers.N
         self.dofs: Ints = numbers.element_dofs.T.copy()
@@ -57,9 +58,9 @@ class Argyris:
         one, two = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
         self._areas = 0.5 * np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
         self._scale = np.sqrt(self._areas)
-        around = np.bincount(mesh.t.ravel(), minlength=mesh.nvertices)
-        total = np.bincount(mesh.t.ravel(), np.tile(self._scale, 3), minlength=mesh.nvertices)
-        self.vertex_scale = np.asarray(total / np.maximum(around, 1), dtype=float)
+        around = np.bincount(mesh.t.ravel())
+        total = np.bincount(mesh.t.ravel(), np.tile(self._scale, 3))
+        self.vertex_scale = np.asarray(total / around, dtype=float)
         self._vertex_scales: Floats = self.vertex_scale[:, None] ** ORDERS
         ends = mesh.p.T[mesh.facets]
         along = ends[1] - ends[0]

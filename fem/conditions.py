@@ -81,6 +81,7 @@ class Reduction:
     free : (n,) entries of X.ravel() that are q.
     printed, target : (3N,) constants that hold the sheet where it was printed, and where it ends.
     redundant : number of equations that others imply.
+    normals : (k, 3) of clamped edges where they end; those of the print are (0, 0, 1).
     """
 
     map: sp.csr_matrix
@@ -88,6 +89,7 @@ class Reduction:
     printed: Floats
     target: Floats
     redundant: int
+    normals: Floats = field(default_factory=lambda: np.empty((0, 3)))
 
     @cached_property
     def transposed(self) -> sp.csr_matrix:
@@ -147,7 +149,8 @@ def reduce(space: Space, conditions: Sequence[Condition]) -> Reduction:
         raise ConditionError(
             f"{names[error.row]}: contradicts {against} at ({x:.4g}, {y:.4g}) mm by {error.miss:.3g} mm"
         ) from None
-    return Reduction(found.map, found.free, found.constant[:, 0], found.constant[:, 1], found.redundant)
+    normals = np.concatenate([np.empty((0, 3)), *(_normals(c, space.mesh) for c in conditions)])
+    return Reduction(found.map, found.free, found.constant[:, 0], found.constant[:, 1], found.redundant, normals)
 
 
 def vertices_at(mesh: MeshTri, points: Floats, tolerance: float = 1e-6) -> Ints:
@@ -170,7 +173,9 @@ def vertices_at(mesh: MeshTri, points: Floats, tolerance: float = 1e-6) -> Ints:
 
 
 def _check(condition: Condition, mesh: MeshTri) -> None:
-    directions = np.asarray(condition.directions)
+    directions = np.asarray(condition.directions, dtype=float)
+    if not np.isfinite(directions).all():
+        raise ConditionError(f"{condition.name}: directions must be finite")
     if directions.ndim != 2 or directions.shape[1] != 3 or len(directions) > 3:
         raise ConditionError(
             f"{condition.name}: directions {directions.shape} are not up to three rows of three numbers"
@@ -186,10 +191,20 @@ def _check(condition: Condition, mesh: MeshTri) -> None:
         raise ConditionError(
             f"{condition.name}: {'vertices' if points else 'facets'} are not in 0 .. {allowed - 1}, or there are none"
         )
+    if not np.isfinite(_normals(condition, mesh)).all():
+        raise ConditionError(f"{condition.name}: clamped along a line where its placement has no normal")
     if isinstance(condition, HeldPoints) and np.shape(condition.places) != (len(numbers), 3):
         raise ConditionError(f"{condition.name}: places {np.shape(condition.places)} are not ({len(numbers)}, 3)")
     if isinstance(condition, HeldPoints) and not np.isfinite(condition.places).all():
         raise ConditionError(f"{condition.name}: places must be finite")
+
+
+def _normals(condition: Condition, mesh: MeshTri) -> Floats:
+    """(k, 3) of the placement at the vertices of a clamped edge; none of others."""
+    if isinstance(condition, HeldPoints) or not condition.clamped:
+        return np.empty((0, 3))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return condition.placement.normal(mesh.p.T[np.unique(mesh.facets[:, condition.facets])])
 
 
 def _point_rows(mesh: MeshTri, held: HeldPoints) -> Rows:

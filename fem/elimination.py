@@ -61,8 +61,9 @@ def eliminate(matrix: sp.csr_matrix, right: Floats, tolerance: float) -> Elimina
     matrix.sum_duplicates()
     largest = abs(matrix).max(axis=1).toarray().ravel() if matrix.shape[0] else np.empty(0)
     empty = largest == 0.0
-    if np.any(np.abs(right[empty]) > tolerance):
-        row = int(np.flatnonzero(empty & (np.abs(right).max(axis=1) > tolerance))[0])
+    wrong = empty & ~(np.abs(right).max(axis=1) <= tolerance)  # nan too
+    if wrong.any():
+        row = int(wrong.argmax())
         raise Contradiction(row, float(np.abs(right[row]).max()))
     scale = np.where(empty, 1.0, largest)
     matrix = sp.csr_matrix(sp.diags_array(1.0 / scale) @ matrix)

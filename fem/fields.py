@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike
 from fem.density import Density
 from fem.tabulation import Floats
 
+SYMMETRIC = 1e-9  # of its largest entry: what rounding may leave of a stiffness minus its transpose
+
 Field = ArrayLike | Callable[[Floats], ArrayLike]
 
 
@@ -69,10 +71,18 @@ class Fields:
         return values
 
     def densities(self, points: Floats) -> Density:
-        """The density at these points, with the energy of Gaussian curvature."""
+        """The density at these points, spelled out, with the energy of Gaussian curvature.
+
+        Raises
+        ------
+        FieldError
+            A part is not finite, the stiffness not symmetric, or the saturation not positive.
+        """
         density = self.density
         if callable(density) and not isinstance(density, Density):
             density = density(points)
+        density = density.at(points.shape[:2])
+        _check_density(density, points)
         modulus = self.gaussian_modulus(points)
         if not modulus.any():
             return density
@@ -114,6 +124,24 @@ def _check_finite(values: Floats, points: Floats, name: str) -> None:
     if lost.any():
         where = np.unravel_index(lost.argmax(), lost.shape)
         raise FieldError(name, points[where], values[where], "is not finite")
+
+
+def _check_density(density: Density, points: Floats) -> None:
+    """Raise FieldError where a sheet of this density has no energy, or one that is not its stress's."""
+    for name in ("stiffness", "stress", "sixfold", "orientation", "ground"):
+        values = np.reshape(getattr(density, name), (*points.shape[:2], -1))
+        if not np.isfinite(values).all():
+            where = tuple(np.argwhere(~np.isfinite(values))[0])
+            raise FieldError(name, points[where[:2]], values[where][None], "is not finite")
+    stiffness, saturation = np.asarray(density.stiffness), np.asarray(density.saturation)
+    if not (saturation > 0.0).all():
+        where = np.unravel_index((~(saturation > 0.0)).argmax(), saturation.shape)
+        raise FieldError("saturation", points[where], saturation[where][None], "is not positive")
+    skew = np.abs(stiffness - np.swapaxes(stiffness, -1, -2))
+    if skew.max() > SYMMETRIC * np.abs(stiffness).max():
+        t, q, i, k = np.unravel_index(skew.argmax(), skew.shape)
+        values = stiffness[t, q, [i, k], [k, i]]
+        raise FieldError("stiffness", points[t, q], values, f"of strains {i} and {k} is not symmetric")
 
 
 def _row(values: Floats) -> str:

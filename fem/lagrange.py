@@ -10,6 +10,7 @@ from skfem import Basis, ElementTriP2, ElementTriP3, MeshTri
 from skfem.quadrature import get_quadrature
 
 from fem.monomials import monomials, powers
+from fem.printed_mesh import usable
 from fem.tabulation import Floats, Ints
 
 ELEMENTS = {2: ElementTriP2, 3: ElementTriP3}
@@ -20,7 +21,7 @@ class Lagrange:
 
     Parameters
     ----------
-    mesh : scikit-fem's, in printed mm.
+    mesh : scikit-fem's, in printed mm; see `fem.printed_mesh.usable`.
     degree : 2 or 3.
 
     Attributes
@@ -32,6 +33,7 @@ class Lagrange:
     def __init__(self, mesh: MeshTri, degree: int) -> None:
         if degree not in ELEMENTS:
             raise ValueError(f"degree: {degree} is not one of 2, 3")
+        mesh = usable(mesh)
         element = ELEMENTS[degree]()
         basis = Basis(mesh, element, intorder=1)
         self.mesh, self.degree = mesh, degree

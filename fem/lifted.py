@@ -30,7 +30,7 @@ class Lifted:
 
     Parameters
     ----------
-    mesh : scikit-fem's, in printed mm.
+    mesh : scikit-fem's, in printed mm; see `fem.printed_mesh.usable`.
     degree : 2 or 3.
     gamma : weight of the jumps.
 
@@ -44,8 +44,9 @@ class Lifted:
     mid_normals = False
 
     def __init__(self, mesh: MeshTri, degree: int = 3, gamma: float = 1.0) -> None:
-        self.mesh, self.degree, self.gamma = mesh, degree, gamma
+        self.degree, self.gamma = degree, gamma
         self._basis = Lagrange(mesh, degree)
+        self.mesh = mesh = self._basis.mesh
         self.nodes = self._basis.nodes
         self.size = len(self.nodes)
         self._powers = powers(degree - 1)

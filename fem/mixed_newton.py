@@ -79,7 +79,7 @@ def mixed_newton(
     clock = Clock()
     eps = np.zeros((*shell.assembly.weights.shape, 6)) if strains is None else strains
     found = Mixed(x, eps, np.inf, False, 0, 0, 0, seconds=clock.seconds)
-    size = float(np.ptp(shell.flat, axis=0).max())
+    size = shell.size
     matrix = Regularised(shell, factor, clock)
     moved, reach = 0.0, np.inf
     for number in range(max_iterations + 1):

@@ -40,7 +40,7 @@ class Regularised:
 
     def __init__(self, shell: Shell, factor: Factor, clock: Clock) -> None:
         self._shell, self._factor, self._clock = shell, factor, clock
-        size = float(np.ptp(shell.flat, axis=0).max())
+        size = shell.size
         self._unit = float(shell.density.stiffness[..., 3, 3].mean()) * (np.pi / size) ** 4
         self._blend = self._shift = 0.0
         self._soft = False

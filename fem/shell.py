@@ -10,7 +10,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from equilibrium.factor import Factor, make_factor
+from equilibrium.factor import BackendError, Factor, make_factor
 from equilibrium.sparse_pattern import SparsePattern
 from equilibrium.support import independent_dofs
 from fem.assembly import Assembly
@@ -96,7 +96,7 @@ class Shell:
         """Change what the sheet wants to be; everything else, factorisation patterns included, stays."""
         # all of them before any is set: each may be refused
         target, gaussian = fields.rest(self.points), fields.gaussian_modulus(self.points)
-        density: Density = fields.densities(self.points).at(self.points.shape[:2])
+        density: Density = fields.densities(self.points)
         penalty = self.space.penalty(density.stiffness[..., 3, 3].mean(axis=1))
         self._target, self.density, self.gaussian_modulus = target, density, gaussian
         self._penalty = None if penalty is None else (penalty, self.assembly.spread(penalty))
@@ -231,6 +231,11 @@ class Shell:
         return self.density.stress + np.matmul(self.density.stiffness, strains[..., None])[..., 0]
 
     @cached_property
+    def size(self) -> float:
+        """mm, the larger side of the print."""
+        return float(np.ptp(self.places(self.flat), axis=0).max())
+
+    @cached_property
     def held_points(self) -> Ints:
         """(k,) dofs that are positions and do not move."""
         return np.flatnonzero(self._fixed.all(axis=1))
@@ -296,5 +301,13 @@ class Shell:
         return independent_dofs(self.rigid_modes(x))
 
     def factor(self, backend: str = "auto") -> Factor:
-        """A solver for the Hessians of this shell."""
+        """A solver for the Hessians of this shell.
+
+        Raises
+        ------
+        BackendError
+            The backend is not installed, or multigrid, which takes longer here and proves less.
+        """
+        if backend == "amg":
+            raise BackendError("backend: 'amg' does not work with a shell; use auto, pardiso, cholmod or superlu")
         return make_factor(self.pattern, backend)

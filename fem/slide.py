@@ -56,15 +56,22 @@ class Frame:
 
     @cached_property
     def _turn(self) -> Floats | None:
-        """(3, 3) how the places of what is held lie in space, against the print; None where they do as it does.
+        """(3, 3) how what is held lies in space, against the print; None where it does as that.
 
-        A line of places says nothing of the turn about it.
+        A line of places that is not clamped says nothing of the turn about it: of all the smallest is taken.
         """
-        held = self._shell.held_points
-        places = self._shell.reduction.offset(self._shell.progress).reshape(-1, 3)[held]
-        if not spread(places):
-            return None
+        held, reduction = self._shell.held_points, self._shell.reduction
+        places = reduction.offset(self._shell.progress).reshape(-1, 3)[held]
         printed, places = (at - at.mean(axis=0) for at in (self._shell.flat[held], places))
+        if len(reduction.normals):
+            up = np.full(reduction.normals.shape, self._shell.size) * [0.0, 0.0, 1.0]
+            printed = np.concatenate([printed, up])
+            places = np.concatenate([places, self._shell.size * reduction.normals])
+        elif not spread(places):
+            farthest = np.linalg.norm(printed, axis=1).argmax()
+            printed, places = printed[farthest], places[farthest]
+            if not (printed.any() and places.any()):
+                return None
         turn = Rotation.align_vectors(places, printed)[0].as_matrix()
         return None if np.abs(turn - np.eye(3)).max() < AS_PRINTED else np.asarray(turn)
 

@@ -90,7 +90,7 @@ def relax(
         enough = best.energy + tie * abs(best.energy)
         best = next(each for each in found if each.is_minimum and each.energy <= enough)
         if best is not found[-1]:
-            held_definite(shell, best.x, shell.hessian(best.x), factor)
+            hold(shell, best.x, factor)
         begin = time.perf_counter()
         best = replace(best, soft_modes=modes_of(shell, best.x, factor, soft_modes)[0])
         seconds["soft modes"] = time.perf_counter() - begin
@@ -118,9 +118,13 @@ def follow(
     def iterate(state: Any) -> Run:
         return mixed_newton(shell, state, factor, tolerance, given.pop() if given else None, LONG if patient else SHORT)
 
-    size = float(np.ptp(shell.flat, axis=0).max())
-    settled = settle(shell, x, factor, tolerance, iterate, LEFT * size, max_iterations=DOWN if patient else 0)
+    settled = settle(shell, x, factor, tolerance, iterate, LEFT * shell.size, max_iterations=DOWN if patient else 0)
     return _evidence(shell, settled, name)
+
+
+def hold(shell: Shell, x: Floats, factor: Factor) -> None:
+    """Leave the Hessian at a state x (N, 3), its rigid motions held, in the factor."""
+    held_definite(shell, x, shell.hessian(x), factor)
 
 
 def by_load_steps(shell: Shell, factor: Factor, steps: int) -> ShellEquilibrium | None:

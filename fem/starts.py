@@ -31,7 +31,7 @@ def starts(
     are not moved within themselves any further, or left out.
     """
     wants = trends(shell)
-    size = float(np.ptp(shell.space.mesh.p, axis=1).max())
+    size = shell.size
     frame = Frame(shell, factor, wants.centre, wants.stretch)
     families: dict[tuple[str, float, float], list[Shape]] = {}
     for shape in shapes(wants, size, side) if candidates is None else candidates:

@@ -9,14 +9,13 @@ import numpy as np
 
 from asterism.previewing.expected import amplitudes_percent, another_form_is_near
 from equilibrium.factor import Factor
-from equilibrium.solve import held_definite
 from fem.evidence import ShellEquilibrium, Trial
 from fem.seeds import Side, Trends, shapes, trends
 from fem.shapes import Shape
 from fem.shell import Shell
 from fem.sides import FLAT_MM, side_of
 from fem.slide import Frame
-from fem.solve import follow, modes_of, relax
+from fem.solve import follow, hold, modes_of, relax
 from fem.tabulation import Floats
 from pattern.rigid_fit import rigid_fit
 
@@ -56,13 +55,13 @@ def _on_side(
     def fitting() -> list[Trial]:
         return [trial for trial in found.trials if trial.is_minimum and side_of(shell, trial.x) == side]
 
-    wants, size = trends(shell), float(np.ptp(shell.space.mesh.p, axis=1).max())
+    wants, size = trends(shell), shell.size
     bent = [shape for shape in shapes(wants, size, side) if shape.name != "flat"]
     if not fitting() and bent:
         found = replace(found, trials=found.trials + relax(shell, factor, side, bent, len(KINDS), turns=turns).trials)
     best = min(fitting(), key=lambda trial: trial.energy, default=None)
     if best is None:
-        held_definite(shell, found.x, shell.hessian(found.x), factor)  # the factor is to hold the best state's Hessian
+        hold(shell, found.x, factor)
         return found
     there = follow(shell, best.x, factor, best.name)  # for the evidence and the factor: it is there already
     soft = modes_of(shell, there.x, factor)[0]
@@ -80,7 +79,7 @@ def _lowest_of_all(
     stiff but narrow started anew.
     """
     free = len(shell.held_points) == 0
-    wants, size = trends(shell), float(np.ptp(shell.space.mesh.p, axis=1).max())
+    wants, size = trends(shell), shell.size
     if free and uniform and abs(wants.curvature) * wants.stretch * size > TUBE_TURN:
         tubes = [shape for shape in shapes(wants, size, side) if shape.name in ("arc", "flat")]
         found = relax(shell, factor, side, tubes, followed=1, turns=turns, tie=TIE)
@@ -115,7 +114,7 @@ def _lowest_of_all(
         if other.is_minimum and all(other.energy < energy - margin for energy in known):
             best = other
     if len(trials) > len(found.trials):
-        held_definite(shell, best.x, shell.hessian(best.x), factor)  # the factor is to hold the best state's Hessian
+        hold(shell, best.x, factor)
     return replace(best, trials=trials)
 
 
@@ -170,7 +169,7 @@ def _lowest(
     for other in others:
         if other.is_minimum and other.energy < best.energy - EQUAL * abs(best.energy):
             best = other
-    held_definite(shell, best.x, shell.hessian(best.x), factor)  # the factor is to hold the best state's Hessian
+    hold(shell, best.x, factor)
     if best is not found:
         best = replace(best, soft_modes=modes_of(shell, best.x, factor)[0])
     return replace(best, trials=found.trials + tuple(trial for other in others for trial in other.trials))

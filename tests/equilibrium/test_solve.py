@@ -10,7 +10,7 @@ import pytest
 from equilibrium.factor import make_factor
 from equilibrium.newton import Minimum
 from equilibrium.saddle import left
-from equilibrium.solve import Settled, settle
+from equilibrium.solve import Settled, held_definite, settle
 from equilibrium.sparse_pattern import Floats
 from tests.equilibrium.test_newton import Analytic
 
@@ -93,3 +93,33 @@ def test_an_eigenvalue_of_zero_is_no_saddle_to_leave():
     assert found.converged and not found.definite and not found.is_minimum
     assert found.saddles_left == 0 and found.lowest is not None
     assert abs(found.lowest.value) <= found.lowest.error < 1e-8
+
+
+def test_what_is_not_proven_is_no_minimum() -> None:
+    """A solver that iterates accepts what it has not refuted."""
+
+    class Lenient:
+        name = "lenient"
+
+        def __init__(self, proof: bool) -> None:
+            self._proof = proof
+
+        def factorise(self, data: Floats) -> bool:
+            return True
+
+        def proves_definite(self) -> bool:
+            return self._proof
+
+        def solve(self, b: Floats, tolerance: float = 0.0) -> Floats:
+            return b
+
+        product = precondition = solve
+
+        def near_nullspace(self, nodes: object, modes: object) -> None: ...
+
+        def close(self) -> None: ...
+
+    problem, place = tilted(0.0), np.zeros(2)
+    data = problem.hessian(place, 0.0)
+    assert held_definite(problem, place, data, Lenient(True))
+    assert not held_definite(problem, place, data, Lenient(False))

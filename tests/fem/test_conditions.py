@@ -202,3 +202,13 @@ def test_an_edge_held_in_no_direction_is_free(space_of) -> None:
     space = space_of(rectangle(2, 2))
     found = reduce(space, [HeldEdge(space.mesh.boundary_facets(), directions=np.empty((0, 3)))])
     assert len(found.free) == 3 * space.size
+
+
+def test_what_has_no_direction_is_refused() -> None:
+    """A placement that shrinks the edge's surface to a line or a point has no normal to clamp to."""
+    mesh = rectangle(2, 2)
+    edge = facets_where(mesh, lambda x, y: x < 1e-9)
+    with pytest.raises(ConditionError, match="clamped along a line where its placement has no normal"):
+        reduce(SPACES["argyris"](mesh), [HeldEdge(edge, affine(np.zeros((3, 2))), clamped=True)])
+    with pytest.raises(ConditionError, match="directions must be finite"):
+        reduce(SPACES["argyris"](mesh), [HeldEdge(edge, directions=np.array([[np.nan, 0.0, 1.0]]))])

@@ -6,7 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from skfem import MeshTri
 
+from equilibrium.factor import BackendError
 from fem.argyris import Argyris
 from fem.conditions import HeldEdge, HeldPoints, vertices_at
 from fem.density import Density, isotropic
@@ -88,3 +90,17 @@ def test_the_part_of_gaussian_curvature_is_what_its_modulus_adds() -> None:
     x = plain.flat + space.interpolate(twist)
     assert more.gaussian_energy(x) == pytest.approx(more.energy(x) - plain.energy(x), rel=1e-6)
     assert more.gaussian_energy(x) < -1e-3
+
+
+def test_multigrid_is_refused() -> None:
+    """It proves less than a factorisation: a saddle could pass for a minimum."""
+    with pytest.raises(BackendError, match="'amg' does not work with a shell"):
+        Shell(Argyris(rectangle(1, 1)), FIELDS["bowl"]).factor("amg")
+
+
+def test_sizes_do_not_depend_on_where_the_print_lies() -> None:
+    """Steps, kicks and shifts are parts of it."""
+    mesh = rectangle(3, 2, 60.0, 40.0)
+    for place in (0.0, 1000.0):
+        moved = MeshTri(mesh.p + place, mesh.t)
+        assert Shell(Argyris(moved), FIELDS["bowl"]).size == pytest.approx(60.0)

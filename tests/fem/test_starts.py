@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from fem.argyris import Argyris
 from fem.conditions import HeldEdge
-from fem.placement import flat
+from fem.density import Density, isotropic
+from fem.fields import of_stretch
+from fem.placement import affine, flat
 from fem.seeds import shapes, trends
 from fem.shapes import Shape
 from fem.shell import Shell
 from fem.slide import Frame
+from fem.solve import relax
 from fem.starts import HELD_DEAR, starts
 from tests.fem.hexagons import FIELDS, RADIUS, hexagon
+from tests.fem.meshes import facets_where, rectangle
 
 
 @pytest.fixture
@@ -39,6 +44,17 @@ def test_an_arc_alone_is_compared_with_nothing(slid: list[tuple[float, float]]) 
     # without symmetry the other axes are guesses too
     kinds, turned = starts(shell, shell.factor(), candidates=arcs)
     assert kinds[0].shape.name == "arc" and len(turned) == 2 and slid
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("degrees", [90.0, 180.0])
+def test_a_sheet_follows_what_holds_it_wherever_that_was_turned(axis: int, degrees: float) -> None:
+    """By a single clamped edge: its places alone say nothing of the turn about it."""
+    mesh = rectangle(2, 2, 50.0, 50.0)
+    turn = Rotation.from_rotvec(np.radians(degrees) * np.eye(3)[axis]).as_matrix()
+    edge = HeldEdge(facets_where(mesh, lambda x, y: x < 1e-9), affine(turn[:, :2], [5.0, 6.0, 7.0]), clamped=True)
+    found = relax(Shell(Argyris(mesh), of_stretch(Density(isotropic(20.0, 10.0, 0.3)), 1.0), [edge]))
+    assert found.is_minimum and found.energy < 1e-9
 
 
 def test_held_guesses_that_are_far_too_dear_are_left_out(slid: list[tuple[float, float]]) -> None:

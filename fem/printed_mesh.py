@@ -1,0 +1,43 @@
+"""What a mesh must be for functions on it."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.csgraph import connected_components
+from skfem import ElementTriP1, MeshTri
+
+
+def usable(mesh: MeshTri) -> MeshTri:
+    """The mesh with the corners of every triangle in the order of their numbers, as edges count on.
+
+    Vertices, triangles and edges keep their numbers.
+
+    Raises
+    ------
+    ValueError
+        Triangles are curved, flat or not finite, vertices are not used, an edge has more than two triangles, or there
+        are several pieces.
+    """
+    if mesh.elem is not ElementTriP1:
+        raise ValueError("mesh: triangles must have straight edges, as those of MeshTri")
+    if mesh.t.size == 0:
+        raise ValueError("mesh: has no triangles")
+    if not np.isfinite(mesh.p).all():
+        raise ValueError("mesh: a vertex is not finite")
+    size, t = mesh.p.shape[1], mesh.t
+    unused = np.flatnonzero(np.bincount(t.ravel(), minlength=size) == 0)
+    if len(unused):
+        raise ValueError(f"mesh: vertex {unused[0]} is of no triangle")
+    one, two = (mesh.p[:, t[k]] - mesh.p[:, t[0]] for k in (1, 2))
+    flat = np.flatnonzero(one[0] * two[1] == one[1] * two[0])
+    if len(flat):
+        raise ValueError(f"mesh: triangle {flat[0]} has no area")
+    crowded = np.flatnonzero(np.bincount(mesh.t2f.ravel()) > 2)
+    if len(crowded):
+        raise ValueError(f"mesh: edge {crowded[0]} has more than two triangles")
+    edges = sp.coo_array((np.ones(mesh.facets.shape[1]), tuple(mesh.facets)), shape=(size, size))
+    pieces = connected_components(edges, directed=False, return_labels=False)
+    if pieces > 1:
+        raise ValueError(f"mesh: has {pieces} pieces that are not connected")
+    return mesh if (np.diff(t, axis=0) > 0).all() else MeshTri(mesh.p, mesh.t)
