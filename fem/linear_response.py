@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from equilibrium.factor import Factor
+from fem.mixed_newton import FAR
 from fem.shell import Shell
 from fem.tabulation import Floats
 
@@ -40,7 +41,8 @@ class Response:
 def linear_response(shell: Shell, x: Floats, factor: Factor) -> Response:
     """Where the equilibrium x (N, 3) goes, now that the shell has other fields, loads or moved conditions.
 
-    The factor holds the Hessian at x from before the change. Rigid motions that nothing stops are taken out: of all
+    The factor holds the Hessian at x from before the change. A soft sheet may answer by more than it is large: a longer
+    move than Newton's method makes is shortened to that. Rigid motions that nothing stops are taken out: of all
     answers that differ by one this is the one that moves the least.
     """
     start = shell.held(x)
@@ -49,5 +51,7 @@ def linear_response(shell: Shell, x: Floats, factor: Factor) -> Response:
     gradient = shell.restricted(shell.assembly.forces(start, stress) + shell.outer_forces(start))
     step = -factor.solve(gradient)
     modes = shell.rigid_modes(start)
-    step = step - modes @ (modes.T @ step)
-    return Response(start + shell.move(np.zeros_like(start), step), shell, start, strains)
+    move = shell.move(np.zeros_like(start), step - modes @ (modes.T @ step))
+    farthest = float(np.abs(move).max())
+    most = FAR * shell.size
+    return Response(start + (move if farthest <= most else most / farthest * move), shell, start, strains)

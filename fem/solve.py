@@ -122,9 +122,9 @@ def follow(
     return _evidence(shell, settled, name)
 
 
-def hold(shell: Shell, x: Floats, factor: Factor) -> None:
-    """Leave the Hessian at a state x (N, 3), its rigid motions held, in the factor."""
-    held_definite(shell, x, shell.hessian(x), factor)
+def hold(shell: Shell, x: Floats, factor: Factor) -> bool:
+    """Leave the Hessian at a state x (N, 3), its rigid motions held, in the factor; False if it is not definite."""
+    return held_definite(shell, x, shell.hessian(x), factor)
 
 
 def by_load_steps(shell: Shell, factor: Factor, steps: int) -> ShellEquilibrium | None:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Literal
+from typing import Literal, NoReturn
 
 import numpy as np
 
+from asterism.previewing.all_or_nothing import all_or_nothing
 from asterism.previewing.equilibria import EDIT, settled, taken
 from asterism.previewing.expected_height import height_doubts
 from asterism.previewing.sheet import Sheet
@@ -16,22 +18,23 @@ from asterism.previewing.star_values import StarValues, star_values
 from asterism.previewing.summary import summary
 from asterism.previewing.surface import Lens, Places, shape_of, shown_mesh
 from asterism.shape import Shape
+from equilibrium.factor import Factor
 from equilibrium.newton import Clock
 from equilibrium.threads import one_blas_thread
 from fem.evidence import ShellEquilibrium
-from fem.linear_response import linear_response
+from fem.linear_response import Response, linear_response
 from fem.seeds import Side, check_side, trends
 from fem.shell import Shell
 from fem.sides import side_of
-from fem.solve import energies_of, follow, modes_of
+from fem.solve import energies_of, follow, hold, modes_of
 from fem.tabulation import Floats
-from homogenize.errors import LawError
 from homogenize.law import Law
 from homogenize.law_file import load_law
 from pattern.arguments import check_kind
 from pattern.build import check_carried, layout
 from pattern.design import Design
 from pattern.layout import Layout
+from pattern.mesh import Mesh
 from pattern.pin_freedom import tilts
 from pattern.section import is_whole
 from pattern.symmetries import Symmetry, symmetries
@@ -56,8 +59,8 @@ class Stage:
 
     Attributes
     ----------
-    name : `linear`, the linear response to the edit; or `equilibrium`.
-    x : (N, 3) mm, positions of the shell's dofs.
+    name : `linear`, the linear response of the last equilibrium to the edit; or `equilibrium`.
+    x : (N, 3) mm, positions of the shell's dofs; a copy.
     """
 
     name: Literal["linear", "equilibrium"]
@@ -116,7 +119,11 @@ class Preview:
         self.shell: Shell
         self._say = say or (lambda text: None)
         self._triangles = triangles
+        self._edits = 0
         self._clock = Clock()
+        self._factor: Factor
+        self._rested: ShellEquilibrium
+        self._is_factor_rested: bool
         self.law = law if law is not None else self._clock("law", paper_law)
         self.side: Side = side
         self._begin(design)
@@ -128,7 +135,7 @@ class Preview:
         self.values: StarValues = self._clock("law", star_values, design, plan, self.law)
         self.design = design
         self.sheet: Sheet = self._clock("mesh", Sheet, design, plan, self._triangles)
-        self._lens: Lens | None = None
+        self._shown: tuple[Mesh, Lens] | None = None
         self._symmetries: list[Symmetry] | None = None
         count = self.sheet.space.mesh.nelements
         patience = ": this may take a minute" if count > LARGE else ""
@@ -154,8 +161,13 @@ class Preview:
                 found = self._clock("pins", taken, shell, factor, found.x, free)
             free = len(shell.held_points) == 0
         # all at once: who interrupts the steps keeps the sheet that was there
-        self.shell, self._factor = shell, factor
-        self.equilibrium = replace(found, x=shell.grounded(found.x))
+        vars(self).update(shell=shell, _factor=factor)
+        self._rest(found)
+
+    def _rest(self, found: ShellEquilibrium) -> None:
+        """Where the sheet is now, its Hessian in the factor: later edits go on from there."""
+        found = replace(found, x=self.shell.grounded(found.x))
+        vars(self).update(equilibrium=found, _rested=found, _is_factor_rested=True)
 
     def edit(self, design: Design) -> Iterator[Stage]:
         """Change the design: first the linear response, at once, and then the equilibrium.
@@ -165,7 +177,8 @@ class Preview:
         goes on, the summary knows of none.
 
         Nothing happens before the first stage is asked for; `update` asks for all. Who stops after the linear response
-        has a preview of that, which says that it is no equilibrium, if the edit changed anything.
+        has a preview of that, which says that it is no equilibrium, if the edit changed anything; the next edit's
+        linear response is that of the last equilibrium again. Who is interrupted before has the preview that was there.
 
         Raises
         ------
@@ -189,49 +202,64 @@ class Preview:
             plan = self._clock("layout", layout, design)
             check_carried(design, plan)
             values = self._clock("law", star_values, design, plan, self.law)
-            if not self.sheet.holds(design, plan, self.design):
-                # complete before it takes the place of the old one
-                vars(self).update(vars(Preview(design, self.law, self.side, self._triangles, self._say)))
-                yield Stage("equilibrium", self.equilibrium.x)
-                return
-            self._clock("fields", self._change, design, plan, values)
-            old = self.equilibrium
-            linear = self._clock("linear response", linear_response, self.shell, old.x, self._factor)
-            seen, gradient = self.shell.grounded(linear.x), float(np.linalg.norm(self.shell.gradient(linear.x)))
-            # until the next stage is asked for: no equilibrium of anything, unless nothing has changed
-            self.equilibrium = replace(
-                old,
-                x=seen,
-                strains=linear.strains,
-                energies=energies_of(self.shell, linear.x),
-                gradient_norm=gradient,
-                definite=old.definite and gradient <= old.tolerance,
-                soft_modes=np.empty(0),
-                trials=(),
-            )
-        yield Stage("linear", seen)
-        with one_blas_thread():
-            found = self._clock("equilibrium", follow, self.shell, linear.x, self._factor, EDIT, linear.strains)
-            if found.is_minimum:
-                self.equilibrium = replace(found, x=self.shell.grounded(found.x))
+            self._edits += 1
+            number = self._edits
+            if self.sheet.holds(design, plan, self.design):
+                with all_or_nothing(self, self.sheet, self.shell):
+                    linear = self._change(design, plan, values)
             else:
-                self._settle()
-        yield Stage("equilibrium", self.equilibrium.x)
+                # complete before it takes the place of the old one
+                anew = Preview(design, self.law, self.side, self._triangles, self._say)
+                vars(self).update({**vars(anew), "_edits": number})
+                linear = None
+        if linear is not None:
+            yield Stage("linear", self.equilibrium.x.copy())
+            if self._edits != number:
+                raise RuntimeError("this edit was overtaken by a later one, or by a flip")
+            with one_blas_thread():
+                self._is_factor_rested = False
+                found = self._clock("equilibrium", follow, self.shell, linear.x, self._factor, EDIT, linear.strains)
+                if found.is_minimum:
+                    self._rest(found)
+                else:
+                    self._settle()
+        yield Stage("equilibrium", self.equilibrium.x.copy())
 
-    def _change(self, design: Design, plan: Layout, values: StarValues) -> None:
-        """New stars on the same sheet."""
-        before = self.sheet.layout
+    def _change(self, design: Design, plan: Layout, values: StarValues) -> Response | None:
+        """New stars on the same sheet, which responds linearly: until it went on, the preview is of no equilibrium.
+
+        None where the last equilibrium's Hessian was lost and it is no longer stable; the sheet then starts anew.
+        """
+        begin = time.perf_counter()
+        if not (self.sheet.has_arms(plan) and design.mesh == self.design.mesh):
+            self._shown = None
         self.sheet.set_stars(design, plan)
-        try:
-            fields = self.sheet.fields(values)
-        except LawError:
-            self.sheet.set_stars(self.design, before)
-            raise
+        fields = self.sheet.fields(values)
         self.design, self.values = design, values
-        self._lens = self._symmetries = None
+        self._symmetries = None
         self.shell.set_fields(fields)
         if design.gravity.on:
             self.shell.loads = self.sheet.loads(design)
+        self._clock.seconds["fields"] = time.perf_counter() - begin
+        old = self._rested
+        if not self._is_factor_rested:
+            self._is_factor_rested = hold(self.shell, old.x, self._factor)
+        if not self._is_factor_rested:
+            self._settle()
+            return None
+        linear = self._clock("linear response", linear_response, self.shell, old.x, self._factor)
+        gradient = float(np.linalg.norm(self.shell.gradient(linear.x)))
+        self.equilibrium = replace(
+            old,
+            x=self.shell.grounded(linear.x),
+            strains=linear.strains,
+            energies=energies_of(self.shell, linear.x),
+            gradient_norm=gradient,
+            definite=old.definite and gradient <= old.tolerance,
+            soft_modes=np.empty(0),
+            trials=(),
+        )
+        return linear
 
     @one_blas_thread()
     def flip(self) -> Side:
@@ -240,19 +268,21 @@ class Preview:
         That is the side they had where no form on the other one was found; the preview is then what it was.
         """
         self._clock = Clock()
-        before = self.side, self.shell, self._factor, self.equilibrium
+        self._edits += 1
         now = side_of(self.shell, self.equilibrium.x)
         now = trends(self.shell).side if now == "auto" else now
-        self.side = FLIPPED[now]
-        try:
+        before = dict(vars(self))
+        with all_or_nothing(self):
+            self.side = FLIPPED[now]
             self._settle()
-        except BaseException:
-            self.side, self.shell, self._factor, self.equilibrium = before
-            raise
         if side_of(self.shell, self.equilibrium.x) == self.side:
             return self.side
-        self.side, self.shell, self._factor, self.equilibrium = before
+        vars(self).update(before)
         return now
+
+    def __reduce__(self) -> NoReturn:
+        """Refuse copies, which would share the shell that edits change."""
+        raise TypeError("a preview cannot be copied or pickled: Preview(preview.design, preview.law) makes another")
 
     @property
     def symmetries(self) -> list[Symmetry]:
@@ -289,10 +319,11 @@ class Preview:
     def shape(self) -> Shape:
         """The sheet with its stars' bumps, as files and pictures show it."""
         self._find_soft_modes()
-        mesh = self._clock("shown", shown_mesh, self.design, self.sheet)
-        if self._lens is None:
-            self._lens = self._clock("shown", Lens, self.sheet, self.law.waves, mesh.points)
-        places = self._clock("shown", self._lens, self.equilibrium.x, self.values)
+        if self._shown is None:
+            mesh = self._clock("shown", shown_mesh, self.design, self.sheet)
+            self._shown = mesh, self._clock("shown", Lens, self.sheet, self.law.waves, mesh.points)
+        mesh, lens = self._shown
+        places = self._clock("shown", lens, self.equilibrium.x, self.values)
         shape = self._clock("shown", shape_of, self.design, self.sheet, mesh, places)
         up = np.eye(3)[2]
         if not shape.held:

@@ -33,6 +33,8 @@ from pattern.planar import polygon_area
 
 # mesh edges over the spacing of the stars, and how many triangles there are at least and at most, about
 EDGE, FEWEST, MOST = 1.3, 24, 600
+# where the arms of a layout are
+PLACES = ("centres", "star_number", "arm_star", "arm_tip")
 
 
 class Sheet:
@@ -68,6 +70,10 @@ class Sheet:
         self._pin(design, plan)
         self.layout = plan
         vars(self).pop("arms", None)
+
+    def has_arms(self, plan: Layout) -> bool:
+        """Whether the arms of another layout of the same sheet are where its own are; they may be thicker or wider."""
+        return all(np.array_equal(getattr(plan, name), getattr(self.layout, name)) for name in PLACES)
 
     @property
     def outline(self) -> Floats:

@@ -158,6 +158,8 @@ def warnings(
             lines.append(f"{buckles}: a new preview looks for lower ones")
         elif buckling(width) == 1.0 or any(form.gap < BUCKLES for form in others):
             lines.append(f"{buckles}, and the law cannot tell which is lowest: the exact model may take another form")
+    elif found.start == EDIT and not layout.is_pulled:
+        lines.append("the edit went on from the form before it: a new preview looks for lower ones")
     if not found.converged:
         lines.append(f"not an equilibrium: gradient {found.gradient_norm:.1e} N, above {found.tolerance:.1e} N")
     elif not found.definite:
