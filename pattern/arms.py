@@ -19,7 +19,8 @@ def cut(centres: Floats, tips: Floats, corners: Floats, margin: float) -> tuple[
     centres, tips : (A, 2) mm, both ends of every arm.
     corners : (B, 2) mm, outline of the sheet.
     """
-    inner = shapely.polygons(corners).buffer(-margin, join_style="mitre", mitre_limit=10)
+    # mitres would take long spikes out of the sheet before corners that point inwards
+    inner = shapely.polygons(corners).buffer(-margin, join_style="round", quad_segs=64)
     arms = shapely.linestrings(np.stack([centres, tips], axis=1))
     shapely.prepare(inner)
     # a tip exactly at the margin is inside
@@ -32,7 +33,10 @@ def cut(centres: Floats, tips: Floats, corners: Floats, margin: float) -> tuple[
 
 def _first_exit(arm: shapely.LineString, centre: Floats, inner: shapely.Geometry) -> Floats:
     """End of the stretch of the arm that starts at its centre; the sheet may come back further out."""
-    for part in shapely.get_parts(shapely.intersection(arm, inner)):
+    parts = shapely.get_parts(shapely.intersection(arm, inner))
+    lines = parts[shapely.get_type_id(parts) == shapely.GeometryType.LINESTRING]
+    # where the arm touches a corner it comes in two
+    for part in shapely.get_parts(shapely.line_merge(shapely.multilinestrings(lines))):
         ends = shapely.get_coordinates(part)
         distance = np.linalg.norm(ends - centre, axis=1)
         if len(ends) and distance.min() < 1e-9:

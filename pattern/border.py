@@ -13,7 +13,7 @@ from pattern.lattice import Lattice
 from pattern.layout import Floats, Ints
 from pattern.section import Number, Point, Section, Whole
 
-MOST_STARS = 5000
+MOST_STARS, MOST_LISTED = 5000, 5_000_000
 LARGEST_MM = 5000.0
 
 
@@ -113,10 +113,11 @@ def _box(corners: Floats) -> tuple[Floats, Floats]:
 
 
 def _check_count(lattice: Lattice, corners: Floats) -> None:
-    """Refuse before a lattice of millions is listed."""
+    """Refuse before a lattice of millions is listed: of the sheet, or of the box around it."""
     low, high = _box(corners)
-    cells = np.prod(high - low) / abs(np.linalg.det(lattice.vectors))
-    if cells > 20 * MOST_STARS:
+    cell = abs(np.linalg.det(lattice.vectors))
+    cells = float(shapely.area(shapely.polygons(corners))) / cell
+    if cells > 20 * MOST_STARS or np.prod(high - low) / cell > MOST_LISTED:
         raise DesignError("border", f"must hold at most {MOST_STARS} stars", f"room for {cells:.0f} stars")
 
 

@@ -12,7 +12,8 @@ from pattern.arms import check_clear, cut
 from pattern.border import outline, star_cells, star_margin_mm
 from pattern.errors import DesignError
 from pattern.layout import Floats, Layout
-from pattern.pins import check_agreement, pin_set
+from pattern.pin_agreement import check_agreement
+from pattern.pins import pin_set, taken_to_arms
 from pattern.stars import SHORTEST_ARM_MM, sizes
 
 if TYPE_CHECKING:
@@ -68,9 +69,10 @@ def layout(design: Design) -> Layout:
         raise DesignError("stars", f"must have at least one arm of {SHORTEST_ARM_MM:g} mm on the sheet")
     check_clear(centres[star], tips, star, width, _MEETING * lattice.spacing_mm)
 
-    kept, star = np.unique(star, return_inverse=True)
-    pins = tuple(pin_set(pin, corners, f"pins[{k}]") for k, pin in enumerate(design.pins))
+    sets = [pin_set(pin, corners, f"pins[{k}]") for k, pin in enumerate(design.pins)]
+    pins = tuple(taken_to_arms(pin, corners, centres[star], tips) for pin in sets)
     check_agreement(pins, corners)
+    kept, star = np.unique(star, return_inverse=True)
     return Layout(
         border=corners,
         centres=centres[kept],

@@ -14,6 +14,7 @@ from pattern.image import Picture
 from pattern.layout import Floats
 from pattern.section import Flag, Number, Point, Section, Text
 
+SHORTEST_MM = 1e-6  # from start to end of a gradient: what is nearer is one place
 _Distance = Annotated[Number, Field(gt=0, le=1e4)]
 _Power = Annotated[Number, Field(gt=0, le=100)]
 
@@ -51,7 +52,7 @@ class Linear(_Gradient):
 
     @model_validator(mode="after")
     def _has_a_direction(self) -> Self:
-        if self.start_mm == self.end_mm:
+        if np.linalg.norm(np.subtract(self.end_mm, self.start_mm)) < SHORTEST_MM:
             raise DesignError("end_mm", "must differ from start_mm", self.end_mm)
         return self
 

@@ -7,6 +7,7 @@ import os
 import re
 import tempfile
 import tomllib
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -65,8 +66,8 @@ def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     """A JSON object whose keys are all different, as TOML demands too."""
     table = dict(pairs)
     if len(table) < len(pairs):
-        keys = [key for key, _ in pairs]
-        raise ValueError(f"the key {next(key for key in keys if keys.count(key) > 1)!r} is there twice")
+        again, _ = Counter(key for key, _ in pairs).most_common(1)[0]
+        raise ValueError(f"the key {again!r} is there twice")
     return table
 
 

@@ -102,7 +102,8 @@ def _value(node: ast.expr, variables: Mapping[str, Floats], depth: int) -> Any:
             known = ", ".join([*VARIABLES, *CONSTANTS])
             raise FormulaError(f"has an unknown name {name}; known are {known}")
         case ast.BinOp(left=left, op=op, right=right) if type(op) in _BINARY:
-            return _BINARY[type(op)](inner(left), inner(right))
+            # a sum of many terms is nested to the left, and is not deep
+            return _BINARY[type(op)](_value(left, variables, depth), inner(right))
         case ast.UnaryOp(op=op, operand=operand) if type(op) in _UNARY:
             return _UNARY[type(op)](inner(operand))
         case ast.Compare(left=left, ops=[op], comparators=[right]) if type(op) in _COMPARE:
@@ -112,6 +113,8 @@ def _value(node: ast.expr, variables: Mapping[str, Floats], depth: int) -> Any:
             if len(arguments) != count:
                 raise FormulaError(f"has {name} with {len(arguments)} arguments, it takes {count}")
             return function(*(inner(argument) for argument in arguments))
+        case ast.Call(func=ast.Name(id=name)) if name in _FUNCTIONS:
+            raise FormulaError(f"has {name} with arguments by name, it takes them in order")
         case ast.Call(func=ast.Name(id=name)):
             raise FormulaError(f"has an unknown function {name}; known are {', '.join(_FUNCTIONS)}")
         case _:

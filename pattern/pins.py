@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
@@ -18,7 +19,8 @@ class Pins(Section):
 
     Which, one of: `where` = "border" or "corners" (all of them), `points_mm`, or the numbers of `edges` or
     `corners` (counterclockwise; edge i runs from corner i to corner i + 1; corner 0 of a hexagon is at
-    30 deg, of a rectangle at the lower left). Points within .25 mm of the outline are on it.
+    30 deg, of a rectangle at the lower left). Points within .25 mm of the outline, of a star's centre, of a tip or of
+    an arm are on it.
 
     How: where it was printed, at `scale` times that place about the origin, moved by `offset_mm`, from the
     height z = 0; or at `target_mm`. `slide` leaves it free along "z", or in the ground "plane".
@@ -91,45 +93,6 @@ def pin_set(pins: Pins, corners: Floats, name: str) -> PinSet:
     return PinSet(points, edges, _FIXED[pins.slide], pins.scale, pins.offset_mm, target, pins.step)
 
 
-def check_agreement(sets: tuple[PinSet, ...], corners: Floats) -> None:
-    """Refuse a place held twice; edges of two sets may share a corner that both hold in the same way."""
-    near = 1e-6 * float(np.ptp(corners, axis=0).max())
-    # corners of a finely drawn outline may be closer
-    shortest = float(np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1).min())
-    apart = max(near, min(ON_MM, 0.99 * shortest))
-    lines = shapely.linestrings(np.stack([corners, np.roll(corners, -1, axis=0)], axis=1))
-    for j, new in enumerate(sets):
-        points = shapely.points(new.points)
-        for k in range(1, len(points)):
-            if (shapely.distance(points[:k], points[k]) <= apart).any():
-                allowed = f"must not hold the same place twice, within {apart:.2g} mm"
-                raise DesignError(f"pins[{j}]", allowed, _pair(new.points[k]))
-        for i, old in enumerate(sets[:j]):
-            allowed = f"must not hold what pins[{i}] holds already"
-            if edge := set(new.edges) & set(old.edges):
-                raise DesignError(f"pins[{j}]", allowed, f"edge {min(edge)}")
-            held = [*lines[list(old.edges)], *shapely.points(old.points)]
-            for point, place in zip(points, new.points, strict=True):
-                if (shapely.distance(held, point) <= apart).any():
-                    raise DesignError(f"pins[{j}]", allowed, _pair(place))
-            for point, place in zip(shapely.points(old.points), old.points, strict=True):
-                if (shapely.distance(lines[list(new.edges)], point) <= near).any():
-                    raise DesignError(f"pins[{j}]", allowed, _pair(place))
-            common = corners[sorted(_ends(new, len(corners)) & _ends(old, len(corners)))]
-            if not len(common):  # what has targets has no edges, and no places of others
-                continue
-            firm = np.array(new.fixed)  # what slides may differ
-            same = new.fixed == old.fixed and np.allclose(
-                new.places(common)[:, firm], old.places(common)[:, firm], atol=near
-            )
-            if not same:
-                raise DesignError(f"pins[{j}]", f"must hold the corner as pins[{i}] does", _pair(common[0]))
-
-
-def _ends(pins: PinSet, count: int) -> set[int]:
-    return {corner % count for edge in pins.edges for corner in (edge, edge + 1)}
-
-
 def _numbers(numbers: tuple[int, ...], count: int, field: str) -> tuple[int, ...]:
     for k, number in enumerate(numbers):
         if not 0 <= number < count:
@@ -149,7 +112,7 @@ def _taken_to_outline(points: Floats, corners: Floats, field: str) -> Floats:
     away = shapely.distance(shapely.polygons(corners), places) > near
     if away.any():
         k = int(away.argmax())
-        raise DesignError(f"{field}[{k}]", "must be on the sheet", _pair(points[k]))
+        raise DesignError(f"{field}[{k}]", "must be on the sheet", pair(points[k]))
     ring = shapely.linearrings(corners)
     beside = shapely.distance(ring, places) <= near
     on = shapely.get_coordinates(shapely.line_interpolate_point(ring, shapely.line_locate_point(ring, places)))
@@ -158,5 +121,29 @@ def _taken_to_outline(points: Floats, corners: Floats, field: str) -> Floats:
     return np.where((far.min(axis=1) <= near)[:, None], corner, np.where(beside[:, None], on, points))
 
 
-def _pair(point: Floats) -> list[float]:
+def taken_to_arms(pins: PinSet, corners: Floats, centres: Floats, tips: Floats) -> PinSet:
+    """The same pins, points beside a star's centre, a tip or an arm taken to it; those on the outline stay.
+
+    Parameters
+    ----------
+    corners : (B, 2) mm, of the outline.
+    centres, tips : (A, 2) mm, both ends of every arm.
+    """
+    if not len(pins.points):
+        return pins
+    places = shapely.points(pins.points)
+    off = shapely.distance(shapely.linearrings(corners), places) > 1e-6 * float(np.ptp(corners, axis=0).max())
+    ends = np.concatenate([centres, tips])
+    end = ends[shapely.STRtree(shapely.points(ends)).nearest(places)]
+    at_end = np.linalg.norm(pins.points - end, axis=1) <= ON_MM
+    arms = shapely.linestrings(np.stack([centres, tips], axis=1))
+    arm = arms[shapely.STRtree(arms).nearest(places)]
+    foot = shapely.get_coordinates(shapely.line_interpolate_point(arm, shapely.line_locate_point(arm, places)))
+    beside = off & (shapely.distance(arm, places) <= ON_MM)
+    taken = np.where(at_end[:, None], end, foot)
+    return replace(pins, points=np.where(beside[:, None], taken, pins.points))
+
+
+def pair(point: Floats) -> list[float]:
+    """A place as messages show it."""
     return [round(float(c), 4) for c in point]

@@ -122,7 +122,7 @@ def sizes(stars: Stars, centres: Floats, spacing: float, arm_directions: Floats)
 
     unit = 1.0 if stars.length_fraction is None else spacing
     _check(field, length / unit, (0.0, spacing / unit), centres)
-    printed = np.flatnonzero(length > 0)
+    printed = np.flatnonzero(length >= SHORTEST_ARM_MM)
     for key in ("thickness_mm", "width_mm"):
         _check(f"stars.{key}", values[key][printed], limits[key], centres[printed], printed)
     thickness, width = np.minimum(thickness, THICKNESS_MM[1]), np.minimum(width, WIDTH_MM[1])

@@ -66,3 +66,14 @@ def test_any_text_is_a_value_or_refused(text):
     except FormulaError:
         return
     assert values.shape == (2,) and values.dtype == float
+
+
+def test_long_sums_are_not_deep() -> None:
+    assert evaluate("+".join(["0.1*x"] * 80), AT) == pytest.approx(8.0 * AT["x"])
+    with pytest.raises(FormulaError, match="nested at most 40 deep"):
+        check("-" * 60 + "1")
+
+
+def test_functions_take_their_arguments_in_order() -> None:
+    with pytest.raises(FormulaError, match="has min with arguments by name"):
+        check("min(x=1, y=2)")

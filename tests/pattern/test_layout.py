@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from shapely import LineString, Polygon
+from shapely import LineString, Point, Polygon
 
 from pattern.build import check_carried, layout
 from pattern.design import Design
@@ -300,3 +300,40 @@ def test_arrays_mean_what_lists_mean() -> None:
 
 def list_of(value: np.ndarray | list) -> list:
     return np.asarray(value).tolist()
+
+
+NOTCH = [[-40, -40], [-1, -40], [0, -8.7], [1, -40], [40, -40], [40, 40], [-40, 40]]
+
+
+def test_corners_that_point_inwards_cut_no_arm_behind_them():
+    """A mitre there would reach ten margins into the sheet, and take whole stars away."""
+    for margin in (0.5, 3.0):
+        sheet = lay(border={"polygon_mm": NOTCH, "tip_margin_mm": margin}, stars={"length_mm": 7})
+        assert len(sheet.centres) == 16
+        outline = Polygon(NOTCH).exterior
+        for star, tip in zip(sheet.arm_star, sheet.arm_tip, strict=True):
+            arm, away = LineString([sheet.centres[star], tip]), outline.distance(Point(tip))
+            assert outline.distance(arm) > margin * (1 - 1e-3)
+            assert away < margin * (1 + 1e-3) or arm.length == pytest.approx(7)
+
+
+@pytest.mark.parametrize("corner", [0.5, 0.5001, 0.51])
+def test_an_arm_along_a_corner_goes_on_behind_it(corner):
+    """The corner of what is .5 mm inside: half a millimetre above the arm, to a hair or to the last digit."""
+    border = {"polygon_mm": [[-30, -30], [12, -30], [12, corner], [5, corner], [5, 30], [-30, 30]], "star_margin_mm": 4}
+    stars = {"length_mm": 4, "width_mm": 0.5, "override": [{"star": 0, "length_mm": 15}]}
+    sheet = lay(border=border, stars=stars, lattice={"kind": "square", "spacing_mm": 20, "arms": 4})
+    (right,) = [tip for tip in sheet.arm_tip[sheet.arm_star == 0] if tip[0] > 1]
+    assert right[0] == pytest.approx(11.5, abs=1e-6)
+
+
+def test_a_long_sheet_across_is_no_larger_than_it_is():
+    strip = [[-2400, -2400], [-2370, -2400], [2400, 2370], [2400, 2400], [2370, 2400], [-2400, -2370]]
+    sheet = lay(border={"polygon_mm": strip}, stars={"length_mm": 5}, lattice={"spacing_mm": 10}, mesh={"edge_mm": 5})
+    assert 2000 < len(sheet.centres) < 3300
+
+
+def test_sizes_of_what_is_not_printed_may_be_anything():
+    radial = {"profile": "radial", "over_mm": 30}
+    stars = {"length_mm": radial | {"from": 8, "to": 0.5}, "thickness_mm": radial | {"from": 0.3, "to": 0.0}}
+    assert len(lay(border={"rings": 2}, stars=stars).centres) == 7

@@ -6,6 +6,8 @@ import pytest
 from pattern.build import layout
 from pattern.design import Design
 from pattern.errors import DesignError
+from pattern.meshing import mesh_layout
+from pattern.planar import triangle_angles
 
 
 def pins(*tables, border=None):
@@ -113,3 +115,41 @@ def test_pins_that_pull(tables, pulled):
         ).is_pulled
         == pulled
     )
+
+
+@pytest.mark.parametrize(
+    ("written", "place"),
+    [
+        ([15.0, 8.66], [15.0, 8.660254]),  # a star's centre
+        ([8.66, 5.0], [8.660254, 5.0]),  # a tip
+        ([0.05, -5.0], [0.0, -5.0]),  # on an arm
+        ([0.5, -5.0], [0.5, -5.0]),  # beside it
+        ([27.9, 0.0], [27.9, 0.0]),  # on the outline, to which it was taken
+    ],
+    ids=["centre", "tip", "arm", "beside", "outline"],
+)
+def test_points_beside_the_plastic_are_on_it(written, place):
+    """No mesh has good triangles between a pin and an arm that are nearer than a needle is thick."""
+    data = {"stars": {"length_mm": 10}, "border": {"rings": 1}, "pins": [{"points_mm": [written]}]}
+    design = Design.from_dict(data | {"mesh": {"edge_mm": 2.0}})
+    plan = layout(design)
+    (held,) = plan.pins
+    near = written if place != written else held.points[0]
+    assert np.linalg.norm(held.points[0] - near) < 0.25
+    if place != [27.9, 0.0]:
+        np.testing.assert_allclose(held.points[0], place, atol=1e-6)
+    mesh = mesh_layout(plan, 2.0)
+    assert triangle_angles(mesh.points, mesh.triangles).min() > 10.0
+    assert mesh.points[mesh.pin_vertices[0][0]] == pytest.approx(held.points[0], abs=1e-9)
+
+
+def test_many_pins_agree_soon():
+    """A thousand sets of one point or one edge, as many as are allowed, and one that is wrong."""
+    corners = [[200 * np.cos(t), 200 * np.sin(t)] for t in 2 * np.pi * np.arange(1000) / 1000]
+    border = {"polygon_mm": corners}
+    sets = [{"edges": [k]} for k in range(998)]
+    assert len(pins(*sets, border=border)) == 998
+    with pytest.raises(DesignError, match=r"pins\[998\] = 'edge 700': must not hold what pins\[700\] holds already"):
+        pins(*sets, {"edges": [700]}, border=border)
+    with pytest.raises(DesignError, match=r"pins\[998\].*: must hold the corner as pins\[997\] does"):
+        pins(*sets, {"edges": [998], "scale": 0.9}, border=border)

@@ -91,3 +91,17 @@ def test_outlines_of_the_same_corners_joined_otherwise_are_not_the_same() -> Non
     even = [[-60, -60], [60, -60], [60, 40], [10, 35], [10, 15], [-10, 15], [-10, 35], [-60, 40]]
     design = Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"polygon_mm": even, "star_margin_mm": 20.0}})
     assert any(one.mirrors for one in symmetries(design, layout(design)))
+
+
+@pytest.mark.parametrize("pins", [{"where": "border", "scale": 0.7}, {"edges": [0, 1]}, {"edges": [0], "step": 1}])
+def test_a_corner_on_a_held_side_changes_nothing(pins: dict[str, object]) -> None:
+    square = [[-45, -45], [45, -45], [45, 45], [-45, 45]]
+    lattice = {"kind": "square", "arms": 4, "spacing_mm": 15}
+    whole = {"stars": {"length_mm": 5.0}, "lattice": lattice, "border": {"polygon_mm": square}}
+    more = whole | {"border": {"polygon_mm": [square[0], [10, -45], *square[1:]]}}
+    if "edges" in pins:
+        # both halves of the side, or the first alone, which is not a side of the square
+        one = count(**whole, pins=[pins | {"edges": [0]}])
+        assert (count(**more, pins=[pins]) == one) is (pins["edges"] == [0, 1])
+    else:
+        assert count(**more, pins=[pins]) == count(**whole, pins=[pins]) == (8, 4)
