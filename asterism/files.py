@@ -17,6 +17,15 @@ from types import FrameType
 
 # Whoever finds this file in a directory finds all the others, from the same run.
 LAST = "summary.json"
+# Files that belong to a summary.json, of whatever kind: those of an earlier one would be taken for the new one's.
+BESIDE_SUMMARY = "|".join(
+    (
+        r"shape\.(vtu|png)|rods\.vtu|minimum-\d+\.(vtu|png)",  # simulate, preview
+        r"report\.html|exact\.vtu|preview\.vtu",  # verify
+        r"compare\.png",  # compare
+        r"law\.png|cells\.csv",  # law show
+    )
+)
 
 REASONS = {
     errno.ENOSPC: "the disk is full",
@@ -92,10 +101,14 @@ def staged(directory: str | Path, stale: str | None = None) -> Iterator[Path]:
 def check_writable(directory: str | Path, name: str = LAST) -> None:
     """Raise OutputError now if a file could not be written into `directory` later; leaves no trace.
 
-    A summary.json that is somebody else's is not written over.
+    A summary.json that is somebody else's is not written over, nor are files with names of results and no summary.json.
     """
-    if name == LAST and _is_foreign(Path(directory) / LAST):
-        raise OutputError(f"{Path(directory) / LAST} was not written by asterism; choose another folder with -o")
+    directory = Path(directory)
+    if name == LAST and (foreign := _foreign(directory)) is not None:
+        raise OutputError(f"{foreign} was not written by asterism; choose another folder with -o")
+    with suppress(OSError):
+        if (directory / name).is_dir():
+            raise OutputError(_sentence(IsADirectoryError(errno.EISDIR, "", str(directory / name)), directory))
     with suppress(_Rehearsal), staged(directory) as folder:
         (folder / name).write_text("{}")
         raise _Rehearsal
@@ -110,6 +123,16 @@ def check_kept(file: Path, directory: str | Path, *written: str) -> None:
 def holds_result(directory: str | Path) -> bool:
     """Whether a finished result lies there, whatever other files do."""
     return (Path(directory) / LAST).is_file()
+
+
+def _foreign(directory: Path) -> Path | None:
+    """The file that stands where a result would: a summary.json that is none, or others without one."""
+    with suppress(OSError):  # there is no folder, or writing will say why not
+        if holds_result(directory):
+            return directory / LAST if _is_foreign(directory / LAST) else None
+        found = sorted(file for file in directory.iterdir() if re.fullmatch(BESIDE_SUMMARY, file.name))
+        return next((file for file in found if file.is_file()), None)
+    return None
 
 
 def _is_foreign(summary: Path) -> bool:

@@ -6,7 +6,7 @@ from collections import Counter
 
 from asterism.law_cells import stable
 from asterism.law_directions import directions_line
-from asterism.law_errors import coarse_line
+from asterism.law_errors import coarse_line, mesh_line
 from homogenize.law import Law
 from homogenize.table import NAMES, Table
 
@@ -55,7 +55,9 @@ def _values(table: Table) -> list[str]:
 
 def _errors(law: Law, table: Table) -> list[str]:
     lines = []
-    for kind, entry in law.residuals[f"{table.stretch:g}"].items():
+    for kind, entry in law.residuals.get(f"{table.stretch:g}", {}).items():
+        if "errors" not in entry:
+            continue
         errors = entry["errors"]
         title = f"  {kind.replace('_', ' ')}, {entry['count']} cells; error in % of the cell's value"
         if entry.get("tight", {}).get("count"):
@@ -86,7 +88,7 @@ def _branches(law: Law) -> list[str]:
 
 
 def _doubts(law: Law) -> list[str]:
-    lines = [line for line in (directions_line(law), coarse_line(law)) if line]
+    lines = [line for line in (directions_line(law), coarse_line(law), mesh_line(law)) if line]
     return ["", *(f"  {line}" for line in lines)] if lines else []
 
 

@@ -13,21 +13,12 @@ from pathlib import Path
 from typing import Any
 
 from asterism.export_vtu import write_rods_vtu, write_shape_vtu
-from asterism.files import LAST, holds_result, staged
+from asterism.files import BESIDE_SUMMARY, LAST, holds_result, staged
 from asterism.picture import draw
 from asterism.shape import Shape
 from pattern.arguments import check_kind
 
 VERIFICATION = "verification"  # the `model` of a summary that is of two shapes
-# Files that belong to a summary.json, of whatever kind: those of an earlier one would be taken for the new one's.
-BESIDE_SUMMARY = "|".join(
-    (
-        r"shape\.(vtu|png)|rods\.vtu|minimum-\d+\.(vtu|png)",  # simulate, preview
-        r"report\.html|exact\.vtu|preview\.vtu",  # verify
-        r"compare\.png",  # compare
-        r"law\.png|cells\.csv",  # law show
-    )
-)
 
 
 @contextmanager

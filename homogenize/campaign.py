@@ -179,6 +179,8 @@ def _write(material: Material, record: Record, folder: Path, respond: Respond | 
         "failed": record.failed,
         "seconds": record.seconds,
     }
+    # another run of the same law may have found the folder empty when it ended, and taken it away
+    folder.mkdir(parents=True, exist_ok=True)
     write_table(content, folder / f"{key(material, record.task, respond)}.json")
     return replace(record, sample=sample)
 

@@ -16,7 +16,7 @@ from homogenize.interpolation import Bools, Floats
 from homogenize.isotropy import isotropic
 from homogenize.law import Law
 from homogenize.plan import Material
-from homogenize.residuals import residuals
+from homogenize.residuals import mesh_differences, residuals
 from homogenize.table import NAMES, QUANTITIES, Table, from_stored, to_stored, units
 
 Q = len(NAMES)
@@ -38,7 +38,10 @@ def fit(material: Material, records: Sequence[Record], made: dict[str, Any] | No
         tables.append(_table(material, stretch, [record for record in own if not record.task.held_out]))
         tests.append([(record.task, _quantities(record)) for record in own if record.task.held_out])
     samples = [plain(record) for record in records]
-    return Law(material, tuple(tables), samples, residuals(tables, tests, material.plan.kind), made or {})
+    missed = residuals(tables, tests, material.plan.kind)
+    for name, entry in missed.items():
+        entry["meshes"] = mesh_differences([each for each in samples if f"{each['stretch']:g}" == name])
+    return Law(material, tuple(tables), samples, missed, made or {})
 
 
 def row(sample: dict[str, Any], stretch: float) -> Floats:

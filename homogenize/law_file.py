@@ -23,6 +23,7 @@ from homogenize.errors import LawError
 from homogenize.interpolation import Floats
 from homogenize.law import Law
 from homogenize.plan import Material
+from homogenize.relief import Waves
 from homogenize.table import NAMES, Table, to_stored
 from pattern.errors import DesignError
 
@@ -104,8 +105,12 @@ def load_law(path: str | Path | None = None) -> Law:
             samples = Packed(archive["samples"].tobytes())
             material, residuals, made = (json.loads(archive[name].tobytes()) for name in _TEXTS)
             count = len({name.split("/")[0] for name in archive.files if "/" in name})
+            if not (isinstance(residuals, dict) and isinstance(made, dict)):
+                raise ValueError("texts that are no tables")
             tables = tuple(_table({k: archive[f"{n}/{k}"] for k in _ARRAYS}) for n in range(count))
-        return Law(Material.from_dict(material), tables, samples, residuals, made)
+        law = Law(Material.from_dict(material), tables, samples, residuals, made)
+        _check_whole(law)
+        return law
     except OSError as error:
         raise LawError(f"{path}: cannot be read: {error.strerror or error}") from None
     except DesignError as error:
@@ -114,6 +119,15 @@ def load_law(path: str | Path | None = None) -> Law:
         if isinstance(error, LawError):
             raise
         raise LawError(f"{path}: is not a law, or damaged") from None
+
+
+def _check_whole(law: Law) -> None:
+    """Raise ValueError if the parts of a law are not of each other."""
+    stretches = tuple(table.stretch for table in law.tables)
+    known = all("errors" in kinds["held_out"] for kinds in law.residuals.values())
+    waves = len(Waves.of(law.material.lattice))
+    if stretches != law.material.stretches or not known or any(t.reliefs.shape[-1] != waves for t in law.tables):
+        raise ValueError("tables, residuals and material are not of one law")
 
 
 _ARRAYS = ("stretch", "spacing_mm", "length_mm", "thickness_mm", "width_mm", "nodes", "reliefs", "good", "units")
@@ -129,7 +143,12 @@ def _table(arrays: dict[str, np.ndarray]) -> Table:
     axes: tuple[Floats, Floats, Floats] = (arrays["length_mm"], arrays["thickness_mm"], arrays["width_mm"])
     shape = tuple(len(axis) for axis in axes)
     fit = arrays["nodes"].shape == (*shape, len(NAMES)) and shape == arrays["good"].shape
-    fit = fit and arrays["reliefs"].ndim == 5 and arrays["reliefs"].shape[:4] == (*shape, 2)
+    fit = (
+        fit
+        and arrays["good"].dtype == bool
+        and arrays["reliefs"].ndim == 5
+        and arrays["reliefs"].shape[:4] == (*shape, 2)
+    )
     if not fit or not all(np.isfinite(array).all() for array in arrays.values()):
         raise ValueError("arrays do not fit together, or have gaps")
     if not all((np.diff(axis) > 0).all() for axis in axes) or min(axes[1][0], axes[2][0]) <= 0 or axes[0][0] < 0:

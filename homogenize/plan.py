@@ -24,6 +24,7 @@ PAPER = Path(__file__).parent / "data" / "paper.toml"
 MOST_SAMPLES = 100_000
 # stars are at least 1 mm apart, and a cell has three edges between them
 LEAST_EDGE_MM = 0.2
+CLOSEST = 1e-4  # stretches that are nearer are one: a law is asked for with rounded numbers
 Nodes = tuple[Number, ...]
 
 
@@ -74,7 +75,10 @@ class Plan(Section):
     @field_validator("stretches")
     @classmethod
     def _are_stretches(cls, values: Nodes | None) -> Nodes | None:
-        return _within(values, (1.0, 3.0))
+        values = _within(values, (1.0, 3.0))
+        if values is not None and any(b - a < CLOSEST for a, b in pairwise(sorted(values))):
+            raise DesignError("", f"must be at least {CLOSEST:g} apart", list(values))
+        return values
 
     @field_validator("lengths_mm", "length_range_mm")
     @classmethod

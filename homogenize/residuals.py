@@ -38,6 +38,19 @@ def residuals(
     return found
 
 
+def mesh_differences(samples: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Of a law's cells that were solved on two meshes: how many, and by what their curvatures differ at most, percent.
+
+    `samples` as in a law's file. Without cells that differ there is no largest one.
+    """
+    known = [each for each in samples if each["problem"] is None and each["sample"].get("meshes_apart") is not None]
+    if not known:
+        return {"count": 0}
+    worst = max(known, key=lambda each: each["sample"]["meshes_apart"])
+    sizes = {name: worst[name] for name in ("length_mm", "thickness_mm", "width_mm")}
+    return {"count": len(known), "largest_percent": 100.0 * worst["sample"]["meshes_apart"], **sizes}
+
+
 def _held_out(table: Table, pairs: Sequence[tuple[Task, Floats | None]]) -> dict[str, Any]:
     known = [(task, row) for task, row in pairs if row is not None]
     if not known:

@@ -13,7 +13,7 @@ from equilibrium.newton import Clock
 from homogenize.arm_segments import arm_segments
 from homogenize.blend import blended
 from homogenize.cell import Cell
-from homogenize.directions import all_around, directions, is_threefold
+from homogenize.directions import CURLED, all_around, directions, is_threefold
 from homogenize.isotropy import off_isotropic
 from homogenize.natural import Curling, curl
 from homogenize.objective import Linear, linear_response, mean_height
@@ -41,6 +41,8 @@ class Sample:
     ----------
     length_mm, thickness_mm, width_mm, stretch, edge_mm, spacing_mm, vertices : what was solved; the stretch along x.
     segments, segment_weights : mesh edges of an arm, and the weight of each.
+    meshes_apart : by what part of the larger their natural curvatures (means over the directions) differ, 2 for
+        opposite ones; 0 where neither curls. None with one mesh.
     failed : None, or in one line why there are no (or not all) numbers.
     rest_metric : (2, 2) `F^T F` of the flat relaxed cell in print coordinates; lam = sqrt(det F).
     membrane : (3, 3) N/mm, tangent at the flat relaxed cell, Voigt (E11, E22, 2 E12) of `E = (a - a_r)/2`.
@@ -81,6 +83,7 @@ class Sample:
     vertices: int
     segments: Array
     segment_weights: Array
+    meshes_apart: float | None = None
     failed: str | None = None
     rest_metric: Array | None = None
     lam: float | None = None
@@ -184,9 +187,19 @@ def respond(design: Design, edge_mm: float, angles: tuple[float, ...] | None = N
         vertices=cell.torus.n_base,
         segments=np.array([segments for segments, _ in cuts]),
         segment_weights=weights,
+        meshes_apart=_apart(each, cell.spacing),
         seconds=clock.seconds,
         **blended(each, weights),
     )
+
+
+def _apart(each: list[dict[str, Any]], spacing: float) -> float | None:
+    """What `Sample.meshes_apart` says of the responses of two meshes."""
+    if len(each) < 2 or any("failed" in found for found in each):
+        return None
+    kappa = [float(np.mean(found["natural_curvature"])) for found in each]
+    largest = float(np.abs(kappa).max())
+    return 0.0 if largest * spacing < CURLED else float(np.ptp(kappa)) / largest
 
 
 def _measure(clock: Clock, cell: Cell, angles: tuple[float, ...], found: dict[str, Any]) -> None:

@@ -12,6 +12,7 @@ import multiprocessing
 import os
 import signal
 import threading
+import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
@@ -22,6 +23,8 @@ from homogenize.errors import AddressError, CampaignError
 Arrivals = Iterator[tuple[int, Any]]
 SubmitAll = Callable[[Callable[..., Any], Sequence[tuple[Any, ...]]], Arrivals]
 
+# a cluster is looked at so often, and given up after so long without a worker
+LOOK_S, PATIENCE_S = 0.05, 30.0
 # One thread each: as many processes as cores are quicker than threads in any of them, and sums are taken in the same
 # order whatever the number of workers. MKL may otherwise choose its path by where an array happens to lie in memory.
 ENVIRONMENT = {
@@ -92,8 +95,16 @@ def on_dask(address: str) -> Iterator[SubmitAll]:
             futures = [client.submit(function, *args, pure=False) for args in arguments]
             number = {future.key: n for n, future in enumerate(futures)}
             try:
-                for future in as_completed(futures, loop=client.loop):
-                    yield number[future.key], future.result()
+                arrivals, last_seen = as_completed(futures, loop=client.loop), time.monotonic()
+                while not arrivals.is_empty():
+                    if arrivals.has_ready():
+                        for future in arrivals.next_batch(block=False):
+                            yield number[future.key], future.result()
+                    elif client.scheduler_info()["workers"]:
+                        last_seen = time.monotonic()
+                    elif time.monotonic() > last_seen + PATIENCE_S:  # the cells would wait for new ones for ever
+                        raise CampaignError("the workers are gone; finished samples are kept")
+                    time.sleep(LOOK_S)
             except (KilledWorker, CancelledError, CommClosedError) as error:
                 raise CampaignError(f"the workers are gone ({type(error).__name__})") from None
             finally:

@@ -10,7 +10,7 @@ import numpy as np
 from asterism import __version__
 from asterism.contraction import contraction
 from asterism.law_directions import directions_line
-from asterism.law_errors import coarse_line
+from asterism.law_errors import coarse_line, mesh_line
 from asterism.mesh_error import diameter
 from asterism.pin_warnings import pin_warnings
 from asterism.previewing.equilibria import EDIT, NARROW
@@ -65,7 +65,8 @@ def summary(
     tight = len(preview.values.tight) / len(layout.centres)
     # what is expected was found with three-armed stars, whose law is the same in all directions, within its range
     foreign = max(len(preview.values.outside), len(preview.values.uneven))
-    known = not left_out(preview.design.lattice) and foreign <= FOREIGN * len(layout.centres)
+    known = not left_out(preview.design.lattice) and mesh_line(law) is None
+    known = known and foreign <= FOREIGN * len(layout.centres)
     return {
         "model": "preview",
         "converged": found.converged,
@@ -135,7 +136,8 @@ def warnings(
     lines = list(values.outside)
     if len(lines) > 1:
         lines = [f"{len(lines)} of {len(layout.centres)} stars are outside the law, such as {lines[0]}"]
-    lines += [line for line in (directions_line(preview.law), coarse_line(preview.law)) if line]
+    of_law = directions_line(preview.law), coarse_line(preview.law), mesh_line(preview.law)
+    lines += [line for line in of_law if line]
     if values.tight:
         lines.append(
             f"{len(values.tight)} of {len(layout.centres)} stars curl to a radius below two thirds of their spacing, "

@@ -175,6 +175,22 @@ def test_things_in_the_way_are_named(tmp_path: Path) -> None:
     assert contents(tmp_path) == {"file": "mine"}
 
 
+def test_a_folder_where_a_file_is_to_be_is_told_at_once(tmp_path: Path) -> None:
+    (tmp_path / "law.npz").mkdir()
+    with pytest.raises(OutputError, match=r"law\.npz: a folder is in the way$"):
+        check_writable(tmp_path, "law.npz")
+
+
+@pytest.mark.parametrize("name", ["shape.png", "report.html", "minimum-2.vtu"])
+def test_files_of_somebody_else_with_names_of_results_are_not_written_over(name: str, tmp_path: Path) -> None:
+    (tmp_path / name).write_text("mine")
+    with pytest.raises(OutputError, match=f"{name} was not written by asterism; choose another folder"):
+        check_writable(tmp_path)
+    check_writable(tmp_path, "design.toml")
+    (tmp_path / "summary.json").write_text('{"version": "1"}')
+    check_writable(tmp_path)
+
+
 def test_a_summary_of_somebody_else_is_not_written_over(tmp_path: Path) -> None:
     for mine in ("my notes", '{"sales": 3}', "[1, 2]"):
         (tmp_path / "summary.json").write_text(mine)

@@ -6,7 +6,7 @@ import copy
 from dataclasses import replace
 
 import asterism
-from asterism.law_errors import coarse_line
+from asterism.law_errors import coarse_line, mesh_line
 from asterism.law_table import law_table
 from homogenize.law import Law
 from homogenize.law_file import load_law
@@ -34,3 +34,26 @@ def test_a_law_that_does_not_is_silent() -> None:
     assert not any("test cells" in line for line in asterism.preview(asterism.new("dome")).summary["warnings"])
     untested = replace(load_law(), residuals={"1.35": {"held_out": {"count": 0, "errors": {}}}})
     assert coarse_line(untested) is None
+
+
+def differing(percent: float) -> Law:
+    """The paper's, with a cell that curls otherwise on its second mesh."""
+    law = load_law()
+    residuals = copy.deepcopy(law.residuals)
+    sizes = {"length_mm": 7.2746, "thickness_mm": 0.4, "width_mm": 1.2}
+    residuals["1.35"]["meshes"] = {"count": 3, "largest_percent": percent, **sizes}
+    return replace(law, residuals=residuals)
+
+
+def test_a_law_of_cells_that_depend_on_their_mesh_says_so_wherever_it_is_used() -> None:
+    line = mesh_line(differing(150.0))
+    assert line is not None and "l 7.275, h 0.4, w 1.2 mm curls to the other side" in line
+    assert "curls by 30 % more or less" in (mesh_line(differing(30.0)) or "")
+    assert f"  {line}" in law_table(differing(150.0))
+    summary = asterism.preview(asterism.new("dome"), differing(150.0)).summary
+    assert line in summary["warnings"]
+    assert summary["expected_rms_percent"] is None and summary["expected_height_percent"] is None
+
+
+def test_a_law_of_cells_that_do_not_is_silent() -> None:
+    assert mesh_line(load_law()) is None and mesh_line(differing(12.0)) is None

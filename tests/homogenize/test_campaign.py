@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-from homogenize import campaign
+from homogenize import campaign, workers
 from homogenize.campaign import Progress, Record, run
 from homogenize.errors import AddressError, CampaignError
 from homogenize.fit import fit
@@ -187,6 +187,36 @@ def test_dask_gives_the_same_law(tmp_path: Path) -> None:
             return run(material(), tmp_path / "notebook", dask=cluster.scheduler_address, respond=fake.respond)
 
         assert to_bytes(fit(material(), asyncio.run(notebook()))) == to_bytes(own)
+
+
+def test_a_cluster_whose_workers_have_gone_is_given_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its scheduler would keep the cells for workers to come."""
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr(workers, "PATIENCE_S", 1.0)
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=True, dashboard_address=None
+    ) as cluster:  # fmt: skip
+
+        def leave(progress: Progress) -> None:
+            if progress.done == 1:
+                cluster.scale(0)
+
+        with pytest.raises(CampaignError, match="the workers are gone; finished samples are kept"):
+            run(material(), tmp_path, dask=cluster.scheduler_address, respond=fake.slow, report=leave)
+    assert len(list(tmp_path.iterdir())) >= 1
+
+
+def test_a_folder_that_another_run_took_away_is_made_again(tmp_path: Path) -> None:
+    """A run that ends before its first cell leaves no empty folder, but others may be about to write there."""
+    folder = tmp_path / "law.samples"
+
+    def gone(progress: Progress) -> None:
+        if progress.done == 0:
+            folder.rmdir()
+
+    records = run(material(), folder, 1, report=gone, respond=fake.respond)
+    assert all(record.failed is None for record in records)
+    assert len(list(folder.iterdir())) == len(records)
 
 
 @pytest.mark.parametrize("notebook", [False, True])

@@ -13,7 +13,7 @@ ASIDE = (
     # designs and their files: what they say is among the inputs that a sample is named by
     *("arguments", "design", "errors", "files", "section", "stars"),
     # sizes that vary, outlines and pins: a cell has none
-    *("border", "build", "fields", "formula", "image", "pins"),
+    *("border", "build", "fields", "formula", "image", "pin_agreement", "pins"),
 )
 
 

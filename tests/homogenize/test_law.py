@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -373,6 +374,26 @@ def test_laws_of_impossible_numbers_are_damaged(name: str, tmp_path: Path) -> No
         arrays = {key: archive[key] for key in archive.files}
     np.savez(tmp_path / "law.npz", **arrays | {f"0/{name}": 0.0 * arrays[f"0/{name}"]})
     with pytest.raises(LawError, match="damaged"):
+        load_law(tmp_path / "law.npz")
+
+
+@pytest.mark.parametrize(
+    ("name", "changed"),
+    [
+        ("made", json.dumps([])),
+        ("residuals", json.dumps({"1.35": {"held_out": {}}})),
+        ("0/good", lambda good: good.astype(float)),
+        ("0/reliefs", lambda reliefs: reliefs[..., :-1]),
+        ("0/stretch", lambda stretch: stretch + 0.1),
+    ],
+)
+def test_laws_whose_parts_are_of_different_laws_are_damaged(name: str, changed: Any, tmp_path: Path) -> None:
+    (tmp_path / "law.npz").write_bytes(to_bytes(LAW))
+    with np.load(tmp_path / "law.npz") as archive:
+        arrays = dict(archive)
+    arrays[name] = changed(arrays[name]) if callable(changed) else np.frombuffer(changed.encode(), np.uint8)
+    np.savez(tmp_path / "law.npz", **arrays)
+    with pytest.raises(LawError, match="is not a law, or damaged"):
         load_law(tmp_path / "law.npz")
 
 

@@ -69,6 +69,7 @@ BAD = [
     ({"plan": {"thicknesses_mm": [0.01]}}, "plan.thicknesses_mm", "from 0.05 to 5"),
     ({"plan": {"widths_mm": [11]}}, "plan.widths_mm", "from 0.1 to 10"),
     ({"plan": {"stretches": [0.9]}}, "plan.stretches", "from 1 to 3"),
+    ({"plan": {"stretches": [1.35, 1.35001]}}, "plan.stretches", "at least 0.0001 apart"),
     ({"plan": {"stretches": []}}, "plan.stretches", "at least 1"),
     ({"plan": {"count": 20}}, "plan.count", "kind"),
     ({"plan": {"kind": "sobol", "widths_mm": [1.0]}}, "plan.widths_mm", "kind"),
