@@ -12,6 +12,7 @@ from pattern.symmetries import Symmetry
 
 ROLLED_TURN = 1.0  # rad from one side of the sheet to the other
 ROLLED_ASPECT = 0.3  # of the curvatures' squares along and across the axis
+ONE_WAY = 0.5  # of the curvature's rms: its mean. A wave bends both ways
 NEARLY = 0.7  # by which both may be missed by what is almost rolled
 
 
@@ -34,7 +35,7 @@ def rolled_about(layout: Layout, normal: Floats, nearly: bool = False) -> float 
     From unit normals (S, 3) at the star centres. `nearly`: of sheets that are almost rolled, too.
 
     At every star the change of the normal from star to star is fitted by a linear map W (3, 2) of the printed place;
-    the mean of W^T W has one large eigenvalue if the sheet bends about one axis only.
+    the mean of W^T W has one large eigenvalue if the sheet bends about one axis only. A roll bends to one side.
     """
     pairs = np.concatenate([layout.neighbours, layout.neighbours[:, ::-1]])
     step = layout.centres[pairs[:, 1]] - layout.centres[pairs[:, 0]]
@@ -54,6 +55,9 @@ def rolled_about(layout: Layout, normal: Floats, nearly: bool = False) -> float 
     (low, high), vectors = np.linalg.eigh(total)
     share = NEARLY if nearly else 1.0
     if np.sqrt(high) * print_diameter(layout) < share * ROLLED_TURN or share * low > ROLLED_ASPECT * high:
+        return None
+    bends = np.cross(normal[fitted], vectors[:, 1] @ w)
+    if np.linalg.norm(bends.mean(axis=0)) < share * ONE_WAY * np.sqrt(high):
         return None
     x, y = vectors[:, 0]
     return float(np.degrees(np.arctan2(y, x)) % 180.0)

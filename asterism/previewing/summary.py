@@ -41,6 +41,8 @@ if TYPE_CHECKING:
 # the softest motion is called neutral if the next one is this many times stiffer
 NEUTRAL = 5.0
 SAME_AXIS_DEG = 2.0
+# times the width that its stars want: held wider, a sheet has hardly length to spare for a rise
+WIDE = 1.1
 # part of the energy at stake by which one buckled form may be above another, and yet be the right one
 BUCKLES = 0.5
 FOREIGN = 0.1  # part of the stars: with more of them outside the law, or uneven, nothing is known of the error
@@ -149,6 +151,10 @@ def warnings(
             f"which the law knows little: {few(values.uneven)}"
         )
     lines += pin_warnings(layout, preview.design.gravity.on)
+    if WIDE < width < np.inf:
+        scales = {pin.scale for pin in layout.pins if pin.target_mm is None}
+        narrower = f": a scale of about {scales.pop() / width:.2g} lets it rise" if len(scales) == 1 else ""
+        lines.append(f"the pins hold the sheet {width:.2f} times as wide as its stars want it, nearly flat{narrower}")
     down = layout.star_number[layout.star_branch < 0].tolist()
     if down:
         lines.append(f"the law's stars bump up, but {len(down)} of the design start down: {few(down)}")
@@ -174,7 +180,7 @@ def warnings(
             f"({100.0 * other.gap:+.1f} %): the exact model may take that one"
         )
     if through:
-        lines.append(f"{passing(through)}; the exact model can keep it apart (--contact)")
+        lines.append(f"{passing(through)}; the exact model can keep it apart (solver.contact, --contact)")
     soft = found.soft_modes
     if axis is not None and len(soft) > 1 and soft[1] > NEUTRAL * soft[0]:
         softer = f"one motion is {soft[1] / soft[0]:.0f} times softer than all others"

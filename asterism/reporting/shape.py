@@ -52,15 +52,16 @@ def shape_of(
     except LawError as error:
         give = "--law or --results" if isinstance(error, ForeignLaw) else "--results"
         say(f"the page has no picture: {error}; give {give}")
-        return None, "not known: no law of this material"
+        return None, "not known: no law of this material and lattice"
     return shape, shape.made_by
 
 
 def _is_of(shape: Shape, design: Design) -> bool:
-    """Whether it is of this design, on whatever mesh it was computed and from whatever start."""
+    """Whether it is of this design, whatever its name, and on whatever mesh and from whatever start it was computed."""
     made_from = shape.summary.get("design")
     try:
         other = None if made_from is None else Design.from_dict(made_from)
     except DesignError:
         return False
-    return other is not None and other.model_copy(update={"mesh": design.mesh, "solver": design.solver}) == design
+    aside = {name: getattr(design, name) for name in ("name", "mesh", "solver")}
+    return other is not None and other.model_copy(update=aside) == design

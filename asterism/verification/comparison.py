@@ -185,7 +185,9 @@ class Comparison:
         return float((mean[triangles, 2].mean(axis=1) - level) @ over_ground)
 
 
-def compare(reference: Shape, other: Shape, layout: Layout, symmetries: Sequence[Symmetry]) -> Comparison:
+def compare(
+    reference: Shape, other: Shape, layout: Layout, symmetries: Sequence[Symmetry], weighs: bool = False
+) -> Comparison:
     """Lay a shape on a reference: proper rotation, shift, and the symmetry of the design that brings it nearest.
 
     Parameters
@@ -194,6 +196,7 @@ def compare(reference: Shape, other: Shape, layout: Layout, symmetries: Sequence
     layout : of the design.
     symmetries : of the design, from `pattern.symmetries`. Symmetries turn the print, and so a mirrored one reflects the
         other shape in space too; otherwise it is only ever turned and shifted.
+    weighs : the sheet has weight, which says how it hangs where its pins let it turn.
 
     Raises
     ------
@@ -211,7 +214,7 @@ def compare(reference: Shape, other: Shape, layout: Layout, symmetries: Sequence
     near_mean = mean(near.at(reference.printed))
     rotation, shift = rigid_fit(near_mean, reference_mean, reference.weights)
     laid, laid_mean = replace(near, positions=near.positions @ rotation.T + shift), near_mean @ rotation.T + shift
-    standing, standing_mean = (laid, laid_mean) if tilts(layout) else (near, near_mean)
+    standing, standing_mean = (laid, laid_mean) if tilts(layout) and not weighs else (near, near_mean)
     return Comparison(
         reference,
         laid,

@@ -22,10 +22,12 @@ INSIDE = 0.999
 
 def distance_map(comparison: Comparison) -> bytes:
     """PNG: distance of the cell means in % of the diameter over the print, star centres on top."""
-    figure = Figure(figsize=(5.6, 4.6), dpi=130, layout="constrained")
+    reference, layout = comparison.reference, comparison.layout
+    width, height = np.ptp(layout.border, axis=0)
+    # a long sheet has no bar of colours that towers over it
+    figure = Figure(figsize=(5.6, float(np.clip(1.0 + 4.0 * height / width, 2.2, 4.6))), dpi=130, layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.subplots()
-    reference, layout = comparison.reference, comparison.layout
     percent = 100.0 * comparison.distance_mm / comparison.diameter_mm
     over = Triangulation(reference.printed[:, 0], reference.printed[:, 1], reference.triangles)
     filled = axes.tripcolor(over, percent, shading="gouraud", cmap=COLOURS, vmin=0)

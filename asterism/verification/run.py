@@ -106,11 +106,11 @@ def verify(
         near, near_s = _timed(clock, partial(solve, near=quick), near)
     tell("comparing")
     plan = layout(design)
-    same = symmetries(design, plan)
+    same, weighs = symmetries(design, plan), design.gravity.on
     exact = {RELEASE: released, PREVIEW: near}
-    comparisons = {name: compare(shape, quick, plan, same) for name, shape in exact.items()}
+    comparisons = {name: compare(shape, quick, plan, same, weighs) for name, shape in exact.items()}
     found = Verification(design, quick, exact, comparisons)
-    between = compare(released, near, plan, same)
+    between = compare(released, near, plan, same, weighs)
     seconds = {
         "preview_s": cold_s,
         "preview_again_s": warm_s,

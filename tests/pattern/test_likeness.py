@@ -19,3 +19,14 @@ def test_rolls_are_seen_on_lattices_of_two_lengths(second: list[float]) -> None:
     normal = np.column_stack([0.0 * turn, np.sin(turn), np.cos(turn)])
     axis = rolled_about(plan, normal)
     assert axis is not None and min(axis, 180.0 - axis) < 1.0
+
+
+@pytest.mark.parametrize(("waves", "is_roll"), [(0.0, True), (1.0, False), (2.0, False)])
+def test_a_wave_is_no_roll(waves: float, is_roll: bool) -> None:
+    """It bends about one axis, but both ways."""
+    plan = layout(Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rectangle_mm": [220, 60]}}))
+    x = plan.centres[:, 0]
+    turn = 1.2 * np.sin(2.0 * np.pi * waves * x / 200.0) if waves else x / 60.0
+    normal = np.column_stack([np.sin(turn), 0.0 * turn, np.cos(turn)])
+    for nearly in (False, True):
+        assert (rolled_about(plan, normal, nearly) is not None) is is_roll

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -634,3 +635,16 @@ def test_an_update_is_an_edit_to_its_end() -> None:
     shape = preview.update(thicker)
     assert preview.design == thicker and shape.summary["is_minimum"]
     assert shape.height_mm == pytest.approx(preview.shape().height_mm)
+
+
+def test_pins_that_leave_no_length_for_a_rise_are_told() -> None:
+    """Who forgets the scale gets a flat sheet, and a scale with which it rises."""
+
+    def held(scale: float) -> tuple[float, list[str]]:
+        found = Preview(design(stars={"length_mm": 9.0}, pins=[{"where": "border", "scale": scale}])).shape()
+        return found.height_mm, [line for line in found.summary["warnings"] if "nearly flat" in line]
+
+    height, told = held(1.0)
+    (scale,) = re.findall(r"times as wide as its stars want it, nearly flat: a scale of about (\S+) lets", *told)
+    higher, silent = held(0.98 * float(scale))
+    assert not silent and higher > 4.0 * height

@@ -97,6 +97,16 @@ def test_heights_are_those_of_the_sheet_as_its_pins_hold_it(pins, stands):
     assert (found.mean_heights_mm[1] > found.mean_heights_mm[0] + 5.0) == stands
 
 
+def test_weight_says_how_a_sheet_hangs():
+    """Then it is higher as it hangs, whatever a rigid motion could do about that."""
+    held = design(pins=[{"points_mm": [[0.0, 0.0]]}])
+    one, plan = shape(held, lumpy), layout(held)
+    tilted = replace(one, positions=one.positions @ Rotation.from_euler("x", 10, degrees=True).as_matrix().T)
+    for weighs in (False, True):
+        found = compare(one, tilted, plan, symmetries(held, plan), weighs)
+        assert (found.heights_mm[1] > found.heights_mm[0] + 5.0) is weighs
+
+
 @pytest.mark.parametrize("number", range(6))
 def test_images_under_the_designs_symmetries_are_the_same_shape(number):
     """A tube about one axis, and about an equivalent one; its mirror image on a mirrored print."""
