@@ -1,4 +1,4 @@
-"""One view of a sheet as an image: cream on the plastic side, blue-grey behind, the arms dark."""
+"""One view of a sheet as an image: cream on the plastic side, blue-grey behind, the arms dark, what is held red."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import gaussian_filter, maximum_filter
 
+from asterism.pin_marks import pin_marks
 from asterism.raster import Raster, rasterise
 from asterism.ribbons import ribbons
 from asterism.shape import Shape
@@ -16,6 +17,7 @@ from pattern.normals import vertex_normals
 PLASTIC_SIDE = (0.985, 0.92, 0.80)
 FABRIC_SIDE = (0.63, 0.725, 0.845)
 ARMS = (0.20, 0.205, 0.24)
+PINS = (0.86, 0.25, 0.16)
 OUTLINE = (0.16, 0.16, 0.18)
 # from the upper left, in front; and where its reflection is seen
 KEY_LIGHT = np.array([-0.50, 0.62, 0.60]) / np.linalg.norm([-0.50, 0.62, 0.60])
@@ -58,15 +60,16 @@ def camera(azimuth_deg: float, elevation_deg: float, centre: Floats, distance_mm
 
 @dataclass(frozen=True)
 class Surface:
-    """Sheet and ribbons as triangles ready to be drawn.
+    """Sheet, ribbons and marks as triangles ready to be drawn.
 
     Attributes
     ----------
     points, normals : (n, 3), normals on the plastic side.
-    triangles : (m, 3), those of the sheet first.
+    triangles : (m, 3), those of the sheet first, those of the marks last.
     sheet_triangles : how many belong to the sheet.
-    lift_mm : ribbons count as this much nearer, so that creases under them do not cut them.
-    colours : (n, 3), 0 to 1, of both sides of the sheet in place of its own; those of the ribbons do not count.
+    lift_mm : ribbons and marks count as this much nearer, so that creases under them do not cut them.
+    colours : (n, 3), 0 to 1, of both sides of the sheet in place of its own; those of the others do not count.
+    mark_triangles : how many belong to the marks.
     """
 
     points: Floats
@@ -75,16 +78,20 @@ class Surface:
     sheet_triangles: int
     lift_mm: float = 0.8
     colours: Floats | None = None
+    mark_triangles: int = 0
 
 
 def surface(shape: Shape) -> Surface:
-    """The triangles of a shape: the sheet, and the ribbons on its plastic side."""
+    """The triangles of a shape: the sheet, the ribbons on its plastic side, and marks where it is held."""
     points, normals, strips = ribbons(shape)
+    mark_points, mark_normals, marks = pin_marks(shape)
+    count = len(shape.positions)
     return Surface(
-        np.concatenate([shape.positions, points]),
-        np.concatenate([vertex_normals(shape.positions, shape.triangles), normals]),
-        np.concatenate([shape.triangles, strips + len(shape.positions)]),
+        np.concatenate([shape.positions, points, mark_points]),
+        np.concatenate([vertex_normals(shape.positions, shape.triangles), normals, mark_normals]),
+        np.concatenate([shape.triangles, strips + count, marks + count + len(points)]),
         len(shape.triangles),
+        mark_triangles=len(marks),
     )
 
 
@@ -96,16 +103,18 @@ def render(thing: Surface, view: Camera, pixels_per_mm: float) -> Floats:
     width, height = np.ceil((high - low) * pixels_per_mm).astype(int) + 4
     rows, columns = FINER * height, FINER * width
     places = (seen[:, :2] - (low + high) / 2) * fine + np.array([columns, rows]) / 2
-    # a ribbon is only seen from the plastic side
+    # a ribbon is only seen from the plastic side, a mark from outside
     strips = thing.triangles[thing.sheet_triangles :]
-    strips = strips[_turns_left(places, strips)]
+    seen_strips = _turns_left(places, strips)
+    marks = int(np.count_nonzero(seen_strips[len(strips) - thing.mark_triangles :]))
+    strips = strips[seen_strips]
     triangles = np.concatenate([thing.triangles[: thing.sheet_triangles], strips])
     depth = seen[:, 2].copy()
     depth[np.unique(strips)] += thing.lift_mm
     raster = rasterise(places, depth, triangles, rows, columns)
 
     image = np.zeros((rows * columns, 4))
-    image[raster.pixels, :3] = _shaded(thing, view, raster, triangles, _turns_left(places, triangles))
+    image[raster.pixels, :3] = _shaded(thing, view, raster, triangles, marks, _turns_left(places, triangles))
     image[raster.pixels, :3] *= _open_sky(raster, fine)[:, None]
     image[raster.pixels, 3] = 1.0
     image = image.reshape(rows, columns, 4)
@@ -117,8 +126,10 @@ def render(thing: Surface, view: Camera, pixels_per_mm: float) -> Floats:
     return image
 
 
-def _shaded(thing: Surface, view: Camera, raster: Raster, triangles: Ints, plastic_side: np.ndarray) -> Floats:
-    """(P, 3) colours: a key light from the upper left, a soft sky, a trace of gloss."""
+def _shaded(
+    thing: Surface, view: Camera, raster: Raster, triangles: Ints, marks: int, plastic_side: np.ndarray
+) -> Floats:
+    """(P, 3) colours: a key light from the upper left, a soft sky, a trace of gloss. The last triangles are `marks`."""
     normals = raster.interpolate(thing.normals @ view.axes.T, triangles)
     face = raster.face.ravel()[raster.pixels]
     front = plastic_side[face]
@@ -135,6 +146,7 @@ def _shaded(thing: Surface, view: Camera, raster: Raster, triangles: Ints, plast
     else:
         colour = raster.interpolate(thing.colours, triangles)
     colour[arm] = ARMS
+    colour[face >= len(triangles) - marks] = PINS
     shine = np.where(arm, 0.10, 0.03) * gloss
     return np.clip(colour * light[:, None] + shine[:, None], 0.0, 1.0)
 

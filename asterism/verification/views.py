@@ -48,8 +48,8 @@ def colours_of(comparison: Comparison) -> Floats:
 
 
 def bare(shape: Shape, colour: Floats | Sequence[float]) -> Surface:
-    """The sheet without its arms, in one colour or in one at each vertex."""
-    thing = surface(replace(shape, rods=(), rod_fields={}))
+    """The sheet without its arms and pins, in one colour or in one at each vertex."""
+    thing = surface(replace(shape, rods=(), rod_fields={}, held=False))
     return replace(thing, colours=np.broadcast_to(np.asarray(colour, dtype=float), (len(shape.positions), 3)))
 
 
