@@ -41,8 +41,8 @@ if TYPE_CHECKING:
 # the softest motion is called neutral if the next one is this many times stiffer
 NEUTRAL = 5.0
 SAME_AXIS_DEG = 2.0
-# times the width that its stars want: held wider, a sheet has hardly length to spare for a rise
-WIDE = 1.1
+# times the width that its stars want, and height over diameter: held wider, so flat a sheet has no length for a rise
+WIDE, FLAT = 1.1, 0.03
 # part of the energy at stake by which one buckled form may be above another, and yet be the right one
 BUCKLES = 0.5
 FOREIGN = 0.1  # part of the stars: with more of them outside the law, or uneven, nothing is known of the error
@@ -119,7 +119,9 @@ def summary(
         "extent_mm": list(shape.extent_mm),
         "contraction": contraction(preview.sheet.layout, shape),
         "self_intersections": through,
-        "warnings": warnings(preview, axis, another_form_is_near(amplitudes, held), others, through, width),
+        "warnings": warnings(
+            preview, axis, another_form_is_near(amplitudes, held), others, through, width, shape.height_mm / size[1]
+        ),
         "version": __version__,
         "design": preview.design.to_dict(),
     }
@@ -132,8 +134,9 @@ def warnings(
     others: Sequence[OtherForm] = (),
     through: int = 0,
     width: float = np.inf,
+    height: float = np.inf,
 ) -> list[str]:
-    """One line each; `width` at which the sheet is held, over its own."""
+    """One line each; `width` at which the sheet is held, over its own, and its `height` over its diameter."""
     found, values, layout = preview.equilibrium, preview.values, preview.sheet.layout
     lines = list(values.outside)
     if len(lines) > 1:
@@ -151,7 +154,7 @@ def warnings(
             f"which the law knows little: {few(values.uneven)}"
         )
     lines += pin_warnings(layout, preview.design.gravity.on)
-    if WIDE < width < np.inf:
+    if WIDE < width < np.inf and height < FLAT:
         scales = {pin.scale for pin in layout.pins if pin.target_mm is None}
         narrower = f": a scale of about {scales.pop() / width:.2g} lets it rise" if len(scales) == 1 else ""
         lines.append(f"the pins hold the sheet {width:.2f} times as wide as its stars want it, nearly flat{narrower}")
