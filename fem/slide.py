@@ -13,6 +13,7 @@ from equilibrium.newton import STOP
 from fem.rigid import spread
 from fem.shapes import Plane, Shape, similar
 from fem.shell import Shell
+from fem.swing import swung
 from fem.tabulation import Evaluation, Floats
 
 SLIDES = 3
@@ -119,7 +120,7 @@ class Frame:
         return plane
 
     def _held(self, x: Floats) -> Floats:
-        """(N, 3) x moved to what holds it, and bent there as the flat sheet would be."""
+        """(N, 3) x moved to what holds it, bent there as the flat sheet would be, and hung where it can swing."""
         shell = self._shell
         if shell.is_free:
             return x
@@ -130,5 +131,5 @@ class Frame:
             x = shell.shifted(x, places[held].mean(axis=0) - x[held].mean(axis=0))
         stepped = shell.held(x)
         if not self._ready:
-            return stepped
-        return shell.move(stepped, -self._factor.solve(shell.flat_forces(stepped - x)))
+            return swung(shell, stepped)
+        return swung(shell, shell.move(stepped, -self._factor.solve(shell.flat_forces(stepped - x))))

@@ -648,3 +648,11 @@ def test_pins_that_leave_no_length_for_a_rise_are_told() -> None:
     (scale,) = re.findall(r"times as wide as its stars want it, nearly flat: a scale of about (\S+) lets", *told)
     higher, silent = held(0.98 * float(scale))
     assert not silent and higher > 4.0 * height
+
+
+@pytest.mark.parametrize("corners", [[0], [0, 1]])
+def test_tubes_hang_by_their_corners(corners: list[int]) -> None:
+    """From flat and level to upright is far: they are swung there as they are bent."""
+    hung = design(stars={"thickness_mm": 0.45}, pins=[{"corners": corners}], gravity={"on": True})
+    found = Preview(hung).equilibrium
+    assert found.is_minimum and found.iterations < 60
