@@ -251,6 +251,7 @@ def image(shape: Shape, symmetry: Symmetry) -> Shape:
         rods=shape.rods,
         star_vertices=star_vertices,
         rod_fields=shape.rod_fields,
+        summary=shape.summary,
         held=shape.held,
     )
 
