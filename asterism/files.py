@@ -26,6 +26,8 @@ BESIDE_SUMMARY = "|".join(
         r"law\.png|cells\.csv",  # law show
     )
 )
+# of an export: its summary, and which of those names it has too
+EXPORT, BESIDE_EXPORT = "export.json", r"(shape|rods)\.vtu"
 
 REASONS = {
     errno.ENOSPC: "the disk is full",
@@ -105,7 +107,8 @@ def check_writable(directory: str | Path, name: str = LAST) -> None:
     """
     directory = Path(directory)
     if name == LAST and (foreign := _foreign(directory)) is not None:
-        raise OutputError(f"{foreign} was not written by asterism; choose another folder with -o")
+        why = "was not written by asterism" if foreign.name == LAST else f"is no result's: there is no {LAST} beside it"
+        raise OutputError(f"{foreign} {why}; choose another folder with -o")
     with suppress(OSError):
         if (directory / name).is_dir():
             raise OutputError(_sentence(IsADirectoryError(errno.EISDIR, "", str(directory / name)), directory))
@@ -130,8 +133,10 @@ def _foreign(directory: Path) -> Path | None:
     with suppress(OSError):  # there is no folder, or writing will say why not
         if holds_result(directory):
             return directory / LAST if _is_foreign(directory / LAST) else None
-        found = sorted(file for file in directory.iterdir() if re.fullmatch(BESIDE_SUMMARY, file.name))
-        return next((file for file in found if file.is_file()), None)
+        names = sorted(file.name for file in directory.iterdir() if file.is_file())
+        exported = BESIDE_EXPORT if EXPORT in names else ""
+        mine = (name for name in names if re.fullmatch(BESIDE_SUMMARY, name) and not re.fullmatch(exported, name))
+        return next((directory / name for name in mine), None)
     return None
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from asterism.mesh_error import diameter
@@ -9,43 +11,74 @@ from asterism.shape import Shape
 from pattern.build import layout
 from pattern.design import Design
 from pattern.errors import DesignError
-from pattern.layout import Floats, Ints, PinSet
+from pattern.layout import Floats, Ints, Layout
+from pattern.planar import turns
 
 # over the diameter of the sheet
 BALL, TUBE = 0.011, 0.0045
 # rings of a ball, places around it and around a tube, and the longest part of a tube over its radius
 RINGS, AROUND, LONG = 5, 8, 4.0
+SHARP = 0.3  # rad: where a tube turns by more it has a joint
 
 Marks = tuple[Floats, Floats, Ints]  # points (n, 3) mm, their normals, triangles (m, 3) with these to the outside
 
 
 def pin_marks(shape: Shape) -> Marks:
     """The marks of a shape whose summary knows its design; none otherwise, and of free sheets."""
-    parts: list[Marks] = [(np.empty((0, 3)), np.empty((0, 3)), np.empty((0, 3), dtype=np.int64))]
-    pins, border = _pins(shape) if shape.held else ((), np.empty((0, 2)))
-    size = diameter(shape.positions) if pins else 0.0
-    for pin in pins:
-        if len(pin.points):
-            parts += [_ball(place, BALL * size) for place in shape.at(pin.points)]
-        corners = sorted({corner % len(border) for edge in pin.edges for corner in (edge, edge + 1)})
-        parts += [_ball(place, TUBE * size) for place in shape.at(border[corners])] if corners else []
-        for edge in pin.edges:
-            ends = border[[edge, (edge + 1) % len(border)]]
-            count = int(np.ceil(np.linalg.norm(ends[1] - ends[0]) / (LONG * TUBE * size))) + 1
-            parts.append(_tube(shape.at(np.linspace(ends[0], ends[1], max(count, 2))), TUBE * size))
-    points, normals, triangles = zip(*parts, strict=True)
-    first = np.cumsum([0, *(len(part) for part in points)])
-    numbered = [part + start for part, start in zip(triangles, first, strict=False)]
-    return np.concatenate(points), np.concatenate(normals), np.concatenate(numbered)
-
-
-def _pins(shape: Shape) -> tuple[tuple[PinSet, ...], Floats]:
-    """The pins of the shape's design, and its border (B, 2) mm."""
+    plan = _plan(shape) if shape.held else None
+    if plan is None or not plan.pins:
+        return _together([])
+    size, border = diameter(shape.positions), plan.border
+    points = np.concatenate([np.reshape(pin.points, (-1, 2)) for pin in plan.pins])
+    runs = [run for pin in plan.pins for run in _runs(pin.edges, len(border))]
+    lines = [_line(border, run, LONG * TUBE * size) for run in runs]
+    sharp = np.flatnonzero(np.abs(turns(border)) > SHARP)
+    joints = [border[[corner for corner in run if corner in sharp or corner in (run[0], run[-1])]] for run in runs]
     try:
-        plan = layout(Design.from_dict(shape.summary["design"]))
+        there = shape.at(np.concatenate([points, *lines, *joints]))
+    except ValueError:  # of another print
+        return _together([])
+    ends = np.cumsum([len(points), *map(len, lines), *map(len, joints)])[:-1]
+    balls, *others = np.split(there, ends)
+    parts = [_ball(place, BALL * size) for place in balls]
+    parts += [_tube(line, TUBE * size) for line in others[: len(lines)]]
+    return _together(parts + [_ball(place, TUBE * size) for joint in others[len(lines) :] for place in joint])
+
+
+def _plan(shape: Shape) -> Layout | None:
+    """The layout of the shape's design."""
+    try:
+        return layout(Design.from_dict(shape.summary["design"]))
     except (KeyError, TypeError, DesignError):  # a shape made by hand, or whose image of sizes is gone
-        return (), np.empty((0, 2))
-    return plan.pins, plan.border
+        return None
+
+
+def _runs(edges: tuple[int, ...], count: int) -> list[list[int]]:
+    """The corners, of so many, along edges that follow each other; the first one again where they go all around."""
+    held = set(edges)
+    found = []
+    for first in [edge for edge in edges if (edge - 1) % count not in held] or list(edges[:1]):
+        run = [first]
+        while run[-1] in held and not (len(run) > 1 and run[-1] == first):
+            run.append((run[-1] + 1) % count)
+        found.append(run)
+    return found
+
+
+def _line(border: Floats, corners: list[int], step: float) -> Floats:
+    """(k, 2) places along the border from corner to corner, at most so far (mm) from each other."""
+    sides = [border[[one, other]] for one, other in pairwise(corners)]
+    counts = [max(int(np.ceil(np.linalg.norm(end - start) / step)), 1) for start, end in sides]
+    parts = [np.linspace(start, end, count + 1)[:-1] for (start, end), count in zip(sides, counts, strict=True)]
+    return np.concatenate([*parts, border[corners[-1:]]])
+
+
+def _together(parts: list[Marks]) -> Marks:
+    points = np.concatenate([np.empty((0, 3)), *(part[0] for part in parts)])
+    normals = np.concatenate([np.empty((0, 3)), *(part[1] for part in parts)])
+    first = np.cumsum([0, *(len(part[0]) for part in parts)])
+    numbered = [part[2] + start for part, start in zip(parts, first, strict=False)]
+    return points, normals, np.concatenate([np.empty((0, 3), dtype=np.int64), *numbered])
 
 
 def _ball(centre: Floats, radius: float) -> Marks:

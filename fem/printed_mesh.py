@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.csgraph import connected_components
@@ -11,7 +13,7 @@ from skfem import ElementTriP1, MeshTri
 def usable(mesh: MeshTri) -> MeshTri:
     """The mesh with the corners of every triangle in the order of their numbers, as edges count on.
 
-    Vertices, triangles and edges keep their numbers.
+    Vertices, triangles and edges keep their numbers, and named boundaries their edges.
 
     Raises
     ------
@@ -40,4 +42,4 @@ def usable(mesh: MeshTri) -> MeshTri:
     pieces = connected_components(edges, directed=False, return_labels=False)
     if pieces > 1:
         raise ValueError(f"mesh: has {pieces} pieces that are not connected")
-    return mesh if (np.diff(t, axis=0) > 0).all() else MeshTri(mesh.p, mesh.t)
+    return mesh if (np.diff(t, axis=0) > 0).all() else replace(mesh, t=np.sort(t, axis=0), sort_t=True)

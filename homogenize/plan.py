@@ -76,7 +76,7 @@ class Plan(Section):
     @classmethod
     def _are_stretches(cls, values: Nodes | None) -> Nodes | None:
         values = _within(values, (1.0, 3.0))
-        if values is not None and any(b - a < CLOSEST for a, b in pairwise(sorted(values))):
+        if values is not None and any(b - a < CLOSEST * (1.0 - 1e-6) for a, b in pairwise(sorted(values))):
             raise DesignError("", f"must be at least {CLOSEST:g} apart", list(values))
         return values
 

@@ -95,11 +95,14 @@ def on_dask(address: str) -> Iterator[SubmitAll]:
             futures = [client.submit(function, *args, pure=False) for args in arguments]
             number = {future.key: n for n, future in enumerate(futures)}
             try:
-                arrivals, last_seen = as_completed(futures, loop=client.loop), time.monotonic()
+                # with their results: those of a worker that has gone would be waited for
+                arrivals = as_completed(futures, loop=client.loop, with_results=True)
+                last_seen = time.monotonic()
                 while not arrivals.is_empty():
                     if arrivals.has_ready():
-                        for future in arrivals.next_batch(block=False):
-                            yield number[future.key], future.result()
+                        for future, result in arrivals.next_batch(block=False):
+                            yield number[future.key], result
+                        last_seen = time.monotonic()
                     elif client.scheduler_info()["workers"]:
                         last_seen = time.monotonic()
                     elif time.monotonic() > last_seen + PATIENCE_S:  # the cells would wait for new ones for ever

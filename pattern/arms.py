@@ -20,7 +20,7 @@ def cut(centres: Floats, tips: Floats, corners: Floats, margin: float) -> tuple[
     corners : (B, 2) mm, outline of the sheet.
     """
     # mitres would take long spikes out of the sheet before corners that point inwards
-    inner = shapely.polygons(corners).buffer(-margin, join_style="round", quad_segs=64)
+    inner = shapely.polygons(corners).buffer(-margin, join_style="round", quad_segs=16)
     arms = shapely.linestrings(np.stack([centres, tips], axis=1))
     shapely.prepare(inner)
     # a tip exactly at the margin is inside

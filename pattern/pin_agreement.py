@@ -33,9 +33,17 @@ def _again(new: int, old: int, value: object) -> tuple[int, DesignError]:
 
 def _points_twice(sets: Sequence[PinSet], apart: float) -> Iterator[tuple[int, DesignError]]:
     points, owner = _points(sets)
-    places = shapely.points(points)
-    pairs = shapely.STRtree(places).query(places, predicate="dwithin", distance=apart)
-    for one, other in sorted(pairs[:, pairs[0] < pairs[1]].T.tolist()):
+    if len(points) < 2:
+        return
+    from scipy.spatial import cKDTree  # takes a moment, which most designs need not wait for
+
+    # of many in one place each finds one other
+    far, near = cKDTree(points).query(points, k=2, distance_upper_bound=apart * (1.0 + 1e-12))
+    number = np.arange(len(points))
+    other = np.where((near[:, 0] == number) | np.isinf(far[:, 0]), near[:, 1], near[:, 0])
+    twice = other < len(points)
+    pairs = np.sort(np.column_stack([number, other])[twice], axis=1)
+    for one, other in pairs[np.lexsort(pairs.T)][:1].tolist():
         if owner[one] == owner[other]:
             allowed = f"must not hold the same place twice, within {apart:.2g} mm"
             yield int(owner[other]), DesignError(f"pins[{owner[other]}]", allowed, pair(points[other]))

@@ -139,7 +139,8 @@ def _scan_rows(s: dict[str, Any]) -> dict[str, str]:
     if "a poor fit" not in rows and s["points_left_out_percent"] > MANY_PERCENT and whole > POOR_PERCENT:
         rows["perhaps another shape"] = f"{whole:.1f} % with what is left out: is that a table or clamps, or the sheet?"
     ratio, left = s["best_size"], s["rms_percent_at_best_size"]
-    if ratio and abs(ratio - 1.0) > OTHER_SIZE and left <= min(NEAR_PERCENT, s["rms_percent"] / NEARER):
+    # a scan is of one side of the sheet, which on a roll is like another size
+    if ratio and abs(ratio - 1.0) > OTHER_SIZE and left <= min(NEAR_PERCENT, s["rms_percent_lifted"] / NEARER):
         rows["perhaps another size"] = f"{ratio:.3f} times the shape's; without that it is {left:.2f} % off"
     if s["poses_as_good"] > 1:
         rows["poses as good"] = f"{s['poses_as_good']}: the shape looks alike from several sides"

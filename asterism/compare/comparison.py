@@ -84,6 +84,7 @@ class ScanComparison:
             "diameter_mm": size,
             "best_size": self.size and self.size.ratio,
             "rms_percent_at_best_size": self.size and 100 * self.size.rms_mm / size,
+            "rms_percent_lifted": self.size and 100 * self.size.lifted_rms_mm / size,
             "poses_as_good": sum(p.spread_mm <= _AS_GOOD * self.poses[0].spread_mm + _SAME_MM for p in self.poses),
             "scan_to_shape": matrix.tolist(),
         }

@@ -16,7 +16,9 @@ _POINTS, _STEPS, _STAYS = 3000, 30, 1e-5
 # of random points in a half plane the nearest to a place on its rim lies inside by this part of the points' own gaps
 _INSIDE = 2.0 * np.sqrt(2.0) / np.pi
 # part of the rim that must be scanned: a smaller piece fits a smooth shape in many sizes
-_WHOLE = 0.9
+_WHOLE, _LOST = 0.9, 0.1
+_THICK_MM = 2.0  # from the middle of the fabric to what is scanned, at most
+_FEWEST = 10  # points that fix a motion
 
 
 @dataclass(frozen=True)
@@ -27,56 +29,82 @@ class Size:
     ----------
     ratio : 1.1 if it is a tenth too large.
     rms_mm : what distance from the shape is left of a scan divided by that.
+    lifted_rms_mm : what is left of one of its own size, on a parallel surface: a scan is of one side of the sheet.
     """
 
     ratio: float
     rms_mm: float
+    lifted_rms_mm: float
 
 
 def fitted_size(shape: Shape, points: Floats, cut_mm: float) -> Size | None:
     """The size of a scan whose points (n, 3) mm are laid on a shape; None if it is of a part of it.
 
-    Gauss and Newton's steps on turn, shift and scale. Distances count from the scan to the shape, and outwards from the
-    shape's rim to the scan, so that a smaller one does not fit inside; what is farther than `cut_mm` belongs to other
-    things.
+    Gauss and Newton's steps on turn, shift and scale, or lift. Distances count from the scan to the shape, and outwards
+    from the shape's rim to the scan, so that a smaller one does not fit inside; what is farther than `cut_mm` belongs
+    to other things.
 
     References
     ----------
     Chen and Medioni 1992 (point to plane); Umeyama 1991 (a scale beside the motion).
     """
     surface = NearestOnSurface(shape.positions, shape.triangles)
-    rim, outwards = _rim(shape.positions, shape.triangles, surface.normals)
+    rim = _rim(shape.positions, shape.triangles, surface.normals)
+    scaled, lifted = (_fit(surface, rim, points, cut_mm, lift) for lift in (False, True))
+    if scaled is None:
+        return None
+    # who lies nowhere in its own size is far off
+    return Size(1.0 / scaled[0], scaled[1], cut_mm if lifted is None else lifted[1])
+
+
+def _fit(
+    surface: NearestOnSurface, rim: tuple[Floats, Floats], points: Floats, cut_mm: float, lift: bool
+) -> tuple[float, float] | None:
+    """The factor of the points (n, 3) mm, or with `lift` the surface's lift in mm, and what rms distance is left."""
+    places, outwards = rim
     rng = np.random.default_rng(0)
     some = points[rng.choice(len(points), min(len(points), _POINTS), replace=False)]
-    laid, ratio = points, 1.0
-    inside = _INSIDE * float(np.median(cKDTree(laid).query(some, k=2)[0][:, 1]))
-    size = float(np.linalg.norm(np.ptp(shape.positions, axis=0)))
+    tree = cKDTree(points)
+    inside = _INSIDE * float(np.median(tree.query(some, k=2)[0][:, 1]))
+    size = float(np.linalg.norm(np.ptp(places, axis=0)))
+    motion, shift, factor, raised = np.eye(3), np.zeros(3), 1.0, 0.0
     for _ in range(_STEPS):
-        here = surface(some)
-        gap, last = cKDTree(laid).query(rim)
-        of_sheet, scanned = np.abs(here.distance) <= cut_mm, gap <= cut_mm
-        away = (some - here.places)[of_sheet]
+        here = surface(laid := some @ motion.T + shift)
+        # the rim is looked for where the scan lies, so that its tree stays
+        gap, last = tree.query((places - shift) @ motion / factor**2)
+        of_sheet, scanned = np.abs(here.distance) <= cut_mm, factor * gap <= cut_mm
+        if np.count_nonzero(of_sheet) < _FEWEST or np.mean(scanned) < _LOST:
+            return None
+        away, side = (laid - here.places)[of_sheet], surface.normals[here.triangle[of_sheet]]
+        away -= raised * side
         length = np.linalg.norm(away, axis=1)
-        ours = np.concatenate([some[of_sheet], laid[last[scanned]]])
         direction = np.concatenate([away / np.maximum(length, 1e-12)[:, None], outwards[scanned]])
-        beyond = np.einsum("ni,ni->n", (laid[last] - rim)[scanned], outwards[scanned])
-        offset = np.concatenate([length, beyond + inside])
+        last_laid = points[last[scanned]] @ motion.T + shift
+        beyond = np.einsum("ni,ni->n", last_laid - places[scanned], outwards[scanned]) + inside
+        ours, offset = np.concatenate([laid[of_sheet], last_laid]), np.concatenate([length, beyond])
         centre = ours.mean(axis=0)
         arm = (ours - centre) / size
-        rows = np.column_stack([np.cross(arm, direction), direction, np.einsum("ni,ni->n", arm, direction)])
+        lifts = np.concatenate([-np.einsum("ni,ni->n", direction[: len(side)], side), np.zeros(len(beyond))])
+        last_column = lifts if lift else np.einsum("ni,ni->n", arm, direction)
+        rows = np.column_stack([np.cross(arm, direction), direction, last_column])
         information = rows.T @ rows
         # flat and round shapes have directions in which nothing changes: stay there
         information += 1e-6 * np.trace(information) / 7 * np.eye(7)
         step = -np.linalg.solve(information, rows.T @ offset)
-        turn, larger = Rotation.from_rotvec(step[:3] / size).as_matrix(), 1.0 + step[6] / size
-        some, laid = (larger * (one - centre) @ turn.T + centre + step[3:6] for one in (some, laid))
-        ratio *= larger
-        if abs(larger - 1.0) <= _STAYS:
+        if lift and abs(raised + step[6]) > _THICK_MM:
+            step[6] = np.copysign(_THICK_MM, raised + step[6]) - raised
+            step[:6] = -np.linalg.solve(information[:6, :6], rows[:, :6].T @ (offset + step[6] * rows[:, 6]))
+        larger = 1.0 if lift else 1.0 + step[6] / size
+        turn = larger * Rotation.from_rotvec(step[:3] / size).as_matrix()
+        motion, shift = turn @ motion, turn @ (shift - centre) + centre + step[3:6]
+        factor *= larger
+        raised += float(step[6]) if lift else 0.0
+        if np.abs(step[3:]).max() <= _STAYS * size:
             break
-    if np.mean(scanned) < _WHOLE:
+    if not lift and np.mean(scanned) < _WHOLE:
         return None
-    left = surface(some[of_sheet]).distance
-    return Size(float(1.0 / ratio), float(np.sqrt(np.mean(left**2))))
+    left = surface((some @ motion.T + shift)[of_sheet]).distance - raised
+    return raised if lift else factor, float(np.sqrt(np.mean(left**2)))
 
 
 def _rim(vertices: Floats, triangles: Ints, normals: Floats) -> tuple[Floats, Floats]:

@@ -11,12 +11,12 @@ from asterism.export.estimate import estimate
 from asterism.export.job import CHECK_SQUARE_MM, Job
 from asterism.export.rounded import better_layers, tiny_stars
 from asterism.export_vtu import write_rods_vtu, write_shape_vtu
+from asterism.files import EXPORT as SUMMARY
 from asterism.files import holds_result, staged
 from asterism.shape import Shape
 from pattern.design import save_design
 
 # not summary.json: an export may go into the directory of a simulation
-SUMMARY = "export.json"
 ROUNDED = "rounded.toml"
 # files that not every export writes: those of an earlier one would be taken for this one's
 NOT_ALWAYS = r"border\.stl|needles\.(csv|dxf|svg)|shape\.(obj|stl|glb)"

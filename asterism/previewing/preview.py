@@ -202,11 +202,11 @@ class Preview:
             plan = self._clock("layout", layout, design)
             check_carried(design, plan)
             values = self._clock("law", star_values, design, plan, self.law)
-            self._edits += 1
-            number = self._edits
+            number = self._edits + 1
             if self.sheet.holds(design, plan, self.design):
                 with all_or_nothing(self, self.sheet, self.shell):
                     linear = self._change(design, plan, values)
+                    self._edits = number
             else:
                 # complete before it takes the place of the old one
                 anew = Preview(design, self.law, self.side, self._triangles, self._say)
@@ -338,6 +338,8 @@ class Preview:
     def _find_soft_modes(self) -> None:
         """What the error to be expected follows from; an edit does not wait for it. The factor is the equilibrium's."""
         found = self.equilibrium
+        if found.is_minimum and not self._is_factor_rested:  # an edit that changes nothing was broken off
+            self._is_factor_rested = hold(self.shell, found.x, self._factor)
         if found.is_minimum and not len(found.soft_modes):
             values, _ = self._clock("soft modes", modes_of, self.shell, found.x, self._factor)
             self.equilibrium = replace(found, soft_modes=values)

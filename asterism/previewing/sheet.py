@@ -103,9 +103,12 @@ class Sheet:
 
     def holds(self, design: Design, plan: Layout, before: Design) -> bool:
         """Whether a design that follows `before` has the same print but for its stars and material."""
+        places = zip(plan.pins, self.layout.pins, strict=False)
         return (
             np.array_equal(plan.border, self.layout.border)
             and design.pins == before.pins
+            # those beside an arm are on it, and move with it
+            and all(np.array_equal(one.points, other.points) for one, other in places)
             and design.lattice == before.lattice
             and design.gravity == before.gravity
         )

@@ -184,11 +184,20 @@ def test_a_folder_where_a_file_is_to_be_is_told_at_once(tmp_path: Path) -> None:
 @pytest.mark.parametrize("name", ["shape.png", "report.html", "minimum-2.vtu"])
 def test_files_of_somebody_else_with_names_of_results_are_not_written_over(name: str, tmp_path: Path) -> None:
     (tmp_path / name).write_text("mine")
-    with pytest.raises(OutputError, match=f"{name} was not written by asterism; choose another folder"):
+    with pytest.raises(OutputError, match=f"{name} is no result's: there is no summary.json beside it; choose another"):
         check_writable(tmp_path)
     check_writable(tmp_path, "design.toml")
     (tmp_path / "summary.json").write_text('{"version": "1"}')
     check_writable(tmp_path)
+
+
+def test_a_result_may_go_beside_an_export(tmp_path: Path) -> None:
+    for name in ("export.json", "shape.vtu", "rods.vtu"):
+        (tmp_path / name).write_text("{}")
+    check_writable(tmp_path)
+    (tmp_path / "shape.png").write_text("mine")
+    with pytest.raises(OutputError, match=r"shape\.png is no result's"):
+        check_writable(tmp_path)
 
 
 def test_a_summary_of_somebody_else_is_not_written_over(tmp_path: Path) -> None:

@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from asterism.mesh_error import diameter
 from asterism.picture import image
@@ -68,3 +70,27 @@ def test_pictures_show_them() -> None:
         return float((np.ptp(colours, axis=2) > 255.0 * 0.6 * np.ptp(PINS)).mean())
 
     assert red(held()) < 1e-5 and red(held({"where": "border"})) > 1e-3
+
+
+@pytest.mark.parametrize(("edges", "lines"), [([0, 1], 1), ([0, 2], 2), ([0, 1, 2, 3], 1), ([3, 0], 1)])
+def test_sides_that_follow_each_other_are_one_tube(edges: list[int], lines: int) -> None:
+    shape = held({"edges": edges})
+    points, _, triangles = pin_marks(shape)
+    edge = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    graph = coo_array((np.ones(len(edge)), edge.T), shape=2 * (len(points),))
+    sizes = np.bincount(connected_components(graph, directed=False)[1])
+    assert np.count_nonzero(sizes > sizes.min()) == lines
+
+
+def test_marks_of_another_print_are_left_out() -> None:
+    shape = held({"where": "corners"})
+    assert len(pin_marks(replace(shape, printed=0.5 * shape.printed))[0]) == 0
+
+
+def test_a_finely_drawn_outline_is_marked_soon() -> None:
+    angle = 2.0 * np.pi * np.arange(1000) / 1000
+    border = {"polygon_mm": (38.0 * np.column_stack([np.cos(angle), np.sin(angle)])).tolist()}
+    design = Design.from_dict(RECTANGLE | {"border": border, "pins": [{"where": "border"}]}).to_dict()
+    shape = held({"where": "border"})
+    points, _, _ = pin_marks(replace(shape, summary=dict(shape.summary) | {"design": design}))
+    assert 8000 <= len(points) < 10_000

@@ -313,8 +313,8 @@ def test_corners_that_point_inwards_cut_no_arm_behind_them():
         outline = Polygon(NOTCH).exterior
         for star, tip in zip(sheet.arm_star, sheet.arm_tip, strict=True):
             arm, away = LineString([sheet.centres[star], tip]), outline.distance(Point(tip))
-            assert outline.distance(arm) > margin * (1 - 1e-3)
-            assert away < margin * (1 + 1e-3) or arm.length == pytest.approx(7)
+            assert outline.distance(arm) > margin * (1 - 2e-3)
+            assert away < margin * (1 + 2e-3) or arm.length == pytest.approx(7)
 
 
 @pytest.mark.parametrize("corner", [0.5, 0.5001, 0.51])

@@ -153,3 +153,10 @@ def test_many_pins_agree_soon():
         pins(*sets, {"edges": [700]}, border=border)
     with pytest.raises(DesignError, match=r"pins\[998\].*: must hold the corner as pins\[997\] does"):
         pins(*sets, {"edges": [998], "scale": 0.9}, border=border)
+
+
+@pytest.mark.parametrize("count", [2, 3, 10_000])
+def test_many_points_in_one_place_are_one_mistake(count):
+    places = [[10.0 + 1e-6 * k, 5.0] for k in range(count)]
+    with pytest.raises(DesignError, match=r"pins\[0\] = \[10.0, 5.0\]: must not hold the same place twice"):
+        pins({"points_mm": places})

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from asterism.compare.comparison import ScanComparison, compare_scan
 from asterism.compare.scan import Scan
+from asterism.previewing.run import preview
 from asterism.shape import Shape
+from pattern import gallery
+from pattern.normals import vertex_normals
 from tests.asterism.compare.scans import bent_sheet, motion, scanned
 from tests.asterism.sheets import dome, sheet
 
@@ -31,3 +36,15 @@ def test_the_size_of_a_whole_scan_is_found(shape: Shape, ratio: float) -> None:
 def test_a_part_fits_in_many_sizes() -> None:
     numbers = laid(bent_sheet(), 1.05, part=0.7).summary()
     assert numbers["best_size"] is None and numbers["rms_percent_at_best_size"] is None
+
+
+@pytest.mark.parametrize("off_mm", [-0.5, 0.5])
+def test_one_side_of_a_roll_is_no_other_size(off_mm: float) -> None:
+    """Of a tube every parallel surface is one of another radius; its length tells."""
+    shape = preview(gallery.load("tube"))
+    side = replace(shape, positions=shape.positions + off_mm * vertex_normals(shape.positions, shape.triangles))
+    points, _ = scanned(side, 5, 0.05, other=0.0)
+    found = compare_scan(shape, Scan(points, 0, len(points)))
+    assert found.size is not None and found.size.lifted_rms_mm < 0.6 * found.size.rms_mm
+    larger = compare_scan(shape, Scan(1.04 * points, 0, len(points))).size
+    assert larger is not None and larger.lifted_rms_mm > larger.rms_mm

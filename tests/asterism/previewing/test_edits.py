@@ -14,12 +14,13 @@ import asterism.previewing.preview as preview_module
 from asterism.previewing.preview import Preview
 from pattern import gallery
 from pattern.design import Design
+from pattern.errors import DesignError
 
 
-def edited(name: str, **sections: dict[str, Any]) -> Design:
+def edited(name: str, **sections: Any) -> Design:
     data = gallery.load(name).to_dict() | {"mesh": {"edge_mm": 4.0}}
     for section, entries in sections.items():
-        data[section] = data[section] | entries
+        data[section] = data[section] | entries if isinstance(entries, dict) else entries
     return Design.from_dict(data)
 
 
@@ -135,3 +136,43 @@ def test_free_sheets_say_that_an_edit_keeps_their_form(name: str, said: bool) ->
         for shape in (preview.shape(), preview.update(edited(name, stars={"thickness_mm": 0.41})))
     ]
     assert told == [False, said]
+
+
+def test_pins_on_arms_go_with_them() -> None:
+    """A pin beside a tip is on it; where the arm becomes shorter it is beside again."""
+    pins = {"pins": [{"points_mm": [[0.0, -9.8], [-20.0, -15.0], [20.0, -15.0]]}], "border": {"rings": 2}}
+    data = gallery.load("tube").to_dict() | {"mesh": {"edge_mm": 4.0}} | pins
+    stars = data["stars"]
+    longer, shorter = (Design.from_dict(data | {"stars": stars | {"length_mm": size}}) for size in (10.0, 8.0))
+    preview = Preview(longer)
+    shape = preview.update(shorter)
+    assert shape.at([[0.0, -9.8]])[0] == pytest.approx([0.0, -9.8, 0.0], abs=1e-6)
+    assert preview.equilibrium.energy == pytest.approx(Preview(shorter).equilibrium.energy, rel=1e-6)
+    preview.flip()
+
+
+def test_an_edit_that_is_refused_overtakes_none() -> None:
+    preview = Preview(edited("dome"))
+    pending = preview.edit(edited("dome", stars={"thickness_mm": 0.33}))
+    next(pending)
+    with pytest.raises(DesignError):
+        preview.update(edited("dome", border={"rings": 2}, pins=[{"edges": [0]}, {"edges": [1], "scale": 0.5}]))
+    assert next(pending).name == "equilibrium" and preview.equilibrium.is_minimum
+
+
+def test_softness_is_that_of_the_sheet_after_an_edit_without_change_was_broken_off(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    preview = Preview(edited("dome"))
+    before = preview.shape().summary["soft_modes_n_mm3"]
+
+    def interrupted(shell: Any, x: Any, factor: Any, *_: Any) -> None:
+        factor.factorise(2.0 * shell.hessian(x))
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(preview_module, "follow", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            preview.update(edited("dome"))
+    assert preview.equilibrium.is_minimum
+    assert preview.shape().summary["soft_modes_n_mm3"] == pytest.approx(before, rel=1e-3)
