@@ -184,6 +184,8 @@ class Preview:
         ------
         DesignError, MeshError, LawError
             As for a new preview; the old one then stays as it was.
+        RuntimeError
+            A later edit or a flip has overtaken this one.
         TypeError
             It is no design; at once.
         """
