@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache
@@ -207,7 +206,8 @@ class Preview:
             number = self._edits + 1
             if self.sheet.holds(design, plan, self.design):
                 with all_or_nothing(self, self.sheet, self.shell):
-                    linear = self._change(design, plan, values)
+                    self._clock("fields", self._change, design, plan, values)
+                    linear = self._respond()
                     self._edits = number
             else:
                 # complete before it takes the place of the old one
@@ -227,12 +227,8 @@ class Preview:
                     self._settle()
         yield Stage("equilibrium", self.equilibrium.x.copy())
 
-    def _change(self, design: Design, plan: Layout, values: StarValues) -> Response | None:
-        """New stars on the same sheet, which responds linearly: until it went on, the preview is of no equilibrium.
-
-        None where the last equilibrium's Hessian was lost and it is no longer stable; the sheet then starts anew.
-        """
-        begin = time.perf_counter()
+    def _change(self, design: Design, plan: Layout, values: StarValues) -> None:
+        """New stars on the same sheet."""
         if not (self.sheet.has_arms(plan) and design.mesh == self.design.mesh):
             self._shown = None
         self.sheet.set_stars(design, plan)
@@ -242,7 +238,12 @@ class Preview:
         self.shell.set_fields(fields)
         if design.gravity.on:
             self.shell.loads = self.sheet.loads(design)
-        self._clock.seconds["fields"] = time.perf_counter() - begin
+
+    def _respond(self) -> Response | None:
+        """The sheet after a change, to first order: until it went on, the preview is of no equilibrium.
+
+        None where the last equilibrium's Hessian was lost and it is no longer stable; the sheet then starts anew.
+        """
         old = self._rested
         if not self._is_factor_rested:
             self._is_factor_rested = hold(self.shell, old.x, self._factor)

@@ -24,6 +24,19 @@ def edited(name: str, **sections: Any) -> Design:
     return Design.from_dict(data)
 
 
+def break_off_while_it_settles(preview: Preview, design: Design, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The factor then is of some state on the way."""
+
+    def interrupted(shell: Any, x: Any, factor: Any, *_: Any) -> None:
+        factor.factorise(2.0 * shell.hessian(x))
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(preview_module, "follow", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            preview.update(design)
+
+
 @pytest.mark.parametrize(
     ("name", "key", "ends"),
     [("dome", "length_mm", (9.0, 7.0)), ("tube", "thickness_mm", (0.4, 0.5)), ("tunnel", "thickness_mm", (0.3, 0.36))],
@@ -63,17 +76,9 @@ def test_an_edit_that_is_broken_off_changes_nothing(part: str, monkeypatch: pyte
 
 
 def test_an_edit_after_one_that_was_broken_off_while_it_settled(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The factor then is of some state on the way."""
     preview, other = Preview(edited("dome")), edited("dome", stars={"thickness_mm": 0.33})
 
-    def interrupted(shell: Any, x: Any, factor: Any, *_: Any) -> None:
-        factor.factorise(2.0 * shell.hessian(x))
-        raise KeyboardInterrupt
-
-    with monkeypatch.context() as patch:
-        patch.setattr(preview_module, "follow", interrupted)
-        with pytest.raises(KeyboardInterrupt):
-            preview.update(other)
+    break_off_while_it_settles(preview, other, monkeypatch)
     assert not preview.equilibrium.is_minimum and preview.shape().summary["warnings"]
     linear, _ = preview.edit(edited("dome", stars={"thickness_mm": 0.32}))
     once = next(Preview(edited("dome")).edit(edited("dome", stars={"thickness_mm": 0.32})))
@@ -166,13 +171,6 @@ def test_softness_is_that_of_the_sheet_after_an_edit_without_change_was_broken_o
     preview = Preview(edited("dome"))
     before = preview.shape().summary["soft_modes_n_mm3"]
 
-    def interrupted(shell: Any, x: Any, factor: Any, *_: Any) -> None:
-        factor.factorise(2.0 * shell.hessian(x))
-        raise KeyboardInterrupt
-
-    with monkeypatch.context() as patch:
-        patch.setattr(preview_module, "follow", interrupted)
-        with pytest.raises(KeyboardInterrupt):
-            preview.update(edited("dome"))
+    break_off_while_it_settles(preview, edited("dome"), monkeypatch)
     assert preview.equilibrium.is_minimum
     assert preview.shape().summary["soft_modes_n_mm3"] == pytest.approx(before, rel=1e-3)
