@@ -36,18 +36,20 @@ def draw(shape: Shape, title: str, path_or_file: str | Path | IO[bytes]) -> None
     path_or_file : where the PNG goes.
     """
     shape = shape if shape.held else shape.aligned()
-    figure = Figure(figsize=(WIDTH / DPI, HEIGHT / DPI), dpi=DPI, facecolor="white")
-    FigureCanvasAgg(figure)
+    figure = Figure(figsize=(WIDTH / DPI, HEIGHT / DPI), dpi=DPI, facecolor="none")
+    words = FigureCanvasAgg(figure)
     canvas = np.ones((HEIGHT, WIDTH, 3))
     thing = surface(shape)
     low, high = shape.positions.min(axis=0), shape.positions.max(axis=0)
     _perspective(canvas, thing, (low + high) / 2, float(np.linalg.norm(high - low)))
     _to_scale(figure, canvas, thing, (low + high) / 2)
-    figure.figimage(canvas, origin="lower")
     # a long name is set smaller rather than cut
     _text(figure, MARGIN, HEIGHT - 72, title, size=15 * min(1.0, 70 / max(len(title), 1)), weight="bold", color=INK)
     _text(figure, MARGIN, HEIGHT - 112, caption(shape), size=8.5, color=PALE)
-    figure.savefig(path_or_file, format="png", dpi=DPI)
+    words.draw()
+    picture = Image.fromarray(np.rint(255 * canvas[::-1]).astype(np.uint8)).convert("RGBA")
+    picture.alpha_composite(Image.fromarray(np.asarray(words.buffer_rgba())))
+    picture.convert("RGB").save(path_or_file, format="png", dpi=(DPI, DPI))
 
 
 def image(shape: Shape, title: str) -> Image.Image:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pattern.layout import Floats, Ints
 
-FRAGMENTS_AT_ONCE = 2_000_000
+# large arrays that come and go cost more than what is done with them
+FRAGMENTS_AT_ONCE, PIXELS_AT_ONCE = 100_000, 20_000
 
 
 @dataclass(frozen=True)
@@ -20,18 +22,27 @@ class Raster:
     face : (height, width) triangle seen, -1 where there is none. Row 0 is the lowest.
     depth : (height, width) depth of that triangle, -inf where there is none.
     pixels : (P,) flat indices of the pixels that see a triangle.
-    weights : (P, 3) barycentric weights of those pixels in their triangles.
+    functions : three arrays (T, 3), the barycentric weights of a triangle's corners at pixel (x, y):
+        `functions[0] x + functions[1] y + functions[2]`.
     """
 
     face: Ints
     depth: Floats
     pixels: Ints
-    weights: Floats
+    functions: tuple[Floats, Floats, Floats]
 
     def interpolate(self, values: Floats, triangles: Ints) -> Floats:
         """(P, m) values (V, m) of the vertices at the pixels that see a triangle."""
-        corners = triangles[self.face.ravel()[self.pixels]]
-        return np.einsum("pk,pkm->pm", self.weights, values[corners])
+        seen = self.face.ravel()[self.pixels]
+        row, column = np.divmod(self.pixels, self.face.shape[1])
+        across, upwards, constant = (function[seen] for function in self.functions)
+        weights = across * (column + 0.5)[:, None] + upwards * (row + 0.5)[:, None] + constant
+        return np.einsum("pk,pkm->pm", weights, values[triangles[seen]])
+
+    def pieces(self) -> Iterator[Raster]:
+        """The same with a part of the pixels after the other."""
+        for first in range(0, len(self.pixels), PIXELS_AT_ONCE):
+            yield replace(self, pixels=self.pixels[first : first + PIXELS_AT_ONCE])
 
 
 def rasterise(places: Floats, depth: Floats, triangles: Ints, height: int, width: int) -> Raster:
@@ -71,10 +82,8 @@ def rasterise(places: Floats, depth: Floats, triangles: Ints, height: int, width
         face[pixel[wins]] = np.repeat(of, lengths)[wins]
 
     pixels = np.flatnonzero(face >= 0)
-    row, column = np.divmod(pixels, width)
-    seen = face[pixels]
-    weights = across[seen] * (column + 0.5)[:, None] + upwards[seen] * (row + 0.5)[:, None] + constant[seen]
-    return Raster(face.reshape(height, width), nearest.reshape(height, width), pixels, weights)
+    functions = across, upwards, constant
+    return Raster(face.reshape(height, width), nearest.reshape(height, width), pixels, functions)
 
 
 def _weight_functions(corners: Floats) -> tuple[Floats, Floats, Floats]:

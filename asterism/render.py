@@ -113,17 +113,24 @@ def render(thing: Surface, view: Camera, pixels_per_mm: float) -> Floats:
     depth[np.unique(strips)] += thing.lift_mm
     raster = rasterise(places, depth, triangles, rows, columns)
 
-    image = np.zeros((rows * columns, 4))
-    image[raster.pixels, :3] = _shaded(thing, view, raster, triangles, marks, _turns_left(places, triangles))
-    image[raster.pixels, :3] *= _open_sky(raster, fine)[:, None]
+    image = np.zeros((rows * columns, 4), dtype=np.float32)
+    plastic_side, around = _turns_left(places, triangles), _depth_around(raster)
+    for piece in raster.pieces():
+        colour = _shaded(thing, view, piece, triangles, marks, plastic_side)
+        image[piece.pixels, :3] = colour * _open_sky(piece, around, fine)[:, None]
     image[raster.pixels, 3] = 1.0
     image = image.reshape(rows, columns, 4)
     image[_outline(raster, fine)] = (*OUTLINE, 1.0)
-    # colours count by their opacity, so that edges do not darken
-    image[..., :3] *= image[..., 3:]
-    image = image.reshape(height, FINER, width, FINER, 4).mean(axis=(1, 3))
+    image = _coarser(image)
+    # the empty part of a pixel has no colour, so that edges do not darken
     image[..., :3] /= np.maximum(image[..., 3:], 1e-9)
     return image
+
+
+def _coarser(image: Floats) -> Floats:
+    """The mean of every FINER x FINER pixels."""
+    parts = [image[row::FINER, column::FINER] for row in range(FINER) for column in range(FINER)]
+    return np.asarray(sum(parts[1:], start=parts[0]) / len(parts))
 
 
 def _shaded(
@@ -151,22 +158,28 @@ def _shaded(
     return np.clip(colour * light[:, None] + shine[:, None], 0.0, 1.0)
 
 
-def _open_sky(raster: Raster, pixels_per_mm: float) -> Floats:
+def _depth_around(raster: Raster) -> Floats:
+    """(rows, columns) of the coarse image: mean depth over a neighbourhood; smooth, so that this is enough."""
+    covered = np.isfinite(raster.depth)
+    depth = np.where(covered, raster.depth, 0.0)
+    reach = _reach(raster)
+    share = gaussian_filter(_coarser(covered.astype(np.float32)), reach, truncate=2.5)
+    return gaussian_filter(_coarser(depth.astype(np.float32)), reach, truncate=2.5) / np.maximum(share, 1e-6)
+
+
+def _reach(raster: Raster) -> float:
+    """Of a neighbourhood, pixels of the coarse image."""
+    return 0.015 * float(np.hypot(*raster.depth.shape)) / FINER
+
+
+def _open_sky(raster: Raster, around: Floats, pixels_per_mm: float) -> Floats:
     """(P,) darker where the neighbourhood is nearer to the viewer: folds and what lies behind an edge.
 
     Reference: Luft, Colditz and Deussen, Image enhancement by unsharp masking the depth buffer, 2006.
     """
-    rows, columns = raster.depth.shape
-    coarse = (rows // FINER, FINER, columns // FINER, FINER)
-    covered = np.isfinite(raster.depth)
-    depth = np.where(covered, raster.depth, 0.0)
-    # the mean over a neighbourhood is smooth: the coarse image is enough for it
-    reach = 0.015 * np.hypot(rows, columns) / FINER
-    share = gaussian_filter(covered.reshape(coarse).mean(axis=(1, 3), dtype=np.float32), reach, truncate=2.5)
-    mean = gaussian_filter(depth.reshape(coarse).mean(axis=(1, 3), dtype=np.float32), reach, truncate=2.5)
-    around = np.kron(mean / np.maximum(share, 1e-6), np.ones((FINER, FINER), dtype=np.float32))
-    nearer = (around - depth).ravel()[raster.pixels] * pixels_per_mm / (FINER * reach)
-    return 1 - 0.38 * np.clip(nearer / 2.5, 0.0, 1.0)
+    row, column = np.divmod(raster.pixels, raster.depth.shape[1])
+    nearer = around[row // FINER, column // FINER] - raster.depth.ravel()[raster.pixels]
+    return 1 - 0.38 * np.clip(nearer * pixels_per_mm / (2.5 * FINER * _reach(raster)), 0.0, 1.0)
 
 
 def _outline(raster: Raster, pixels_per_mm: float) -> np.ndarray:
