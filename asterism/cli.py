@@ -32,7 +32,7 @@ def main() -> None:
     if status == 130:
         # Python would end by a signal if the interruption has left code given as text; other such code clears its note
         exec("")
-        stop("interrupted; nothing was written", 130)
+        stop(interruption.in_words(), 130)
     sys.exit(status)
 
 

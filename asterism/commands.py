@@ -13,7 +13,7 @@ from asterism import __version__
 from asterism.cli import stop
 from asterism.compare.cli import compare
 from asterism.export_command import export, printers
-from asterism.options import Backend, DesignFile, MaterialFile, output_option
+from asterism.options import Backend, Contact, DesignFile, MaterialFile, output_option
 from asterism.previewing.command import preview
 from asterism.reporting.command import report
 from asterism.strips.cli import app as strips
@@ -90,10 +90,7 @@ def simulate(
     fabric_bending: Annotated[
         str | None, typer.Option(help="paper, consistent or none, in place of the design's.")
     ] = None,
-    contact: Annotated[
-        bool | None,
-        typer.Option("--contact/--no-contact", help="Keep the sheet from passing through itself (needs ipctk)."),
-    ] = None,
+    contact: Contact = None,
     material: MaterialFile = None,
     backend: Backend = "auto",
 ) -> None:

@@ -15,6 +15,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import FrameType
 
+from asterism import interruption
+
 # Whoever finds this file in a directory finds all the others, from the same run.
 LAST = "summary.json"
 # Files that belong to a summary.json, of whatever kind: those of an earlier one would be taken for the new one's.
@@ -89,6 +91,7 @@ def staged(directory: str | Path, stale: str | None = None) -> Iterator[Path]:
         yield staging
         with _signals_held():
             _publish(staging, directory, stale)
+            interruption.written()
     except OSError as error:
         raise OutputError(_sentence(error, directory)) from error
     finally:

@@ -6,12 +6,13 @@ import signal
 from types import FrameType
 
 _arrived = False
+_written = False
 
 
 def listen() -> None:
     """From now on Ctrl-C, and a polite request to end, raise KeyboardInterrupt and are remembered."""
-    global _arrived
-    _arrived = False
+    global _arrived, _written
+    _arrived = _written = False
     for number in (signal.SIGINT, signal.SIGTERM):
         # who starts a program in the background may have told it to ignore them
         if signal.getsignal(number) is not signal.SIG_IGN:
@@ -29,6 +30,17 @@ def over() -> None:
 def arrived() -> bool:
     """Whether there was one."""
     return _arrived
+
+
+def written() -> None:
+    """Results are where they belong: who is interrupted from now on should know."""
+    global _written
+    _written = True
+
+
+def in_words() -> str:
+    """What an interruption has left behind."""
+    return "interrupted; " + ("the results are written" if _written else "nothing was written")
 
 
 def check() -> None:

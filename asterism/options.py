@@ -12,6 +12,10 @@ MaterialFile = Annotated[
     Path | None, typer.Option(help="A material's file: its fabric and plastic in place of the design's.")
 ]
 LawFile = Annotated[Path | None, typer.Option(help="The law's file (.npz); none: the paper's material.")]
+Contact = Annotated[
+    bool | None,
+    typer.Option("--contact/--no-contact", help="Keep the sheet from passing through itself (needs ipctk)."),
+]
 Backend = Annotated[str, typer.Option(help="Linear solver: auto, pardiso, cholmod, superlu or amg.")]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 import time
 from typing import TextIO
@@ -35,12 +36,14 @@ class Progress:
             self._stream.flush()
         self._stage = stage
         name = f"{stage} released" if stage.endswith("%") else stage
-        self._last = (
-            f"  {name:<32} iteration {iteration.number:<4} energy {iteration.energy:.4f} N mm   "
-            f"gradient {iteration.gradient_norm:.1e} N   {time.perf_counter() - self._start:.1f} s"
-        )
+        begin = f"  {name:<32} iteration {iteration.number:<4} energy {iteration.energy:.4f} N mm"
+        clock = f"   {time.perf_counter() - self._start:.1f} s"
+        self._last = f"{begin}   gradient {iteration.gradient_norm:.1e} N{clock}"
         if self._live:
-            self._stream.write("\r\x1b[K" + self._last)
+            # a line that wraps cannot be written over
+            room = shutil.get_terminal_size().columns - 1
+            shown = self._last if len(self._last) <= room else begin[: max(room - len(clock), 0)] + clock
+            self._stream.write("\r\x1b[K" + shown[:room])
             self._stream.flush()
 
     def close(self) -> None:

@@ -13,13 +13,23 @@ from asterism.shape import Shape
 from pattern.layout import Floats
 from pattern.normals import vertex_normals
 
+# of the distance to a plane, in which a tube must be closer
+BENT = 0.9
+# of the axis where the search begins: on a line of symmetry of the points it would not leave it
+ASIDE = 0.05, 0.03
+
 
 def rolled(summary: Mapping[str, Any]) -> str:
     """How a sheet is rolled, in words."""
     if summary["roll_axis_deg"] is None:
         return "-"
     radius = summary["roll_radius_mm"]
-    return f"{summary['roll_axis_deg']:.0f} deg" + ("" if radius is None else f", radius {radius:.1f} mm")
+    return f"{degrees(summary['roll_axis_deg'])} deg" + ("" if radius is None else f", radius {radius:.1f} mm")
+
+
+def degrees(axis_deg: float) -> str:
+    """A direction on the print, of which 180 deg is 0."""
+    return str(round(axis_deg) % 180)
 
 
 def roll_radius(shape: Shape, lattice_vectors: Floats) -> float | None:
@@ -30,7 +40,9 @@ def roll_radius(shape: Shape, lattice_vectors: Floats) -> float | None:
 
 
 def tube_radius(points: Floats, normals: Floats) -> float | None:
-    """mm, of the circular cylinder closest to points (n, 3) mm in the sense of least squares; None of fewer than five.
+    """mm, of the circular cylinder closest to points (n, 3) mm in the sense of least squares.
+
+    None of fewer than five points, and where a plane is nearly as close.
 
     Axis, place and radius are free. The search starts from the direction that the unit normals (n, 3) of the sheet are
     most nearly across, and from Kasa's circle through the points as they are seen along it.
@@ -61,5 +73,6 @@ def tube_radius(points: Floats, normals: Floats) -> float | None:
         return np.column_stack([-height[:, None] * moved, -moved, -np.ones(len(points))])
 
     # Levenberg and Marquardt's method; what `least_squares` does around it takes several times as long
-    found, *_ = leastsq(off, [0.0, 0.0, *middle[:2], radius], Dfun=slopes)
-    return float(abs(found[4]))
+    found, *_ = leastsq(off, [*ASIDE, *middle[:2], radius], Dfun=slopes)
+    flat = np.linalg.svd(points, compute_uv=False)[2]
+    return float(abs(found[4])) if np.linalg.norm(off(found)) < BENT * flat else None

@@ -1,8 +1,9 @@
 """Contact of the sheet with itself: a barrier between parts of its middle surface that come close.
 
 Incremental potential contact (Li et al. 2020), by the IPC Toolkit, weighted by area and in physical units (Li et al.
-2023): the energy is `E` times an integral over the sheet, so that its stiffness does not depend on the mesh. It begins
-where two middle surfaces are a thickness apart, and is infinite where they are half a thickness apart: fabric is soft.
+2023): the energy is `E` times a sum over pairs weighted by their areas. Pairs of vertices, edges and triangles count
+together, so that it is stiffer where two layers lie triangle on triangle than where they are shifted. It begins where
+two middle surfaces are a thickness apart, and is infinite where they are half a thickness apart: fabric is soft.
 """
 
 from __future__ import annotations

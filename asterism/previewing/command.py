@@ -51,7 +51,13 @@ def preview(
     typer.echo(f"{directory}: {', '.join(files)}")
     for line in shape.summary["warnings"]:
         print(f"asterism: {line}", file=sys.stderr)
-    if shape.summary["warnings"]:
+    if shape.summary["warnings"] and side != "auto":
+        print(
+            "asterism: asterism verify looks at the form of --side auto; of this one the exact model tells in Python: "
+            "asterism.simulate(design, near=shape)",
+            file=sys.stderr,
+        )
+    elif shape.summary["warnings"]:
         same = {"--law": law, "--material": material}
         words = [str(design), *(word for option, file in same.items() if file for word in (option, str(file)))]
         print(f"asterism: the exact model tells:  asterism verify {join(words)}", file=sys.stderr)
@@ -62,11 +68,11 @@ def preview(
 def table_lines(s: Mapping[str, Any]) -> list[str]:
     """The numbers of a summary, one a line."""
     from asterism.previewing.expected_height import in_words
-    from asterism.tube import rolled
+    from asterism.tube import degrees, rolled
 
     outside, tight = len(s["stars_outside_law"]), len(s["stars_tight"])
     expected, height = s["expected_rms_percent"], s["expected_height_percent"]
-    others = [f"{axis:.0f}" for axis in s["equivalent_axes_deg"] if 1.0 < abs(axis - s["roll_axis_deg"]) < 179.0]
+    others = [degrees(axis) for axis in s["equivalent_axes_deg"] if 1.0 < abs(axis - s["roll_axis_deg"]) < 179.0]
     rows = {
         "stars": f"{s['stars']}, {outside} outside the law, {tight} curled tightly",
         "height": f"{s['height_mm']:.2f} mm"

@@ -15,6 +15,7 @@ from asterism.mesh_error import diameter
 from asterism.pin_warnings import pin_warnings
 from asterism.previewing.equilibria import EDIT, NARROW
 from asterism.previewing.expected import (
+    UNSURE,
     amplitudes_percent,
     another_form_is_near,
     buckling,
@@ -66,7 +67,8 @@ def summary(
     share = share_of(held, () if held else preview.symmetries)
     tight = len(preview.values.tight) / len(layout.centres)
     # what is expected was found with three-armed stars, whose law is the same in all directions, within its range
-    foreign = max(len(preview.values.outside), len(preview.values.uneven))
+    down = int(np.count_nonzero(layout.star_branch < 0))
+    foreign = max(len(preview.values.outside), len(preview.values.uneven), down)
     known = not left_out(preview.design.lattice) and mesh_line(law) is None
     known = known and foreign <= FOREIGN * len(layout.centres)
     return {
@@ -143,7 +145,7 @@ def warnings(
         lines = [f"{len(lines)} of {len(layout.centres)} stars are outside the law, such as {lines[0]}"]
     of_law = directions_line(preview.law), coarse_line(preview.law), mesh_line(preview.law)
     lines += [line for line in of_law if line]
-    if values.tight:
+    if values.tight and not layout.is_pulled:  # held sheets are as near with them
         lines.append(
             f"{len(values.tight)} of {len(layout.centres)} stars curl to a radius below two thirds of their spacing, "
             f"where a smooth sheet says little: {few(values.tight)}"
@@ -178,9 +180,12 @@ def warnings(
     if soft_in_two_ways:
         lines.append("soft in more than one way: the sheet may rest in another form")
     if (other := close_form(others)) is not None:
+        less = other.gap < -UNSURE
+        energy = f"{-100.0 * other.gap:.0f} % less" if less else f"nearly the same energy ({100.0 * other.gap:+.1f} %)"
+        takes = "will likely" if less else "may"
         lines.append(
-            f"another form, {other.distance_percent:.0f} % of the diameter away, has nearly the same energy "
-            f"({100.0 * other.gap:+.1f} %): the exact model may take that one"
+            f"another form, {other.distance_percent:.0f} % of the diameter away, has {energy}"
+            f"{' energy' if less else ''}: the exact model {takes} take that one"
         )
     if through:
         lines.append(f"{passing(through)}; the exact model can keep it apart (solver.contact, --contact)")

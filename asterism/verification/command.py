@@ -10,7 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
-from asterism.options import Backend, DesignFile, LawFile, MaterialFile, output_option
+from asterism.options import Backend, Contact, DesignFile, LawFile, MaterialFile, output_option
 
 
 def verify(
@@ -20,6 +20,7 @@ def verify(
     edge: Annotated[
         float | None, typer.Option(help="Edge length of the exact model's mesh in mm, in place of the design's.")
     ] = None,
+    contact: Contact = None,
     material: MaterialFile = None,
     backend: Backend = "auto",
 ) -> None:
@@ -38,7 +39,10 @@ def verify(
     from equilibrium.factor import check_backend
     from pattern.design import load_design
 
-    plan = changed(with_material(load_design(design), material), {"--edge": ("mesh.edge_mm", edge)})
+    plan = changed(
+        with_material(load_design(design), material),
+        {"--edge": ("mesh.edge_mm", edge), "--contact": ("solver.contact", contact)},
+    )
     check_backend(backend)
     # simulate and preview write to the design's name, and a summary belongs to the files beside it
     directory = output or design.with_name(f"{design.stem}-verified")
@@ -65,12 +69,13 @@ def verify(
 def table_lines(s: Mapping[str, Any]) -> list[str]:
     """The numbers of a summary, one a line."""
     from asterism.mesh_error import in_words
+    from asterism.verification.numbers import times
 
     radius, rms, height = (
         s[name] for name in ("roll_radius_error_percent", "expected_rms_percent", "expected_height_percent")
     )
     release, near = s["starts"]["release"], s["starts"]["preview"]
-    apart = f"two minima, {s['starts_distance_percent']:.1f} % apart"
+    apart = f"two minima, {s['starts_distance_percent']:.2g} % apart"
     if not (release["is_minimum"] and near["is_minimum"]):
         apart = "one start in a minimum"
     agree = "both starts in one minimum" if s["starts_agree"] else apart
@@ -79,7 +84,7 @@ def table_lines(s: Mapping[str, Any]) -> list[str]:
     rows = {
         "same form": {True: "yes", False: "no", None: "not known: no certified exact shape"}[s["same_branch"]],
         "distance": f"{s['rms_percent']:.2f} % of the diameter rms, {s['max_percent']:.1f} % at most",
-        "expected": f"{_expected(rms, 1)}, height {_expected(height, 0)}",
+        "expected": f"{_expected(rms)}, height {_height(height, s['heights_mm'][1])}",
         "star centres": f"{s['rms_stars_percent']:.2f} % rms, {s['max_stars_percent']:.1f} % at most",
         "height": _mm(s["heights_mm"]),
         "rise over the pins": "-" if s["rises_mm"] is None else _mm(s["rises_mm"]),
@@ -87,13 +92,19 @@ def table_lines(s: Mapping[str, Any]) -> list[str]:
         "exact mesh error": in_words(s["exact"]),
         "exact model": f"{agree}; {release['iterations']} iterations, {near['iterations']} from the preview",
         "seconds": f"preview {s['preview_s']:.2f}, again {s['preview_again_s']:.3f}; exact {s['exact_s']:.1f}",
-        "speed-up": f"{s['speedup']:.0f}",
+        "speed-up": times(s["speedup"]),
     }
     return [f"  {name:<20} {value}" for name, value in rows.items()]
 
 
-def _expected(percent: float | None, digits: int) -> str:
-    return "not known" if percent is None else f"{percent:.{digits}f} %"
+def _expected(percent: float | None) -> str:
+    return "not known" if percent is None else f"{percent:.1f} %"
+
+
+def _height(percent: float | None, height_mm: float) -> str:
+    from asterism.previewing.expected_height import in_words
+
+    return "not known" if percent is None else in_words(percent, height_mm)
 
 
 def _mm(pair: list[float]) -> str:

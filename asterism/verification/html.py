@@ -16,14 +16,15 @@ STYLE = """
 :root { color-scheme: light; }
 body { font: 16px/1.5 system-ui, sans-serif; color: #26262b; background: #fff; max-width: 1080px; margin: 2.5rem auto;
        padding: 0 1.5rem; }
-h1 { font-size: 1.7rem; margin: 0 0 .2rem; } h2 { font-size: 1.15rem; margin: 2.2rem 0 .6rem; }
+h1 { font-size: 1.7rem; margin: 0 0 .2rem; overflow-wrap: anywhere; } h2 { font-size: 1.15rem; margin: 2.2rem 0 .6rem; }
 .lead { font-size: 1.1rem; margin: 0 0 1.2rem; }
 .small { color: #62626a; font-size: .9rem; max-width: 52rem; }
 .tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(9.5rem, 1fr)); gap: .8rem; margin: 1rem 0; }
 .tile { background: #f4f3ef; border-radius: 8px; padding: .7rem .9rem; }
 .tile b { display: block; font-size: 1.5rem; font-weight: 600; } .tile span { color: #62626a; font-size: .85rem; }
-.row { display: flex; flex-wrap: wrap; gap: 1rem; align-items: flex-end; }
-figure { flex: 1 1 300px; margin: 0; } figure img { width: 100%; height: auto; display: block; }
+.row { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(300px, 100%), 1fr)); gap: 1rem;
+       align-items: end; }
+figure { margin: 0; break-inside: avoid; } figure img { width: 100%; height: auto; display: block; }
 figcaption { color: #62626a; font-size: .85rem; margin-top: .3rem; }
 .good { color: #2a6f3c; } .bad { color: #a3361f; }
 .warnings { background: #fdf3e7; border-left: 4px solid #ed7829; margin: 1rem 0; padding: .6rem 1rem; }
@@ -33,6 +34,7 @@ table { border-collapse: collapse; margin: .4rem 0; font-variant-numeric: tabula
 th, td { text-align: left; padding: .22rem 1.2rem .22rem 0; border-bottom: 1px solid #e8e6e0; vertical-align: top; }
 td.n, th.n { text-align: right; } th { font-weight: 600; }
 td { overflow-wrap: anywhere; } td.n, td:first-child { overflow-wrap: normal; }
+@media (max-width: 600px) { th, td { padding-right: .5rem; } body { padding: 0 .8rem; } }
 """
 
 

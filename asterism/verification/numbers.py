@@ -61,6 +61,11 @@ def same_branch(comparison: Comparison, with_other: Comparison | None, apart_per
     return bool((nearer or apart_percent < FORM_PERCENT) and alike(comparison))
 
 
+def times(speedup: float) -> str:
+    """A ratio of seconds: whole, where that says enough."""
+    return f"{speedup:.0f}" if speedup >= 10.0 else f"{speedup:.2g}"
+
+
 def _relative(right: float, other: float) -> float | None:
     """% of the right value; None if that is nothing."""
     return None if abs(right) < 1e-9 else 100.0 * (other - right) / right

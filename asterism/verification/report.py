@@ -8,13 +8,20 @@ from html import escape
 from typing import Any
 
 from asterism.mesh_error import in_words
+from asterism.previewing.expected_height import in_words as height_in_words
+from asterism.tube import degrees
 from asterism.verification.html import figures, page, png, table, tiles
+from asterism.verification.numbers import times
 from asterism.verification.origins import origins
 from asterism.verification.plots import distance_map, profiles
 from asterism.verification.run import PREVIEW, RELEASE, Verification
 from asterism.verification.views import views
+from asterism.verification.warnings import FLAT
 
 MINIMA = ["exact model", "energy, N mm", "stars up", "certain to stay", "from the preview", "iterations"]
+LONGEST = 600  # characters of an entry of the design
+# part of the energy by which two minima differ from one mesh to the next
+SURE = 0.005
 NAMES = {RELEASE: "released from the flat print", PREVIEW: "started from the preview"}
 
 
@@ -54,7 +61,19 @@ def _verdict(s: Mapping[str, Any]) -> str:
     expected = s["expected_rms_percent"]
     told = "" if expected is None else f" It had expected {expected:.1f} %."
     distance = f"{s['rms_percent']:.2f} % of its diameter ({s['rms_percent'] * s['diameter_mm'] / 100.0:.2g} mm)"
-    return f"The preview shows {branch} the exact model, {distance} away.{told}"
+    return f"The preview shows {branch} the exact model, {distance} away.{told}{_nearly(s)}"
+
+
+def _nearly(s: Mapping[str, Any]) -> str:
+    """That another exact minimum is nearer, and as low as the model can tell."""
+    other = s["starts"][RELEASE if s["result_from"] == PREVIEW else PREVIEW]
+    more = other["energy_n_mm"] / s["exact"]["energy_n_mm"] - 1.0
+    if s["same_branch"] or not other["is_minimum"] or other["rms_percent"] >= s["rms_percent"] or abs(more) > SURE:
+        return ""
+    return (
+        f" The exact model has another minimum, {other['rms_percent']:.2f} % away, whose energy differs by "
+        f"{100.0 * abs(more):.1g} %: which of the two counts is not certain."
+    )
 
 
 def _how(s: Mapping[str, Any]) -> str:
@@ -76,12 +95,18 @@ def _headline(s: Mapping[str, Any]) -> dict[str, str]:
         "distance of the surfaces, rms": _percent(s["rms_percent"], 2),
         "largest distance": _percent(s["max_percent"], 1),
         "distance of star centres, rms": _percent(s["rms_stars_percent"], 2),
-        "height of the preview, against the exact one": _signed(s["height_error_percent"]),
+        **({} if _is_flat(s) else {"height of the preview, against the exact one": _signed(s["height_error_percent"])}),
         **({} if rise is None else {"rise over what is held, against the exact one": _signed(rise)}),
         **({} if radius is None else {"radius of the preview's roll, against the exact one": _signed(radius)}),
         **_mesh(s["mesh_error_percent"], s["mesh_change_percent"]),
-        "faster than the exact model": f"{s['speedup']:.0f} ×",
+        f"{'faster than' if s['speedup'] > 1.0 else 'as fast as'} the exact model": f"{times(s['speedup'])} ×",
     }
+
+
+def _is_flat(s: Mapping[str, Any]) -> bool:
+    """Heights of nothing, whose ratio says nothing."""
+    exact, preview = s["heights_mm"]
+    return bool(abs(preview - exact) < FLAT * s["diameter_mm"] and abs(s["height_error_percent"] or 0.0) > 50.0)
 
 
 def _mesh(error: float | None, change: float | None) -> dict[str, str]:
@@ -133,9 +158,13 @@ def _numbers(s: Mapping[str, Any]) -> list[list[str]]:
     if s["volumes_mm3"] is not None:
         cm3 = [volume / 1000.0 for volume in s["volumes_mm3"]]
         rows.append(["volume under the sheet, cm³", *_pair(cm3, 2), _signed(s["volume_error_percent"])])
-    axes = ["-" if axis is None else f"{axis:.0f}" for axis in s["roll_axes_deg"]]
+    axes = ["-" if axis is None else degrees(axis) for axis in s["roll_axes_deg"]]
     if axes != ["-", "-"]:
-        rows.append(["axis of the roll on the print, deg", *axes, ""])
+        itself = s["preview"].get("roll_axis_deg")
+        turned = itself is not None and degrees(itself) != axes[1]
+        laid = f" (the preview's before it was laid: {degrees(itself)})" if turned else ""
+        rows.append([f"axis of the roll on the print, deg{laid}", *axes, ""])
+    high = s["expected_height_percent"]
     return [
         *rows,
         ["normals, rms", "", "", f"{s['normals_rms_deg']:.1f}°"],
@@ -145,7 +174,7 @@ def _numbers(s: Mapping[str, Any]) -> list[list[str]]:
         ["star centres, largest", "", "", _percent(s["max_stars_percent"], 2)],
         ["stars' bumps, rms, of their size", "", "", _percent(s["relief_error_percent"], 0)],
         ["surface, rms, as the preview expected", "", "", _percent(s["expected_rms_percent"], 2)],
-        ["height, as the preview expected", "", "", _percent(s["expected_height_percent"], 1)],
+        ["height, as the preview expected", "", "", "-" if high is None else height_in_words(high, s["heights_mm"][1])],
         ["diameter, mm", f"{s['diameter_mm']:.1f}", "", ""],
     ]
 
@@ -193,8 +222,13 @@ def _design(design: Mapping[str, Any]) -> list[list[str]]:
         entries = value if isinstance(value, Mapping) else {"": value}
         for key, entry in entries.items():
             if entry not in (None, [], {}):
-                rows.append([f"{name}.{key}".rstrip("."), json.dumps(entry, ensure_ascii=False)])
+                rows.append([f"{name}.{key}".rstrip("."), _shortened(json.dumps(entry, ensure_ascii=False))])
     return rows
+
+
+def _shortened(text: str) -> str:
+    """Of a grey picture or an outline of many corners the beginning is enough."""
+    return text if len(text) <= LONGEST else f"{text[:LONGEST]} ... (all {len(text)} characters: summary.json)"
 
 
 def _pair(values: list[float], digits: int) -> list[str]:

@@ -10,6 +10,11 @@ from asterism.shape import Shape
 SAME_ENERGY = 1e-6
 
 
+def same_energy(one: float, other: float) -> bool:
+    """Whether two minima may be one."""
+    return abs(one - other) <= SAME_ENERGY * abs(one)
+
+
 def right_shape(exact: Mapping[str, Shape]) -> str:
     """The name of the certified one, and of several the lowest; of equal ones the first.
 
@@ -24,4 +29,4 @@ def right_shape(exact: Mapping[str, Shape]) -> str:
 
     best = [name for name in exact if rank(name) == min(map(rank, exact))]
     lowest = min(map(energy, best))
-    return next(name for name in best if energy(name) <= lowest + SAME_ENERGY * abs(lowest))
+    return next(name for name in best if same_energy(lowest, energy(name)))

@@ -17,7 +17,7 @@ from asterism.shape import Shape
 from asterism.simulation import Say, simulate
 from asterism.verification.comparison import Comparison, compare
 from asterism.verification.numbers import numbers, same_branch
-from asterism.verification.right_shape import right_shape
+from asterism.verification.right_shape import right_shape, same_energy
 from asterism.verification.warnings import warnings
 from discrete.branches import SAME_PERCENT
 from discrete.walk import Report
@@ -118,7 +118,8 @@ def verify(
         "exact_from_preview_s": near_s,
     }
     certain = all(shape.summary["is_minimum"] for shape in exact.values())
-    agree = certain and between.rms_percent < SAME_PERCENT and _same_stars_down(exact, plan, same)
+    near_each_other = between.rms_percent < SAME_PERCENT and _same_stars_down(exact, plan, same)
+    agree = certain and near_each_other and same_energy(*(shape.summary["energy_n_mm"] for shape in exact.values()))
     return replace(found, summary=_summary(found, between, agree, seconds) | {"command": command})
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from asterism.self_intersections import passing
@@ -21,7 +21,8 @@ FLAT = 1e-3  # part of the diameter: heights that differ by less are those of fl
 def warnings(found: Verification) -> list[str]:
     """One line each."""
     preview, exact = found.preview.summary, found.exact[found.result].summary
-    own = [*map(str, preview.get("warnings", [])), *_exact_shape(exact)]
+    own = [*map(str, preview.get("warnings", []))]
+    own += _exact_shape(exact, own)
     if not exact["is_minimum"]:  # nothing to hold the preview against
         return own
     return [
@@ -32,16 +33,23 @@ def warnings(found: Verification) -> list[str]:
     ]
 
 
-def _exact_shape(exact: Mapping[str, Any]) -> Iterator[str]:
+def _exact_shape(exact: Mapping[str, Any], known: Sequence[str]) -> Iterator[str]:
+    """What the exact model said of its shape, and was not said in other words or before."""
     if not exact["is_minimum"]:
         yield "the exact shape is not certified to be a minimum"
     if exact["self_intersections"]:
-        yield passing(exact["self_intersections"], "the exact sheet")
+        remedy = "; --contact keeps it apart" if exact.get("self_contact", {}) is None else ""
+        yield passing(exact["self_intersections"], "the exact sheet") + remedy
     down, off, total = exact["stars_down"], exact["stars_off_branch"], exact["stars_total"]
     if down:
         yield f"{len(down)} of {total} stars of the exact shape bump down: {few(down)}"
+    named = list(off_branch(exact))
     if set(off) - set(down):  # sent down, and up again
-        yield from off_branch(exact)
+        yield from named
+    said = {*known, *named}
+    for line in exact.get("warnings", []):
+        if line not in said and not line.startswith(passing(exact["self_intersections"])):
+            yield f"the exact model: {line}"
 
 
 def _far(comparison: Comparison, expected: float | None) -> Iterator[str]:

@@ -156,6 +156,28 @@ def test_interrupt_while_packages_are_loaded(package: str, how: str, tmp_path: P
     assert sorted(file.name for file in tmp_path.iterdir()) == ["d.toml", "sitecustomize.py"]
 
 
+LATE = """
+import signal
+import asterism.results
+write = asterism.results.write_results
+def interrupted(*them):
+    write(*them)
+    signal.raise_signal(signal.SIGINT)
+asterism.results.write_results = interrupted
+from asterism.cli import main
+main()
+"""
+
+
+def test_an_interrupt_after_the_results_says_that_they_are_there(tmp_path: Path) -> None:
+    (tmp_path / "d.toml").write_text(SMALL)
+    words = [sys.executable, "-c", LATE, "simulate", "d.toml", "-o", "out"]
+    ended = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert ended.returncode == 130
+    assert ended.stderr.splitlines()[-1] == "asterism: interrupted; the results are written"
+    assert (tmp_path / "out" / "summary.json").exists()
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no file that is always full")
 def test_what_cannot_be_printed_is_said_in_one_line(tmp_path: Path) -> None:
     (tmp_path / "d.toml").write_text(SMALL)

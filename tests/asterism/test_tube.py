@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import asterism
-from asterism.tube import rolled, tube_radius
+from asterism.tube import degrees, rolled, tube_radius
 
 
 @pytest.mark.parametrize(("radius", "turn"), [(10.0, 5.0), (30.0, 2.0), (80.0, 0.8)])
@@ -20,6 +20,19 @@ def test_radius_of_a_tube(radius: float, turn: float) -> None:
     turned = Rotation.random(rng=rng).as_matrix().T
     shaken = normals + 0.1 * rng.standard_normal(normals.shape)
     assert tube_radius(points @ turned + 7.0, shaken @ turned) == pytest.approx(radius, rel=1e-6)
+
+
+def test_a_search_leaves_the_line_of_symmetry_and_a_plane_is_no_tube() -> None:
+    """A dish of seven stars is mirrored by its axes; a ring that waves is as near to a plane."""
+    turns = np.arange(6) * np.pi / 3.0
+    flat = 17.0 * np.column_stack([np.cos(turns), np.sin(turns)])
+    waving = np.vstack([[0.0, 0.0, 0.0], np.column_stack([flat, 2.0 * np.cos(3.0 * turns)])])
+    assert tube_radius(waving, np.tile([0.0, 0.0, 1.0], (7, 1))) is None
+
+
+def test_half_a_turn_is_none() -> None:
+    assert [degrees(axis) for axis in (0.0, 45.4, 179.4, 179.996)] == ["0", "45", "179", "0"]
+    assert rolled({"roll_axis_deg": 179.996, "roll_radius_mm": 68.04}) == "0 deg, radius 68.0 mm"
 
 
 def test_both_models_say_how_far_a_sheet_rolls() -> None:

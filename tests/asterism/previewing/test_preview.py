@@ -16,9 +16,11 @@ import asterism
 import asterism.previewing.preview as preview_module
 from asterism.previewing.arm_relief import Arms
 from asterism.previewing.held_sheet import weight
+from asterism.previewing.other_forms import OtherForm
 from asterism.previewing.preview import Preview
 from asterism.previewing.star_relief import TURN
 from asterism.previewing.star_values import SIXFOLD_MOST, star_values
+from asterism.previewing.summary import warnings
 from asterism.simulation import simulate
 from asterism.verification.comparison import compare
 from homogenize.errors import LawError
@@ -656,3 +658,26 @@ def test_tubes_hang_by_their_corners(corners: list[int]) -> None:
     hung = design(stars={"thickness_mm": 0.45}, pins=[{"corners": corners}], gravity={"on": True})
     found = Preview(hung).equilibrium
     assert found.is_minimum and found.iterations < 60
+
+
+def test_nothing_is_expected_of_stars_that_are_sent_down() -> None:
+    """The law's are all up. A single one of many is warned of only."""
+    pins = [{"where": "border", "scale": 0.9}]
+    few, many = (
+        design(pins=pins, mesh={"edge_mm": 5.0}, stars={"override": [{"star": k, "branch": "down"} for k in range(n)]})
+        for n in (1, 5)
+    )
+    one, five = (Preview(each, plain_law()).shape().summary for each in (few, many))
+    assert one["stars"] == 37 and one["expected_rms_percent"] is not None
+    assert five["expected_rms_percent"] is None and five["expected_height_percent"] is None
+    assert any("5 of the design start down" in line for line in five["warnings"])
+
+
+def test_a_lower_form_is_not_called_nearly_as_low(curly: Preview) -> None:
+    """Which side was asked for may hide it."""
+    high, low = (OtherForm("arc", 1.0, gap, 9.0) for gap in (-0.01, -0.29))
+    near, below = (
+        next(line for line in warnings(curly, None, others=[form]) if "another form" in line) for form in (high, low)
+    )
+    assert "has nearly the same energy (-1.0 %): the exact model may take that one" in near
+    assert "has 29 % less energy: the exact model will likely take that one" in below

@@ -49,6 +49,17 @@ def test_writes_the_files_of_a_simulation(
     assert f"height               {height:.2f} mm" in table_lines(summary | {"expected_height_percent": None})[1]
 
 
+def test_a_form_on_a_side_is_not_sent_to_the_other_one(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Verifications look at the side that the stars want. Stars outside the law are warned of."""
+    (folder / "small.toml").write_text(DESIGN.replace("thickness_mm = 0.3", "thickness_mm = 0.15"))
+    words = ["preview", "small.toml", "-o", "out", "--law", "plain.npz"]
+    up, auto = (command([*words, *side], capsys, monkeypatch) for side in (["--side", "up"], []))
+    assert "asterism verify small.toml --law plain.npz" in auto.err
+    assert "asterism.simulate(design, near=shape)" in up.err and "verify small.toml" not in up.err
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [

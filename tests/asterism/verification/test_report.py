@@ -200,6 +200,56 @@ def test_nothing_is_said_against_a_preview_where_the_exact_model_has_failed(foun
     assert '<div class="tile">' not in text and "Neither start has come to a minimum" in text
 
 
+def test_page_says_that_another_minimum_is_nearer_and_as_low(found, monkeypatch):
+    """Energies move by more from mesh to mesh."""
+    monkeypatch.setattr("asterism.verification.report._pictures", lambda _: [])  # they take seconds
+    s = found.summary
+    other = "preview" if s["result_from"] == "release" else "release"
+    energy = s["exact"]["energy_n_mm"]
+
+    def told(part: float, distance: float, form: bool) -> bool:
+        near = s["starts"][other] | {"energy_n_mm": (1.0 + part) * energy, "rms_percent": distance}
+        changed = s | {"same_branch": form, "rms_percent": 10.0, "starts": s["starts"] | {other: near}}
+        return "has another minimum, " in report(replace(found, summary=changed))
+
+    assert told(5e-5, 3.29, False)
+    assert not told(0.02, 3.29, False) and not told(5e-5, 12.0, False) and not told(5e-5, 3.29, True)
+
+
+def test_a_long_entry_of_the_design_is_cut_on_the_page(found, monkeypatch):
+    monkeypatch.setattr("asterism.verification.report._pictures", lambda _: [])  # they take seconds
+    corners = [[float(k), 0.25] for k in range(500)]
+    design = found.summary["design"] | {"border": {"polygon_mm": corners}}
+    text = report(replace(found, summary=found.summary | {"design": design}))
+    assert "[100.0, 0.25]" not in text and "[1.0, 0.25]" in text and "characters: summary.json)" in text
+
+
+def test_what_is_slower_is_not_called_faster(found, monkeypatch):
+    monkeypatch.setattr("asterism.verification.report._pictures", lambda _: [])  # they take seconds
+    quick, slow = (report(replace(found, summary=found.summary | {"speedup": ratio})) for ratio in (27.3, 0.42))
+    assert "<b>27 ×</b><span>faster than the exact model</span>" in quick
+    assert "<b>0.42 ×</b><span>as fast as the exact model</span>" in slow
+
+
+def test_heights_of_nothing_are_no_percent(found, monkeypatch):
+    """A preview of .001 mm that expects to be .4 mm off."""
+    monkeypatch.setattr("asterism.verification.report._pictures", lambda _: [])  # they take seconds
+    flat = {"heights_mm": [0.03, 0.001], "height_error_percent": -96.7, "expected_height_percent": 40000.0}
+    s = found.summary | flat
+    text = report(replace(found, summary=s))
+    assert "height of the preview, against" not in text and "40000" not in text and "0.4 mm" in text
+    assert "height 0.4 mm" in "\n".join(table_lines(s | {"expected_rms_percent": 0.6}))
+
+
+def test_an_axis_that_was_taken_to_an_equivalent_one_is_told(found, monkeypatch):
+    """The warning of the preview names its own."""
+    monkeypatch.setattr("asterism.verification.report._pictures", lambda _: [])  # they take seconds
+    preview = found.summary["preview"] | {"roll_axis_deg": 90.0}
+    for axis, told in ((30.0, True), (90.0, False)):
+        s = found.summary | {"preview": preview, "roll_axes_deg": [axis, axis]}
+        assert ("before it was laid: 90)" in report(replace(found, summary=s))) is told
+
+
 @pytest.mark.parametrize(
     ("error", "change", "tile"),
     [

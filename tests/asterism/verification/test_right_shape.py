@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from asterism.verification.plots import cut
-from asterism.verification.right_shape import right_shape
+from asterism.verification.right_shape import right_shape, same_energy
 from asterism.verification.run import _same_stars_down
 from pattern.build import layout
 from pattern.design import Design
@@ -34,6 +34,11 @@ def shape(energy: float, off: tuple[int, ...] = (), minimum: bool = True, **more
 )
 def test_certified_ones_first_then_sides_then_energy(release: Any, preview: Any, counts: str) -> None:
     assert right_shape({"release": release, "preview": preview}) == counts
+
+
+def test_two_minima_are_one_if_their_energies_are() -> None:
+    assert same_energy(854.4459, 854.4459 + 1e-5) and same_energy(-1.0, -1.0 - 1e-8)
+    assert not same_energy(854.4459, 853.9709)
 
 
 def test_starts_agree_only_on_images_of_each_other() -> None:
