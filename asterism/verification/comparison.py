@@ -36,7 +36,7 @@ class Comparison:
     Attributes
     ----------
     reference : the shape that counts as right; lengths in % are of its diameter.
-    other : the other shape's image under `symmetry`, laid on the reference, without fields and summary.
+    other : the other shape's image under `symmetry`, laid on the reference, without fields of the sheet.
     layout : what was printed.
     symmetry : of the design; the compared shape stands for all its images, and this is the nearest one.
     reference_mean, other_mean : (V, 3) mm, cell means at the vertices of the reference.
@@ -240,8 +240,13 @@ def image(shape: Shape, symmetry: Symmetry) -> Shape:
     """The image of a shape under a symmetry of its design, an equilibrium like itself; without sheet fields."""
     # a shape need not have a vertex at every star
     star_vertices = shape.star_vertices[symmetry.star] if len(shape.star_vertices) else shape.star_vertices
+    numbers = shape.star[shape.star_vertices]
     star = np.full(len(shape.printed), -1, dtype=np.int64)
-    star[star_vertices] = np.arange(len(star_vertices))
+    star[star_vertices] = numbers
+    rod_fields = dict(shape.rod_fields)
+    if "star" in rod_fields:  # whose arm an edge is now
+        of = dict(zip(shape.star[star_vertices].tolist(), numbers.tolist(), strict=True))
+        rod_fields["star"] = np.array([of[number] for number in rod_fields["star"].tolist()], dtype=np.int64)
     flip = np.array([-1.0 if symmetry.mirrors else 1.0, 1.0, 1.0])
     return Shape(
         printed=(shape.printed - symmetry.shift) @ symmetry.turn,
@@ -250,7 +255,7 @@ def image(shape: Shape, symmetry: Symmetry) -> Shape:
         star=star,
         rods=shape.rods,
         star_vertices=star_vertices,
-        rod_fields=shape.rod_fields,
+        rod_fields=rod_fields,
         summary=shape.summary,
         held=shape.held,
     )

@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from asterism.cell_mean import CellMean
 from asterism.mesh_error import diameter
+from asterism.simulation import simulate
 from asterism.surface_fields import triangle_areas
 from asterism.verification.comparison import Comparison, compare, image
 from asterism.verification.numbers import alike
@@ -61,6 +62,24 @@ def test_images_have_their_stars_where_the_design_has_them():
         found = image(one, symmetry)
         np.testing.assert_allclose(found.printed[found.star_vertices], plan.centres, atol=1e-9)
         np.testing.assert_array_equal(found.star[found.star_vertices], np.arange(len(plan.centres)))
+
+
+def test_images_number_stars_and_their_arms_as_the_design_does():
+    """Where a star was removed the numbers are not the places in a list."""
+    of = design(stars={"length_mm": 8.0, "override": [{"star": 0, "remove": True}]}, mesh={"edge_mm": 4.0})
+    plan, one = layout(of), simulate(of)
+    assert plan.star_number.min() == 1
+    centres = dict(zip(plan.star_number.tolist(), plan.centres, strict=True))
+    for symmetry in symmetries(of, plan):
+        found = image(one, symmetry)
+        for number, centre in centres.items():
+            assert found.printed[found.star == number] == pytest.approx(centre[None], abs=1e-6)
+        edge = 0
+        for path in found.rods:
+            numbers = found.rod_fields["star"][edge : edge + len(path) - 1]
+            edge += len(path) - 1
+            assert found.printed[path[0]] == pytest.approx(centres[int(numbers[0])], abs=1e-6)
+            assert (numbers == numbers[0]).all()
 
 
 def test_normals_differ_by_the_angle_of_the_slopes():
