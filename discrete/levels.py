@@ -21,7 +21,6 @@ from discrete.prolongation import fitted, prolonged
 from discrete.solve import Start, relax
 from discrete.state import State
 from discrete.walk import Report
-from equilibrium.newton import Method
 from pattern.errors import MeshError
 from pattern.meshing import mesh_layout
 
@@ -55,8 +54,6 @@ def find_equilibrium(
     start: Start = "bump",
     seed: int = 0,
     backend: str = "auto",
-    method: Method = "blended",
-    max_iterations: int = 500,
     report: Report | None = None,
     near: Surface | None = None,
 ) -> tuple[Equilibrium, list[Level]]:
@@ -73,8 +70,8 @@ def find_equilibrium(
         models[0].set_release(1.0)
         there = fitted(models[0], near(models[0].mesh.points))
         begin = there if keeps_apart(models[0], there) else start
-    found = relax(models[0], begin, None, seed, backend, method, max_iterations, tell)
-    return carried_up(models, found, start, seed, backend, method, max_iterations, report)
+    found = relax(models[0], begin, seed=seed, backend=backend, report=tell)
+    return carried_up(models, found, start, seed, backend, report)
 
 
 def carried_up(
@@ -83,8 +80,6 @@ def carried_up(
     start: Start,
     seed: int,
     backend: str,
-    method: Method,
-    max_iterations: int,
     report: Report | None,
 ) -> tuple[Equilibrium, list[Level]]:
     """The equilibrium of the last model, from one of the first model through those between."""
@@ -96,7 +91,7 @@ def carried_up(
         state = _carried(previous, found.state, level, start, before)
         before = previous, found.state
         prepared = time.perf_counter() - begun
-        found = relax(level, state, None, seed, backend, method, max_iterations, _named(report, level))
+        found = relax(level, state, seed=seed, backend=backend, report=_named(report, level))
         path += found.path
         levels.append(_level(level, found, {"prolongation": prepared, **found.seconds}))
     stages: dict[str, float] = {}
