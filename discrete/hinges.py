@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 
 from discrete.elements import Array, Elements
-from discrete.kernel import combine, cross, dot, formula, loop, point, scaled, sub
+from discrete.kernel import combine, cross, dot, formula, point, scaled, sub, sweep
 
 
 @formula
@@ -107,25 +107,6 @@ def hinge_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
                     )
 
 
-@loop
-def _sweep(configuration, inputs, params, order, blend, energy, gradient, hessian):  # type: ignore[no-untyped-def]
-    q, h = np.empty(12), np.zeros((12, 12))
-    for e in range(inputs.shape[0]):
-        for i in range(12):
-            q[i] = configuration[inputs[e, i]]
-        if order == 0:
-            energy[e] = hinge_energy(q, params[e])
-        elif order == 1:
-            hinge_gradient(q, params[e], gradient[e])
-        else:
-            hinge_hessian(q, params[e], blend, h)
-            k = 0
-            for i in range(12):
-                for j in range(i + 1):
-                    hessian[e, k] = h[i, j]
-                    k += 1
-
-
 class Hinges(Elements):
     """Interior edges of the fabric.
 
@@ -137,7 +118,7 @@ class Hinges(Elements):
     """
 
     formulas = (hinge_energy, hinge_gradient, hinge_hessian)
-    sweep = staticmethod(_sweep)
+    sweep = staticmethod(sweep(12, 12, *formulas))
 
     def __init__(
         self, hinges: Array, coefficient: Array | float, compiled: bool = True, fold: Array | float = 0.0

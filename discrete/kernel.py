@@ -8,9 +8,14 @@ complex numbers, which the derivative tests use.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
 from equilibrium.compiled import HAVE_NUMBA, formula, loop
 
-__all__ = ["HAVE_NUMBA", "combine", "cross", "dot", "formula", "loop", "point", "scaled", "sub"]
+__all__ = ["HAVE_NUMBA", "combine", "cross", "dot", "formula", "point", "scaled", "sub", "sweep"]
 
 
 @formula
@@ -47,3 +52,37 @@ def dot(a, b):  # type: ignore[no-untyped-def]
 def cross(a, b):  # type: ignore[no-untyped-def]
     """a x b."""
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def sweep(
+    m: int,
+    n: int,
+    energy_of: Callable[..., Any],
+    gradient_of: Callable[..., Any],
+    hessian_of: Callable[..., Any],
+) -> Callable[..., None]:
+    """The compiled loop over elements that read m numbers and have n dofs, of their three formulas.
+
+    It writes energies (order 0), gradients (1) or packed lower triangles of Hessians (2).
+    """
+
+    def over(configuration, inputs, params, order, blend, energy, gradient, hessian):  # type: ignore[no-untyped-def]
+        q, h = np.empty(m), np.zeros((n, n))
+        for e in range(inputs.shape[0]):
+            for i in range(m):
+                q[i] = configuration[inputs[e, i]]
+            if order == 0:
+                energy[e] = energy_of(q, params[e])
+            elif order == 1:
+                gradient_of(q, params[e], gradient[e])
+            else:
+                hessian_of(q, params[e], blend, h)
+                k = 0
+                for i in range(n):
+                    for j in range(i + 1):
+                        hessian[e, k] = h[i, j]
+                        k += 1
+
+    # numba names files by this: loops that share them may, compiled by two processes at once, be taken for each other
+    over.__qualname__ = energy_of.__name__
+    return loop(over)

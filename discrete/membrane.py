@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from discrete.elements import Array, Elements
-from discrete.kernel import combine, cross, dot, formula, loop, point, scaled
+from discrete.kernel import combine, cross, dot, formula, point, scaled, sweep
 
 
 @formula
@@ -103,25 +103,6 @@ def membrane_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
                 h[3 * i + r, 3 * k + r] += identity
 
 
-@loop
-def _sweep(configuration, inputs, params, order, blend, energy, gradient, hessian):  # type: ignore[no-untyped-def]
-    q, h = np.empty(9), np.zeros((9, 9))
-    for e in range(inputs.shape[0]):
-        for i in range(9):
-            q[i] = configuration[inputs[e, i]]
-        if order == 0:
-            energy[e] = membrane_energy(q, params[e])
-        elif order == 1:
-            membrane_gradient(q, params[e], gradient[e])
-        else:
-            membrane_hessian(q, params[e], blend, h)
-            k = 0
-            for i in range(9):
-                for j in range(i + 1):
-                    hessian[e, k] = h[i, j]
-                    k += 1
-
-
 class Membrane(Elements):
     """Constant strain triangles.
 
@@ -134,7 +115,7 @@ class Membrane(Elements):
     """
 
     formulas = (membrane_energy, membrane_gradient, membrane_hessian)
-    sweep = staticmethod(_sweep)
+    sweep = staticmethod(sweep(9, 9, *formulas))
 
     def __init__(
         self,

@@ -21,7 +21,7 @@ from __future__ import annotations
 import numpy as np
 
 from discrete.elements import Array, Elements
-from discrete.kernel import combine, cross, dot, formula, loop, point, scaled
+from discrete.kernel import combine, cross, dot, formula, point, scaled, sweep
 from discrete.plate_patch import patches
 
 
@@ -202,25 +202,6 @@ def _contract(m11, m12, m22, s11, s12, s22):  # type: ignore[no-untyped-def]
     return combine(1.0, combine(m11, s11, 2.0 * m12, s12), m22, s22)
 
 
-@loop
-def _sweep(configuration, inputs, params, order, blend, energy, gradient, hessian):  # type: ignore[no-untyped-def]
-    q, h = np.empty(18), np.zeros((18, 18))
-    for e in range(inputs.shape[0]):
-        for i in range(18):
-            q[i] = configuration[inputs[e, i]]
-        if order == 0:
-            energy[e] = plate_energy(q, params[e])
-        elif order == 1:
-            plate_gradient(q, params[e], gradient[e])
-        else:
-            plate_hessian(q, params[e], blend, h)
-            k = 0
-            for i in range(18):
-                for j in range(i + 1):
-                    hessian[e, k] = h[i, j]
-                    k += 1
-
-
 class Plate(Elements):
     """The fabric's patches, one for each triangle.
 
@@ -234,7 +215,7 @@ class Plate(Elements):
     """
 
     formulas = (plate_energy, plate_gradient, plate_hessian)
-    sweep = staticmethod(_sweep)
+    sweep = staticmethod(sweep(18, 18, *formulas))
 
     def __init__(
         self,

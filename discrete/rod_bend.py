@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from discrete.elements import Elements
-from discrete.kernel import combine, cross, dot, formula, loop, point, scaled
+from discrete.kernel import combine, cross, dot, formula, point, scaled, sweep
 from discrete.rod_stencil import stencil_edges
 
 
@@ -126,27 +126,8 @@ def bend_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
     _curvature_bow(te, tf, le, lf, chi, n0, n1, minus0, minus1, p, keep * p[1] * plane, h)
 
 
-@loop
-def _sweep(configuration, inputs, params, order, blend, energy, gradient, hessian):  # type: ignore[no-untyped-def]
-    q, h = np.empty(15), np.zeros((11, 11))
-    for e in range(inputs.shape[0]):
-        for i in range(15):
-            q[i] = configuration[inputs[e, i]]
-        if order == 0:
-            energy[e] = bend_energy(q, params[e])
-        elif order == 1:
-            bend_gradient(q, params[e], gradient[e])
-        else:
-            bend_hessian(q, params[e], blend, h)
-            k = 0
-            for i in range(11):
-                for j in range(i + 1):
-                    hessian[e, k] = h[i, j]
-                    k += 1
-
-
 class RodBend(Elements):
     """Rod stencils; params (S, 6): B_b/L, B_n/L (N mm), rest curvatures k_b0, k_n0, signs of the two edges."""
 
     formulas = (bend_energy, bend_gradient, bend_hessian)
-    sweep = staticmethod(_sweep)
+    sweep = staticmethod(sweep(15, 11, *formulas))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from discrete.elements import Elements
-from discrete.kernel import dot, formula, loop, point, scaled, sub
+from discrete.kernel import dot, formula, point, scaled, sub, sweep
 
 
 @formula
@@ -46,27 +46,8 @@ def stretch_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
             h[3 + r, c] = -value
 
 
-@loop
-def _sweep(configuration, inputs, params, order, blend, energy, gradient, hessian):  # type: ignore[no-untyped-def]
-    q, h = np.empty(6), np.zeros((6, 6))
-    for e in range(inputs.shape[0]):
-        for i in range(6):
-            q[i] = configuration[inputs[e, i]]
-        if order == 0:
-            energy[e] = stretch_energy(q, params[e])
-        elif order == 1:
-            stretch_gradient(q, params[e], gradient[e])
-        else:
-            stretch_hessian(q, params[e], blend, h)
-            k = 0
-            for i in range(6):
-                for j in range(i + 1):
-                    hessian[e, k] = h[i, j]
-                    k += 1
-
-
 class RodStretch(Elements):
     """Rod edges; params (N, 2): EA (N), printed length (mm)."""
 
     formulas = (stretch_energy, stretch_gradient, stretch_hessian)
-    sweep = staticmethod(_sweep)
+    sweep = staticmethod(sweep(6, 6, *formulas))

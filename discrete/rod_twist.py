@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from discrete.elements import Elements
-from discrete.kernel import combine, cross, dot, formula, loop, point, scaled
+from discrete.kernel import combine, cross, dot, formula, point, scaled, sweep
 from discrete.rod_stencil import stencil_edges
 
 
@@ -72,27 +72,8 @@ def twist_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
             h[6 + r, 6 + c] += ff
 
 
-@loop
-def _sweep(configuration, inputs, params, order, blend, energy, gradient, hessian):  # type: ignore[no-untyped-def]
-    q, h = np.empty(15), np.zeros((11, 11))
-    for e in range(inputs.shape[0]):
-        for i in range(15):
-            q[i] = configuration[inputs[e, i]]
-        if order == 0:
-            energy[e] = twist_energy(q, params[e])
-        elif order == 1:
-            twist_gradient(q, params[e], gradient[e])
-        else:
-            twist_hessian(q, params[e], blend, h)
-            k = 0
-            for i in range(11):
-                for j in range(i + 1):
-                    hessian[e, k] = h[i, j]
-                    k += 1
-
-
 class RodTwist(Elements):
     """Rod stencils; params (S, 3): GJ/L (N mm), signs of the two edges."""
 
     formulas = (twist_energy, twist_gradient, twist_hessian)
-    sweep = staticmethod(_sweep)
+    sweep = staticmethod(sweep(15, 11, *formulas))
