@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from discrete.elements import Array
+from discrete.membrane import invariants, volumetric
 from discrete.model import Model
 from discrete.state import State
 
@@ -46,17 +47,16 @@ def creases(model: Model, state: State) -> Creases:
     beside = at_arm.any(axis=1)
     fabric = model.design.fabric
     bending = fabric.modulus_mpa * fabric.thickness_mm**3 / (12.0 * (1.0 - fabric.poisson**2))
-    tension = float(_tension(model, corner, 0.5 * twice)[beside].mean())
+    tension = float(_tension(model, state, 0.5 * twice)[beside].mean())
     width = np.sqrt(STIFFENED[fabric.bending] * bending / tension) if tension > 0.0 else np.inf
     return Creases(float(width), float(np.median(height[at_arm])))
 
 
-def _tension(model: Model, corner: Array, area: Array) -> Array:
+def _tension(model: Model, state: State, area: Array) -> Array:
     """(T,) N/mm of deformed length, mean of the principal ones."""
-    p = model.parts["membrane"].params
-    f = np.einsum("tic,tik->tck", corner, p[:, :6].reshape(-1, 3, 2))
-    c = np.einsum("tck,tcl->tkl", f, f)
-    log_j = 0.5 * np.log(np.linalg.det(c))
-    # half the trace of F S F^T, S the second Piola-Kirchhoff stress times the rest volume (`discrete.membrane`)
-    volumetric = p[:, 8] * log_j - p[:, 7] - p[:, 9] * np.exp(-2.0 * log_j)
-    return np.asarray((0.5 * p[:, 6] * np.trace(c, axis1=1, axis2=2) + volumetric) / area)
+    fabric = model.parts["membrane"]
+    p = fabric.params.T
+    _, _, c11, _, c22, log_j = invariants(state.packed[fabric.inputs.T], p)
+    by_log_j, _ = volumetric(p, log_j)
+    # half the trace of F S F^T, S the second Piola-Kirchhoff stress times the rest volume
+    return np.asarray((0.5 * p[6] * (c11 + c22) + by_log_j) / area)

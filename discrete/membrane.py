@@ -14,8 +14,8 @@ from discrete.kernel import combine, cross, dot, formula, point, scaled, sweep
 
 
 @formula
-def _state(q, p):  # type: ignore[no-untyped-def]
-    """Columns of F, the covariant metric C, the current normal and L = ln J."""
+def invariants(q, p):  # type: ignore[no-untyped-def]
+    """Columns of F, the covariant metric C and L = ln J."""
     x0, x1, x2 = point(q, 0), point(q, 1), point(q, 2)
     f1 = combine(1.0, combine(p[0], x0, p[2], x1), p[4], x2)
     f2 = combine(1.0, combine(p[1], x0, p[3], x1), p[5], x2)
@@ -24,7 +24,7 @@ def _state(q, p):  # type: ignore[no-untyped-def]
 
 
 @formula
-def _volumetric(p, log_j):  # type: ignore[no-untyped-def]
+def volumetric(p, log_j):  # type: ignore[no-untyped-def]
     """First and second derivative by L of what depends on J alone."""
     thinning = p[9] * np.exp(-2.0 * log_j)
     return p[8] * log_j - p[7] - thinning, p[8] + 2.0 * thinning
@@ -33,7 +33,7 @@ def _volumetric(p, log_j):  # type: ignore[no-untyped-def]
 @formula
 def membrane_energy(q, p):  # type: ignore[no-untyped-def]
     """Energy of a triangle; p = (b0, b1, b2, mu V, alpha V, lam V, beta V)."""
-    _, _, c11, _, c22, log_j = _state(q, p)
+    _, _, c11, _, c22, log_j = invariants(q, p)
     return (
         0.5 * p[6] * (c11 + c22 - 2.0)
         - p[7] * log_j
@@ -45,8 +45,8 @@ def membrane_energy(q, p):  # type: ignore[no-untyped-def]
 @formula
 def membrane_gradient(q, p, g):  # type: ignore[no-untyped-def]
     """dW/dx_i = V (mu F b_i + a G b_i), with G = F C^-1 and a = dW/dL."""
-    f1, f2, c11, c12, c22, log_j = _state(q, p)
-    a, _ = _volumetric(p, log_j)
+    f1, f2, c11, c12, c22, log_j = invariants(q, p)
+    a, _ = volumetric(p, log_j)
     scale = a / (c11 * c22 - c12 * c12)
     # second Piola-Kirchhoff stress mu I + a C^-1, times the rest volume
     s11, s12, s22 = p[6] + scale * c22, -scale * c12, p[6] + scale * c11
@@ -63,8 +63,8 @@ def membrane_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
     Two parts can be indefinite: n n^T times the second Piola-Kirchhoff stress (compression) and the
     in-plane spin (eigenvalue mu + a/J). `blend` lifts their negative eigenvalues towards zero.
     """
-    f1, f2, c11, c12, c22, log_j = _state(q, p)
-    a, a_prime = _volumetric(p, log_j)
+    f1, f2, c11, c12, c22, log_j = invariants(q, p)
+    a, a_prime = volumetric(p, log_j)
     det = c11 * c22 - c12 * c12
     j = np.sqrt(det)
     n = scaled(1.0 / j, cross(f1, f2))
