@@ -29,7 +29,7 @@ def pin_marks(shape: Shape) -> Marks:
     if plan is None or not plan.pins:
         return _together([])
     size, border = diameter(shape.positions), plan.border
-    points = np.concatenate([np.reshape(pin.points, (-1, 2)) for pin in plan.pins])
+    points = plan.pin_points
     runs = [run for pin in plan.pins for run in _runs(pin.edges, len(border))]
     lines = [_line(border, run, LONG * TUBE * size) for run in runs]
     sharp = np.flatnonzero(np.abs(turns(border)) > SHARP)

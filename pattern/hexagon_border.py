@@ -77,12 +77,11 @@ class HexagonBorder:
         stations = starts + self.exit(starts, steps)[:, None] * steps
         for arm, station in zip(tips, self.on_ring(stations).tolist(), strict=True):
             self._take(taken, station, self._along(layout.arm_tip[arm]))
-        for pin in layout.pins:
-            points = np.asarray(pin.points, dtype=float).reshape(-1, 2)
-            for point in points[distance_to_outline(points, layout.border) <= tolerance]:
-                at = self._along(point)
-                if not any(abs(at - t) < 1e-5 for t in taken.values()):
-                    self._take(taken, round(at) % len(self.ring), at)
+        points = layout.pin_points
+        for point in points[distance_to_outline(points, layout.border) <= tolerance]:
+            at = self._along(point)
+            if not any(abs(at - t) < 1e-5 for t in taken.values()):
+                self._take(taken, round(at) % len(self.ring), at)
         ordered = sorted(taken)
         stations, along = np.array([*ordered, len(self.ring)]), np.array([*(taken[k] for k in ordered), len(self.ring)])
         if (np.diff(along) <= 0).any():

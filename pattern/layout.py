@@ -93,6 +93,11 @@ class Layout:
         return tuple(sorted({0, *(pin.step for pin in self.pins)}))
 
     @property
+    def pin_points(self) -> Floats:
+        """(P, 2) mm, the points of all pins, one set after the other."""
+        return np.concatenate([np.empty((0, 2)), *(pin.points for pin in self.pins)])
+
+    @property
     def is_pulled(self) -> bool:
         """Pins hold more than one place along the print.
 

@@ -14,7 +14,7 @@ from pattern.layout import Floats, Ints, Layout
 from pattern.mesh import Mesh
 from pattern.mesh_check import check_edge, checked
 from pattern.mesh_cut import cut_mesh
-from pattern.pin_vertices import pin_points, pin_vertices
+from pattern.pin_vertices import pin_vertices, pins_on_sheet
 
 # flatter triangles than this (degrees) are left to the Delaunay mesh, which refines where it is narrow
 SMALLEST_ANGLE = 15.0
@@ -66,7 +66,7 @@ def _hexagon_mesh(layout: Layout, grid: LatticeGrid, hexagon: HexagonBorder, gra
     patch = hexagon.patch(grid)
     ring = patch.index(hexagon.ring)
     taken, known, places = prescribed(patch, stations, ring, outline)
-    points = moved(patch, taken, known, places, pin_points(layout), grading)
+    points = moved(patch, taken, known, places, pins_on_sheet(layout), grading)
     first = int(np.argmin(np.linalg.norm(points[ring] - layout.border[0], axis=1)))
     border_vertices = np.roll(ring, -first)
     return Mesh(

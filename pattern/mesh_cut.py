@@ -13,7 +13,7 @@ from pattern.lattice_grid import ON_LINE, GridPatch, LatticeGrid
 from pattern.layout import Floats, Ints, Layout
 from pattern.mesh import Mesh
 from pattern.outline import outline_points
-from pattern.pin_vertices import pin_points, pin_vertices
+from pattern.pin_vertices import pin_vertices, pins_on_sheet
 from pattern.planar import distance_to_outline, inside, mean_circumcentres, triangle_angles
 from pattern.triangulate import triangulate
 
@@ -35,7 +35,7 @@ def cut_mesh(layout: Layout, grid: LatticeGrid, enough: float = np.inf) -> Mesh:
     The strip along the border is smoothed until all angles are `enough` (degrees).
     """
     tolerance = ON_LINE * grid.edge_mm * grid.k
-    pins = pin_points(layout)
+    pins = pins_on_sheet(layout)
     patch = _patch_around(layout, grid)
     stations = arm_stations(layout, grid, _ends_on_border(layout, grid, tolerance))
     taken, known, places = prescribed(patch, stations)

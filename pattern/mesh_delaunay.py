@@ -16,7 +16,7 @@ from pattern.layout import Floats, Ints, Layout
 from pattern.mesh import Mesh
 from pattern.mesh_check import check_edge, checked
 from pattern.outline import outline_points
-from pattern.pin_vertices import pin_points, pin_vertices
+from pattern.pin_vertices import pin_vertices, pins_on_sheet
 from pattern.planar import distance_to_outline, distance_to_segment, inside, triangle_angles
 from pattern.triangulate import triangulate
 
@@ -52,7 +52,7 @@ def delaunay_mesh(layout: Layout, edge_mm: float, seed: int = 0, graded: bool = 
     splits : how often segments beside flat triangles are halved at most.
     """
     check_edge(layout, edge_mm)
-    pins, tolerance = pin_points(layout), _tolerance(layout)
+    pins, tolerance = pins_on_sheet(layout), _tolerance(layout)
     length = layout.arm_length
     frame = _Frame(
         outline_points(

@@ -94,5 +94,5 @@ def _corners_apart(sets: Sequence[PinSet], corners: Floats, near: float) -> Iter
 
 def _points(sets: Sequence[PinSet]) -> tuple[Floats, np.ndarray]:
     """(P, 2) all points, and (P,) the set of each."""
-    points = np.concatenate([np.empty((0, 2)), *(np.reshape(pins.points, (-1, 2)) for pins in sets)])
+    points = np.concatenate([np.empty((0, 2)), *(pins.points for pins in sets)])
     return points, np.repeat(np.arange(len(sets)), [len(pins.points) for pins in sets])

@@ -19,7 +19,7 @@ def pin_places(layout: Layout) -> tuple[Floats, Floats, Ints]:
         fixed = np.asarray(pin.fixed)
         kind = 2 * int(fixed @ [1, 2, 4]) + 20 * pin.step
         edges = [np.vstack([ends, ends.mean(axis=0)]) for ends in _stretches(border, pin.edges)]
-        for points, one in [(np.reshape(pin.points, (-1, 2)), kind), *((edge, kind + 1) for edge in edges)]:
+        for points, one in [(pin.points, kind), *((edge, kind + 1) for edge in edges)]:
             if len(points):
                 printed.append(points)
                 places.append(np.where(fixed, pin.places(points), np.nan))

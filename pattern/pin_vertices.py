@@ -6,16 +6,16 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from pattern.errors import MeshError
-from pattern.layout import Floats, Ints, Layout, PinSet
+from pattern.layout import Floats, Ints, Layout
 from pattern.planar import distance_to_outline, distance_to_segment, inside
 
 # places this close, in mm, are one
 SAME_PLACE_MM = 1e-5
 
 
-def pin_points(layout: Layout) -> Floats:
-    """All isolated pin points (P, 2) of a layout in mm; those off the sheet are refused."""
-    points = np.concatenate([np.zeros((0, 2)), *(_points(pin) for pin in layout.pins)])
+def pins_on_sheet(layout: Layout) -> Floats:
+    """The layout's pin points (P, 2) in mm; those off the sheet are refused."""
+    points = layout.pin_points
     on_border = distance_to_outline(points, layout.border) <= SAME_PLACE_MM
     off = ~(on_border | inside(points, layout.border))
     if off.any():
@@ -31,9 +31,9 @@ def pin_vertices(layout: Layout, points: Floats, border_vertices: Ints) -> tuple
     tree = cKDTree(points)
     result = []
     for pin in layout.pins:
-        distance, at = tree.query(_points(pin))
+        distance, at = tree.query(pin.points)
         if (distance > SAME_PLACE_MM).any():
-            x, y = _points(pin)[np.argmax(distance)]
+            x, y = pin.points[np.argmax(distance)]
             raise MeshError(f"no mesh vertex at the pin at ({x:g}, {y:g}) mm")
         held = [np.asarray(at, dtype=np.int64)]
         for edge in pin.edges:
@@ -46,7 +46,3 @@ def pin_vertices(layout: Layout, points: Floats, border_vertices: Ints) -> tuple
         keep = np.union1d(first, np.arange(len(at)))
         result.append(vertices[keep])
     return tuple(result)
-
-
-def _points(pin: PinSet) -> Floats:
-    return np.asarray(pin.points, dtype=float).reshape(-1, 2)

@@ -53,7 +53,7 @@ def needles(plan: Layout, spacing_mm: float, shape: Shape | None = None) -> tupl
     found: list[Needle] = []
     for pins in plan.pins:
         along = [_along(plan.border, edge, spacing_mm) for edge in sorted(pins.edges)]
-        printed = np.concatenate([pins.points.reshape(-1, 2), *along])
+        printed = np.concatenate([pins.points, *along])
         places = _places(pins, printed, shape)
         for k, point in enumerate(printed):
             # neighbouring edges share a corner

@@ -22,7 +22,7 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
-from asterism.previewing.held_sheet import distance_to_held, held_points
+from asterism.previewing.held_sheet import distance_to_held
 from asterism.previewing.smooth_surface import smooth_surface
 from asterism.previewing.star_arms import lead_nowhere
 from equilibrium.compiled import loop
@@ -61,7 +61,7 @@ class Arms:
         self.last = lead_nowhere(layout, self._centre, self.direction)
         self.at_centres, self._at_tips = space.locate(layout.centres), space.locate(layout.arm_tip)
         self._room = np.maximum(distance_to_held(layout, layout.arm_tip), NOTHING)
-        self._pins = held_points(layout)
+        self._pins = layout.pin_points
 
     def moves(self, x: Floats, kappa: Floats) -> tuple[Floats, Floats]:
         """Of the tips: (A, 2) mm of the print, by which they lie further out on the sheet, and (A,) mm, their lift.

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import numpy as np
 import scipy.sparse as sp
 from skfem import MeshTri
@@ -12,18 +10,13 @@ from asterism.previewing.sheet_mesh import SheetMesh
 from fem.conditions import Condition, HeldEdge, HeldPoints, vertices_at
 from fem.placement import affine
 from pattern.design import Design
-from pattern.layout import Floats, Ints, Layout, PinSet
+from pattern.layout import Floats, Ints, Layout
 from pattern.planar import distance_to_segment, pieces
 
 
-def held_points(layout: Layout) -> Floats:
-    """(n, 2) mm, all single points that are held."""
-    return _points(layout.pins)
-
-
 def pinned_points(layout: Layout) -> Floats:
-    """(n, 2) mm, those of them that are held along the print."""
-    return _points([pin for pin in layout.pins if pin.is_along_print])
+    """(n, 2) mm, the single points that are held along the print."""
+    return np.concatenate([np.empty((0, 2)), *(pin.points for pin in layout.pins if pin.is_along_print)])
 
 
 def held_sides(layout: Layout) -> list[tuple[int, ...]]:
@@ -38,7 +31,7 @@ def held_edges(layout: Layout) -> list[int]:
 
 def distance_to_held(layout: Layout, points: Floats) -> Floats:
     """(n,) mm from printed points (n, 2) to the nearest place that is held; infinite where nothing is."""
-    held, pins = held_edges(layout), held_points(layout)
+    held, pins = held_edges(layout), layout.pin_points
     start, end = layout.border[held], np.roll(layout.border, -1, axis=0)[held]
 
     def nearest(some: Floats) -> Floats:
@@ -57,20 +50,11 @@ def conditions(layout: Layout, sheet: SheetMesh, mesh: MeshTri, step: int) -> li
             continue
         directions, name = np.eye(3)[list(pin.fixed)], f"pins[{number}]"
         if len(pin.points):
-            places = _places(pin)
-            found.append(HeldPoints(vertices_at(mesh, pin.points), places, directions, name))
+            found.append(HeldPoints(vertices_at(mesh, pin.points), pin.places(pin.points), directions, name))
         if pin.edges:
             placement = affine(pin.scale * np.eye(3)[:, :2], pin.offset_mm)
             found.append(HeldEdge(facets[np.isin(sheet.side, pin.edges)], placement, directions, name=name))
     return found
-
-
-def _points(pins: Iterable[PinSet]) -> Floats:
-    return np.concatenate([np.empty((0, 2)), *(np.reshape(pin.points, (-1, 2)) for pin in pins)])
-
-
-def _places(pin: PinSet) -> Floats:
-    return pin.places(np.reshape(pin.points, (-1, 2)))
 
 
 def _facets(mesh: MeshTri, pairs: Ints) -> Ints:

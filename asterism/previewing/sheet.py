@@ -9,7 +9,7 @@ from skfem import MeshTri
 
 from asterism.previewing.arm_relief import Arms
 from asterism.previewing.free_rim import free_normals
-from asterism.previewing.held_sheet import conditions, held_points, held_sides, pinned_points, weight
+from asterism.previewing.held_sheet import conditions, held_sides, pinned_points, weight
 from asterism.previewing.point_pins import giving_way, softness
 from asterism.previewing.rim_arms import carried
 from asterism.previewing.self_stress import gaussian_moduli
@@ -56,7 +56,7 @@ class Sheet:
         area = polygon_area(self.layout.border)
         count = triangles or np.clip(area / _equilateral(EDGE * design.lattice.spacing_mm), FEWEST, MOST)
         edge = float(np.sqrt(area / count / _equilateral(1.0)))
-        self._mesh = sheet_mesh(self.layout.border, edge, held_points(self.layout), held_sides(self.layout))
+        self._mesh = sheet_mesh(self.layout.border, edge, self.layout.pin_points, held_sides(self.layout))
         mesh = MeshTri(np.ascontiguousarray(self._mesh.points.T), np.ascontiguousarray(self._mesh.triangles.T))
         self.space = Argyris(mesh)
         self._table = self.space.tabulate(ORDER)

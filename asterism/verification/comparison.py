@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from asterism.cell_mean import CellMean
 from asterism.mesh_error import diameter
-from asterism.previewing.held_sheet import held_edges, held_points
+from asterism.previewing.held_sheet import held_edges
 from asterism.shape import Shape
 from asterism.surface_fields import border_of
 from asterism.tube import tube_radius
@@ -233,7 +233,7 @@ def _held(layout: Layout) -> Floats:
     """(n, 2) mm, printed points that are held, and the ends of held sides."""
     sides = np.array(held_edges(layout), dtype=np.int64)
     ends = np.unique(np.concatenate([sides, (sides + 1) % len(layout.border)]))
-    return np.concatenate([held_points(layout), layout.border[ends]])
+    return np.concatenate([layout.pin_points, layout.border[ends]])
 
 
 def image(shape: Shape, symmetry: Symmetry) -> Shape:
