@@ -17,6 +17,7 @@ from pattern.design import Design
 from pattern.errors import DesignError
 from pattern.layout import Layout
 from pattern.mesh import Mesh
+from pattern.rigid_fit import rigid_fit
 
 THICKEST = 0.1  # contact begins at the fabric's thickness, at most at this fraction of the spacing of the stars
 KEPT = 0.9  # of a way that is free
@@ -151,7 +152,5 @@ class ContactModel(Model):
         """Target turned and shifted onto the positions: how a free sheet moves as a whole makes no difference."""
         if self.held.any():
             return target
-        centre, goal = positions.mean(axis=0), target.mean(axis=0)
-        u, _, vt = np.linalg.svd((target - goal).T @ (positions - centre))
-        u[:, -1] *= np.sign(np.linalg.det(u @ vt))
-        return (target - goal) @ (u @ vt) + centre
+        rotation, shift = rigid_fit(target, positions)
+        return target @ rotation.T + shift
