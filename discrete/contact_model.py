@@ -11,7 +11,7 @@ from discrete.elements import Array
 from discrete.model import Model
 from discrete.state import State, carried
 from equilibrium.extended_pattern import ExtendedPattern, entry_keys
-from equilibrium.factor import BackendError, Factor
+from equilibrium.factor import Factor
 from equilibrium.following_factor import FollowingFactor
 from pattern.design import Design
 from pattern.errors import DesignError
@@ -56,8 +56,6 @@ class ContactModel(Model):
         BackendError
             The backend is multigrid, which knows one pattern only.
         """
-        if backend == "amg":
-            raise BackendError("backend: 'amg' does not work with contact; use auto, pardiso, cholmod or superlu")
         return FollowingFactor(self, backend)
 
     def energies(self, state: State) -> dict[str, float]:

@@ -31,7 +31,7 @@ class FollowingFactor:
 
     def __init__(self, problem: HasPattern, backend: str = "auto") -> None:
         if backend == "amg":
-            raise BackendError("backend: 'amg' cannot follow contact, whose pairs change; use auto")
+            raise BackendError("backend: 'amg' does not work with contact; use auto, pardiso, cholmod or superlu")
         self._problem, self._backend = problem, backend
         self._pattern = problem.pattern
         self._factor = make_factor(self._pattern, backend)
