@@ -7,7 +7,7 @@ import numpy as np
 from discrete.between_vertices import between_vertices
 from discrete.elements import Array
 from discrete.model import Model
-from discrete.state import State, tangents
+from discrete.state import State, across, tangents
 from pattern.normals import vertex_normals
 
 
@@ -46,5 +46,4 @@ def plastic_normals(model: Model, positions: Array) -> Array:
     """(R, 3) mean normal of the sheet along every rod edge, orthogonal to it."""
     t = tangents(positions, model.edges)
     d = vertex_normals(positions, model.mesh.triangles)[model.edges].sum(axis=1)
-    d -= (d * t).sum(axis=1, keepdims=True) * t
-    return d / np.linalg.norm(d, axis=1, keepdims=True)
+    return across(d, t)

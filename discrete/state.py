@@ -42,16 +42,16 @@ def carried(state: State, edges: Array, positions: Array, turn: Array) -> State:
     t1 = tangents(positions, edges)
     d = transported(state.directors, tangents(state.positions, edges), t1)
     d = np.cos(turn)[:, None] * d + np.sin(turn)[:, None] * np.cross(t1, d)
-    return State(positions, _upright(d, t1))
+    return State(positions, across(d, t1))
 
 
 def transported(directors: Array, before: Array, after: Array) -> Array:
     """(R, 3) directors carried by parallel transport from the unit tangents `before` (R, 3) to those `after`."""
     along = (directors * after).sum(axis=1) / (1.0 + (before * after).sum(axis=1))
-    return _upright(directors - along[:, None] * (before + after), after)
+    return across(directors - along[:, None] * (before + after), after)
 
 
-def _upright(directors: Array, t: Array) -> Array:
-    """What rounding has left along the tangents is taken out."""
-    d = directors - (directors * t).sum(axis=1, keepdims=True) * t
+def across(directors: Array, along: Array) -> Array:
+    """(R, 3) directors with what they have along the unit tangents (R, 3) taken out, again of unit length."""
+    d = directors - (directors * along).sum(axis=1, keepdims=True) * along
     return d / np.sqrt((d * d).sum(axis=1, keepdims=True))

@@ -8,7 +8,7 @@ import numpy as np
 
 from discrete.elements import Array
 from discrete.stars import bump_heights
-from discrete.state import State, carried, tangents
+from discrete.state import State, across, carried, tangents
 from equilibrium.newton import Minimum, minimise
 from homogenize.cell import Cell
 
@@ -133,5 +133,4 @@ def upright(cell: Cell, state: State) -> tuple[State, Array]:
 def clean(cell: Cell, state: State) -> State:
     """Directors made orthogonal to their edges again, after rounding or a change of the images."""
     along = tangents(cell.images.unfold(state.positions), cell.edges)
-    d = state.directors - (state.directors * along).sum(axis=1, keepdims=True) * along
-    return State(state.positions, d / np.linalg.norm(d, axis=1, keepdims=True))
+    return State(state.positions, across(state.directors, along))
