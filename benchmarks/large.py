@@ -22,7 +22,8 @@ from discrete.model import Model
 from discrete.prolongation import prolonged
 from discrete.solve import relax
 from equilibrium.factor import Iterative, make_factor
-from equilibrium.newton import LEAST, STOP
+from equilibrium.newton import LEAST
+from equilibrium.support import stiffen
 from pattern import gallery
 from pattern.build import layout
 from pattern.design import Design
@@ -68,7 +69,7 @@ def system(divisions: int, backend: str) -> dict[str, Any]:
     hessian_s = time.perf_counter() - begun
     diagonal = model.pattern.diagonal
     data[diagonal] += LEAST * np.median(data[diagonal])
-    data[diagonal[model.support(state)]] += STOP * data[diagonal].max()
+    stiffen(model.pattern, data, model.support(state))
     b = model.gradient(state)
     before = memory_mb("VmRSS", reset=True)
     begun = time.perf_counter()

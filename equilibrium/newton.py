@@ -17,6 +17,7 @@ import numpy as np
 from equilibrium.conjugate import NotPositiveDefinite
 from equilibrium.factor import Factor, Iterative
 from equilibrium.sparse_pattern import Floats, Ints, SparsePattern
+from equilibrium.support import stiffen
 
 State = Any
 Method = Literal["blended", "shifted"]
@@ -26,7 +27,6 @@ Method = Literal["blended", "shifted"]
 RAISE = {"blended": 30.0, "shifted": 10.0}
 LEAST = 1e-3  # stiffness added where the convex model has none, over the median diagonal entry
 FORCING = 1e-2  # largest relative residual of an iterative solve
-STOP = 1e3  # stiffness of a support over the largest diagonal entry
 IDLE = 10  # iterations in a row that change nothing, after which there is no more to come
 
 
@@ -236,10 +236,10 @@ class _Regularisation:
 
     def _hessian(self, state: State, blend: float) -> Floats:
         data = self.clock("hessian", self.problem.hessian, state, blend)
-        diagonal = self.problem.pattern.diagonal
-        data[diagonal] += self.shift
+        pattern = self.problem.pattern
+        data[pattern.diagonal] += self.shift
         # rigid motions cost nothing, so stopping them changes a step by a rigid motion and the inertia by their zeros
-        data[diagonal[self.support]] += STOP * data[diagonal].max()
+        stiffen(pattern, data, self.support)
         return data
 
     def _solve(self, gradient: Floats) -> Floats:

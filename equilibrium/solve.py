@@ -14,9 +14,10 @@ import numpy as np
 
 from equilibrium.certificate import Eigenpair, smallest_eigenvalue
 from equilibrium.factor import Factor, Iterative
-from equilibrium.newton import STOP, Clock, Problem, minimise
+from equilibrium.newton import Clock, Problem, minimise
 from equilibrium.saddle import left
 from equilibrium.sparse_pattern import Floats
+from equilibrium.support import stiffen
 
 State = Any
 
@@ -156,6 +157,5 @@ def _down(problem: Problem, state: State, factor: Factor, tolerance: float, max_
 def held_definite(problem: Problem, state: State, data: Floats, factor: Factor) -> bool:
     """Is the matrix positive definite, its rigid motions held by an isostatic support? If so the factor holds it."""
     held = data.copy()
-    diagonal = problem.pattern.diagonal
-    held[diagonal[problem.support(state)]] += STOP * held[diagonal].max()
+    stiffen(problem.pattern, held, problem.support(state))
     return factor.factorise(held) and (not isinstance(factor, Iterative) or factor.proves_definite())

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from equilibrium.sparse_pattern import Floats, Ints
+from equilibrium.sparse_pattern import Floats, Ints, SparsePattern
+
+STOP = 1e3  # stiffness of a support over the largest diagonal entry
 
 
 def independent_dofs(motions: Floats) -> Ints:
@@ -16,3 +18,9 @@ def independent_dofs(motions: Floats) -> Ints:
         along = left[chosen[k]] / np.linalg.norm(left[chosen[k]])
         left -= np.outer(left @ along, along)
     return chosen
+
+
+def stiffen(pattern: SparsePattern, data: Floats, support: Ints) -> None:
+    """Hold the unknowns of an isostatic support in the matrix with these entries (nnz,), which are changed."""
+    diagonal = pattern.diagonal
+    data[diagonal[support]] += STOP * data[diagonal].max()

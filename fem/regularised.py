@@ -15,7 +15,8 @@ from __future__ import annotations
 import numpy as np
 
 from equilibrium.factor import Factor
-from equilibrium.newton import STOP, Clock
+from equilibrium.newton import Clock
+from equilibrium.support import stiffen
 from fem.pulling import pulling
 from fem.shell import Shell
 from fem.tabulation import Floats, Ints
@@ -89,7 +90,6 @@ class Regularised:
 
     def _accepts(self, data: Floats, support: Ints) -> bool:
         held = data + self._shift * self._shell.inertia if self._shift else data.copy()
-        diagonal = self._shell.pattern.diagonal
-        held[diagonal[support]] += STOP * held[diagonal].max()
+        stiffen(self._shell.pattern, held, support)
         self.factorisations += 1
         return bool(self._clock("factorisation", self._factor.factorise, held))

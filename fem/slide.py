@@ -9,7 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from equilibrium.factor import Factor
-from equilibrium.newton import STOP
+from equilibrium.support import stiffen
 from fem.rigid import spread
 from fem.shapes import Plane, Shape, similar
 from fem.shell import Shell
@@ -51,8 +51,7 @@ class Frame:
         """Whether the factor holds the flat sheet's stiffness; asked for before every use."""
         shell = self._shell
         data = shell.flat_stiffness.copy()
-        diagonal = shell.pattern.diagonal
-        data[diagonal[shell.support(shell.flat)]] += STOP * data[diagonal].max()
+        stiffen(shell.pattern, data, shell.support(shell.flat))
         return self._factor.factorise(data)
 
     @cached_property

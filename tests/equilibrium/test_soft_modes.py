@@ -8,9 +8,9 @@ import scipy.sparse as sp
 from scipy.linalg import eigh
 
 from equilibrium.factor import make_factor
-from equilibrium.newton import STOP
 from equilibrium.soft_modes import soft_modes
 from equilibrium.sparse_pattern import SparsePattern
+from equilibrium.support import STOP
 
 
 @pytest.mark.parametrize("count", [1, 3, 30])
