@@ -16,18 +16,22 @@ def bump_heights(model: Model, state: State) -> Array:
 
     Positive: the star bumps to the plastic side (up).
     """
-    network, mesh, stars = model.network, model.mesh, model.layout.arm_star
+    mesh, stars = model.mesh, model.layout.arm_star
     n_stars = len(model.layout.centres)
-    normal = np.zeros((n_stars, 3))
-    np.add.at(normal, stars[network.rod], state.directors)
-    length = np.linalg.norm(normal, axis=1, keepdims=True)
-    normal = normal / np.where(length > 0.0, length, 1.0)
     tips = np.zeros((n_stars, 3))
     np.add.at(tips, stars, state.positions[[rod[-1] for rod in mesh.rods]])
     arms = np.bincount(stars, minlength=n_stars)[:, None]
     centre = state.positions[mesh.star_vertices]
     drop = np.where(arms > 0, centre - tips / np.maximum(arms, 1), 0.0)
-    return (drop * normal).sum(axis=1)
+    return (drop * star_normals(model, state)).sum(axis=1)
+
+
+def star_normals(model: Model, state: State) -> Array:
+    """(S, 3) mean plastic normal of every star's arms, of unit length; zero without arms."""
+    normal = np.zeros((len(model.layout.centres), 3))
+    np.add.at(normal, model.layout.arm_star[model.network.rod], state.directors)
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    return normal / np.where(length > 0.0, length, 1.0)
 
 
 def bumped(model: Model, state: State, heights: Array) -> State:
