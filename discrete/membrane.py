@@ -11,6 +11,7 @@ import numpy as np
 
 from discrete.elements import Array, Elements
 from discrete.kernel import combine, cross, dot, formula, point, scaled, sweep
+from pattern.planar import triangle_areas, triangle_gradients
 
 
 @formula
@@ -136,16 +137,12 @@ def membrane_params(
     triangles: Array, rest: Array, thickness: float, modulus: float, poisson: float, incompressible: bool
 ) -> Array:
     """(T, 10): gradients of the shape functions (1/mm) and Lame parameters times the rest volume (N mm)."""
-    corner = rest[triangles]
-    e1, e2 = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
-    twice = e1[:, 0] * e2[:, 1] - e1[:, 1] * e2[:, 0]
-    b1 = np.column_stack([e2[:, 1], -e2[:, 0]]) / twice[:, None]
-    b2 = np.column_stack([-e1[:, 1], e1[:, 0]]) / twice[:, None]
     if incompressible:
         mu = modulus / 3.0
         lame = (mu, 0.0, 0.0, mu)
     else:
         mu = modulus / (2.0 * (1.0 + poisson))
         lame = (mu, mu, modulus * poisson / (1.0 - poisson**2), 0.0)
-    volume = 0.5 * thickness * twice
-    return np.column_stack([-b1 - b2, b1, b2, volume[:, None] * np.asarray(lame)])
+    gradients = triangle_gradients(rest, triangles).reshape(len(triangles), 6)
+    volume = thickness * triangle_areas(rest, triangles)
+    return np.column_stack([gradients, volume[:, None] * np.asarray(lame)])

@@ -18,6 +18,7 @@ import numpy as np
 from discrete.elements import Array
 from discrete.hinges import interior_edges
 from pattern.errors import MeshError
+from pattern.planar import triangle_areas, triangle_gradients
 
 # of the second derivatives for unit heights, squared, times the area squared; equilateral triangles have 1
 LARGEST_GAIN = 4.0
@@ -44,7 +45,7 @@ class Patches:
 def patches(triangles: Array, points: Array, around: Array | None = None) -> Patches:
     """Patches of counterclockwise triangles (T, 3) on points (V, 2); more triangles (R, 3) may lie around them."""
     every = triangles if around is None else np.concatenate([triangles, around])
-    first, area = _gradients(points[triangles])
+    first, area = triangle_gradients(points, triangles), triangle_areas(points, triangles)
     products = _products(first)
     others = _apexes(every)[: len(triangles)]
     second, gain = _second(points, triangles, first, products, area, np.where(others < 0, 0, others))
@@ -63,15 +64,6 @@ def patches(triangles: Array, points: Array, around: Array | None = None) -> Pat
     # a height is measured from the triangle's own plane
     own = -np.einsum("tqa,tqj->tja", second, _barycentric(points, triangles, first, others))
     return Patches(np.column_stack([triangles, others]), first, np.concatenate([own, second], axis=1), area)
-
-
-def _gradients(corner: Array) -> tuple[Array, Array]:
-    """Gradients (T, 3, 2) of the barycentric coordinates and areas (T,)."""
-    e1, e2 = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
-    twice = e1[:, 0] * e2[:, 1] - e1[:, 1] * e2[:, 0]
-    b1 = np.column_stack([e2[:, 1], -e2[:, 0]]) / twice[:, None]
-    b2 = np.column_stack([-e1[:, 1], e1[:, 0]]) / twice[:, None]
-    return np.stack([-b1 - b2, b1, b2], axis=1), 0.5 * twice
 
 
 def _products(first: Array) -> Array:

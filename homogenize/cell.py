@@ -25,6 +25,7 @@ from homogenize.torus import Torus
 from pattern.design import Design
 from pattern.layout import Layout
 from pattern.mesh import Mesh
+from pattern.planar import triangle_areas
 
 
 class Cell(System):
@@ -114,10 +115,8 @@ class Cell(System):
     @property
     def weights(self) -> Array:
         """(V,) of the base points, adding up to 1: their shares of the printed area."""
-        corner = self.printed[self.torus.triangles]
-        (x1, y1), (x2, y2) = (corner[:, 1] - corner[:, 0]).T, (corner[:, 2] - corner[:, 0]).T
-        area = np.repeat(x1 * y2 - x2 * y1, 3) / 6.0
-        return np.bincount(self.torus.base[self.torus.triangles].ravel(), area, self.torus.n_base) / self.area
+        share = np.repeat(triangle_areas(self.printed, self.torus.triangles) / 3.0, 3)
+        return np.bincount(self.torus.base[self.torus.triangles].ravel(), share, self.torus.n_base) / self.area
 
     @property
     def turn(self) -> Array:

@@ -35,6 +35,16 @@ def triangle_areas(points: Floats, triangles: Ints) -> Floats:
     return np.asarray((x[b] - x[a]) * (y[c] - y[a]) - (y[b] - y[a]) * (x[c] - x[a])) / 2
 
 
+def triangle_gradients(points: Floats, triangles: Ints) -> Floats:
+    """Gradients (T, 3, 2) of the barycentric coordinates of triangles, 1 over the unit of the points."""
+    a, b, c = points[triangles].swapaxes(0, 1)
+    e1, e2 = b - a, c - a
+    twice = cross(e1, e2)[:, None]
+    b1 = np.column_stack([e2[:, 1], -e2[:, 0]]) / twice
+    b2 = np.column_stack([-e1[:, 1], e1[:, 0]]) / twice
+    return np.stack([-b1 - b2, b1, b2], axis=1)
+
+
 def triangle_angles(points: Floats, triangles: Ints) -> Floats:
     """Angles (T, 3) in degrees at the corners of triangles."""
     x, y = points[:, 0][triangles.T], points[:, 1][triangles.T]
