@@ -13,7 +13,6 @@ from collections.abc import Callable
 from typing import Protocol, runtime_checkable
 
 import numpy as np
-import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
 from equilibrium.pardiso import PardisoFactor
@@ -106,8 +105,7 @@ class SuperLUFactor:
     def factorise(self, data: Floats) -> bool:
         if not np.isfinite(data).all():
             return False
-        low = self._pattern.lower(data)
-        full = (low + sp.tril(low, -1).T).tocsc()
+        full = self._pattern.full(data)
         try:
             lu = splu(full, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
         except RuntimeError:  # exactly singular

@@ -94,6 +94,11 @@ class SparsePattern:
         """The lower triangle as a sparse matrix."""
         return sp.csc_matrix((data, self.indices, self.indptr), shape=(self.size, self.size))
 
+    def full(self, data: Floats) -> sp.csc_matrix:
+        """Both triangles as a sparse matrix."""
+        low = self.lower(data)
+        return (low + sp.tril(low, -1).T).tocsc()
+
     def product(self, data: Floats, x: Floats) -> Floats:
         """Symmetric matrix times x (size,) or (size, k)."""
         low = self.lower(data)

@@ -214,8 +214,7 @@ class Cell(System):
             self._unfolded_pattern = SparsePattern(dofs, size, np.arange(size))
         packed = self.unfolded(state).packed
         data = self._unfolded_pattern.assemble(part.hessians(packed) for part in self.model.parts.values())
-        low = self._unfolded_pattern.lower(data)
-        return (low + sp.tril(low, -1).T).tocsr()
+        return self._unfolded_pattern.full(data).tocsr()
 
     def moment(self, state: State) -> float:
         """N, dE/dk per printed area at fixed state: at equilibrium, the bending moment conjugate to the curvature."""

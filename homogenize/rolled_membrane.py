@@ -14,7 +14,6 @@ curvature; the bending energy of that, `D k^2` beside A, is part of the answer a
 from __future__ import annotations
 
 import numpy as np
-import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
 from discrete.elements import Array
@@ -25,8 +24,7 @@ from homogenize.rolling import Tube
 def rolled_membrane(cell: Cell, tube: Tube) -> Array:
     """(3, 3) N/mm, Voigt (E11, E22, 2 E12) in print coordinates, per printed area."""
     cell.tube(tube.curvature, tube.angle)
-    low = cell.pattern.lower(cell.hessian(tube.state, 0.0))
-    whole = (low + sp.tril(low, -1).T).tocsc()
+    whole = cell.pattern.full(cell.hessian(tube.state, 0.0))
     strains = _strain_rates(cell, tube)[:, cell.free]
     flexibility = strains @ splu(whole).solve(np.ascontiguousarray(strains.T))
     along = np.linalg.inv(0.5 * (flexibility + flexibility.T)) / cell.area
