@@ -10,8 +10,6 @@ from asterism.law_errors import coarse_line, mesh_line
 from homogenize.law import Law
 from homogenize.table import NAMES, Table
 
-COLUMNS = ("lam", "lam_n", "kappa", "bending", "a11", "a12", "c3", "offset_mm")
-
 
 def law_table(law: Law) -> list[str]:
     """Lines to print."""
@@ -43,7 +41,7 @@ def _values(table: Table) -> list[str]:
     for length in lengths[1:][:: max(1, (len(lengths) - 1) // 4)]:
         for h in thicknesses[:: max(1, (len(thicknesses) - 1) // 3)]:
             found = table(length, h, w)
-            v = {name: float(found.value[name][0]) for name in COLUMNS}
+            v = {name: float(found.value[name][0]) for name in NAMES}
             numbers = (
                 f"{v['lam']:.4f}   {v['lam_n']:.4f}     {v['kappa']:8.5f} {v['bending']:7.3f} {v['a11']:9.3f} "
                 f"{v['a12']:9.3f} {v['c3']:9.3f} {v['offset_mm']:10.3f}"

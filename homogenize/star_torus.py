@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from homogenize.torus import SAME, STEPS, Torus, torus_mesh
+from homogenize.torus import SAME, Torus, torus_mesh
 from homogenize.torus_free import AROUND, free_torus
 from pattern.arms import check_clear
 from pattern.design import Design
 from pattern.errors import MeshError
-from pattern.lattice import Lattice
+from pattern.lattice import DIRECTIONS, Lattice
 from pattern.layout import Floats, Ints
 
 # a star, and those around whose arms may touch its own, by lattice vectors
@@ -41,8 +41,8 @@ def star_torus(design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1),
 
 
 def lattice_lines(lattice: Lattice) -> Ints | None:
-    """(arms,) the lines, indices into `homogenize.torus.STEPS`, that the arms lie on; None unless all lie on one."""
-    along = STEPS @ np.asarray(lattice.vectors)
+    """(arms,) the lines, numbers in `DIRECTIONS`, that the arms lie on; None unless all lie on one."""
+    along = DIRECTIONS @ np.asarray(lattice.vectors)
     along = along / np.linalg.norm(along, axis=1, keepdims=True)
     match = np.asarray(lattice.arm_directions) @ along.T
     return match.argmax(axis=1) if (match.max(axis=1) > 1.0 - 1e-9).all() else None

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pattern.errors import MeshError
-from pattern.lattice_grid import DIRECTIONS, ON_LINE, GridPatch, LatticeGrid
+from pattern.lattice import DIRECTIONS
+from pattern.lattice_grid import ON_LINE, GridPatch, LatticeGrid
 from pattern.layout import Floats, Ints, Layout
 from pattern.planar import distance_to_outline
 

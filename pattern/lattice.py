@@ -12,6 +12,8 @@ from pattern.layout import Floats, Ints
 from pattern.section import Number, Point, Section, Whole
 
 DEFAULT_SPACING = 10 * np.sqrt(3.0)
+# along which a grid that refines the lattice has its lines, in its own coordinates, counterclockwise
+DIRECTIONS = np.array([[1, 0], [0, 1], [-1, 1], [-1, 0], [0, -1], [1, -1]])
 
 
 class Lattice(Section):

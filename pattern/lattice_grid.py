@@ -10,12 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pattern.errors import MeshError
+from pattern.lattice import DIRECTIONS
 from pattern.layout import Floats, Ints, Layout
 from pattern.planar import cross
 from pattern.springs import means_of_neighbours
 
-# the six directions of the grid in its own coordinates, counterclockwise
-DIRECTIONS = np.array([[1, 0], [0, 1], [-1, 1], [-1, 0], [0, -1], [1, -1]])
 # how far from a grid line counts as on it, in lattice distances
 ON_LINE = 1e-6
 

@@ -17,6 +17,7 @@ from asterism.compare.errors import ScanError, check_file
 from asterism.compare.units import MM
 from asterism.csv_cells import read_rows
 from pattern.layout import Floats
+from pattern.planar import polygon_area
 
 FORMATS = (".svg", ".csv")
 _LARGEST = 1e6
@@ -115,7 +116,7 @@ def _from_svg(path: Path, unit: str | None) -> Outline:
                 (lines if closed else opened).append(line)
     if not lines:
         raise ScanError(path, f"holds no {'closed ' if opened else ''}line with three corners or more")
-    largest = max(lines, key=_area)
+    largest = max(lines, key=lambda line: abs(polygon_area(line)))
     if not np.isfinite(largest).all() or np.abs(largest).max() > _LARGEST:
         raise ScanError(path, "holds places that are not finite numbers, or too large")
     if measured and unit is not None:
@@ -153,8 +154,3 @@ def _points(piece: object) -> list:
     if isinstance(piece, svg.Line | svg.Close | svg.Move):
         return [piece.end] if piece.end is not None else []
     return [piece.point(k / _PIECES) for k in range(1, _PIECES + 1)]  # type: ignore[attr-defined]
-
-
-def _area(points: Floats) -> float:
-    x, y = points.T
-    return abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2

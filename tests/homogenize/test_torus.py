@@ -7,8 +7,9 @@ import pytest
 
 from homogenize.arm_segments import arm_segments
 from homogenize.star_torus import lattice_lines, star_torus
-from homogenize.torus import STEPS, torus_mesh
+from homogenize.torus import torus_mesh
 from pattern.errors import MeshError
+from pattern.lattice import DIRECTIONS
 from pattern.planar import triangle_areas
 from tests.homogenize.cells import design
 
@@ -64,7 +65,7 @@ def test_hinges_are_between_triangles():
 def test_arms_that_overlap_are_refused():
     with pytest.raises(MeshError, match="overlap"):
         torus_mesh(VECTORS, np.arange(6), np.full(6, 9.0), 2.5)
-    assert len(torus_mesh(VECTORS, np.arange(6), np.full(6, 8.0), 2.5).rods) == len(STEPS)
+    assert len(torus_mesh(VECTORS, np.arange(6), np.full(6, 8.0), 2.5).rods) == len(DIRECTIONS)
 
 
 @pytest.mark.parametrize(
