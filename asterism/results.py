@@ -6,17 +6,16 @@ A shape's are summary.json, shape.vtu, rods.vtu, shape.png, and a pair for every
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 from asterism.export_vtu import write_rods_vtu, write_shape_vtu
 from asterism.files import BESIDE_SUMMARY, LAST, holds_result, staged
 from asterism.picture import draw
 from asterism.shape import Shape
 from pattern.arguments import check_kind
+from pattern.files import plain
 
 VERIFICATION = "verification"  # the `model` of a summary that is of two shapes
 
@@ -54,14 +53,3 @@ def write_results(shape: Shape, directory: str | Path) -> list[str]:
             draw(other, f"{shape.summary['design']['name']}, minimum {number}", folder / f"minimum-{number}.png")
         (folder / LAST).write_text(json.dumps(plain(dict(shape.summary)), indent=2, allow_nan=False) + "\n")
         return sorted(file.name for file in folder.iterdir())
-
-
-def plain(value: Any) -> Any:
-    """JSON has no infinity and no not-a-number: both become null."""
-    if isinstance(value, dict):
-        return {key: plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value

@@ -9,7 +9,6 @@ from __future__ import annotations
 import hashlib
 import importlib.metadata
 import json
-import math
 import time
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
@@ -22,7 +21,7 @@ from homogenize.plan import Material, Task
 from homogenize.workers import local, on_dask
 from pattern.design import Design
 from pattern.errors import DesignError, MeshError
-from pattern.files import read_table, write_table
+from pattern.files import plain, read_table, write_table
 
 # raised when a sample's file means something else than before
 FORMAT = 1
@@ -169,7 +168,7 @@ def _progress(records: dict[Task, Record], tasks: list[Task], left: float | None
 
 def _write(material: Material, record: Record, folder: Path, respond: Respond | None) -> Record:
     """Write a record, and return it as it will be read again."""
-    sample = json.loads(json.dumps(_plain(record.sample)))
+    sample = json.loads(json.dumps(plain(record.sample)))
     content = {
         "format": FORMAT,
         "version": VERSION,
@@ -203,14 +202,3 @@ def _read(material: Material, task: Task, folder: Path, respond: Respond | None)
 def _check(sample: Any) -> str:
     """Of a sample as it is written, whose file may be damaged and be JSON still."""
     return hashlib.sha256(json.dumps(sample, sort_keys=True).encode()).hexdigest()[:16]
-
-
-def _plain(value: Any) -> Any:
-    """Plain data for JSON: a number that is not one becomes null."""
-    if isinstance(value, dict):
-        return {name: _plain(inner) for name, inner in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(inner) for inner in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value

@@ -1,8 +1,9 @@
-"""Design files: TOML and JSON in, TOML and JSON out."""
+"""Design files: TOML and JSON in, TOML and JSON out; and plain data for JSON."""
 
 from __future__ import annotations
 
 import json
+import math
 import os
 import re
 import tempfile
@@ -89,6 +90,17 @@ def write_table(table: dict[str, Any], path: Path) -> None:
     except BaseException:
         Path(name).unlink(missing_ok=True)
         raise
+
+
+def plain(value: Any) -> Any:
+    """JSON has no infinity and no not-a-number: both become null."""
+    if isinstance(value, dict):
+        return {key: plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
 
 
 def _toml_tables(table: dict[str, Any], name: str, heading: str = "") -> list[str]:

@@ -7,10 +7,11 @@ from pathlib import Path
 
 from asterism.export_vtu import write_shape_vtu
 from asterism.files import LAST
-from asterism.results import plain, staged_result
+from asterism.results import staged_result
 from asterism.verification.report import report
 from asterism.verification.run import Verification
 from pattern.arguments import check_kind
+from pattern.files import plain
 
 
 def write_verification(found: Verification, directory: str | Path) -> list[str]:

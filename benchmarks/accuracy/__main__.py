@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import Any
 
 from asterism.files import write_file
-from asterism.results import plain
 from benchmarks.accuracy import report
 from benchmarks.accuracy.causes import causes
 from benchmarks.accuracy.designs import designs
@@ -29,6 +28,7 @@ from homogenize.errors import LawError
 from homogenize.law import Law
 from homogenize.law_file import digest, load_law
 from pattern.design import Design
+from pattern.files import plain
 
 ROOT = Path(__file__).parents[2]
 
