@@ -6,7 +6,7 @@ from typing import Literal
 
 from matplotlib.axes import Axes
 
-INK, PALE = "#26262b", "#7a7a82"
+from asterism.colours import INK, PALE
 
 
 def tidy(axes: Axes, title: str, below: str, size: int = 10, side: Literal["left", "right"] = "left") -> None:

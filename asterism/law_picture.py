@@ -11,7 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from asterism.chart_axes import INK, PALE, tidy, with_grid
+from asterism.chart_axes import tidy, with_grid
+from asterism.colours import INK, PALE
 from homogenize.law import Law
 from homogenize.table import NAMES, Table
 

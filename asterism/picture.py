@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from PIL import Image
 
+from asterism.colours import INK, PALE
 from asterism.render import OBLIQUE, VIEWS, Camera, Surface, camera, render, surface
 from asterism.shape import Shape
 from pattern.layout import Floats
@@ -21,7 +22,6 @@ WIDTH, HEIGHT, DPI = 2000, 1120, 200
 MARGIN, CAPTION = 60, 150
 # the perspective view has the left part of the picture, the two drawings to scale the right one
 DIVISION = 1240
-INK, PALE = "#26262b", "#7a7a82"
 LEAST = 1e-4  # N mm: less is rounding
 
 

@@ -15,7 +15,8 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from asterism.chart_axes import INK, PALE, tidy
+from asterism.chart_axes import tidy
+from asterism.colours import INK, PALE
 from asterism.compare.comparison import ScanComparison
 from asterism.compare.silhouette import Fitted
 from asterism.render import OBLIQUE, camera, render

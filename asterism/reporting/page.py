@@ -20,6 +20,7 @@ from matplotlib.transforms import Affine2D, Transform
 from PIL import Image
 from shapely.geometry.base import BaseGeometry
 
+from asterism.colours import INK, PALE
 from asterism.export.job import Job
 from asterism.picture import draw
 from asterism.reporting.facts import Facts
@@ -28,7 +29,7 @@ from pattern.layout import Floats
 
 A4_MM = np.array([210.0, 297.0])
 MARGIN_MM = 15.0
-INK, PALE, RED, SHEET = "#26262b", "#7a7a82", "#c8553d", "#f3f1ea"
+RED, SHEET = "#c8553d", "#f3f1ea"
 # room for the drawing, and the most needles that are listed
 LAYOUT_MM, LAYOUT_AT = np.array([112.0, 122.0]), np.array([83.0, 42.0])
 MOST_NEEDLES = 12

@@ -10,7 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from asterism.chart_axes import INK, PALE, tidy, with_grid
+from asterism.chart_axes import tidy, with_grid
+from asterism.colours import INK, PALE
 from asterism.strips.fit import StripFit
 from asterism.strips.strip import Reading
 from pattern.kept_curvature import kept_curvature
