@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from asterism.mesh_error import diameter
+from asterism.diameter import diameter
 from asterism.shape import Shape
 from pattern.build import layout
 from pattern.design import Design

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 
-from asterism.mesh_error import diameter
+from asterism.diameter import diameter
 from asterism.shape import Shape
 from asterism.simulation import simulate
 from benchmarks.convergence_tables import GROUPS, report

@@ -18,8 +18,8 @@ from asterism.compare.picture import draw_outline, draw_scan
 from asterism.compare.scan import extent, read_scan
 from asterism.compare.silhouette import Fitted, fit_outline, silhouette
 from asterism.compare.units import check_size
+from asterism.diameter import diameter
 from asterism.files import LAST, OutputError, check_writable, holds_result
-from asterism.mesh_error import diameter
 from asterism.read_shape import folder_of, read_shape
 from asterism.results import staged_result
 from asterism.shape import Shape

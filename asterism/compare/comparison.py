@@ -12,7 +12,7 @@ from asterism.compare.nearest import NearestOnSurface
 from asterism.compare.registration import SPREAD, Pose, distinct, register
 from asterism.compare.scan import Scan
 from asterism.compare.size import Size, fitted_size
-from asterism.mesh_error import diameter
+from asterism.diameter import diameter
 from asterism.shape import Shape
 from asterism.surface_fields import triangle_areas
 from pattern.layout import Floats, Ints

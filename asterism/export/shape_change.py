@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from asterism.mesh_error import diameter
+from asterism.diameter import diameter
 from asterism.shape import Shape
 from pattern.design import Design
 from pattern.layout import Layout

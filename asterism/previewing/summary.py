@@ -9,9 +9,9 @@ import numpy as np
 
 from asterism import __version__
 from asterism.contraction import contraction
+from asterism.diameter import diameter
 from asterism.law_directions import directions_line
 from asterism.law_errors import coarse_line, mesh_line
-from asterism.mesh_error import diameter
 from asterism.pin_warnings import pin_warnings
 from asterism.previewing.equilibria import EDIT, NARROW
 from asterism.previewing.expected import (

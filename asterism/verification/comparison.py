@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from asterism.cell_mean import CellMean
-from asterism.mesh_error import diameter
+from asterism.diameter import diameter
 from asterism.previewing.held_sheet import held_edges
 from asterism.shape import Shape
 from asterism.surface_fields import border_of

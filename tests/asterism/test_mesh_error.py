@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from asterism.mesh_error import diameter, estimate, in_words, mesh_error
+from asterism.diameter import diameter
+from asterism.mesh_error import estimate, in_words, mesh_error
 from asterism.shape import Shape
 from asterism.simulation import simulate
 from pattern import gallery

@@ -10,7 +10,7 @@ import pytest
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from asterism.mesh_error import diameter
+from asterism.diameter import diameter
 from asterism.picture import image
 from asterism.pin_marks import BALL, TUBE, pin_marks
 from asterism.render import PINS

@@ -11,8 +11,8 @@ import trimesh
 from PIL import Image
 
 from asterism.compare.silhouette import silhouette
+from asterism.diameter import diameter
 from asterism.export_vtu import write_shape_vtu
-from asterism.mesh_error import diameter
 from tests.asterism.commands import command
 from tests.asterism.compare.scans import bent_sheet, motion
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from asterism.cell_mean import CellMean
-from asterism.mesh_error import diameter
+from asterism.diameter import diameter
 from asterism.simulation import simulate
 from asterism.surface_fields import triangle_areas
 from asterism.verification.comparison import Comparison, compare, image
