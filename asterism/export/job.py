@@ -10,6 +10,7 @@ import numpy as np
 import shapely
 
 from asterism.export.arm_regions import border_terrace, star_terraces
+from asterism.export.estimate import estimate
 from asterism.export.needles import Needle, in_plastic, needles
 from asterism.export.placement import Placement, place
 from asterism.export.plastic import PlasticProfile
@@ -119,6 +120,12 @@ class Job:
         if self.border is not None:
             solids.append(stack("border", [on_bed.step(self.border)]))
         return tuple(solids)
+
+    @cached_property
+    def cost(self) -> dict[str, float]:
+        """What stars and border line take to print, see `asterism.export.estimate`."""
+        prints = [self.stars, *([(self.border,)] if self.border is not None else [])]
+        return estimate(prints, self.printer, self.rounding, self.plastic)
 
 
 def prepare(

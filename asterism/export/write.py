@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 from asterism.export import dxf, glb, icesl, instructions, needle_table, obj, openscad, pdf, sheets, stl, svg, threemf
-from asterism.export.estimate import estimate
 from asterism.export.job import CHECK_SQUARE_MM, Job
 from asterism.export.rounded import better_layers, tiny_stars
 from asterism.export_vtu import write_rods_vtu, write_shape_vtu
@@ -36,8 +35,6 @@ def write_export(job: Job, directory: str | Path, change: dict[str, Any] | None 
     OutputError
         The files cannot be written there.
     """
-    prints = [job.stars, *([(job.border,)] if job.border is not None else [])]
-    cost = estimate(prints, job.printer, job.rounding, job.plastic)
     tiny = tiny_stars(job.plan, job.plastic.tiny_arm_mm)
     stale = None  # in a folder without an export everything is somebody's own
     if (Path(directory) / SUMMARY).is_file():
@@ -49,7 +46,7 @@ def write_export(job: Job, directory: str | Path, change: dict[str, Any] | None 
         openscad.write(folder / "stars.scad", job)
         icesl.write(folder / "stars.lua", job)
         _write_sheets(job, folder)
-        parts = instructions.chapters(job, cost, tiny)
+        parts = instructions.chapters(job, job.cost, tiny)
         pdf.write(folder / "instructions.pdf", instructions.as_pages(job, parts))
         (folder / "instructions.txt").write_text(instructions.as_text(job, parts), encoding="utf-8", newline="\n")
         code = job.printer.start_snippet(job.z_offset_mm)
@@ -58,7 +55,7 @@ def write_export(job: Job, directory: str | Path, change: dict[str, Any] | None 
         if job.shape is not None:
             write_shape_files(job.shape, job.design.name, folder)
         files = sorted([SUMMARY, *(file.name for file in folder.iterdir())])
-        summary = _summary(job, cost, tiny, change) | {"files": files}
+        summary = _summary(job, tiny, change) | {"files": files}
         (folder / SUMMARY).write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
     return summary
 
@@ -87,9 +84,7 @@ def _write_sheets(job: Job, folder: Path) -> None:
     pdf.write(folder / "layout.pdf", pages)
 
 
-def _summary(
-    job: Job, cost: dict[str, float], tiny: list[dict[str, Any]], change: dict[str, Any] | None
-) -> dict[str, Any]:
+def _summary(job: Job, tiny: list[dict[str, Any]], change: dict[str, Any] | None) -> dict[str, Any]:
     better = better_layers(job.drawn_plan, job.rounding)
     return {
         "design": job.design.to_dict(),
@@ -112,5 +107,5 @@ def _summary(
         "needles_in_plastic": job.needles_in_plastic,
         "hangs_below_base_mm": job.hangs_mm,
         "hangs_doubt_mm": job.hangs_doubt_mm,
-        "estimate": cost,
+        "estimate": job.cost,
     }

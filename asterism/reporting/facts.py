@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from asterism.export.estimate import estimate
 from asterism.export.job import Job
 from asterism.export.needles import MUCH_MM
 from asterism.previewing.expected_height import in_words
@@ -119,8 +118,7 @@ def _accuracy(summary: Mapping[str, Any]) -> list[str]:
 
 
 def _print(job: Job) -> list[str]:
-    prints = [job.stars, *([(job.border,)] if job.border is not None else [])]
-    cost = estimate(prints, job.printer, job.rounding, job.plastic)
+    cost = job.cost
     return [
         *([f"LARGER than the {job.printer.name} can print"] if job.too_large else []),
         f"{job.printer.name}, {job.plastic.name}",
