@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from asterism import __version__
-from asterism.files import write_file
+from asterism.files import staged
 
 RESULTS = Path(__file__).parent / "results"
 
@@ -30,8 +30,10 @@ def write_report(name: str, rows: Sequence[dict[str, Any]], table: str, folder: 
     """Write NAME.json and NAME.md, both or none, each saying what made it."""
     command = f"python -m benchmarks.{name}"
     content = {"command": command, "version": __version__, "machine": machine(), "rows": rows}
-    write_file(folder / f"{name}.json", json.dumps(content, indent=1) + "\n")
-    write_file(folder / f"{name}.md", f"Made by `{command}`, asterism {__version__}.\n\n{table}\n")
+    text = f"Made by `{command}`, asterism {__version__}.\n\n{table}\n"
+    with staged(folder) as here:
+        (here / f"{name}.json").write_bytes((json.dumps(content, indent=1) + "\n").encode())
+        (here / f"{name}.md").write_bytes(text.encode())
 
 
 def markdown(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
