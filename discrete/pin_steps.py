@@ -34,9 +34,8 @@ def taken(model: Model, state: State, was_free: bool) -> State:
     model.set_release(1.0)
     if was_free:
         state = _laid(model, state)
-    held, target = model.constraints.held, model.constraints.target
-    start = np.where(held, state.positions, model.constraints.printed)
-    model.constraints = replace(model.constraints, printed=start, target=target)
+    start = np.where(model.constraints.held, state.positions, model.constraints.printed)
+    model.constraints = replace(model.constraints, printed=start)
     model.progress = 0.0
     return state
 

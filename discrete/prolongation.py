@@ -24,7 +24,7 @@ def prolonged(coarse: Model, state: State, fine: Model) -> State:
 def fitted(model: Model, surface: Array) -> State:
     """The state closest to places (V, 3) mm on a smooth surface, its pins held and its arms at their printed length."""
     held = model.constraints.held
-    smooth = np.where(held, model.constraints.places(model.release), surface)
+    smooth = np.where(held, model.constraints.places(model.progress), surface)
     length = model.parts["rod_stretch"].params[:, 1:]
     positions = model.reconstruction.fitted(smooth, length * tangents(smooth, model.edges))
     return State(positions, plastic_normals(model, positions))
@@ -39,7 +39,7 @@ def flatly_prolonged(coarse: Model, state: State, fine: Model) -> State:
 def _between(coarse: Model, state: State, fine: Model, smooth: bool) -> Array:
     mesh = coarse.mesh
     places = between_vertices(mesh.points, mesh.triangles, state.positions, fine.mesh.points, smooth)
-    return np.where(fine.constraints.held, fine.constraints.places(fine.release), places)
+    return np.where(fine.constraints.held, fine.constraints.places(fine.progress), places)
 
 
 def plastic_normals(model: Model, positions: Array) -> Array:

@@ -53,24 +53,27 @@ class Walk:
         """Release the fabric, then let the later pins take hold, one step after the other."""
         *earlier, last = model.layout.pin_steps
         model.set_release(1.0)
-        present: Model = model
-        state: State | None = None
-        for step in (*earlier, last):
-            was_free = not present.held.any()
+        before: tuple[State, bool] | None = None
+        for step in earlier:
             present = held_until(model, step)
             with self._factor(present) as factor:
-                if state is None:
-                    state = self._released(present, start, factor)
-                else:
-                    state = self._pinned(present, taken(present, state, was_free), step, factor)
-                if step == last:
-                    return self._certified(present, state, factor)
-        raise AssertionError("a layout has at least one step")
+                before = self._stepped(present, start, before, step, factor), not present.held.any()
+        present = held_until(model, last)
+        with self._factor(present) as factor:
+            return self._certified(present, self._stepped(present, start, before, last, factor), factor)
 
     def from_state(self, model: Model, state: State) -> Equilibrium:
         """Minimise where the model is now."""
         with self._factor(model) as factor:
             return self._certified(model, state, factor, CARRIED)
+
+    def _stepped(
+        self, model: Model, start: Beginning, before: tuple[State, bool] | None, step: int, factor: Factor
+    ) -> State:
+        """After the step's pins took hold; `before` is where the last step ended, and whether the sheet was free."""
+        if before is None:
+            return self._released(model, start, factor)
+        return self._pinned(model, taken(model, *before), step, factor)
 
     def _released(self, model: Model, start: Beginning, factor: Factor) -> State:
         model.set_release(start.releases[0])
