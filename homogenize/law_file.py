@@ -95,11 +95,11 @@ def load_law(path: str | Path | None = None) -> Law:
     path = PAPER if path is None else Path(path)
     try:
         with np.load(path, allow_pickle=False) as archive:
-            if "format" not in archive or int(archive["format"]) != FORMAT:
-                if "format" not in archive:
-                    raise LawError(f"{path}: is not a law")
-                made = f"has format {int(archive['format'])}, this version reads {FORMAT}"
-                raise LawError(f"{path}: {made}; make it again: asterism calibrate")
+            if "format" not in archive:
+                raise LawError(f"{path}: is not a law")
+            if (known := int(archive["format"])) != FORMAT:
+                other = f"has format {known}, this version reads {FORMAT}"
+                raise LawError(f"{path}: {other}; make it again: asterism calibrate")
             if tuple(archive["names"]) != NAMES:
                 raise LawError(f"{path}: holds other quantities than this version; make it again: asterism calibrate")
             samples = Packed(archive["samples"].tobytes())

@@ -43,7 +43,6 @@ def stability(cell: Cell, state: State) -> Stability:
     own = smallest_eigenvalue(cell.pattern, cell.hessian(state, 0.0), factor, modes)
     lowest = own
     hessian, torus = cell.unfolded_hessian(state), cell.torus
-    pattern = None
     for signs in SIGNS:
         change = np.prod(np.array(signs) ** np.abs(torus.image), axis=1)
         inner = fold(torus.base, change, cell.images.turn, torus.n_base, len(cell.edges))
