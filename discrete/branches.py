@@ -13,7 +13,7 @@ from discrete.model import Model
 from discrete.roll_axis import roll_axis_deg
 from discrete.solve import relax
 from discrete.starts import beginnings
-from discrete.walk import Report
+from discrete.walk import Report, named
 from pattern.errors import DesignError
 from pattern.likeness import distances, print_diameter
 from pattern.symmetries import Symmetry, symmetries
@@ -104,7 +104,7 @@ def find_minima(
     found: list[Branch] = []
     lost = 0
     for number, one in enumerate(beginnings(len(model.layout.centres), starts, start == "bump", seed)):
-        tell = _named(report, f"start {number + 1} of {starts}")
+        tell = named(report, f"start {number + 1} of {starts}")
         try:
             end = relax(models[0], one, seed=seed, backend=backend, report=tell)
         except (DesignError, FloatingPointError):
@@ -123,7 +123,7 @@ def find_minima(
     carried = [i == 0 or i in low or branch.default for i, branch in enumerate(ranked)]
     fine = []
     for number, branch in enumerate(b for b, kept in zip(ranked, carried, strict=True) if kept):
-        tell = _named(report, f"minimum {number + 1}")
+        tell = named(report, f"minimum {number + 1}")
         end, levels = carried_up(models, branch.found, start, seed, backend, tell)
         fine.append(replace(branch, found=end, model=model, levels=tuple(levels)))
     certain = [b for b in fine if b.found.is_minimum] or fine
@@ -166,7 +166,3 @@ def stars_off_branch(model: Model, found: Equilibrium) -> list[int]:
     """Stars that did not keep the side to which their branch sent them; from a flat start none is sent."""
     sent = model.layout.star_branch if model.design.solver.start == "bump" else 0
     return [int(i) for i in np.flatnonzero(found.sides * sent < 0)]
-
-
-def _named(report: Report | None, name: str) -> Report | None:
-    return (lambda stage, iteration: report(f"{name}, {stage}", iteration)) if report else None

@@ -20,7 +20,7 @@ from discrete.model import Model
 from discrete.prolongation import fitted, prolonged
 from discrete.solve import Start, relax
 from discrete.state import State
-from discrete.walk import Report
+from discrete.walk import Report, named
 from pattern.errors import MeshError
 from pattern.meshing import mesh_layout
 
@@ -64,7 +64,7 @@ def find_equilibrium(
     seconds of the result are those of all levels together.
     """
     models = [*coarser(model), model]
-    tell = _named(report, models[0] if len(models) > 1 else None)
+    tell = named(report, f"{models[0].n_vertices} vertices") if len(models) > 1 else report
     begin: Start | State = start
     if near is not None:
         models[0].set_release(1.0)
@@ -91,7 +91,8 @@ def carried_up(
         state = _carried(previous, found.state, level, start, before)
         before = previous, found.state
         prepared = time.perf_counter() - begun
-        found = relax(level, state, seed=seed, backend=backend, report=_named(report, level))
+        tell = named(report, f"{level.n_vertices} vertices")
+        found = relax(level, state, seed=seed, backend=backend, report=tell)
         path += found.path
         levels.append(_level(level, found, {"prolongation": prepared, **found.seconds}))
     stages: dict[str, float] = {}
@@ -148,10 +149,3 @@ def coarser(model: Model) -> list[Model]:
         if len(mesh.points) < 0.6 * model.n_vertices:
             models.append(type(model)(model.design, model.layout, mesh, model.compiled))
     return models
-
-
-def _named(report: Report | None, model: Model | None) -> Report | None:
-    """The report with the mesh named, where there are several."""
-    if report is None or model is None:
-        return report
-    return lambda stage, iteration: report(f"{model.n_vertices} vertices, {stage}", iteration)

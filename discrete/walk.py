@@ -29,6 +29,11 @@ KICKS = 5
 PIN_MOVES = 5  # parts of the way of pins that take hold after release
 
 
+def named(report: Report | None, name: str) -> Report | None:
+    """The report with a name before every stage."""
+    return (lambda stage, iteration: report(f"{name}, {stage}", iteration)) if report else None
+
+
 def force_scale(model: Model) -> float:
     """N: modulus times fabric thickness times star spacing."""
     fabric = model.design.fabric
