@@ -69,9 +69,9 @@ class Contact:
         apart = dict.fromkeys(zip(*number[pairs.T], strict=True), False)
         self._mesh.can_collide = self._ipc.make_sparse_filter(apart, True)
         self._potential = self._ipc.BarrierPotential(self._range, modulus, True)
-        self._positions: Array | None = None
-        self._pairs: Any = None
-        self._known: list[Any] | None = None
+        # energy, gradient and Hessian are asked for at the same positions, one after the other
+        self._last: tuple[Array | None, Any] = None, None
+        self._known: tuple[Array | None, list[Any]] = None, []
 
     def energy(self, positions: Array) -> float:
         """N mm; infinite where parts are closer than `closest`."""
@@ -101,10 +101,11 @@ class Contact:
 
     def _hessians(self, positions: Array) -> list[Any]:
         """The exact and the convex one, found once for the same positions."""
-        near = self._near(positions)
-        if self._known is None:
-            self._known = self._both(self._potential, near, positions)
-        return self._known
+        where, known = self._known
+        if where is not positions:
+            known = self._both(self._potential, self._near(positions), positions)
+            self._known = positions, known
+        return known
 
     def _both(self, potential: Any, near: Any, positions: Array) -> list[Any]:
         method, x = self._ipc.PSDProjectionMethod, np.asfortranarray(positions)
@@ -131,11 +132,11 @@ class Contact:
         return len(near), float(np.sqrt(least))
 
     def _near(self, positions: Array) -> Any:
-        # energy, gradient and Hessian are asked for at the same positions, one after the other
-        if self._positions is not positions:
-            self._positions, self._pairs = positions, self._collisions(positions, self._range)
-            self._known = None
-        return self._pairs
+        where, near = self._last
+        if where is not positions:
+            near = self._collisions(positions, self._range)
+            self._last = positions, near
+        return near
 
     def _collisions(self, positions: Array, reach: float) -> Any:
         out = self._ipc.NormalCollisions()

@@ -31,7 +31,7 @@ class Images:
     count: Array
     axes: Array
     n_base: int
-    _last: list[Array] = field(default_factory=list, repr=False, compare=False)
+    _last: list[tuple[Array, Array]] = field(default_factory=list, repr=False, compare=False)
 
     def unfold(self, positions: Array) -> Array:
         """(U, 3) unfolded points of positions (V + 2, 3)."""
@@ -40,11 +40,12 @@ class Images:
 
     def unfold_packed(self, packed: Array) -> Array:
         """Packed configuration of the unfolded mesh; several kinds of elements ask for the same one in turn."""
-        if self._last and self._last[0] is packed:
-            return self._last[1]
+        for known, whole in self._last:
+            if known is packed:
+                return whole
         split = 3 * (self.n_base + 2)
         whole = np.concatenate([self.unfold(packed[:split].reshape(-1, 3)).ravel(), packed[split:]])
-        self._last[:] = [packed, whole]
+        self._last[:] = [(packed, whole)]
         return whole
 
 
