@@ -12,6 +12,7 @@ Operator = Callable[[Floats], Floats]
 
 UNLUCKY = 1e-9  # probability that a random vector has less of a direction than `proves_definite` takes for granted
 GROWTH = 1e6  # of the residual's energy: more than the condition number of any preconditioner worth the name
+LONGEST = 3000  # iterations of `proves_definite`
 ROUNDING = 1e-10  # curvatures below this, relative to the largest, may be zero
 
 
@@ -81,9 +82,7 @@ def solved(
     return run.x, max_iterations
 
 
-def proves_definite(
-    product: Operator, precondition: Operator, size: int, largest: float, seed: int = 0, max_iterations: int = 3000
-) -> bool:
+def proves_definite(product: Operator, precondition: Operator, size: int, largest: float, seed: int = 0) -> bool:
     """Is A positive definite? True is proven up to the probability UNLUCKY, False is not known or not so.
 
     Conjugate gradients multiply the residual's part along an eigenvector of M^-1 A by `p(value)`, where the polynomial
@@ -102,7 +101,7 @@ def proves_definite(
     least = (UNLUCKY / 0.8) ** 2 / largest
     shortest, start = np.inf, run.energy
     try:
-        for _ in range(max_iterations):
+        for _ in range(LONGEST):
             run.step()
             shortest = min(shortest, run.length)
             # a curvature that may be zero, or a residual in which rounding has been blown up

@@ -23,6 +23,8 @@ from fem.elimination import Contradiction, eliminate
 from fem.placement import Placement, flat
 from fem.tabulation import Floats, Ints
 
+NEAR_MM = 1e-6  # so near a mesh vertex is at a point
+
 
 class ConditionError(ValueError):
     """A condition that cannot be met, in one line."""
@@ -153,8 +155,8 @@ def reduce(space: Space, conditions: Sequence[Condition]) -> Reduction:
     return Reduction(found.map, found.free, found.constant[:, 0], found.constant[:, 1], found.redundant, normals)
 
 
-def vertices_at(mesh: MeshTri, points: Floats, tolerance: float = 1e-6) -> Ints:
-    """(n,) vertices at printed points (n, 2) mm, within `tolerance` mm.
+def vertices_at(mesh: MeshTri, points: Floats) -> Ints:
+    """(n,) vertices at printed points (n, 2) mm, within NEAR_MM.
 
     Raises
     ------
@@ -165,7 +167,7 @@ def vertices_at(mesh: MeshTri, points: Floats, tolerance: float = 1e-6) -> Ints:
     distance = np.linalg.norm(mesh.p.T[None] - points[:, None], axis=2)
     nearest = distance.argmin(axis=1)
     for (x, y), miss in zip(points, distance.min(axis=1), strict=True):
-        if not miss <= tolerance:  # nan too
+        if not miss <= NEAR_MM:  # nan too
             raise ConditionError(
                 f"held point ({x:.6g}, {y:.6g}) mm: no mesh vertex there, the nearest is {miss:.3g} mm off"
             )
