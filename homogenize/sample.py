@@ -13,7 +13,7 @@ from equilibrium.newton import Clock
 from homogenize.arm_segments import arm_segments
 from homogenize.blend import blended
 from homogenize.cell import Cell
-from homogenize.directions import CURLED, all_around, directions, is_threefold
+from homogenize.directions import CURLED, directions, is_threefold
 from homogenize.isotropy import off_isotropic
 from homogenize.natural import Curling, curl
 from homogenize.objective import Linear, linear_response, mean_height
@@ -221,12 +221,12 @@ def _measure(clock: Clock, cell: Cell, angles: tuple[float, ...], found: dict[st
         found["down_energy"] = other.energy - flat.energy
     curves: list[Curling] = []
     sx, sy = cell.design.fabric.stretch_xy
-    # else the next direction's natural tube may be another form
-    alike = sx == sy and is_threefold(cell.design.lattice)
+    threefold = is_threefold(cell.design.lattice)
+    alike = sx == sy and threefold  # else the next direction's natural tube may be another form
     for angle in angles:
         curves.append(clock("tubes", curl, cell, flat, angle, curves[-1] if alike and curves else None))
         found["iterations"] += sum(tube.iterations for tube in curves[-1].tubes)
-    found |= _bending(flat, curves)
+    found |= _bending(flat, curves, threefold)
     ends = [curve.natural or curve.tubes[0] for curve in curves]
     offsets = np.array([centre_offset(cell, tube) for tube in ends])
     part = np.array([curve.slight / curve.tubes[0].curvature for curve in curves])
@@ -254,8 +254,8 @@ def _tube_stability(cell: Cell, tube: Tube) -> Stability:
     return stability(cell, tube.state)
 
 
-def _bending(flat: Flat, curves: list[Curling]) -> dict[str, Any]:
-    """What the tubes say."""
+def _bending(flat: Flat, curves: list[Curling], threefold: bool) -> dict[str, Any]:
+    """What the tubes say; `threefold`: of stars and a lattice that repeat after a third of a turn."""
     ends = [curve.natural or curve.tubes[0] for curve in curves]
     hoop = np.array([tube.hoop for tube in ends])
     printed = np.array([curve.natural.curvature if curve.natural else curve.slight for curve in curves])
@@ -271,7 +271,7 @@ def _bending(flat: Flat, curves: list[Curling]) -> dict[str, Any]:
     tangent = np.array([curve.stiffness for curve in curves]) * hoop**2
     bending = np.where([curve.natural is None for curve in curves], tangent, secant)
     mean = 0.5 * (curvature[0] + curvature[-1])
-    sixfold = 0.0 if all_around(curves) or not mean else float(4.0 * (energy[0] - energy[-1]) / mean**3)
+    sixfold = float(4.0 * (energy[0] - energy[-1]) / mean**3) if threefold and mean else 0.0
     ordered = [curve.tubes for curve in curves]
     return {
         "natural_curvature": curvature,

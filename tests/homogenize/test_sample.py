@@ -204,6 +204,16 @@ def test_edges_and_angles_that_are_none(edge, angles):
         respond(design(7.0, 0.4), edge, angles)
 
 
+def test_sixfold_compares_the_first_direction_with_the_last():
+    """However many lie between, and for stars with threefold symmetry only."""
+    angles = tuple(np.linspace(0.0, np.pi / 6, 6))
+    six, three = respond(design(7.0, 0.4), EDGE, angles), sample(7.0, 0.4)
+    assert three.sixfold != 0.0
+    assert six.sixfold == pytest.approx(three.sixfold, rel=1e-3)
+    square = {"kind": "square", "arms": 4}
+    assert respond(design(5.0, 0.5, lattice=square), EDGE, (0.0, np.pi / 4)).sixfold == 0.0
+
+
 def test_uneven_stretch():
     bare = respond(design(0.0, fabric={"stretch": [1.2, 1.5]}), EDGE, (0.0,))
     np.testing.assert_allclose(bare.rest_metric, np.diag([1.2**-2, 1.5**-2]), atol=1e-8)
