@@ -14,6 +14,7 @@ from typing import Any, TextIO
 from asterism import __version__, interruption
 from asterism.files import OutputError, check_writable, write_file
 from asterism.law_table import law_table
+from equilibrium.compiled import HAVE_NUMBA
 from homogenize import campaign, law_file
 from homogenize.code_version import code_version
 from homogenize.fit import fit
@@ -51,6 +52,7 @@ def calibrate(
     if material.fabric.bending == "none":
         raise DesignError("fabric.bending", WITHOUT_BENDING, "none")
     check_writable(output.parent, output.name)
+    versions = _versions()
     folder = samples_folder(output)
     watch = CampaignProgress()
     start = time.perf_counter()
@@ -66,7 +68,7 @@ def calibrate(
     made = {
         "command": command,
         "code": code_version(),
-        "versions": {"asterism": __version__, **{name: version(name) for name in ("numpy", "scipy", "numba")}},
+        "versions": versions,
         "machine": {"cores": os.cpu_count(), "machine": platform.machine(), "python": platform.python_version()},
         "cell_seconds": sum(record.seconds for record in records),
         "wall_seconds_of_last_run": time.perf_counter() - start,
@@ -74,6 +76,12 @@ def calibrate(
     law = fit(material, records, made)
     write_file(output, law_file.to_bytes(law))
     return law
+
+
+def _versions() -> dict[str, str]:
+    """Of what computes the cells."""
+    packages = ["numpy", "scipy", *(["numba"] if HAVE_NUMBA else [])]
+    return {"asterism": __version__, **{name: version(name) for name in packages}}
 
 
 def default_jobs() -> int:

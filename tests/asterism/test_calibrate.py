@@ -3,20 +3,26 @@
 from __future__ import annotations
 
 import csv
+import functools
 import json
 import signal
 import subprocess
 import sys
 import time
+from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
 
+from asterism import calibrate_command
 from asterism.calibrate_command import CampaignProgress
+from homogenize import campaign
 from homogenize.law_file import load_law
+from homogenize.plan import Material
 from tests.asterism.commands import command
+from tests.homogenize import fake
 
 PLAN = """
 name = "small"
@@ -71,6 +77,23 @@ def test_the_same_plan_gives_the_same_law_from_the_start(place: Path, tmp_path: 
     (tmp_path / "m.toml").write_text(PLAN)
     assert run("calibrate", "m.toml", "--jobs", "1", cwd=tmp_path).returncode == 0
     assert digest(load_law(tmp_path / "m.npz")) == digest(load_law(place / "m.npz"))
+
+
+def test_a_law_is_made_without_numba(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its version is not asked for where it is not installed."""
+
+    def version(name: str) -> str:
+        if name == "numba":
+            raise PackageNotFoundError(name)
+        return "1.0"
+
+    monkeypatch.setattr(calibrate_command, "version", version)
+    monkeypatch.setattr(calibrate_command, "HAVE_NUMBA", False)
+    monkeypatch.setattr(campaign, "run", functools.partial(campaign.run, respond=fake.respond))
+    plan = {"lengths_mm": [5.0, 10.0], "thicknesses_mm": [0.2, 0.4], "widths_mm": [1.0, 1.4], "held_out": 2}
+    law = calibrate_command.calibrate(Material.from_dict({"name": "test", "plan": plan}), tmp_path / "law.npz")
+    assert sorted(law.made["versions"]) == ["asterism", "numpy", "scipy"]
+    assert load_law(tmp_path / "law.npz").made["versions"] == law.made["versions"]
 
 
 def test_show_writes_a_picture_and_a_table(place: Path) -> None:
