@@ -7,7 +7,6 @@ takes what is there, and files of another material or version are never mistaken
 from __future__ import annotations
 
 import hashlib
-import importlib.metadata
 import json
 import time
 from collections.abc import Callable, Sequence
@@ -25,7 +24,6 @@ from pattern.files import plain, read_table, write_table
 
 # raised when a sample's file means something else than before
 FORMAT = 1
-VERSION = importlib.metadata.version("asterism")
 
 Respond = Callable[[Design, float], Any]
 
@@ -120,7 +118,7 @@ def run(
 
 def key(material: Material, task: Task, respond: Respond | None = None) -> str:
     """Name of a sample's file: a hash of what goes into it, and of the name of what solves it in place of `sample`."""
-    made = {"format": FORMAT, "version": VERSION, "code": code_version()}
+    made = {"format": FORMAT, "code": code_version()}
     text = json.dumps({**made, **_inputs(material, task, respond)}, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:24]
 
@@ -171,7 +169,7 @@ def _write(material: Material, record: Record, folder: Path, respond: Respond | 
     sample = json.loads(json.dumps(plain(record.sample)))
     content = {
         "format": FORMAT,
-        "version": VERSION,
+        "code": code_version(),
         "inputs": _inputs(material, record.task, respond),
         "sample": sample,
         "check": _check(sample),
