@@ -10,7 +10,7 @@ from discrete.contact import Contact
 from discrete.elements import Array
 from discrete.model import Model
 from discrete.state import State, carried
-from equilibrium.extended_pattern import ExtendedPattern, entry_keys
+from equilibrium.extended_pattern import ExtendedPattern, entry_keys, united
 from equilibrium.factor import Factor
 from equilibrium.following_factor import FollowingFactor
 from pattern.design import Design
@@ -43,7 +43,7 @@ class ContactModel(Model):
         distance = min(fabric.thickness_mm, THICKEST * self.spacing)
         self.contact = Contact(mesh, distance, max(fabric.stretch_xy), fabric.modulus_mpa)
         self._fixed = self.pattern
-        self._extra = np.empty(0, dtype=np.int64)
+        self._extra: Array = np.empty(0, dtype=np.int64)
         self._fits: Array | None = None  # positions whose contacts the pattern holds
         self._reduced = np.full(self.n_dofs, -1, dtype=np.int64)
         self._reduced[self.free] = np.arange(len(self.free))
@@ -84,8 +84,8 @@ class ContactModel(Model):
     def _grow(self, state: State, keys: Array) -> None:
         """Make room for these entries and those that may follow soon: every new pattern is analysed anew."""
         soon, _ = self._keys(*self.contact.soon(state.positions))
-        wanted = np.union1d(keys, soon)
-        self._extra = np.union1d(wanted, self._extra) if len(self._extra) < 3 * len(wanted) else wanted
+        wanted = united(keys, soon)
+        self._extra = united(wanted, self._extra) if len(self._extra) < 3 * len(wanted) else wanted
         self.pattern = ExtendedPattern(self._fixed, self._extra)
 
     def _keys(self, rows: Array, columns: Array, values: Array | None = None) -> tuple[Array, Array]:
