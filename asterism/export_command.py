@@ -88,6 +88,10 @@ def export(
 
     # before anything is computed: most mistakes are found here
     ready = job(known)
+    if ready.is_certain is False:
+        print("asterism: the given shape is not certain to stay", file=sys.stderr)
+    for line in ready.shape_warnings:
+        print(f"asterism: the given shape: {line}", file=sys.stderr)
     computed, change = printed_shape(ready, preview, simulate, sheet)
     for certain, which in zip(change["are_minima"] if change else (), ("drawn", "printed"), strict=False):
         if not certain:

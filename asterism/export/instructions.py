@@ -150,6 +150,8 @@ def _finish(job: Job) -> Chapter:
     if len(steps := sorted({needle.step for needle in job.needles})) > 1:
         turns = [named([needle.number for needle in job.needles if needle.step == step]) for step in steps]
         lines.append(f"Set them in the design's order: first {', then '.join(turns)}.")
+    if job.is_certain is False:
+        lines.append("The computed shape is not certain to stay: the sheet may take another one. See export.json.")
     return Chapter("6. Release, cut, pin", tuple(lines))
 
 

@@ -96,6 +96,21 @@ class Job:
         """The sheet in space, if it is known."""
         return self.shape or self.glance
 
+    @property
+    def is_certain(self) -> bool | None:
+        """Whether the shape whose files are written is certain to stay; None if there is none, or nothing says so."""
+        summary = {} if self.shape is None else self.shape.summary
+        if "is_minimum" not in summary:
+            return None
+        return bool(summary["is_minimum"] and summary.get("converged", True))
+
+    @property
+    def shape_warnings(self) -> list[str]:
+        """What is to be known of the shape whose files are written; a line each."""
+        lines = None if self.shape is None else self.shape.summary.get("warnings")
+        # the summary of a given shape may be anybody's
+        return [" ".join(str(line).split()) for line in lines] if isinstance(lines, list | tuple) else []
+
     @cached_property
     def hangs_mm(self) -> float:
         """How far the sheet hangs below the base in which its needles stand; 0 where the shape is not known."""

@@ -94,6 +94,7 @@ def _summary(job: Job, tiny: list[dict[str, Any]], change: dict[str, Any] | None
         "rounding": job.rounding.model_dump(mode="json")
         | job.size_changes
         | {"better_layers": None if better is None else better.model_dump(mode="json")},
+        "shape": None if job.shape is None else {"is_certain": job.is_certain, "warnings": job.shape_warnings},
         "shape_change": change,
         "tiny_stars": tiny,
         "solids": {solid.name: {"volume_mm3": solid.volume_mm3, "box_mm": solid.box.tolist()} for solid in job.solids},

@@ -158,6 +158,35 @@ def test_the_preview_says_what_rounding_does(file: Path, tmp_path: Path, run: Ru
     assert not (SHAPE | {"shape.vtu", "rods.vtu"}) & {path.name for path in (tmp_path / "seen").iterdir()}
 
 
+@pytest.mark.parametrize("doubt", [{"is_minimum": False}, {"converged": False}])
+def test_a_given_shape_that_may_not_stay_is_told(doubt: dict[str, bool], file: Path, tmp_path: Path, run: Run) -> None:
+    """As one that was computed on the way is."""
+    save_design(design(fabric={}, stars={"length_mm": 8.0, "width_mm": 1.2}, border={"rings": 1}, pins=[]), file)
+    asterism.write_results(asterism.preview(load_design(file)), tmp_path / "results")
+    told = "not certain to stay"
+    result = run("export", "d.toml", "-o", "sure", "--shape", "results")
+    assert result.status == 0 and told not in result.err
+    assert told not in (tmp_path / "sure" / "instructions.txt").read_text()
+    assert json.loads((tmp_path / "sure" / "export.json").read_text())["shape"]["is_certain"] is True
+    summary = json.loads((tmp_path / "results" / "summary.json").read_text())
+    doubtful = summary | doubt | {"warnings": ["it passes\nthrough itself"]}
+    (tmp_path / "results" / "summary.json").write_text(json.dumps(doubtful))
+    result = run("export", "d.toml", "-o", "out", "--shape", "results")
+    assert result.status == 0, result.err
+    lines = result.err.splitlines()
+    assert f"asterism: the given shape is {told}" in lines
+    assert "asterism: the given shape: it passes through itself" in lines
+    said = json.loads((tmp_path / "out" / "export.json").read_text())
+    assert said["shape"] == {"is_certain": False, "warnings": ["it passes through itself"]}
+    assert told in " ".join((tmp_path / "out" / "instructions.txt").read_text().split())
+    # a shape without a summary says nothing of itself
+    (tmp_path / "results" / "summary.json").unlink()
+    result = run("export", "d.toml", "-o", "bare", "--shape", "results")
+    assert result.status == 0 and told not in result.err
+    said = json.loads((tmp_path / "bare" / "export.json").read_text())
+    assert said["shape"] == {"is_certain": None, "warnings": []}
+
+
 def test_the_shape_of_results_is_not_replaced_beside_its_summary(file: Path, tmp_path: Path, run: Run) -> None:
     (tmp_path / "results").mkdir()
     for name in ("summary.json", "shape.vtu", "rods.vtu"):
