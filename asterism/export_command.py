@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -107,20 +108,36 @@ def export(
 
 
 def printers() -> None:
-    """List printers and plastics, and where your own are looked for."""
-    from asterism.export.profiles import VARIABLE, folders, load_plastic, load_printer, names
+    """List printers and plastics, and where your own are looked for.
 
-    for name in names("printers"):
-        machine = load_printer(name)
-        width, depth = machine.bed_mm
-        layers = " or ".join(f"{height:g}" for height in machine.first_layers_mm)
-        typer.echo(
-            f"  {name:<14} {machine.name}: {width:g} x {depth:g} mm, layers {layers} + n {machine.layer_mm:g} mm"
-        )
-    for name in names("plastics"):
-        typer.echo(f"  {name:<14} {load_plastic(name).name}")
+    Exit status 2 if a file of yours is wrong; the others are listed all the same.
+    """
+    from asterism.export.profiles import VARIABLE, folders, load_plastic, load_printer, names
+    from pattern.errors import DesignError
+
+    kinds: dict[str, Callable[[str], str]] = {
+        "printers": lambda name: _of_printer(load_printer(name)),
+        "plastics": lambda name: load_plastic(name).name,
+    }
+    wrong = []
+    for kind, described in kinds.items():
+        for name in names(kind):
+            try:
+                typer.echo(f"  {name:<14} {described(name)}")
+            except DesignError as error:
+                wrong.append(error)
     *own, _ = folders()
     typer.echo(f"yours: printers/NAME.toml and plastics/NAME.toml in {' or '.join(map(str, own))} ({VARIABLE})")
+    for error in wrong:
+        print(f"asterism: {error}", file=sys.stderr)
+    if wrong:
+        raise typer.Exit(2)
+
+
+def _of_printer(machine: Printer) -> str:
+    width, depth = machine.bed_mm
+    layers = " or ".join(f"{height:g}" for height in machine.first_layers_mm)
+    return f"{machine.name}: {width:g} x {depth:g} mm, layers {layers} + n {machine.layer_mm:g} mm"
 
 
 def _changed(machine: Printer, first_layer: float | None, layer: float | None, plate: float | None) -> Printer:
