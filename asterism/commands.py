@@ -179,7 +179,9 @@ def calibrate(
         Path | None,
         typer.Argument(help="A material and plan, or a design, for its stars alone; none: the paper's material."),
     ] = None,
-    output: Annotated[Path | None, output_option("The law's file (MATERIAL.npz or DESIGN-law.npz).")] = None,
+    output: Annotated[
+        Path | None, output_option("The law's file (MATERIAL.npz, DESIGN-law.npz, DESIGN-law-MATERIAL.npz).")
+    ] = None,
     material: MaterialFile = None,
     jobs: Annotated[int | None, typer.Option(min=1, max=1000, help="Processes (one per core).")] = None,
     dask: Annotated[str | None, typer.Option(help="Address of a Dask scheduler to use in their place.")] = None,
@@ -193,7 +195,7 @@ def calibrate(
     from asterism.own_law import is_design, law_path, material_of
     from pattern.errors import DesignError
 
-    path = law_path(file, output)
+    path = law_path(file, output, material)
     if path.suffix != ".npz":
         raise Mistake(f"--output: {str(path)!r} must end with .npz")
     if jobs is not None and dask is not None:

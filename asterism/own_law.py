@@ -18,19 +18,20 @@ from pattern.errors import DesignError
 from pattern.files import read_table
 
 
-def law_path(file: Path | None, output: Path | None) -> Path:
+def law_path(file: Path | None, output: Path | None, other: Path | None = None) -> Path:
     """Where the law goes: as asked, or beside the file it is made from; the paper's into the working directory.
 
-    A design's own name is that of its results, so that its law has another.
+    A design's own name is that of its results, so that its law has another; `other` is the file of another material.
     """
     if output is not None or file is None:
         return output or Path("paper.npz")
-    return own_law_path(file) if is_design(file) else file.with_suffix(".npz")
+    return own_law_path(file, other) if is_design(file) else file.with_suffix(".npz")
 
 
-def own_law_path(design: Path) -> Path:
-    """Where the law of a design's own stars goes."""
-    return design.with_name(f"{design.stem}-law.npz")
+def own_law_path(design: Path, other: Path | None = None) -> Path:
+    """Where the law of a design's own stars goes; that of another material leaves the design's own where it is."""
+    of = "" if other is None else f"-{other.stem}"
+    return design.with_name(f"{design.stem}-law{of}.npz")
 
 
 def is_design(file: Path | None) -> bool:
@@ -89,7 +90,7 @@ def law_for(design: Design, law: Path | None, file: Path, other: Path | None = N
             refused += f" ({law})" if law else ""
             refused += "; without --law the package's own is taken" if law and _is_papers(design) else ""
             refused += f"; asterism calibrate {quote(str(file))}{material} makes its law"
-            refused += f", for --law {quote(str(own_law_path(file)))}"
+            refused += f", for --law {quote(str(own_law_path(file, other)))}"
         raise LawError(refused) from None
     return found
 

@@ -77,11 +77,14 @@ def test_another_material_is_part_of_the_command(
     (folder / "my m.toml").write_text("[plastic]\nmodulus_ratio = 1000\n")
     refused = command(["preview", "d.toml", "--material", "my m.toml"], capsys, monkeypatch)
     assert "; asterism calibrate d.toml --material 'my m.toml' makes its law" in refused.line
-    assert refused.line.endswith("for --law d-law.npz")
+    assert refused.line.endswith("for --law 'd-law-my m.npz'")
+    (folder / "d-law.npz").write_text("the law of the design's own material")
     made = command(["calibrate", "d.toml", "--material", "my m.toml", "--jobs", "1"], capsys, monkeypatch)
     then = made.out.splitlines()[-1].removeprefix("now run  asterism ")
-    assert then == "preview d.toml --material 'my m.toml' --law d-law.npz"
+    assert then == "preview d.toml --material 'my m.toml' --law 'd-law-my m.npz'"
     assert command(shlex.split(then), capsys, monkeypatch).status == 0
+    assert (folder / "d-law.npz").read_text() == "the law of the design's own material"
+    assert (folder / "d-law-my m.samples").is_dir() and not (folder / "d-law.samples").exists()
 
 
 def test_a_law_for_something_else_is_named(
