@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -11,10 +14,30 @@ from asterism.export.drawing import Circle, Drawing, Line
 # DXF gives the height of capitals, other formats that of the font
 _CAPITALS = 0.72
 _DARK = 0.3
+_ONE_AT_A_TIME = threading.Lock()
 
 
 def write(path: Path, drawing: Drawing) -> None:
-    """Write a drawing in the format of AutoCAD 2010."""
+    """Write a drawing in the format of AutoCAD 2010; the same drawing is the same file, byte for byte."""
+    with _without_dates():
+        _write(path, drawing)
+
+
+@contextmanager
+def _without_dates() -> Iterator[None]:
+    """Fixed dates and identifiers in files of ezdxf, which has an option for all of a process only."""
+    import ezdxf
+
+    with _ONE_AT_A_TIME:
+        before = ezdxf.options.write_fixed_meta_data_for_testing
+        ezdxf.options.write_fixed_meta_data_for_testing = True
+        try:
+            yield
+        finally:
+            ezdxf.options.write_fixed_meta_data_for_testing = before
+
+
+def _write(path: Path, drawing: Drawing) -> None:
     import ezdxf
     from ezdxf import colors, units
     from ezdxf.enums import TextEntityAlignment
@@ -48,6 +71,9 @@ def write(path: Path, drawing: Drawing) -> None:
         else:
             text = space.add_text(item.text, height=_CAPITALS * item.size_mm, dxfattribs=on)
             text.set_placement((float(item.at[0]), float(item.at[1])), align=ends[item.end])
+    # ezdxf adds the classes of what is used from a set, in the order of a hash that changes from run to run
+    for name in sorted(document.entitydb.dxf_types_in_use()):
+        document.classes.add_class(name)
     # through a stream of our own: the encoding of the format is UTF-8 on every system
     with path.open("w", encoding=document.output_encoding, errors="dxfreplace", newline="\n") as stream:
         document.write(stream)

@@ -27,11 +27,11 @@ _POINTS = 72 / _INCH
 
 
 def write(path: Path, drawings: Sequence[Drawing]) -> None:
-    """Write drawings as pages; signs that the font lacks are boxes."""
+    """Write drawings as pages, without a date; signs that the font lacks are boxes."""
     with (
         warnings.catch_warnings(),
         matplotlib.rc_context({"pdf.fonttype": 42, "path.simplify": False}),
-        PdfPages(path, metadata={"Title": drawings[0].title}) as pages,
+        PdfPages(path, metadata={"Title": drawings[0].title, "CreationDate": None}) as pages,
     ):
         warnings.filterwarnings("ignore", "Glyph .* missing from font")
         for drawing in drawings:

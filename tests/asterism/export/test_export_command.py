@@ -248,7 +248,7 @@ def test_a_broken_file_of_ones_own_does_not_hide_the_others(
     result = run("printers")
     assert result.status == 2
     assert all(name in result.out for name in ("ender-3", "ultimaker2", "tpu95a", "ASTERISM_PROFILES"))
-    assert "broken" not in result.out
+    assert "  broken" not in result.out
     lines = result.err.splitlines()
     assert len(lines) == 2
     for kind, line in zip(("printers", "plastics"), lines, strict=True):

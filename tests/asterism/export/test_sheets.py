@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from collections import Counter
 from pathlib import Path
 
@@ -197,3 +200,36 @@ def test_every_text_of_a_pdf_is_there_once(tmp_path: Path) -> None:
     pdf.write(tmp_path / "a.pdf", [drawing])
     texts = [item.text for item in drawing.items if isinstance(item, Text)]
     assert Counter(measure.pdf_words(tmp_path / "a.pdf", 0)) == Counter(" ".join(texts).split())
+
+
+WRITES = """
+import sys
+import numpy as np
+from pathlib import Path
+from asterism.export import dxf, pdf
+from asterism.export.drawing import Drawing, Text, rectangle
+from asterism.export.layers import CUT, TEXT
+items = (rectangle(CUT, (10.0, 10.0)), Text(TEXT, np.zeros(2), "Kuppel"))
+drawing = Drawing("a", np.full(2, -9.0), np.full(2, 9.0), items)
+dxf.write(Path(sys.argv[1]) / "a.dxf", drawing)
+pdf.write(Path(sys.argv[1]) / "a.pdf", [drawing])
+"""
+
+
+def test_the_same_drawing_is_the_same_file(tmp_path: Path) -> None:
+    """In another process too, where the order of sets is another."""
+    for seed in ("1", "4"):
+        (tmp_path / seed).mkdir()
+        words = [sys.executable, "-c", WRITES, str(tmp_path / seed)]
+        subprocess.run(words, check=True, env=os.environ | {"PYTHONHASHSEED": seed})
+    for name in ("a.dxf", "a.pdf"):
+        assert (tmp_path / "1" / name).read_bytes() == (tmp_path / "4" / name).read_bytes()
+    # processes may run within a second
+    assert b"CreationDate" not in (tmp_path / "1" / "a.pdf").read_bytes()
+
+
+def test_dates_of_other_dxf_files_stay(tmp_path: Path) -> None:
+    import ezdxf
+
+    dxf.write(tmp_path / "a.dxf", sheets.layout_sheet(job()))
+    assert not ezdxf.options.write_fixed_meta_data_for_testing
