@@ -77,7 +77,7 @@ def _offset(job: Job) -> Chapter:
             "The stars stand at z = 0 in the files. Leave the slicer's own z offset at 0, whose sign and meaning "
             "differ from slicer to slicer, and add start.gcode to the end of the printer's start code:",
         ),
-        tuple(job.printer.start_snippet(job.z_offset_mm).splitlines()),
+        tuple(job.start_code.splitlines()),
     )
 
 

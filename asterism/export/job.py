@@ -71,6 +71,15 @@ class Job:
         return self.printer.frame.plate_mm + self.fabric_mm
 
     @property
+    def start_code(self) -> str:
+        """The printer's start code for this height, with a remark where the fabric was not measured."""
+        code = self.printer.start_snippet(self.z_offset_mm)
+        if self.fabric_given:
+            return code
+        remark = f"; for {self.fabric_mm:.2f} mm of fabric, released: stretched it is thinner, measure it"
+        return f"{remark}\n{code}"
+
+    @property
     def check_after_mm(self) -> tuple[float, float]:
         """Sides of the check square on the stretched fabric."""
         x, y = self.design.fabric.stretch_xy
@@ -172,7 +181,7 @@ def prepare(
         It does not fit the bed or the frame, or its rounded arms run into each other; or a number is out of its limits.
     """
     for option, value, limits in (
-        ("--fabric", fabric_mm, (0.0, 50.0)),
+        ("--fabric", fabric_mm, (0.01, 50.0)),  # as thin as a design's
         ("--needle-spacing", needle_spacing_mm, (1.0, 1000.0)),
         ("--turn", turn_deg, (-360.0, 360.0)),
     ):

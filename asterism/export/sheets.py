@@ -40,6 +40,8 @@ def layout_sheet(job: Job) -> Drawing:
         f"Fabric stretched by {x:g}" + (f" along x and {y:g} along y." if x != y else "."),
         f"Start the nozzle {job.z_offset_mm:.2f} mm above the bed.",
     ]
+    if not job.fabric_given:
+        paragraphs[-1] += " That is with the released fabric: stretched it is thinner, measure it."
     if job.placement.turn_deg:
         paragraphs.append(f"Turned by {job.placement.turn_deg:g} deg from the design.")
     if job.border is None:

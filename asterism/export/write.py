@@ -49,8 +49,7 @@ def write_export(job: Job, directory: str | Path, change: dict[str, Any] | None 
         parts = instructions.chapters(job, job.cost, tiny)
         pdf.write(folder / "instructions.pdf", instructions.as_pages(job, parts))
         (folder / "instructions.txt").write_text(instructions.as_text(job, parts), encoding="utf-8", newline="\n")
-        code = job.printer.start_snippet(job.z_offset_mm)
-        (folder / "start.gcode").write_text(code, encoding="utf-8", newline="\n")
+        (folder / "start.gcode").write_text(job.start_code, encoding="utf-8", newline="\n")
         save_design(job.design, folder / ROUNDED)
         if job.shape is not None:
             write_shape_files(job.shape, job.design.name, folder)

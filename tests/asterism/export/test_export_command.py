@@ -139,7 +139,9 @@ def test_what_a_law_does_not_know_is_no_change_of_shape(file: Path, tmp_path: Pa
 
 def test_the_fabric_is_to_be_measured_stretched(file: Path, tmp_path: Path, run: Run) -> None:
     assert "released fabric; measure it stretched: --fabric" in run("export", "d.toml", "-o", "out").out
+    assert (tmp_path / "out" / "start.gcode").read_text().startswith("; for 0.80 mm of fabric, released")
     assert "(plate and stretched fabric)" in run("export", "d.toml", "-o", "out", "--fabric", "0.4").out
+    assert "released" not in (tmp_path / "out" / "start.gcode").read_text()
 
 
 def test_the_preview_says_what_rounding_does(file: Path, tmp_path: Path, run: Run) -> None:
@@ -266,7 +268,8 @@ def test_a_broken_file_of_ones_own_does_not_hide_the_others(
         (["--first-layer", "0.5"], "--first-layer = 0.5: must be at most the nozzle's 0.4 mm"),
         (["--first-layer", "9"], "--first-layer = 9.0: must be at most 2"),
         (["--plate", "-1"], "--plate = -1.0: must be at least 0"),
-        (["--fabric", "nan"], "--fabric = nan: must be from 0 to 50"),
+        (["--fabric", "nan"], "--fabric = nan: must be from 0.01 to 50"),
+        (["--fabric", "0"], "--fabric = 0.0: must be from 0.01 to 50"),
         (["--needle-spacing", "0"], "--needle-spacing = 0.0: must be from 1 to 1000"),
         (["--turn", "30"], "--turn = 30.0: must be 0 on a fabric"),
         (["--shape", "nowhere"], "nowhere: is not there"),

@@ -62,6 +62,17 @@ def test_numbers_of_the_design() -> None:
     assert "G1 Z14.50" in text and "Skirt" in text and f"{len(one.needles)} needles" in text
 
 
+def test_a_height_with_released_fabric_is_told_wherever_it_stands() -> None:
+    for one, told in ((job(), True), (job(fabric_mm=0.5), False)):
+        remark, *_ = one.start_code.splitlines()
+        assert (remark.startswith(";") and "0.80 mm of fabric, released" in remark) == told
+        assert one.start_code.endswith(one.printer.start_snippet(one.z_offset_mm))
+        column = " ".join(item.text for item in sheets.layout_sheet(one).items if isinstance(item, Text))
+        assert f"{one.z_offset_mm:.2f} mm above the bed" in column
+        assert ("with the released fabric" in column) == told
+        assert ("thinner when stretched" in said(one)) == told
+
+
 def test_printers_that_home_onto_the_bed_are_warned_of() -> None:
     assert "BEFORE the frame is on it" in said(job(printer={"homes": "onto"}))
     assert "BEFORE" not in said(job(printer={"homes": "away"}))
