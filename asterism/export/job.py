@@ -12,7 +12,7 @@ import shapely
 from asterism.export.arm_regions import border_terrace, star_terraces
 from asterism.export.estimate import estimate
 from asterism.export.needles import Needle, in_plastic, needles
-from asterism.export.placement import Placement, place
+from asterism.export.placement import Placement, place, room_mm
 from asterism.export.plastic import PlasticProfile
 from asterism.export.printer import Printer
 from asterism.export.rounded import changes, choose, exact, rounded_layout, with_rounding
@@ -169,7 +169,7 @@ def prepare(
     Parameters
     ----------
     fabric_mm : thickness of the stretched fabric; the design's, which is that of the released one, if it is not given.
-    border : print a line to cut along, if it fits the bed.
+    border : print a line to cut along, if it fits the bed and the frame.
     turn_deg : of the print on the bed, counterclockwise.
     needle_spacing_mm : largest distance of needles on held edges.
     shape : the sheet in space.
@@ -204,7 +204,7 @@ def prepare(
             raise
         placement, too_large = Placement(turn_deg, np.zeros(2)), str(error)
     line = placement.step(border_terrace(plan, here, rounding)) if border else None
-    if line is not None and not _within_bed(line, printer):
+    if line is not None and not _has_room(line, printer):
         line = None
     if shape is not None:
         _check_same_sheet(design, plan, shape)
@@ -228,9 +228,10 @@ def prepare(
     )
 
 
-def _within_bed(step: Step, printer: Printer) -> bool:
+def _has_room(step: Step, printer: Printer) -> bool:
     low, high = np.reshape(shapely.bounds(step.region), (2, 2))
-    return bool((high <= np.asarray(printer.bed_mm) / 2).all() and (low >= -np.asarray(printer.bed_mm) / 2).all())
+    half = room_mm(printer) / 2
+    return bool((high <= half).all() and (low >= -half).all())
 
 
 def _check_same_sheet(design: Design, plan: Layout, shape: Shape) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from asterism.export.drawing import Layer
 
 FRAME = Layer("frame", "#6b6b6b", 0.5, meaning="frame")
+OPENING = Layer("frame-opening", "#6b6b6b", 0.2, meaning="inside of the frame")
 BED = Layer("printable-area", "#2f6fc1", 0.25, (4.0, 2.0), meaning="what the nozzle reaches")
 STARS = Layer("stars", "#3a3a44", filled=True, meaning="stars")
 GUIDE = Layer("printed-border", "#8a8a94", filled=True, meaning="printed line to cut along")

@@ -54,39 +54,49 @@ def place(
     Raises
     ------
     DesignError
-        The plastic is larger than the bed, or the fabric than the frame.
+        The plastic is larger than the bed or the frame's opening, or the fabric than the frame.
     """
     corners = shapely.get_coordinates(shapely.convex_hull(steps[0].region))
     bed, frame = np.asarray(printer.bed_mm), np.asarray(printer.frame.size_mm)
+    opening, room = np.asarray(printer.frame.opening_mm), room_mm(printer)
     turned = Placement(turn_deg, np.zeros(2))
     plastic, sheet = turned.points(corners), turned.points(plan.border)
-    least, most = _shifts(plastic, sheet, bed, frame)
+    least, most = _shifts(plastic, sheet, room, frame)
     size, fabric = np.ptp(plastic, axis=0), np.ptp(sheet, axis=0)
+    problem = ""
     # corners are rounded to the grid
     if (size > bed + 1e-6).any():
         problem = f"must be within the {_times(bed)} mm that the {printer.name} reaches"
-        advice = _advice(corners, plan.border, bed, frame) if may_turn else ""
+    elif (size > opening + 1e-6).any():
+        problem = f"must be within the {_times(opening)} mm between the bars of the frame"
+    if problem:
+        advice = _advice(corners, plan.border, room, frame) if may_turn else ""
         raise DesignError("stars", problem + advice, f"{_times(size)} mm of plastic")
     if (least > most + 1e-6).any():
-        problem = f"must be within the frame of {_times(frame)} mm, with the plastic where the nozzle reaches"
-        advice = _advice(corners, plan.border, bed, frame) if may_turn else ""
+        problem = f"must be within the frame of {_times(frame)} mm, with the plastic where it can be printed"
+        advice = _advice(corners, plan.border, room, frame) if may_turn else ""
         raise DesignError("border", problem + advice, f"{_times(fabric)} mm of fabric")
     stays = (least <= 0.0) & (most >= 0.0)
     middle = np.round(-(sheet.min(axis=0) + sheet.max(axis=0)) / 2, 3)
     return Placement(turn_deg, np.where(stays, 0.0, np.clip(middle, least, most)))
 
 
-def _shifts(plastic: Floats, sheet: Floats, bed: Floats, frame: Floats) -> tuple[Floats, Floats]:
-    """The least and the largest shift (2,) at which the plastic is on the bed, and the fabric within the frame."""
-    least = np.maximum(-bed / 2 - plastic.min(axis=0), -frame / 2 - sheet.min(axis=0))
-    return least, np.minimum(bed / 2 - plastic.max(axis=0), frame / 2 - sheet.max(axis=0))
+def room_mm(printer: Printer) -> Floats:
+    """(2,) width and depth in which plastic can be printed: on the bed, and between the bars of the frame."""
+    return np.minimum(printer.bed_mm, printer.frame.opening_mm)
 
 
-def _advice(plastic: Floats, sheet: Floats, bed: Floats, frame: Floats) -> str:
+def _shifts(plastic: Floats, sheet: Floats, room: Floats, frame: Floats) -> tuple[Floats, Floats]:
+    """The least and the largest shift (2,) at which the plastic has room, and the fabric is within the frame."""
+    least = np.maximum(-room / 2 - plastic.min(axis=0), -frame / 2 - sheet.min(axis=0))
+    return least, np.minimum(room / 2 - plastic.max(axis=0), frame / 2 - sheet.max(axis=0))
+
+
+def _advice(plastic: Floats, sheet: Floats, room: Floats, frame: Floats) -> str:
     """The least turn in degrees that makes plastic (n, 2) and sheet (m, 2) fit, in words; empty if there is none."""
     for turn in range(180):
         turned = Placement(turn, np.zeros(2))
-        least, most = _shifts(turned.points(plastic), turned.points(sheet), bed, frame)
+        least, most = _shifts(turned.points(plastic), turned.points(sheet), room, frame)
         if (least <= most).all():
             return f"; --turn {turn} makes it fit"
     return ""

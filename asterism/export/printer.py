@@ -16,6 +16,7 @@ LayerHeight = Annotated[Number, Field(ge=0.05, le=2)]
 PLACEHOLDERS = ("z_offset_mm", "above_bed_mm", "above_fabric_mm")
 # how far above the fabric the nozzle is when z is set
 ABOVE_FABRIC_MM = 10.0
+_LEAST_OPENING_MM = 5.0
 
 
 class Speed(Section):
@@ -36,15 +37,37 @@ class Speed(Section):
 
 
 class Frame(Section):
-    """What holds the fabric: a frame of this size, centred on the bed, on a plate of this thickness."""
+    """What holds the fabric, centred on the bed.
+
+    Attributes
+    ----------
+    size_mm : width and depth, with its bars.
+    bar_mm : width of its bars, on which nothing can be printed.
+    plate_mm : thickness of the plate under the fabric.
+    """
 
     size_mm: Point = (260.0, 260.0)
+    bar_mm: Number = Field(15.0, ge=0, le=1000)
     plate_mm: Number = Field(4.0, ge=0, le=50)
 
     @field_validator("size_mm")
     @classmethod
     def _has_room(cls, size: Point) -> Point:
         return _sides(size)
+
+    @model_validator(mode="after")
+    def _bars_leave_an_opening(self) -> Self:
+        most = (min(self.size_mm) - _LEAST_OPENING_MM) / 2
+        if self.bar_mm > most:
+            sides = f"{self.size_mm[0]:g} x {self.size_mm[1]:g}"
+            raise DesignError("bar_mm", f"must be at most {most:g} in a frame of {sides} mm", self.bar_mm)
+        return self
+
+    @property
+    def opening_mm(self) -> tuple[float, float]:
+        """Width and depth between the bars."""
+        width, depth = self.size_mm
+        return width - 2 * self.bar_mm, depth - 2 * self.bar_mm
 
 
 class Printer(Section):

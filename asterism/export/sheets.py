@@ -7,7 +7,7 @@ import shapely
 
 from asterism.export.drawing import Circle, Drawing, Layer, Line, Text, beside, cross, rectangle
 from asterism.export.job import CHECK_SQUARE_MM, Job
-from asterism.export.layers import AFTER, BED, BEFORE, CUT, FRAME, GUIDE, MARKS, NEEDLES, OUTLINE, STARS, TEXT
+from asterism.export.layers import AFTER, BED, BEFORE, CUT, FRAME, GUIDE, MARKS, NEEDLES, OPENING, OUTLINE, STARS, TEXT
 from asterism.export.needle_table import fixed
 from asterism.export.page import Items, page
 from asterism.export.solid import Step
@@ -24,7 +24,7 @@ def layout_sheet(job: Job) -> Drawing:
     if job.border is not None:
         items += _areas(job.border, GUIDE)
     items += [Line(CUT, job.placement.points(job.plan.border), closed=True)]
-    items += [rectangle(FRAME, frame), rectangle(BED, bed)]
+    items += [rectangle(FRAME, frame), rectangle(OPENING, job.printer.frame.opening_mm), rectangle(BED, bed)]
     items += _marks(frame, bed)
     items += check_squares(job)
     for needle in job.needles:

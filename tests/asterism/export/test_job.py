@@ -121,6 +121,34 @@ def test_larger_than_the_frame() -> None:
         job(design(stars={"length_mm": 8.0}, border=wide, pins=[]))
 
 
+def test_nothing_is_printed_on_the_bars_of_the_frame() -> None:
+    """Here the nozzle reaches beyond the frame."""
+    bed = {"bed_mm": (300.0, 300.0)}
+
+    def framed(size_mm: float, bar_mm: float) -> dict[str, Any]:
+        return bed | {"frame": {"size_mm": (size_mm, size_mm), "bar_mm": bar_mm}}
+
+    wide, deep = np.ptp(np.reshape(shapely.bounds(job(printer=bed).stars[0].region), (2, 2)), axis=0)
+    edge = float(np.ceil(max(wide, deep)))
+    words = rf"stars = '{wide:.1f} x {deep:.1f} mm of plastic': must be within the 70\.0 x 70\.0 mm between the bars"
+    with pytest.raises(DesignError, match=words):
+        job(printer=framed(100.0, 15.0))
+    # the plastic has room, the printed line around it has not
+    tight = job(printer=framed(edge + 30.0, 15.0))
+    assert tight.border is None
+    low, high = np.reshape(shapely.bounds(tight.stars[0].region), (2, 2))
+    assert (low >= -edge / 2 - 1e-6).all() and (high <= edge / 2 + 1e-6).all()
+    assert job(printer=framed(edge + 30.0, 5.0)).border is not None
+
+
+def test_a_turn_may_help_between_the_bars_too() -> None:
+    bar = design(fabric={}, stars={"length_mm": 8.0}, border={"rectangle_mm": [150.0, 40.0]}, pins=[])
+    frame = {"frame": {"size_mm": (150.0, 190.0), "bar_mm": 15.0}}
+    with pytest.raises(DesignError, match=r"between the bars of the frame; --turn [0-9]+ makes it fit$") as caught:
+        job(bar, printer=frame)
+    job(bar, printer=frame, turn_deg=float(str(caught.value).split("--turn ")[1].split()[0]))
+
+
 def test_wider_arms_that_run_into_each_other_are_refused() -> None:
     """Arms of 1.0 mm that lie 1.14 mm apart become 1.2 mm wide."""
     close = {"length_mm": 16.0, "width_mm": 1.0}

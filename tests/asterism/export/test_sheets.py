@@ -122,6 +122,7 @@ def test_dxf_has_the_right_sizes_on_the_right_layers(one: Job, folder: Path) -> 
 
     sizes = {
         "frame": (260.0, 260.0),
+        "frame-opening": (230.0, 230.0),
         "printable-area": (223.0, 223.0),
         "check-before-stretching": (100.0, 100.0),
         "check-after-stretching": (135.0, 130.0),
