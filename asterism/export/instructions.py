@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from asterism.export.drawing import Circle, Drawing, Line, Text, size_within
-from asterism.export.job import CHECK_SQUARE_MM, Job
+from asterism.export.job import Job
 from asterism.export.layers import TEXT
 from asterism.export.needles import MUCH_MM, Needle, at_the_edge, hanging, named
 
@@ -39,8 +39,8 @@ def _stretch(job: Job) -> Chapter:
     return Chapter(
         "1. Stretch the fabric",
         (
-            f"Draw a square of {CHECK_SQUARE_MM:g} mm on the relaxed fabric, near the middle (page 2 of layout.pdf). "
-            f"Clamp the fabric in its frame: the square must now be {x:.1f} mm wide and {y:.1f} mm deep.",
+            f"Draw a square of {job.check_before_mm:g} mm on the relaxed fabric, near the middle (page 2 of "
+            f"layout.pdf). Clamp the fabric in its frame: the square must now be {x:.1f} mm wide and {y:.1f} mm deep.",
         ),
     )
 

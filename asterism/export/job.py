@@ -25,7 +25,10 @@ from pattern.errors import DesignError
 from pattern.layout import Layout
 from pattern.rounding import Rounding
 
-CHECK_SQUARE_MM = 100.0
+# sides of check squares, the usual one first
+CHECK_SQUARES_MM = (100.0, 80.0, 60.0, 50.0, 40.0, 30.0, 20.0, 10.0, 5.0, 2.0, 1.0)
+# how much of the frame's opening a stretched one may take
+_CHECK_PART = 0.8
 
 
 @dataclass(frozen=True)
@@ -80,10 +83,17 @@ class Job:
         return f"{remark}\n{code}"
 
     @property
+    def check_before_mm(self) -> float:
+        """Side of the check square on the relaxed fabric; stretched, it is well within the frame."""
+        room = np.asarray(self.printer.frame.opening_mm) / self.design.fabric.stretch_xy
+        most = _CHECK_PART * float(room.min()) + 1e-9
+        return next((side for side in CHECK_SQUARES_MM if side <= most), CHECK_SQUARES_MM[-1])
+
+    @property
     def check_after_mm(self) -> tuple[float, float]:
         """Sides of the check square on the stretched fabric."""
         x, y = self.design.fabric.stretch_xy
-        return CHECK_SQUARE_MM * x, CHECK_SQUARE_MM * y
+        return self.check_before_mm * x, self.check_before_mm * y
 
     @cached_property
     def size_changes(self) -> dict[str, Any]:

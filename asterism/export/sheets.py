@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 
 from asterism.export.drawing import Circle, Drawing, Layer, Line, Text, beside, cross, rectangle
-from asterism.export.job import CHECK_SQUARE_MM, Job
+from asterism.export.job import Job
 from asterism.export.layers import AFTER, BED, BEFORE, CUT, FRAME, GUIDE, MARKS, NEEDLES, OPENING, OUTLINE, STARS, TEXT
 from asterism.export.needle_table import fixed
 from asterism.export.page import Items, page
@@ -15,6 +15,7 @@ from pattern.layout import Floats
 
 _HOLE_MM = 1.0
 _LONGEST_TABLE = 40
+_WORDS_MM = 50.0
 
 
 def layout_sheet(job: Job) -> Drawing:
@@ -29,7 +30,8 @@ def layout_sheet(job: Job) -> Drawing:
     items += check_squares(job)
     for needle in job.needles:
         items += _needle(job.placement.points(needle.printed), str(needle.number))
-    items.append(Text(TEXT, np.array([-frame[0] / 4, -frame[1] / 2 - 8.0]), "front of the printer", 4.0, "middle"))
+    field = np.max([frame, bed, job.check_after_mm], axis=0)
+    items.append(Text(TEXT, np.array([-frame[0] / 4, -field[1] / 2 - 8.0]), "front of the printer", 4.0, "middle"))
     x, y = job.design.fabric.stretch_xy
     count = len(job.plan.centres)
     sizes = ", ".join(f"{height:g}" for height in sorted({step.height_mm for step in job.stars}))
@@ -46,22 +48,24 @@ def layout_sheet(job: Job) -> Drawing:
         paragraphs.append(f"Turned by {job.placement.turn_deg:g} deg from the design.")
     if job.border is None:
         paragraphs.append("No printed border: mark the cut line by hand.")
-    return page(f"{job.design.name}: layout", frame, (0.0, 0.0), items, job.design.name, "Layout 1:1", paragraphs)
+    return page(f"{job.design.name}: layout", field, (0.0, 0.0), items, job.design.name, "Layout 1:1", paragraphs)
 
 
 def stretch_sheet(job: Job) -> Drawing:
     """The square to draw on the relaxed fabric, and how large it has to become."""
-    x, y = job.check_after_mm
+    before, (x, y) = job.check_before_mm, job.check_after_mm
     items = [*check_squares(job), *cross(MARKS, np.zeros(2), 5.0)]
-    items.append(Text(TEXT, np.array([0.0, CHECK_SQUARE_MM / 2 - 7.0]), "before: 100 x 100 mm", 4.0, "middle"))
+    # within its square, or below both where the words are wider than it
+    below = before / 2 - 7.0 if before > _WORDS_MM else -y / 2 - 7.0
+    items.append(Text(TEXT, np.array([0.0, below]), f"before: {before:g} x {before:g} mm", 4.0, "middle"))
     items.append(Text(TEXT, np.array([0.0, y / 2 + 3.0]), f"after: {x:.1f} x {y:.1f} mm", 4.0, "middle"))
     field = np.maximum(job.printer.frame.size_mm, [x + 20.0, y + 20.0])
     paragraphs = [
         "1. Lay the relaxed fabric on this page and draw the dashed square on it, its sides along the threads that "
         "will lie along the frame.",
         f"2. Stretch and clamp the fabric. The square must now be {x:.1f} mm wide (left to right) and {y:.1f} mm deep.",
-        "3. A millimetre off is a stretch that is off by 0.01. If you cannot do better, write the stretch that you "
-        "measured into fabric.stretch of the design, as [x, y], and look at its shape again.",
+        f"3. A millimetre off is a stretch that is off by {1 / before:.2g}. If you cannot do better, write the "
+        "stretch that you measured into fabric.stretch of the design, as [x, y], and look at its shape again.",
     ]
     return page(
         f"{job.design.name}: stretch check", field, (0.0, 0.0), items, job.design.name, "Stretch check 1:1", paragraphs
@@ -70,7 +74,7 @@ def stretch_sheet(job: Job) -> Drawing:
 
 def check_squares(job: Job) -> Items:
     """The check square about the middle of the frame, before and after stretching."""
-    return [rectangle(BEFORE, (CHECK_SQUARE_MM, CHECK_SQUARE_MM)), rectangle(AFTER, job.check_after_mm)]
+    return [rectangle(BEFORE, (job.check_before_mm, job.check_before_mm)), rectangle(AFTER, job.check_after_mm)]
 
 
 def needle_sheet(job: Job) -> Drawing | None:

@@ -28,8 +28,8 @@ def table(s: dict[str, Any]) -> dict[str, str]:
         rows["cut line"] = "not printed, in layout.pdf"
     fabric = "stretched fabric" if s["fabric_given"] else "released fabric; measure it stretched: --fabric"
     rows["z offset"] = f"{s['z_offset_mm']:.2f} mm (plate and {fabric}), in start.gcode"
-    x, y = s["check_square_mm"]["after"]
-    rows["check square"] = f"100 mm before stretching, {x:.1f} x {y:.1f} mm after"
+    before, (x, y) = s["check_square_mm"]["before"][0], s["check_square_mm"]["after"]
+    rows["check square"] = f"{before:g} mm before stretching, {x:.1f} x {y:.1f} mm after"
     rows["needles"] = str(s["needles"])
     if through := s["needles_in_plastic"]:
         rows["in plastic"] = f"{named(through)}: drill the arm there, or move the pin"

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from asterism.export import dxf, glb, icesl, instructions, needle_table, obj, openscad, pdf, sheets, stl, svg, threemf
-from asterism.export.job import CHECK_SQUARE_MM, Job
+from asterism.export.job import Job
 from asterism.export.rounded import better_layers, tiny_stars
 from asterism.export_vtu import write_rods_vtu, write_shape_vtu
 from asterism.files import EXPORT as SUMMARY
@@ -102,7 +102,7 @@ def _summary(job: Job, tiny: list[dict[str, Any]], change: dict[str, Any] | None
         "origin_on_bed_mm": [float(c) for c in job.placement.shift + job.printer.bed_centre_mm],
         "z_offset_mm": job.z_offset_mm,
         "fabric_given": job.fabric_given,
-        "check_square_mm": {"before": [CHECK_SQUARE_MM] * 2, "after": list(job.check_after_mm)},
+        "check_square_mm": {"before": [job.check_before_mm] * 2, "after": list(job.check_after_mm)},
         "needles": len(job.needles),
         "needles_in_plastic": job.needles_in_plastic,
         "hangs_below_base_mm": job.hangs_mm,

@@ -129,6 +129,15 @@ def test_a_sheet_that_hangs_below_its_needles_is_told(file: Path, tmp_path: Path
     assert json.loads((tmp_path / "unknown" / "export.json").read_text())["hangs_below_base_mm"] == 0.0
 
 
+def test_a_smaller_check_square_is_told_everywhere(file: Path, tmp_path: Path, run: Run) -> None:
+    save_design(design(fabric={"stretch": 2.8}, border={"rings": 0}, pins=[]), file)
+    result = run("export", "d.toml", "-o", "out")
+    assert "60 mm before stretching, 168.0 x 168.0 mm after" in result.out
+    said = json.loads((tmp_path / "out" / "export.json").read_text())["check_square_mm"]
+    assert said == {"before": [60.0, 60.0], "after": pytest.approx([168.0, 168.0])}
+    assert "Draw a square of 60 mm" in (tmp_path / "out" / "instructions.txt").read_text()
+
+
 def test_what_a_law_does_not_know_is_no_change_of_shape(file: Path, tmp_path: Path, run: Run) -> None:
     """At the law's end thicker stars are as thin as its thinnest, before and after rounding."""
     save_design(design(fabric={}, stars={"length_mm": 8.0, "thickness_mm": 0.15}, border={"rings": 1}, pins=[]), file)

@@ -7,6 +7,7 @@ import subprocess
 import sys
 from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -165,17 +166,46 @@ def test_a_free_sheet_needs_no_template() -> None:
     assert sheets.needle_sheet(job(design(pins=[]))) is None
 
 
+@pytest.mark.parametrize(
+    ("stretch", "printer", "side"),
+    [
+        (1.35, {}, 100.0),
+        (2.8, {}, 60.0),
+        (1.35, {"bed_mm": [300.0, 280.0]}, 100.0),
+        (1.35, {"frame": {"size_mm": [130.0, 140.0]}}, 50.0),
+        ([1.2, 1.8], {"frame": {"size_mm": [130.0, 140.0]}}, 40.0),
+        (1.35, {"frame": {"size_mm": [130.0, 40.0], "bar_mm": 5.0}}, 10.0),
+    ],
+)
+def test_large_beds_and_small_frames(stretch: Any, printer: dict[str, Any], side: float) -> None:
+    """The page shows all of them, and the stretched square is within the frame."""
+    stars = {"length_mm": 5.0, "thickness_mm": 0.2}
+    made = job(design(fabric={"stretch": stretch}, stars=stars, border={"rings": 0}, pins=[]), printer)
+    assert made.check_before_mm == side
+    assert (np.array(made.check_after_mm) <= 0.8 * np.array(made.printer.frame.opening_mm)).all()
+    layout, check = sheets.layout_sheet(made), sheets.stretch_sheet(made)
+    check_page(layout)
+    check_page(check)
+    words = " ".join(texts(check))
+    x, y = made.check_after_mm
+    assert f"before: {side:g} x {side:g} mm" in words and f"after: {x:.1f} x {y:.1f} mm" in words
+    front = next(item for item in layout.items if isinstance(item, Text) and item.text == "front of the printer")
+    assert front.at[1] < -max(made.printer.bed_mm[1], made.printer.frame.size_mm[1]) / 2
+
+
 def test_everything_is_on_its_page(one: Job) -> None:
     template = sheets.needle_sheet(one)
     assert template is not None
     for drawing in (sheets.layout_sheet(one), sheets.stretch_sheet(one), template):
-        for item in drawing.items:
-            points = (
-                item.points
-                if isinstance(item, Line)
-                else np.atleast_2d(getattr(item, "at", getattr(item, "centre", 0)))
-            )
-            assert (points >= drawing.low).all() and (points <= drawing.high).all()
+        check_page(drawing)
+
+
+def check_page(drawing: Drawing) -> None:
+    for item in drawing.items:
+        points = (
+            item.points if isinstance(item, Line) else np.atleast_2d(getattr(item, "at", getattr(item, "centre", 0)))
+        )
+        assert (points >= drawing.low).all() and (points <= drawing.high).all()
 
 
 @pytest.mark.parametrize("place", [[0.0, 0.0], [2.0, 2.2], [0.0, 9.0], [-8.0, -2.0]])
