@@ -143,6 +143,8 @@ def _finish(job: Job) -> Chapter:
         if len(known) < len(job.needles):
             sliding = len(job.needles) - len(known)
             lines.append(f"{sliding} more go through the sheet where it slides; the template has no holes for them.")
+        if rising := [needle.number for needle in known if needle.height_mm is None]:
+            lines.append(f"The sheet slides up and down along {named(rising)}: leave it free there, at its own height.")
     elif job.needles:
         lines.append(f"Needles go through the sheet at the {len(job.needles)} places of the layout, where it slides.")
     else:
@@ -159,14 +161,15 @@ def _heights(needles: Sequence[Needle]) -> str:
     """At which heights needles hold the sheet; empty if all hold it on the base."""
     at: dict[str, list[int]] = {}
     for needle in needles:
-        if needle.place is not None and needle.is_raised:
-            at.setdefault(f"{needle.place[2]:.1f}", []).append(needle.number)
+        if needle.is_raised:
+            at.setdefault(f"{needle.height_mm:.1f}", []).append(needle.number)
     if not at:
         return ""
     if len(at) > _MOST_NAMED:
         return "They hold the sheet at heights over the base that are written beside their holes, and in needles.csv."
     each = "; ".join(f"{height} mm at {named(numbers)}" for height, numbers in at.items())
-    rest = "" if all(needle.is_raised for needle in needles) else "; on the base at the others"
+    known = [needle for needle in needles if needle.height_mm is not None]
+    rest = "" if all(needle.is_raised for needle in known) else "; on the base at the others"
     return f"They hold the sheet at these heights over the base: {each}{rest}."
 
 

@@ -133,10 +133,11 @@ class Job:
     @cached_property
     def hangs_mm(self) -> float:
         """How far the sheet hangs below the base in which its needles stand; 0 where the shape is not known."""
-        known = [needle for needle in self.needles if needle.place is not None]
+        known = [(needle, height) for needle in self.needles if (height := needle.height_mm) is not None]
         if self.seen is None or not known:
             return 0.0
-        base = float(self.seen.at(known[0].printed[None])[0, 2] - known[0].place[2])  # type: ignore[index]
+        needle, height = known[0]
+        base = float(self.seen.at(needle.printed[None])[0, 2] - height)
         return max(base - float(self.seen.positions[:, 2].min()), 0.0)
 
     @property

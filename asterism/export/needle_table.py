@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 from pathlib import Path
 
 from asterism.export.needles import Needle
@@ -16,9 +17,13 @@ def write(path: Path, needles: tuple[Needle, ...]) -> None:
         table = csv.writer(stream, lineterminator="\n")
         table.writerow(COLUMNS)
         for needle in needles:
-            place = ("", "", "") if needle.place is None else tuple(fixed(value, 3) for value in needle.place)
+            place = ("", "", "") if needle.place is None else tuple(_known(value) for value in needle.place)
             printed = tuple(fixed(value, 3) for value in needle.printed)
             table.writerow((needle.number, *printed, *place, needle.slides, needle.step))
+
+
+def _known(value: float) -> str:
+    return "" if math.isnan(value) else fixed(value, 3)
 
 
 def fixed(value: float, digits: int) -> str:

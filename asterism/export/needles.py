@@ -27,7 +27,8 @@ class Needle:
     ----------
     number : from 1, as in all drawings.
     printed : (2,) mm, in print coordinates.
-    place : (3,) mm in space; None if the sheet slides there and no shape says where to.
+    place : (3,) mm in space; None if the sheet slides in the plane and no shape says where to. Where it slides along z
+        and no shape says how high, z is not a number.
     slides : `z` or `plane` where the sheet is free to slide, otherwise empty.
     step : the design's step at which it is set.
     """
@@ -39,9 +40,14 @@ class Needle:
     step: int
 
     @property
+    def height_mm(self) -> float | None:
+        """Height of the sheet above the base; None where it is not known."""
+        return None if self.place is None or np.isnan(self.place[2]) else float(self.place[2])
+
+    @property
     def is_raised(self) -> bool:
         """It holds the sheet above or below the base."""
-        return self.place is not None and bool(abs(self.place[2]) > FLAT_MM)
+        return self.height_mm is not None and abs(self.height_mm) > FLAT_MM
 
 
 def needles(plan: Layout, spacing_mm: float, shape: Shape | None = None) -> tuple[Needle, ...]:
@@ -62,7 +68,7 @@ def needles(plan: Layout, spacing_mm: float, shape: Shape | None = None) -> tupl
                 found.append(Needle(len(found) + 1, point, place, _slides(pins), pins.step))
     if not any(pins.fixed[2] for pins in plan.pins):
         # nothing says how high the sheet is: the lowest needle stands on the base
-        low = min((needle.place[2] for needle in found if needle.place is not None), default=0.0)
+        low = min((needle.height_mm for needle in found if needle.height_mm is not None), default=0.0)
         found = [one if one.place is None else replace(one, place=one.place - [0.0, 0.0, low]) for one in found]
     return tuple(found)
 
@@ -75,12 +81,12 @@ def _along(border: Floats, edge: int, spacing_mm: float) -> Floats:
 
 
 def _places(pins: PinSet, printed: Floats, shape: Shape | None) -> Floats | None:
-    """(n, 3) where the printed points stand in space; None if that is not known."""
+    """(n, 3) where the printed points stand in space, z not a number if it is not known; None if x and y are not."""
     held = np.array(pins.fixed)
     if held.all():
         return pins.places(printed)
     if shape is None:
-        return None
+        return np.where(held, pins.places(printed), np.nan) if held[:2].all() else None
     return np.where(held, pins.places(printed), shape.at(printed))
 
 

@@ -95,17 +95,24 @@ def needle_sheet(job: Job) -> Drawing | None:
     for needle, (x, y, z) in known:
         items += _needle(np.array([x, y]), str(needle.number) + (f"  z {z:.1f}" if needle.is_raised else ""))
         marks = [f"  slides: {needle.slides}"] * bool(needle.slides) + [f"  step {needle.step}"] * bool(needle.step)
-        table.append(f"{needle.number:3d} " + " ".join(f"{fixed(c, 2):>8}" for c in (x, y, z)) + "".join(marks))
+        table.append(
+            f"{needle.number:3d} "
+            + " ".join(f"{'-' if np.isnan(c) else fixed(c, 2):>8}" for c in (x, y, z))
+            + "".join(marks)
+        )
     if len(table) > _LONGEST_TABLE:
         table = ["All needles are in needles.csv."]
     paragraphs = [
         f"Glue this page on the base, drill {_HOLE_MM:g} mm holes at the circles, set the needles upright.",
         "The numbers are those of the layout: push every needle through the sheet at its place there.",
-        "z is the height of the sheet above the base; where none is given it is 0.",
+        "z is the height of the sheet above the base; beside a hole without one it is 0"
+        + (", or the sheet slides." if any(needle.height_mm is None for needle, _ in known) else "."),
     ]
     if any(needle.step for needle, _ in known):
         paragraphs.append("Steps are set one after the other, needles without one first.")
-    if any(needle.slides for needle, _ in known):
+    if any(needle.height_mm is None for needle, _ in known):
+        paragraphs.append("Where the sheet slides along z, its height is not known without a shape: it finds its own.")
+    if any(needle.slides and needle.height_mm is not None for needle, _ in known):
         paragraphs.append("Where the sheet slides (along z, or in the plane) the place is that of its computed shape.")
     field = np.maximum(job.printer.frame.size_mm, high - low + 40.0)
     title = f"{job.design.name}: needles"

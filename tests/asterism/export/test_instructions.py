@@ -11,7 +11,7 @@ from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import TextPath
 
 from asterism.export import instructions, sheets
-from asterism.export.drawing import Drawing, Text
+from asterism.export.drawing import Circle, Drawing, Text
 from asterism.export.estimate import estimate
 from asterism.export.job import Job
 from asterism.export.needles import at_the_edge, in_plastic
@@ -114,8 +114,28 @@ def test_many_needles_make_a_longer_page() -> None:
 
 def test_needles_without_a_place_get_no_hole() -> None:
     """Three corners are held, three slide, and no shape says where to."""
-    one = job(design(pins=[{"corners": [0, 2, 4]}, {"corners": [1, 3, 5], "slide": "z"}]))
+    one = job(design(pins=[{"corners": [0, 2, 4]}, {"corners": [1, 3, 5], "slide": "plane"}]))
     assert "into the hole of that number: 3 needles. 3 more go through the sheet where it slides" in said(one)
+
+
+def test_needles_along_which_the_sheet_slides_get_a_hole() -> None:
+    """The design says where they stand, and no shape how high the sheet is there."""
+    pins = [{"corners": [0, 2, 4], "scale": 0.8, "offset_mm": [0, 0, 5]}, {"corners": [1, 3, 5], "slide": "z"}]
+    one = job(design(pins=pins))
+    text = said(one)
+    assert "into the hole of that number: 6 needles." in text and "no holes for them" not in text
+    assert "slides up and down along needles 4 to 6: leave it free there" in text
+    assert "at these heights over the base: 5.0 mm at needles 1 to 3." in text and "nan" not in text
+    template = sheets.needle_sheet(one)
+    assert template is not None
+    words = " ".join(item.text for item in template.items if isinstance(item, Text))
+    assert "it finds its own" in words and "computed shape" not in words and "nan" not in words
+    # a hole and its cross, the middle's cross, and the number beside it
+    assert sum(isinstance(item, Circle) for item in template.items) == 6
+    # the height of the base comes from a needle that has one
+    glance = preview(design(fabric={}, stars={"length_mm": 8.0}, pins=pins))
+    last = replace(one, needles=one.needles[::-1], glance=glance)
+    assert last.hangs_mm == pytest.approx(replace(one, glance=glance).hangs_mm, abs=1e-6)
 
 
 def test_a_sheet_whose_height_nothing_holds_stands_on_its_lowest_needle() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 import shapely
 
 from asterism.export.estimate import estimate
+from asterism.export.needle_table import write
 from asterism.export.profiles import load_printer
 from asterism.export.rounded import better_layers, changes, choose, tiny_stars
 from asterism.export.strips_of_arms import _height_steps
@@ -182,6 +184,20 @@ def test_needles_that_slide_need_a_shape() -> None:
     assert fixed.place == pytest.approx([1.0, 2.0, 3.0])
     # x and y from the shape, z held on the ground
     assert free.place == pytest.approx([*(0.5 * plan.border[3]), 0.0])
+
+
+def test_needles_that_slide_along_z_have_a_place_and_no_height(tmp_path: Path) -> None:
+    pins = [{"corners": [0], "target_mm": [30.0, 4.0, 3.0]}, {"corners": [3], "scale": 0.8, "slide": "z"}]
+    held, slides = job(design(pins=pins)).needles
+    assert held.height_mm == 3.0 and slides.height_mm is None and not slides.is_raised
+    assert slides.place is not None and slides.place[:2] == pytest.approx(0.8 * slides.printed)
+    write(tmp_path / "needles.csv", (held, slides))
+    rows = [line.split(",") for line in (tmp_path / "needles.csv").read_text().splitlines()]
+    assert rows[1][3:6] == ["30.000", "4.000", "3.000"]
+    assert [float(text) for text in rows[2][3:5]] == pytest.approx(0.8 * slides.printed, abs=1e-3)
+    assert rows[2][5:7] == ["", "z"]
+    # nothing holds any height: there is none to count from
+    assert [needle.height_mm for needle in job(design(pins=pins[1:])).needles] == [None]
 
 
 def test_a_shape_of_another_design_is_refused() -> None:
