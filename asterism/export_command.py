@@ -125,11 +125,11 @@ def printers() -> None:
             try:
                 typer.echo(f"  {name:<14} {described(name)}")
             except DesignError as error:
-                wrong.append(error)
+                wrong.append(" ".join(str(error).split()))
     *own, _ = folders()
     typer.echo(f"yours: printers/NAME.toml and plastics/NAME.toml in {' or '.join(map(str, own))} ({VARIABLE})")
-    for error in wrong:
-        print(f"asterism: {error}", file=sys.stderr)
+    for line in wrong:
+        print(f"asterism: {line}", file=sys.stderr)
     if wrong:
         raise typer.Exit(2)
 

@@ -140,8 +140,8 @@ def _needles(figure: Figure, to_page: Transform, job: Job) -> None:
 
 
 def _numbers(place: Floats) -> str:
-    """In mm, without a minus before nothing."""
-    return ", ".join(f"{value:.1f}" for value in np.round(place, 1) + 0.0)
+    """In mm, without a minus before nothing; a height that is not known slides."""
+    return ", ".join("slides" if np.isnan(value) else f"{value:.1f}" for value in np.round(place, 1) + 0.0)
 
 
 def _draw(figure: Figure, transform: Transform, region: BaseGeometry, **style: Any) -> None:

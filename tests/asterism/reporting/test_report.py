@@ -142,6 +142,16 @@ def test_what_decides_the_shape_is_on_the_page(design: Path, tmp_path: Path, cap
     assert red > green + 60 and red > blue + 60
 
 
+def test_needles_along_which_the_sheet_slides_stand_at_a_place_without_a_height(
+    design: Path, capsys, monkeypatch
+) -> None:
+    """There is no law, and so no shape that says it."""
+    sliding = DESIGN.replace("scale = 0.7", 'scale = 0.7\nslide = "z"')
+    design.write_text(sliding + "[plastic]\nmodulus_ratio = 2000.0\n")
+    assert command(["report", str(design)], capsys, monkeypatch).status == 0
+    assert "1: printed (-52.0, -35.0), stands at (-36.4, -24.5, slides)" in page(design.with_name("d-report.pdf"))[0]
+
+
 def test_without_a_law_there_is_no_picture(design: Path, capsys, monkeypatch) -> None:
     design.write_text(DESIGN + "[plastic]\nmodulus_ratio = 2000.0\n")
     done = command(["report", str(design)], capsys, monkeypatch)
