@@ -3,9 +3,10 @@
 python -m benchmarks.accuracy FOLDER [--starts] [--kept] [--law LAW.npz] [NAME ...]
 
 FOLDER keeps the exact shapes, and finished comparisons for as long as the law and the code of the preview stay the
-same. (A shape that the exact model has found from a preview stays one of the design's, whatever becomes of previews.)
-With `--starts` the exact model is started from the preview too, and the lower of its shapes counts. Given names,
-nothing is written to docs/accuracy.md. With `--kept` comparisons are taken as FOLDER has them, whatever has made them.
+same. The exact model starts from the released sheet and from the preview, and the lower of its shapes counts. (One that
+it has found from a preview stays one of the design's, whatever becomes of previews.) With `--starts` iterations and
+seconds of both starts are compared too. Given names, nothing is written to docs/accuracy.md. With `--kept` comparisons
+are taken as FOLDER has them, whatever has made them.
 """
 
 from __future__ import annotations

@@ -25,8 +25,10 @@ def whole_row(design: Design, folder: Path, law: Law) -> dict[str, Any]:
 
 
 def quick_row(design: Design, folder: Path, law: Law) -> dict[str, Any]:
-    """The comparison with the lowest exact shape that the folder has; the exact model is only released, if it must."""
-    shapes, shown, plan = known(design, folder), preview(design, law), layout(design)
+    """The comparison with the lower of the exact shapes, kept in a folder, from the released sheet and the preview."""
+    shown, plan = preview(design, law), layout(design)
+    exact(design, folder, near=lambda: shown)
+    shapes = known(design, folder)
     same = symmetries(design, plan)
     right, *other = shapes.values()
     comparison, *with_other = [compare(shape, shown, plan, same) for shape in shapes.values()]
