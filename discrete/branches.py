@@ -14,6 +14,7 @@ from discrete.roll_axis import roll_axis_deg
 from discrete.solve import relax
 from discrete.starts import beginnings
 from discrete.walk import Report, named
+from equilibrium.newton import Method
 from pattern.errors import DesignError
 from pattern.likeness import distances, print_diameter
 from pattern.symmetries import Symmetry, symmetries
@@ -85,6 +86,8 @@ def find_minima(
     starts: int,
     seed: int = 0,
     backend: str = "auto",
+    method: Method = "blended",
+    max_iterations: int = 500,
     report: Report | None = None,
 ) -> Minima:
     """Distinct minima from a fixed sequence of starts, the design's own first; other arguments as in `relax`.
@@ -106,7 +109,7 @@ def find_minima(
     for number, one in enumerate(beginnings(len(model.layout.centres), starts, start == "bump", seed)):
         tell = named(report, f"start {number + 1} of {starts}")
         try:
-            end = relax(models[0], one, seed=seed, backend=backend, report=tell)
+            end = relax(models[0], one, None, seed, backend, method, max_iterations, tell)
         except (DesignError, FloatingPointError):
             # what the design's own start cannot do is a mistake in it; another one may begin where nothing goes on
             if number == 0:
@@ -124,7 +127,7 @@ def find_minima(
     fine = []
     for number, branch in enumerate(b for b, kept in zip(ranked, carried, strict=True) if kept):
         tell = named(report, f"minimum {number + 1}")
-        end, levels = carried_up(models, branch.found, start, seed, backend, tell)
+        end, levels = carried_up(models, branch.found, start, seed, backend, method, max_iterations, tell)
         fine.append(replace(branch, found=end, model=model, levels=tuple(levels)))
     certain = [b for b in fine if b.found.is_minimum] or fine
     return Minima(_best_first(distinct(certain, same)), ranked, carried, lost, same)

@@ -21,6 +21,7 @@ from discrete.prolongation import fitted, prolonged
 from discrete.solve import Start, relax
 from discrete.state import State
 from discrete.walk import Report, named
+from equilibrium.newton import Method
 from pattern.errors import MeshError
 from pattern.meshing import mesh_layout
 
@@ -54,6 +55,8 @@ def find_equilibrium(
     start: Start = "bump",
     seed: int = 0,
     backend: str = "auto",
+    method: Method = "blended",
+    max_iterations: int = 500,
     report: Report | None = None,
     near: Surface | None = None,
 ) -> tuple[Equilibrium, list[Level]]:
@@ -70,8 +73,8 @@ def find_equilibrium(
         models[0].set_release(1.0)
         there = fitted(models[0], near(models[0].mesh.points))
         begin = there if keeps_apart(models[0], there) else start
-    found = relax(models[0], begin, seed=seed, backend=backend, report=tell)
-    return carried_up(models, found, start, seed, backend, report)
+    found = relax(models[0], begin, None, seed, backend, method, max_iterations, tell)
+    return carried_up(models, found, start, seed, backend, method, max_iterations, report)
 
 
 def carried_up(
@@ -80,6 +83,8 @@ def carried_up(
     start: Start,
     seed: int,
     backend: str,
+    method: Method,
+    max_iterations: int,
     report: Report | None,
 ) -> tuple[Equilibrium, list[Level]]:
     """The equilibrium of the last model, from one of the first model through those between."""
@@ -92,7 +97,7 @@ def carried_up(
         before = previous, found.state
         prepared = time.perf_counter() - begun
         tell = named(report, f"{level.n_vertices} vertices")
-        found = relax(level, state, seed=seed, backend=backend, report=tell)
+        found = relax(level, state, None, seed, backend, method, max_iterations, tell)
         path += found.path
         levels.append(_level(level, found, {"prolongation": prepared, **found.seconds}))
     stages: dict[str, float] = {}
