@@ -15,8 +15,6 @@ from pattern.normals import vertex_normals
 
 # of the distance to a plane, in which a tube must be closer
 BENT = 0.9
-# of the axis where the search begins: on a line of symmetry of the points it would not leave it
-ASIDE = 0.05, 0.03
 
 
 def rolled(summary: Mapping[str, Any]) -> str:
@@ -33,7 +31,7 @@ def degrees(axis_deg: float) -> str:
 
 
 def roll_radius(shape: Shape, lattice_vectors: Floats) -> float | None:
-    """mm, of the tube nearest to the shape's means over the cells of its stars; None of fewer than five."""
+    """mm, of the tube nearest to the shape's means over the cells of its stars; None where `tube_radius` has none."""
     stars = shape.star_vertices
     middles = CellMean(shape.printed, shape.weights, lattice_vectors, stars)(shape.positions)
     return tube_radius(middles, vertex_normals(shape.positions, shape.triangles)[stars])
@@ -73,6 +71,6 @@ def tube_radius(points: Floats, normals: Floats) -> float | None:
         return np.column_stack([-height[:, None] * moved, -moved, -np.ones(len(points))])
 
     # Levenberg and Marquardt's method; what `least_squares` does around it takes several times as long
-    found, *_ = leastsq(off, [*ASIDE, *middle[:2], radius], Dfun=slopes)
+    found, *_ = leastsq(off, [0.0, 0.0, *middle[:2], radius], Dfun=slopes)
     flat = np.linalg.svd(points, compute_uv=False)[2]
     return float(abs(found[4])) if np.linalg.norm(off(found)) < BENT * flat else None

@@ -35,7 +35,7 @@ def averaged(tubes: Sequence[object] | Floats) -> list[int]:
 
 
 def all_around(tubes: Sequence[object] | Floats) -> bool:
-    """Whether these are the directions of stars without threefold symmetry."""
+    """Whether these, of the cells of a law, are the directions of stars without threefold symmetry."""
     return len(tubes) == len(AROUND)
 
 

@@ -15,7 +15,7 @@ from pattern.layout import Floats
 
 _HOLE_MM = 1.0
 _LONGEST_TABLE = 40
-_WORDS_MM = 50.0
+_WORDS_MM = 50.0  # as wide as what is written into a check square
 
 
 def layout_sheet(job: Job) -> Drawing:
@@ -56,8 +56,8 @@ def stretch_sheet(job: Job) -> Drawing:
     before, (x, y) = job.check_before_mm, job.check_after_mm
     items = [*check_squares(job), *cross(MARKS, np.zeros(2), 5.0)]
     # within its square, or below both where the words are wider than it
-    below = before / 2 - 7.0 if before > _WORDS_MM else -y / 2 - 7.0
-    items.append(Text(TEXT, np.array([0.0, below]), f"before: {before:g} x {before:g} mm", 4.0, "middle"))
+    at = before / 2 - 7.0 if before > _WORDS_MM else -y / 2 - 7.0
+    items.append(Text(TEXT, np.array([0.0, at]), f"before: {before:g} x {before:g} mm", 4.0, "middle"))
     items.append(Text(TEXT, np.array([0.0, y / 2 + 3.0]), f"after: {x:.1f} x {y:.1f} mm", 4.0, "middle"))
     field = np.maximum(job.printer.frame.size_mm, [x + 20.0, y + 20.0])
     paragraphs = [

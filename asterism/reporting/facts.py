@@ -120,12 +120,12 @@ def _accuracy(summary: Mapping[str, Any]) -> list[str]:
 def _print(job: Job) -> list[str]:
     cost = job.cost
     return [
-        *([f"LARGER than the {job.printer.name} can print"] if job.too_large else []),
+        *([f"LARGER than the {job.printer.name} can print in its frame"] if job.too_large else []),
         f"{job.printer.name}, {job.plastic.name}",
         *_rounded(job),
         f"{cost['mass_g']:.1f} g, {cost['filament_m']:.2f} m of filament",
         f"about {cost['minutes']:.0f} minutes",
-        f"nozzle starts {job.z_offset_mm:g} mm above the bed",
+        f"nozzle starts {job.z_offset_mm:g} mm above the bed" + ("" if job.fabric_given else ", on released fabric"),
     ]
 
 

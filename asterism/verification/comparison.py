@@ -147,7 +147,7 @@ class Comparison:
 
     @cached_property
     def roll_radii_mm(self) -> tuple[float, float] | None:
-        """Radii of the tubes nearest to the star centres' cell means; None unless both are rolled, of five stars."""
+        """Radii of the tubes nearest to the star centres' cell means; None unless both are rolled, and are tubes."""
         if None in self.roll_axes_deg:
             return None
         one, other = (
@@ -244,7 +244,7 @@ def image(shape: Shape, symmetry: Symmetry) -> Shape:
     star = np.full(len(shape.printed), -1, dtype=np.int64)
     star[star_vertices] = numbers
     rod_fields = dict(shape.rod_fields)
-    if "star" in rod_fields:  # whose arm an edge is now
+    if "star" in rod_fields and len(star_vertices):  # whose arm an edge is now
         of = dict(zip(shape.star[star_vertices].tolist(), numbers.tolist(), strict=True))
         rod_fields["star"] = np.array([of[number] for number in rod_fields["star"].tolist()], dtype=np.int64)
     flip = np.array([-1.0 if symmetry.mirrors else 1.0, 1.0, 1.0])

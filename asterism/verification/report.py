@@ -150,7 +150,8 @@ def _pictures(found: Verification) -> list[str]:
 
 
 def _numbers(s: Mapping[str, Any]) -> list[list[str]]:
-    rows = [["height, mm", *_pair(s["heights_mm"], 1), _signed(s["height_error_percent"])]]
+    off = "" if _is_flat(s) else _signed(s["height_error_percent"])
+    rows = [["height, mm", *_pair(s["heights_mm"], 1), off]]
     if s["rises_mm"] is not None:
         rows.append(["rise over what is held, mm", *_pair(s["rises_mm"], 1), _signed(s["rise_error_percent"])])
     if s["roll_radii_mm"] is not None:
@@ -201,7 +202,7 @@ def _agreement(s: Mapping[str, Any]) -> str:
     lost = [NAMES[name] for name, one in s["starts"].items() if not one["is_minimum"]]
     if lost:
         return f"One start ({lost[0]}) has come to no minimum that is certain to stay; the other one counts."
-    apart = f"{s['starts_distance_percent']:.1f} % of the diameter apart"
+    apart = f"{s['starts_distance_percent']:.2g} % of the diameter apart and of different energy"
     return f"The two starts end in different minima, {apart}. The certain one of lower energy counts."
 
 

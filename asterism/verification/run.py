@@ -119,7 +119,11 @@ def verify(
     }
     certain = all(shape.summary["is_minimum"] for shape in exact.values())
     near_each_other = between.rms_percent < SAME_PERCENT and _same_stars_down(exact, plan, same)
-    agree = certain and near_each_other and same_energy(*(shape.summary["energy_n_mm"] for shape in exact.values()))
+    # an image of a minimum has another energy where the mesh is not as symmetric as the design
+    as_they_are = compare(released, near, plan, same[:1], weighs)
+    energies = [shape.summary["energy_n_mm"] for shape in exact.values()]
+    alike = as_they_are.rms_percent >= SAME_PERCENT or same_energy(*energies)
+    agree = certain and near_each_other and alike
     return replace(found, summary=_summary(found, between, agree, seconds) | {"command": command})
 
 

@@ -22,8 +22,8 @@ def test_radius_of_a_tube(radius: float, turn: float) -> None:
     assert tube_radius(points @ turned + 7.0, shaken @ turned) == pytest.approx(radius, rel=1e-6)
 
 
-def test_a_search_leaves_the_line_of_symmetry_and_a_plane_is_no_tube() -> None:
-    """A dish of seven stars is mirrored by its axes; a ring that waves is as near to a plane."""
+def test_what_is_as_near_to_a_plane_is_no_tube() -> None:
+    """A ring that waves."""
     turns = np.arange(6) * np.pi / 3.0
     flat = 17.0 * np.column_stack([np.cos(turns), np.sin(turns)])
     waving = np.vstack([[0.0, 0.0, 0.0], np.column_stack([flat, 2.0 * np.cos(3.0 * turns)])])
