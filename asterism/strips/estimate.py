@@ -7,12 +7,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from asterism.strips import arc
+from asterism.strips.common import Common, common, effects, times
 from asterism.strips.errors import NoMaterial
 from asterism.strips.likelihood import solve
 from asterism.strips.model import Data, Model
-from asterism.strips.noise import Noise, noise, of_rounding, together
+from asterism.strips.noise import FEW, Noise, noise, of_rounding, together
 from pattern.layout import Floats
 from pattern.materials import bilayer_curvature
+
+# so much larger count the means of kinds in the first turn: the scatter within kinds tells where to begin
+_AT_FIRST = 1e6
+_TURNS = 40
 
 
 @dataclass(frozen=True)
@@ -22,9 +27,12 @@ class Estimate:
     Attributes
     ----------
     parameters : (p,) E2/E1, then kappa_bar (1/mm).
-    covariance, rounding : (p, p), of the scatter, and of what rounding does to equal readings alike.
+    covariance, rounding : (p, p), of scatter and effects, and of what rounding does to equal readings alike.
     noise : of the readings.
-    free : readings that are not flat, less parameters: degrees of freedom of the noise.
+    free : readings that are not flat, less parameters.
+    common : what kinds of strips have in common beyond the formula.
+    of_common : (2, p, p) what these effects are of the covariance.
+    free_common : (2,) degrees of freedom that tell them.
     """
 
     parameters: Floats
@@ -32,10 +40,30 @@ class Estimate:
     rounding: Floats
     noise: Noise
     free: int
+    common: Common
+    of_common: Floats
+    free_common: Floats
+
+    def of_noise(self, index: int) -> float:
+        """What the scatter from strip to strip is of the variance of a parameter."""
+        return max(float(self.covariance[index, index] - self.of_common[:, index, index].sum()), 0.0)
+
+    def freedom(self, index: int) -> float:
+        """Degrees of freedom of the variance of a parameter (Satterthwaite, Biometrics Bulletin 2, 1946)."""
+        parts = np.array([self.of_noise(index), *self.of_common[:, index, index]])
+        free = np.array([max(self.free - self.free_common.sum(), 1.0), *np.maximum(self.free_common, 1.0)])
+        if not parts.sum() > 0:
+            return float(free[0])
+        share = parts / parts.sum()
+        return float(1 / np.sum(share**2 / free))
 
 
-def estimate(model: Model, data: Data) -> Estimate:
+def estimate(model: Model, data: Data, *, alike: bool = False) -> Estimate:
     """Fit a model to readings.
+
+    Parameters
+    ----------
+    alike : strips of a kind have nothing in common but the formula; what kinds are off counts as scatter.
 
     Raises
     ------
@@ -53,30 +81,84 @@ def estimate(model: Model, data: Data) -> Estimate:
         raise NoMaterial(
             "the strips that are bent cannot tell E1/E2 from kappa_bar: measure more thicknesses, or peel some"
         )
-    found = Noise(1.0, 0.0)
-    for _ in range(20):
-        mean = model.mean(parameters, data)
-        variance = found.variance(arc.reading_sensitivity(mean, data.length), mean)
-        previous = parameters
+    kind = bent.kind
+    alone = alike or len(kind) - int(kind.max() + 1) < FEW
+    least = float(of_rounding(bent.step).max())
+    found, shared = Noise(1.0, 0.0), Common()
+    larger = np.full(len(kind), 1.0 if alone else _AT_FIRST)
+    for _ in range(_TURNS):
+        before, variance = (parameters, found, shared), _variance(model, data, parameters, found, shared)
         parameters, covariance = solve(model, data, variance, parameters)
-        mean = model.mean(parameters, bent)
+        mean, jacobian = model.mean(parameters, bent), model.jacobian(parameters, bent)
         sensitivity = arc.reading_sensitivity(mean, bent.length)
-        least = float(of_rounding(bent.step).max())
-        found = noise(bent.curvature - mean, model.jacobian(parameters, bent), sensitivity, mean, least)
-        if np.all(np.abs(parameters - previous) <= 1e-4 * np.sqrt(np.diag(covariance))):
+        residual = bent.curvature - mean
+        found = noise(residual, jacobian, sensitivity, mean, least, kind=kind, times=larger)
+        if not alone:
+            plain = found.variance(sensitivity, mean)
+            off = together(bent.curvature, kind, sensitivity, bent.step)
+            sizes = effects(model.by_fabric(parameters, bent), bent.peeled)
+            shared = common(kind, residual, jacobian, plain, off, sizes, shared)
+            larger = times(kind, plain, shared.variance(sizes))
+        if np.all(np.abs(parameters - before[0]) <= 1e-4 * np.sqrt(np.diag(covariance))) and (
+            alone or _stays(before[1:], (found, shared))
+        ):
             break
+    variance = _variance(model, data, parameters, found, shared)
+    parameters, covariance = solve(model, data, variance, parameters)
+    rounding = _of_rounding(model, bent, parameters, covariance, found, shared)
+    return Estimate(
+        parameters,
+        covariance,
+        rounding,
+        found,
+        free,
+        shared,
+        *_of_common(model, bent, parameters, covariance, found, shared),
+    )
+
+
+def _stays(before: tuple[Noise, Common], now: tuple[Noise, Common]) -> bool:
+    """Whether noise and effects are what they were in the turn before."""
+    old, new = (np.array([*vars(one).values(), *vars(other).values()]) for one, other in (before, now))
+    return bool(np.all(np.abs(new - old) <= 1e-3 * np.abs(new)))
+
+
+def _variance(model: Model, data: Data, parameters: Floats, found: Noise, shared: Common) -> Floats:
+    """(n,) 1/mm^2, with which the readings count."""
     mean = model.mean(parameters, data)
     variance = found.variance(arc.reading_sensitivity(mean, data.length), mean)
-    parameters, covariance = solve(model, data, variance, parameters)
-    return Estimate(parameters, covariance, _of_rounding(model, bent, parameters, covariance, found), found, free)
+    sizes = effects(model.by_fabric(parameters, data), data.peeled)
+    return variance * times(data.kind, variance, shared.variance(sizes))
 
 
-def _of_rounding(model: Model, bent: Data, parameters: Floats, covariance: Floats, found: Noise) -> Floats:
+def _of_common(
+    model: Model, bent: Data, parameters: Floats, covariance: Floats, found: Noise, shared: Common
+) -> tuple[Floats, Floats]:
+    """(2, p, p) what each effect is of the covariance, and (2,) by how many kinds, less parameters, it is told."""
+    variance, jacobian = _variance(model, bent, parameters, found, shared), model.jacobian(parameters, bent)
+    sizes = effects(model.by_fabric(parameters, bent), bent.peeled)
+    kind = bent.kind
+    count = int(kind.max()) + 1
+    pull = np.zeros((count, model.size))
+    np.add.at(pull, kind, jacobian / variance[:, None])
+    _, first = np.unique(kind, return_index=True)
+    taken = np.einsum("gp,pq,gq->g", pull, covariance, jacobian[first])
+    parts, free = [], []
+    for effect, size in zip((shared.with_fabric, shared.peeled), sizes[:, first], strict=True):
+        moved = covariance @ (pull * (effect * size)[:, None]).T
+        parts.append(moved @ moved.T)
+        free.append(max(float(np.sum((1 - taken)[size != 0])), 1.0) if effect else 0.0)
+    return np.array(parts), np.array(free)
+
+
+def _of_rounding(
+    model: Model, bent: Data, parameters: Floats, covariance: Floats, found: Noise, shared: Common
+) -> Floats:
     """(p, p) what is added to the covariance, as rounding moves all readings together that should be equal."""
     mean = model.mean(parameters, bent)
     sensitivity = arc.reading_sensitivity(mean, bent.length)
     alike = together(bent.curvature, bent.kind, sensitivity, bent.step)
-    off = alike / found.variance(sensitivity, mean)
+    off = alike / _variance(model, bent, parameters, found, shared)
     equal = np.column_stack([np.round(mean / np.abs(mean).max(), 9), bent.length])
     _, group = np.unique(equal, axis=0, return_inverse=True)
     of_group = np.zeros((group.max() + 1, model.size))

@@ -7,23 +7,20 @@ from typing import Any
 
 import numpy as np
 from pydantic import ValidationError
-from scipy.stats import f as fisher
 from scipy.stats import t as student
 
-from asterism.strips import arc
+from asterism.strips.agreement import FALSE_ALARM, contradicted, lack_of_fit
 from asterism.strips.errors import NoMaterial
 from asterism.strips.estimate import Estimate, estimate
+from asterism.strips.mistakes import check_mistakes
 from asterism.strips.model import FORMULAS, KAPPA_BAR_KINDS, Data, Formula, KappaBarKind, Model
-from asterism.strips.noise import Noise, together
+from asterism.strips.noise import Noise
 from asterism.strips.outliers import outliers
 from asterism.strips.strip import Reading
 from pattern.errors import from_validation
-from pattern.layout import Floats, Ints
 from pattern.materials import Plastic
 
 FLAT_HEIGHT_MM = 0.5
-# a model that is right is called wrong with this chance
-_FALSE_ALARM = 0.01
 LITTLE = "strips with their fabric curl no more than peeled ones: E1/E2 cannot be told"
 UNLIKELY = "no plastic on this fabric curls such strips so: check their units, lengths, thicknesses and boxes"
 
@@ -55,8 +52,10 @@ class StripFit:
     kappa_bar : one entry a thickness, or a single one with the key None; empty if it was taken for 0.
     noise : of the readings.
     used, left_out : the readings.
-    lack_of_fit : how likely strips as they were measured are if the formula holds; None if there are no repeats.
-    widened : factor by which the intervals were widened because thicknesses disagree more than their strips do.
+    lack_of_fit : how likely strips as they were measured are if the formula holds; None if there are no repeats, or if
+        they all read the same.
+    widened : how many times as wide as by the scatter of strips alone the interval of E1/E2 is, because strips of a
+        thickness may have an error in common.
     kappa_bar_contradicted : kappa_bar was taken for one number or for 0, and the peeled strips say that it is not.
     thicknesses_apart : mm, of strips that lie away from the others as a whole; they are used.
     """
@@ -76,6 +75,11 @@ class StripFit:
     kappa_bar_contradicted: bool
     thicknesses_apart: tuple[float, ...] = ()
     flat_height_mm: float = field(default=FLAT_HEIGHT_MM)
+
+    @property
+    def disagrees(self) -> bool:
+        """Kinds of strips differ from the formula by more than the scatter of their strips explains."""
+        return self.lack_of_fit is not None and self.lack_of_fit < FALSE_ALARM
 
     @property
     def fabrics(self) -> dict[str, set[float]]:
@@ -167,20 +171,21 @@ def _fit(
         usable = [reading for reading, bad in zip(usable, odd, strict=True) if not bad]
         thicknesses_apart = tuple(float(h) for h in np.unique(data.thickness[apart]))
         data = data.take(~odd)
-    results, widened, lack = {}, {}, {}
+    results, lack = {}, {}
     for name in FORMULAS:
         model = Model.of(data, name, kappa_bar)
         results[name] = model, estimate(model, data)
-        lack[name], widened[name] = _lack_of_fit(*results[name], data)
+        lack[name] = lack_of_fit(*results[name], data)
     ratio = {}
     for name, (_, found) in results.items():
-        inverse = _interval(found, 0, confidence, widened[name])
+        inverse = _interval(found, 0, confidence)
         if inverse.value <= 0:
             raise NoMaterial(LITTLE if data.peeled.any() else UNLIKELY)
         ratio[name] = Interval(1 / inverse.value, 1 / inverse.high, 1 / inverse.low if inverse.low > 0 else np.inf)
     model, found = results[formula]
+    check_mistakes(model, found, data, lack[formula])
     keys: list[float | None] = [float(h) for h in model.thicknesses] if kappa_bar == "per-thickness" else [None]
-    kept = {key: _interval(found, 1 + i, confidence, widened[formula]) for i, key in enumerate(keys[: model.size - 1])}
+    kept = {key: _interval(found, 1 + i, confidence) for i, key in enumerate(keys[: model.size - 1])}
     return StripFit(
         formula,
         kappa_bar,
@@ -193,74 +198,25 @@ def _fit(
         tuple(usable),
         tuple(left_out),
         lack[formula],
-        widened[formula],
-        _contradicted(kappa_bar, found, data),
+        _widened(found, confidence),
+        contradicted(kappa_bar, found, data),
         thicknesses_apart,
         flat_height_mm,
     )
 
 
-def _interval(found: Estimate, index: int, confidence: float, widened: float) -> Interval:
-    variance = found.covariance[index, index] * widened**2 + found.rounding[index, index]
-    half = student.ppf((1 + confidence) / 2, found.free) * np.sqrt(variance)
+def _interval(found: Estimate, index: int, confidence: float) -> Interval:
+    variance = found.covariance[index, index] + found.rounding[index, index]
+    half = student.ppf((1 + confidence) / 2, found.freedom(index)) * np.sqrt(variance)
     value = float(found.parameters[index])
     return Interval(value, value - float(half), value + float(half))
 
 
-def _lack_of_fit(model: Model, found: Estimate, data: Data) -> tuple[float | None, float]:
-    """Chance of such a scatter between thicknesses if the model holds, and the factor by which it widens intervals.
-
-    The F test of the means of equal strips against the model; Birge's ratio widens where it fails.
-    """
-    bent = data.take(~data.flat)
-    mean = model.mean(found.parameters, bent)
-    sensitivity = arc.reading_sensitivity(mean, bent.length)
-    variance = found.noise.variance(sensitivity, mean)
-    group = bent.kind
-    groups = int(group.max(initial=-1)) + 1
-    between, within = groups - model.size, len(mean) - groups
-    if between < 1 or within < 1:
-        return None, 1.0
-    residual, weight = bent.curvature - mean, 1 / variance
-    centre = np.bincount(group, weight * residual) / np.bincount(group, weight)
-    inside = float(np.sum(weight * (residual - centre[group]) ** 2))
-    total = float(np.sum(weight * residual**2))
-    alike = together(bent.curvature, group, sensitivity, bent.step)
-    if inside <= 1e-12 * total and not alike.any():
-        return None, 1.0
-    ratio = _apart(centre, weight, alike, group, inside / within) / between
-    chance = float(fisher.sf(ratio, between, within))
-    return chance, float(np.sqrt(ratio)) if chance < _FALSE_ALARM else 1.0
-
-
-def _apart(centre: Floats, weight: Floats, alike: Floats, group: Ints, scale: float) -> float:
-    """Squares of what groups are off in the mean (g,), over the variances of their means.
-
-    `weight` (n,) of the readings, whose scatter is `scale` times what the weights say; `alike` (n,) 1/mm, what they
-    may be off as a whole.
-    """
-    as_one = np.bincount(group, weight * alike**2) / np.bincount(group, weight)
-    return float(np.sum(centre**2 / (scale / np.bincount(group, weight) + as_one)))
-
-
-def _contradicted(kind: KappaBarKind, found: Estimate, data: Data) -> bool:
-    """Peeled strips of different thickness differ, or from 0 if that was said, by more than their scatter explains."""
-    peeled = data.take(data.peeled & ~data.flat)
-    groups, group = np.unique(peeled.thickness, return_inverse=True)
-    within, between = len(group) - len(groups), len(groups) - (kind == "constant")
-    if kind == "per-thickness" or between < 1 or within < 1:
-        return False
-    sensitivity = arc.reading_sensitivity(peeled.curvature, peeled.length)
-    weight = 1 / found.noise.variance(sensitivity, peeled.curvature)
-    centre = np.bincount(group, weight * peeled.curvature) / np.bincount(group, weight)
-    inside = np.sum(weight * (peeled.curvature - centre[group]) ** 2)
-    if kind == "constant":
-        off = centre[group] - np.sum(weight * peeled.curvature) / np.sum(weight)
-    else:  # boxes are never less than nothing high: what looks flat leaves the others with a mean of their own
-        off = np.maximum(np.abs(centre[group]) - peeled.limit, 0.0)
-    alike = together(peeled.curvature, group, sensitivity, peeled.step)
-    if inside == 0 and not alike.any():
-        return bool((off != 0).any())
-    middle = np.bincount(group, weight * off) / np.bincount(group, weight)
-    apart = _apart(middle, weight, alike, group, inside / within)
-    return bool(fisher.sf(apart / between, between, within) < _FALSE_ALARM)
+def _widened(found: Estimate, confidence: float) -> float:
+    """How many times as wide as by the scatter alone the interval of E2/E1 is."""
+    if not found.of_common[0].any():
+        return 1.0
+    chance, free = (1 + confidence) / 2, found.free - found.free_common.sum()
+    wider = student.ppf(chance, found.freedom(0)) / student.ppf(chance, max(free, 1.0))
+    rounding = found.rounding[0, 0]
+    return float(wider * np.sqrt((found.covariance[0, 0] + rounding) / (found.of_noise(0) + rounding)))

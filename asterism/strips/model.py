@@ -118,7 +118,7 @@ class Model:
 
     def mean(self, parameters: Floats, data: Data) -> Floats:
         """(n,) 1/mm."""
-        return self._bilayer(parameters[0], data) + self._membership(data) @ parameters[1:]
+        return self.by_fabric(parameters, data) + self._membership(data) @ parameters[1:]
 
     def jacobian(self, parameters: Floats, data: Data) -> Floats:
         """(n, size)."""
@@ -126,6 +126,10 @@ class Model:
         ends = (self._bilayer(parameters[0] + sign * step, data) for sign in (1, -1))
         slope = np.subtract(*ends) / (2 * step)
         return np.column_stack([slope, self._membership(data)])
+
+    def by_fabric(self, parameters: Floats, data: Data) -> Floats:
+        """(n,) 1/mm, the part of the mean without kappa_bar."""
+        return self._bilayer(parameters[0], data)
 
     def _bilayer(self, inverse_ratio: float, data: Data) -> Floats:
         # a ratio without limit, E2/E1 = 0, is a strip that stays straight

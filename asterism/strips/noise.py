@@ -16,6 +16,9 @@ from pattern.layout import Floats, Ints
 
 # a strip that should be straight has some error of reading, whatever the others say
 _MOST_MIX = 0.99
+# nobody measures a curvature better than by this part of it, nor a box better than by a hundredth of a millimetre: what
+# scatters less was rounded, copied or computed
+_FINEST_PART, _FINEST_MM = 1e-3, 0.01
 # readings of a kind that tell its own scatter
 FEW = 4
 
@@ -30,6 +33,11 @@ class Noise:
     def variance(self, sensitivity: Floats, mean: Floats) -> Floats:
         """(n,) 1/mm^2."""
         return np.maximum((self.reading_mm * sensitivity) ** 2 + (self.scatter * mean) ** 2, 1e-24)
+
+
+def finest(sensitivity: Floats, mean: Floats) -> Floats:
+    """(n,) 1/mm, the least standard deviation by which readings are called too far from others."""
+    return np.hypot(_FINEST_PART * mean, _FINEST_MM * sensitivity)
 
 
 def of_rounding(step_mm: Floats) -> Floats:
@@ -55,26 +63,49 @@ def together(curvature: Floats, kind: Ints, sensitivity: Floats, step_mm: Floats
     return np.asarray(off / np.sqrt(2.0) * sensitivity)
 
 
-def noise(residual: Floats, jacobian: Floats, sensitivity: Floats, mean: Floats, least_mm: float = 0.0) -> Noise:
+def noise(
+    residual: Floats,
+    jacobian: Floats,
+    sensitivity: Floats,
+    mean: Floats,
+    least_mm: float = 0.0,
+    *,
+    kind: Ints | None = None,
+    times: Floats | None = None,
+) -> Noise:
     """The most likely noise for the residuals (n,) of a fit of jacobian (n, p), n > p; sigma at least `least_mm`.
 
     Restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971), which allows for the fitted parameters.
+
+    Parameters
+    ----------
+    kind, times : (n,) readings of a kind, and how much larger their variance counts in the mean of their kind for what
+        they have in common (`asterism.strips.common`).
     """
+    kind = np.arange(len(residual)) if kind is None else kind
+    times = np.ones(len(residual)) if times is None else times
     reading = sensitivity**2 / np.mean(sensitivity**2)
     relative = mean**2 / max(float(np.mean(mean**2)), 1e-30)
     free = len(residual) - jacobian.shape[1]
 
     def minus_log(mix: float) -> float:
         share = (1 - mix) * reading + mix * relative
-        information = (jacobian / share[:, None]).T @ jacobian
-        squares = max(float(np.sum(residual**2 / share)), 1e-30)
+        information = (jacobian / (share * times)[:, None]).T @ jacobian
+        squares = max(_squares(residual, share, kind, times), 1e-30)
         return float(np.sum(np.log(share)) + free * np.log(squares) + np.linalg.slogdet(information)[1])
 
     found = minimize_scalar(minus_log, bounds=(0.0, _MOST_MIX), method="bounded", options={"xatol": 1e-3})
     mix = min((0.0, float(found.x), _MOST_MIX), key=minus_log)
     share = (1 - mix) * reading + mix * relative
-    scale = np.sum(residual**2 / share) / free
+    scale = _squares(residual, share, kind, times) / free
     return Noise(
         max(float(np.sqrt(scale * (1 - mix) / np.mean(sensitivity**2))), least_mm),
         float(np.sqrt(scale * mix / max(float(np.mean(mean**2)), 1e-30))),
     )
+
+
+def _squares(residual: Floats, share: Floats, kind: Ints, times: Floats) -> float:
+    """Squares of residuals over their variances (n,): within kinds, and of the means of kinds."""
+    weight = np.bincount(kind, 1 / share)
+    middle = (np.bincount(kind, residual / share) / np.maximum(weight, 1e-300))[kind]
+    return float(np.sum((residual - middle) ** 2 / share) + np.sum(middle**2 / (share * times)))

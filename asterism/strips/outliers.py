@@ -11,7 +11,7 @@ from asterism.strips import arc
 from asterism.strips.errors import NoMaterial
 from asterism.strips.estimate import estimate, first_guess
 from asterism.strips.model import Data, Model
-from asterism.strips.noise import of_rounding
+from asterism.strips.noise import finest, of_rounding
 from pattern.layout import Floats, Ints
 
 # the chance that one of all good readings is called an outlier
@@ -46,7 +46,13 @@ def outliers(model: Model, data: Data) -> tuple[np.ndarray, Floats, np.ndarray]:
         new = _apart(data.kind, odd, beyond) & ~apart
         if not new.any():
             # a flat strip has no place within its kind
-            return odd & ~(apart & data.flat), np.abs(beyond), apart
+            odd &= ~(apart & data.flat)
+            if np.sum(odd) > len(odd) / 3:
+                raise NoMaterial(
+                    f"{np.sum(odd)} of {len(odd)} readings contradict the others: measure again, "
+                    "or give --keep-outliers to use them all"
+                )
+            return odd, np.abs(beyond), apart
         apart |= new
         own = replace(own, curvature=own.curvature + np.where(new, _to_middle(data.kind, own.curvature, mean), 0.0))
 
@@ -78,13 +84,13 @@ def _outliers(model: Model, data: Data) -> tuple[np.ndarray, Floats, Floats]:
     if len(good) < _FEW:
         good[:] = True
     for _ in range(10):
-        _check_majority(good)
-        found = estimate(model, data.take(good))
+        found = estimate(model, data.take(good), alike=True)
         mean, jacobian = model.mean(found.parameters, data), model.jacobian(found.parameters, data)
         variance = found.noise.variance(arc.reading_sensitivity(mean, data.length), mean)
         of_fit = np.einsum("np,pq,nq->n", jacobian, found.covariance, jacobian)
         # a reading that took part pulls the fit towards itself
         spread = np.sqrt(np.maximum(variance + np.where(good, -1, 1) * of_fit, 1e-3 * variance))
+        spread = np.maximum(spread, finest(arc.reading_sensitivity(mean, data.length), mean))
         distance = np.abs(_beyond(data, mean)) / spread
         # scale without the reading itself, for those that took part
         free = max(found.free, 2)
@@ -97,14 +103,8 @@ def _outliers(model: Model, data: Data) -> tuple[np.ndarray, Floats, Floats]:
         if np.array_equal(again, good):
             break
         good = again
-    _check_majority(good)
     side = np.where(data.flat, -np.sign(mean), np.sign(data.curvature - mean))
     return ~good, side * distance, mean
-
-
-def _check_majority(good: np.ndarray) -> None:
-    if np.sum(~good) > len(good) / 3:
-        raise NoMaterial(f"{np.sum(~good)} of {len(good)} readings contradict the others: measure again")
 
 
 def _beyond(data: Data, mean: Floats) -> Floats:
@@ -138,7 +138,10 @@ def _robust_distance(model: Model, data: Data) -> Floats:
             mean = model.mean(parameters, data)
             # where most read the same mark, the next one is no further than rounding
             rounding = of_rounding(data.step) * arc.reading_sensitivity(mean, data.length)
-            spread = np.maximum(scale * _share(mix, mean, data), rounding)
+            spread = np.maximum(
+                scale * _share(mix, mean, data),
+                np.maximum(rounding, finest(arc.reading_sensitivity(mean, data.length), mean)),
+            )
             best, best_distance = likelihood, np.abs(_beyond(data, mean)) / spread
     return best_distance
 

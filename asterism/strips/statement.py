@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 import numpy as np
+from scipy.stats import norm
 
 from asterism.strips.fit import Interval, StripFit
 from asterism.strips.model import FORMULAS, Data
@@ -46,22 +47,26 @@ def warnings(fit: StripFit) -> list[str]:
     """What the user should know before trusting the numbers."""
     lines = []
     apart = " and ".join(f"{h:g} mm" for h in fit.thicknesses_apart)
+    wider = f"the interval of E1/E2 is {fit.widened:.1f} times as wide as by that scatter" if fit.widened > 1 else ""
     if fit.kappa_bar_contradicted and fit.kappa_bar_kind == "zero":
-        widened = f"; intervals are widened {fit.widened:.1f} times" if fit.widened > 1 else ""
-        lines.append(f"peeled strips curl by themselves: kappa_bar is not 0, try --kappa-bar constant{widened}")
-    elif fit.widened > 1:
+        lines.append("peeled strips curl by themselves: kappa_bar is not 0, try --kappa-bar constant")
+    elif fit.disagrees:
         check = f", that of the strips of {apart} first" if apart else ""
         lines.append(
             "the thicknesses disagree with the formula by more than the scatter of their strips "
-            f"(chance {fit.lack_of_fit:.1g}): check the thicknesses{check}; "
-            f"intervals are widened {fit.widened:.1f} times"
+            f"(chance {fit.lack_of_fit:.1g}): check the thicknesses{check}" + (f"; {wider}" if wider else "")
         )
     elif apart:
         lines.append(f"the strips of {apart} disagree with the others as a whole: check their thickness")
     if fit.kappa_bar_contradicted and fit.kappa_bar_kind == "constant":
         lines.append("peeled strips of different thickness keep different curvatures: try --kappa-bar per-thickness")
+    if fit.lack_of_fit is None and fit.widened > 1:
+        lines.append(
+            "strips of a thickness all read the same: their scatter is not known, and intervals come from the "
+            "differences between thicknesses alone"
+        )
     if math.isinf(fit.ratio[fit.formula].high):
-        lines.append("E1/E2 has no upper bound: the strips bend too little")
+        lines.append(f"E1/E2 has no upper bound: {_why_no_bound(fit)}")
     called = {"stretch": "stretches", "thickness_mm": "thicknesses of the fabric"}
     return lines + [
         f"strips of {len(values)} {called[key]}: the material says none; add fabric.{key} to it for asterism calibrate"
@@ -115,6 +120,17 @@ def summary(fit: StripFit) -> dict[str, Any]:
             for o in fit.left_out
         ],
     }
+
+
+def _why_no_bound(fit: StripFit) -> str:
+    found = fit.estimate
+    value, variance = found.parameters[0], found.covariance[0, 0] + found.rounding[0, 0]
+    # would many strips of the same scatter have a bound?
+    if value <= norm.ppf((1 + fit.confidence) / 2) * np.sqrt(variance):
+        return "the strips bend too little"
+    if found.of_common[:, 0, 0].sum() > found.of_noise(0):
+        return "strips of too few thicknesses"
+    return f"{len(fit.used)} readings are too few"
 
 
 def _ratio(found: Interval) -> str:

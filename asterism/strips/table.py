@@ -23,6 +23,8 @@ RULERS_MM = (1.0, 0.5, 0.25, 0.2, 0.1, 0.05, 0.02, 0.01)
 FEWEST_SIDES = 6
 # a box whose arc is longer or shorter than its strip by more than this part was misread
 ARC_TOLERANCE = 0.1
+# no box along a chord is higher than wide; that of a strip that is nearly a circle may be read so
+ROUND_PART, ROUND_MM = 1.02, 1.0
 _UNITS = {"inches": 1 / 25.4, "centimetres": 0.1, "metres": 0.001, "tenths of a millimetre": 10.0}
 
 
@@ -109,7 +111,7 @@ def _boxed(row: Row, prefix: str, reading: Reading, around: float) -> Measured:
         if value is None:
             raise row.wrong(column, "is empty, but the other side of the box is given")
     assert width is not None and height is not None
-    if height > 1.02 * width:
+    if height > ROUND_PART * width + ROUND_MM:
         raise row.wrong(up, f"{height:g} must be at most the width {width:g}: the width lies along the arc's chord")
     box = width, height
     height = min(height, width)

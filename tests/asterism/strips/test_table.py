@@ -48,6 +48,13 @@ def test_beyond_half_a_circle_and_rolled_over_itself(tmp_path: Path) -> None:
     assert rolled.curvature_per_mm == pytest.approx(2 / 15) and rolled.left_out is None
 
 
+def test_a_circle_may_be_read_a_little_higher_than_wide(tmp_path: Path) -> None:
+    (found,) = read(tmp_path, f"{HEAD}\n1,0.2,60,1.35,0.8,19.0,19.5\n")
+    assert found.curvature_per_mm == pytest.approx(2 / 19) and found.left_out is None
+    with pytest.raises(TableError, match="at most the width"):
+        read(tmp_path, f"{HEAD}\n1,0.2,60,1.35,0.8,19.0,20.6\n")
+
+
 @pytest.mark.parametrize("cells", ["60,0", "60,flat", ",Flat", "59.9,0.0"])
 def test_flat_strips(cells: str, tmp_path: Path) -> None:
     (found,) = read(tmp_path, f"{HEAD}\n1,0.45,60,1.35,0.8,{cells}\n")
