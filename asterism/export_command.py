@@ -14,7 +14,6 @@ from asterism.options import DesignFile, LawFile, MaterialFile, output_option
 
 if TYPE_CHECKING:
     from asterism.export.job import Job
-    from asterism.export.printer import Printer
     from asterism.shape import Shape
 
 
@@ -47,6 +46,7 @@ def export(
     Thicknesses are rounded to layers and widths to lines; rounded.toml is what is printed. What rounding does to the
     shape is said by the preview, or with --simulate by the exact model.
     """
+    from asterism.export.changed import changed
     from asterism.export.job import prepare
     from asterism.export.printed_shape import printed_shape
     from asterism.export.profiles import load_plastic, load_printer
@@ -65,7 +65,7 @@ def export(
     if len(asked) > 1:
         raise DesignError(asked[0], "must be the only one of --shape, --preview and --simulate")
     plan = with_material(load_design(design), material)
-    machine = _changed(load_printer(printer), first_layer, layer, plate)
+    machine = changed(load_printer(printer), first_layer, layer, plate)
     directory = output or design.with_name(f"{design.stem}-print")
     check_kept(design, directory, ROUNDED, SUMMARY)
     check_writable(directory, SUMMARY)
@@ -138,22 +138,3 @@ def _of_printer(machine: Printer) -> str:
     width, depth = machine.bed_mm
     layers = " or ".join(f"{height:g}" for height in machine.first_layers_mm)
     return f"{machine.name}: {width:g} x {depth:g} mm, layers {layers} + n {machine.layer_mm:g} mm"
-
-
-def _changed(machine: Printer, first_layer: float | None, layer: float | None, plate: float | None) -> Printer:
-    """The printer with what the options say."""
-    from pydantic import ValidationError
-
-    from asterism.export.printer import Printer
-    from pattern.errors import DesignError, from_validation
-
-    data = machine.model_dump(mode="json")
-    data["first_layers_mm"] = data["first_layers_mm"] if first_layer is None else [first_layer]
-    data["layer_mm"] = data["layer_mm"] if layer is None else layer
-    data["frame"]["plate_mm"] = data["frame"]["plate_mm"] if plate is None else plate
-    options = {"first_layers_mm[0]": "--first-layer", "layer_mm": "--layer", "frame.plate_mm": "--plate"}
-    try:
-        return Printer.model_validate(data)
-    except ValidationError as error:
-        wrong = from_validation(error)
-        raise DesignError(options.get(wrong.field, wrong.field), wrong.allowed, wrong.value) from None

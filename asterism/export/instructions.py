@@ -13,6 +13,7 @@ from asterism.export.drawing import Circle, Drawing, Line, Text, size_within
 from asterism.export.job import Job
 from asterism.export.layers import TEXT
 from asterism.export.needles import MUCH_MM, Needle, at_the_edge, hanging, named
+from asterism.export.printer import Printer
 
 _A4_MM = (210.0, 297.0)
 _MARGIN_MM = 18.0
@@ -47,22 +48,25 @@ def _stretch(job: Job) -> Chapter:
 
 def _mount(job: Job) -> Chapter:
     width, depth = job.printer.frame.size_mm
-    if job.printer.homes == "onto":
-        homing = (
-            f"The {job.printer.name} moves its nozzle down to find the bed: home it BEFORE the frame is on it, and "
-            "take homing and levelling (G28, G29) out of the slicer's start code. The nozzle would hit the frame."
-        )
-    else:
-        homing = f"The {job.printer.name} homes z away from the nozzle: the frame may be on it before."
     return Chapter(
         "2. Put the frame on the bed",
         (
             f"Fix the frame of {width:g} x {depth:g} mm with its plate on the bed, its middle over the bed's middle: "
             "page 1 of layout.pdf shows frame, printable area and alignment marks.",
-            homing,
+            homing(job.printer),
             "Check that the head and its fans pass over the frame's bars, or keep away from them.",
         ),
     )
+
+
+def homing(printer: Printer) -> str:
+    """What to do about a nozzle that would hit the frame."""
+    if printer.homes == "onto":
+        return (
+            f"The {printer.name} moves its nozzle down to find the bed: home it BEFORE the frame is on it, and "
+            "take homing and levelling (G28, G29) out of the slicer's start code. The nozzle would hit the frame."
+        )
+    return f"The {printer.name} homes z away from the nozzle: the frame may be on it before."
 
 
 def _offset(job: Job) -> Chapter:

@@ -28,7 +28,7 @@ class _KappaBar(StrEnum):
 @app.command()
 def new(
     output: Annotated[Path, output_option("Directory of the files.")] = Path("strips"),
-    printer: Annotated[str, typer.Option(help="A printer's name or file, for the size of its bed.")] = "ultimaker2",
+    printer: Annotated[str, typer.Option(help="A printer's name or file; see asterism printers.")] = "ultimaker2",
     thickness: Annotated[
         list[float] | None, typer.Option(help="Of strips, in mm; give it several times (.3 .35 .4 .45).")
     ] = None,
@@ -37,13 +37,21 @@ def new(
     width: Annotated[float, typer.Option(min=0.4, max=50, help="Of each strip, in mm.")] = 4.0,
     stretch: Annotated[float, typer.Option(min=1.01, max=3, help="Of the fabric.")] = 1.35,
     fabric_thickness: Annotated[float, typer.Option(min=0.01, max=10, help="Of the fabric, in mm.")] = 0.8,
+    plate: Annotated[float | None, typer.Option(help="Thickness of the plate under the fabric in mm.")] = None,
+    fabric: Annotated[
+        float | None,
+        typer.Option(min=0.01, max=10, help="Thickness of the stretched fabric in mm (that of the released one)."),
+    ] = None,
 ) -> None:
-    """The test print: strips as STL and 3MF, a sheet that says how to measure them, and a table to fill in."""
+    """The test print: strips as STL and 3MF, start code, a sheet that says what to do, and a table to fill in."""
+    from asterism.export.changed import changed
+    from asterism.export.profiles import load_printer
     from asterism.strips import new_command as command
     from asterism.strips.specimen import THICKNESSES_MM
 
     thicknesses = tuple(thickness or THICKNESSES_MM)
-    lines = command.new(output, printer, thicknesses, count, length, width, stretch, fabric_thickness)
+    machine = changed(load_printer(printer), plate=plate)
+    lines = command.new(output, machine, thicknesses, count, length, width, stretch, fabric_thickness, fabric)
     typer.echo("\n".join(lines))
 
 

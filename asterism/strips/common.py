@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from pattern.layout import Floats, Ints
 
@@ -77,27 +76,34 @@ def common(
 
 def _most_likely(middle: Floats, jacobian: Floats, variance: Floats, size: Floats) -> float:
     """Standard deviation of an effect on kinds (g,), whose means have other errors of this variance."""
+    columns = _equal_columns(jacobian)
 
-    def minus_log(effect: float) -> float:
-        root = 1.0 / np.sqrt(variance + (effect * size) ** 2)
-        rows = _equal_columns(jacobian * root[:, None])
-        off = middle * root
-        # the parameters go along
-        off = off - rows @ np.linalg.lstsq(rows, off, rcond=None)[0]
-        scaled = (jacobian / np.linalg.norm(jacobian, axis=0)) * root[:, None]
-        return float(-2 * np.sum(np.log(root)) + off @ off + np.linalg.slogdet(scaled.T @ scaled)[1])
+    def minus_log(effect: Floats) -> Floats:
+        """(m,) for as many effects; the parameters go along."""
+        root = 1.0 / np.sqrt(variance + (effect[:, None] * size) ** 2)
+        rows, off = root[..., None] * columns, root * middle
+        information, slope = np.einsum("mgp,mgq->mpq", rows, rows), np.einsum("mgp,mg->mp", rows, off)
+        step = np.linalg.solve(information, slope[..., None])[..., 0]
+        squares = np.sum(off**2, axis=1) - np.sum(step * slope, axis=1)
+        return np.asarray(squares - 2 * np.sum(np.log(root), axis=1) + np.linalg.slogdet(information)[1])
 
     mine = size != 0
     most = 10.0 * float(np.max(np.abs(middle[mine] / size[mine])))
     least = 0.01 * float(np.sqrt(np.min(variance[mine] / size[mine] ** 2)))
     if most <= least:
         return 0.0
-    grid = np.geomspace(least, most, 25)
-    best = int(np.argmin([minus_log(effect) for effect in grid]))
-    low, high = np.log(grid[max(best - 1, 0)]), np.log(grid[min(best + 1, len(grid) - 1)])
-    found = minimize_scalar(lambda x: minus_log(np.exp(x)), bounds=(low, high), method="bounded")
-    effect = float(np.exp(found.x))
-    return effect if minus_log(effect) < minus_log(0.0) else 0.0
+    logs = np.linspace(np.log(least), np.log(most), 33)
+    for _ in range(4):
+        values = minus_log(np.exp(logs))
+        best = min(max(int(np.argmin(values)), 1), len(logs) - 2)
+        last, logs = logs[best - 1 : best + 2], np.linspace(logs[best - 1], logs[best + 1], 17)
+    # the lowest point of the parabola through the last three
+    left, here, right = values[best - 1 : best + 2]
+    bend = left - 2 * here + right
+    turn = 0.5 * (left - right) / bend if bend > 0 else 0.0
+    effect = float(np.exp(last[1] + np.clip(turn, -1.0, 1.0) * (last[1] - last[0])))
+    with_it, without = minus_log(np.array([effect, 0.0]))
+    return effect if with_it < without else 0.0
 
 
 def _equal_columns(rows: Floats) -> Floats:

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import textwrap
+from dataclasses import dataclass
+
 import numpy as np
 
 from asterism.export.drawing import Drawing, Layer, Line, Text, rectangle
+from asterism.export.instructions import homing
+from asterism.export.printer import Printer
 from asterism.strips import arc
 from asterism.strips.specimen import Specimen
 from asterism.strips.table import BOXES, GIVEN
@@ -20,16 +25,30 @@ BOX = Layer("boxes", "#c8553d", 0.25, dash_mm=(1.5, 1.0))
 ARC = Layer("arcs", "#2a6f97", 0.8)
 
 Pair = tuple[float, float]
+_LETTERS = 108
 
 
-def form(specimen: Specimen, bed_mm: Pair, layers_mm: Pair, stretch: float, fabric_mm: float) -> tuple[Drawing, ...]:
+@dataclass(frozen=True)
+class Start:
+    """A printer, and the thickness of the fabric that lies on its plate."""
+
+    printer: Printer
+    fabric_mm: float
+
+    @property
+    def z_offset_mm(self) -> float:
+        """Height of the fabric's surface above the bed."""
+        return self.printer.frame.plate_mm + self.fabric_mm
+
+
+def form(specimen: Specimen, start: Start, layers_mm: Pair, stretch: float, fabric_mm: float) -> tuple[Drawing, ...]:
     """Pages of A4: the map with the instruction, and the table, 40 strips a page.
 
     `layers_mm`: heights of the first layer and of the others.
     """
     rows = [specimen.strips[i : i + 40] for i in range(0, len(specimen.strips), 40)]
     tables = [_table_page(specimen, page) for page in rows]
-    return (_first_page(specimen, bed_mm, layers_mm, stretch, fabric_mm), *tables)
+    return (_first_page(specimen, start, layers_mm, stretch, fabric_mm), *tables)
 
 
 def csv_text(specimen: Specimen, stretch: float, fabric_mm: float) -> str:
@@ -41,16 +60,16 @@ def csv_text(specimen: Specimen, stretch: float, fabric_mm: float) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _first_page(specimen: Specimen, bed_mm: Pair, layers_mm: Pair, stretch: float, fabric_mm: float) -> Drawing:
+def _first_page(specimen: Specimen, start: Start, layers_mm: Pair, stretch: float, fabric_mm: float) -> Drawing:
     items: list[Line | Text] = [
         Text(INK, np.array([15.0, 278.0]), "Strips to measure a plastic and a fabric", 6.0, bold=True)
     ]
     y = 268.0
-    for line in instructions(specimen, layers_mm, stretch, fabric_mm):
+    for line in instructions(specimen, start, layers_mm, stretch, fabric_mm):
         items.append(Text(INK, np.array([15.0, y]), line, 3.0))
         y -= 5.0
     items += _boxes(np.array([15.0, y - 34.0]))
-    items += _map(specimen, bed_mm)
+    items += _map(specimen, start.printer.bed_mm)
     return Drawing("Strips", np.zeros(2), A4_MM, tuple(items))
 
 
@@ -74,7 +93,7 @@ def _map(specimen: Specimen, bed_mm: tuple[float, float]) -> list[Line | Text]:
     return items
 
 
-def instructions(specimen: Specimen, layers_mm: Pair, stretch: float, fabric_mm: float) -> list[str]:
+def instructions(specimen: Specimen, start: Start, layers_mm: Pair, stretch: float, fabric_mm: float) -> list[str]:
     """What to do, line by line."""
     first, others = layers_mm
     heights = [float(arc.box(_expected(h, stretch, fabric_mm), specimen.length_mm)[1]) for h in specimen.thicknesses_mm]
@@ -83,17 +102,28 @@ def instructions(specimen: Specimen, layers_mm: Pair, stretch: float, fabric_mm:
         f"1. Stretch the fabric: a square of 10 cm drawn on it must then measure {10 * stretch:g} cm. If it does not,",
         "    write your own stretch into the table. Measure the fabric's thickness before it is stretched:",
         f"    the table says {fabric_mm:g} mm.",
-        f"2. Slice strips.3mf with a first layer of {first:g} mm and others of {others:g} mm, lines along strips.",
+        *_indented(f"2. Put the frame with its plate on the bed. {homing(start.printer)}"),
+        *_indented(
+            "3. Add start.gcode to the end of the printer's start code and leave the slicer's z offset at 0: the nozzle "
+            f"starts {start.z_offset_mm:.2f} mm above the bed, plate {start.printer.frame.plate_mm:.2f} mm and fabric "
+            f"{start.fabric_mm:.2f} mm. Measure both as they lie on the bed; if they differ, --plate and --fabric."
+        ),
+        f"4. Slice strips.3mf with a first layer of {first:g} mm and others of {others:g} mm, lines along strips.",
         f"    They are {thicknesses} mm thick; measure some with a caliper and correct the table: 0.01 mm matters.",
-        "3. Write each strip's number on its back, release the fabric, and cut it off along the strips.",
-        "4. Lay each strip on its long edge, so that its weight does not bend it; photograph from above with a ruler.",
+        "5. Write each strip's number on its back, release the fabric, and cut it off along the strips.",
+        "6. Lay each strip on its long edge, so that its weight does not bend it; photograph from above with a ruler.",
         f"    With the paper's plastic, arcs would be {heights[-1]:.1f} to {heights[0]:.1f} mm high.",
-        "5. Draw a box around the line between plastic and fabric, one side through its two ends (below).",
+        "7. Draw a box around the line between plastic and fabric, one side through its two ends (below).",
         "    Write down its width and height in mm. If the box holds the strip's thickness, too: fit with --outside.",
         "    A strip that looks straight has the height flat.",
-        "6. Peel the fabric off, measure once more. If a peeled strip bends to the other side, see docs/strips.md.",
-        "7. asterism strips fit strips.csv",
+        "8. Peel the fabric off, measure once more. If a peeled strip bends to the other side, see docs/strips.md.",
+        "9. asterism strips fit strips.csv",
     ]
+
+
+def _indented(step: str) -> list[str]:
+    """A step in lines of the page."""
+    return textwrap.wrap(step, _LETTERS, subsequent_indent="    ")
 
 
 def _expected(thickness_mm: float, stretch: float, fabric_mm: float) -> float:

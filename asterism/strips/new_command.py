@@ -9,29 +9,32 @@ import numpy as np
 import shapely
 
 from asterism.export import pdf, stl, threemf
-from asterism.export.profiles import load_printer
+from asterism.export.printer import Printer
 from asterism.export.solid import Solid, Step, stack
 from asterism.files import OutputError, staged
-from asterism.strips.form import csv_text, form
+from asterism.strips.form import Start, csv_text, form
 from asterism.strips.specimen import PrintedStrip, Specimen, layers, specimen
 from pattern.errors import DesignError
 from pattern.layout import Floats, Ints
 from pattern.stars import THICKNESS_MM
 
-FILES = ("strips.3mf", "strips.csv", "strips.pdf", "strips.stl")
+FILES = ("start.gcode", "strips.3mf", "strips.csv", "strips.pdf", "strips.stl")
 
 
 def new(
     directory: Path,
-    printer: str,
+    printer: Printer,
     thicknesses_mm: tuple[float, ...],
     count: int,
     length_mm: float,
     width_mm: float,
     stretch: float,
     fabric_mm: float,
+    stretched_mm: float | None = None,
 ) -> list[str]:
     """Write the files of a test print; returns the lines to print.
+
+    `fabric_mm` is the thickness of the released fabric, `stretched_mm` that of the stretched one, if it is known.
 
     Raises
     ------
@@ -40,14 +43,13 @@ def new(
     OutputError
         The files cannot be written, or a table is there that has been filled in.
     """
-    profile = load_printer(printer)
-    bed = profile.bed_mm
+    bed = printer.bed_mm
     for h in thicknesses_mm:
         if not THICKNESS_MM[0] <= h <= THICKNESS_MM[1]:
             raise DesignError("--thickness", f"must be from {THICKNESS_MM[0]:g} to {THICKNESS_MM[1]:g} mm", h)
     if len(set(thicknesses_mm)) < len(thicknesses_mm):
         raise DesignError("--thickness", "must not be given twice", max(thicknesses_mm, key=thicknesses_mm.count))
-    heights = layers(thicknesses_mm, profile.nozzle_mm)
+    heights = layers(thicknesses_mm, printer.nozzle_mm)
     strips = specimen(bed, thicknesses_mm, count, length_mm, width_mm)
     table, text = directory / "strips.csv", csv_text(strips, stretch, fabric_mm)
     if table.exists() and table.read_bytes() != text.encode():
@@ -57,11 +59,16 @@ def new(
         threemf.write(folder / "strips.3mf", solids, "strips")
         stl.write(folder / "strips.stl", *_joined(solids))
         (folder / "strips.csv").write_text(text, encoding="utf-8", newline="\n")
-        pdf.write(folder / "strips.pdf", form(strips, bed, heights, stretch, fabric_mm))
+        start = Start(printer, fabric_mm if stretched_mm is None else stretched_mm)
+        pdf.write(folder / "strips.pdf", form(strips, start, heights, stretch, fabric_mm))
+        code = printer.start_snippet(start.z_offset_mm)
+        (folder / "start.gcode").write_text(code, encoding="utf-8", newline="\n")
+    fabric = "released" if stretched_mm is None else "stretched"
     thick = ", ".join(f"{h:g}" for h in strips.thicknesses_mm)
     return [
         f"  {len(strips.strips)} strips of {length_mm:g} x {width_mm:g} mm, {thick} mm thick",
         f"  slice with a first layer of {heights[0]:g} mm and others of {heights[1]:g} mm",
+        f"  z offset {start.z_offset_mm:.2f} mm (plate and {fabric} fabric), in start.gcode",
         f"{directory}: {', '.join(FILES)}; measure, fill in the table, then  asterism strips fit {quote(str(table))}",
     ]
 

@@ -77,10 +77,11 @@ def test_thicknesses_without_layers_are_refused(thicknesses: tuple[float, ...]) 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    from asterism.export.profiles import load_printer
     from asterism.strips.new_command import new
 
     folder = tmp_path_factory.mktemp("print") / "strips"
-    new(folder, "ultimaker2", THICKNESSES_MM, 10, 60.0, 4.0, 1.35, 0.8)
+    new(folder, load_printer("ultimaker2"), THICKNESSES_MM, 10, 60.0, 4.0, 1.35, 0.8)
     return folder
 
 
@@ -123,6 +124,21 @@ def test_the_sheet_says_what_to_do_and_has_every_strip(folder: Path) -> None:
     assert all(str(number) in words for number in range(1, 41)) and "peeled" in words
 
 
+def test_the_nozzle_starts_on_the_fabric(folder: Path, tmp_path: Path, capsys, monkeypatch) -> None:
+    """4 mm of plate and .8 of fabric, or what the options say; in the start code, on the page and in the terminal."""
+    from asterism.export.profiles import load_printer
+
+    assert (folder / "start.gcode").read_text() == load_printer("ultimaker2").start_snippet(4.8)
+    page = pypdfium2.PdfDocument(folder / "strips.pdf")[0].get_textpage().get_text_range()
+    assert "start.gcode" in page and "4.80 mm above the bed" in page and "homes z" in page
+    words = ["strips", "new", "-o", str(tmp_path / "a"), "--plate", "3", "--fabric", "0.5", "--printer", "prusa-mk4"]
+    done = command(words, capsys, monkeypatch)
+    assert done.status == 0 and "z offset 3.50 mm (plate and stretched fabric)" in done.out
+    assert (tmp_path / "a" / "start.gcode").read_text() == load_printer("prusa-mk4").start_snippet(3.5)
+    page = pypdfium2.PdfDocument(tmp_path / "a" / "strips.pdf")[0].get_textpage().get_text_range()
+    assert "BEFORE the frame" in page
+
+
 def test_the_table_waits_to_be_filled_in(folder: Path, tmp_path: Path) -> None:
     from asterism.csv_cells import TableError
 
@@ -157,6 +173,7 @@ def test_a_table_with_measurements_is_kept(tmp_path: Path, capsys, monkeypatch) 
         (["--thickness", "0.3", "--thickness", "0.3"], "twice"),
         (["--printer", "none"], "--printer"),
         (["--stretch", "1"], "--stretch"),
+        (["--plate", "99"], "--plate"),
     ],
 )
 def test_mistakes(words: list[str], problem: str, tmp_path: Path, capsys, monkeypatch) -> None:
