@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from asterism.strips.errors import NoMaterial
 from asterism.strips.fit import fit_strips
 from asterism.strips.synthetic import readings
 from benchmarks.report import markdown, write_report
@@ -27,16 +28,23 @@ CASES: list[dict[str, Any]] = [
     {"reading_mm": 0.05, "step_mm": 0.5},
     {"reading_mm": 0.3, "step_mm": 1.0},
     {"reading_mm": 0.1, "step_mm": 0.1, "count": 4},
+    {"off_mm": 0.003},
+    {"off_mm": 0.01},
+    {"off_mm": 0.01, "reading_mm": 0.1, "scatter": 0.02, "count": 4},
+    {"off_mm": 0.005, "reading_mm": 0.1, "scatter": 0.02},
+    {"off_mm": 0.01, "reading_mm": 0.02, "scatter": 0.003},
 ]
 HEADER = [
     "strips",
     "reading mm",
     "ruler mm",
     "scatter %",
+    "thickness off mm",
     "inside %",
     "kappa_bar inside %",
     "half width %",
     "named wrongly",
+    "refused",
     "flat",
 ]
 
@@ -45,21 +53,25 @@ def main() -> None:
     """Fit all tables and write the report."""
     rows = []
     for case in CASES:
-        values = {"count": 10, "reading_mm": 0.3, "scatter": 0.03, "flat_mm": 0.0, "step_mm": 0.0} | case
+        values = {"count": 10, "reading_mm": 0.3, "scatter": 0.03, "flat_mm": 0.0, "step_mm": 0.0, "off_mm": 0.0} | case
         inside, kept, half, named, flat = [], [], [], [], []
         for seed in range(TABLES):
             strips = readings(seed, Plastic(modulus_ratio=RATIO, kappa_bar_per_mm=KAPPA_BAR), **values)
-            fit = fit_strips(strips, flat_height_mm=values["flat_mm"] or 0.5)
+            flat.append(np.mean([r.curvature_per_mm is None for r in strips]))
+            try:
+                fit = fit_strips(strips, flat_height_mm=values["flat_mm"] or 0.5)
+            except NoMaterial:
+                continue
             ratio, kappa_bar = fit.ratio["paper"], fit.kappa_bar[None]
             inside.append(ratio.low <= RATIO <= ratio.high)
             kept.append(kappa_bar.low <= KAPPA_BAR <= kappa_bar.high)
             half.append((ratio.high - ratio.low) / 2 / RATIO)
             named.append(len(fit.left_out))
-            flat.append(np.mean([r.curvature_per_mm is None for r in strips]))
         rows.append(
             {
                 **values,
                 "tables": TABLES,
+                "refused": TABLES - len(inside),
                 "inside_percent": 100 * float(np.mean(inside)),
                 "kappa_bar_inside_percent": 100 * float(np.mean(kept)),
                 "half_width_percent": 100 * float(np.median(half)),
@@ -67,17 +79,19 @@ def main() -> None:
                 "flat_percent": 100 * float(np.mean(flat)),
             }
         )
-        print(rows[-1])
+        print(rows[-1], flush=True)
     cells = [
         [
             f"4 x {row['count']}",
             f"{row['reading_mm']:g}",
             f"{row['step_mm']:g}" if row["step_mm"] else "-",
             f"{100 * row['scatter']:g}",
+            f"{row['off_mm']:g}" if row["off_mm"] else "-",
             f"{row['inside_percent']:.1f}",
             f"{row['kappa_bar_inside_percent']:.1f}",
             f"{row['half_width_percent']:.1f}",
             f"{row['good_readings_left_out_per_table']:.3f}",
+            str(row["refused"]),
             f"{row['flat_percent']:.0f} %",
         ]
         for row in rows

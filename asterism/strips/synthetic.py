@@ -22,6 +22,7 @@ def readings(
     flat_mm: float = 0.0,
     stretch: float = 1.35,
     step_mm: float = 0.0,
+    off_mm: float = 0.0,
 ) -> list[Reading]:
     """`count` strips of each of the paper's thicknesses, with fabric and peeled, their boxes read with errors.
 
@@ -31,14 +32,18 @@ def readings(
     scatter : standard deviation of the curvature from strip to strip, a part of it.
     flat_mm : lower arcs count as flat.
     step_mm : of the ruler, to which sides are rounded; 0: they are not.
+    off_mm : standard deviation of the error of each thickness, which all its strips share.
     """
     plastic = plastic or Plastic(kappa_bar_per_mm=0.003)
     rng = np.random.default_rng(seed)
+    # of their own, so that tables without these errors stay the same
+    errors = off_mm * np.random.default_rng([seed, 1]).standard_normal(len(THICKNESSES))
     found = []
     for i, h1 in enumerate(np.repeat(THICKNESSES, count)):
-        with_fabric = float(rest_curvature(h1, Fabric(stretch=stretch), plastic))
+        real = h1 + errors[i // count]
+        with_fabric = float(rest_curvature(real, Fabric(stretch=stretch), plastic))
         alone = float(
-            rest_curvature(h1, Fabric(stretch=stretch), plastic.model_copy(update={"rest_curvature": "none"}))
+            rest_curvature(real, Fabric(stretch=stretch), plastic.model_copy(update={"rest_curvature": "none"}))
         )
         for peeled, kappa in ((False, with_fabric), (True, alone)):
             true = kappa * (1 + scatter * rng.standard_normal())
