@@ -105,8 +105,8 @@ def instructions(specimen: Specimen, start: Start, layers_mm: Pair, stretch: flo
         *_indented(f"2. Put the frame with its plate on the bed. {homing(start.printer)}"),
         *_indented(
             "3. Add start.gcode to the end of the printer's start code and leave the slicer's z offset at 0: the "
-            f"nozzle starts {start.z_offset_mm:.2f} mm above the bed, plate {start.printer.frame.plate_mm:.2f} mm and fabric "
-            f"{start.fabric_mm:.2f} mm. Measure both as they lie on the bed; if they differ, --plate and --fabric."
+            f"nozzle starts {start.z_offset_mm:.2f} mm above the bed, plate {start.printer.frame.plate_mm:.2f} mm and "
+            f"fabric {start.fabric_mm:.2f} mm. Measure both on the bed; if they differ, --plate and --fabric."
         ),
         f"4. Slice strips.3mf with a first layer of {first:g} mm and others of {others:g} mm, lines along strips.",
         f"    They are {thicknesses} mm thick; measure some with a caliper and correct the table: 0.01 mm matters.",
