@@ -218,5 +218,7 @@ def _widened(found: Estimate, confidence: float) -> float:
         return 1.0
     chance, free = (1 + confidence) / 2, found.free - found.free_common.sum()
     wider = student.ppf(chance, found.freedom(0)) / student.ppf(chance, max(free, 1.0))
-    rounding = found.rounding[0, 0]
-    return float(wider * np.sqrt((found.covariance[0, 0] + rounding) / (found.of_noise(0) + rounding)))
+    all_of_it = found.covariance[0, 0] + found.rounding[0, 0]
+    # strips that all read the same have no scatter
+    scatter = max(found.of_noise(0) + found.rounding[0, 0], 1e-12 * all_of_it)
+    return float(wider * np.sqrt(all_of_it / scatter))

@@ -85,6 +85,7 @@ def table(fit: StripFit) -> dict[str, str]:
     rows["intervals"] = f"{100 * fit.confidence:g} %"
     rows["scatter"] = (
         f"{fit.noise.reading_mm:.2f} mm a side of a box, {100 * fit.noise.scatter:.1f} % from strip to strip"
+        f", {100 * fit.estimate.common.with_fabric:.1f} % from thickness to thickness"
     )
     rows["if all strips had"] = (
         f"{STRETCH_PERCENT:g} % more stretch: E1/E2 {shared['stretch']:+.1f} %; fabric {FABRIC_MM:g} mm thicker: "
@@ -108,6 +109,8 @@ def summary(fit: StripFit) -> dict[str, Any]:
         "kappa_bar": [{"thickness_mm": h, **interval(found, "_per_mm")} for h, found in fit.kappa_bar.items()],
         "reading_error_mm": fit.noise.reading_mm,
         "strip_scatter": fit.noise.scatter,
+        "thickness_scatter": fit.estimate.common.with_fabric,
+        "peeled_thickness_scatter_per_mm": fit.estimate.common.peeled,
         "lack_of_fit_chance": fit.lack_of_fit,
         "intervals_widened_by": fit.widened,
         "kappa_bar_contradicted": fit.kappa_bar_contradicted,
