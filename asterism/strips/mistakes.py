@@ -29,16 +29,16 @@ def check_mistakes(model: Model, found: Estimate, data: Data, chance: float | No
     NoMaterial
         With the mistake, if one explains all.
     """
-    if chance is None or chance >= FALSE_ALARM:
+    if chance is None or chance >= _SURE:
         return
     turned = replace(data, curvature=np.where(data.peeled, -1.0, 1.0) * data.curvature)
     swapped = replace(data, thickness=data.fabric, fabric=data.thickness)
-    if chance < _SURE and data.peeled.any() and _agrees(model, turned):
+    if data.peeled.any() and _agrees(model, turned):
         raise NoMaterial(
             "all would agree if the peeled strips bent to the other side: if they do, give their curvatures with a "
             "minus, in peeled_curvature_per_mm"
         )
-    if chance < _SURE and _agrees(model, swapped):
+    if _agrees(model, swapped):
         raise NoMaterial("all would agree if thickness_mm and fabric_thickness_mm were swapped: check the two columns")
     if found.common.with_fabric > _MOST_OFF:
         raise NoMaterial(

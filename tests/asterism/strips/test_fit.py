@@ -214,7 +214,10 @@ def test_flat_strips_count_with_their_bound() -> None:
         assert len(flat) > 15
         hits += inside(fit_strips(strips, kappa_bar="zero"), 20000.0)
         zeros = [replace(r, curvature_per_mm=r.curvature_per_mm or 0.0) for r in strips]
-        straight += inside(fit_strips(zeros, kappa_bar="zero", keep_outliers=True), 20000.0)
+        try:
+            straight += inside(fit_strips(zeros, kappa_bar="zero", keep_outliers=True), 20000.0)
+        except NoMaterial as refused:  # so far from the formula that they tell nothing
+            assert "contradict the formula" in str(refused)
     assert hits >= 10
     assert straight < hits
 
