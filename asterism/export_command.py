@@ -14,6 +14,7 @@ from asterism.options import DesignFile, LawFile, MaterialFile, output_option
 
 if TYPE_CHECKING:
     from asterism.export.job import Job
+    from asterism.export.printer import Printer
     from asterism.shape import Shape
 
 

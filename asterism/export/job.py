@@ -76,11 +76,7 @@ class Job:
     @property
     def start_code(self) -> str:
         """The printer's start code for this height, with a remark where the fabric was not measured."""
-        code = self.printer.start_snippet(self.z_offset_mm)
-        if self.fabric_given:
-            return code
-        remark = f"; for {self.fabric_mm:.2f} mm of fabric, released: stretched it is thinner, measure it"
-        return f"{remark}\n{code}"
+        return self.printer.start_snippet(self.z_offset_mm, None if self.fabric_given else self.fabric_mm)
 
     @property
     def check_before_mm(self) -> float:

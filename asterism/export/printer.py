@@ -136,13 +136,19 @@ class Printer(Section):
             return 0.0, 0.0
         return self.bed_mm[0] / 2, self.bed_mm[1] / 2
 
-    def start_snippet(self, z_offset_mm: float) -> str:
-        """The start code for a height of the fabric's surface above the bed."""
+    def start_snippet(self, z_offset_mm: float, released_mm: float | None = None) -> str:
+        """The start code for a height of the fabric's surface above the bed.
+
+        `released_mm`: thickness that the fabric was taken to have, if it was not measured where it is stretched.
+        """
         values = (z_offset_mm, z_offset_mm + ABOVE_FABRIC_MM, ABOVE_FABRIC_MM)
         code = self.start_code
         for name, value in zip(PLACEHOLDERS, values, strict=True):
             code = code.replace("{" + name + "}", f"{value:.2f}")
-        return code.strip() + "\n"
+        code = code.strip() + "\n"
+        if released_mm is None:
+            return code
+        return f"; for {released_mm:.2f} mm of fabric, released: stretched it is thinner, measure it\n{code}"
 
 
 def _sides(size: Point) -> Point:

@@ -61,7 +61,7 @@ def new(
         (folder / "strips.csv").write_text(text, encoding="utf-8", newline="\n")
         start = Start(printer, fabric_mm if stretched_mm is None else stretched_mm)
         pdf.write(folder / "strips.pdf", form(strips, start, heights, stretch, fabric_mm))
-        code = printer.start_snippet(start.z_offset_mm)
+        code = printer.start_snippet(start.z_offset_mm, fabric_mm if stretched_mm is None else None)
         (folder / "start.gcode").write_text(code, encoding="utf-8", newline="\n")
     fabric = "released" if stretched_mm is None else "stretched"
     thick = ", ".join(f"{h:g}" for h in strips.thicknesses_mm)

@@ -128,7 +128,7 @@ def test_the_nozzle_starts_on_the_fabric(folder: Path, tmp_path: Path, capsys, m
     """4 mm of plate and .8 of fabric, or what the options say; in the start code, on the page and in the terminal."""
     from asterism.export.profiles import load_printer
 
-    assert (folder / "start.gcode").read_text() == load_printer("ultimaker2").start_snippet(4.8)
+    assert (folder / "start.gcode").read_text() == load_printer("ultimaker2").start_snippet(4.8, released_mm=0.8)
     page = pypdfium2.PdfDocument(folder / "strips.pdf")[0].get_textpage().get_text_range()
     assert "start.gcode" in page and "4.80 mm above the bed" in page and "homes z" in page
     words = ["strips", "new", "-o", str(tmp_path / "a"), "--plate", "3", "--fabric", "0.5", "--printer", "prusa-mk4"]
