@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import gaussian_filter, maximum_filter
@@ -115,8 +115,9 @@ def render(thing: Surface, view: Camera, pixels_per_mm: float) -> Floats:
 
     image = np.zeros((rows * columns, 4), dtype=np.float32)
     plastic_side, around = _turns_left(places, triangles), _depth_around(raster)
+    turned = replace(thing, normals=thing.normals @ view.axes.T)
     for piece in raster.pieces():
-        colour = _shaded(thing, view, piece, triangles, marks, plastic_side)
+        colour = _shaded(turned, view, piece, triangles, marks, plastic_side)
         image[piece.pixels, :3] = colour * _open_sky(piece, around, fine)[:, None]
     image[raster.pixels, 3] = 1.0
     image = image.reshape(rows, columns, 4)
@@ -136,8 +137,11 @@ def _coarser(image: Floats) -> Floats:
 def _shaded(
     thing: Surface, view: Camera, raster: Raster, triangles: Ints, marks: int, plastic_side: np.ndarray
 ) -> Floats:
-    """(P, 3) colours: a key light from the upper left, a soft sky, a trace of gloss. The last triangles are `marks`."""
-    normals = raster.interpolate(thing.normals @ view.axes.T, triangles)
+    """(P, 3) colours: a key light from the upper left, a soft sky, a trace of gloss.
+
+    Normals are along the view's axes. The last triangles are `marks`.
+    """
+    normals = raster.interpolate(thing.normals, triangles)
     face = raster.face.ravel()[raster.pixels]
     front = plastic_side[face]
     normals *= np.where(front, 1.0, -1.0)[:, None]

@@ -180,13 +180,10 @@ def warnings(
     if soft_in_two_ways:
         lines.append("soft in more than one way: the sheet may rest in another form")
     if (other := close_form(others)) is not None:
-        less = other.gap < -UNSURE
-        energy = f"{-100.0 * other.gap:.0f} % less" if less else f"nearly the same energy ({100.0 * other.gap:+.1f} %)"
-        takes = "will likely" if less else "may"
-        lines.append(
-            f"another form, {other.distance_percent:.0f} % of the diameter away, has {energy}"
-            f"{' energy' if less else ''}: the exact model {takes} take that one"
-        )
+        energy = f"nearly the same energy ({100.0 * other.gap:+.1f} %): the exact model may take that one"
+        if other.gap < -UNSURE:
+            energy = f"{-100.0 * other.gap:.0f} % less energy: the exact model will likely take that one"
+        lines.append(f"another form, {other.distance_percent:.0f} % of the diameter away, has {energy}")
     if through:
         lines.append(f"{passing(through)}; the exact model can keep it apart (solver.contact, --contact)")
     soft = found.soft_modes

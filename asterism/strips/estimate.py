@@ -105,16 +105,10 @@ def estimate(model: Model, data: Data, *, alike: bool = False) -> Estimate:
             break
     variance = _variance(model, data, parameters, found, shared)
     parameters, covariance = solve(model, data, variance, parameters)
-    rounding = _of_rounding(model, bent, parameters, covariance, found, shared)
-    return Estimate(
-        parameters,
-        covariance,
-        rounding,
-        found,
-        free,
-        shared,
-        *_of_common(model, bent, parameters, covariance, found, shared),
-    )
+    of_bent = _variance(model, bent, parameters, found, shared)
+    rounding = _of_rounding(model, bent, parameters, covariance, of_bent)
+    by_common = _of_common(model, bent, parameters, covariance, of_bent, shared)
+    return Estimate(parameters, covariance, rounding, found, free, shared, *by_common)
 
 
 def _stays(before: tuple[Noise, Common], now: tuple[Noise, Common]) -> bool:
@@ -132,10 +126,10 @@ def _variance(model: Model, data: Data, parameters: Floats, found: Noise, shared
 
 
 def _of_common(
-    model: Model, bent: Data, parameters: Floats, covariance: Floats, found: Noise, shared: Common
+    model: Model, bent: Data, parameters: Floats, covariance: Floats, variance: Floats, shared: Common
 ) -> tuple[Floats, Floats]:
     """(2, p, p) what each effect is of the covariance, and (2,) by how many kinds, less parameters, it is told."""
-    variance, jacobian = _variance(model, bent, parameters, found, shared), model.jacobian(parameters, bent)
+    jacobian = model.jacobian(parameters, bent)
     sizes = effects(model.by_fabric(parameters, bent), bent.peeled)
     kind = bent.kind
     count = int(kind.max()) + 1
@@ -151,14 +145,12 @@ def _of_common(
     return np.array(parts), np.array(free)
 
 
-def _of_rounding(
-    model: Model, bent: Data, parameters: Floats, covariance: Floats, found: Noise, shared: Common
-) -> Floats:
+def _of_rounding(model: Model, bent: Data, parameters: Floats, covariance: Floats, variance: Floats) -> Floats:
     """(p, p) what is added to the covariance, as rounding moves all readings together that should be equal."""
     mean = model.mean(parameters, bent)
     sensitivity = arc.reading_sensitivity(mean, bent.length)
     alike = together(bent.curvature, bent.kind, sensitivity, bent.step)
-    off = alike / _variance(model, bent, parameters, found, shared)
+    off = alike / variance
     equal = np.column_stack([np.round(mean / np.abs(mean).max(), 9), bent.length])
     _, group = np.unique(equal, axis=0, return_inverse=True)
     of_group = np.zeros((group.max() + 1, model.size))

@@ -86,11 +86,12 @@ def _outliers(model: Model, data: Data) -> tuple[np.ndarray, Floats, Floats]:
     for _ in range(10):
         found = estimate(model, data.take(good), alike=True)
         mean, jacobian = model.mean(found.parameters, data), model.jacobian(found.parameters, data)
-        variance = found.noise.variance(arc.reading_sensitivity(mean, data.length), mean)
+        sensitivity = arc.reading_sensitivity(mean, data.length)
+        variance = found.noise.variance(sensitivity, mean)
         of_fit = np.einsum("np,pq,nq->n", jacobian, found.covariance, jacobian)
         # a reading that took part pulls the fit towards itself
         spread = np.sqrt(np.maximum(variance + np.where(good, -1, 1) * of_fit, 1e-3 * variance))
-        spread = np.maximum(spread, finest(arc.reading_sensitivity(mean, data.length), mean))
+        spread = np.maximum(spread, finest(sensitivity, mean))
         distance = np.abs(_beyond(data, mean)) / spread
         # scale without the reading itself, for those that took part
         free = max(found.free, 2)
@@ -98,7 +99,7 @@ def _outliers(model: Model, data: Data) -> tuple[np.ndarray, Floats, Floats]:
         distance = np.where(good & ~data.flat, np.where(distance**2 < free, alone, np.inf), distance)
         limit = student.ppf(1 - FALSE_ALARM / (2 * len(distance)), free - 1)
         # the next mark of a ruler, at both sides of a box, is no contradiction, however many read the same one
-        mark = data.step * arc.reading_sensitivity(mean, data.length)
+        mark = data.step * sensitivity
         again = (distance <= limit) | (np.abs(_beyond(data, mean)) <= _MARKS * mark)
         if np.array_equal(again, good):
             break
@@ -137,11 +138,9 @@ def _robust_distance(model: Model, data: Data) -> Floats:
         if likelihood < best:
             mean = model.mean(parameters, data)
             # where most read the same mark, the next one is no further than rounding
-            rounding = of_rounding(data.step) * arc.reading_sensitivity(mean, data.length)
-            spread = np.maximum(
-                scale * _share(mix, mean, data),
-                np.maximum(rounding, finest(arc.reading_sensitivity(mean, data.length), mean)),
-            )
+            sensitivity = arc.reading_sensitivity(mean, data.length)
+            least = np.maximum(of_rounding(data.step) * sensitivity, finest(sensitivity, mean))
+            spread = np.maximum(scale * _share(mix, mean, data), least)
             best, best_distance = likelihood, np.abs(_beyond(data, mean)) / spread
     return best_distance
 
