@@ -197,6 +197,7 @@ def main(words: list[str]) -> None:
         rows += found
         print(tables[-1], flush=True)
     if "designs" in groups:
+        simulate(gallery.load("star"))  # compiles
         found = [design_row(name) for name in DESIGNS]
         tables.append("### Whole designs\n\n" + markdown(WHOLE, [design_line(r) for r in found]))
         rows += found
