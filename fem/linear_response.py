@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from equilibrium.factor import Factor
+from fem.fields import Fields
 from fem.mixed_newton import FAR
 from fem.shell import Shell
 from fem.tabulation import Floats
@@ -49,9 +50,35 @@ def linear_response(shell: Shell, x: Floats, factor: Factor) -> Response:
     strains = shell.strains(start)
     _, stress, _ = shell.density(strains)
     gradient = shell.restricted(shell.assembly.forces(start, stress) + shell.outer_forces(start))
-    step = -factor.solve(gradient)
-    modes = shell.rigid_modes(start)
-    move = shell.move(np.zeros_like(start), step - modes @ (modes.T @ step))
+    move = shell.move(np.zeros_like(start), _answer(shell, start, factor, gradient))
     farthest = float(np.abs(move).max())
     most = FAR * shell.size
     return Response(start + (move if farthest <= most else most / farthest * move), shell, start, strains)
+
+
+def far_off(shell: Shell, x: Floats, factor: Factor, fields: Fields) -> float:
+    """mm, rms over the printed sheet: how far the equilibrium x goes, to first order, if its fields are others.
+
+    The shell stays as it is. Of answers that differ by a rigid motion which nothing stops, the smallest counts. The
+    factor holds the Hessian at x (N, 3).
+
+    Raises
+    ------
+    FieldError
+        No sheet can have these fields.
+    """
+    strains = shell.assembly.strains(x, fields.rest(shell.points))
+    _, stress, _ = fields.densities(shell.points)(strains)
+    move = _answer(shell, x, factor, shell.restricted(shell.assembly.forces(x, stress) + shell.outer_forces(x)))
+    rigid = shell.rigid_modes(x)
+    if rigid.shape[1]:
+        image = shell.mass @ rigid
+        move = move - rigid @ np.linalg.solve(rigid.T @ image, image.T @ move)
+    square = float(move @ (shell.mass @ move[:, None])[:, 0])
+    return float(np.sqrt(max(square, 0.0) / shell.assembly.weights.sum()))
+
+
+def _answer(shell: Shell, x: Floats, factor: Factor, gradient: Floats) -> Floats:
+    """(n,) step of the free unknowns that a gradient (n,) asks for, without the rigid motions that nothing stops."""
+    step, rigid = -factor.solve(gradient), shell.rigid_modes(x)
+    return np.asarray(step - rigid @ (rigid.T @ step))

@@ -16,6 +16,8 @@ was found by comparing previews with the exact model over many designs (`python 
 - a sheet with two soft motions may rest in another form altogether; a held one, whose edges and corners alone are free,
   with motions that are less soft;
 - no smooth sheet is like one whose stars curl tighter than their spacing: free ones add ANOTHER_FORM times their part;
+- a free sheet of unequal stars adds CONTRAST times how far it would go if contractions were wrong by as much as sizes
+  differ (`asterism.previewing.contrast`);
 - a sheet that is held much narrower than it would be buckles, and where its dents go the law cannot tell: it adds
   BUCKLED, less between the two ratios of NARROWER.
 
@@ -44,6 +46,8 @@ FLOOR, SHARE, MIRRORED, FORGIVEN = 0.3, 0.04, 0.06, 0.03
 # second amplitude in % from which another form is near, of free sheets and of held ones; how sharply, and the distance
 # in % that is added then
 TWO_WAYS, HELD_TWO_WAYS, SHARPNESS, ANOTHER_FORM = 20.0, 13.0, 8.0, 5.0
+# part of the deviation of a star's size from the mean by which its contraction may be wrong
+CONTRAST = 0.1
 # distance in % that is added where a sheet is held as narrow, over its own width, as the second of these, and from the
 # first one on none
 BUCKLED, NARROWER = 2.5, (0.93, 0.87)
@@ -70,16 +74,18 @@ def expected_rms_percent(
     held: bool = False,
     tight: float = 0.0,
     width: float = 1.0,
+    contrast: float = 0.0,
 ) -> float | None:
     """The distance to the exact model to be expected, in % of the diameter; None without two amplitudes.
 
-    `share`: see `share_of`; `tight`: part of the stars; `width` at which the sheet is held, over its own. Over many
-    designs it is a root mean square: most are nearer.
+    `share`: see `share_of`; `tight`: part of the stars; `width` at which the sheet is held, over its own; `contrast`:
+    % of the diameter. Over many designs it is a root mean square: most are nearer.
     """
     if len(amplitudes) < 2:
         return None
     curled = 0.0 if held else ANOTHER_FORM * tight
-    near = math.hypot(FLOOR, share * float(np.linalg.norm(amplitudes)), curled, BUCKLED * buckling(width))
+    soft = share * float(np.linalg.norm(amplitudes))
+    near = math.hypot(FLOOR, soft, curled, BUCKLED * buckling(width), CONTRAST * contrast)
     ratio = (float(amplitudes[1]) / _two_ways(held)) ** SHARPNESS
     form = max(
         [ANOTHER_FORM * ratio / (1.0 + ratio), *(math.sqrt(_chance(o.gap)) * o.distance_percent for o in others)]

@@ -10,6 +10,7 @@ from typing import Literal, NoReturn
 import numpy as np
 
 from asterism.previewing.all_or_nothing import all_or_nothing
+from asterism.previewing.contrast import contrast
 from asterism.previewing.equilibria import EDIT, settled, taken
 from asterism.previewing.expected_height import height_doubts
 from asterism.previewing.sheet import Sheet
@@ -331,12 +332,14 @@ class Preview:
         up = np.eye(3)[2]
         if not shape.held:
             shape, up = shape.aligned(), shape.upright()[2]
-        doubts = None
+        doubts, depends = None, 0.0
         # pins that let the sheet tilt leave open what counts as its height, unless weight tells
         certain = self.design.gravity.on or not shape.held or not tilts(self.sheet.layout)
         if self.equilibrium.is_minimum and certain:
             doubts = self._clock("expected height", height_doubts, self, shape, up, self._factor)
-        return replace(shape, summary=summary(self, shape, mesh, doubts, self.seconds))
+        if self.equilibrium.is_minimum and not self.sheet.layout.is_pulled:
+            depends = self._clock("contrast", contrast, self, self._factor)
+        return replace(shape, summary=summary(self, shape, mesh, doubts, depends, self.seconds))
 
     def _find_soft_modes(self) -> None:
         """What the error to be expected follows from; an edit does not wait for it. The factor is the equilibrium's."""

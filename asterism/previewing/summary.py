@@ -50,9 +50,14 @@ FOREIGN = 0.1  # part of the stars: with more of them outside the law, or uneven
 
 
 def summary(
-    preview: Preview, shape: Shape, mesh: Mesh, doubts: HeightDoubts | None, seconds: dict[str, float]
+    preview: Preview,
+    shape: Shape,
+    mesh: Mesh,
+    doubts: HeightDoubts | None,
+    depends: float,
+    seconds: dict[str, float],
 ) -> dict[str, Any]:
-    """Keys as in a simulation's summary where they mean the same."""
+    """Keys as in a simulation's summary where they mean the same; `depends`: mm, see `contrast`."""
     found, layout, law = preview.equilibrium, preview.sheet.layout, preview.law
     axis = _roll_axis(preview, shape)
     sheet = shape.positions, shape.triangles
@@ -60,6 +65,7 @@ def summary(
     size = polygon_area(layout.border), diameter(shape.positions)
     others = other_forms(preview, size[1])
     amplitudes = amplitudes_percent(found.soft_modes, found.at_stake, *size)
+    unequal = 100.0 * depends / size[1]
     held = layout.is_pulled
     wants = trends(preview.shell) if held else None
     width = wants.chord / wants.stretch if wants else np.inf
@@ -81,6 +87,7 @@ def summary(
         "energy_parts_n_mm": found.energies,
         "soft_modes_n_mm3": [float(value) for value in found.soft_modes],
         "soft_amplitudes_percent": [float(value) for value in amplitudes],
+        "contrast_percent": unequal,
         "stars": len(layout.centres),
         "roll_axis_deg": axis,
         "equivalent_axes_deg": _equivalent_axes(preview, axis),
@@ -98,7 +105,9 @@ def summary(
             "edge_mm": law.edge_mm,
             "made_by": law.made.get("command"),
         },
-        "expected_rms_percent": expected_rms_percent(amplitudes, others, share, held, tight, width) if known else None,
+        "expected_rms_percent": expected_rms_percent(amplitudes, others, share, held, tight, width, unequal)
+        if known
+        else None,
         "expected_height_percent": expected_height_percent(doubts, share) if known and doubts else None,
         "height_doubts_mm": vars(doubts) if doubts else None,
         "law_in_range": not preview.values.outside,

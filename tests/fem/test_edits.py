@@ -8,10 +8,11 @@ import pytest
 from fem.argyris import Argyris
 from fem.conditions import HeldPoints
 from fem.fields import FieldError, Fields, of_stretch
-from fem.linear_response import linear_response
+from fem.linear_response import far_off, linear_response
 from fem.shell import Shell
 from fem.solve import follow, relax
 from fem.tabulation import Floats
+from pattern.rigid_fit import rigid_fit
 from tests.fem.hexagons import density, hexagon, radius
 
 
@@ -46,6 +47,24 @@ def test_the_response_is_the_derivative() -> None:
     assert moves[0] > 0.5
     assert errors[0] < 0.05 * moves[0]
     assert 3.3 < errors[0] / errors[1] < 4.7
+
+
+def test_how_far_other_fields_take_it() -> None:
+    """In proportion to the difference, and as far as the equilibrium then goes."""
+    shell = Shell(Argyris(hexagon(1)), dome(0.0))
+    factor = shell.factor()
+    start = relax(shell, factor)
+    told = far_off(shell, start.x, factor, dome(0.002))
+    assert far_off(shell, start.x, factor, dome(-0.001)) == pytest.approx(0.5 * told, rel=0.01)
+    assert far_off(shell, start.x, factor, dome(0.0)) < 1e-6 * told
+    shell.set_fields(dome(0.002))
+    found = follow(shell, start.x, factor)
+    at = shell.space.locate(shell.points.reshape(-1, 2)).value
+    before, after = at @ start.x, at @ found.x
+    turn, shift = rigid_fit(after, before)
+    apart = ((after @ turn.T + shift - before) ** 2).sum(axis=1)
+    assert found.is_minimum
+    assert told == pytest.approx(np.sqrt(np.average(apart, weights=shell.assembly.weights.ravel())), rel=0.03)
 
 
 def test_an_edit_and_back() -> None:

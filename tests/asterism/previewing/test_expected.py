@@ -9,6 +9,7 @@ import pytest
 
 from asterism.previewing.expected import (
     BUCKLED,
+    CONTRAST,
     FLOOR,
     FORGIVEN,
     MIRRORED,
@@ -95,6 +96,13 @@ def test_sheets_that_are_held_narrow_may_buckle_otherwise():
     )
     assert wide == expected_rms_percent(stiff, held=True) < narrower < narrow == narrowest
     assert narrow == pytest.approx(np.hypot(wide, BUCKLED)) and narrow > 2.5
+
+
+def test_sheets_that_hang_on_unequal_stars_expect_more():
+    stiff = np.array([6.0, 4.0, 3.0])
+    alike, little, much = (expected_rms_percent(stiff, contrast=contrast) for contrast in (0.0, 5.0, 40.0))
+    assert alike == expected_rms_percent(stiff) < little < much
+    assert much == pytest.approx(np.hypot(alike, 40.0 * CONTRAST))
 
 
 def test_nothing_is_expected_of_what_is_not_stable():
