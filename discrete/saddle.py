@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from discrete.model import Model
+from discrete.starts import unit
 from discrete.state import State
 from equilibrium import saddle
 from equilibrium.certificate import Eigenpair, smallest_eigenvalue
 from equilibrium.factor import Factor, Iterative
 
-LARGEST_MOVE_MM = 2.0
+LARGEST_MOVE_MM = 2.0  # at the paper's spacing of the stars, and in proportion at others
 
 
 def lowest_mode(model: Model, state: State, factor: Factor, seed: int) -> Eigenpair:
@@ -20,5 +21,5 @@ def lowest_mode(model: Model, state: State, factor: Factor, seed: int) -> Eigenp
 
 
 def left(model: Model, state: State, pair: Eigenpair) -> State:
-    """The state moved along a negative mode, to the lower side, as far as the energy falls, by 2 mm at most."""
-    return saddle.left(model, state, pair.vector, LARGEST_MOVE_MM)
+    """The state moved along a negative mode, to the lower side, while the energy falls, by a ninth of the spacing."""
+    return saddle.left(model, state, pair.vector, unit(model) * LARGEST_MOVE_MM)

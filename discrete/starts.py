@@ -12,9 +12,11 @@ from discrete.elements import Array
 from discrete.model import Model
 from discrete.stars import bump_heights, bumped
 from discrete.state import State, carried
+from pattern.lattice import DEFAULT_SPACING
 
 Bend = Literal["none", "roll", "dome", "saddle"]
 
+# at the paper's spacing of the stars, and in proportion at others, as `Beginning`'s lengths: see `unit`
 BUMP_MM = 2.0
 FLAT_MM = 0.1
 NUDGE_MM = 0.5
@@ -35,8 +37,8 @@ class Beginning:
     branch : 1 up, -1 down, 0 free, for each star; None: as the layout prescribes.
     bend : shape of the whole sheet: nothing, rolled about an axis, a dome or a saddle.
     axis_deg : direction in print coordinates of the roll's axis, or of the saddle's ridge.
-    sag_mm : how far the edge lies below (saddle: below and above) the middle.
-    noise_mm, seed : standard deviation of the noise at every vertex.
+    sag_mm : how far the edge lies below (saddle: below and above) the middle, at the paper's spacing of the stars.
+    noise_mm, seed : standard deviation of the noise at every vertex, at that spacing too.
     releases : steps of the continuation; the last is 1.
 
     Raises
@@ -79,15 +81,15 @@ class Beginning:
 
     def state(self, model: Model) -> State:
         """The state to start from, for the model's present release."""
-        held = model.constraints.held
+        held, mm = model.constraints.held, unit(model)
         if self.bend == "none":
             state = model.flat_state()
         else:
             # the print is bent, and then taken to where its pins stand, however far away that is
-            bent = _bent(model.mesh.points, self.bend, np.radians(self.axis_deg), self.sag_mm)
+            bent = _bent(model.mesh.points, self.bend, np.radians(self.axis_deg), mm * self.sag_mm)
             state = model.moved_pins(_moved(model, model.printed_state(), bent))
-        state = bumped(model, state, BUMP_MM * self.branches(model))
-        noise = self.noise_mm * np.random.default_rng(self.seed).standard_normal(state.positions.shape)
+        state = bumped(model, state, mm * BUMP_MM * self.branches(model))
+        noise = mm * self.noise_mm * np.random.default_rng(self.seed).standard_normal(state.positions.shape)
         return _moved(model, state, state.positions + np.where(held, 0.0, noise))
 
     def kept(self, model: Model, state: State) -> State:
@@ -96,12 +98,18 @@ class Beginning:
         Early in the release a star is nearly flat and goes where rounding sends it: a nudge is enough. Down is no
         minimum before the star is bent enough: there it is turned inside out again in every step, until it stays.
         """
-        branch, height = self.branches(model), bump_heights(model, state)
+        mm = unit(model)
+        branch, height = self.branches(model), bump_heights(model, state) / mm
         lift = np.where(branch * height < FLAT_MM, NUDGE_MM * branch, 0.0)
         lift = np.where((branch < 0) & (height > -FLAT_MM), -np.abs(height) - BUMP_MM, lift)
         if self.releases[-1] == model.release:
             lift = np.minimum(lift, 0.0)
-        return model.towards(state, bumped(model, state, lift))
+        return model.towards(state, bumped(model, state, mm * lift))
+
+
+def unit(model: Model) -> float:
+    """The model's spacing of the stars over the paper's: larger stars start as larger bumps, and smaller as smaller."""
+    return model.spacing / float(DEFAULT_SPACING)
 
 
 def beginnings(n_stars: int, count: int, bumps: bool = True, seed: int = 0) -> list[Beginning]:
