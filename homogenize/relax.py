@@ -11,11 +11,12 @@ from discrete.stars import bump_heights
 from discrete.state import State, across, carried, tangents
 from equilibrium.newton import Minimum, minimise
 from homogenize.cell import Cell
+from pattern.lattice import DEFAULT_SPACING
 
 RELEASES = (0.03, 0.1, 0.2, 0.3, 0.4, 0.5, 0.62, 0.75, 0.88, 1.0)
-BUMP = 1.0  # mm, of the start
-WIDTH = 0.35  # of the bump, over the spacing of the stars
-ROUGH = 1e-3  # N, gradient at the steps before the last
+BUMP = 1.0 / DEFAULT_SPACING  # of the start, over the spacing of the stars
+WIDTH = 0.35  # of the bump, over that too
+ROUGH, CERTAIN = 1e-5, 1e-8  # of the force scale, gradient at the steps before the last, and at the last
 
 
 @dataclass(frozen=True)
@@ -45,10 +46,10 @@ class Flat:
         return float(np.sqrt(np.linalg.det(self.deformation)))
 
 
-def tolerance(cell: Cell) -> float:
-    """N, gradient of a converged cell: rounding is a hundredth of it."""
+def tolerance(cell: Cell, part: float = CERTAIN) -> float:
+    """N, gradient of a converged cell, of modulus times thickness times spacing: rounding is a hundredth of it."""
     fabric = cell.design.fabric
-    return 1e-8 * fabric.modulus_mpa * fabric.thickness_mm * cell.spacing
+    return part * fabric.modulus_mpa * fabric.thickness_mm * cell.spacing
 
 
 def relax(cell: Cell) -> tuple[Flat, Flat | None]:
@@ -71,12 +72,12 @@ def relax(cell: Cell) -> tuple[Flat, Flat | None]:
 
 def _released(cell: Cell) -> Flat:
     cell.flat()
-    state = bumped(cell, cell.printed_state(), BUMP)
+    state = bumped(cell, cell.printed_state(), BUMP * cell.spacing)
     iterations = 0
     for release in RELEASES:
         cell.set_release(release)
         last = release == RELEASES[-1]
-        found = minimise(cell, state, cell.factor(), tolerance(cell) if last else ROUGH, verdict=last)
+        found = minimise(cell, state, cell.factor(), tolerance(cell, CERTAIN if last else ROUGH), verdict=last)
         iterations += found.iterations
         if not found.converged:
             raise ArithmeticError(f"flat cell: no equilibrium at {100 * release:g} % release")
