@@ -30,6 +30,12 @@ class Constraints:
         """(V, 3) mm; held components move straight from the printed place to the target."""
         return self.printed + progress * (self.target - self.printed)
 
+    @property
+    def level(self) -> Array:
+        """(3,) mm, where positions are held at the end, in the mean; 0 for components that nothing holds."""
+        places = np.where(self.held, self.target, 0.0).sum(axis=0)
+        return np.asarray(places / np.maximum(self.held.sum(axis=0), 1))
+
 
 def pin_constraints(layout: Layout, mesh: Mesh) -> Constraints:
     """The pins of a layout on the vertices of its mesh."""

@@ -53,6 +53,7 @@ class Model(System):
         held = np.concatenate([self.constraints.held.ravel(), np.zeros(len(edges), dtype=bool)])
         parts = _fabric(design, mesh, compiled) | self._rods(compiled)
         super().__init__(parts, len(mesh.points), edges, held)
+        self.level = self.constraints.level
         self._weight = self._dead_load()
         self.set_release(1.0)
         self._reconstruction: Reconstruction | None = None

@@ -30,6 +30,7 @@ class System:
 
     Attributes
     ----------
+    level : (3,) mm, from where on the dead load does its work; the origin, if nothing else is said.
     free : indices of the dofs that move.
     pattern : of the Hessian over them.
     """
@@ -40,6 +41,7 @@ class System:
         self.parts, self.n_vertices, self.edges, self.held = parts, n_vertices, edges, held
         self.n_dofs = len(held)
         self.load = np.zeros(3 * n_vertices) if load is None else load
+        self.level = np.zeros(3)
         self.free = np.flatnonzero(~held)
         self.pattern = SparsePattern([part.dofs for part in parts.values()], self.n_dofs, self.free)
 
@@ -49,7 +51,7 @@ class System:
         with np.errstate(all="ignore"):  # a collapsed triangle is an infinite energy, not a warning
             out = {name: float(part.energies(packed).sum()) for name, part in self.parts.items()}
         if self.load.any():
-            out["gravity"] = -float(self.load @ state.positions.ravel())
+            out["gravity"] = -float(self.load @ (state.positions - self.level).ravel())
         return out
 
     def energy(self, state: State) -> float:

@@ -67,7 +67,10 @@ def _verdict(s: Mapping[str, Any]) -> str:
 def _nearly(s: Mapping[str, Any]) -> str:
     """That another exact minimum is nearer, and as low as the model can tell."""
     other = s["starts"][RELEASE if s["result_from"] == PREVIEW else PREVIEW]
-    more = other["energy_n_mm"] / s["exact"]["energy_n_mm"] - 1.0
+    exact = s["exact"]
+    # how high a sheet hangs makes it no more or less certain
+    elastic = exact["energy_n_mm"] - exact.get("gravity", 0.0)
+    more = (other["energy_n_mm"] - exact["energy_n_mm"]) / elastic
     if s["same_branch"] or not other["is_minimum"] or other["rms_percent"] >= s["rms_percent"] or abs(more) > SURE:
         return ""
     return (

@@ -58,6 +58,20 @@ def test_what_holds_the_sheet_carries_it() -> None:
     assert carried == pytest.approx(GRAVITY * mass(len(m.layout.centres)), rel=1e-6)
 
 
+@pytest.mark.parametrize("slide", [None, "plane"])
+def test_where_the_pins_stand_is_not_in_the_energy(slide: str | None) -> None:
+    """Nor in what the weight saves: a table that is a metre higher stores nothing in the sheet."""
+    pins = {"where": "corners", "scale": 0.8}
+    one = model(pins=[pins])
+    high = model(pins=[pins | {"offset_mm": [700.0, -300.0, 1000.0]}])
+    sliding = {"where": "corners", "slide": "plane"}
+    if slide:
+        one, high = model(pins=[sliding]), model(pins=[sliding | {"offset_mm": [0.0, 0.0, 1000.0]}])
+    here, there = relax(one), relax(high)
+    assert here.energies["gravity"] == pytest.approx(there.energies["gravity"], rel=1e-6)
+    assert here.energy == pytest.approx(there.energy, rel=1e-9)
+
+
 def hung(
     modulus: float, pins: dict[str, object], direction: tuple[float, float, float] = (0.0, 0.0, -1.0)
 ) -> tuple[Equilibrium, np.ndarray, np.ndarray]:
