@@ -7,7 +7,8 @@ import re
 import subprocess
 import sys
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from functools import cache
 from importlib.metadata import packages_distributions
 from pathlib import Path
 
@@ -76,14 +77,20 @@ def test_imports_go_down_only(file: Path) -> None:
     assert "tests" not in roots(file)
 
 
+@cache
+def installed() -> Mapping[str, list[str]]:
+    """Packages by the modules that they hold. All that is installed is looked at."""
+    # optional, so perhaps not installed here; and a package that always comes with another
+    known = {"sksparse": ["scikit-sparse"], "pydantic_core": ["pydantic"]}
+    return {**packages_distributions(), **known}
+
+
 @pytest.mark.parametrize("file", SOURCES, ids=name)
 def test_every_package_used_is_declared(file: Path) -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     required = project["dependencies"] + [r for group in project["optional-dependencies"].values() for r in group]
     declared = {re.split(r"[^\w.-]", requirement)[0].lower().replace("_", "-") for requirement in required}
-    # optional, so perhaps not installed here; and a package that always comes with another
-    known = {"sksparse": ["scikit-sparse"], "pydantic_core": ["pydantic"]}
-    homes: dict[str, list[str]] = {**packages_distributions(), **known}
+    homes = installed()
     for module in roots(file) - set(MAY_IMPORT) - sys.stdlib_module_names:
         packages = {package.lower().replace("_", "-") for package in homes.get(module, [module])}
         assert packages & declared, f"{module} is not among the dependencies of pyproject.toml"
