@@ -2,6 +2,9 @@
 
 import os
 import signal
+from pathlib import Path
+
+import pytest
 
 for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(name, "1")
@@ -10,3 +13,14 @@ os.environ.setdefault("MPLBACKEND", "Agg")
 # a shell that starts the tests in the background has them ignore Ctrl-C, and with them every program they start
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """What takes longest, and shares most, first: tests side by side are dealt out in parts that get smaller.
+
+    So the sheets of the paper's figures are not computed by each worker, and nobody waits for one long test at the end.
+    """
+    root = Path(__file__).parent
+    first = ("validation", "test_notebooks.py", "asterism", "discrete", "homogenize", "fem", "equilibrium", "pattern")
+    rank = {place: number for number, place in enumerate(first)}
+    items.sort(key=lambda item: rank.get(item.path.relative_to(root).parts[0], len(first)))
