@@ -40,15 +40,6 @@ def run(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(program, cwd=cwd, capture_output=True, text=True, timeout=300)
 
 
-def mistake(result: subprocess.CompletedProcess[str], status: int = 2) -> str:
-    """The one line of a refused command."""
-    assert result.returncode == status, result.stderr
-    assert "Traceback" not in result.stderr
-    lines = result.stderr.strip().splitlines()
-    assert len(lines) == 1 and lines[0].startswith("asterism: "), result.stderr
-    return lines[0]
-
-
 @pytest.fixture(scope="module")
 def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder in which a small law was made."""
@@ -70,12 +61,15 @@ def test_a_law_with_all_that_made_it(place: Path) -> None:
     assert (np.diff(values["lam"]) > 0).all() and (np.diff(values["kappa"]) > 0).all()
 
 
-def test_the_same_plan_gives_the_same_law_from_the_start(place: Path, tmp_path: Path) -> None:
+def test_the_same_plan_gives_the_same_law_from_the_start(
+    place: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     """With one process and fresh cells: bit for bit."""
     from homogenize.law_file import digest
 
     (tmp_path / "m.toml").write_text(PLAN)
-    assert run("calibrate", "m.toml", "--jobs", "1", cwd=tmp_path).returncode == 0
+    monkeypatch.chdir(tmp_path)
+    assert command(["calibrate", "m.toml", "--jobs", "1"], capsys, monkeypatch).status == 0
     assert digest(load_law(tmp_path / "m.npz")) == digest(load_law(place / "m.npz"))
 
 
@@ -96,10 +90,13 @@ def test_a_law_is_made_without_numba(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert load_law(tmp_path / "law.npz").made["versions"] == law.made["versions"]
 
 
-def test_show_writes_a_picture_and_a_table(place: Path) -> None:
-    result = run("law", "show", "m.npz", "-o", "shown", cwd=place)
-    assert result.returncode == 0, result.stderr
-    assert "kappa" in result.stdout and "stretch 1.35" in result.stdout
+def test_show_writes_a_picture_and_a_table(
+    place: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(place)
+    shown = command(["law", "show", "m.npz", "-o", "shown"], capsys, monkeypatch)
+    assert shown.status == 0, shown.err
+    assert "kappa" in shown.out and "stretch 1.35" in shown.out
     with Image.open(place / "shown" / "law.png") as image:
         assert image.width > 1000 and np.asarray(image).std() > 5
     summary = json.loads((place / "shown" / "summary.json").read_text())
@@ -139,23 +136,30 @@ def test_the_law_that_comes_with_the_package(tmp_path: Path) -> None:
         (["law", "shw"], "shw"),
     ],
 )
-def test_mistakes_are_one_line(words: list[str], expected: str, tmp_path: Path) -> None:
+def test_mistakes_are_one_line(
+    words: list[str], expected: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     if "--dask" in words:
         pytest.importorskip("distributed")
+    monkeypatch.chdir(tmp_path)
     (tmp_path / "m.toml").write_text(PLAN)
     (tmp_path / "bad.toml").write_text("[plan]\nedge_mm = 40")
-    assert expected in mistake(run(*words, cwd=tmp_path))
+    refused = command(words, capsys, monkeypatch)
+    assert refused.status == 2 and expected in refused.line
     assert not list(tmp_path.glob("*.npz"))
 
 
-def test_cells_that_all_fail_are_status_one(tmp_path: Path) -> None:
+def test_cells_that_all_fail_are_status_one(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Arms of neighbouring stars that overlap have no cell."""
     (tmp_path / "m.toml").write_text(PLAN.replace("3.0, 10.0", "12.0, 14.0") + "[lattice]\narms = 5\n")
-    result = run("calibrate", "m.toml", "--jobs", "2", cwd=tmp_path)
-    assert result.returncode == 1
-    last = result.stderr.splitlines()[-1]
+    monkeypatch.chdir(tmp_path)
+    ended = command(["calibrate", "m.toml", "--jobs", "2"], capsys, monkeypatch)
+    assert ended.status == 1
+    last = ended.err.splitlines()[-1]
     assert "fewer than half of the cells" in last and "shorten or turn them" in last
-    assert "Traceback" not in result.stderr
+    assert "Traceback" not in ended.err
     assert not list(tmp_path.glob("*.npz"))
 
 
@@ -172,7 +176,9 @@ def test_interrupted_before_a_cell_is_finished(
     assert [file.name for file in tmp_path.iterdir()] == ["m.toml"]
 
 
-def test_interrupted_and_resumed(place: Path, tmp_path: Path) -> None:
+def test_interrupted_and_resumed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / "m.toml").write_text(PLAN)
     with open(tmp_path / "errors", "w") as errors:
         words = [sys.executable, "-m", "asterism", "calibrate", "m.toml", "--jobs", "1"]
@@ -187,5 +193,6 @@ def test_interrupted_and_resumed(place: Path, tmp_path: Path) -> None:
     assert last.startswith("asterism: interrupted; finished cells are in m.samples")
     assert not (tmp_path / "m.npz").exists()
     kept = len(list(samples.glob("*.json")))
-    result = run("calibrate", "m.toml", cwd=tmp_path)
-    assert result.returncode == 0 and f"{kept} of 6 cells" in result.stderr.splitlines()[0]
+    monkeypatch.chdir(tmp_path)
+    result = command(["calibrate", "m.toml"], capsys, monkeypatch)
+    assert result.status == 0 and f"{kept} of 6 cells" in result.err.splitlines()[0]

@@ -42,15 +42,19 @@ def mistake(result: subprocess.CompletedProcess[str]) -> str:
     return lines[0]
 
 
-def test_new_lists_and_writes(tmp_path: Path) -> None:
+def test_new_lists_and_writes(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
     assert "tube" in run("new", cwd=tmp_path).stdout.split()
-    assert run("new", "tube", cwd=tmp_path).returncode == 0
-    assert run("new", "tube", cwd=tmp_path).returncode == 0  # nothing is lost by writing the same again
+    assert command(["new", "tube"], capsys, monkeypatch).status == 0
+    assert command(["new", "tube"], capsys, monkeypatch).status == 0  # nothing is lost by writing the same again
     (tmp_path / "tube.toml").write_text("mine")
     assert "exists" in mistake(run("new", "tube", cwd=tmp_path))
     assert (tmp_path / "tube.toml").read_text() == "mine"
-    assert "gallery" in mistake(run("new", "spaceship", "-o", "x.toml", cwd=tmp_path))
-    assert ".toml" in mistake(run("new", "tube", "-o", "x.png", cwd=tmp_path))
+    for words, expected in ((["spaceship", "-o", "x.toml"], "gallery"), (["tube", "-o", "x.png"], ".toml")):
+        refused = command(["new", *words], capsys, monkeypatch)
+        assert refused.status == 2 and expected in refused.line
 
 
 def test_simulate_writes_results_and_a_table(tmp_path: Path) -> None:
@@ -64,6 +68,7 @@ def test_simulate_writes_results_and_a_table(tmp_path: Path) -> None:
     assert "asks for" not in result.stderr
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_stars_that_do_not_stay_where_they_were_sent_are_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -96,9 +101,20 @@ def test_stars_that_do_not_stay_where_they_were_sent_are_named(
         (["simulat", "d.toml"], "simulat"),
     ],
 )
-def test_mistakes_are_one_line(words: list[str], expected: str, tmp_path: Path) -> None:
+def test_mistakes_are_one_line(
+    words: list[str], expected: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
     (tmp_path / "d.toml").write_text(SMALL)
-    assert expected in mistake(run(*words, cwd=tmp_path))
+    refused = command(words, capsys, monkeypatch)
+    assert refused.status == 2 and expected in refused.line
+    assert [file.name for file in tmp_path.iterdir()] == ["d.toml"]
+
+
+def test_a_mistake_in_a_design_is_all_that_a_program_prints(tmp_path: Path) -> None:
+    """Whatever it loads before."""
+    (tmp_path / "d.toml").write_text(SMALL)
+    assert "--edge" in mistake(run("simulate", "d.toml", "--edge", "-1", cwd=tmp_path))
     assert [file.name for file in tmp_path.iterdir()] == ["d.toml"]
 
 
@@ -218,6 +234,7 @@ def test_an_empty_output_is_not_the_working_directory(
     assert [file.name for file in tmp_path.iterdir()] == ["d.toml"]
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_no_equilibrium_is_status_one(tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch) -> None:
     """A state that is not converged is written, said to be none, and ends with status 1."""
     import discrete.levels

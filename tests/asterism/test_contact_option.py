@@ -9,6 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from tests.asterism.commands import command
+
+pytestmark = pytest.mark.usefixtures("blank_pictures")
 ROLLED = """
 [stars]
 length_mm = 10.0
@@ -22,43 +25,52 @@ edge_mm = 4.3
 WITHOUT = "import sys; sys.modules['ipctk'] = None; from asterism.cli import main; main()"
 
 
-def run(start: list[str], *words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, *start, "simulate", "d.toml", *words]
-    return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=300)
-
-
-def test_a_sheet_that_passes_through_itself_is_told(tmp_path: Path) -> None:
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
     (tmp_path / "d.toml").write_text(ROLLED)
-    result = run(["-m", "asterism"], cwd=tmp_path)
-    assert result.returncode == 0, result.stderr
-    assert "passes through itself" in result.stderr and "--contact" in result.stderr
-    summary = json.loads((tmp_path / "d" / "summary.json").read_text())
+    return tmp_path
+
+
+def test_a_sheet_that_passes_through_itself_is_told(folder: Path, capsys, monkeypatch) -> None:
+    result = command(["simulate", "d.toml"], capsys, monkeypatch)
+    assert result.status == 0, result.err
+    assert "passes through itself" in result.err and "--contact" in result.err
+    summary = json.loads((folder / "d" / "summary.json").read_text())
     assert summary["self_intersections"] > 0 and summary["self_contact"] is None
 
 
-def test_contact_keeps_it_apart(tmp_path: Path) -> None:
+def test_contact_keeps_it_apart(folder: Path, capsys, monkeypatch) -> None:
     pytest.importorskip("ipctk")
-    (tmp_path / "d.toml").write_text(ROLLED)
-    result = run(["-m", "asterism"], "--contact", cwd=tmp_path)
-    assert result.returncode == 0, result.stderr
-    assert "passes through itself" not in result.stderr
-    summary = json.loads((tmp_path / "d" / "summary.json").read_text())
+    result = command(["simulate", "d.toml", "--contact"], capsys, monkeypatch)
+    assert result.status == 0, result.err
+    assert "passes through itself" not in result.err
+    summary = json.loads((folder / "d" / "summary.json").read_text())
     assert summary["self_intersections"] == 0 and summary["is_minimum"] and summary["design"]["solver"]["contact"]
     contact = summary["self_contact"]
     assert contact["closest_possible_mm"] < contact["least_distance_mm"] < contact["begins_at_mm"]
     assert contact["pairs"] > 0 and summary["energy_parts_n_mm"]["contact"] > 0.0
 
 
-@pytest.mark.parametrize("words", [["--contact"], []], ids=["option", "design"])
-def test_without_the_package_it_is_one_line(words: list[str], tmp_path: Path) -> None:
-    (tmp_path / "d.toml").write_text(ROLLED + ("" if words else "[solver]\ncontact = true\n"))
-    result = run(["-c", WITHOUT], *words, cwd=tmp_path)
+def test_without_the_package_it_is_one_line(folder: Path) -> None:
+    start = [sys.executable, "-c", WITHOUT, "simulate", "d.toml", "--contact"]
+    result = subprocess.run(start, cwd=folder, capture_output=True, text=True, timeout=300)
     assert result.returncode == 2
     assert result.stderr == "asterism: solver.contact: needs the package ipctk: pip install ipctk\n"
-    assert [file.name for file in tmp_path.iterdir()] == ["d.toml"]
+    assert [file.name for file in folder.iterdir()] == ["d.toml"]
 
 
-def test_no_contact_overrides_the_design(tmp_path: Path) -> None:
-    (tmp_path / "d.toml").write_text(ROLLED.replace("rings = 2", "rings = 0") + "[solver]\ncontact = true\n")
-    result = run(["-c", WITHOUT], "--no-contact", cwd=tmp_path)
-    assert result.returncode == 0, result.stderr
+def test_without_the_package_a_design_with_contact_is_one_line(folder: Path, capsys, monkeypatch) -> None:
+    monkeypatch.setitem(sys.modules, "ipctk", None)
+    (folder / "d.toml").write_text(ROLLED + "[solver]\ncontact = true\n")
+    refused = command(["simulate", "d.toml"], capsys, monkeypatch)
+    assert refused.status == 2
+    assert refused.err == "asterism: solver.contact: needs the package ipctk: pip install ipctk\n"
+    assert [file.name for file in folder.iterdir()] == ["d.toml"]
+
+
+def test_no_contact_overrides_the_design(folder: Path, capsys, monkeypatch) -> None:
+    monkeypatch.setitem(sys.modules, "ipctk", None)
+    (folder / "d.toml").write_text(ROLLED.replace("rings = 2", "rings = 0") + "[solver]\ncontact = true\n")
+    result = command(["simulate", "d.toml", "--no-contact"], capsys, monkeypatch)
+    assert result.status == 0, result.err
