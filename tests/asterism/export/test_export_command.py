@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
+import matplotlib
 import pytest
 
 import asterism
@@ -20,10 +21,18 @@ Run = Callable[..., Outcome]
 
 
 @pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
+def as_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
     """The command line in the test's folder, within this process: starting one anew takes seconds."""
     monkeypatch.chdir(tmp_path)
     return lambda *words: command(list(words), capsys, monkeypatch)
+
+
+@pytest.fixture
+def run(as_it_is: Run, monkeypatch: pytest.MonkeyPatch) -> Run:
+    """The same with letters as drawings in PDF: to take from a font what is used is most of the time of an export."""
+    settings = matplotlib.rc_context
+    monkeypatch.setattr(matplotlib, "rc_context", lambda given: settings({**given, "pdf.fonttype": 3}))
+    return as_it_is
 
 
 def mistake(ended: Outcome) -> str:
@@ -57,8 +66,8 @@ def file(tmp_path: Path) -> Path:
     return tmp_path / "d.toml"
 
 
-def test_all_files_and_what_they_say(file: Path, tmp_path: Path, run: Run) -> None:
-    result = run("export", "d.toml", "--plate", "3", "--fabric", "0.55")
+def test_all_files_and_what_they_say(file: Path, tmp_path: Path, as_it_is: Run) -> None:
+    result = as_it_is("export", "d.toml", "--plate", "3", "--fabric", "0.55")
     assert result.status == 0, result.err
     folder = tmp_path / "d-print"
     assert {path.name for path in folder.iterdir()} == ALWAYS | PINNED
@@ -74,11 +83,12 @@ def test_all_files_and_what_they_say(file: Path, tmp_path: Path, run: Run) -> No
     assert rows[0].startswith("number,printed_x_mm") and len(rows) == said["needles"] + 1
     # the rounded design prints what it says: exporting it again changes nothing
     assert load_design(folder / "rounded.toml").stars.rounding is not None
-    again = run("export", "d-print/rounded.toml", "-o", "again")
+    again = as_it_is("export", "d-print/rounded.toml", "-o", "again")
     assert again.status == 0
     assert (tmp_path / "again" / "stars.stl").read_bytes() == (folder / "stars.stl").read_bytes()
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_simulated_shape_and_change_of_shape(file: Path, tmp_path: Path, run: Run) -> None:
     save_design(design(border={"rings": 1}, mesh={"edge_mm": 6.0}), file)
     result = run("export", "d.toml", "-o", "out", "--simulate", "--no-border")
@@ -169,6 +179,7 @@ def test_the_preview_says_what_rounding_does(file: Path, tmp_path: Path, run: Ru
     assert not (SHAPE | {"shape.vtu", "rods.vtu"}) & {path.name for path in (tmp_path / "seen").iterdir()}
 
 
+@pytest.mark.usefixtures("blank_pictures")
 @pytest.mark.parametrize("doubt", [{"is_minimum": False}, {"converged": False}])
 def test_a_given_shape_that_may_not_stay_is_told(doubt: dict[str, bool], file: Path, tmp_path: Path, run: Run) -> None:
     """As one that was computed on the way is."""
