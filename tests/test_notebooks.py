@@ -17,6 +17,8 @@ NOTEBOOKS = sorted((Path(__file__).parent.parent / "notebooks").glob("*.ipynb"))
 def test_notebook_runs(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("ASTERISM_QUICK", "1")
+    # pictures of shapes take most of the time otherwise
+    monkeypatch.setattr("asterism.render.FINER", 1)
     cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
     names: dict[str, Any] = {}
     for number, cell in enumerate(cells):

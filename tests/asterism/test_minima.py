@@ -65,6 +65,7 @@ def test_one_start_is_the_first_of_many(shape: Shape) -> None:
     assert s["instabilities_passed"] == sum(step["kicks"] for step in s["path"])
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_every_minimum_has_its_files(shape: Shape, tmp_path) -> None:  # type: ignore[no-untyped-def]
     files = write_results(replace(shape, others=shape.others[:1]), tmp_path / "out")
     for m in shape.summary["minima"][:2]:

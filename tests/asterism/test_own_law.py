@@ -38,6 +38,7 @@ def write(path: Path, thickness: float = 1.0, bending: str = "paper") -> None:
     path.write_text(DESIGN.format(thickness=thickness, bending=bending))
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_from_the_refusal_to_the_preview(
     folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -70,6 +71,7 @@ def test_from_the_refusal_to_the_preview(
     assert load_law(folder / "my sheet-law.npz").made["command"] == "asterism calibrate my sheet.toml"
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_another_material_is_part_of_the_command(
     folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

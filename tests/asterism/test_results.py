@@ -59,6 +59,7 @@ def test_a_held_sheet_is_drawn_as_it_stands(shape: Shape, tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize("before", KINDS)
+@pytest.mark.usefixtures("blank_pictures")
 def test_earlier_results_of_any_kind_go_away(before: str, shape: Shape, tmp_path: Path) -> None:
     fill(tmp_path, KINDS[before] | MINE)
     written = write_results(shape, tmp_path)
@@ -74,6 +75,7 @@ def test_one_kind_is_left(after: str, tmp_path: Path) -> None:
     assert names(tmp_path) == KINDS[after] | MINE
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_a_failure_leaves_the_other_kind_whole(shape: Shape, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     fill(tmp_path, KINDS["verify"])
     move = os.replace
@@ -89,6 +91,7 @@ def test_a_failure_leaves_the_other_kind_whole(shape: Shape, tmp_path: Path, mon
     assert names(tmp_path) == KINDS["verify"]
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_a_folder_that_holds_no_result_keeps_its_files(shape: Shape, tmp_path: Path) -> None:
     """A report of something else, in the folder where results are now written."""
     fill(tmp_path, {"report.html", "cells.csv"})

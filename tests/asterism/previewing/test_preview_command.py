@@ -49,6 +49,7 @@ def test_writes_the_files_of_a_simulation(
     assert f"height               {height:.2f} mm" in table_lines(summary | {"expected_height_percent": None})[1]
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_a_form_on_a_side_is_not_sent_to_the_other_one(
     folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -88,6 +89,7 @@ def test_a_law_for_another_material_is_refused(
     assert not (folder / "small").exists()
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_stars_outside_the_law_are_named(
     folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -103,6 +105,7 @@ def test_stars_outside_the_law_are_named(
     assert "expected distance    not known" in done.out and "give or take" not in done.out
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_a_sheet_that_is_nearly_flat(
     folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

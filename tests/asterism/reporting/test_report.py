@@ -77,6 +77,7 @@ def test_parameters_picture_layout_needles_and_material(design: Path, capsys, mo
     assert (image[300:1200, 150:1950].min(axis=2) < 200).mean() > 0.03
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_results_of_the_design_are_used_and_others_refused(design: Path, tmp_path: Path, capsys, monkeypatch) -> None:
     plan = load_design(design)
     shape = preview(plan, load_law(None))
@@ -108,6 +109,7 @@ def test_results_of_the_design_are_used_and_others_refused(design: Path, tmp_pat
     assert refused.status == 2 and "--results" in refused.line and "of this design" in refused.line
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_sheets_that_hang_and_sizes_that_are_rounded_are_on_the_page(design: Path, capsys, monkeypatch) -> None:
     middle = "points_mm = [[-10, 0], [10, 0], [0, 12]]\nscale = 0.76\n"
     design.write_text(DESIGN.split("[[pins]]")[0].replace("0.4", "0.38") + "[[pins]]\n" + middle)
@@ -124,6 +126,7 @@ def test_sheets_that_hang_and_sizes_that_are_rounded_are_on_the_page(design: Pat
     assert "thickness 0.4, width" in text and "in place of" not in text and "as drawn" not in text
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_what_decides_the_shape_is_on_the_page(design: Path, tmp_path: Path, capsys, monkeypatch) -> None:
     """Weight and sides of stars too; and a needle in the middle keeps its dot beside its number."""
     middle = "[[pins]]\npoints_mm = [[0, 0]]\nslide = 'z'\n[gravity]\non = true\n[fabric]\nmodulus_mpa = 1.0\n"
@@ -187,6 +190,7 @@ def test_mistakes(words: list[str], problem: str, design: Path, capsys, monkeypa
     assert [file.name for file in design.parent.iterdir()] == ["d.toml"]
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_sheets_larger_than_the_printer_have_a_page(design: Path, tmp_path: Path, capsys, monkeypatch) -> None:
     """And doubts of a preview are on it, as many as there is room for."""
     design.write_text(DESIGN.replace("[104.0, 70.0]", "[400.0, 70.0]"))
@@ -201,6 +205,7 @@ def test_sheets_larger_than_the_printer_have_a_page(design: Path, tmp_path: Path
     assert "warning 0" in text and "and more: see the summary" in text and "warning 4" not in text
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_a_law_that_is_given_makes_the_preview(design: Path, tmp_path: Path, capsys, monkeypatch) -> None:
     """What lies beside the design may be of another law; a given one is not for results."""
     plan = load_design(design)

@@ -165,6 +165,7 @@ def test_a_material_takes_the_place_of_the_designs_own(tmp_path: Path) -> None:
         with_material(design, file)
 
 
+@pytest.mark.usefixtures("blank_pictures")
 def test_simulate_takes_a_material(tmp_path: Path, capsys, monkeypatch) -> None:
     (tmp_path / "d.toml").write_text("[stars]\nlength_mm = 10.0\n[border]\nrings = 0\n[mesh]\nedge_mm = 4.0\n")
     (tmp_path / "m.toml").write_text("[plastic]\nmodulus_ratio = 2000.0\n")

@@ -107,15 +107,18 @@ def test_another_shape_in_its_folder_is_not_taken_for_a_verified_one(found, fold
     assert read_shape(tmp_path).summary == {}
 
 
-def test_it_takes_the_place_of_another_result(found, tmp_path):
+@pytest.mark.usefixtures("blank_pictures")
+def test_it_takes_the_place_of_another_result(found, tmp_path, monkeypatch):
+    monkeypatch.setattr("asterism.verification.report._pictures", lambda _: [])  # they take seconds
     write_results(found.exact["release"], tmp_path)
     files = write_verification(found, tmp_path)
     assert sorted(file.name for file in tmp_path.iterdir()) == files
     assert read_shape(tmp_path).positions == pytest.approx(found.comparison.reference.positions, abs=1e-6)
 
 
-def test_names_of_files_that_are_no_text_do_not_stop_it(found, tmp_path):
+def test_names_of_files_that_are_no_text_do_not_stop_it(found, tmp_path, monkeypatch):
     """As Python gives them to commands."""
+    monkeypatch.setattr("asterism.verification.report._pictures", lambda _: [])  # they take seconds
     odd = replace(found, summary=found.summary | {"command": "asterism verify d\udce9.toml"})
     write_verification(odd, tmp_path)
     assert "asterism verify d\\udce9.toml" in (tmp_path / "report.html").read_text(encoding="utf-8")
