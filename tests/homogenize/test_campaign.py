@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import copy
 import json
+import shutil
 import signal
 import subprocess
 import sys
@@ -29,6 +31,25 @@ def material(**plan: Any) -> Material:
     return Material.from_dict({"name": "test", "plan": {**SMALL, **plan}})
 
 
+@pytest.fixture(scope="module")
+def once(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Record]]:
+    """A folder of samples, and their records."""
+    folder = tmp_path_factory.mktemp("campaign") / "samples"
+    return folder, run(material(), folder, 1, respond=fake.respond)
+
+
+@pytest.fixture
+def samples(once: tuple[Path, list[Record]], tmp_path: Path) -> Path:
+    """A copy of the folder to go on from, or to spoil."""
+    return Path(shutil.copytree(once[0], tmp_path / "samples"))
+
+
+@pytest.fixture
+def records(once: tuple[Path, list[Record]]) -> list[Record]:
+    """A copy of the records."""
+    return copy.deepcopy(once[1])
+
+
 def test_the_law_does_not_depend_on_the_number_of_workers(tmp_path: Path) -> None:
     laws = [fit(material(), run(material(), tmp_path / str(n), jobs=n, respond=fake.matrix)) for n in (1, 3)]
     assert to_bytes(laws[0]) == to_bytes(laws[1]) and digest(laws[0]) == digest(laws[1])
@@ -48,50 +69,46 @@ def test_progress_counts_and_estimates(tmp_path: Path) -> None:
     assert reasons == {"tube: still curling at 0.13/mm, the tightest tried"}
 
 
-def test_files_are_reused_only_for_the_same_inputs(tmp_path: Path) -> None:
-    first = run(material(), tmp_path, 1, respond=fake.respond)
-    assert len(fake.files(tmp_path)) == len(first)
+def test_files_are_reused_only_for_the_same_inputs(samples: Path, records: list[Record]) -> None:
+    assert len(fake.files(samples)) == len(records)
     # more cells: only the new ones are solved
     told: list[Progress] = []
-    run(material(lengths_mm=[5.0, 7.0, 10.0]), tmp_path, 1, report=told.append, respond=fake.respond)
-    assert told[0].done == len(first)
+    run(material(lengths_mm=[5.0, 7.0, 10.0]), samples, 1, report=told.append, respond=fake.respond)
+    assert told[0].done == len(records)
     # another material, mesh or version of the format shares nothing
     other = Material.from_dict({"plan": SMALL, "plastic": {"modulus_ratio": 3000.0}})
     keys = {campaign.key(m, t) for m in (material(), other, material(edge_mm=2.1)) for t in m.tasks()}
-    assert len(keys) == 3 * len(first)
+    assert len(keys) == 3 * len(records)
 
 
-def test_samples_belong_to_what_solved_them(tmp_path: Path) -> None:
-    run(material(), tmp_path, 1, respond=fake.respond)
+def test_samples_belong_to_what_solved_them(samples: Path) -> None:
     told: list[Progress] = []
-    other = run(material(), tmp_path, 1, report=told.append, respond=fake.curls_more)
+    other = run(material(), samples, 1, report=told.append, respond=fake.curls_more)
     assert told[0].done == 0
-    again = run(material(), tmp_path, 1, report=told.append, respond=fake.curls_more)
+    again = run(material(), samples, 1, report=told.append, respond=fake.curls_more)
     assert told[-1].done == told[-1].total and [r.sample for r in again] == [r.sample for r in other]
     task = material().tasks()[0]
     assert campaign.key(material(), task) != campaign.key(material(), task, fake.respond)
 
 
-def test_samples_belong_to_the_code_that_made_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    run(material(), tmp_path, 1, respond=fake.respond)
+def test_samples_belong_to_the_code_that_made_them(samples: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("homogenize.campaign.code_version", lambda: "other code")
     told: list[Progress] = []
-    records = run(material(), tmp_path, 1, report=told.append, respond=fake.respond)
+    records = run(material(), samples, 1, report=told.append, respond=fake.respond)
     assert told[0].done == 0
     # workers that have not changed with it are found out
     assert {record.failed for record in records} == {"RuntimeError: the worker has another version of asterism"}
 
 
-def test_a_damaged_file_is_solved_again(tmp_path: Path) -> None:
-    records = run(material(), tmp_path, 1, respond=fake.respond)
-    files = sorted(tmp_path.iterdir())
+def test_a_damaged_file_is_solved_again(samples: Path, records: list[Record]) -> None:
+    files = sorted(samples.iterdir())
     files[0].write_text('{"inputs": ')
     files[1].write_text('{"inputs": {}, "sample": null}')
     spoilt = json.loads(files[2].read_text())
     spoilt["sample"]["lam"] = "a"
     files[2].write_text(json.dumps(spoilt))
     told: list[Progress] = []
-    assert [r.sample for r in run(material(), tmp_path, 1, report=told.append, respond=fake.respond)] == [
+    assert [r.sample for r in run(material(), samples, 1, report=told.append, respond=fake.respond)] == [
         r.sample for r in records
     ]
     assert told[0].done == len(records) - 3
@@ -102,8 +119,7 @@ def test_at_least_one_job_is_needed(tmp_path: Path) -> None:
         run(material(), tmp_path, 0, respond=fake.respond)
 
 
-def test_bare_fabric_without_an_answer_says_why(tmp_path: Path) -> None:
-    records = run(material(), tmp_path, 1, respond=fake.respond)
+def test_bare_fabric_without_an_answer_says_why(records: list[Record]) -> None:
     wrong = [
         replace(r, sample={**r.sample, "bending": [-1.0, -1.0, -1.0]}) if r.sample and not r.task.length_mm else r
         for r in records
