@@ -22,5 +22,9 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """
     root = Path(__file__).parent
     first = ("validation", "test_notebooks.py", "asterism", "discrete", "homogenize", "fem", "equilibrium", "pattern")
-    rank = {place: number for number, place in enumerate(first)}
-    items.sort(key=lambda item: rank.get(item.path.relative_to(root).parts[0], len(first)))
+    rank = {root / place: number for number, place in enumerate(first)}
+
+    def order(item: pytest.Item) -> int:
+        return next((rank[place] for place in (item.path, *item.path.parents) if place in rank), len(first))
+
+    items.sort(key=order)
