@@ -55,6 +55,7 @@ def test_a_flat_sheet_is_a_line_from_the_side() -> None:
     assert np.ptp(np.flatnonzero(ink[lowest])) == pytest.approx(np.ptp(np.flatnonzero(above.any(axis=0))), abs=4)
 
 
+@pytest.mark.usefixtures("rough")
 def test_pictures_do_not_change_from_run_to_run() -> None:
     shape = sheets.sheet(sheets.dome, edge=5.0)
     assert np.array_equal(image_of(shape), image_of(shape))
