@@ -5,7 +5,8 @@ python -m benchmarks.accuracy.expectation FOLDER [--kept]
 The numbers in `asterism/previewing/expected.py` and `expected_height.py` belong to the study, 24 further designs and
 small even sheets. Here they are fitted again without each of these, which then is predicted; and twelve more are drawn,
 ribbons, and designs of other outlines and pins, which no number was ever fitted to. CONTRAST was set by two of forty
-that were drawn later, and fifty more were drawn after that. SOFT of the heights belongs to the shares in use: after a change of those, once more with --kept gives it.
+that were drawn later, and fifty more were drawn after that. SOFT of the heights belongs to the shares in use: after a
+change of those, once more with --kept gives it.
 FOLDER is that of the study, which comes first; --kept as there. As in the study, the exact model starts from the
 released sheet and from the preview, and the lower minimum counts.
 """
@@ -137,6 +138,7 @@ def section(
     numbers += [
         [f"{low:.3f} to {high:.3f}" for low, high in zip(np.min(fits, axis=0), np.max(fits, axis=0), strict=True)]
     ]
+    others_too = {OTHERWISE: others, FORTY: later, FIFTY: last}
     names = ["", "in use", "fitted", "fitted without one"]
     tables = [
         [[cells[HEADER.index(name)] for name in NAMES] for cells in map(row, rows)]
@@ -149,7 +151,7 @@ def section(
                 [names[0], *numbers[0]], [[name, *line] for name, line in zip(names[1:], numbers[1:], strict=True)]
             ),
             "Heights:",
-            expected_heights.section({STUDY: study, SMALL: small}, unseen, {OTHERWISE: others, FORTY: later, FIFTY: last}),
+            expected_heights.section({STUDY: study, SMALL: small}, unseen, others_too),
             "Small free sheets of equal stars (lengths l and thicknesses h in mm):",
             markdown(NAMES, tables[0]),
             "The designs drawn afterwards:",
