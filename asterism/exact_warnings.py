@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from asterism.pin_warnings import pin_warnings
@@ -23,10 +23,15 @@ def exact_warnings(summary: Mapping[str, Any], layout: Layout) -> list[str]:
     elif not summary["is_minimum"]:
         least = summary["smallest_eigenvalue"]
         lines.append(f"not an equilibrium: smallest eigenvalue {least:.1e} N/mm is not positive")
-    if pairs := summary["self_intersections"]:
-        lines.append(passing(pairs) + ("" if summary["self_contact"] else "; --contact keeps it apart"))
+    lines += passes_through(summary)
     rolls = not layout.is_pulled and summary["roll_axis_deg"] is not None
     if rolls and summary["edge_mm"] > FINE * layout.spacing_mm:
         depends = "the radius of a free roll depends on the mesh"
         lines.append(f"{depends}: that of the gallery's tube by a quarter between edges of 2 and .5 mm (docs/mesh.md)")
     return [*lines, *off_branch(summary), *pin_warnings(layout, summary["design"]["gravity"]["on"])]
+
+
+def passes_through(summary: Mapping[str, Any], sheet: str = "the sheet") -> Iterator[str]:
+    """A line, if an exact shape passes through itself, from its summary; without contact, what keeps it apart."""
+    if pairs := summary["self_intersections"]:
+        yield passing(pairs, sheet) + ("; --contact keeps it apart" if summary.get("self_contact", {}) is None else "")

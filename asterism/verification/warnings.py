@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from asterism.self_intersections import passing
+from asterism.exact_warnings import passes_through
 from asterism.star_sides import few, off_branch
 from asterism.verification.comparison import Comparison
 
@@ -37,19 +37,15 @@ def _exact_shape(exact: Mapping[str, Any], known: Sequence[str]) -> Iterator[str
     """What the exact model said of its shape, and was not said in other words or before."""
     if not exact["is_minimum"]:
         yield "the exact shape is not certified to be a minimum"
-    if exact["self_intersections"]:
-        remedy = "; --contact keeps it apart" if exact.get("self_contact", {}) is None else ""
-        yield passing(exact["self_intersections"], "the exact sheet") + remedy
+    yield from passes_through(exact, "the exact sheet")
     down, off, total = exact["stars_down"], exact["stars_off_branch"], exact["stars_total"]
     if down:
         yield f"{len(down)} of {total} stars of the exact shape bump down: {few(down)}"
     named = list(off_branch(exact))
     if set(off) - set(down):  # sent down, and up again
         yield from named
-    said = {*known, *named}
-    for line in exact.get("warnings", []):
-        if line not in said and not line.startswith(passing(exact["self_intersections"])):
-            yield f"the exact model: {line}"
+    said = {*known, *named, *passes_through(exact)}
+    yield from (f"the exact model: {line}" for line in exact.get("warnings", []) if line not in said)
 
 
 def _far(comparison: Comparison, expected: float | None) -> Iterator[str]:
