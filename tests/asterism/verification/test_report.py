@@ -54,6 +54,21 @@ def folder(found, tmp_path_factory) -> Path:
     return out
 
 
+@pytest.mark.parametrize(("long_s", "made"), [(1e3, 1 + run.AGAIN), (1e-9, 2)])
+def test_previews_that_take_long_are_made_once_more_and_it_is_said(found, monkeypatch, long_s, made):
+    monkeypatch.setattr(run, "LONG_S", long_s)
+    count, said = [], []
+
+    def shown(of: Design):
+        count.append(of)
+        return found.preview
+
+    again = verify(OF, shown=shown, released=found.exact["release"], near=found.exact["preview"], say=said.append)
+    assert len(count) == made
+    assert ["once more" in line for line in said].count(True) == (made == 2)
+    assert again.summary["rms_percent"] == found.summary["rms_percent"]
+
+
 def test_summary(found):
     s = found.summary
     assert 0.0 < s["rms_percent"] < s["max_percent"] < 5.0
