@@ -17,7 +17,7 @@ was found by comparing previews with the exact model over many designs (`python 
   with motions that are less soft;
 - no smooth sheet is like one whose stars curl tighter than their spacing: free ones add ANOTHER_FORM times their part;
 - a free sheet of unequal stars adds CONTRAST times how far it would go if contractions were wrong by as much as sizes
-  differ (`asterism.previewing.contrast`);
+  differ (`asterism.previewing.contrast`), and at most what another form is worth;
 - a sheet that is held much narrower than it would be buckles, and where its dents go the law cannot tell: it adds
   BUCKLED, less between the two ratios of NARROWER.
 
@@ -85,7 +85,7 @@ def expected_rms_percent(
         return None
     curled = 0.0 if held else ANOTHER_FORM * tight
     soft = share * float(np.linalg.norm(amplitudes))
-    near = math.hypot(FLOOR, soft, curled, BUCKLED * buckling(width), CONTRAST * contrast)
+    near = math.hypot(FLOOR, soft, curled, BUCKLED * buckling(width), of_unequal_stars(contrast))
     ratio = (float(amplitudes[1]) / _two_ways(held)) ** SHARPNESS
     form = max(
         [ANOTHER_FORM * ratio / (1.0 + ratio), *(math.sqrt(_chance(o.gap)) * o.distance_percent for o in others)]
@@ -98,6 +98,11 @@ def share_of(held: bool, symmetries: Sequence[Symmetry]) -> float:
     if held or sum(not symmetry.mirrors for symmetry in symmetries) > 1:
         return FORGIVEN
     return MIRRORED if len(symmetries) > 1 else SHARE
+
+
+def of_unequal_stars(contrast: float) -> float:
+    """%, by which a free sheet's contrast in % takes it away; where it is about to fold, to another form at most."""
+    return min(CONTRAST * contrast, ANOTHER_FORM)
 
 
 def buckling(width: float) -> float:

@@ -23,12 +23,12 @@ import numpy as np
 from scipy.optimize import minimize
 
 from asterism.previewing.expected import (
-    CONTRAST,
     FLOOR,
     FORGIVEN,
     MIRRORED,
     SHARE,
     another_form_is_near,
+    of_unequal_stars,
     share_of,
 )
 from asterism.previewing.run import preview
@@ -100,7 +100,7 @@ def _rows(some: Sequence[Design], folder: Path, law: Law, as_is: bool) -> list[R
         plan = layout(design)
         share = share_of(plan.is_pulled, symmetries(design, plan))
         amplitude = float(np.linalg.norm(one["preview"]["soft_amplitudes_percent"]))
-        unequal = CONTRAST * one["preview"]["contrast_percent"]
+        unequal = of_unequal_stars(one["preview"]["contrast_percent"])
         rows.append(one | {"kind": IN_USE.index(share), "share": share, "amplitude": amplitude, "unequal": unequal})
         print("  ".join(row(rows[-1])), flush=True)
     return rows

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from asterism.previewing.expected import (
+    ANOTHER_FORM,
     BUCKLED,
     CONTRAST,
     FLOOR,
@@ -103,6 +104,8 @@ def test_sheets_that_hang_on_unequal_stars_expect_more():
     alike, little, much = (expected_rms_percent(stiff, contrast=contrast) for contrast in (0.0, 5.0, 40.0))
     assert alike == expected_rms_percent(stiff) < little < much
     assert much == pytest.approx(np.hypot(alike, 40.0 * CONTRAST))
+    folding = expected_rms_percent(stiff, contrast=1000.0)
+    assert folding == pytest.approx(np.hypot(alike, ANOTHER_FORM))
 
 
 def test_nothing_is_expected_of_what_is_not_stable():
