@@ -70,12 +70,13 @@ def _nearly(s: Mapping[str, Any]) -> str:
     exact = s["exact"]
     # how high a sheet hangs makes it no more or less certain
     elastic = exact["energy_n_mm"] - exact.get("gravity", 0.0)
-    more = (other["energy_n_mm"] - exact["energy_n_mm"]) / elastic
-    if s["same_branch"] or not other["is_minimum"] or other["rms_percent"] >= s["rms_percent"] or abs(more) > SURE:
+    more = abs(other["energy_n_mm"] - exact["energy_n_mm"])
+    nearer = other["is_minimum"] and other["rms_percent"] < s["rms_percent"]
+    if s["same_branch"] or not nearer or more > SURE * elastic:
         return ""
     return (
         f" The exact model has another minimum, {other['rms_percent']:.2f} % away, whose energy differs by "
-        f"{100.0 * abs(more):.1g} %: which of the two counts is not certain."
+        f"{100.0 * more / elastic:.1g} %: which of the two counts is not certain."
     )
 
 
