@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from asterism.previewing import arm_relief
-from asterism.previewing.arm_relief import RIGID, Arms
+from asterism.previewing.arm_relief import KEPT, RIGID, Arms
 from asterism.previewing.preview import Preview
 from asterism.simulation import simulate
+from fem.shapes import Shape
 from homogenize.cell import Cell
 from homogenize.natural import curl
 from homogenize.rolling import heights
@@ -120,3 +121,45 @@ def _from_star(cell: Cell) -> np.ndarray:
     offset = cell.printed[: cell.torus.n_base] - cell.printed[cell.torus.star_vertices[0]]
     place = offset + np.asarray(lattice.origin_mm)
     return np.asarray(offset - lattice.nearest(place) @ np.asarray(lattice.vectors))
+
+
+def test_tips_lie_further_out_by_what_the_sheet_shrinks_and_no_further_where_it_is_wider() -> None:
+    """Along the print they move by more: that shrinks too."""
+    preview = sheet([])
+    plan, arms, kappa = preview.sheet.layout, preview.sheet.arms, np.full(len(preview.sheet.layout.centres), 0.01)
+    narrow, wide = (_laid(preview, Shape("flat"), stretch) for stretch in (0.8, 1.1))
+    assert arms.moves(narrow, kappa)[0] == pytest.approx(0.25 * plan.arm_length[:, None] * arms.direction)
+    assert not arms.moves(wide, kappa)[0].any()
+
+
+@pytest.mark.parametrize("stretch", [0.8, 1.0])
+def test_arms_on_a_tube_lift_by_a_part_of_what_they_bend_more_than_the_mean(stretch: float) -> None:
+    """As long as they are, and not as short as the sheet beneath them."""
+    preview, curvature = sheet([]), 2e-3
+    plan, arms = preview.sheet.layout, preview.sheet.arms
+    _, lift = arms.moves(_laid(preview, Shape("arc", curvature), stretch), np.zeros(len(plan.centres)))
+    expected = 0.5 * RIGID * curvature * plan.arm_length**2 * (0.5 - arms.direction[:, 0] ** 2)
+    among = ~arms.last
+    assert lift[among] == pytest.approx(expected[among], abs=0.01 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_last_arms_of_a_flat_sheet_poke_to_the_side_that_stars_curl_to(side: float) -> None:
+    preview, kappa = sheet([]), 0.01
+    plan, arms = preview.sheet.layout, preview.sheet.arms
+    _, lift = arms.moves(_laid(preview, Shape("flat"), 0.8), np.full(len(plan.centres), side * kappa))
+    kept = 0.25 * KEPT * kappa * plan.arm_length**2
+    assert lift == pytest.approx(np.where(arms.last, -side * kept, 0.0))
+
+
+def test_the_lift_of_an_arm_grows_with_the_square_of_the_way_to_its_tip() -> None:
+    preview = sheet([])
+    plan, arms, parts = preview.sheet.layout, preview.sheet.arms, np.array([0.25, 0.5, 0.75, 1.0])
+    out, lifted = arms.beside(plan.centres[0] + parts[:, None] * (plan.arm_tip[0] - plan.centres[0]))
+    assert plan.arm_star[0] == 0
+    assert out[:, [0]].toarray().ravel() == pytest.approx(parts)
+    assert lifted[:, [0]].toarray().ravel() == pytest.approx(parts**2)
+
+
+def _laid(preview: Preview, shape: Shape, stretch: float) -> np.ndarray:
+    return shape.positions(preview.sheet.space, np.zeros(2), stretch)

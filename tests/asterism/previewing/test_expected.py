@@ -18,6 +18,7 @@ from asterism.previewing.expected import (
     UNSURE,
     amplitudes_percent,
     another_form_is_near,
+    close_form,
     expected_rms_percent,
     share_of,
 )
@@ -25,7 +26,7 @@ from asterism.previewing.other_forms import OtherForm
 from pattern import gallery
 from pattern.build import layout
 from pattern.design import Design
-from pattern.symmetries import symmetries
+from pattern.symmetries import Symmetry, symmetries
 
 
 def test_amplitudes_take_the_energy():
@@ -111,3 +112,17 @@ def test_sheets_that_hang_on_unequal_stars_expect_more():
 def test_nothing_is_expected_of_what_is_not_stable():
     assert expected_rms_percent(np.empty(0)) is None
     assert not another_form_is_near(np.empty(0))
+
+
+def test_half_a_turn_forgives_as_other_turns_do():
+    none, star = np.zeros(2), np.arange(1)
+    same, half, mirror = (Symmetry(turn, none, star) for turn in (np.eye(2), -np.eye(2), np.diag([1.0, -1.0])))
+    assert share_of(False, [same, half]) == share_of(False, [same, half, mirror]) == FORGIVEN
+    assert share_of(False, [same]) == SHARE
+
+
+def test_the_lowest_form_within_the_energies_doubt_might_be_the_right_one():
+    far, near, nearer = (OtherForm("arc", 1.0, part * UNSURE, 60.0) for part in (1.1, 0.9, 0.5))
+    assert close_form([far]) is None
+    assert close_form([near, far]) is near
+    assert close_form([nearer, near, far]) is nearer

@@ -17,7 +17,7 @@ from asterism.previewing.expected_height import (
     turning,
 )
 from asterism.previewing.preview import Preview
-from asterism.previewing.star_values import star_values
+from asterism.previewing.star_values import REACH, star_values
 from fem.compliance import compliance
 from fem.loads import point_load
 from pattern import gallery
@@ -79,3 +79,18 @@ def test_doubts_of_a_preview_are_those_of_its_shape(name: str) -> None:
     at_stake = sum(map(abs, summary["energy_parts_n_mm"].values()))
     assert doubts["softness"] == pytest.approx(np.sqrt(2.0 * at_stake * apart), rel=1e-6)
     assert doubts["softness"] > 0.1 * doubts["height"]
+
+
+def test_stars_that_curl_to_the_other_side_turn_as_those_do() -> None:
+    other = replace(VALUES, value=VALUES.value | {"kappa": -VALUES.value["kappa"]})
+    flat, curled, narrow = 0.9 * FLAT * KAPPA, 1.1 * FLAT * KAPPA, 0.99 * LAM**2
+    assert turning(other, PLAN, -flat, narrow) == turning(VALUES, PLAN, flat, narrow) > 0.0
+    assert turning(other, PLAN, -curled, narrow) == 0.0
+    assert turning(other, PLAN, curled, narrow) == turning(VALUES, PLAN, flat, narrow)
+
+
+def test_a_bump_is_no_larger_than_the_cell_of_its_star() -> None:
+    far = replace(VALUES, sizes=VALUES.sizes + np.array([SPACING, 0.0, 0.0]))
+    bumps = 0.5 * VALUES.caps[:-1] * (REACH * SPACING) ** 2
+    found = turning(far, PLAN, 0.9 * FLAT * KAPPA, 0.99 * LAM**2)
+    assert found == pytest.approx(np.sqrt((bumps**2).mean()))

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from asterism.previewing.held_rim import REACH
 from asterism.previewing.preview import Preview
 from pattern import gallery
 from pattern.design import Design
@@ -53,3 +54,19 @@ def test_straight_sides_are_held_by_the_shell() -> None:
     preview = Preview(Design.from_dict(data), plain_law())
     points = 0.99 * preview.sheet.layout.border
     np.testing.assert_allclose(preview.at(points).smooth, on_shell(preview, points), atol=1e-9)
+
+
+def test_what_is_missing_at_the_outline_is_shared_with_the_sheet_nearby() -> None:
+    preview, outline = circle(24, [{"where": "border", "scale": SCALE}])
+    spacing = preview.sheet.layout.spacing_mm
+    middle, away = outline[24], np.array([0.0, 0.25, 0.5, 0.75])
+    points = middle * (1.0 - away * REACH * spacing / np.linalg.norm(middle))[:, None]
+    moved = preview.at(points).smooth - on_shell(preview, points)
+    assert np.linalg.norm(moved[0]) > 0.05
+    np.testing.assert_allclose(moved, (1.0 - away)[:, None] * moved[0], atol=1e-9)
+
+
+def test_the_free_outline_beside_a_held_side_is_left_alone() -> None:
+    preview, outline = circle(60, [{"edges": [0, 1, 2, 30, 31, 32], "scale": SCALE}])
+    beside = np.array([outline[4], outline[59], 0.5 * (outline[3] + outline[4])])
+    np.testing.assert_allclose(preview.at(beside).smooth, on_shell(preview, beside), atol=1e-9)

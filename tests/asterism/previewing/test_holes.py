@@ -70,3 +70,25 @@ def test_the_fabric_of_a_hole_does_not_dip() -> None:
     normal = np.linalg.svd(around - middle)[2][2]
     above = float((preview.at(np.zeros((1, 2))).bumpy[0] - middle) @ normal * np.sign(normal[2]))
     assert abs(above) < 0.4
+
+
+def test_a_star_missing_from_any_side_of_a_wide_rim_is_no_hole() -> None:
+    border = {"rectangle_mm": [100.0, 90.0], "star_margin_mm": 0.8 * SPACING}
+    whole = layout(Design.from_dict(TUBE.to_dict() | {"border": border}))
+    assert len(hole_sites(whole)) == 0
+    for axis in whole.lattice_vectors @ np.array([[0.0, -1.0], [1.0, 0.0]]):
+        along = whole.centres @ axis
+        for star in (along.argmin(), along.argmax()):
+            data = TUBE.to_dict() | {"border": border}
+            data["stars"]["override"] = [{"star": int(whole.star_number[star]), "remove": True}]
+            assert len(hole_sites(layout(Design.from_dict(data)))) == 0
+
+
+def test_a_site_just_beyond_the_tip_of_a_dent_is_part_of_the_rim() -> None:
+    """The dent runs between stars, that site alone has none."""
+    polygon = [[-60, -50], [60, -50], [60, -0.5], [3, 0], [60, 0.5], [60, 50], [-60, 50]]
+    data = TUBE.to_dict() | {"border": {"polygon_mm": polygon, "star_margin_mm": 6.0}}
+    plan = layout(Design.from_dict(data))
+    assert np.linalg.norm(plan.centres, axis=1).min() == pytest.approx(SPACING)
+    assert (np.linalg.norm(plan.centres, axis=1) < 1.01 * SPACING).sum() == 6
+    assert len(hole_sites(plan)) == 0

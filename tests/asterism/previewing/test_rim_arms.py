@@ -114,3 +114,28 @@ def test_a_wide_rim_hangs_under_the_arms_that_point_into_it(monkeypatch: pytest.
     without = hang(Preview(design).at(corners).bumpy)
     assert abs(right) > 1.0
     assert abs(found - right) < 0.7 * abs(without - right), (right, found, without)
+
+
+def test_no_arm_carries_on_more_than_all_of_its_curvature() -> None:
+    design = Design.from_dict(TUBE.to_dict() | {"border": {"rectangle_mm": [90.0, 90.0], "star_margin_mm": 35.0}})
+    plan = layout(design)
+    assert len(plan.centres) == 1
+    assert carried(plan, np.asarray(design.lattice.arm_directions)) == pytest.approx(1.0)
+
+
+def test_a_rim_curls_along_an_arm_as_far_as_its_star_reaches() -> None:
+    """Half of the share, half of the curvature."""
+    directions = np.asarray(TUBE.lattice.arm_directions)
+    one, nothing = np.eye(1, COUNT), sp.csr_matrix((1, COUNT))
+    whole, half = (
+        arm_curvature(
+            sp.csr_matrix(0.5 * one),
+            VALUES,
+            np.array([[1.0, 0.0]]),
+            [(directions[0], sp.csr_matrix(share * one)), *((along, nothing) for along in directions[1:])],
+            np.ones((COUNT, 3)),
+        )
+        for share in (1.0, 0.5)
+    )
+    assert np.abs(whole).max() > 0.0
+    assert half == pytest.approx(0.5 * whole)
