@@ -6,9 +6,12 @@ import numpy as np
 import pytest
 
 from fem.argyris import Argyris
+from fem.compliance import compliance
 from fem.conditions import HeldPoints
 from fem.fields import FieldError, Fields, of_stretch
 from fem.linear_response import far_off, linear_response
+from fem.loads import point_load
+from fem.mixed_newton import FAR
 from fem.shell import Shell
 from fem.solve import follow, relax
 from fem.tabulation import Floats
@@ -105,3 +108,31 @@ def test_fields_that_are_refused_change_nothing() -> None:
     with pytest.raises(FieldError):
         shell.set_fields(Fields(dome(0.01).density, dome(0.01).metric, dome(0.01).curvature, np.nan))
     assert shell.energy(x) == before
+
+
+def test_a_free_sheet_does_not_move_as_a_whole() -> None:
+    shell = Shell(Argyris(hexagon(1)), dome(0.0))
+    factor = shell.factor()
+    start = relax(shell, factor)
+    shell.set_fields(dome(0.005))
+    moved = shell.restricted(linear_response(shell, start.x, factor).x - start.x)
+    assert np.linalg.norm(shell.rigid_modes(start.x).T @ moved) < 1e-9 * np.linalg.norm(moved)
+
+
+def test_loads_and_large_edits() -> None:
+    """A load moves its place by what the compliance says; one that is far too large, no further than Newton's steps."""
+    mesh = hexagon(1)
+    corners = np.arange(1, 7)
+    held = [HeldPoints(corners, np.column_stack([0.8 * mesh.p.T[corners], np.zeros(6)]))]
+    shell = Shell(Argyris(mesh), dome(0.0), held)
+    factor = shell.factor()
+    start = relax(shell, factor)
+    load = point_load(shell.space, np.zeros(2), np.array([0.0, 0.0, 1.0]))
+    soft = compliance(shell, start.x, factor, load)
+    small, large = (
+        linear_response(Shell(shell.space, dome(0.0), held, force * load), start.x, factor).x - start.x
+        for force in (1e-6, 1e9)
+    )
+    assert float((load * small).sum()) == pytest.approx(1e-6 * soft, rel=1e-3)
+    assert np.abs(large).max() == pytest.approx(FAR * shell.size)
+    assert large / np.abs(large).max() == pytest.approx(small / np.abs(small).max(), abs=1e-3)

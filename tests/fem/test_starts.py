@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -14,9 +16,9 @@ from fem.placement import affine, flat
 from fem.seeds import shapes, trends
 from fem.shapes import Shape
 from fem.shell import Shell
-from fem.slide import Frame
+from fem.slide import Frame, Start
 from fem.solve import relax
-from fem.starts import HELD_DEAR, starts
+from fem.starts import HELD_DEAR, _best_held, _Ranking, starts
 from tests.fem.hexagons import FIELDS, RADIUS, hexagon
 from tests.fem.meshes import facets_where, rectangle
 
@@ -69,3 +71,56 @@ def test_held_guesses_that_are_far_too_dear_are_left_out(slid: list[tuple[float,
     kinds, _ = starts(shell, shell.factor(), candidates=[*caps, *tight])
     assert {start.shape.name for start in kinds} == {"flat", "cap"}
     assert all(energy <= HELD_DEAR * least for energy, least in slid)
+
+
+class _Known:
+    """Stands for a frame and its shell: energies of shapes are given, and sliding lowers some of them."""
+
+    def __init__(self, energies: dict[Shape, float], slid: dict[Shape, float] | None = None, free: bool = True) -> None:
+        self.energies, self.after, self.tried, self.moved = energies, slid or {}, [], []
+        self.shell = SimpleNamespace(is_free=free, flat=None, held=lambda x: x, energies=lambda x: {"sheet": 1.0})
+
+    def bent(self, shape: Shape) -> Start:
+        self.tried.append(shape)
+        return Start(shape, np.zeros((1, 3)), self.energies[shape])
+
+    def slid(self, start: Start, least: float) -> Start:
+        self.moved.append(start.shape)
+        return Start(start.shape, start.x, self.after.get(start.shape, start.energy))
+
+
+def test_the_best_direction_of_a_held_guess_is_found_wherever_it_is() -> None:
+    family = [Shape("arc", 1e-3, np.pi * k / 12) for k in range(12)]
+    for best in np.concatenate([np.arange(12) - 0.3, np.arange(12) + 0.3]):
+        away = np.abs((np.arange(12) - best + 6.0) % 12.0 - 6.0)
+        frame = _Known(dict(zip(family, away, strict=True)))
+        assert _best_held(frame, family, np.inf) == away.argmin()  # type: ignore[arg-type]
+        assert len(frame.tried) == 8
+        # the first few say that the others need not be looked at
+        hopeless = _Known(frame.energies)
+        assert _best_held(hopeless, family, -1.0) % 4 == 0 and len(hopeless.tried) == 3  # type: ignore[arg-type]
+
+
+def test_guesses_without_an_energy_never_win() -> None:
+    family = [Shape("arc", 1e-3, np.pi * k / 12) for k in range(12)]
+    frame = _Known({shape: np.nan if k % 2 == 0 and k != 6 else 1.0 for k, shape in enumerate(family)})
+    assert _best_held(frame, family, np.inf) == 6  # type: ignore[arg-type]
+
+
+def test_guesses_are_moved_within_themselves_while_they_may_win() -> None:
+    """By energies that are twenty times those of a flat sheet apart; of a kind that with the lowest one in the end."""
+    shapes = [Shape("cap", 1e-3 * k) for k in range(1, 6)]
+    frame = _Known(dict(zip(shapes, (0.0, 1.0, 2.0, 18.0, 20.0), strict=True)), {shapes[2]: -1.0})
+    ranking = _Ranking(frame.shell, frame)  # type: ignore[arg-type]
+    ranking.take([frame.bent(shape) for shape in shapes[::-1]])
+    assert frame.moved == shapes[:4]
+    assert [start.shape for start in ranking.kinds] == [shapes[2]] and ranking.least == -1.0
+
+
+@pytest.mark.parametrize("least", [2.0, -2.0])
+def test_held_guesses_are_dear_by_the_size_of_the_least_energy(least: float) -> None:
+    frame = _Known({}, free=False)
+    ranking = _Ranking(frame.shell, frame)  # type: ignore[arg-type]
+    assert ranking.dear == np.inf
+    ranking.least = least
+    assert ranking.dear == least + (HELD_DEAR - 1.0) * 2.0
