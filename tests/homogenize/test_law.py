@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from homogenize.campaign import Record
-from homogenize.errors import ForeignLaw, LawError
+from homogenize.errors import CampaignError, ForeignLaw, LawError
 from homogenize.fit import filled, fit, row
 from homogenize.interpolation import Grid
 from homogenize.law import Law
@@ -460,3 +460,55 @@ def test_stiffness_follows_the_modulus() -> None:
     assert hard.value["bending"] == pytest.approx(2 * soft.value["bending"])
     assert hard.slope["a11"] == pytest.approx(2 * soft.slope["a11"])
     assert hard.value["kappa"] == soft.value["kappa"] and hard.value["lam"] == soft.value["lam"]
+
+
+def test_cells_that_are_held_out_do_not_make_the_law() -> None:
+    def else_elsewhere(design: Design, edge_mm: float) -> fake.Answer:
+        answer = fake.respond(design, edge_mm)
+        sizes = tuple(getattr(design.stars, f"{name}_mm") for name in ("length", "thickness", "width"))
+        answer.data["lam"] *= 2.0 if sizes in held_out else 1.0
+        return answer
+
+    material = Material.from_dict({"plan": SPREAD})
+    tasks = [task for task in material.tasks() if task.held_out]
+    held_out = {(task.length_mm, task.thickness_mm, task.width_mm) for task in tasks}
+    cells = fit(material, answers(material, else_elsewhere)).at(1.35)
+    assert len(tasks) == 10
+    sizes = np.array(sorted(held_out)).T
+    known = fit(material, answers(material, fake.respond)).at(1.35)(*sizes).value["lam"]
+    assert cells(*sizes).value["lam"] == pytest.approx(known, abs=1e-14)
+
+
+def test_a_law_needs_an_answer_of_half_of_its_cells() -> None:
+    def below(longest: float) -> Any:
+        def some(design: Design, edge_mm: float) -> fake.Answer:
+            short = float(design.stars.length_mm) <= longest  # type: ignore[arg-type]
+            return fake.respond(design, edge_mm) if short else fake.Answer({}, "no")
+
+        return some
+
+    lengths = [2.0, 4.0, 6.0, 8.0]
+    assert law(below(4.0), lengths_mm=lengths).at(1.35).good.sum() == 3 * 4 * 3
+    with pytest.raises(CampaignError, match="fewer than half"):
+        law(below(2.0), lengths_mm=lengths)
+
+
+def test_bare_fabric_has_an_answer_where_short_arms_have_none() -> None:
+    def fails_when_short(design: Design, edge_mm: float) -> fake.Answer:
+        short = 0.0 < float(design.stars.length_mm) < 3.0  # type: ignore[arg-type]
+        return fake.Answer({}, "no") if short else fake.respond(design, edge_mm)
+
+    table = law(fails_when_short).at(1.35)
+    assert table([0.0, 0.5, 5.0], 0.3, 1.2).inside.tolist() == [True, False, True]
+
+
+def test_sheets_that_curl_tightly_to_the_other_side_are_marked_too() -> None:
+    def other_side(design: Design, edge_mm: float) -> fake.Answer:
+        answer = fake.curls_more(design, edge_mm)
+        answer.data["natural_curvature"] = [-kappa for kappa in answer.data["natural_curvature"]]
+        return answer
+
+    sizes = [2.0, 5.0, 9.0, 11.0], 0.2, 1.2
+    found = law(other_side).at(1.35)(*sizes).tight
+    assert found.any() and not found.all()
+    assert found.tolist() == law(fake.curls_more).at(1.35)(*sizes).tight.tolist()

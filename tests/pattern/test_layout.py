@@ -337,3 +337,19 @@ def test_sizes_of_what_is_not_printed_may_be_anything():
     radial = {"profile": "radial", "over_mm": 30}
     stars = {"length_mm": radial | {"from": 8, "to": 0.5}, "thickness_mm": radial | {"from": 0.3, "to": 0.0}}
     assert len(lay(border={"rings": 2}, stars=stars).centres) == 7
+
+
+def test_the_spacing_is_the_shorter_of_the_steps():
+    for steps in ([[14, 0], [0, 20]], [[20, 0], [0, 14]]):
+        sheet = lay(
+            stars={"length_mm": 5}, lattice={"kind": "custom", "vectors_mm": steps}, border={"rectangle_mm": [70, 70]}
+        )
+        assert sheet.spacing_mm == pytest.approx(14.0)
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_borders_run_counterclockwise_whichever_way_they_are_drawn(way):
+    corners = [[-40, -30], [45, -35], [30, 40]]
+    sheet = lay(border={"polygon_mm": corners[::way]})
+    assert Polygon(sheet.border).exterior.is_ccw
+    assert {*map(tuple, sheet.border)} == {*map(tuple, corners)}

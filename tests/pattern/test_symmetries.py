@@ -105,3 +105,16 @@ def test_a_corner_on_a_held_side_changes_nothing(pins: dict[str, object]) -> Non
         assert (count(**more, pins=[pins]) == one) is (pins["edges"] == [0, 1])
     else:
         assert count(**more, pins=[pins]) == count(**whole, pins=[pins]) == (8, 4)
+
+
+def test_tips_that_meet_are_told_apart() -> None:
+    """Three stars' arms end at one place."""
+    assert count(stars={"length_mm": 10.0}, lattice={"spacing_mm": 10.0 * np.sqrt(3.0)}) == (6, 3)
+
+
+def test_arms_must_be_equally_wide() -> None:
+    assert count(stars={"length_mm": 8.0, "width_mm": {"formula": "1.2 + 0.001*x + 0.0003*y"}}) == (1, 0)
+
+
+def test_no_weight_pulls_to_no_side() -> None:
+    assert count(gravity={"on": False, "direction": [1.0, 0.0, 0.0]}) == (6, 3)
