@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from asterism.self_intersections import self_intersections
-from discrete.contact import Contact, ipc_toolkit
+from discrete.contact import NEIGHBOURS, Contact, ipc_toolkit
 from discrete.contact_model import ContactModel
 from discrete.elements import Array
 from discrete.levels import find_equilibrium
@@ -315,3 +315,25 @@ def test_a_start_that_passes_through_itself_is_not_taken() -> None:
         relax(sheet, carried(flat, sheet.edges, crossed(sheet.mesh.points), np.zeros(len(sheet.edges))))
     near, alone = (find_equilibrium(sheet, near=start)[0] for start in (crossed, None))
     assert near.is_minimum and near.energy == pytest.approx(alone.energy, rel=1e-9)
+
+
+def test_what_may_soon_touch_is_within_twice_the_distance() -> None:
+    sheet = model(ContactModel, edge=4.0, thickness=0.3)
+    assert isinstance(sheet, ContactModel)
+    contact = sheet.contact
+    found = []
+    for gap in (0.9, 1.5, 1.9, 2.2):
+        positions = folded(sheet, gap * contact.distance, noise=0.0).positions
+        found.append((len(contact.entries(positions)[0]) > 0, len(contact.soon(positions)[0]) > 0))
+    assert found == [(True, True), (False, True), (False, True), (False, False)]
+
+
+def test_neighbours_are_told_by_their_places_on_the_stretched_print() -> None:
+    """A contact distance of the released sheet is longer there."""
+    sheet = model(ContactModel, edge=4.0)
+    assert isinstance(sheet, ContactModel)
+    mesh, contact = sheet.mesh, sheet.contact
+    corners = mesh.points[mesh.triangles]
+    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max()
+    stretch = max(sheet.design.fabric.stretch_xy)
+    assert contact.neighbourhood == pytest.approx(NEIGHBOURS * (longest + stretch * contact.distance))

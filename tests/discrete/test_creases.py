@@ -7,6 +7,7 @@ import pytest
 
 from discrete.creases import creases
 from discrete.model import Model
+from discrete.state import State
 from pattern import gallery
 from pattern.build import layout
 from pattern.design import Design
@@ -53,3 +54,26 @@ def test_hinges_are_wider_and_no_bending_has_no_width():
 def test_fine_meshes_resolve_them():
     fine = model(0.25, bending="consistent")
     assert creases(fine, fine.flat_state()).edge < 0.3
+
+
+def test_triangles_are_as_high_as_they_are_over_the_arms():
+    """In a sheet that was stretched to one side, where triangles have sides of different lengths."""
+    m = model(2.0)
+    flat = m.flat_state()
+    long = State(flat.positions * [1.6, 1.0, 1.0], flat.directors)
+    heights, arms = [], {tuple(sorted(edge)) for edge in m.edges.tolist()}
+    for triangle in m.mesh.triangles.tolist():
+        for k in range(3):
+            a, b, top = (triangle[(k + i) % 3] for i in range(3))
+            if tuple(sorted((a, b))) in arms:
+                along = long.positions[b] - long.positions[a]
+                over = np.cross(along, long.positions[top] - long.positions[a])
+                heights.append(np.linalg.norm(over) / np.linalg.norm(along))
+    assert creases(m, long).edge == pytest.approx(np.median(heights))
+
+
+def test_creases_of_slack_fabric_have_no_end():
+    m = model(2.0)
+    flat = m.flat_state()
+    slack = creases(m, State(0.4 * flat.positions, flat.directors))
+    assert slack.width == np.inf and slack.resolved
