@@ -39,7 +39,7 @@ def test_no_turn_lets_loads_do_more_work(points: np.ndarray, several: float) -> 
     across = several * np.array([[1.0, 0.2, -0.5], [0.3, -1.0, 0.4], [0.0, 0.2, 0.1]])
     loads = (lambda space: point_load(space, [[40.0, 10.0], [20.0, 50.0], [59.0, 59.0]], across)) if several else None
     shell = hanging(points, loads)
-    start = shell.held(shell.space.interpolate(arc(2.2 * SIZE).jets))
+    start = shell.held(shell.space.interpolate(arc(1.0 / (2.2 * SIZE)).jets))
     x = swung(shell, start)
     held = shell.held_points
     assert x[held] == pytest.approx(start[held], abs=1e-9)

@@ -108,8 +108,10 @@ def test_a_corner_on_a_held_side_changes_nothing(pins: dict[str, object]) -> Non
 
 
 def test_tips_that_meet_are_told_apart() -> None:
-    """Three stars' arms end at one place."""
-    assert count(stars={"length_mm": 10.0}, lattice={"spacing_mm": 10.0 * np.sqrt(3.0)}) == (6, 3)
+    changes: dict = {"stars": {"length_fraction": 0.5}, "lattice": {"arms": 6, "orientation_deg": 0.0}}
+    tips = layout(Design.from_dict(HEXAGON | changes)).arm_tip
+    assert len(np.unique(tips.round(6), axis=0)) == len(tips) - 12
+    assert count(**changes) == (12, 6)
 
 
 def test_arms_must_be_equally_wide() -> None:

@@ -36,16 +36,18 @@ def test_larger_variances_do_what_a_shared_error_does() -> None:
     np.testing.assert_allclose(jacobian.T @ inverse @ values, jacobian.T @ (weight * values), rtol=1e-10)
 
 
+@pytest.mark.parametrize("marks", [0.0, 0.1])
 @pytest.mark.parametrize("seed", range(5))
-def test_effects_are_those_of_restricted_maximum_likelihood(seed: int) -> None:
+def test_effects_are_those_of_restricted_maximum_likelihood(seed: int, marks: float) -> None:
+    """`marks`: by which rounding is known to move whole kinds."""
     values, jacobian, variance, sizes = _problem(seed, 0.2)
     residual = values - jacobian @ [1.0, 0.3]
     found = Common()
     for _ in range(30):
-        found = common(KIND, residual, jacobian, variance, np.zeros(len(KIND)), sizes, found)
+        found = common(KIND, residual, jacobian, variance, np.full(len(KIND), marks), sizes, found)
 
     def minus_log(one: Common) -> float:
-        matrix = _together(variance, one.variance(sizes))
+        matrix = _together(variance, one.variance(sizes) + marks**2)
         inverse = np.linalg.inv(matrix)
         information = jacobian.T @ inverse @ jacobian
         off = residual - jacobian @ np.linalg.solve(information, jacobian.T @ inverse @ residual)
@@ -69,3 +71,7 @@ def test_kinds_that_are_needed_for_the_parameters_have_nothing_in_common() -> No
         KIND[some], values[some], jacobian[some], variance[some], np.zeros(some.sum()), sizes[:, some], Common()
     )
     assert found == Common()
+
+
+def test_what_the_fabric_does_is_nothing_to_peeled_strips() -> None:
+    np.testing.assert_array_equal(effects(np.array([0.02, 0.03]), np.array([False, True])), [[0.02, 0.0], [0.0, 1.0]])
