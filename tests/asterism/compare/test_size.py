@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from asterism.compare.comparison import ScanComparison, compare_scan
+from asterism.compare.nearest import NearestOnSurface
 from asterism.compare.scan import Scan
+from asterism.compare.size import _fit, _rim
 from asterism.previewing.run import preview
 from asterism.shape import Shape
 from pattern import gallery
+from pattern.layout import Floats
 from pattern.normals import vertex_normals
 from tests.asterism.compare.scans import bent_sheet, motion, scanned
 from tests.asterism.sheets import dome, sheet
@@ -48,3 +52,19 @@ def test_one_side_of_a_roll_is_no_other_size(off_mm: float) -> None:
     assert found.size is not None and found.size.lifted_rms_mm < 0.6 * found.size.rms_mm
     larger = compare_scan(shape, Scan(1.04 * points, 0, len(points))).size
     assert larger is not None and larger.lifted_rms_mm > larger.rms_mm
+
+
+def test_a_scan_is_lifted_by_no_more_than_a_sheet_is_thick() -> None:
+    def roll(points: Floats) -> Floats:
+        x, y = points.T
+        return np.column_stack([30.0 * np.sin(x / 30.0), y, 30.0 * np.cos(x / 30.0)])
+
+    shape = sheet(roll, edge=3.0)
+    surface = NearestOnSurface(shape.positions, shape.triangles)
+    rim = _rim(shape.positions, shape.triangles, surface.normals)
+    for off, expected in ((1.0, 1.0), (3.0, 2.0), (-3.0, -2.0)):
+        side = replace(shape, positions=shape.positions + off * vertex_normals(shape.positions, shape.triangles))
+        found = _fit(surface, rim, scanned(side, 5, 0.05, other=0.0)[0], 10.0, True)
+        assert found is not None
+        assert found[0] == pytest.approx(expected, abs=0.15)
+        assert (found[1] > 0.3) == (abs(off) > 2.0)

@@ -177,3 +177,13 @@ def test_a_side_in_pieces_is_one_side() -> None:
             for ring in (corners, np.roll(pieces, 2, axis=0))
         )
         np.testing.assert_allclose(one, other, atol=1e-9)
+
+
+def test_rims_of_stars_that_curl_down_go_up() -> None:
+    value = VALUES.value | {"kappa": -VALUES.value["kappa"]}
+    down = replace(VALUES, value=value, caps=-VALUES.caps, sizes=VALUES.sizes + np.array([9.0, 0.0, 0.0]))
+    up = replace(VALUES, caps=VALUES.caps, sizes=down.sizes)
+    weights, nearest, beyond = sp.csr_matrix((3, COUNT)), np.array([0, 1, 2]), np.array([0.0, 2.0, 5.0])
+    found, other = (rim_fall(weights, nearest, values, beyond, SPACING) for values in (up, down))
+    assert found[2] > 0.0
+    assert other == pytest.approx(-found)

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from asterism.previewing.expected import UNSURE, close_form, expected_rms_percent
-from asterism.previewing.other_forms import OtherForm
+from asterism.previewing.other_forms import OtherForm, other_forms
 from asterism.previewing.preview import Preview
+from fem.evidence import Trial
 from pattern.design import Design
+from pattern.likeness import distances
+from pattern.symmetries import Symmetry
 from tests.asterism.previewing.laws import plain_law
 
 AMPLITUDES = np.array([5.0, 2.0])
@@ -57,3 +62,25 @@ def test_a_close_form_is_one_that_the_law_cannot_exclude() -> None:
     assert close_form([near, far]) is near
     assert close_form([far]) is None
     assert close_form([]) is None
+
+
+def test_forms_are_told_from_each_other_and_measured_from_the_one_that_is_shown() -> None:
+    """Rolls about one axis by more and more: the third is as good as the second."""
+    y = np.linspace(-50.0, 50.0, 9)
+    x = np.tile([-10.0, 0.0, 10.0], 3)
+    rolls = [np.column_stack([x, np.sin(k * y) / k, np.cos(k * y) / k]) for k in (0.01, 0.02, 0.0201)]
+    trials = [Trial(f"arc {n}", 10.0 + n, True, 1, roll) for n, roll in enumerate(rolls)]
+    lost = Trial("cap", 5.0, False, 1, 3.0 * rolls[0])
+    plan = SimpleNamespace(centres=np.column_stack([x, y]))
+    space = SimpleNamespace(locate=lambda points: SimpleNamespace(value=np.eye(9)))
+    same = [Symmetry(np.eye(2), np.zeros(2), np.arange(9))]
+    shown = SimpleNamespace(x=rolls[0], energy=10.0, at_stake=20.0, trials=[lost, *trials[::-1]])
+    preview = SimpleNamespace(equilibrium=shown, sheet=SimpleNamespace(layout=plan, space=space), symmetries=same)
+    (found,) = other_forms(preview, 100.0)  # type: ignore[arg-type]
+    assert (found.start, found.energy_n_mm, found.gap) == ("arc 1", 11.0, 1.0 / 20.0)
+    assert found.distance_percent == pytest.approx(distances(rolls[0], rolls[1], same)[0])
+    # a third one beside the second, further from it than EQUAL
+    shown.trials.append(Trial("arc 3", 14.0, True, 1, 1.1 * rolls[1]))
+    third = other_forms(preview, 100.0)[1]  # type: ignore[arg-type]
+    apart = [distances(roll, 1.1 * rolls[1], same)[0] for roll in rolls[:2]]
+    assert third.distance_percent == pytest.approx(apart[0]) and apart[1] < 0.9 * apart[0]

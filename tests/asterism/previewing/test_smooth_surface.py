@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
+import pytest
 
 from asterism.previewing.smooth_surface import smooth_surface
 from fem.argyris import Argyris
@@ -26,3 +29,14 @@ def test_shifts_of_the_print_are_followed_to_second_order() -> None:
     points, shift = random.uniform(-40.0, 40.0, (2, 9, 2))
     surface = smooth_surface(space.locate(points), space.interpolate(bowl))
     np.testing.assert_allclose(surface.places + surface.moved(shift), bowl(points + shift)[:, 0], atol=1e-8)
+
+
+def test_the_curvature_of_a_roll_does_not_depend_on_how_it_was_sheared() -> None:
+    """The print is sheared by one half, and lies on a roll of curvature k about the second axis."""
+    k = 0.02
+    places = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 1.0, 0.0]]
+    jets = np.array([[*places, [0.0, 0.0, k], [0.0, 0.0, 0.25 * k], [0.0, 0.0, 0.5 * k]]])
+    surface = smooth_surface(SimpleNamespace(jets=lambda x: jets), np.empty((0, 3)))  # type: ignore[arg-type]
+    assert surface.area[0] == pytest.approx(1.0)
+    assert surface.mean_curvature[0] == pytest.approx(-0.5 * k)
+    assert surface.gaussian_curvature[0] == pytest.approx(0.0, abs=1e-12)

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from asterism.previewing.star_cells import StarCells
+from asterism.previewing.star_values import star_sizes
 from pattern import gallery
 from pattern.build import layout
 from pattern.design import Design
@@ -92,3 +95,14 @@ def test_long_arms_reach_out_of_their_cells_and_short_ones_do_not() -> None:
     assert shares(mixed)[0].toarray() == pytest.approx(long[0].toarray(), abs=0.1)
     assert shares(mixed)[-1].toarray() == pytest.approx(short[-1].toarray(), abs=0.01)
     assert shares(mixed).sum(axis=1).max() <= 1.0 + 1e-9
+
+
+def test_a_star_is_as_thick_as_its_arms_are_on_the_mean_of_their_lengths() -> None:
+    """One arm was cut to half, another one away."""
+    parts = np.tile([1.0, 0.5, 0.0], COUNT)
+    centre = PLAN.centres[PLAN.arm_star]
+    thickness = np.tile([[0.2, 0.4], [0.4, 0.8], [9.0, 9.0]], (COUNT, 1))
+    cut = replace(PLAN, arm_tip=centre + parts[:, None] * (PLAN.arm_tip - centre), arm_thickness=thickness)
+    sizes = star_sizes(cut, 3)
+    assert sizes[:, 0] == pytest.approx(star_sizes(PLAN, 3)[:, 0] / 2.0)
+    assert sizes[:, 1] == pytest.approx((0.3 + 0.5 * 0.6) / 1.5)
