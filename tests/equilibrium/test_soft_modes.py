@@ -32,6 +32,7 @@ def test_a_floating_chain(count: int) -> None:
     assert len(values) == min(count, size - 1)
     assert np.allclose(values, exact[: len(values)], rtol=1e-5)
     assert np.allclose(vectors.T @ mass @ vectors, np.eye(len(values)), atol=1e-8)
+    assert np.allclose(vectors.T @ stiffness @ vectors, np.diag(values), rtol=1e-5, atol=1e-5)
     assert np.abs(rigid.T @ (mass @ vectors)).max() < 1e-8
 
 

@@ -34,3 +34,11 @@ def test_distance_is_that_of_the_noise() -> None:
     points = rng.normal(size=(400, 3))
     moved = points[:, [1, 2, 0]] + [4.0, -1.0, 2.0] + 0.01 * rng.normal(size=points.shape)
     assert rms_distance(points, moved) == pytest.approx(0.01 * np.sqrt(3.0), rel=0.05)
+
+
+def test_weights_count_points_as_often_as_they_say() -> None:
+    rng = np.random.default_rng(3)
+    points, targets, times = rng.normal(size=(12, 3)), rng.normal(size=(12, 3)), rng.integers(1, 5, 12)
+    weighted = rigid_fit(points, targets, times.astype(float))
+    for found, several in zip(weighted, rigid_fit(points.repeat(times, 0), targets.repeat(times, 0)), strict=True):
+        np.testing.assert_allclose(found, several, atol=1e-12)
