@@ -71,6 +71,25 @@ class Design(Section):
     mesh: MeshChoice = MeshChoice()
     solver: Solver = Solver()
 
+    @model_validator(mode="before")
+    @classmethod
+    def _keys_in_their_tables(cls, data: Any) -> Any:
+        """A key that is known elsewhere is told where: in TOML whatever follows a table's header is in that table."""
+        if not isinstance(data, Mapping):
+            return data
+        kinds = {"": cls} | {name: field.annotation for name, field in cls.model_fields.items()}
+        tables = {name: kind for name, kind in kinds.items() if isinstance(kind, type) and issubclass(kind, Section)}
+        for name in tables:
+            entries = data.get(name) if name else data
+            if not isinstance(entries, Mapping):
+                continue
+            for key in entries:
+                homes = [home for home, other in tables.items() if key in other.model_fields]
+                if homes and name not in homes:
+                    field = f"{name}.{key}" if name else key
+                    raise DesignError(field, f"unknown key here, it belongs {_place(homes)}", entries[key])
+        return data
+
     @field_validator("units")
     @classmethod
     def _millimetres(cls, units: str) -> str:
@@ -104,6 +123,10 @@ class Design(Section):
     def to_dict(self) -> dict[str, Any]:
         """Plain data, complete with defaults, fit for JSON and TOML; `from_dict` makes the same design of it."""
         return self.model_dump(mode="json", by_alias=True, exclude_none=True)
+
+
+def _place(tables: list[str]) -> str:
+    return " or ".join(f"in [{table}]" if table else "at the top, before all tables" for table in tables)
 
 
 def load_design(path: str | Path) -> Design:

@@ -136,6 +136,8 @@ _PROFILES = ("radial", "linear", "axis", "table")
 def _kind(value: Any) -> str:
     if isinstance(value, Section):
         return f"kind:{getattr(value, 'profile', type(value).__name__.lower())}"
+    if isinstance(value, str):
+        return "kind:unknown"
     if not isinstance(value, dict):
         return "kind:number"
     for key in ("formula", "image"):
@@ -145,7 +147,7 @@ def _kind(value: Any) -> str:
 
 
 def _refuse(value: Any) -> None:
-    if "profile" in value:
+    if isinstance(value, dict) and "profile" in value:
         raise DesignError("profile", f"must be {', '.join(_PROFILES)}", value["profile"])
     raise DesignError("", "must be a number, or a table with a profile, a formula or an image", value)
 

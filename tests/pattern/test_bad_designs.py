@@ -216,6 +216,12 @@ BAD = [
     ([("name", "two\nlines")], "name", "one line"),
     ([("fabrik", {})], "fabrik", "did you mean fabric?"),
     ([("zzz", {})], "zzz", "known here: name, units"),
+    ([("stars.spacing_mm", 20)], "stars.spacing_mm", "unknown key here, it belongs in [lattice]"),
+    ([("stars.poisson", 0.3)], "stars.poisson", "it belongs in [fabric] or in [plastic]"),
+    ([("stretch", 1.3)], "stretch", "it belongs in [fabric]"),
+    ([("mesh.name", "roof")], "mesh.name", "it belongs at the top, before all tables"),
+    ([("stars.length_mm", "5 + x")], "stars.length_mm", "a table with a profile, a formula or an image"),
+    ([("stars.length_mm", "a profile")], "stars.length_mm", "a table with a profile, a formula or an image"),
 ]
 
 
