@@ -8,9 +8,9 @@ from __future__ import annotations
 import errno
 import os
 import sys
-from typing import NoReturn
 
 from asterism import interruption
+from asterism.stopping import stop
 
 # what printing fails with; files that cannot be written have their own error, or a name
 FULL_OR_GONE = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF, errno.EPIPE}
@@ -33,12 +33,6 @@ def main() -> None:
         # Python would end by a signal if the interruption has left code given as text; other such code clears its note
         exec("")
         stop(interruption.in_words(), 130)
-    sys.exit(status)
-
-
-def stop(line: str, status: int) -> NoReturn:
-    """End with one line."""
-    print("asterism: " + " ".join(line.split()), file=sys.stderr)
     sys.exit(status)
 
 

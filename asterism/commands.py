@@ -10,12 +10,12 @@ from typing import Annotated, Any
 import typer
 
 from asterism import __version__
-from asterism.cli import stop
 from asterism.compare.cli import compare
 from asterism.export_command import export, printers
 from asterism.options import Backend, Contact, DesignFile, MaterialFile, output_option
 from asterism.previewing.command import preview
 from asterism.reporting.command import report
+from asterism.stopping import stop
 from asterism.strips.cli import app as strips
 from asterism.verification.command import verify
 

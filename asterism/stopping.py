@@ -1,0 +1,12 @@
+"""How a command ends that has nothing more to say than one line."""
+
+from __future__ import annotations
+
+import sys
+from typing import NoReturn
+
+
+def stop(line: str, status: int) -> NoReturn:
+    """End with one line on standard error."""
+    print("asterism: " + " ".join(line.split()), file=sys.stderr)
+    sys.exit(status)
