@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from homogenize.directions import CURLED, left_out, spread
+from homogenize.anisotropy import BENDING, MOMENT, PLATE, ROUND, anisotropy, matrices, natural
+from homogenize.directions import CURLED, is_threefold, left_out, spread
 from homogenize.law import Law
 from homogenize.table import TIGHT
 
@@ -18,11 +21,22 @@ def directions_line(law: Law) -> str | None:
     if missing is None:
         return None
     found = [cell["sample"] for cell in law.samples if cell["problem"] is None and cell["length_mm"] > 0]
-    curled = [c for c in found if CURLED < abs(np.mean(c["natural_curvature"])) * c["spacing_mm"] < TIGHT]
+    curled = [c for c in found if CURLED < np.abs(c["natural_curvature"]).max() * c["spacing_mm"] < TIGHT]
     if not curled:
         return missing
-    off = 100.0 * np.array([spread(cell["natural_curvature"]) for cell in curled])
+    threefold = is_threefold(law.material.lattice)
+    off = 100.0 * np.array([spread(c["natural_curvature"]) if threefold else _off_quadratic(c) for c in curled])
     return (
         f"{missing}: natural curvature of the direction that is furthest off differs by {np.median(off):.0f} % in the "
         f"median of {len(off)} cells, by {off.max():.0f} % at most"
     )
+
+
+def _off_quadratic(sample: dict[str, Any]) -> float:
+    """How far a cell's natural curvatures are at most from the quadratic law's, over the largest."""
+    kappa, hoop, axial = (np.array(sample[name]) for name in ("natural_curvature", "natural_hoop", "natural_axial"))
+    own = anisotropy(sample)
+    q, m = PLATE + matrices(own[BENDING]), kappa.mean() * ROUND + own[MOMENT]
+    wanted = natural(q, m, np.array(sample["angles_rad"]) + 0.5 * np.pi)[0]
+    lam = np.sqrt(hoop * axial).mean()
+    return float(np.abs(wanted * (lam / hoop) ** 2 - kappa).max() / np.abs(kappa).max())

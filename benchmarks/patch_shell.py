@@ -33,7 +33,9 @@ def shell_stars(design: Design, stars: Sample, bare: Sample) -> tuple[np.ndarray
     ours, fabric = (row(sample.to_dict(), sample.stretch) for sample in (stars, bare))
     both = np.vstack([np.tile(ours, (count, 1)), fabric])
     none = np.empty(0)
-    values = StarValues({name: both[:, q] for q, name in enumerate(NAMES)}, none, none, (), (), (), none, none)
+    of_stars = {name: both[:, q] for q, name in enumerate(NAMES)}
+    alike = np.empty((count + 1, 0))
+    values = StarValues(of_stars, none, none, (), (), (), none, none, of_stars["kappa"], alike)
     outline = sheet_mesh(plan.border, EDGE)
     space = Argyris(MeshTri(outline.points.T.copy(), outline.triangles.T.copy()))
     points = space.tabulate(ORDER).points

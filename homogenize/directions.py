@@ -1,9 +1,9 @@
-"""The directions that a cell is rolled in, and what a law with one curvature and one sixfold term makes of them.
+"""The directions that a cell is rolled in, and what the law leaves out of them.
 
 The law holds means over directions, and the part of the energy that goes as cos 6 phi, with angles from the print's y
 axis. Where lattice and star repeat after a third of a turn, all there is beyond is its sine, which vanishes if arms and
-lattice lines lie at multiples of 30 degrees. Elsewhere there are parts with fewer periods, usually larger ones, and the
-law is the mean over directions without any of them.
+lattice lines lie at multiples of 30 degrees, and is left out elsewhere. Without threefold symmetry there are parts with
+fewer periods, usually larger ones: of these the law holds what is quadratic in the curvature (`homogenize.anisotropy`).
 """
 
 from __future__ import annotations
@@ -48,17 +48,16 @@ def is_threefold(lattice: Lattice) -> bool:
 
 
 def spread(curvatures: Sequence[float] | Floats) -> float:
-    """How far natural curvatures are at most from what the law has, over their mean; directions as of a law's cells."""
+    """How far natural curvatures of `THREEFOLD` are at most from mean and sixfold part, over their mean."""
     found = np.asarray(curvatures, dtype=float)
-    mean = found[averaged(found)].mean()
-    sixfold = 0.0 if all_around(found) else 0.5 * (found[0] - found[-1])
+    mean, sixfold = 0.5 * (found[0] + found[-1]), 0.5 * (found[0] - found[-1])
     return float(np.abs(found - mean - sixfold * np.linspace(1.0, -1.0, len(found))).max() / abs(mean))
 
 
 def left_out(lattice: Lattice) -> str | None:
     """What the law of such stars leaves out, in one line; None if a smooth sheet of them has no more to it."""
     if not is_threefold(lattice):
-        return "stars curl and bend differently in each direction; the law is the mean over directions"
+        return "stars curl and bend differently in each direction; the law is quadratic in the curvature"
     lines = np.vstack([np.asarray(lattice.arm_directions)[:1], np.asarray(lattice.vectors)[:1]])
     angle = np.degrees(np.arctan2(lines[:, 1], lines[:, 0])) / 30.0
     if np.abs(angle - np.round(angle)).max() < NEAR:

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator, RBFInterpolator
 from scipy.spatial import cKDTree
 
+from homogenize.anisotropy import anisotropy, columns
 from homogenize.campaign import Record
 from homogenize.directions import CURLED, averaged
 from homogenize.errors import CampaignError
@@ -101,22 +102,24 @@ def plain(record: Record) -> dict[str, Any]:
     }
 
 
-def _usable(record: Record) -> Floats | None:
-    """(Q + 2 W,) the quantities and the relief; None if the cell has no answer."""
+def _usable(record: Record, count: int) -> Floats | None:
+    """(Q + K + 2 W,) quantities, what differs between directions (`count`, K) and relief; None without an answer."""
     if problem(record) is not None or record.sample is None:
         return None
     bare = record.task.length_mm == 0.0
+    own = anisotropy(record.sample) if count and not bare else np.zeros(count)
     relief = np.array(record.sample["relief"], dtype=float).ravel()
-    return np.concatenate([row(record.sample, record.task.stretch), np.where(bare, 0.0, relief)])
+    return np.concatenate([row(record.sample, record.task.stretch), own, np.where(bare, 0.0, relief)])
 
 
 def _quantities(record: Record) -> Floats | None:
-    found = _usable(record)
+    found = _usable(record, 0)
     return None if found is None else found[:Q]
 
 
 def _table(material: Material, stretch: float, records: list[Record]) -> Table:
-    rows = {record.task: _usable(record) for record in records}
+    count = columns(material.lattice)
+    rows = {record.task: _usable(record, count) for record in records}
     fabric = next((found for task, found in rows.items() if task.length_mm == 0.0), None)
     if fabric is None:
         reason = next((problem(record) for record in records if record.task.length_mm == 0.0), "not solved")
@@ -148,7 +151,7 @@ def _from_grid(
     unit = units(fabric[:Q], material.lattice.spacing_mm)
     stored = filled(axes[0], _stored(nodes, unit), good)
     whole = np.where(good[..., None], nodes, _known(stored, unit))
-    return Table(stretch, material.lattice.spacing_mm, axes, whole[..., :Q], _reliefs(whole), good, unit)
+    return _of_rows(material, stretch, axes, whole, good, unit)
 
 
 def filled(lengths: Floats, stored: Floats, good: Bools) -> Floats:
@@ -193,16 +196,20 @@ def _from_scattered(
     stored = radial(places, _stored(rows, unit))(grid).reshape(*SCATTERED, -1)
     nodes = _known(filled(axes[0], stored, good), unit)
     nodes[0] = fabric
-    return Table(stretch, material.lattice.spacing_mm, axes, nodes[..., :Q], _reliefs(nodes), good, unit)
+    return _of_rows(material, stretch, axes, nodes, good, unit)
 
 
-def _reliefs(rows: Floats) -> Floats:
-    """(..., 2, W) of rows (..., Q + 2 W)."""
-    return rows[..., Q:].reshape(*rows.shape[:-1], 2, -1)
+def _of_rows(
+    material: Material, stretch: float, axes: tuple[Floats, Floats, Floats], rows: Floats, good: Bools, unit: Floats
+) -> Table:
+    """The table of rows (n0, n1, n2, Q + K + 2 W)."""
+    values, directional, relief = np.split(rows, np.cumsum([Q, columns(material.lattice)]), axis=-1)
+    reliefs = relief.reshape(*relief.shape[:-1], 2, -1)
+    return Table(stretch, material.lattice.spacing_mm, axes, values, reliefs, good, unit, directional)
 
 
 def _stored(rows: Floats, unit: Floats) -> Floats:
-    """Rows (..., Q + 2 W) in the forms that are interpolated; a relief is interpolated as it is."""
+    """Rows (..., Q + K + 2 W) in the forms that are interpolated; all but quantities are as they are."""
     return np.concatenate([to_stored(rows[..., :Q], unit), rows[..., Q:]], axis=-1)
 
 
@@ -214,7 +221,7 @@ def _known(stored: Floats, unit: Floats) -> Floats:
 def scattered_points(
     sizes: dict[tuple[float, float, float], Floats | None], fabric: Floats, axes: tuple[Floats, Floats, Floats]
 ) -> tuple[Floats, Floats]:
-    """Places (n, 3) in the unit cube and rows (n, Q + 2 W), with bare fabric all over the side of length 0."""
+    """Places (n, 3) in the unit cube and rows (n, Q + K + 2 W), with bare fabric all over the side of length 0."""
     known = {size: found for size, found in sizes.items() if found is not None}
     bare = [(0.0, float(h), float(w)) for h in axes[1][::2] for w in axes[2]]
     rows = np.vstack([np.array(list(known.values())), np.tile(fabric, (len(bare), 1))])

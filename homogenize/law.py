@@ -114,6 +114,10 @@ class Law:
         turned = (design.lattice.orientation_deg - self.material.lattice.orientation_deg) * arms / 180.0
         return np.where(self.waves.odd, -found, found) if arms % 2 and round(turned) % 2 else found
 
+    def anisotropy(self, design: Design, length_mm: ArrayLike, thickness_mm: ArrayLike, width_mm: ArrayLike) -> Floats:
+        """(N, K) `Table.anisotropy` for a design's stars, which is the same after half a turn."""
+        return self.check(design).anisotropy(length_mm, thickness_mm, width_mm)
+
     def evaluate(self, design: Design, length_mm: ArrayLike, thickness_mm: ArrayLike, width_mm: ArrayLike) -> Values:
         """The law for a design's material at stars of these sizes, stiffnesses in the design's own moduli."""
         values = self.check(design)(length_mm, thickness_mm, width_mm)

@@ -12,13 +12,14 @@ import json
 import tokenize
 import zipfile
 import zlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from homogenize.anisotropy import columns
 from homogenize.errors import LawError
 from homogenize.interpolation import Floats
 from homogenize.law import Law
@@ -107,9 +108,11 @@ def load_law(path: str | Path | None = None) -> Law:
             count = len({name.split("/")[0] for name in archive.files if "/" in name})
             if not (isinstance(residuals, dict) and isinstance(made, dict)):
                 raise ValueError("texts that are no tables")
-            tables = tuple(_table({k: archive[f"{n}/{k}"] for k in _ARRAYS}) for n in range(count))
+            tables = tuple(_table({k: archive[f"{n}/{k}"] for k in _named(archive, n)}) for n in range(count))
         law = Law(Material.from_dict(material), tables, samples, residuals, made)
         _check_whole(law)
+        if any(table.anisotropies.shape[-1] != columns(law.material.lattice) for table in law.tables):
+            raise LawError(f"{path}: lacks what differs between directions; make it again: asterism calibrate")
         return law
     except OSError as error:
         raise LawError(f"{path}: cannot be read: {error.strerror or error}") from None
@@ -130,24 +133,33 @@ def _check_whole(law: Law) -> None:
         raise ValueError("tables, residuals and material are not of one law")
 
 
+_OPTIONAL = "anisotropies"  # left out where directions do not differ
 _ARRAYS = ("stretch", "spacing_mm", "length_mm", "thickness_mm", "width_mm", "nodes", "reliefs", "good", "units")
+
+
+def _named(archive: Mapping[str, Any], number: int) -> list[str]:
+    """The arrays of a table in a file."""
+    return [*_ARRAYS, _OPTIONAL] if f"{number}/{_OPTIONAL}" in archive else list(_ARRAYS)
 
 
 def _arrays(table: Table) -> dict[str, np.ndarray]:
     numbers = (np.array(table.stretch), np.array(table.spacing_mm))
     values = (*numbers, *table.axes, table.nodes, table.reliefs, table.good, table.units)
-    return dict(zip(_ARRAYS, values, strict=True))
+    found = dict(zip(_ARRAYS, values, strict=True))
+    return found | ({_OPTIONAL: table.anisotropies} if table.anisotropies.size else {})
 
 
 def _table(arrays: dict[str, np.ndarray]) -> Table:
     axes: tuple[Floats, Floats, Floats] = (arrays["length_mm"], arrays["thickness_mm"], arrays["width_mm"])
     shape = tuple(len(axis) for axis in axes)
+    directional = arrays.get(_OPTIONAL, np.empty((*shape, 0)))
     fit = arrays["nodes"].shape == (*shape, len(NAMES)) and shape == arrays["good"].shape
     fit = (
         fit
         and arrays["good"].dtype == bool
         and arrays["reliefs"].ndim == 5
         and arrays["reliefs"].shape[:4] == (*shape, 2)
+        and directional.shape[:-1] == shape
     )
     if not fit or not all(np.isfinite(array).all() for array in arrays.values()):
         raise ValueError("arrays do not fit together, or have gaps")
@@ -158,4 +170,5 @@ def _table(arrays: dict[str, np.ndarray]) -> Table:
         stored = to_stored(arrays["nodes"], arrays["units"])
     if not (np.isfinite(stored).all() and stretch > 0 and spacing > 0):
         raise ValueError("values that no cell has")
-    return Table(stretch, spacing, axes, arrays["nodes"], arrays["reliefs"], arrays["good"], arrays["units"])
+    values, reliefs, good, unit = (arrays[name] for name in ("nodes", "reliefs", "good", "units"))
+    return Table(stretch, spacing, axes, values, reliefs, good, unit, directional)

@@ -95,6 +95,7 @@ class Table:
         lengths stand in: between two answers that is the interpolation of a coarser grid; elsewhere the law does not
         reach.
     units : (Q,) that the forms of the quantities are in, see `units`.
+    anisotropies : (n0, n1, n2, K) what differs between directions, `homogenize.anisotropy`; mostly nothing, K = 0.
     """
 
     stretch: float
@@ -104,6 +105,7 @@ class Table:
     reliefs: Floats
     good: Bools
     units: Floats
+    anisotropies: Floats
 
     @cached_property
     def _grid(self) -> Grid:
@@ -113,7 +115,13 @@ class Table:
 
     @cached_property
     def _reliefs(self) -> Grid:
-        columns = self.reliefs.reshape(*self.reliefs.shape[:3], -1)
+        return self._smooth(self.reliefs.reshape(*self.reliefs.shape[:3], -1))
+
+    @cached_property
+    def _anisotropies(self) -> Grid:
+        return self._smooth(self.anisotropies)
+
+    def _smooth(self, columns: Floats) -> Grid:
         rules: list[Rule] = ["smooth"] * columns.shape[-1]
         return Grid((self.axes[0], np.log(self.axes[1]), np.log(self.axes[2])), columns, rules)
 
@@ -180,6 +188,16 @@ class Table:
         """
         found = self._reliefs(self._places(_rows(length_mm, thickness_mm, width_mm))[1])[0]
         return found.reshape(len(found), *self.reliefs.shape[3:])
+
+    def anisotropy(self, length_mm: ArrayLike, thickness_mm: ArrayLike, width_mm: ArrayLike) -> Floats:
+        """(N, K) what differs between directions, see `homogenize.anisotropy`; K is 0 where nothing does.
+
+        Beyond the law's range that of the nearest sizes in it.
+        """
+        sizes = _rows(length_mm, thickness_mm, width_mm)
+        if self.anisotropies.shape[-1] == 0:
+            return np.empty((len(sizes), 0))
+        return self._anisotropies(self._places(sizes)[1])[0]
 
     def _places(self, asked: Floats) -> tuple[Floats, Floats]:
         """Sizes (N, 3) within the range, and their places on the grid."""

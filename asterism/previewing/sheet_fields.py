@@ -34,6 +34,9 @@ of stiffnesses were averaged.
 **Fabric that is pulled favours caps** (`asterism.previewing.self_stress`): a modulus of Gaussian curvature `-g`, of the
 energy `-g det b` per printed area. It goes with the share of the stars squared, which leaves a border without a slope.
 
+**Stars that are not the same in all directions** have a bending tensor in place of D, a rest curvature in place of
+`-kappa lam^2/(1 + nu) I` (`asterism.previewing.directional`), and lengths by the tube that gains most.
+
 **Free rims** of bare fabric curl on their own (`asterism.previewing.free_rim`).
 """
 
@@ -44,17 +47,17 @@ from collections.abc import Sequence
 import numpy as np
 import scipy.sparse as sp
 
+from asterism.previewing.directional import bends, softest, tilted
 from asterism.previewing.free_rim import beside, rim_curvature, stars_share
 from asterism.previewing.rim_arms import arm_curvature
 from asterism.previewing.star_arms import arm_metric
 from asterism.previewing.star_values import StarValues
 from fem.density import Density, isotropic
 from fem.fields import Fields
+from homogenize.anisotropy import POISSON
 from pattern.lattice import DEFAULT_SPACING
 from pattern.layout import Floats
 
-# Poisson's ratio of bending: it shapes no tube, but caps. Small free sheets are nearest to the exact model with 0 to .1
-POISSON = 0.05
 # sixfold term over that of the cells: in exact strips of long thin stars directions differ by up to twice as much
 SIXFOLD = 1.4
 # saturation over the natural curvature's `|(b11 - b22)/2 + i b12|`, and the least one as a turn over a spacing, rad
@@ -102,17 +105,25 @@ def sheet_fields(
         along = [np.exp(mean(np.log(natural), shares)) for _, shares in arms]
         metric = arm_metric(lam, np.stack(along, axis=-1), np.array([direction for direction, _ in arms]))
     bend = -kappa * square / (1.0 + POISSON)
-    longer = np.where(np.abs(kappa) * spacing > CURLED, flat**2 - square, 0.0)
-    # half of what the metric changes by per trace of the curvature, which at rest is twice `bend`
-    coupling = 0.5 * longer / (np.where(longer == 0.0, 1.0, kappa) * square)
-    metric = metric * (1.0 + longer * (1.0 - 2.0 / (1.0 + POISSON)) / square)[..., None]
+    stiffness = isotropic(a11, bending / lam**4, a12 / a11, POISSON)
+    curvature = np.stack([bend, bend, zero], axis=-1)
+    # of the natural tube, of b_r over the tube's, and of the softest bending over the isotropic
+    curl, trace, firm = kappa, np.full(shape, -2.0 / (1.0 + POISSON)), np.ones(shape)
+    if values.anisotropy.shape[1]:
+        own = np.asarray(weights @ values.anisotropy[:-1]).reshape(*shape, -1)
+        stiffness, firm = tilted(stiffness, bending / lam**4, own), softest(own)
+        curvature, curl = bends(lam, kappa, own), mean(values.curl)
+        trace = curvature[..., :2].sum(axis=-1) / (np.where(curl == 0.0, 1.0, curl) * square)
+    longer = np.where(np.abs(curl) * spacing > CURLED, flat**2 - square, 0.0)
+    # half of what the metric changes by per trace of the curvature
+    coupling = 0.5 * longer / (np.where(longer == 0.0, 1.0, curl) * square)
+    metric = metric * (1.0 + longer * (1.0 + trace) / square)[..., None]
     density = Density(
-        stiffness=_coupled(isotropic(a11, bending / lam**4, a12 / a11, POISSON), coupling),
+        stiffness=_coupled(stiffness, coupling),
         sixfold=SIXFOLD * (1.0 + 1.0 / BEYOND**2) * c3 / lam**6,
         orientation=zero,
         saturation=np.maximum(BEYOND * 0.5 * np.abs(kappa) * square, LEAST / spacing),
     )
-    curvature = np.stack([bend, bend, zero], axis=-1)
     if normals is not None:
         rim = rim_curvature(weights, values, normals)
         if carried is not None:
@@ -121,7 +132,7 @@ def sheet_fields(
     if gaussian is None:
         return Fields(density, metric, curvature)
     saved = (np.minimum(stars_share(weights), 1.0) * np.asarray(weights @ gaussian)).reshape(shape)
-    return Fields(density, metric, curvature, -np.minimum(saved, STABLE * (1.0 + POISSON) * bending / lam**4))
+    return Fields(density, metric, curvature, -np.minimum(saved, STABLE * firm * (1.0 + POISSON) * bending / lam**4))
 
 
 def free_early(values: StarValues, spacing: float) -> Floats:

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from asterism.previewing.directional import SHARE, strongest
 from homogenize.errors import LawError
 from homogenize.interpolation import Bools
 from homogenize.law import Law
-from homogenize.table import NAMES
+from homogenize.table import NAMES, TIGHT
 from pattern.design import Design
 from pattern.layout import Floats, Layout
 
@@ -37,6 +38,8 @@ class StarValues:
         other, or hardly, elsewhere.
     tips : (S + 1, 2) mm and mm^2, the relief at the tips of a star's arms, mean over the arms: flat, and more per
         curvature.
+    curl : (S + 1,) 1/mm, natural curvature of the tube that gains most: `kappa`, unless directions differ.
+    anisotropy : (S + 1, K) what differs between directions, SHARE of `homogenize.anisotropy`; mostly nothing, K = 0.
     caps : (S + 1,) 1/mm, curvature `2 B / l^2` of a star's bump of height B over arms of length l, on its natural tube.
     """
 
@@ -48,6 +51,8 @@ class StarValues:
     uneven: tuple[int, ...]
     tips: Floats
     caps: Floats
+    curl: Floats
+    anisotropy: Floats
 
 
 def star_sizes(layout: Layout, arms: int) -> Floats:
@@ -78,12 +83,15 @@ def star_values(design: Design, layout: Layout, law: Law) -> StarValues:
     ]
     _check(where, {name: found.value[name][:-1] for name in NAMES})
     outside = tuple(_placed(line, where) for line in found.outside)
-    tight = tuple(layout.star_number[found.tight[:-1]].tolist())
+    anisotropy = SHARE * law.anisotropy(design, *asked.T)
+    curl = strongest(found.value["kappa"], anisotropy)
+    curls = found.tight | (np.abs(curl) * design.lattice.spacing_mm > TIGHT)
+    tight = tuple(layout.star_number[curls[:-1]].tolist())
     relief = law.relief(design, *asked.T)
     tips, caps = _bumps(design, law, asked[:, 0], relief, found.value["kappa"])
     c3, too_much = _bounded_sixfold(found.value)
     uneven = tuple(layout.star_number[too_much[:-1]].tolist())
-    return StarValues(found.value | {"c3": c3}, relief, sizes, outside, tight, uneven, tips, caps)
+    return StarValues(found.value | {"c3": c3}, relief, sizes, outside, tight, uneven, tips, caps, curl, anisotropy)
 
 
 def _bounded_sixfold(value: dict[str, Floats]) -> tuple[Floats, Bools]:

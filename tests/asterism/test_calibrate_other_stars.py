@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,13 +10,14 @@ import pytest
 
 from asterism.law_directions import directions_line
 from asterism.previewing.preview import Preview
+from homogenize.anisotropy import COUNT, anisotropy
 from homogenize.errors import LawError
 from homogenize.law import Law
-from homogenize.law_file import load_law
+from homogenize.law_file import load_law, to_bytes
 from pattern.design import Design
 from tests.asterism.test_calibrate import PLAN, run
 
-MEAN = "the law is the mean over directions"
+LEFT = "the law is quadratic in the curvature"
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +39,7 @@ def sheet(arms: int, length: float = 6.0) -> Design:
 def test_the_law_says_what_it_leaves_out(five: tuple[Law, str]) -> None:
     law, printed = five
     line = directions_line(law)
-    assert line is not None and MEAN in line and "% at most" in line
+    assert line is not None and LEFT in line and "% at most" in line
     assert line in printed
     samples = [cell["sample"] for cell in law.samples if cell["sample"] and cell["length_mm"] > 0]
     assert len(samples) == 4
@@ -60,7 +62,32 @@ def test_arms_that_overlap_are_cells_without_an_answer(five: tuple[Law, str]) ->
 def test_previews_warn_and_expect_nothing(five: tuple[Law, str]) -> None:
     law = five[0]
     summary = Preview(sheet(5), law).shape().summary
-    assert any(MEAN in warning for warning in summary["warnings"])
+    assert any(LEFT in warning for warning in summary["warnings"])
     assert summary["expected_rms_percent"] is None and summary["expected_height_percent"] is None
     with pytest.raises(LawError, match=r"lattice\.arms = 3: the law is for another lattice, of 5"):
         Preview(sheet(3), law)
+
+
+def test_the_law_holds_what_differs_between_directions(five: tuple[Law, str], tmp_path: Path) -> None:
+    law = five[0]
+    table = law.at(1.35)
+    assert table.anisotropies.shape == (*table.nodes.shape[:3], COUNT)
+    assert not table.anisotropy(0.0, 0.3, 1.2).any()
+    cell = next(cell["sample"] for cell in law.samples if cell["length_mm"] == 7.0 and cell["sample"])
+    sizes = (cell[name] for name in ("length_mm", "thickness_mm", "width_mm"))
+    np.testing.assert_allclose(law.anisotropy(sheet(5), *sizes)[0], anisotropy(cell), rtol=1e-9, atol=1e-12)
+    without = replace(law, tables=(replace(table, anisotropies=np.empty((*table.nodes.shape[:3], 0))),))
+    (tmp_path / "old.npz").write_bytes(to_bytes(without))
+    with pytest.raises(LawError, match=r"old\.npz: lacks what differs between directions; make it again"):
+        load_law(tmp_path / "old.npz")
+
+
+def test_a_sheet_of_five_arms_bends_differently_in_each_direction(five: tuple[Law, str]) -> None:
+    preview = Preview(sheet(5), five[0])
+    bending = np.asarray(preview.shell.density.stiffness)[..., 3:5, 3:5]
+    assert np.abs(bending[..., 0, 0] / bending[..., 1, 1] - 1.0).max() > 0.01
+    assert preview.equilibrium.is_minimum
+    thicker = sheet(5).to_dict()
+    thicker["stars"]["thickness_mm"] = 0.45
+    edited = preview.update(Design.from_dict(thicker))
+    assert edited.height_mm == pytest.approx(Preview(Design.from_dict(thicker), five[0]).shape().height_mm, rel=0.01)

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from homogenize.directions import directions
 from pattern.design import Design
 
 
@@ -30,21 +31,23 @@ def respond(design: Design, edge_mm: float) -> Answer:
     kappa = 0.002 * l**2 / (1 + 0.1 * l**2) * (0.3 / h) ** 2 * w**0.1
     a = 11.5 * np.exp(-0.02 * l)
     membrane = np.array([[a, 0.3 * a, 0], [0.3 * a, a, 0], [0, 0, 0.35 * a]])
-    three = np.ones(3)
+    angles = directions(design.lattice)
+    each = np.ones(len(angles))
     data = {
         "length_mm": l,
         "spacing_mm": design.lattice.spacing_mm,
         "lam": lam,
         "membrane": membrane.tolist(),
-        "natural_curvature": (kappa * three).tolist(),
-        "natural_membrane": [membrane.tolist()] * 3,
-        "natural_bump_mm": (0.1 * l * three).tolist(),
+        "angles_rad": list(angles),
+        "natural_curvature": (kappa * each).tolist(),
+        "natural_membrane": [membrane.tolist()] * len(angles),
+        "natural_bump_mm": (0.1 * l * each).tolist(),
         "relief": (0.02 * l * np.arange(24.0)).reshape(2, 12).tolist(),
-        "natural_hoop": (lam * three).tolist(),
-        "natural_axial": (lam * three).tolist(),
-        "bending": (0.5 * np.exp(0.1 * l * h) * three).tolist(),
+        "natural_hoop": (lam * each).tolist(),
+        "natural_axial": (lam * each).tolist(),
+        "bending": (0.5 * np.exp(0.1 * l * h) * each).tolist(),
         "sixfold": 0.01 * l,
-        "natural_centre_offset_mm": (0.05 * l * three).tolist(),
+        "natural_centre_offset_mm": (0.05 * l * each).tolist(),
     }
     return Answer(data)
 

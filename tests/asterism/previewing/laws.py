@@ -38,5 +38,5 @@ def plain_law(stretch: float = 1.35) -> Law:
     reliefs[..., 1, 0] = 0.5 * l / waves(np.zeros((1, 2)))[0, 0]
     unit = units(nodes[0, 0, 0], SPACING)
     axes = (lengths, thicknesses, widths)
-    table = Table(stretch, SPACING, axes, nodes, reliefs, np.ones(l.shape, dtype=bool), unit)
+    table = Table(stretch, SPACING, axes, nodes, reliefs, np.ones(l.shape, dtype=bool), unit, np.empty((*l.shape, 0)))
     return Law(material, (table,), (), {})

@@ -1,0 +1,144 @@
+"""Previews of stars that are not the same in all directions, each with the law of its own stars.
+
+python -m benchmarks.other_stars FOLDER
+
+Four, five and six arms on square lattices, four and five on triangular ones, three on a square one: free, held along
+the border, or on their corners; the same designs every time. FOLDER keeps laws and exact shapes. Of these the lowest
+counts, from the release, or from the preview with or without what differs between directions. Each preview is
+made thrice: with no part of that, with the part in use (`asterism.previewing.directional.SHARE`), and with all of it.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+import numpy as np
+
+from asterism.calibrate_command import calibrate
+from asterism.own_law import own_material
+from asterism.previewing.directional import SHARE
+from asterism.previewing.run import preview
+from asterism.verification.comparison import compare
+from benchmarks.accuracy.exact import exact
+from benchmarks.report import markdown, write_report
+from homogenize.errors import CampaignError
+from homogenize.law import Law
+from pattern.build import layout
+from pattern.design import Design
+from pattern.errors import DesignError
+from pattern.lattice import DEFAULT_SPACING
+from pattern.symmetries import symmetries
+
+COUNT = 36
+EDGE_MM = 1.15
+# kind of lattice, arms, turn in degrees
+STARS = [
+    ("square", 4, 0), ("square", 4, 45), ("triangular", 4, 0), ("square", 3, 0), ("triangular", 5, 0),
+    ("square", 5, 10), ("square", 6, 0), ("square", 4, 20), ("triangular", 4, 30),
+]  # fmt: skip
+HELD = ["free", "border", "corners", "free"]
+SHARES = [0.0, SHARE, 1.0]
+HEADER = ["design", "lattice, arms, turned by", "held", "stars", *(f"rms %, {share:g} of it" for share in SHARES)]
+
+
+def other_stars(number: int) -> Design:
+    """A design by its number."""
+    rng = np.random.default_rng([77, number])
+    kind, arms, turn = STARS[number % len(STARS)]
+    held = HELD[number // len(STARS) % len(HELD)]
+    while True:
+        r = DEFAULT_SPACING * rng.uniform(2.2, 3.2)
+        length = DEFAULT_SPACING * rng.uniform(0.33, 0.5)
+        field = {"profile": "radial", "from": length, "to": length * rng.uniform(0.6, 1.0), "over_mm": r}
+        hexagon = [[-r, -0.6 * r], [0, -r], [r, -0.6 * r], [r, 0.6 * r], [0, r], [-r, 0.6 * r]]
+        outline = {"polygon_mm": hexagon} if rng.random() < 0.5 else {"rectangle_mm": [2 * r, r * rng.uniform(1.4, 2)]}
+        scale = round(float(rng.uniform(*((0.68, 0.74) if held == "border" else (0.6, 0.72)))), 3)
+        data = {
+            "name": f"other-{number:02d}",
+            "stars": {
+                "length_mm": field if rng.random() < 0.5 else length,
+                "thickness_mm": round(float(rng.uniform(0.28, 0.5)), 3),
+            },
+            "lattice": {"kind": kind, "arms": arms, "orientation_deg": turn},
+            "border": outline,
+            "pins": [] if held == "free" else [{"where": held, "scale": scale}],
+            "mesh": {"edge_mm": EDGE_MM},
+        }
+        try:
+            design = Design.from_dict(data)
+            layout(design)
+            return design
+        except DesignError:
+            continue
+
+
+def row(number: int, folder: Path) -> dict[str, Any]:
+    """How far the previews of a design are from its lowest exact shape."""
+    design = other_stars(number)
+    law = calibrate(own_material(design, EDGE_MM), folder / "laws" / f"{design.name}.npz", jobs=2)
+    plan = layout(design)
+    shown = [_preview(design, law, share) for share in SHARES]
+    starts = {"": None, "-plain": shown[0], "-directed": shown[1]}
+    shapes = [
+        exact(design, folder / f"exact{name}", None if start is None else lambda start=start: start)
+        for name, start in starts.items()
+    ]
+    right = min(shapes, key=lambda shape: shape.summary["energy_n_mm"])
+    same = symmetries(design, plan)
+    return {
+        "design": design.name,
+        "lattice": design.lattice.kind,
+        "arms": design.lattice.arms,
+        "orientation_deg": design.lattice.orientation_deg,
+        "held": HELD[number // len(STARS) % len(HELD)],
+        "stars": len(plan.centres),
+        "rms_percent": [compare(right, each, plan, same).rms_percent for each in shown],
+        "shares": SHARES,
+    }
+
+
+def _preview(design: Design, law: Law, share: float) -> Any:
+    with patch("asterism.previewing.star_values.SHARE", share):
+        return preview(design, law)
+
+
+def table(rows: list[dict[str, Any]]) -> str:
+    """Each design, how far half of the previews are off, nine in ten and all, and how many are within 2.5 %."""
+    rms = np.array([row["rms_percent"] for row in rows])
+    lines = [
+        [
+            row["design"], f"{row['lattice']}, {row['arms']}, {row['orientation_deg']:g} deg", row["held"],
+            str(row["stars"]), *(f"{value:.2f}" for value in row["rms_percent"]),
+        ]
+        for row in rows
+    ]  # fmt: skip
+    ends = [
+        [name, "", "", "", *(f"{value:.2f}" for value in np.quantile(rms, part, axis=0))]
+        for name, part in (("median", 0.5), ("nine in ten", 0.9), ("largest", 1.0))
+    ] + [
+        ["within 2.5 %", "", "", "", *(f"{count} of {len(rows)}" for count in (rms <= 2.5).sum(axis=0))],
+    ]
+    return markdown(HEADER, lines + ends)
+
+
+def main(words: list[str]) -> None:
+    """All designs, into `results`."""
+    folder = Path(words[0])
+    (folder / "laws").mkdir(parents=True, exist_ok=True)
+    rows, without = [], []
+    for number in range(COUNT):
+        try:
+            rows.append(row(number, folder))
+            print(rows[-1], flush=True)
+        except CampaignError as error:
+            without.append(f"- `{other_stars(number).name}`: {error}")
+            print(without[-1], flush=True)
+    left = "\n\nWithout a law:\n\n" + "\n".join(without) if without else ""
+    write_report("other_stars", rows, table(rows) + left)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

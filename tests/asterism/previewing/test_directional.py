@@ -1,0 +1,88 @@
+"""Fields of stars that bend differently in each direction."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from asterism.previewing.directional import softest, strongest
+from asterism.previewing.sheet_fields import POISSON, sheet_fields
+from asterism.previewing.star_values import StarValues, star_values
+from homogenize.anisotropy import BENDING, COUNT, MOMENT
+from pattern import gallery
+from pattern.build import layout
+from pattern.layout import Floats
+from tests.asterism.previewing.laws import plain_law
+
+PLAN = layout(gallery.load("tube"))
+PLAIN = star_values(gallery.load("tube"), PLAN, plain_law())
+STARS = len(PLAN.centres)
+
+
+def values(along_x: float, moment: float = 0.0, gap: float = 0.0) -> StarValues:
+    """Stars whose bending along x is `along_x` times the mean's, and along y `2 - along_x`; lengths differ by `gap`."""
+    own = np.zeros((STARS + 1, COUNT))
+    own[:-1, BENDING[:2]] = along_x - 1.0, 1.0 - along_x
+    own[:-1, MOMENT[:2]] = moment, -moment
+    kappa = PLAIN.value["kappa"]
+    flat = PLAIN.value["lam_n"].copy()
+    flat[:-1] *= 1.0 + gap
+    value = PLAIN.value | {"c3": np.zeros(STARS + 1), "lam": flat}
+    return replace(PLAIN, value=value, anisotropy=own, curl=strongest(kappa, own))
+
+
+def moments(stars: StarValues, curvature: tuple[float, float]) -> Floats:
+    """(6,) stress of a sheet of the first star on its natural length with curvatures about y and x, over lam^2."""
+    fields = sheet_fields(sp.csr_matrix(np.eye(1, STARS)), stars, (1, 1))
+    square = stars.value["lam_n"][0] ** 2
+    state = square * np.array([0.5, 0.5, 0.0, -curvature[0], -curvature[1], 0.0])
+    rest = fields.rest(np.zeros((1, 1, 2)))[0, 0]
+    return np.asarray(fields.density((state - rest)[None, None])[1][0, 0])  # type: ignore[operator]
+
+
+@pytest.mark.parametrize(("along_x", "moment"), [(1.0, 0.0), (0.6, 0.0), (1.3, 0.0), (1.0, 0.01), (0.7, 0.005)])
+def test_a_tube_about_either_axis_has_no_moment_around_it_at_its_own_curvature(along_x: float, moment: float) -> None:
+    stars = values(along_x, moment)
+    kappa = stars.value["kappa"][0]
+    x, y = (kappa + moment) / along_x, (kappa - moment) / (2.0 - along_x)
+    scale = np.abs(moments(stars, (0.0, 0.0))[3:5]).max()
+    assert abs(moments(stars, (x, 0.0))[3]) < 1e-12 * scale
+    assert abs(moments(stars, (0.0, y))[4]) < 1e-12 * scale
+    gains = (kappa + moment) * x, (kappa - moment) * y
+    assert stars.curl[0] == pytest.approx((x, y)[int(np.argmax(gains))])
+    assert stars.curl[-1] == stars.value["kappa"][-1] == 0.0
+
+
+def test_the_tube_that_gains_most_has_its_natural_length() -> None:
+    """Others are as much longer as they are flatter, `sheet_fields` says by how much."""
+    stars = values(0.6, gap=0.03)
+    scale = np.abs(moments(stars, (0.0, 0.0))[:2]).max()
+    assert np.abs(moments(stars, (stars.curl[0], 0.0))[:3]).max() < 1e-12 * scale
+    alike = values(1.0, gap=0.03)
+    np.testing.assert_allclose(
+        moments(alike, (0.01, 0.0)),
+        moments(replace(alike, anisotropy=np.empty((STARS + 1, 0))), (0.01, 0.0)),
+        rtol=1e-12,
+    )
+
+
+def test_bare_fabric_is_the_same_in_all_directions_and_stars_share_it_evenly() -> None:
+    stars = values(0.6)
+    weights = sp.csr_matrix(np.array([[0.0], [1.0]]) * np.eye(1, STARS))
+    stiffness = np.asarray(sheet_fields(weights, stars, (2, 1)).densities(np.zeros((2, 1, 2))).stiffness)[:, 0, 3:, 3:]
+    assert stiffness[0, 0, 0] == stiffness[0, 1, 1]
+    assert stiffness[1, 0, 0] / stiffness[1, 1, 1] == pytest.approx(0.6 / 1.4)
+    assert stiffness[1, 0, 1] == pytest.approx(POISSON * 0.5 * (stiffness[1, 0, 0] + stiffness[1, 1, 1]))
+
+
+def test_caps_of_soft_directions_stay_stable() -> None:
+    """However much Gaussian curvature saves."""
+    stars = values(0.2)
+    assert softest(stars.anisotropy)[0] < 0.21 and softest(stars.anisotropy)[-1] == pytest.approx(1.0)
+    weights = sp.csr_matrix(np.eye(1, STARS))
+    fields = sheet_fields(weights, stars, (1, 1), gaussian=np.full(STARS, 1e6))
+    stiffness = np.asarray(fields.densities(np.zeros((1, 1, 2))).stiffness)[0, 0, 3:, 3:]
+    assert np.linalg.eigvalsh(stiffness).min() > 0.0
