@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from homogenize.anisotropy import BENDING, MOMENT, PLATE, ROUND, anisotropy, matrices, natural
+from homogenize.anisotropy import followed
 from homogenize.directions import CURLED, is_threefold, left_out, spread
 from homogenize.law import Law
 from homogenize.table import TIGHT
@@ -34,9 +34,5 @@ def directions_line(law: Law) -> str | None:
 
 def _off_quadratic(sample: dict[str, Any]) -> float:
     """How far a cell's natural curvatures are at most from the quadratic law's, over the largest."""
-    kappa, hoop, axial = (np.array(sample[name]) for name in ("natural_curvature", "natural_hoop", "natural_axial"))
-    own = anisotropy(sample)
-    q, m = PLATE + matrices(own[BENDING]), kappa.mean() * ROUND + own[MOMENT]
-    wanted = natural(q, m, np.array(sample["angles_rad"]) + 0.5 * np.pi)[0]
-    lam = np.sqrt(hoop * axial).mean()
-    return float(np.abs(wanted * (lam / hoop) ** 2 - kappa).max() / np.abs(kappa).max())
+    kappa = np.array(sample["natural_curvature"])
+    return float(np.abs(followed(sample) - kappa).max() / np.abs(kappa).max())

@@ -59,6 +59,18 @@ def anisotropy(sample: dict[str, Any]) -> Floats:
     return np.array([*(q[i, j] - PLATE[i, j] for i, j in ENTRIES), *(m - kappa.mean() * ROUND)])
 
 
+def followed(sample: dict[str, Any]) -> Floats:
+    """(6,) 1/mm, natural curvatures that `anisotropy` makes of a cell's `natural_curvature`."""
+    own = anisotropy(sample)
+    angles, kappa, hoop, axial = (
+        np.array(sample[name], dtype=float)
+        for name in ("angles_rad", "natural_curvature", "natural_hoop", "natural_axial")
+    )
+    m = kappa.mean() * ROUND + own[MOMENT]
+    found = natural(PLATE + matrices(own[BENDING]), m, angles + 0.5 * np.pi)[0]
+    return found * (np.sqrt(hoop * axial).mean() / hoop) ** 2
+
+
 def matrices(entries: Floats) -> Floats:
     """(..., 3, 3) symmetric ones of `ENTRIES` (..., 6)."""
     out = np.empty((*entries.shape[:-1], 3, 3))
