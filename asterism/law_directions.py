@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from asterism.previewing.directional import SHARE
 from homogenize.anisotropy import followed
 from homogenize.directions import CURLED, is_threefold, left_out, spread
 from homogenize.law import Law
@@ -13,7 +14,7 @@ from homogenize.table import TIGHT
 
 
 def directions_line(law: Law) -> str | None:
-    """What is left out, and how far natural curvatures are from the law's for it; None if nothing is.
+    """What is left out, and how far natural curvatures are from a preview's for it; None if nothing is.
 
     Of the cells that curl, but not tightly: the direction that is furthest off.
     """
@@ -25,14 +26,14 @@ def directions_line(law: Law) -> str | None:
     if not curled:
         return missing
     threefold = is_threefold(law.material.lattice)
-    off = 100.0 * np.array([spread(c["natural_curvature"]) if threefold else _off_quadratic(c) for c in curled])
+    off = 100.0 * np.array([spread(c["natural_curvature"]) if threefold else _off_followed(c) for c in curled])
     return (
         f"{missing}: natural curvature of the direction that is furthest off differs by {np.median(off):.0f} % in the "
         f"median of {len(off)} cells, by {off.max():.0f} % at most"
     )
 
 
-def _off_quadratic(sample: dict[str, Any]) -> float:
-    """How far a cell's natural curvatures are at most from the quadratic law's, over the largest."""
+def _off_followed(sample: dict[str, Any]) -> float:
+    """How far a cell's natural curvatures are at most from what previews take them for, over the largest."""
     kappa = np.array(sample["natural_curvature"])
-    return float(np.abs(followed(sample) - kappa).max() / np.abs(kappa).max())
+    return float(np.abs(followed(sample, SHARE) - kappa).max() / np.abs(kappa).max())

@@ -59,9 +59,9 @@ def anisotropy(sample: dict[str, Any]) -> Floats:
     return np.array([*(q[i, j] - PLATE[i, j] for i, j in ENTRIES), *(m - kappa.mean() * ROUND)])
 
 
-def followed(sample: dict[str, Any]) -> Floats:
-    """(6,) 1/mm, natural curvatures that `anisotropy` makes of a cell's `natural_curvature`."""
-    own = anisotropy(sample)
+def followed(sample: dict[str, Any], share: float = 1.0) -> Floats:
+    """(6,) 1/mm, natural curvatures that a share of `anisotropy` makes of a cell's `natural_curvature`."""
+    own = share * anisotropy(sample)
     angles, kappa, hoop, axial = (
         np.array(sample[name], dtype=float)
         for name in ("angles_rad", "natural_curvature", "natural_hoop", "natural_axial")

@@ -17,7 +17,7 @@ from homogenize.law_file import load_law, to_bytes
 from pattern.design import Design
 from tests.asterism.test_calibrate import PLAN, run
 
-LEFT = "the law is quadratic in the curvature"
+LEFT = "previews follow half of that"
 
 
 @pytest.fixture(scope="module")
