@@ -4,12 +4,8 @@ from __future__ import annotations
 
 from typing import Literal
 
-import numpy as np
-from scipy.spatial import cKDTree
-
 from pattern.errors import MeshError
-from pattern.lattice_grid import LatticeGrid
-from pattern.layout import Ints, Layout
+from pattern.layout import Layout
 from pattern.mesh import Mesh
 from pattern.mesh_aligned import aligned_mesh
 from pattern.mesh_delaunay import SPLITS, delaunay_mesh
@@ -34,19 +30,3 @@ def mesh_layout(
             if kind == "aligned":
                 raise MeshError(f"mesh.kind = 'aligned': {error}; delaunay and auto mesh every sheet") from None
     return delaunay_mesh(layout, edge_mm, seed, graded, 0 if draft else SPLITS)
-
-
-def can_align(layout: Layout) -> bool:
-    """Whether stars and arms lie on the lattice, so that there is an aligned mesh once the edge is short enough."""
-    grid = LatticeGrid.of(layout, np.inf)
-    try:
-        grid.centres(layout)
-        grid.directions(layout)
-    except MeshError:
-        return False
-    return True
-
-
-def star_of_vertex(layout: Layout, mesh: Mesh) -> Ints:
-    """The nearest star (V,) of every vertex."""
-    return np.asarray(cKDTree(layout.centres).query(mesh.points)[1], dtype=np.int64)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pattern.errors import MeshError
-from pattern.meshing import can_align, mesh_layout, star_of_vertex
+from pattern.meshing import mesh_layout
 from tests.pattern.layouts import D, layout, rings
 from tests.pattern.mesh_rules import obey
 
@@ -30,19 +30,8 @@ def test_kind_is_obeyed():
         mesh_layout(rings(1), 2.0, kind="square")
 
 
-def test_can_align():
-    assert can_align(rings(2))
-    assert not can_align(rings(1, 10.0, [0.0, 120.0, 240.0]))
+@pytest.mark.parametrize(("arms", "kind"), [(4, "aligned"), (8, "delaunay")])
+def test_a_square_lattice_is_aligned_with_the_arms_along_its_lines(arms, kind):
     border = [[-40, -40], [40, -40], [40, 40], [-40, 40]]
-    assert can_align(layout(border, [[0, 0]], 5.0, [0, 90, 180, 270], vectors=D * np.eye(2)))
-    assert not can_align(layout(border, [[0, 0]], 5.0, (45 * np.arange(8)).tolist(), vectors=D * np.eye(2)))
-
-
-def test_stars_own_what_is_nearest():
-    sheet = rings(1)
-    mesh = mesh_layout(sheet, 2.0)
-    star = star_of_vertex(sheet, mesh)
-    assert star.shape == (len(mesh.points),)
-    assert np.array_equal(star[mesh.star_vertices], np.arange(7))
-    away = np.linalg.norm(mesh.points[:, None] - sheet.centres, axis=2)
-    assert np.allclose(away[np.arange(len(star)), star], away.min(axis=1))
+    angles = (360 / arms * np.arange(arms)).tolist()
+    assert mesh_layout(layout(border, [[0, 0]], 5.0, angles, vectors=D * np.eye(2)), 2.5).kind == kind
