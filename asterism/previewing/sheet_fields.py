@@ -47,14 +47,14 @@ from collections.abc import Sequence
 import numpy as np
 import scipy.sparse as sp
 
-from asterism.previewing.directional import bends, softest, tilted
+from asterism.previewing.directional import bends, tensors, tilted
 from asterism.previewing.free_rim import beside, rim_curvature, stars_share
 from asterism.previewing.rim_arms import arm_curvature
 from asterism.previewing.star_arms import arm_metric
 from asterism.previewing.star_values import StarValues
 from fem.density import Density, isotropic
 from fem.fields import Fields
-from homogenize.anisotropy import POISSON
+from homogenize.anisotropy import POISSON, least
 from pattern.lattice import DEFAULT_SPACING
 from pattern.layout import Floats
 
@@ -110,9 +110,9 @@ def sheet_fields(
     # of the natural tube, of b_r over the tube's, and of the softest bending over the isotropic
     curl, trace, firm = kappa, np.full(shape, -2.0 / (1.0 + POISSON)), np.ones(shape)
     if values.anisotropy.shape[1]:
-        own = np.asarray(weights @ values.anisotropy[:-1]).reshape(*shape, -1)
-        stiffness, firm = tilted(stiffness, bending / lam**4, own), softest(own)
-        curvature, curl = bends(lam, kappa, own), mean(values.curl)
+        q, m = tensors(kappa, np.asarray(weights @ values.anisotropy[:-1]).reshape(*shape, -1))
+        stiffness, firm = tilted(stiffness, bending / lam**4, q), least(q)
+        curvature, curl = bends(lam, q, m), mean(values.curl)
         trace = curvature[..., :2].sum(axis=-1) / (np.where(curl == 0.0, 1.0, curl) * square)
     longer = np.where(np.abs(curl) * spacing > CURLED, flat**2 - square, 0.0)
     # half of what the metric changes by per trace of the curvature
