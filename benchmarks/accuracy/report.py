@@ -14,6 +14,7 @@ from matplotlib.ticker import NullFormatter
 
 from asterism.files import write_file
 from benchmarks.accuracy.causes import CAUSES
+from benchmarks.accuracy.speed import told
 from benchmarks.report import RESULTS, markdown
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -93,13 +94,9 @@ def totals(rows: list[dict[str, Any]]) -> str:
 
 
 def speedups() -> str:
-    """What `benchmarks.preview` has measured, the exact model on the mesh of the law."""
-    rows = json.loads((RESULTS / "preview.json").read_text(encoding="utf-8"))["rows"]
-    parts = []
-    for key, what in (("again_ms", "from nothing"), ("edit_ms", "for an edit")):
-        ratios = [1e3 * r["fine_s"] / r[key] for r in rows if "design" in r]
-        parts.append(f"{min(ratios):.0f} to {max(ratios):.0f} {what}")
-    return ", ".join(parts)
+    """What `benchmarks.accuracy.speed` has measured."""
+    rows = json.loads((RESULTS / "accuracy.speed.json").read_text(encoding="utf-8"))["rows"]
+    return f"from nothing {told(rows, 'again_ms')}; for an edit {told(rows, 'edit_ms')}"
 
 
 def missed(r: dict[str, Any]) -> bool:
