@@ -139,7 +139,7 @@ def _finish(job: Job) -> Chapter:
         )
         if heights := _heights(known):
             lines.append(heights)
-        if job.hangs_mm > MUCH_MM:
+        if job.hangs_mm is not None and job.hangs_mm > MUCH_MM:
             lines.append(
                 f"The sheet hangs {hanging(job.hangs_mm, job.hangs_doubt_mm)}: set all needles so much higher, on "
                 "posts, or cut the base out under it."
@@ -149,6 +149,8 @@ def _finish(job: Job) -> Chapter:
             lines.append(f"{sliding} more go through the sheet where it slides; the template has no holes for them.")
         if rising := [needle.number for needle in known if needle.height_mm is None]:
             lines.append(f"The sheet slides up and down along {named(rising)}: leave it free there, at its own height.")
+        if job.hangs_mm is None:
+            lines.append("Whether the sheet hangs below the base is not known; asterism export --simulate says it.")
     elif job.needles:
         lines.append(f"Needles go through the sheet at the {len(job.needles)} places of the layout, where it slides.")
     else:

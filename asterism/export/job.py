@@ -127,11 +127,13 @@ class Job:
         return [" ".join(str(line).split()) for line in lines] if isinstance(lines, list | tuple) else []
 
     @cached_property
-    def hangs_mm(self) -> float:
-        """How far the sheet hangs below the base in which its needles stand; 0 where the shape is not known."""
+    def hangs_mm(self) -> float | None:
+        """How far the sheet hangs below the base in which its needles stand; None where the shape is not known."""
         known = [(needle, height) for needle in self.needles if (height := needle.height_mm) is not None]
-        if self.seen is None or not known:
+        if not known:
             return 0.0
+        if self.seen is None:
+            return None
         needle, height = known[0]
         base = float(self.seen.at(needle.printed[None])[0, 2] - height)
         return max(base - float(self.seen.positions[:, 2].min()), 0.0)

@@ -33,7 +33,9 @@ def table(s: dict[str, Any]) -> dict[str, str]:
     rows["needles"] = str(s["needles"])
     if through := s["needles_in_plastic"]:
         rows["in plastic"] = f"{named(through)}: drill the arm there, or move the pin"
-    if s["hangs_below_base_mm"] > MUCH_MM:
+    if s["hangs_below_base_mm"] is None:
+        rows["hangs"] = "not known without a law for this fabric; --simulate says it"
+    elif s["hangs_below_base_mm"] > MUCH_MM:
         rows["hangs"] = f"{hanging(s['hangs_below_base_mm'], s['hangs_doubt_mm'])}: set needles higher, or cut it out"
     rows["estimate"] = f"{cost['minutes']:.0f} min, {cost['mass_g']:.2f} g, {cost['filament_m']:.2f} m"
     return rows

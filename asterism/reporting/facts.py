@@ -90,7 +90,7 @@ def _shape(summary: Mapping[str, Any]) -> list[str]:
 
 
 def _hanging(job: Job) -> list[str]:
-    if job.hangs_mm <= MUCH_MM:
+    if job.hangs_mm is None or job.hangs_mm <= MUCH_MM:
         return []
     doubt = job.hangs_doubt_mm
     below = f"hangs {job.hangs_mm:.1f} mm below its base"

@@ -135,8 +135,11 @@ def test_a_sheet_that_hangs_below_its_needles_is_told(file: Path, tmp_path: Path
     assert not SHAPE & {path.name for path in (tmp_path / "plain").iterdir()}
     # nothing is known where there is no law
     save_design(design(fabric={"stretch": 1.5}, stars={"length_mm": 8.0}, border={"rings": 2}, pins=[middle]), file)
-    assert run("export", "d.toml", "-o", "unknown").status == 0
-    assert json.loads((tmp_path / "unknown" / "export.json").read_text())["hangs_below_base_mm"] == 0.0
+    result = run("export", "d.toml", "-o", "unknown")
+    assert result.status == 0 and "not known without a law for this fabric" in result.out
+    told = " ".join((tmp_path / "unknown" / "instructions.txt").read_text().split())
+    assert "not known; asterism export --simulate says it" in told
+    assert json.loads((tmp_path / "unknown" / "export.json").read_text())["hangs_below_base_mm"] is None
 
 
 def test_a_smaller_check_square_is_told_everywhere(file: Path, tmp_path: Path, run: Run) -> None:
