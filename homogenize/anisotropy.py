@@ -8,7 +8,8 @@ in the curvature c (positive with the plastic outside, per mm of the sheet contr
 with the mean bending stiffness D of the tubes. A tube around the direction n has `psi = D (q c^2/2 - m c)` with
 `q = Q[n n, n n]` and `m = m[n n]`: it wants the curvature m/q and gains `D m^2/(2 q)`. Q and m are those whose
 curvatures and gains are nearest to the cells' (least squares). Tubes say all of a symmetric Q but one number, what
-Gaussian curvature costs: Q12 is held near Poisson's ratio.
+Gaussian curvature costs: `cross`, the mean of Q12 over all axes, is held near Poisson's ratio. So a sheet and the same
+sheet printed turned have the same Q and m, turned.
 
 A lattice with threefold symmetry has none of this.
 """
@@ -29,8 +30,10 @@ POISSON = 0.05
 PLATE = np.array([[1.0, POISSON, 0.0], [POISSON, 1.0, 0.0], [0.0, 0.0, 0.5 * (1.0 - POISSON)]])
 # what any curvature costs in Q, over what it costs in the isotropic plate, at least
 LEAST = 0.15
-# weights beside the tubes' relative errors: of the distance from the isotropic plate, and of Q12 from Poisson's ratio
+# weights beside the errors of tubes: of the distance from the isotropic plate, and of `cross` from Poisson's ratio
 NEAR, FIRM = 0.02, 1.0
+# of a Voigt matrix' entries, as many as the tensor has of them: its norm is the same in all axes
+_NORM = np.sqrt([[1.0, 1.0, 2.0], [1.0, 1.0, 2.0], [2.0, 2.0, 4.0]])
 ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))  # of a symmetric Voigt matrix (11, 22, 2 x 12)
 BENDING, MOMENT = np.split(np.arange(9), [6])  # of `anisotropy`
 COUNT = 9
@@ -80,12 +83,12 @@ def matrices(entries: Floats) -> Floats:
 
 
 def natural(q: Floats, m: Floats, directions: Floats) -> tuple[Floats, Floats]:
-    """(..., D) 1/mm that tubes around directions (D,), rad from x, want, and gains over D.
+    """(..., D) 1/mm that tubes around directions (D,) or (..., D), rad from x, want, and gains over D.
 
     Q (..., 3, 3) and m (..., 3).
     """
     along = _squares(directions)
-    wanted = m @ along.T
+    wanted = (along @ m[..., None])[..., 0]
     curvature = wanted / ((along @ q) * along).sum(axis=-1)
     return curvature, 0.5 * wanted * curvature
 
@@ -104,14 +107,19 @@ def _nearest(directions: Floats, curvature: Floats, gain: Floats) -> tuple[Float
     def misses(x: Floats) -> Floats:
         q, m = unpacked(x)
         found, gained = natural(q, m, directions)
-        from_plate = (q - PLATE)[_LOWER]
+        from_plate = (NEAR * _NORM * (q - PLATE)).ravel()
         return np.concatenate(
-            [(found - curvature) / unit, (gained - gain) / most, NEAR * from_plate, [FIRM * (q[0, 1] - POISSON)]]
+            [(found - curvature) / unit, (gained - gain) / most, from_plate, [FIRM * (cross(q) - POISSON)]]
         )
 
     half = np.linalg.cholesky((1.0 - LEAST) * PLATE)[_LOWER]
     moment = np.linalg.lstsq(_squares(directions), curvature / unit, rcond=None)[0]
     return unpacked(least_squares(misses, np.concatenate([half, moment])).x)
+
+
+def cross(q: Floats) -> Floats:
+    """(...) mean of Q12 over all axes of Q (..., 3, 3): no tube feels it."""
+    return np.asarray((q[..., 0, 0] + q[..., 1, 1] + 6.0 * q[..., 0, 1] - 4.0 * q[..., 2, 2]) / 8.0)
 
 
 def least(q: Floats) -> Floats:
@@ -121,6 +129,6 @@ def least(q: Floats) -> Floats:
 
 
 def _squares(directions: Floats) -> Floats:
-    """(D, 3) 11, 22 and twice 12 of n n: what a tensor's 11, 22, 12, or Voigt matrices, are multiplied with."""
+    """(..., 3) 11, 22 and twice 12 of n n: what a tensor's 11, 22, 12, or Voigt matrices, are multiplied with."""
     c, s = np.cos(directions), np.sin(directions)
-    return np.column_stack([c * c, s * s, 2.0 * c * s])
+    return np.stack([c * c, s * s, 2.0 * c * s], axis=-1)

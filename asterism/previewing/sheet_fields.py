@@ -22,6 +22,7 @@ lengths at rest follow the curvature,
 
 which on the natural tube, where `tr b = -kappa lam^2`, is `lam^2 I` again: tubes stay the law's. It couples membrane
 and bending, since strains are measured from there. Of rims that curl on their own, `tr b` is what is beyond that curl.
+Between stars that curl to opposite sides `1/kappa` is the mean curvature over the square of the mean of its size.
 In cells of long thin stars most of the way is made at a fraction of the natural curvature: it is a tanh of x, the turn
 over a spacing in units of TURN. Free sheets are near their natural curvature, where its slope counts,
 `e = 2x / sinh(2x)` for each star. Held ones are anywhere in between; there a straight line through sheets that are
@@ -107,19 +108,19 @@ def sheet_fields(
     bend = -kappa * square / (1.0 + POISSON)
     stiffness = isotropic(a11, bending / lam**4, a12 / a11, POISSON)
     curvature = np.stack([bend, bend, zero], axis=-1)
-    # of the natural tube, of b_r over the tube's, and of the softest bending over the isotropic
-    curl, trace, firm = kappa, np.full(shape, -2.0 / (1.0 + POISSON)), np.ones(shape)
+    # of the natural tubes, and of the softest bending over the isotropic
+    curl, firm = values.value["kappa"], np.ones(shape)
     if values.anisotropy.shape[1]:
         q, m = tensors(kappa, np.asarray(weights @ values.anisotropy[:-1]).reshape(*shape, -1))
         stiffness, firm = tilted(stiffness, bending / lam**4, q), least(q)
-        curvature, curl = bends(lam, q, m), mean(values.curl)
-        trace = curvature[..., :2].sum(axis=-1) / (np.where(curl == 0.0, 1.0, curl) * square)
-    longer = np.where(np.abs(curl) * spacing > CURLED, flat**2 - square, 0.0)
-    # half of what the metric changes by per trace of the curvature
-    coupling = 0.5 * longer / (np.where(longer == 0.0, 1.0, curl) * square)
-    metric = metric * (1.0 + longer * (1.0 + trace) / square)[..., None]
+        curvature, curl = bends(lam, q, m), values.curl
+    strength = mean(np.abs(curl))
+    # parts of lam^2: by how much a flat sheet's metric is larger, and how much of that the trace of b takes away
+    longer = np.where(strength * spacing > CURLED, flat**2 - square, 0.0) / square
+    per_trace = longer * mean(curl) / np.where(longer == 0.0, 1.0, strength) ** 2
+    metric = metric * (1.0 + longer + per_trace * curvature[..., :2].sum(axis=-1) / square)[..., None]
     density = Density(
-        stiffness=_coupled(stiffness, coupling),
+        stiffness=_coupled(stiffness, 0.5 * per_trace),
         sixfold=SIXFOLD * (1.0 + 1.0 / BEYOND**2) * c3 / lam**6,
         orientation=zero,
         saturation=np.maximum(BEYOND * 0.5 * np.abs(kappa) * square, LEAST / spacing),

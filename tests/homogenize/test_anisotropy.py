@@ -18,6 +18,7 @@ from homogenize.anisotropy import (
     ROUND,
     anisotropy,
     columns,
+    cross,
     least,
     matrices,
     natural,
@@ -68,8 +69,7 @@ def test_stars_that_are_alike_in_all_directions_have_none() -> None:
 )
 def test_an_orthotropic_sheet_is_found_whatever_its_axes(axis: float, across: float, more: float) -> None:
     """But for its Gaussian curvature: tubes in six directions want and gain the same."""
-    c, s = np.cos(axis), np.sin(axis)
-    turn = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
+    turn = turned(axis)
     q = turn.T @ np.diag([1.0, across, 0.475]) @ turn
     m = 0.03 * (ROUND + more * np.array([np.cos(2 * axis), -np.cos(2 * axis), np.sin(2 * axis)]))
     found = sample(q, m)
@@ -87,6 +87,28 @@ def test_the_direction_that_is_softer_in_the_cell_is_softer_in_the_sheet() -> No
     along_x, along_y = natural(q, m, np.array([0.0, 0.5 * np.pi]))[0]
     assert along_x == pytest.approx(0.06, rel=0.05) and along_y == pytest.approx(0.02, rel=0.05)
     assert q[0, 0] == pytest.approx(q[1, 1] / 3.0, rel=0.1)
+
+
+def turned(angle: float) -> Floats:
+    """(3, 3) that takes a Voigt curvature (11, 22, 2 x 12) to axes that are turned by an angle, rad."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
+
+
+@pytest.mark.parametrize("steps", [1, 2, 4])
+def test_a_print_that_is_turned_has_the_same_tensors_turned(steps: int) -> None:
+    """What no tube says, the cost of Gaussian curvature, is the same in all axes."""
+    kappa, stiff = [0.03, 0.045, 0.02, 0.012, 0.05, 0.04], [1.2, 0.7, 1.5, 2.0, 0.6, 0.9]
+    cell = sample(PLATE, 0.03 * ROUND)
+    q, m = tensors(cell | {"natural_curvature": kappa, "bending": stiff})
+    own, moment = tensors(
+        cell
+        | {name: list(np.roll(values, steps)) for name, values in (("natural_curvature", kappa), ("bending", stiff))}
+    )
+    turn = turned(steps * np.pi / 6)
+    np.testing.assert_allclose(own, turn.T @ q @ turn, atol=1e-5 * np.abs(q).max())
+    np.testing.assert_allclose(moment, turn.T @ m, atol=1e-5 * np.abs(m).max())
+    assert cross(own) == pytest.approx(cross(q), abs=1e-6)
 
 
 def test_curvatures_count_per_length_of_the_evenly_contracted_sheet() -> None:

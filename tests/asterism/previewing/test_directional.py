@@ -7,11 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from asterism.previewing.directional import strongest, tensors
 from asterism.previewing.sheet_fields import POISSON, sheet_fields
 from asterism.previewing.star_values import StarValues, star_values
-from homogenize.anisotropy import BENDING, COUNT, MOMENT, least
+from homogenize.anisotropy import BENDING, COUNT, ENTRIES, MOMENT, PLATE, least, natural
 from pattern import gallery
 from pattern.build import layout
 from pattern.layout import Floats
@@ -87,3 +89,32 @@ def test_caps_of_soft_directions_stay_stable() -> None:
     fields = sheet_fields(weights, stars, (1, 1), gaussian=np.full(STARS, 1e6))
     stiffness = np.asarray(fields.densities(np.zeros((1, 1, 2))).stiffness)[0, 0, 3:, 3:]
     assert np.linalg.eigvalsh(stiffness).min() > 0.0
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    softer=st.floats(-0.8, 0.8),
+    moment=st.floats(-0.02, 0.02),
+    shear=st.floats(-0.3, 0.3),
+    turn=st.floats(0.0, np.pi),
+)
+def test_the_tube_that_gains_most_is_found_in_whatever_direction_it_lies(
+    softer: float, moment: float, shear: float, turn: float
+) -> None:
+    """Nothing between the steps gains more, however the print is turned."""
+    c, s = np.cos(turn), np.sin(turn)
+    voigt = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
+    own = np.zeros((2, COUNT))
+    kappa = np.full(2, 0.02)
+    q = PLATE + np.diag([softer, -softer, shear])
+    for number, bending in enumerate((q, voigt.T @ q @ voigt)):
+        own[number, BENDING] = [(bending - PLATE)[entry] for entry in ENTRIES]
+    tensor = moment * np.array([[1.0, 0.0], [0.0, -1.0]])
+    turned = np.array([[c, s], [-s, c]])
+    for number, both in enumerate((tensor, turned.T @ tensor @ turned)):
+        own[number, MOMENT] = both[0, 0], both[1, 1], both[0, 1]
+    found = strongest(kappa, own)
+    everywhere, gain = natural(*tensors(kappa, own), np.linspace(0.0, np.pi, 7200))
+    for number in range(2):
+        as_good = everywhere[number][gain[number] > 0.9999 * gain[number].max()]  # two may gain alike
+        assert np.abs(as_good - found[number]).min() < 0.01 * abs(found[number])

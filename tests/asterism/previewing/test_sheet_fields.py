@@ -184,3 +184,22 @@ def test_free_stars_that_curl_little_shorten_with_their_curvature_and_others_are
     # the slope of tanh at the natural turn, over that of a straight line from flat
     slope = turn / np.cosh(turn) ** 2 / np.tanh(turn)
     assert found == pytest.approx([1.0, slope, 0.0], abs=1e-3)
+
+
+def test_between_stars_that_curl_to_opposite_sides_lengths_stay_between_theirs() -> None:
+    """Where their curls cancel nothing says which curvature makes the sheet shorter, and so none does."""
+    value = {name: found.copy() for name, found in VALUES.value.items()}
+    value["kappa"][1] *= -0.7
+    value["lam"][:-1] = 1.03 * value["lam_n"][:-1]
+    stars = replace(VALUES, value=value | {"c3": np.zeros(STARS + 1)}, curl=value["kappa"])
+    share = np.linspace(0.0, 1.0, 201)
+    shares = [1.0 - share, share, *np.zeros((STARS - 2, len(share)))]
+    fields = sheet_fields(sp.csr_matrix(np.column_stack(shares)), stars, (len(share), 1))
+    stiffness = np.asarray(fields.densities(np.zeros((len(share), 1, 2))).stiffness)[:, 0]
+    # mm, by which half of the metric changes per curvature
+    coupling = -np.linalg.solve(stiffness[:, :3, :3], stiffness[:, :3, 3:])[:, 0, 0]
+    assert coupling[0] > 0.0 > coupling[-1]
+    assert np.all(np.abs(coupling) <= 1.01 * np.abs(coupling[[0, -1]]).max())
+    assert np.abs(np.diff(coupling)).max() < 0.02 * np.abs(coupling).max()
+    metric = fields.rest(np.zeros((len(share), 1, 2)))[:, 0, 0]
+    assert np.abs(np.diff(metric)).max() < 1e-3 * metric.max()
