@@ -6,8 +6,9 @@ from typing import Any
 
 from asterism.verification.comparison import Comparison
 
-# shapes further apart than this, in % of the diameter, or rolled about axes that differ by more, are different ones
-LIKE_PERCENT, LIKE_DEG = 10.0, 20.0
+# shapes further apart than this, in % of the diameter, or rolled about axes that differ by more, or with normals that
+# differ by more in the rms, are different ones. Normals of 236 previews are within 22 deg, or another form's
+LIKE_PERCENT, LIKE_DEG, LIKE_NORMALS_DEG = 10.0, 20.0, 30.0
 # exact minima that are nearer to each other, in % of the diameter, are one form
 FORM_PERCENT = 2.5
 
@@ -39,9 +40,14 @@ def numbers(comparison: Comparison) -> dict[str, Any]:
 
 
 def alike(comparison: Comparison) -> bool:
-    """Whether two shapes are one form: near to each other, and rolled about the same axis if they are rolled."""
+    """Whether two shapes are one form: near to each other, facing the same ways, and rolled about one axis if at all.
+
+    A pleated sheet is near to a smooth one, and faces other ways.
+    """
     one, other = comparison.roll_axes_deg
     if (one is None) != (other is None) or comparison.rms_percent > LIKE_PERCENT:
+        return False
+    if comparison.normals_rms_deg > LIKE_NORMALS_DEG:
         return False
     if one is None or other is None:
         return True

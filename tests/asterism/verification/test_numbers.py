@@ -7,11 +7,11 @@ from typing import Any
 
 import pytest
 
-from asterism.verification.numbers import FORM_PERCENT, LIKE_DEG, LIKE_PERCENT, alike, same_branch
+from asterism.verification.numbers import FORM_PERCENT, LIKE_DEG, LIKE_NORMALS_DEG, LIKE_PERCENT, alike, same_branch
 
 
-def compared(rms_percent: float, axes: tuple[float | None, float | None] = (None, None)) -> Any:
-    return SimpleNamespace(rms_percent=rms_percent, roll_axes_deg=axes)
+def compared(rms_percent: float, axes: tuple[float | None, float | None] = (None, None), normals: float = 5.0) -> Any:
+    return SimpleNamespace(rms_percent=rms_percent, roll_axes_deg=axes, normals_rms_deg=normals)
 
 
 @pytest.mark.parametrize(
@@ -28,6 +28,11 @@ def test_shapes_are_alike_if_near_and_rolled_about_one_axis(
     rms: float, axes: tuple[float | None, float | None], same: bool
 ) -> None:
     assert alike(compared(rms, axes)) is same
+
+
+def test_a_sheet_that_faces_other_ways_is_another_form_however_near() -> None:
+    assert alike(compared(1.0, normals=0.9 * LIKE_NORMALS_DEG))
+    assert not alike(compared(1.0, normals=1.1 * LIKE_NORMALS_DEG))
 
 
 def test_of_two_exact_forms_the_one_that_counts_must_be_nearer() -> None:
