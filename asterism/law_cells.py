@@ -28,11 +28,6 @@ def law_cells(law: Law) -> str:
     return text.getvalue()
 
 
-def stable(sample: dict[str, Any]) -> bool:
-    """Its natural tubes are minima among all states of 2 x 2 stars."""
-    return min(sample["natural_supercell_eigenvalue"]) > 0.0
-
-
 def _responses(found: dict[str, Any]) -> list[Any]:
     curvature = sum(found["natural_curvature"]) / len(found["natural_curvature"])
     other = found["down_energy"]

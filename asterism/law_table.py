@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections import Counter
 
-from asterism.law_cells import stable
 from asterism.law_directions import directions_line
-from asterism.law_errors import coarse_line, mesh_line
+from asterism.law_errors import coarse_line, mesh_line, pleats_line
 from homogenize.law import Law
+from homogenize.residuals import stable_tubes
 from homogenize.table import NAMES, Table
 
 
@@ -75,10 +75,10 @@ def _branches(law: Law) -> list[str]:
     if not found:
         return []
     many = len(found)
-    flat = sum(one["supercell_eigenvalue"] > 0 for one in found)
+    flat, tubes = sum(one["supercell_eigenvalue"] > 0 for one in found), sum(map(stable_tubes, found))
     return [
         "",
-        f"  natural tubes that are stable, with 2 x 2 stars free to differ: {sum(map(stable, found))} of {many} cells",
+        f"  natural tubes that are stable, with 2 x 2 stars free to differ: {tubes} of {many} cells",
         f"  flat sheets that are: {flat}; stars that can stay down there: "
         f"{sum(one['down_energy'] is not None for one in found)}",
         f"  flat stiffness, distance from isotropic: at most {max(one['anisotropy'] for one in found):.1e}",
@@ -86,7 +86,8 @@ def _branches(law: Law) -> list[str]:
 
 
 def _doubts(law: Law) -> list[str]:
-    lines = [line for line in (directions_line(law), coarse_line(law), mesh_line(law)) if line]
+    told = directions_line(law), coarse_line(law), mesh_line(law), pleats_line(law)
+    lines = [line for line in told if line]
     return ["", *(f"  {line}" for line in lines)] if lines else []
 
 

@@ -17,7 +17,7 @@ from homogenize.interpolation import Bools, Floats
 from homogenize.isotropy import isotropic
 from homogenize.law import Law
 from homogenize.plan import Material
-from homogenize.residuals import mesh_differences, residuals
+from homogenize.residuals import mesh_differences, residuals, unstable_tubes
 from homogenize.table import NAMES, QUANTITIES, Table, from_stored, to_stored, units
 
 Q = len(NAMES)
@@ -41,7 +41,8 @@ def fit(material: Material, records: Sequence[Record], made: dict[str, Any] | No
     samples = [plain(record) for record in records]
     missed = residuals(tables, tests, material.plan.kind)
     for name, entry in missed.items():
-        entry["meshes"] = mesh_differences([each for each in samples if f"{each['stretch']:g}" == name])
+        own_samples = [each for each in samples if f"{each['stretch']:g}" == name]
+        entry |= {"meshes": mesh_differences(own_samples), "tubes": unstable_tubes(own_samples)}
     return Law(material, tuple(tables), samples, missed, made or {})
 
 

@@ -11,7 +11,7 @@ from asterism import __version__
 from asterism.contraction import contraction
 from asterism.diameter import diameter
 from asterism.law_directions import directions_line
-from asterism.law_errors import coarse_line, mesh_line
+from asterism.law_errors import coarse_line, mesh_line, pleats_line
 from asterism.pin_warnings import pin_warnings
 from asterism.previewing.equilibria import EDIT, NARROW
 from asterism.previewing.expected import (
@@ -75,7 +75,7 @@ def summary(
     # what is expected was found with three-armed stars, whose law is the same in all directions, within its range
     down = int(np.count_nonzero(layout.star_branch < 0))
     foreign = max(len(preview.values.outside), len(preview.values.uneven), down)
-    known = not left_out(preview.design.lattice) and mesh_line(law) is None
+    known = not (left_out(preview.design.lattice) or mesh_line(law) or pleats_line(law))
     known = known and foreign <= FOREIGN * len(layout.centres)
     return {
         "model": "preview",
@@ -152,7 +152,7 @@ def warnings(
     lines = list(values.outside)
     if len(lines) > 1:
         lines = [f"{len(lines)} of {len(layout.centres)} stars are outside the law, such as {lines[0]}"]
-    of_law = directions_line(preview.law), coarse_line(preview.law), mesh_line(preview.law)
+    of_law = (line(preview.law) for line in (directions_line, coarse_line, mesh_line, pleats_line))
     lines += [line for line in of_law if line]
     if values.tight and not layout.is_pulled:  # held sheets are as near with them
         lines.append(

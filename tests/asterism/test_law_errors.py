@@ -6,10 +6,11 @@ import copy
 from dataclasses import replace
 
 import asterism
-from asterism.law_errors import coarse_line, mesh_line
+from asterism.law_errors import coarse_line, mesh_line, pleats_line
 from asterism.law_table import law_table
 from homogenize.law import Law
 from homogenize.law_file import load_law
+from homogenize.residuals import unstable_tubes
 
 
 def missed(kappa: float, bending: float) -> Law:
@@ -57,3 +58,35 @@ def test_a_law_of_cells_that_depend_on_their_mesh_says_so_wherever_it_is_used() 
 
 def test_a_law_of_cells_that_do_not_is_silent() -> None:
     assert mesh_line(load_law()) is None and mesh_line(differing(12.0)) is None
+
+
+def unstable(count: int) -> Law:
+    """The paper's, of whose cells so many out of forty would leave their natural tubes."""
+    law = load_law()
+    residuals = copy.deepcopy(law.residuals)
+    residuals["1.35"]["tubes"] = {"count": 20, "unstable": count}
+    residuals["1.75"]["tubes"] = {"count": 20, "unstable": 0}
+    return replace(law, residuals=residuals)
+
+
+def test_a_law_whose_stars_would_rise_and_fall_in_turn_says_so_wherever_it_is_used() -> None:
+    line = pleats_line(unstable(5))
+    assert line is not None and "of 5 of the law's 40 cells" in line
+    assert f"  {line}" in law_table(unstable(5))
+    summary = asterism.preview(asterism.new("dome"), unstable(5)).summary
+    assert line in summary["warnings"]
+    assert summary["expected_rms_percent"] is None and summary["expected_height_percent"] is None
+
+
+def test_a_law_of_few_such_cells_is_silent() -> None:
+    assert pleats_line(unstable(4)) is None and pleats_line(load_law()) is None
+
+
+def test_what_a_law_keeps_of_its_cells_stability_is_what_its_cells_say() -> None:
+    """The paper's has 19 tight ones in 1400, of which calibration.md tells."""
+    law = load_law()
+    assert unstable_tubes(law.samples) == {"count": 1400, "unstable": 19}
+    free = [copy.deepcopy(cell) for cell in law.samples[-3:]]
+    free[0]["sample"]["natural_supercell_eigenvalue"][1] = -1e-4
+    free[1] |= {"problem": "none", "sample": None}
+    assert unstable_tubes(free) == {"count": 2, "unstable": 1}
