@@ -14,14 +14,13 @@ from asterism.verification.html import figures, page, png, table, tiles
 from asterism.verification.numbers import times
 from asterism.verification.origins import origins
 from asterism.verification.plots import distance_map, profiles
+from asterism.verification.right_shape import SURE, gap
 from asterism.verification.run import PREVIEW, RELEASE, Verification
 from asterism.verification.views import views
 from asterism.verification.warnings import FLAT
 
 MINIMA = ["exact model", "energy, N mm", "stars up", "certain to stay", "from the preview", "iterations"]
 LONGEST = 600  # characters of an entry of the design
-# part of the energy by which two minima differ from one mesh to the next
-SURE = 0.005
 NAMES = {RELEASE: "released from the flat print", PREVIEW: "started from the preview"}
 
 
@@ -67,16 +66,13 @@ def _verdict(s: Mapping[str, Any]) -> str:
 def _nearly(s: Mapping[str, Any]) -> str:
     """That another exact minimum is nearer, and as low as the model can tell."""
     other = s["starts"][RELEASE if s["result_from"] == PREVIEW else PREVIEW]
-    exact = s["exact"]
-    # how high a sheet hangs makes it no more or less certain
-    elastic = exact["energy_n_mm"] - exact.get("gravity", 0.0)
-    more = abs(other["energy_n_mm"] - exact["energy_n_mm"])
+    more = gap(s["exact"], other)
     nearer = other["is_minimum"] and other["rms_percent"] < s["rms_percent"]
-    if s["same_branch"] or not nearer or more > SURE * elastic:
+    if s["same_branch"] or not nearer or more > SURE:
         return ""
     return (
         f" The exact model has another minimum, {other['rms_percent']:.2f} % away, whose energy differs by "
-        f"{100.0 * more / elastic:.1g} %: which of the two counts is not certain."
+        f"{100.0 * more:.1g} %: which of the two counts is not certain."
     )
 
 

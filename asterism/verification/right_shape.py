@@ -3,16 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
 
 from asterism.shape import Shape
 
-# energies that differ by a smaller part of them are one
-SAME_ENERGY = 1e-6
+# energies that differ by a smaller part of them are one; and by what part of the elastic one two minima differ on
+# another mesh
+SAME_ENERGY, SURE = 1e-6, 0.005
 
 
 def same_energy(one: float, other: float) -> bool:
     """Whether two minima may be one."""
     return abs(one - other) <= SAME_ENERGY * abs(one)
+
+
+def gap(one: Mapping[str, Any], other: Mapping[str, Any]) -> float:
+    """By what part of the elastic energy two minima differ; how high a sheet hangs makes none of them more certain.
+
+    `one`: the summary of an exact shape; of the other its energy is enough.
+    """
+    elastic = one["energy_n_mm"] - one.get("gravity", 0.0)
+    return float(abs(other["energy_n_mm"] - one["energy_n_mm"]) / elastic) if elastic else np.inf
 
 
 def right_shape(exact: Mapping[str, Shape]) -> str:

@@ -173,7 +173,7 @@ def _summary(found: Verification, between: Comparison, agree: bool, seconds: dic
             name: numbers(found.comparisons[name]) | {key: shape.summary[key] for key in KEPT}
             for name, shape in found.exact.items()
         },
-        "warnings": warnings(found),
+        "warnings": warnings(found, between.rms_percent),
         "version": __version__,
         "preview": dict(found.preview.summary),
         "exact": dict(exact),

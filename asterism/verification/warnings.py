@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 from asterism.exact_warnings import passes_through
 from asterism.star_sides import few, off_branch
 from asterism.verification.comparison import Comparison
+from asterism.verification.numbers import FORM_PERCENT
+from asterism.verification.right_shape import SURE, gap
 
 if TYPE_CHECKING:
     from asterism.verification.run import Verification
@@ -18,8 +20,8 @@ HEIGHTS_PERCENT = 10.0  # by which heights may differ where it expected none
 FLAT = 1e-3  # part of the diameter: heights that differ by less are those of flat sheets
 
 
-def warnings(found: Verification) -> list[str]:
-    """One line each."""
+def warnings(found: Verification, apart_percent: float = 0.0) -> list[str]:
+    """One line each; `apart_percent` of the diameter, distance of the two exact shapes."""
     preview, exact = found.preview.summary, found.exact[found.result].summary
     own = [*map(str, preview.get("warnings", []))]
     own += _exact_shape(exact, own)
@@ -27,6 +29,7 @@ def warnings(found: Verification) -> list[str]:
         return own
     return [
         *own,
+        *_two_minima(found, apart_percent),
         *_far(found.comparison, preview.get("expected_rms_percent")),
         *_high(found.comparison, preview.get("expected_height_percent")),
         *_meshes(exact, preview.get("law", {}).get("edge_mm"), found.comparison.rms_percent),
@@ -46,6 +49,18 @@ def _exact_shape(exact: Mapping[str, Any], known: Sequence[str]) -> Iterator[str
         yield from named
     said = {*known, *named, *passes_through(exact)}
     yield from (f"the exact model: {line}" for line in exact.get("warnings", []) if line not in said)
+
+
+def _two_minima(found: Verification, apart: float) -> Iterator[str]:
+    """Two exact shapes of which the model cannot tell the lower one."""
+    exact, *others = sorted((shape.summary for shape in found.exact.values()), key=lambda s: not s["is_minimum"])
+    for other in others:
+        more = gap(exact, other)
+        if other["is_minimum"] and apart > FORM_PERCENT and more <= SURE:
+            yield (
+                f"the exact model has two minima, {apart:.1f} % of the diameter apart, whose energies differ by "
+                f"{100.0 * more:.1g} %: a print may rest in either"
+            )
 
 
 def _far(comparison: Comparison, expected: float | None) -> Iterator[str]:

@@ -99,6 +99,37 @@ def test_an_exact_shape_that_cannot_be_is_told() -> None:
     assert said(self_intersections=4) == ["the exact sheet passes through itself (4 pairs of triangles)"]
 
 
+def with_other(apart: float, one: dict[str, Any], other: dict[str, Any]) -> list[str]:
+    """What is said of two exact shapes so far apart, with summaries of their own."""
+    found = bowls(0.01, 0.01)
+    shapes = {
+        name: replace(found.exact["release"], summary=EXACT | own)
+        for name, own in (("release", one), ("preview", other))
+    }
+    both = replace(found, exact=shapes, comparisons=dict.fromkeys(shapes, found.comparison))
+    return warnings(both, apart)
+
+
+@pytest.mark.parametrize(
+    ("energy", "apart", "told"),
+    [(1.0001, 3.0, True), (0.9999, 3.0, True), (1.006, 3.0, False), (1.0001, 2.4, False)],
+)
+def test_two_minima_of_nearly_one_energy_are_told(energy: float, apart: float, told: bool) -> None:
+    line = (
+        "the exact model has two minima, 3.0 % of the diameter apart, whose energies differ by 0.01 %: "
+        "a print may rest in either"
+    )
+    assert with_other(apart, {}, {"energy_n_mm": energy}) == ([line] if told else [])
+
+
+def test_a_start_that_has_come_to_no_minimum_is_no_second_form() -> None:
+    assert with_other(9.0, {}, {"energy_n_mm": 1.0001, "is_minimum": False}) == []
+
+
+def test_how_high_a_sheet_hangs_makes_two_minima_no_more_alike() -> None:
+    assert with_other(9.0, {"energy_n_mm": 100.0, "gravity": 99.0}, {"energy_n_mm": 100.1, "gravity": 99.0}) == []
+
+
 def test_what_the_exact_model_said_is_passed_on_once() -> None:
     """But what the preview said of the same pins, and what is said here in other words."""
     roll, pins = "the radius of a free roll depends on the mesh", "the pins let the sheet swing"
