@@ -101,15 +101,14 @@ def simulate(
     """
     from asterism.compiling import told_of_compiling
     from asterism.files import LAST, check_kept, check_writable
-    from asterism.material import with_material
+    from asterism.material import read_design
     from asterism.overrides import changed
     from asterism.progress import Progress
     from asterism.results import write_results
     from asterism.simulation import simulate as run
-    from pattern.design import load_design
 
     plan = changed(
-        with_material(load_design(design), material),
+        read_design(design, material),
         {
             "--edge": ("mesh.edge_mm", edge),
             "--start": ("solver.start", start),

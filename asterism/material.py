@@ -1,12 +1,29 @@
-"""A measured material in place of a design's own."""
+"""Designs from files, with a measured material in place of their own."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from homogenize.plan import load_material
-from pattern.design import Design
+from pattern.build import check_carried, layout
+from pattern.design import Design, load_design
 from pattern.errors import DesignError
+
+
+def read_design(path: Path, material: Path | None) -> Design:
+    """A design that is to be computed, from its file, with the material of another file.
+
+    Raises
+    ------
+    DesignError
+        As `load_design` and `with_material`, or nothing carries the sheet's weight.
+    """
+    design = with_material(load_design(path), material)
+    try:
+        check_carried(design, layout(design))
+    except DesignError as error:
+        raise error.within(path) from None
+    return design
 
 
 def with_material(design: Design, path: Path | None) -> Design:

@@ -1,16 +1,20 @@
 """Previews of stars that are not the same in all directions, each with the law of its own stars.
 
-python -m benchmarks.other_stars FOLDER
+python -m benchmarks.other_stars FOLDER [--choose]
 
 Four, five and six arms on square lattices, four and five on triangular ones, three on a square one: free, held along
 the border, or on their corners; the same designs every time. FOLDER keeps laws and exact shapes. Of these the lowest
 counts, from the release, or from the preview with or without what differs between directions. Each preview is
 made thrice: with no part of that, with the part in use (`asterism.previewing.directional.SHARE`), and with all of it.
+
+SHARE is not from these. --choose previews the free ones of as many designs that come after them with more parts, and
+prints the geometric means of the distances.
 """
 
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
@@ -40,7 +44,7 @@ STARS = [
     ("square", 5, 10), ("square", 6, 0), ("square", 4, 20), ("triangular", 4, 30),
 ]  # fmt: skip
 HELD = ["free", "border", "corners", "free"]
-SHARES = [0.0, SHARE, 1.0]
+SHARES, CHOICE = [0.0, SHARE, 1.0], [0.0, 0.5, 0.6, 0.7, 0.8, 1.0]
 HEADER = ["design", "lattice, arms, turned by", "held", "stars", *(f"rms %, {share:g} of it" for share in SHARES)]
 
 
@@ -48,7 +52,7 @@ def other_stars(number: int) -> Design:
     """A design by its number."""
     rng = np.random.default_rng([77, number])
     kind, arms, turn = STARS[number % len(STARS)]
-    held = HELD[number // len(STARS) % len(HELD)]
+    held = _held(number)
     while True:
         r = DEFAULT_SPACING * rng.uniform(2.2, 3.2)
         length = DEFAULT_SPACING * rng.uniform(0.33, 0.5)
@@ -75,12 +79,12 @@ def other_stars(number: int) -> Design:
             continue
 
 
-def row(number: int, folder: Path) -> dict[str, Any]:
-    """How far the previews of a design are from its lowest exact shape."""
+def row(number: int, folder: Path, shares: Sequence[float] = SHARES) -> dict[str, Any]:
+    """How far the previews of a design, with each of the shares, are from its lowest exact shape."""
     design = other_stars(number)
     law = calibrate(own_material(design, EDGE_MM), folder / "laws" / f"{design.name}.npz", jobs=2)
     plan = layout(design)
-    shown = [_preview(design, law, share) for share in SHARES]
+    shown = [_preview(design, law, share) for share in shares]
     starts = {"": None, "-plain": shown[0], "-directed": shown[1]}
     shapes = [
         exact(design, folder / f"exact{name}", None if start is None else lambda start=start: start)
@@ -93,11 +97,15 @@ def row(number: int, folder: Path) -> dict[str, Any]:
         "lattice": design.lattice.kind,
         "arms": design.lattice.arms,
         "orientation_deg": design.lattice.orientation_deg,
-        "held": HELD[number // len(STARS) % len(HELD)],
+        "held": _held(number),
         "stars": len(plan.centres),
         "rms_percent": [compare(right, each, plan, same).rms_percent for each in shown],
-        "shares": SHARES,
+        "shares": list(shares),
     }
+
+
+def _held(number: int) -> str:
+    return HELD[number // len(STARS) % len(HELD)]
 
 
 def _preview(design: Design, law: Law, share: float) -> Any:
@@ -124,20 +132,36 @@ def table(rows: list[dict[str, Any]]) -> str:
     return markdown(HEADER, lines + ends)
 
 
+def rows(numbers: Iterable[int], folder: Path, shares: Sequence[float]) -> tuple[list[dict[str, Any]], list[str]]:
+    """Those that have a law, and why others have none."""
+    found, without = [], []
+    for number in numbers:
+        try:
+            found.append(row(number, folder, shares))
+            print(found[-1], flush=True)
+        except CampaignError as error:
+            without.append(f"- `{other_stars(number).name}`: {error}")
+            print(without[-1], flush=True)
+    return found, without
+
+
+def choose(folder: Path) -> None:
+    """Print what each of `CHOICE` makes of other designs."""
+    found, _ = rows((n for n in range(COUNT, 2 * COUNT) if _held(n) == "free"), folder, CHOICE)
+    means = np.exp(np.log([row["rms_percent"] for row in found]).mean(axis=0))
+    print("  ".join(f"{share:g}: {mean:.2f} %" for share, mean in zip(CHOICE, means, strict=True)))
+
+
 def main(words: list[str]) -> None:
     """All designs, into `results`."""
     folder = Path(words[0])
     (folder / "laws").mkdir(parents=True, exist_ok=True)
-    rows, without = [], []
-    for number in range(COUNT):
-        try:
-            rows.append(row(number, folder))
-            print(rows[-1], flush=True)
-        except CampaignError as error:
-            without.append(f"- `{other_stars(number).name}`: {error}")
-            print(without[-1], flush=True)
+    if "--choose" in words:
+        choose(folder)
+        return
+    found, without = rows(range(COUNT), folder, SHARES)
     left = "\n\nWithout a law:\n\n" + "\n".join(without) if without else ""
-    write_report("other_stars", rows, table(rows) + left)
+    write_report("other_stars", found, table(found) + left)
 
 
 if __name__ == "__main__":

@@ -57,7 +57,7 @@ def spread(curvatures: Sequence[float] | Floats) -> float:
 def left_out(lattice: Lattice) -> str | None:
     """What the law of such stars leaves out, in one line; None if a smooth sheet of them has no more to it."""
     if not is_threefold(lattice):
-        return "stars curl and bend differently in each direction; previews follow half of that"
+        return "stars curl and bend differently in each direction; previews follow most of that"
     lines = np.vstack([np.asarray(lattice.arm_directions)[:1], np.asarray(lattice.vectors)[:1]])
     angle = np.degrees(np.arctan2(lines[:, 1], lines[:, 0])) / 30.0
     if np.abs(angle - np.round(angle)).max() < NEAR:

@@ -40,9 +40,7 @@ class Border(Section):
 
     @model_validator(mode="after")
     def _one_outline(self) -> Border:
-        given = [key for key in ("rings", "rectangle_mm", "polygon_mm") if getattr(self, key) is not None]
-        if len(given) != 1:
-            raise DesignError("", "must have one of rings, rectangle_mm and polygon_mm", ", ".join(given) or "nothing")
+        self._check_one_of("rings", "rectangle_mm", "polygon_mm")
         if self.rectangle_mm is not None and not all(1 <= side <= LARGEST_MM for side in self.rectangle_mm):
             raise DesignError("rectangle_mm", f"must be two sides from 1 to {LARGEST_MM:g} mm", self.rectangle_mm)
         if self.polygon_mm is not None:

@@ -66,7 +66,9 @@ def layout(design: Design) -> Layout:
     if (rounding := design.stars.rounding) is not None:
         thickness, width = rounding.thickness(thickness), rounding.width(width)
     if len(star) == 0:
-        raise DesignError("stars", f"must have at least one arm of {SHORTEST_ARM_MM:g} mm on the sheet")
+        longest = float(size.length.max(initial=0.0))
+        problem = f"must have at least one arm of {SHORTEST_ARM_MM:g} mm on the sheet"
+        raise DesignError("stars", f"{problem}; the longest of the design is {longest:.3g} mm")
     check_clear(centres[star], tips, star, width, _MEETING * lattice.spacing_mm)
 
     sets = [pin_set(pin, corners, f"pins[{k}]") for k, pin in enumerate(design.pins)]

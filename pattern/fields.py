@@ -149,7 +149,18 @@ def _kind(value: Any) -> str:
 def _refuse(value: Any) -> None:
     if isinstance(value, dict) and "profile" in value:
         raise DesignError("profile", f"must be {', '.join(_PROFILES)}", value["profile"])
-    raise DesignError("", "must be a number, or a table with a profile, a formula or an image", value)
+    hint = ""
+    if isinstance(value, str):
+        hint = "; numbers have no quotes" if _is_number(value) else '; a formula is written { formula = "..." }'
+    raise DesignError("", f"must be a number, or a table with a profile, a formula or an image{hint}", value)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 SizingField = Annotated[

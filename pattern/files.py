@@ -45,7 +45,7 @@ def read_table(path: Path) -> dict[str, Any]:
         raise wrong("is nested too deeply") from None
     except ValueError as error:  # syntax errors of both formats, with their line
         long = "sys.set_int_max_str_digits" in str(error)  # a hint for programmers
-        problem = "a whole number has too many digits" if long else f"{error}{_comma(text, str(error))}"
+        problem = "a whole number has too many digits" if long else f"{error}{_hint(text, str(error))}"
         raise wrong(f"is not {suffix[1:].upper()}: {problem}") from None
     if not isinstance(table, dict):
         raise wrong("must hold a table of keys and values")
@@ -56,8 +56,10 @@ def read_table(path: Path) -> dict[str, Any]:
     return table
 
 
-def _comma(text: str, problem: str) -> str:
-    """A hint, where the line that is wrong has a number with a comma."""
+def _hint(text: str, problem: str) -> str:
+    """What the reader of TOML does not say: a line sets something twice, or has a number with a comma."""
+    if re.match("Cannot (overwrite|declare)", problem):
+        return "; what it sets is set before, each key and each table may stand once"
     at = re.search(r"at line (\d+)", problem)
     line = text.split("\n")[int(at[1]) - 1] if at else ""
     return "; decimals have a point, 7.5" if re.search(r"=\s*[-+]?\d+,\d", line) else ""

@@ -38,8 +38,10 @@ class Lattice(Section):
 
     @model_validator(mode="after")
     def _one_description(self) -> Lattice:
-        if (self.kind == "custom") != (self.vectors_mm is not None):
-            raise DesignError("vectors_mm", 'goes with kind = "custom", and the other way round')
+        if self.kind == "custom" and self.vectors_mm is None:
+            raise DesignError("vectors_mm", 'is missing: kind = "custom" needs two of them')
+        if self.kind != "custom" and self.vectors_mm is not None:
+            raise DesignError("vectors_mm", f'goes with kind = "custom", not with "{self.kind}"')
         if self.vectors_mm is None:
             return self
         basis = np.asarray(self.vectors_mm)

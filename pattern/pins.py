@@ -49,9 +49,7 @@ class Pins(Section):
 
     @model_validator(mode="after")
     def _one_place_one_way(self) -> Pins:
-        given = [key for key in ("where", "points_mm", "edges", "corners") if getattr(self, key) is not None]
-        if len(given) != 1:
-            raise DesignError("", "must have one of where, points_mm, edges and corners", ", ".join(given) or "nothing")
+        self._check_one_of("where", "points_mm", "edges", "corners")
         if self.target_mm is not None:
             if self.where == "border" or self.edges is not None:
                 raise DesignError(

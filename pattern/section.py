@@ -52,6 +52,13 @@ class Section(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
+    def _check_one_of(self, *names: str) -> None:
+        """Refuse a table that has none of these keys, or several."""
+        given = [name for name in names if getattr(self, name) is not None]
+        if len(given) != 1:
+            has = f", but has {' and '.join(given)}" if given else ""
+            raise DesignError("", f"must have one of {', '.join(names[:-1])} and {names[-1]}{has}")
+
     @model_validator(mode="before")
     @classmethod
     def _arrays_as_lists(cls, data: Any) -> Any:

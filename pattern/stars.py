@@ -36,8 +36,7 @@ class Override(Section):
 
     @model_validator(mode="after")
     def _changes_one_star(self) -> Override:
-        if (self.star is None) == (self.at_mm is None):
-            raise DesignError("", "must have one of star and at_mm")
+        self._check_one_of("star", "at_mm")
         changes = [self.length_mm, self.thickness_mm, self.width_mm, self.branch]
         if self.remove == any(change is not None for change in changes):
             raise DesignError("", "must either change a size or remove the star, or set its branch")
@@ -68,8 +67,7 @@ class Stars(Section):
 
     @model_validator(mode="after")
     def _one_length(self) -> Stars:
-        if (self.length_mm is None) == (self.length_fraction is None):
-            raise DesignError("", "must have one of length_mm and length_fraction")
+        self._check_one_of("length_mm", "length_fraction")
         return self
 
 

@@ -28,14 +28,13 @@ def preview(
     """
     from asterism.compiling import told_of_compiling
     from asterism.files import LAST, check_kept, check_writable
-    from asterism.material import with_material
+    from asterism.material import read_design
     from asterism.own_law import law_for
     from asterism.previewing.run import preview as run
     from asterism.progress import Progress
     from asterism.results import write_results
-    from pattern.design import load_design
 
-    plan = with_material(load_design(design), material)
+    plan = read_design(design, material)
     directory = output or design.with_suffix("")
     check_kept(design, directory, LAST)
     check_writable(directory)

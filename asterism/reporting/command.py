@@ -26,17 +26,16 @@ def report(
     from asterism.export.job import prepare
     from asterism.export.profiles import load_plastic, load_printer
     from asterism.files import OutputError, check_writable, staged
-    from asterism.material import with_material
+    from asterism.material import read_design
     from asterism.own_law import law_for
     from asterism.reporting.facts import facts
     from asterism.reporting.page import write_page
     from asterism.reporting.shape import shape_of
     from homogenize.errors import LawError
-    from pattern.design import load_design
 
     if law and results:
         raise LawError("--law: is for a new preview, not with --results")
-    plan = with_material(load_design(design), material)
+    plan = read_design(design, material)
     path = output or design.with_name(f"{design.stem}-report.pdf")
     if path.suffix.lower() != ".pdf":
         raise OutputError(f"--output: {str(path)!r} must end with .pdf")

@@ -30,17 +30,16 @@ def verify(
     """
     from asterism.compiling import told_of_compiling
     from asterism.files import LAST, check_kept, check_writable
-    from asterism.material import with_material
+    from asterism.material import read_design
     from asterism.overrides import changed
     from asterism.own_law import law_for
     from asterism.progress import Progress
     from asterism.verification.results import write_verification
     from asterism.verification.run import verify as run
     from equilibrium.factor import check_backend
-    from pattern.design import load_design
 
     plan = changed(
-        with_material(load_design(design), material),
+        read_design(design, material),
         {"--edge": ("mesh.edge_mm", edge), "--contact": ("solver.contact", contact)},
     )
     check_backend(backend)

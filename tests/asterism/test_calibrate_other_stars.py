@@ -17,7 +17,7 @@ from homogenize.law_file import load_law, to_bytes
 from pattern.design import Design
 from tests.asterism.test_calibrate import PLAN, run
 
-LEFT = "previews follow half of that"
+LEFT = "previews follow most of that"
 
 
 @pytest.fixture(scope="module")

@@ -111,6 +111,17 @@ def test_mistakes_are_one_line(
     assert [file.name for file in tmp_path.iterdir()] == ["d.toml"]
 
 
+@pytest.mark.parametrize("name", ["preview", "simulate", "verify", "report"])
+def test_a_sheet_that_would_fall_is_named_by_its_file(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "d.toml").write_text(SMALL + "\n[gravity]\non = true\n[fabric]\nmodulus_mpa = 7.0\n")
+    refused = command([name, "d.toml"], capsys, monkeypatch)
+    assert refused.status == 2 and "d.toml: gravity.on = True: needs [[pins]]" in refused.line
+    assert [file.name for file in tmp_path.iterdir()] == ["d.toml"]
+
+
 def test_a_mistake_in_a_design_is_all_that_a_program_prints(tmp_path: Path) -> None:
     """Whatever it loads before."""
     (tmp_path / "d.toml").write_text(SMALL)
