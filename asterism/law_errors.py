@@ -1,4 +1,4 @@
-"""How far a law is from cells that it was not made of, and its cells from themselves on another mesh or from stability.
+"""How far a law is from cells that it was not made of, its cells from themselves on another mesh, and from stability.
 
 Each in one line, if it is much.
 """

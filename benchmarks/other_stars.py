@@ -27,6 +27,7 @@ from asterism.previewing.directional import SHARE
 from asterism.previewing.run import preview
 from asterism.verification.comparison import compare
 from benchmarks.accuracy.exact import exact
+from benchmarks.accuracy.report import FAR
 from benchmarks.report import markdown, write_report
 from homogenize.errors import CampaignError
 from homogenize.law import Law
@@ -46,6 +47,14 @@ STARS = [
 HELD = ["free", "border", "corners", "free"]
 SHARES, CHOICE = [0.0, SHARE, 1.0], [0.0, 0.5, 0.6, 0.7, 0.8, 1.0]
 HEADER = ["design", "lattice, arms, turned by", "held", "stars", *(f"rms %, {share:g} of it" for share in SHARES)]
+# of the part in use
+HEADER += ["expected %", "height %", "expected height %", "warned of"]
+WARNINGS = {
+    "pleat": "pleats",
+    "soft in more": "another form",
+    "another form,": "another form",
+    "curl to a radius": "tight stars",
+}
 
 
 def other_stars(number: int) -> Design:
@@ -92,6 +101,9 @@ def row(number: int, folder: Path, shares: Sequence[float] = SHARES) -> dict[str
     ]
     right = min(shapes, key=lambda shape: shape.summary["energy_n_mm"])
     same = symmetries(design, plan)
+    compared = [compare(right, each, plan, same) for each in shown]
+    used = shares.index(SHARE)
+    height, other = compared[used].heights_mm
     return {
         "design": design.name,
         "lattice": design.lattice.kind,
@@ -99,7 +111,9 @@ def row(number: int, folder: Path, shares: Sequence[float] = SHARES) -> dict[str
         "orientation_deg": design.lattice.orientation_deg,
         "held": _held(number),
         "stars": len(plan.centres),
-        "rms_percent": [compare(right, each, plan, same).rms_percent for each in shown],
+        "rms_percent": [each.rms_percent for each in compared],
+        "height_error_percent": 100.0 * (other / height - 1.0),
+        **{key: shown[used].summary[key] for key in ("expected_rms_percent", "expected_height_percent", "warnings")},
         "shares": list(shares),
     }
 
@@ -119,17 +133,53 @@ def table(rows: list[dict[str, Any]]) -> str:
     lines = [
         [
             row["design"], f"{row['lattice']}, {row['arms']}, {row['orientation_deg']:g} deg", row["held"],
-            str(row["stars"]), *(f"{value:.2f}" for value in row["rms_percent"]),
+            str(row["stars"]), *(f"{value:.2f}" for value in row["rms_percent"]), *_expected(row),
         ]
         for row in rows
     ]  # fmt: skip
     ends = [
-        [name, "", "", "", *(f"{value:.2f}" for value in np.quantile(rms, part, axis=0))]
+        [name, "", "", "", *(f"{value:.2f}" for value in np.quantile(rms, part, axis=0)), "", "", "", ""]
         for name, part in (("median", 0.5), ("nine in ten", 0.9), ("largest", 1.0))
     ] + [
-        ["within 2.5 %", "", "", "", *(f"{count} of {len(rows)}" for count in (rms <= 2.5).sum(axis=0))],
+        [
+            "within 2.5 %",
+            "",
+            "",
+            "",
+            *(f"{count} of {len(rows)}" for count in (rms <= FAR).sum(axis=0)),
+            "",
+            "",
+            "",
+            "",
+        ],
     ]
     return markdown(HEADER, lines + ends)
+
+
+def _expected(row: dict[str, Any]) -> list[str]:
+    """What a preview expects of itself, how far off its height is, and what it warns of."""
+    rms, height = (row[key] for key in ("expected_rms_percent", "expected_height_percent"))
+    warned = {name for words, name in WARNINGS.items() if any(words in line for line in row["warnings"])}
+    return [
+        "-" if rms is None else f"{rms:.2f}",
+        f"{row['height_error_percent']:+.1f}",
+        "-" if height is None else f"{height:.1f}",
+        ", ".join(sorted(warned)) or "-",
+    ]
+
+
+def told(rows: Sequence[dict[str, Any]]) -> str:
+    """How many of those that miss were announced, and how good expectations are."""
+    used = SHARES.index(SHARE)
+    far = [row for row in rows if row["rms_percent"][used] > FAR]
+    announced = [row for row in far if (row["expected_rms_percent"] or 0.0) > FAR or _expected(row)[-1] != "-"]
+    known = [row for row in rows if row["expected_rms_percent"] is not None]
+    ratio = [row["rms_percent"][used] / row["expected_rms_percent"] for row in known]
+    middle, most = np.quantile(ratio, [0.5, 1.0])
+    return (
+        f"Further off than {FAR} %: {len(far)}, of which {len(announced)} were announced. {len(known)} of {len(rows)} "
+        f"expect a distance: what was found over that is {middle:.2f} in the median, {most:.2f} at most."
+    )
 
 
 def rows(numbers: Iterable[int], folder: Path, shares: Sequence[float]) -> tuple[list[dict[str, Any]], list[str]]:
@@ -161,7 +211,7 @@ def main(words: list[str]) -> None:
         return
     found, without = rows(range(COUNT), folder, SHARES)
     left = "\n\nWithout a law:\n\n" + "\n".join(without) if without else ""
-    write_report("other_stars", found, table(found) + left)
+    write_report("other_stars", found, f"{table(found)}\n\n{told(found)}{left}")
 
 
 if __name__ == "__main__":

@@ -113,6 +113,8 @@ def load_law(path: str | Path | None = None) -> Law:
         _check_whole(law)
         if any(table.anisotropies.shape[-1] != columns(law.material.lattice) for table in law.tables):
             raise LawError(f"{path}: lacks what differs between directions; make it again: asterism calibrate")
+        if columns(law.material.lattice) and not all("tubes" in kinds for kinds in residuals.values()):
+            raise LawError(f"{path}: lacks how many of its cells are stable; make it again: asterism calibrate")
         return law
     except OSError as error:
         raise LawError(f"{path}: cannot be read: {error.strerror or error}") from None

@@ -33,7 +33,8 @@ class StarValues:
     relief : (S + 1, 2, W) mm and mm^2, amplitudes of the law's waves: flat, and more per curvature.
     sizes : (S, 3) mm, length, thickness and width that the law was asked for.
     outside : one line for each star beyond the law's range; it counts as the nearest star in the range.
-    tight : numbers of the stars whose sheet would curl to a radius below two thirds of their spacing.
+    tight : numbers of the stars whose sheet would curl to a radius below two thirds of their spacing, in the mean over
+        directions or around the tube that gains most with all of what differs between them.
     uneven : numbers of the stars whose `c3` was more than that: they curl to one side in some directions, and to the
         other, or hardly, elsewhere.
     tips : (S + 1, 2) mm and mm^2, the relief at the tips of a star's arms, mean over the arms: flat, and more per
@@ -83,9 +84,11 @@ def star_values(design: Design, layout: Layout, law: Law) -> StarValues:
     ]
     _check(where, {name: found.value[name][:-1] for name in NAMES})
     outside = tuple(_placed(line, where) for line in found.outside)
-    anisotropy = SHARE * law.anisotropy(design, *asked.T)
+    differs = law.anisotropy(design, *asked.T)
+    anisotropy = SHARE * differs
     curl = strongest(found.value["kappa"], anisotropy)
-    curls = found.tight | (np.abs(curl) * design.lattice.spacing_mm > TIGHT)
+    # tight are those whose cells are
+    curls = found.tight | (np.abs(strongest(found.value["kappa"], differs)) * design.lattice.spacing_mm > TIGHT)
     tight = tuple(layout.star_number[curls[:-1]].tolist())
     relief = law.relief(design, *asked.T)
     tips, caps = _bumps(design, law, asked[:, 0], relief, found.value["kappa"])

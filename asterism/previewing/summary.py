@@ -31,7 +31,7 @@ from asterism.star_sides import few
 from asterism.tube import roll_radius
 from fem.seeds import trends
 from fem.sides import side_of
-from homogenize.directions import left_out
+from homogenize.directions import is_threefold, left_out
 from pattern.likeness import rolled_about
 from pattern.mesh import Mesh
 from pattern.planar import polygon_area
@@ -72,10 +72,11 @@ def summary(
     # held sheets are not asked for their symmetries
     share = share_of(held, () if held else preview.symmetries)
     tight = len(preview.values.tight) / len(layout.centres)
-    # what is expected was found with three-armed stars, whose law is the same in all directions, within its range
+    # what is expected was found with three-armed stars within their law's range, and holds for others with stable cells
     down = int(np.count_nonzero(layout.star_branch < 0))
     foreign = max(len(preview.values.outside), len(preview.values.uneven), down)
-    known = not (left_out(preview.design.lattice) or mesh_line(law) or pleats_line(law))
+    turned = is_threefold(preview.design.lattice) and left_out(preview.design.lattice)
+    known = not (turned or mesh_line(law) or pleats_line(law))
     known = known and foreign <= FOREIGN * len(layout.centres)
     return {
         "model": "preview",

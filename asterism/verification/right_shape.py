@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
-
-import numpy as np
 
 from asterism.shape import Shape
 
@@ -25,7 +24,7 @@ def gap(one: Mapping[str, Any], other: Mapping[str, Any]) -> float:
     `one`: the summary of an exact shape; of the other its energy is enough.
     """
     elastic = one["energy_n_mm"] - one.get("gravity", 0.0)
-    return float(abs(other["energy_n_mm"] - one["energy_n_mm"]) / elastic) if elastic else np.inf
+    return float(abs(other["energy_n_mm"] - one["energy_n_mm"]) / elastic) if elastic else math.inf
 
 
 def right_shape(exact: Mapping[str, Shape]) -> str:

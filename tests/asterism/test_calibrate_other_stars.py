@@ -59,11 +59,11 @@ def test_arms_that_overlap_are_cells_without_an_answer(five: tuple[Law, str]) ->
     assert not law.at(1.35)(10.0, 0.3, 1.2).inside[0]
 
 
-def test_previews_warn_and_expect_nothing(five: tuple[Law, str]) -> None:
+def test_previews_warn_and_say_what_they_expect(five: tuple[Law, str]) -> None:
     law = five[0]
     summary = Preview(sheet(5), law).shape().summary
     assert any(LEFT in warning for warning in summary["warnings"])
-    assert summary["expected_rms_percent"] is None and summary["expected_height_percent"] is None
+    assert 0.3 < summary["expected_rms_percent"] < 3.0 and summary["expected_height_percent"] > 0.0
     with pytest.raises(LawError, match=r"lattice\.arms = 3: the law is for another lattice, of 5"):
         Preview(sheet(3), law)
 
@@ -79,6 +79,10 @@ def test_the_law_holds_what_differs_between_directions(five: tuple[Law, str], tm
     without = replace(law, tables=(replace(table, anisotropies=np.empty((*table.nodes.shape[:3], 0))),))
     (tmp_path / "old.npz").write_bytes(to_bytes(without))
     with pytest.raises(LawError, match=r"old\.npz: lacks what differs between directions; make it again"):
+        load_law(tmp_path / "old.npz")
+    residuals = {"1.35": {name: entry for name, entry in law.residuals["1.35"].items() if name != "tubes"}}
+    (tmp_path / "old.npz").write_bytes(to_bytes(replace(law, residuals=residuals)))
+    with pytest.raises(LawError, match=r"old\.npz: lacks how many of its cells are stable; make it again"):
         load_law(tmp_path / "old.npz")
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,11 +12,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from asterism.previewing.directional import strongest, tensors
+from asterism.previewing.preview import Preview
 from asterism.previewing.sheet_fields import POISSON, sheet_fields
 from asterism.previewing.star_values import StarValues, star_values
 from homogenize.anisotropy import BENDING, COUNT, ENTRIES, MOMENT, PLATE, least, natural
+from homogenize.law import Law
+from homogenize.plan import Material
+from homogenize.relief import Waves
+from homogenize.table import TIGHT
 from pattern import gallery
 from pattern.build import layout
+from pattern.design import Design
 from pattern.layout import Floats
 from tests.asterism.previewing.laws import plain_law
 
@@ -118,3 +125,46 @@ def test_the_tube_that_gains_most_is_found_in_whatever_direction_it_lies(
     for number in range(2):
         as_good = everywhere[number][gain[number] > 0.9999 * gain[number].max()]  # two may gain alike
         assert np.abs(as_good - found[number]).min() < 0.01 * abs(found[number])
+
+
+def other_law(lattice: dict[str, Any], along_x: float | None = None) -> Law:
+    """The plain law for other stars, without bumps, with bending along x `along_x` times the mean's."""
+    law = plain_law()
+    table = law.tables[0]
+    own = np.zeros((*table.nodes.shape[:3], 0 if along_x is None else COUNT))
+    if along_x is not None:
+        own[1:, ..., BENDING[0]] = along_x - 1.0
+    material = Material.from_dict({**law.material.to_dict(), "lattice": lattice})
+    flat = np.zeros((*table.reliefs.shape[:4], len(Waves.of(material.lattice))))
+    return replace(law, material=material, tables=(replace(table, anisotropies=own, reliefs=flat),))
+
+
+def sheet(thickness: float, lattice: dict[str, Any]) -> Design:
+    return Design.from_dict(
+        {
+            "stars": {"length_mm": 8.0, "thickness_mm": thickness},
+            "border": {"rectangle_mm": [70.0, 60.0]},
+            "lattice": lattice,
+        }
+    )
+
+
+def test_stars_are_tight_where_their_cells_are_though_previews_follow_part_of_that() -> None:
+    lattice = {"kind": "square"}
+    for thickness, tight in ((0.3, True), (0.4, False)):
+        design = sheet(thickness, lattice)
+        found = star_values(design, layout(design), other_law(lattice, along_x=0.4))
+        assert np.abs(found.curl).max() * design.lattice.spacing_mm < TIGHT
+        assert bool(found.tight) is tight
+
+
+@pytest.mark.parametrize(
+    ("lattice", "along_x", "known"), [({"kind": "square"}, 0.9, True), ({"orientation_deg": 10.0}, None, False)]
+)
+def test_only_of_turned_stars_previews_expect_nothing(
+    lattice: dict[str, Any], along_x: float | None, known: bool
+) -> None:
+    """These may roll about axes that the law does not have."""
+    summary = Preview(sheet(0.45, lattice), other_law(lattice, along_x)).shape().summary
+    assert (summary["expected_rms_percent"] is not None) is known
+    assert (summary["expected_height_percent"] is not None) is known
