@@ -59,6 +59,14 @@ def image(shape: Shape, title: str) -> Image.Image:
     return Image.open(stream)
 
 
+def small_png(image: Image.Image) -> bytes:
+    """A picture in 256 colours; the usual choice leaves out those of few pixels, such as the red of what is held."""
+    out = BytesIO()
+    # the k-means step takes the steps out of the shades
+    image.convert("RGB").quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=1).save(out, "PNG", optimize=True)
+    return out.getvalue()
+
+
 def caption(shape: Shape) -> str:
     """One line of numbers; those that the summary does not have are left out."""
     summary: Mapping[str, Any] = shape.summary

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from asterism.files import write_file
+from asterism.picture import small_png
 from asterism.render import camera, render, surface
 from asterism.shape import Shape
 from asterism.simulation import simulate
@@ -89,10 +90,9 @@ def picture(shapes: list[Shape]) -> None:
         for axes in column:
             axes.set_axis_off()
     figure.tight_layout()
-    large, small = BytesIO(), BytesIO()
+    large = BytesIO()
     figure.savefig(large, format="png")
-    Image.open(large).convert("RGB").quantize(128).save(small, "PNG", optimize=True)
-    write_file(PICTURES / "contact.png", small.getvalue())
+    write_file(PICTURES / "contact.png", small_png(Image.open(large)))
 
 
 def section(shape: Shape) -> np.ndarray:

@@ -14,7 +14,7 @@ from typing import Any
 from PIL import Image
 
 from asterism.files import write_file
-from asterism.picture import draw
+from asterism.picture import draw, small_png
 from asterism.shape import Shape
 from asterism.simulation import simulate
 from benchmarks.report import markdown, write_report
@@ -83,12 +83,11 @@ def page(table: str) -> str:
 
 def picture(shape: Shape, name: str, title: str | None = None) -> None:
     """docs/pictures/NAME.png, small enough for a page."""
-    large, small = BytesIO(), BytesIO()
+    large = BytesIO()
     draw(shape, title or name, large)
     image = Image.open(large).convert("RGB")
     image.thumbnail((1000, 1000))
-    image.quantize(128).save(small, "PNG", optimize=True)
-    write_file(PICTURES / f"{name}.png", small.getvalue())
+    write_file(PICTURES / f"{name}.png", small_png(image))
 
 
 if __name__ == "__main__":

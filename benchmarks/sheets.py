@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import tempfile
 import time
-from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +19,7 @@ from asterism.export.rounded import exact
 from asterism.export.shape_change import shape_change
 from asterism.export.write import write_export
 from asterism.files import write_file
+from asterism.picture import small_png
 from asterism.simulation import simulate
 from benchmarks.report import markdown, write_report
 from pattern import gallery
@@ -98,9 +98,7 @@ def rendered(pdf: Path, page: int) -> bytes:
     document = pypdfium2.PdfDocument(pdf)
     image = document[page].render(scale=1.2).to_pil().convert("RGB")
     document.close()
-    picture = BytesIO()
-    image.quantize(128).save(picture, "PNG", optimize=True)
-    return picture.getvalue()
+    return small_png(image)
 
 
 if __name__ == "__main__":

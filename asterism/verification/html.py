@@ -5,11 +5,11 @@ from __future__ import annotations
 from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from html import escape
-from io import BytesIO
 
 import numpy as np
 from PIL import Image
 
+from asterism.picture import small_png
 from pattern.layout import Floats
 
 STYLE = """
@@ -80,7 +80,5 @@ def png(image: Floats) -> bytes:
     """An image (height, width, 4), row 0 the lowest, on white."""
     opacity = image[..., 3:]
     colour = opacity * image[..., :3] + (1.0 - opacity)
-    out = BytesIO()
     picture = Image.fromarray(np.clip(255.0 * np.flipud(colour) + 0.5, 0, 255).astype(np.uint8))
-    picture.quantize(160).save(out, "PNG", optimize=True)
-    return out.getvalue()
+    return small_png(picture)

@@ -13,6 +13,7 @@ import numpy as np
 from PIL import Image
 
 from asterism.files import write_file
+from asterism.picture import small_png
 from asterism.previewing.run import preview
 from asterism.verification.comparison import compare
 from asterism.verification.html import png
@@ -44,9 +45,7 @@ def draw(folder: Path, law: Law) -> None:
         sheet.paste(image, (left, height - image.height))
         left += image.width + GAP
     sheet.thumbnail((1400, 1400))
-    out = BytesIO()
-    sheet.quantize(160).save(out, "PNG", optimize=True)
-    write_file(DOCS / "pictures" / "verified.png", out.getvalue())
+    write_file(DOCS / "pictures" / "verified.png", small_png(sheet))
     print(f"{DESIGN}: {found.rms_percent:.2f} % of the diameter")
 
 
