@@ -8,8 +8,8 @@ in the curvature c (positive with the plastic outside, per mm of the sheet contr
 with the mean bending stiffness D of the tubes. A tube around the direction n has `psi = D (q c^2/2 - m c)` with
 `q = Q[n n, n n]` and `m = m[n n]`: it wants the curvature m/q and gains `D m^2/(2 q)`. Q and m are those whose
 curvatures and gains are nearest to the cells' (least squares). Tubes say all of a symmetric Q but one number, what
-Gaussian curvature costs: `cross`, the mean of Q12 over all axes, is held near Poisson's ratio. So a sheet and the same
-sheet printed turned have the same Q and m, turned.
+Gaussian curvature costs: `cross`, the mean of Q12 over all axes, is held near Poisson's ratio. That is the same
+in all axes; the fit itself may still end in another minimum for a sheet that is printed turned.
 
 A lattice with threefold symmetry has none of this.
 """
