@@ -7,7 +7,7 @@ from collections import Counter
 from asterism.law_directions import directions_line
 from asterism.law_errors import coarse_line, mesh_line, pleats_line
 from homogenize.law import Law
-from homogenize.residuals import stable_tubes
+from homogenize.residuals import unstable_tubes
 from homogenize.table import NAMES, Table
 
 
@@ -75,7 +75,7 @@ def _branches(law: Law) -> list[str]:
     if not found:
         return []
     many = len(found)
-    flat, tubes = sum(one["supercell_eigenvalue"] > 0 for one in found), sum(map(stable_tubes, found))
+    flat, tubes = sum(one["supercell_eigenvalue"] > 0 for one in found), many - unstable_tubes(law.samples)["unstable"]
     return [
         "",
         f"  natural tubes that are stable, with 2 x 2 stars free to differ: {tubes} of {many} cells",

@@ -137,23 +137,13 @@ def table(rows: list[dict[str, Any]]) -> str:
         ]
         for row in rows
     ]  # fmt: skip
-    ends = [
-        [name, "", "", "", *(f"{value:.2f}" for value in np.quantile(rms, part, axis=0)), "", "", "", ""]
-        for name, part in (("median", 0.5), ("nine in ten", 0.9), ("largest", 1.0))
-    ] + [
-        [
-            "within 2.5 %",
-            "",
-            "",
-            "",
-            *(f"{count} of {len(rows)}" for count in (rms <= FAR).sum(axis=0)),
-            "",
-            "",
-            "",
-            "",
-        ],
-    ]
-    return markdown(HEADER, lines + ends)
+    ends = {
+        name: np.quantile(rms, part, axis=0) for name, part in (("median", 0.5), ("nine in ten", 0.9), ("largest", 1.0))
+    }
+    cells_of = {name: [f"{value:.2f}" for value in values] for name, values in ends.items()}
+    cells_of["within 2.5 %"] = [f"{count} of {len(rows)}" for count in (rms <= FAR).sum(axis=0)]
+    before, after = HEADER.index("stars") * [""], len(_expected(rows[0])) * [""]
+    return markdown(HEADER, [*lines, *([name, *before, *cells, *after] for name, cells in cells_of.items())])
 
 
 def _expected(row: dict[str, Any]) -> list[str]:

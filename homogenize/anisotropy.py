@@ -118,7 +118,7 @@ def _nearest(directions: Floats, curvature: Floats, gain: Floats) -> tuple[Float
 
 
 def cross(q: Floats) -> Floats:
-    """(...) mean of Q12 over all axes of Q (..., 3, 3): no tube feels it."""
+    """(...) mean of Q12 over all axes of Q (..., 3, 3); tubes do not feel Q12 + d with Q33 - d/2."""
     return np.asarray((q[..., 0, 0] + q[..., 1, 1] + 6.0 * q[..., 0, 1] - 4.0 * q[..., 2, 2]) / 8.0)
 
 

@@ -54,10 +54,10 @@ def mesh_differences(samples: Sequence[dict[str, Any]]) -> dict[str, Any]:
 def unstable_tubes(samples: Sequence[dict[str, Any]]) -> dict[str, int]:
     """Of a law's cells with arms: how many have an answer, and how many of these would leave their natural tubes."""
     found = [each["sample"] for each in samples if each["problem"] is None and each["length_mm"] > 0]
-    return {"count": len(found), "unstable": sum(not stable_tubes(sample) for sample in found)}
+    return {"count": len(found), "unstable": sum(not _stable_tubes(sample) for sample in found)}
 
 
-def stable_tubes(sample: dict[str, Any]) -> bool:
+def _stable_tubes(sample: dict[str, Any]) -> bool:
     """Its natural tubes are minima among all states of 2 x 2 stars."""
     return min(sample["natural_supercell_eigenvalue"]) > 0.0
 

@@ -20,7 +20,7 @@ HEIGHTS_PERCENT = 10.0  # by which heights may differ where it expected none
 FLAT = 1e-3  # part of the diameter: heights that differ by less are those of flat sheets
 
 
-def warnings(found: Verification, apart_percent: float = 0.0) -> list[str]:
+def warnings(found: Verification, apart_percent: float) -> list[str]:
     """One line each; `apart_percent` of the diameter, distance of the two exact shapes."""
     preview, exact = found.preview.summary, found.exact[found.result].summary
     own = [*map(str, preview.get("warnings", []))]
@@ -53,8 +53,8 @@ def _exact_shape(exact: Mapping[str, Any], known: Sequence[str]) -> Iterator[str
 
 def _two_minima(found: Verification, apart: float) -> Iterator[str]:
     """Two exact shapes of which the model cannot tell the lower one."""
-    exact, *others = sorted((shape.summary for shape in found.exact.values()), key=lambda s: not s["is_minimum"])
-    for other in others:
+    exact = found.exact[found.result].summary
+    for other in (shape.summary for name, shape in found.exact.items() if name != found.result):
         more = gap(exact, other)
         if other["is_minimum"] and apart > FORM_PERCENT and more <= SURE:
             yield (

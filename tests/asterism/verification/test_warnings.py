@@ -41,7 +41,7 @@ def bowls(exact: float, preview: float) -> Verification:
 def said(depths: tuple[float, float] = (0.01, 0.01), preview: dict[str, Any] | None = None, **exact: Any) -> list[str]:
     found = bowls(*depths)
     one = replace(found.exact["release"], summary=EXACT | exact)
-    return warnings(replace(found, preview=replace(found.preview, summary=preview or {}), exact={"release": one}))
+    return warnings(replace(found, preview=replace(found.preview, summary=preview or {}), exact={"release": one}), 0.0)
 
 
 def test_nothing_is_said_of_shapes_that_are_alike() -> None:
