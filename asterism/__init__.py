@@ -17,32 +17,32 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from asterism.previewing.preview import Preview
-    from asterism.previewing.run import preview
-    from asterism.results import write_results
-    from asterism.shape import Shape
-    from asterism.simulation import simulate
-    from asterism.verification.results import write_verification
+    from asterism.exact.simulation import simulate
+    from asterism.previews.run import preview
+    from asterism.previews.session import Preview
+    from asterism.reports.verification_files import write_verification
+    from asterism.results.write_results import write_results
+    from asterism.shape.shape import Shape
     from asterism.verification.run import Verification, verify
-    from homogenize.law_file import load_law
-    from pattern.design import Design, load_design, save_design
+    from homogenize.law.file import load_law
+    from pattern.design.design import Design, load_design, save_design
     from pattern.gallery import load as new
 
 # the solver's imports take most of a second: only who asks for it waits
 _HOMES = {
-    "Design": ("pattern.design", "Design"),
-    "Preview": ("asterism.previewing.preview", "Preview"),
-    "Shape": ("asterism.shape", "Shape"),
+    "Design": ("pattern.design.design", "Design"),
+    "Preview": ("asterism.previews.session", "Preview"),
+    "Shape": ("asterism.shape.shape", "Shape"),
     "Verification": ("asterism.verification.run", "Verification"),
-    "load_design": ("pattern.design", "load_design"),
-    "load_law": ("homogenize.law_file", "load_law"),
+    "load_design": ("pattern.design.design", "load_design"),
+    "load_law": ("homogenize.law.file", "load_law"),
     "new": ("pattern.gallery", "load"),
-    "preview": ("asterism.previewing.run", "preview"),
-    "save_design": ("pattern.design", "save_design"),
-    "simulate": ("asterism.simulation", "simulate"),
+    "preview": ("asterism.previews.run", "preview"),
+    "save_design": ("pattern.design.design", "save_design"),
+    "simulate": ("asterism.exact.simulation", "simulate"),
     "verify": ("asterism.verification.run", "verify"),
-    "write_results": ("asterism.results", "write_results"),
-    "write_verification": ("asterism.verification.results", "write_verification"),
+    "write_results": ("asterism.results.write_results", "write_results"),
+    "write_verification": ("asterism.reports.verification_files", "write_verification"),
 }
 __all__ = [
     "Design",

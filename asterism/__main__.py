@@ -1,5 +1,5 @@
 """`python -m asterism`."""
 
-from asterism.cli import main
+from asterism.cli.main import main
 
 main()

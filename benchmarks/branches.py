@@ -13,17 +13,17 @@ import time
 from pathlib import Path
 from typing import Any
 
-from asterism.minima import many_minima
+from asterism.exact.minima import many_minima
 from benchmarks.report import markdown, write_report
-from discrete.branches import Branch, distinct, find_minima
-from discrete.levels import coarser
-from discrete.model import Model
-from discrete.solve import relax
-from discrete.starts import Beginning
+from discrete.model.model import Model
+from discrete.release.branches import Branch, distinct, find_minima
+from discrete.release.levels import coarser
+from discrete.release.solve import relax
+from discrete.release.starts import Beginning
 from pattern import gallery
-from pattern.build import layout
-from pattern.meshing import mesh_layout
-from pattern.symmetries import symmetries
+from pattern.layout.build import layout
+from pattern.layout.symmetries import symmetries
+from pattern.mesh.meshing import mesh_layout
 
 SEEDS = (0, 1, 2)
 STARTS = 10

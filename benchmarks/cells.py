@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 
 from benchmarks.report import markdown, write_report
-from homogenize.arm_segments import arm_segments
-from homogenize.cell import Cell
-from homogenize.natural import curl
-from homogenize.relax import relax
-from homogenize.sample import respond
-from pattern.design import Design
+from homogenize.cell.arm_segments import arm_segments
+from homogenize.cell.cell import Cell
+from homogenize.cell.natural import curl
+from homogenize.cell.relax import relax
+from homogenize.cell.sample import respond
+from pattern.design.design import Design
 
 SPACING = 10.0 * np.sqrt(3.0)
 SIZES = ((10.0, 0.4), (10.0, 0.6), (7.0, 0.3))  # length and thickness, mm

@@ -14,15 +14,15 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from PIL import Image
 
-from asterism.files import write_file
-from asterism.picture import small_png
-from asterism.render import camera, render, surface
-from asterism.shape import Shape
-from asterism.simulation import simulate
+from asterism.draw.picture import small_png
+from asterism.draw.render import camera, render, surface
+from asterism.exact.simulation import simulate
+from asterism.results.files import write_file
+from asterism.shape.shape import Shape
 from benchmarks.gallery import PICTURES
 from benchmarks.report import markdown, write_report
 from pattern import gallery
-from pattern.design import Design
+from pattern.design.design import Design
 
 # the tube of the gallery stays open; with thinner arms, which curl more, it rolls up further than round
 THICKNESSES = {"tube": 0.4, "tube, arms 0.3 mm thick": 0.3}

@@ -18,14 +18,14 @@ from typing import Any
 import numpy as np
 from scipy.optimize import least_squares
 
-from asterism.diameter import diameter
-from asterism.shape import Shape
-from asterism.simulation import simulate
+from asterism.exact.simulation import simulate
+from asterism.shape.diameter import diameter
+from asterism.shape.shape import Shape
 from benchmarks.convergence_tables import GROUPS, report
 from pattern import gallery
-from pattern.build import layout
-from pattern.design import Design
-from pattern.meshing import mesh_layout
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from pattern.mesh.meshing import mesh_layout
 
 SPACING = 17.3205
 CUTS = (5, 7, 9, 12, 16, 20, 25, 36)

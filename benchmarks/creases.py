@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 
 from benchmarks.report import markdown, write_report
-from homogenize.cell import Cell
-from homogenize.natural import curl
-from homogenize.relax import relax
+from homogenize.cell.cell import Cell
+from homogenize.cell.natural import curl
+from homogenize.cell.relax import relax
 from pattern import gallery
-from pattern.design import Design
+from pattern.design.design import Design
 
 SPACING = 17.3205
 # the tip of a 10 mm arm is close to a grid point in all of these

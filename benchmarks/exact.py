@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from asterism.simulation import simulate
+from asterism.exact.simulation import simulate
 from benchmarks.report import markdown, peak_memory_mb, write_report
 from pattern import gallery
-from pattern.design import Design
+from pattern.design.design import Design
 
 # Table 1 of the paper: seconds on one thread of a Xeon Gold 5118, and vertices
 PAPER = {"roof": (1047.7, 7237), "u-shape": (1702.7, 10551), "tunnel": (1437.8, 8020), "doubly-curved": (2400.4, 12140)}

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from homogenize.directions import AROUND
-from homogenize.sample import Sample, respond
-from pattern.design import Design
+from homogenize.cell.directions import AROUND
+from homogenize.cell.sample import Sample, respond
+from pattern.design.design import Design
 
 STARS = ((10.0, 0.4), (10.0, 0.6), (7.0, 0.3))
 EDGES = (1.92, 1.15)

@@ -13,10 +13,10 @@ from typing import Any
 
 from PIL import Image
 
-from asterism.files import write_file
-from asterism.picture import draw, small_png
-from asterism.shape import Shape
-from asterism.simulation import simulate
+from asterism.draw.picture import draw, small_png
+from asterism.exact.simulation import simulate
+from asterism.results.files import write_file
+from asterism.shape.shape import Shape
 from benchmarks.report import markdown, write_report
 from pattern import gallery
 

@@ -18,16 +18,16 @@ from typing import Any
 import numpy as np
 
 from benchmarks.report import markdown, write_report
-from discrete.model import Model
-from discrete.prolongation import prolonged
-from discrete.solve import relax
-from equilibrium.factor import Iterative, make_factor
-from equilibrium.newton import LEAST
-from equilibrium.support import stiffen
+from discrete.model.model import Model
+from discrete.release.prolongation import prolonged
+from discrete.release.solve import relax
+from equilibrium.linear.factor import Iterative, make_factor
+from equilibrium.linear.rigid_support import stiffen
+from equilibrium.newton.minimise import LEAST
 from pattern import gallery
-from pattern.build import layout
-from pattern.design import Design
-from pattern.meshing import mesh_layout
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from pattern.mesh.meshing import mesh_layout
 
 SPACING = 17.3205  # mm, of the tube's stars
 DIVISIONS = [12, 25, 36, 52, 81]

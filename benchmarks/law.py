@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.report import markdown, write_report
-from homogenize.law_file import load_law
-from homogenize.table import NAMES
+from homogenize.law.file import load_law
+from homogenize.law.table import NAMES
 
 STARS, TIMES = 200, 500
 

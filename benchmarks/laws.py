@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from asterism.calibrate_command import calibrate, default_jobs
-from asterism.own_law import own_material
+from asterism.laws.calibrate import calibrate, default_jobs
+from asterism.laws.own_law import own_material
 from homogenize.errors import ForeignLaw
-from homogenize.law import Law
-from pattern.design import Design
+from homogenize.law.law import Law
+from pattern.design.design import Design
 
 
 def law_of(design: Design, paper: Law) -> Law:

@@ -9,15 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from asterism.previewing.preview import Preview
+from asterism.previews.session import Preview
 from benchmarks.cells import sheet
 from benchmarks.report import markdown, write_report
-from equilibrium.newton import minimise
-from homogenize.cell import Cell
-from homogenize.natural import curl
-from homogenize.relax import relax, tolerance
-from homogenize.rolled_membrane import rolled_membrane
-from homogenize.rolling import Tube
+from equilibrium.newton.minimise import minimise
+from homogenize.cell.cell import Cell
+from homogenize.cell.natural import curl
+from homogenize.cell.relax import relax, tolerance
+from homogenize.cell.rolled_membrane import rolled_membrane
+from homogenize.cell.rolling import Tube
 from pattern import gallery
 
 DESIGNS = ("tube", "dome", "fig8-l-decreasing", "fig8-h-increasing", "doubly-curved", "bell", "fig9-linear", "roof")

@@ -5,7 +5,8 @@ python -m benchmarks.other_stars FOLDER [--choose]
 Four, five and six arms on square lattices, four and five on triangular ones, three on a square one: free, held along
 the border, or on their corners; the same designs every time. FOLDER keeps laws and exact shapes. Of these the lowest
 counts, from the release, or from the preview with or without what differs between directions. Each preview is
-made thrice: with no part of that, with the part in use (`asterism.previewing.directional.SHARE`), and with all of it.
+made thrice: with no part of that, with the part in use (`asterism.previews.fields.directional.SHARE`), and with all of
+it.
 
 SHARE is not from these. --choose previews the free ones of as many designs that come after them with more parts, and
 prints the geometric means of the distances.
@@ -21,21 +22,21 @@ from unittest.mock import patch
 
 import numpy as np
 
-from asterism.calibrate_command import calibrate
-from asterism.own_law import own_material
-from asterism.previewing.directional import SHARE
-from asterism.previewing.run import preview
-from asterism.verification.comparison import compare
+from asterism.laws.calibrate import calibrate
+from asterism.laws.own_law import own_material
+from asterism.previews.fields.directional import SHARE
+from asterism.previews.run import preview
+from asterism.shape.comparison import compare
 from benchmarks.accuracy.exact import exact
 from benchmarks.accuracy.report import FAR
 from benchmarks.report import markdown, write_report
 from homogenize.errors import CampaignError
-from homogenize.law import Law
-from pattern.build import layout
-from pattern.design import Design
-from pattern.errors import DesignError
-from pattern.lattice import DEFAULT_SPACING
-from pattern.symmetries import symmetries
+from homogenize.law.law import Law
+from pattern.design.design import Design
+from pattern.design.errors import DesignError
+from pattern.design.lattice import DEFAULT_SPACING
+from pattern.layout.build import layout
+from pattern.layout.symmetries import symmetries
 
 COUNT = 36
 EDGE_MM = 1.15
@@ -123,7 +124,7 @@ def _held(number: int) -> str:
 
 
 def _preview(design: Design, law: Law, share: float) -> Any:
-    with patch("asterism.previewing.star_values.SHARE", share):
+    with patch("asterism.previews.fields.star_values.SHARE", share):
         return preview(design, law)
 
 

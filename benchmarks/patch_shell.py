@@ -5,19 +5,19 @@ from __future__ import annotations
 import numpy as np
 from skfem import MeshTri
 
-from asterism.previewing.sheet_fields import sheet_fields
-from asterism.previewing.sheet_mesh import sheet_mesh
-from asterism.previewing.star_cells import StarCells
-from asterism.previewing.star_values import StarValues
-from fem.argyris import Argyris
-from fem.shapes import Shape
-from fem.shell import ORDER, Shell
-from fem.solve import relax
-from homogenize.fit import row
-from homogenize.sample import Sample
-from homogenize.table import NAMES
-from pattern.build import layout
-from pattern.design import Design
+from asterism.previews.fields.sheet_fields import sheet_fields
+from asterism.previews.fields.star_cells import StarCells
+from asterism.previews.fields.star_values import StarValues
+from fem.elements.argyris import Argyris
+from fem.search.relax import relax
+from fem.search.simple_shapes import Shape
+from fem.shell.shell import ORDER, Shell
+from homogenize.cell.sample import Sample
+from homogenize.law.fit import row
+from homogenize.law.table import NAMES
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from pattern.mesh.coarse.sheet_mesh import sheet_mesh
 
 EDGE = 15.0  # mm, of the shell's triangles
 AXES = np.radians(15.0 * np.arange(12))

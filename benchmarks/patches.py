@@ -13,14 +13,14 @@ import numpy as np
 
 from benchmarks.patch_shell import shell_stars
 from benchmarks.report import markdown, write_report
-from discrete.model import Model
-from discrete.solve import relax
-from discrete.stars import bumped
-from discrete.state import State, carried
-from homogenize.sample import Sample, respond
-from pattern.build import layout
-from pattern.design import Design
-from pattern.meshing import mesh_layout
+from discrete.model.model import Model
+from discrete.model.star_bumps import bumped
+from discrete.model.state import State, carried
+from discrete.release.solve import relax
+from homogenize.cell.sample import Sample, respond
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from pattern.mesh.meshing import mesh_layout
 
 PICTURE = Path(__file__).parent.parent / "docs" / "pictures" / "cell_vs_patch.png"
 EDGE = 10.0 * np.sqrt(3.0) / 9.0

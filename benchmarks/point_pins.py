@@ -3,8 +3,8 @@
 python -m benchmarks.point_pins
 
 A wedge of bare fabric is held along its arc, where it is as long as it wants to be, and its tip is pulled out a little;
-for 360 degrees it is a disc, and its middle is pulled aside. With K of `asterism/previewing/point_pins.py` (for a full
-turn that of a plane, `4 pi E t/((1 + nu)(3 - nu))`) the table has the numbers of that file: c, d, d - c and g.
+for 360 degrees it is a disc, and its middle is pulled aside. With K of `asterism/previews/supports/point_pins.py` (for
+a full turn that of a plane, `4 pi E t/((1 + nu)(3 - nu))`) the table has the numbers of that file: c, d, d - c and g.
 """
 
 from __future__ import annotations
@@ -16,19 +16,19 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 from skfem import MeshTri
 
-from asterism.previewing.held_sheet import conditions, held_sides
-from asterism.previewing.point_pins import ANGLES_DEG, around, softened, spot
-from asterism.previewing.sheet_mesh import sheet_mesh
+from asterism.previews.supports.conditions import conditions, held_sides
+from asterism.previews.supports.point_pins import ANGLES_DEG, around, softened, spot
 from benchmarks.report import markdown, write_report
-from discrete.membrane import Membrane
-from fem.argyris import Argyris
-from fem.conditions import vertices_at
-from fem.density import Density, isotropic
-from fem.fields import Fields
-from fem.shell import ORDER, Shell
-from pattern.build import layout
-from pattern.design import Design
-from pattern.meshing import mesh_layout
+from discrete.energies.membrane import Membrane
+from fem.elements.argyris import Argyris
+from fem.shell.density import Density, isotropic
+from fem.shell.fields import Fields
+from fem.shell.shell import ORDER, Shell
+from fem.supports.conditions import vertices_at
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from pattern.mesh.coarse.sheet_mesh import sheet_mesh
+from pattern.mesh.meshing import mesh_layout
 
 RADIUS, STRETCH = 60.0, 1.35
 EXACT_MM, TURNED_DEG, SHELL_MM = (2.0, 1.6, 1.2), (0.0, 11.0, 30.0, 90.0), (20.0, 30.0)

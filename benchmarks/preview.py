@@ -20,17 +20,17 @@ from typing import Any
 import numpy as np
 from skfem import Basis, BilinearForm, ElementTriArgyris, ElementVector, MeshTri
 
-from asterism.previewing.preview import Preview, paper_law
-from asterism.simulation import simulate
+from asterism.exact.simulation import simulate
+from asterism.previews.session import Preview, paper_law
 from benchmarks.report import markdown, write_report
-from fem.density import isotropic
-from fem.linear_response import linear_response
-from fem.mixed_newton import mixed_newton
-from fem.shell import ORDER, Shell
-from fem.solve import TOLERANCE, follow
-from fem.starts import starts
+from fem.search.initial_guesses import starts
+from fem.search.linear_response import linear_response
+from fem.search.mixed_newton import mixed_newton
+from fem.search.relax import TOLERANCE, follow
+from fem.shell.density import isotropic
+from fem.shell.shell import ORDER, Shell
 from pattern import gallery
-from pattern.design import Design
+from pattern.design.design import Design
 
 TRIANGLES = [54, 96, 384]
 DESIGNS = ["tube", "dome", "u-shape"]

@@ -10,13 +10,13 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from asterism.files import write_file
-from asterism.previewing.run import preview
+from asterism.previews.run import preview
+from asterism.results.files import write_file
 from benchmarks.gallery import picture
 from benchmarks.laws import law_of
 from benchmarks.report import RESULTS, markdown, write_report
 from homogenize.errors import LawError
-from homogenize.law_file import load_law
+from homogenize.law.file import load_law
 from pattern import gallery
 
 PAGE = Path(__file__).parent.parent / "docs" / "preview-gallery.md"

@@ -12,10 +12,10 @@ import cProfile
 import pstats
 import sys
 
-from asterism.simulation import simulate
+from asterism.exact.simulation import simulate
 from benchmarks.large import tube
 from benchmarks.report import markdown
-from pattern.design import Design
+from pattern.design.design import Design
 
 FACTORS = ("/factor.py", "/pardiso.py")
 # functions whose time, with all they call, is one row; that of the smooth surface has a reconstruction in it, with

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from asterism import __version__
-from asterism.files import staged
+from asterism.results.files import staged
 
 RESULTS = Path(__file__).parent / "results"
 

@@ -6,7 +6,7 @@ Both sheets are free, and stay in their plane. Their stress sigma is in equilibr
 function phi, which vanishes at the border. A small deflection w does the work `sigma_ij w_i w_j / 2` on it, which for
 constant curvatures k1 and k2 is `-k1 k2` times the integral of phi: here it comes from a cap and a saddle, the
 difference of which leaves out what arms bend within the plane. What the shell lacks over `share^2` times the pull of
-the fabric is the area G of `asterism/previewing/self_stress.py`.
+the fabric is the area G of `asterism/previews/fields/self_stress.py`.
 """
 
 from __future__ import annotations
@@ -15,24 +15,24 @@ from dataclasses import replace
 
 import numpy as np
 
-from asterism.previewing.free_rim import stars_share
-from asterism.previewing.preview import paper_law
-from asterism.previewing.self_stress import plane_areas, pulls
-from asterism.previewing.sheet import Sheet
-from asterism.previewing.star_values import StarValues, star_values
+from asterism.previews.edges.free_rim import stars_share
+from asterism.previews.fields.self_stress import plane_areas, pulls
+from asterism.previews.fields.star_values import StarValues, star_values
+from asterism.previews.session import paper_law
+from asterism.previews.sheet import Sheet
 from benchmarks.report import markdown, write_report
-from discrete.model import Model
-from discrete.state import State
-from discrete.system import System
-from equilibrium.newton import minimise
+from discrete.model.model import Model
+from discrete.model.state import State
+from discrete.model.system import System
+from equilibrium.newton.minimise import minimise
 from equilibrium.threads import one_blas_thread
-from fem.density import Density
-from fem.fields import Fields
-from fem.mixed_newton import mixed_newton
-from fem.solve import TOLERANCE
-from pattern.build import layout
-from pattern.design import Design
-from pattern.meshing import mesh_layout
+from fem.search.mixed_newton import mixed_newton
+from fem.search.relax import TOLERANCE
+from fem.shell.density import Density
+from fem.shell.fields import Fields
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from pattern.mesh.meshing import mesh_layout
 
 # stretch, rings, length and thickness in mm
 SHEETS = [

@@ -13,14 +13,14 @@ from typing import Any
 import pypdfium2
 import trimesh
 
-from asterism.export.job import prepare
-from asterism.export.profiles import load_plastic, load_printer
-from asterism.export.rounded import exact
-from asterism.export.shape_change import shape_change
-from asterism.export.write import write_export
-from asterism.files import write_file
-from asterism.picture import small_png
-from asterism.simulation import simulate
+from asterism.draw.picture import small_png
+from asterism.exact.simulation import simulate
+from asterism.print.job import prepare
+from asterism.print.profiles import load_plastic, load_printer
+from asterism.print.rounded import exact
+from asterism.print.shape_change import shape_change
+from asterism.print.write import write_export
+from asterism.results.files import write_file
 from benchmarks.report import markdown, write_report
 from pattern import gallery
 

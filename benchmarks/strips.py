@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from asterism.strips.errors import NoMaterial
-from asterism.strips.fit import fit_strips
-from asterism.strips.synthetic import readings
+from asterism.measure.strips.errors import NoMaterial
+from asterism.measure.strips.fit import fit_strips
+from asterism.measure.strips.synthetic import readings
 from benchmarks.report import markdown, write_report
-from pattern.materials import Plastic
+from pattern.design.materials import Plastic
 
 TABLES = 200
 RATIO, KAPPA_BAR = 3200.0, 0.003

@@ -14,10 +14,10 @@ import sys
 import time
 from typing import Any
 
-from asterism.simulation import simulate
+from asterism.exact.simulation import simulate
 from benchmarks.large import DIVISIONS, built, tube
 from benchmarks.report import RESULTS, markdown, peak_memory_mb, write_report
-from equilibrium.newton import Iteration
+from equilibrium.newton.minimise import Iteration
 
 BACKENDS = ("auto", "amg")
 PATIENCE = 900.0  # s

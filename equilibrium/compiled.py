@@ -45,7 +45,8 @@ def loop(function: Callable[..., Any]) -> Callable[..., Any]:
 
 def _digest(function: Callable[..., Any]) -> str:
     """Of every file with formulas that the function's package may use."""
-    package = Path(function.__code__.co_filename).parent
-    files = sorted({*package.glob("*.py"), *Path(__file__).parent.glob("*.py")})
+    file, depth = Path(function.__code__.co_filename), function.__module__.count(".")
+    package = file.parents[max(depth - 1, 0)]
+    files = sorted({*package.rglob("*.py"), *Path(__file__).parent.rglob("*.py")})
     texts = [text for file in files if b"@formula" in (text := file.read_bytes()) or file == Path(__file__)]
     return hashlib.sha256(b"".join(texts)).hexdigest()[:12]

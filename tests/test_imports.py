@@ -105,7 +105,7 @@ def test_a_preview_runs_without_the_exact_model() -> None:
 
 def test_triangle_is_called_in_its_guarded_file_only() -> None:
     users = {name(file) for file in SOURCES if "triangle" in roots(file)}
-    assert users <= {"pattern/triangulate.py"}
+    assert users <= {"pattern/mesh/free/triangulate.py"}
 
 
 @pytest.mark.parametrize("file", [f for f in SOURCES if f.relative_to(ROOT).parts[0] in ENGINES], ids=name)

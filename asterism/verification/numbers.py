@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from asterism.verification.comparison import Comparison
+from asterism.shape.comparison import Comparison
 
 # shapes further apart than this, in % of the diameter, or rolled about axes that differ by more, or with normals that
 # differ by more in the rms, are different ones. Normals of 236 previews are within 22 deg, or another form's

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from asterism.shape import Shape
+from asterism.shape.shape import Shape
 
 # energies that differ by a smaller part of them are one; and by what part of the elastic one two minima differ on
 # another mesh

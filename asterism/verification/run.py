@@ -10,22 +10,22 @@ from typing import Any
 import numpy as np
 
 from asterism import __version__
-from asterism.compiling import clock_without_compiling
-from asterism.previewing.run import preview
-from asterism.results import VERIFICATION
-from asterism.shape import Shape
-from asterism.simulation import Say, simulate
-from asterism.verification.comparison import Comparison, compare
+from asterism.exact.simulation import Say, simulate
+from asterism.previews.run import preview
+from asterism.process.compiling import clock_without_compiling
+from asterism.results.write_results import VERIFICATION
+from asterism.shape.comparison import Comparison, compare
+from asterism.shape.shape import Shape
 from asterism.verification.numbers import numbers, same_branch
 from asterism.verification.right_shape import right_shape, same_energy
 from asterism.verification.warnings import warnings
-from discrete.branches import SAME_PERCENT
-from discrete.walk import Report
-from homogenize.law import Law
-from pattern.build import layout
-from pattern.design import Design
-from pattern.layout import Layout
-from pattern.symmetries import Symmetry, symmetries
+from discrete.release.branches import SAME_PERCENT
+from discrete.release.walk import Report
+from homogenize.law.law import Law
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from pattern.layout.layout import Layout
+from pattern.layout.symmetries import Symmetry, symmetries
 
 RELEASE, PREVIEW = "release", "preview"
 AGAIN, LONG_S = 3, 2.0  # previews of which the fastest counts, once everything is loaded; fewer if they take so long

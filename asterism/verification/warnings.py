@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from asterism.exact_warnings import passes_through
-from asterism.star_sides import few, off_branch
-from asterism.verification.comparison import Comparison
+from asterism.exact.star_sides import few, off_branch
+from asterism.exact.warnings import passes_through
+from asterism.shape.comparison import Comparison
 from asterism.verification.numbers import FORM_PERCENT
 from asterism.verification.right_shape import SURE, gap
 

@@ -17,7 +17,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from asterism.files import write_file
+from asterism.results.files import write_file
 from benchmarks.accuracy import report
 from benchmarks.accuracy.causes import causes
 from benchmarks.accuracy.designs import designs
@@ -26,10 +26,10 @@ from benchmarks.accuracy.row import quick_row, whole_row
 from benchmarks.laws import law_of
 from benchmarks.report import write_report
 from homogenize.errors import LawError
-from homogenize.law import Law
-from homogenize.law_file import digest, load_law
-from pattern.design import Design
-from pattern.files import plain
+from homogenize.law.file import digest, load_law
+from homogenize.law.law import Law
+from pattern.design.design import Design
+from pattern.design.files import plain
 
 ROOT = Path(__file__).parents[2]
 
@@ -87,8 +87,8 @@ def _path(folder: Path, design: Design, starts: bool) -> Path:
 
 def _code() -> list[bytes]:
     """What a preview is computed by."""
-    folders = (ROOT / "fem", ROOT / "asterism" / "previewing")
-    return [file.read_bytes() for folder in folders for file in sorted(folder.glob("*.py"))]
+    folders = (ROOT / "fem", ROOT / "asterism" / "previews")
+    return [file.read_bytes() for folder in folders for file in sorted(folder.rglob("*.py"))]
 
 
 if __name__ == "__main__":

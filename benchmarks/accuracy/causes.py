@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from asterism.previewing.star_values import star_values
+from asterism.previews.fields.star_values import star_values
 from homogenize.errors import LawError
-from homogenize.law import Law
-from pattern.build import layout
-from pattern.design import Design
-from pattern.likeness import print_diameter
-from pattern.planar import polygon_area
+from homogenize.law.law import Law
+from pattern.design.design import Design
+from pattern.geometry.planar import polygon_area
+from pattern.layout.build import layout
+from pattern.layout.likeness import print_diameter
 
 # the largest on each sheet
 CAUSES = {

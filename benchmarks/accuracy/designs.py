@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from pattern import gallery
-from pattern.build import layout
-from pattern.design import Design
-from pattern.errors import DesignError
+from pattern.design.design import Design
+from pattern.design.errors import DesignError
+from pattern.layout.build import layout
 
 RANDOM = 24
 STARS = (12, 64)  # fewest and most

@@ -11,13 +11,13 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from asterism.read_shape import read_shape
-from asterism.results import write_results
-from asterism.shape import Shape
-from asterism.simulation import simulate
+from asterism.exact.simulation import simulate
+from asterism.results.read_shape import read_shape
+from asterism.results.write_results import write_results
+from asterism.shape.shape import Shape
 from asterism.verification.right_shape import right_shape
 from benchmarks.accuracy.designs import designs
-from pattern.design import Design
+from pattern.design.design import Design
 
 
 def exact(design: Design, folder: Path, near: Callable[[], Shape] | None = None) -> Shape:

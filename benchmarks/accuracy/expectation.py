@@ -2,11 +2,11 @@
 
 python -m benchmarks.accuracy.expectation FOLDER [--kept]
 
-The numbers in `asterism/previewing/expected.py` and `expected_height.py` belong to the study, 24 further designs and
-small even sheets. Here they are fitted again without each of these, which then is predicted; and twelve more are drawn,
-ribbons, and designs of other outlines and pins, which no number was ever fitted to. CONTRAST was set by two of forty
-that were drawn later, and fifty more were drawn after that. SOFT of the heights belongs to the shares in use: after a
-change of those, once more with --kept gives it.
+The numbers in `asterism/previews/uncertainty/expected.py` and `expected_height.py` belong to the study, 24 further
+designs and small even sheets. Here they are fitted again without each of these, which then is predicted; and twelve
+more are drawn, ribbons, and designs of other outlines and pins, which no number was ever fitted to. CONTRAST was set by
+two of forty that were drawn later, and fifty more were drawn after that. SOFT of the heights belongs to the shares in
+use: after a change of those, once more with --kept gives it.
 FOLDER is that of the study, which comes first; --kept as there. As in the study, the exact model starts from the
 released sheet and from the preview, and the lower minimum counts.
 """
@@ -22,7 +22,8 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize
 
-from asterism.previewing.expected import (
+from asterism.previews.run import preview
+from asterism.previews.uncertainty.expected import (
     FLOOR,
     FORGIVEN,
     MIRRORED,
@@ -31,7 +32,6 @@ from asterism.previewing.expected import (
     of_unequal_stars,
     share_of,
 )
-from asterism.previewing.run import preview
 from asterism.verification.numbers import LIKE_PERCENT
 from benchmarks.accuracy import expected_heights
 from benchmarks.accuracy.__main__ import kept
@@ -42,11 +42,11 @@ from benchmarks.accuracy.report import HEADER, announced, missed, put_into_docs,
 from benchmarks.accuracy.unlike import unlike
 from benchmarks.report import markdown, write_report
 from homogenize.errors import LawError
-from homogenize.law import Law
-from homogenize.law_file import load_law
-from pattern.build import layout
-from pattern.design import Design
-from pattern.symmetries import symmetries
+from homogenize.law.file import load_law
+from homogenize.law.law import Law
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from pattern.layout.symmetries import symmetries
 
 OTHERS = 40  # designs of other outlines and pins
 FITTED, UNSEEN = 24, 12  # designs with the seeds that follow the study's, and with those that follow them

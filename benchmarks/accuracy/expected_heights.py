@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize
 
-from asterism.previewing.expected_height import LOWEST, PART, SOFT, TURNED
+from asterism.previews.uncertainty.expected_height import LOWEST, PART, SOFT, TURNED
 from asterism.verification.numbers import LIKE_PERCENT
 from benchmarks.accuracy.report import height_announced, height_expected, height_missed
 from benchmarks.report import markdown

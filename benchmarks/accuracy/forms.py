@@ -13,17 +13,17 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from asterism.previewing.preview import Preview
-from asterism.results import write_results
-from asterism.simulation import simulate
-from asterism.verification.comparison import compare
+from asterism.exact.simulation import simulate
+from asterism.previews.session import Preview
+from asterism.results.write_results import write_results
+from asterism.shape.comparison import compare
 from asterism.verification.numbers import alike
 from benchmarks.accuracy.designs import RANDOM, designs, drawn
 from benchmarks.accuracy.expectation import FITTED, UNSEEN
 from benchmarks.report import markdown, write_report
-from pattern.build import layout
-from pattern.design import Design
-from pattern.symmetries import symmetries
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from pattern.layout.symmetries import symmetries
 
 HEADER = ["design", "form", "shell N mm", "exact N mm", "exact, above the lowest %", "exact to preview, rms %", "kept"]
 APART = 1e-4  # of the energy: trials that differ less are one form

@@ -15,17 +15,17 @@ from typing import Any
 
 import numpy as np
 
-from asterism.previewing.run import preview
-from asterism.verification.comparison import compare
+from asterism.previews.run import preview
+from asterism.shape.comparison import compare
 from benchmarks.accuracy.designs import RANDOM, designs, drawn
 from benchmarks.accuracy.exact import lowest
 from benchmarks.report import markdown, write_report
 from homogenize.errors import LawError
-from homogenize.law import Law
-from homogenize.law_file import load_law
-from pattern.build import layout
-from pattern.design import Design
-from pattern.symmetries import symmetries
+from homogenize.law.file import load_law
+from homogenize.law.law import Law
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from pattern.layout.symmetries import symmetries
 
 NAMES = ["design", "held by", "exact, mm", "preview, mm", "height %", "rise %", "lowest point to a tip, mm"]
 MORE = 24  # designs with the seeds that follow the study's

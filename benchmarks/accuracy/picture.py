@@ -12,20 +12,20 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from asterism.files import write_file
-from asterism.picture import small_png
-from asterism.previewing.run import preview
-from asterism.verification.comparison import compare
-from asterism.verification.html import png
-from asterism.verification.views import views
+from asterism.draw.picture import small_png
+from asterism.previews.run import preview
+from asterism.reports.html import png
+from asterism.reports.views import views
+from asterism.results.files import write_file
+from asterism.shape.comparison import compare
 from benchmarks.accuracy.designs import EDGE_MM, meshed
 from benchmarks.accuracy.exact import exact
 from benchmarks.accuracy.report import DOCS
-from homogenize.law import Law
-from homogenize.law_file import load_law
+from homogenize.law.file import load_law
+from homogenize.law.law import Law
 from pattern import gallery
-from pattern.build import layout
-from pattern.symmetries import symmetries
+from pattern.layout.build import layout
+from pattern.layout.symmetries import symmetries
 
 DESIGN = "dome"
 GAP = 30  # pixels

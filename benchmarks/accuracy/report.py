@@ -12,7 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from asterism.files import write_file
+from asterism.results.files import write_file
 from benchmarks.accuracy.causes import CAUSES
 from benchmarks.accuracy.speed import told
 from benchmarks.report import RESULTS, markdown

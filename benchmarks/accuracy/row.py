@@ -5,16 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from asterism.previewing.run import preview
-from asterism.shape import Shape
-from asterism.verification.comparison import compare
+from asterism.previews.run import preview
+from asterism.shape.comparison import compare
+from asterism.shape.shape import Shape
 from asterism.verification.numbers import numbers, same_branch
 from asterism.verification.run import verify
 from benchmarks.accuracy.exact import exact, known
-from homogenize.law import Law
-from pattern.build import layout
-from pattern.design import Design
-from pattern.symmetries import symmetries
+from homogenize.law.law import Law
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from pattern.layout.symmetries import symmetries
 
 
 def whole_row(design: Design, folder: Path, law: Law) -> dict[str, Any]:

@@ -16,14 +16,14 @@ from typing import Any
 
 import numpy as np
 
-from asterism.previewing.preview import Preview
-from asterism.simulation import simulate
+from asterism.exact.simulation import simulate
+from asterism.previews.session import Preview
 from benchmarks.accuracy.designs import designs
 from benchmarks.preview import changed, load, timed
 from benchmarks.report import markdown, write_report
 from homogenize.errors import LawError
 from pattern import gallery
-from pattern.design import Design
+from pattern.design.design import Design
 
 WANTED = 100.0  # times
 SHARES = [0.98, 0.99, 1.01, 1.02]  # of the width

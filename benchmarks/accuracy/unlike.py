@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from benchmarks.accuracy.designs import EDGE_MM, STARS
-from pattern.build import layout
-from pattern.design import Design
-from pattern.errors import DesignError
+from pattern.design.design import Design
+from pattern.design.errors import DesignError
+from pattern.layout.build import layout
 
 
 def unlike(count: int, edge_mm: float = EDGE_MM) -> list[Design]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from asterism.cli import main
+from asterism.cli.main import main
 
 
 @dataclass(frozen=True)

@@ -7,13 +7,13 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from asterism.shape import Shape
+from asterism.shape.shape import Shape
 
 
 @pytest.fixture(autouse=True)
 def rough_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Pixels are not the mean of four: pictures take a third of the time. A file whose tests need them fine says so."""
-    monkeypatch.setattr("asterism.render.FINER", 1)
+    monkeypatch.setattr("asterism.draw.render.FINER", 1)
 
 
 @pytest.fixture
@@ -23,5 +23,5 @@ def blank_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     def blank(shape: Shape, title: str, path: Path) -> None:
         Image.new("RGB", (8, 8)).save(path, format="png")
 
-    monkeypatch.setattr("asterism.results.draw", blank)
-    monkeypatch.setattr("asterism.reporting.page._picture", lambda figure, shape: None)
+    monkeypatch.setattr("asterism.results.write_results.draw", blank)
+    monkeypatch.setattr("asterism.reports.page._picture", lambda figure, shape: None)

@@ -7,9 +7,9 @@ from collections.abc import Callable
 import numpy as np
 from scipy.spatial import Delaunay
 
-from asterism.shape import Shape
-from asterism.surface_fields import cell_fields, point_fields
-from pattern.layout import Floats, Ints
+from asterism.shape.shape import Shape
+from asterism.shape.surface_fields import cell_fields, point_fields
+from pattern.layout.layout import Floats, Ints
 
 
 def grid(width: float, depth: float, edge: float) -> tuple[Floats, Ints]:

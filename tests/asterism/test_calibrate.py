@@ -16,11 +16,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from asterism import calibrate_command
-from asterism.calibrate_command import CampaignProgress
-from homogenize import campaign
-from homogenize.law_file import load_law
-from homogenize.plan import Material
+from asterism.laws import calibrate as calibrate_command
+from asterism.laws.calibrate import CampaignProgress
+from homogenize.campaign import campaign
+from homogenize.campaign.plan import Material
+from homogenize.law.file import load_law
 from tests.asterism.commands import command
 from tests.homogenize import fake
 
@@ -65,7 +65,7 @@ def test_the_same_plan_gives_the_same_law_from_the_start(
     place: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """With one process and fresh cells: bit for bit."""
-    from homogenize.law_file import digest
+    from homogenize.law.file import digest
 
     (tmp_path / "m.toml").write_text(PLAN)
     monkeypatch.chdir(tmp_path)

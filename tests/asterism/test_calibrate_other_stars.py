@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from asterism.law_directions import directions_line
-from asterism.previewing.preview import Preview
-from homogenize.anisotropy import COUNT, anisotropy
+from asterism.laws.directions_line import directions_line
+from asterism.previews.session import Preview
 from homogenize.errors import LawError
-from homogenize.law import Law
-from homogenize.law_file import load_law, to_bytes
-from pattern.design import Design
+from homogenize.law.anisotropy import COUNT, anisotropy
+from homogenize.law.file import load_law, to_bytes
+from homogenize.law.law import Law
+from pattern.design.design import Design
 from tests.asterism.test_calibrate import PLAN, run
 
 LEFT = "previews follow most of that"

@@ -22,7 +22,7 @@ rings = 2
 edge_mm = 4.3
 """
 # the command line as it is where ipctk is not installed
-WITHOUT = "import sys; sys.modules['ipctk'] = None; from asterism.cli import main; main()"
+WITHOUT = "import sys; sys.modules['ipctk'] = None; from asterism.cli.main import main; main()"
 
 
 @pytest.fixture

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import asterism
-from pattern.build import layout
-from pattern.design import Design
-from pattern.lattice import DEFAULT_SPACING
-from pattern.rigid_fit import rigid_fit
+from pattern.design.design import Design
+from pattern.design.lattice import DEFAULT_SPACING
+from pattern.geometry.rigid_fit import rigid_fit
+from pattern.layout.build import layout
 
 CORNERS = np.array([[-30.0, -28.0], [33.0, -30.0], [30.0, 26.0], [5.0, 34.0], [-28.0, 25.0]])
 HELD = np.array([[-28.0, -26.0], [30.0, -27.0], [27.0, 23.0]])

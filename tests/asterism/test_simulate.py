@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 import asterism
-from asterism.results import write_results
-from asterism.simulation import simulate
+from asterism.exact.simulation import simulate
+from asterism.results.write_results import write_results
 from pattern import gallery
-from pattern.design import Design
-from pattern.errors import DesignError
+from pattern.design.design import Design
+from pattern.design.errors import DesignError
 
 KEYS = [
     "converged",
@@ -121,7 +121,7 @@ def test_a_free_sheet_does_not_fall_before_it_is_pinned() -> None:
 
 
 def test_backends_agree() -> None:
-    from equilibrium.factor import available
+    from equilibrium.linear.factor import available
 
     energies = [simulate(small(), backend=name).summary["energy_n_mm"] for name in available()]
     np.testing.assert_allclose(energies, energies[0], rtol=1e-9)

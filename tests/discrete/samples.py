@@ -7,15 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from discrete.elements import Array, Elements
-from discrete.hinges import Hinges
-from discrete.membrane import Membrane
-from discrete.plate import Plate
-from discrete.rod_bend import RodBend
-from discrete.rod_stretch import RodStretch
-from discrete.rod_twist import RodTwist
-from discrete.rods import RodNetwork, stencil_inputs
-from discrete.state import State, carried
+from discrete.energies.bending.hinges import Hinges
+from discrete.energies.bending.plate import Plate
+from discrete.energies.elements import Array, Elements
+from discrete.energies.membrane import Membrane
+from discrete.energies.rods.bend import RodBend
+from discrete.energies.rods.network import RodNetwork, stencil_inputs
+from discrete.energies.rods.stretch import RodStretch
+from discrete.energies.rods.twist import RodTwist
+from discrete.model.state import State, carried
 
 COUNT = 40
 

@@ -7,15 +7,15 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from discrete.model import Model
-from discrete.solve import relax
-from discrete.starts import Beginning
-from discrete.state import State
-from discrete.walk import force_scale
-from pattern.build import layout
-from pattern.design import Design
-from pattern.errors import DesignError, MeshError
-from pattern.meshing import mesh_layout
+from discrete.model.model import Model
+from discrete.model.state import State
+from discrete.release.solve import relax
+from discrete.release.starts import Beginning
+from discrete.release.walk import force_scale
+from pattern.design.design import Design
+from pattern.design.errors import DesignError, MeshError
+from pattern.layout.build import layout
+from pattern.mesh.meshing import mesh_layout
 
 PINS: list[list[dict]] = [
     [],

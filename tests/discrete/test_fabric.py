@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 from scipy.spatial import Delaunay
 
-from discrete.elements import Array
-from discrete.hinges import Hinges, fold_coefficients, interior_edges, paper_coefficients
-from discrete.membrane import Membrane
-from discrete.model import Model
-from discrete.state import State
-from discrete.system import System
-from equilibrium.factor import make_factor
-from equilibrium.newton import minimise
-from pattern.build import layout
-from pattern.design import Design
-from pattern.meshing import mesh_layout
+from discrete.energies.bending.hinges import Hinges, fold_coefficients, interior_edges, paper_coefficients
+from discrete.energies.elements import Array
+from discrete.energies.membrane import Membrane
+from discrete.model.model import Model
+from discrete.model.state import State
+from discrete.model.system import System
+from equilibrium.linear.factor import make_factor
+from equilibrium.newton.minimise import minimise
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from pattern.mesh.meshing import mesh_layout
 
 THICKNESS, MODULUS, POISSON = 0.8, 7.1875, 0.3
 SIDE = 20.0

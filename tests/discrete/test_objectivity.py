@@ -12,14 +12,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from discrete.elements import Array
-from discrete.model import Model
-from discrete.rigid import rigid_modes
-from discrete.state import State, carried
-from pattern.build import layout
-from pattern.design import Design
-from pattern.mesh import Mesh
-from pattern.meshing import mesh_layout
+from discrete.energies.elements import Array
+from discrete.model.model import Model
+from discrete.model.rigid import rigid_modes
+from discrete.model.state import State, carried
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from pattern.mesh.mesh import Mesh
+from pattern.mesh.meshing import mesh_layout
 
 TOLERANCE = 1e-11
 DESIGN = Design.from_dict(

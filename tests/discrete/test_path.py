@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from discrete.model import Model
-from discrete.pin_steps import held_until
-from discrete.solve import relax
-from discrete.starts import Beginning
+from discrete.model.model import Model
+from discrete.release.pin_steps import held_until
+from discrete.release.solve import relax
+from discrete.release.starts import Beginning
 from pattern import gallery
-from pattern.build import layout
-from pattern.design import Design
-from pattern.meshing import mesh_layout
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from pattern.mesh.meshing import mesh_layout
 
 
 def model(edge: float = 4.0, rings: int = 1, **changes: object) -> Model:

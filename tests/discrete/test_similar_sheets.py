@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from discrete.evidence import Equilibrium
-from discrete.model import Model
-from discrete.solve import relax
-from discrete.starts import Beginning
-from pattern.build import layout
-from pattern.design import Design
-from pattern.lattice import DEFAULT_SPACING
-from pattern.meshing import mesh_layout
+from discrete.evidence.equilibrium import Equilibrium
+from discrete.model.model import Model
+from discrete.release.solve import relax
+from discrete.release.starts import Beginning
+from pattern.design.design import Design
+from pattern.design.lattice import DEFAULT_SPACING
+from pattern.layout.build import layout
+from pattern.mesh.meshing import mesh_layout
 
 BENT = Beginning(bend="roll", axis_deg=20.0, sag_mm=12.0, noise_mm=0.3, releases=(0.3, 1.0))
 

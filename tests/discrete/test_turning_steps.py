@@ -7,14 +7,14 @@ from contextlib import closing
 import numpy as np
 import pytest
 
-from discrete.model import Model
-from discrete.solve import relax
-from discrete.state import State
-from equilibrium.newton import minimise
+from discrete.model.model import Model
+from discrete.model.state import State
+from discrete.release.solve import relax
+from equilibrium.newton.minimise import minimise
 from pattern import gallery
-from pattern.build import layout
-from pattern.design import Design
-from pattern.meshing import mesh_layout
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from pattern.mesh.meshing import mesh_layout
 
 FINE = 17.3205 / 36  # mm; graded: 0.11 mm along the arms, triangles beside them 0.1 mm high
 

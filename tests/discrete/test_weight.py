@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from discrete.evidence import Equilibrium
-from discrete.model import Model
-from discrete.solve import relax
-from pattern.build import layout
-from pattern.design import Design
-from pattern.meshing import mesh_layout
+from discrete.evidence.equilibrium import Equilibrium
+from discrete.model.model import Model
+from discrete.release.solve import relax
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from pattern.mesh.meshing import mesh_layout
 
 GRAVITY = 9.81
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from skfem import MeshTri
 
-from fem.density import Density, isotropic
-from fem.fields import Fields, of_stretch
-from fem.tabulation import Floats
+from fem.elements.tabulation import Floats
+from fem.shell.density import Density, isotropic
+from fem.shell.fields import Fields, of_stretch
 
 RADIUS, THICKNESS, MODULUS, POISSON = 130.0, 2.6, 7.0, 0.3  # mm, mm, MPa
 

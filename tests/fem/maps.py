@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem.placement import Placement
-from fem.tabulation import Floats
+from fem.elements.tabulation import Floats
+from fem.supports.placement import Placement
 
 
 def stacked(rows: list[list[Floats | float]], points: Floats) -> Floats:

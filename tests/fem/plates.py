@@ -4,8 +4,8 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 
-from fem.conditions import Condition, reduce
-from fem.placement import flat
+from fem.supports.conditions import Condition, reduce
+from fem.supports.placement import flat
 
 STIFF = 1e7
 

@@ -5,8 +5,8 @@ from typing import Any
 
 from skfem import MeshTri
 
-from fem.argyris import Argyris
-from fem.bell import Bell
-from fem.lifted import Lifted
+from fem.elements.argyris import Argyris
+from fem.elements.bell import Bell
+from fem.elements.lifted import Lifted
 
 SPACES: dict[str, Callable[[MeshTri], Any]] = {"argyris": Argyris, "bell": Bell, "lifted": Lifted}

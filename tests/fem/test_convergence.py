@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fem.conditions import HeldEdge
-from fem.loads import area_load
-from fem.tabulation import Floats
+from fem.elements.tabulation import Floats
+from fem.supports.conditions import HeldEdge
+from fem.supports.loads import area_load
 from tests.fem.meshes import rectangle
 from tests.fem.plates import deflection
 from tests.fem.spaces import SPACES

@@ -5,17 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fem.argyris import Argyris
-from fem.compliance import compliance
-from fem.conditions import HeldPoints
-from fem.fields import FieldError, Fields, of_stretch
-from fem.linear_response import far_off, linear_response
-from fem.loads import point_load
-from fem.mixed_newton import FAR
-from fem.shell import Shell
-from fem.solve import follow, relax
-from fem.tabulation import Floats
-from pattern.rigid_fit import rigid_fit
+from fem.elements.argyris import Argyris
+from fem.elements.tabulation import Floats
+from fem.search.compliance import compliance
+from fem.search.linear_response import far_off, linear_response
+from fem.search.mixed_newton import FAR
+from fem.search.relax import follow, relax
+from fem.shell.fields import FieldError, Fields, of_stretch
+from fem.shell.shell import Shell
+from fem.supports.conditions import HeldPoints
+from fem.supports.loads import point_load
+from pattern.geometry.rigid_fit import rigid_fit
 from tests.fem.hexagons import density, hexagon, radius
 
 

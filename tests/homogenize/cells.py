@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from discrete.elements import Array
-from discrete.state import State
-from homogenize.cell import Cell
-from homogenize.relax import Flat, relax
-from homogenize.sample import Sample, respond
-from pattern.design import Design
+from discrete.energies.elements import Array
+from discrete.model.state import State
+from homogenize.cell.cell import Cell
+from homogenize.cell.relax import Flat, relax
+from homogenize.cell.sample import Sample, respond
+from pattern.design.design import Design
 
 EDGE = 2.9  # six edges between stars
 

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from homogenize.directions import directions
-from pattern.design import Design
+from homogenize.cell.directions import directions
+from pattern.design.design import Design
 
 
 @dataclass

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from discrete.elements import Array
-from discrete.state import State
-from homogenize.cell import Cell
-from homogenize.rolling import roll, unrolled_flat
+from discrete.energies.elements import Array
+from discrete.model.state import State
+from homogenize.cell.cell import Cell
+from homogenize.cell.rolling import roll, unrolled_flat
 from tests.homogenize.cells import EDGE, design, relaxed, shaken
 
 THIRD = np.array([[-0.5, -np.sqrt(0.75)], [np.sqrt(0.75), -0.5]])

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from scipy.linalg import block_diag
 
-from discrete.hinges import paper_coefficients
-from discrete.state import State
-from homogenize.cell import Cell
-from homogenize.natural import curl
-from homogenize.objective import linear_response
-from homogenize.relax import Flat, relax
-from homogenize.rolling import roll, rolled, unrolled_flat
-from homogenize.sample import respond
-from homogenize.stability import stability
+from discrete.energies.bending.hinges import paper_coefficients
+from discrete.model.state import State
+from homogenize.cell.cell import Cell
+from homogenize.cell.natural import curl
+from homogenize.cell.objective import linear_response
+from homogenize.cell.relax import Flat, relax
+from homogenize.cell.rolling import roll, rolled, unrolled_flat
+from homogenize.cell.sample import respond
+from homogenize.cell.stability import stability
 from tests.homogenize.cells import EDGE, design, full, shaken
 from tests.homogenize.test_cell_symmetry import _moved
 

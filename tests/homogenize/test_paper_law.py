@@ -7,10 +7,10 @@ import time
 import numpy as np
 import pytest
 
-from homogenize.law import Law
-from homogenize.law_file import load_law
-from homogenize.plan import PAPER, load_material
-from homogenize.table import TIGHT
+from homogenize.campaign.plan import PAPER, load_material
+from homogenize.law.file import load_law
+from homogenize.law.law import Law
+from homogenize.law.table import TIGHT
 
 
 @pytest.fixture(scope="module")

@@ -8,14 +8,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from homogenize.arm_segments import arm_segments
-from homogenize.isotropy import isotropic, off_isotropic
-from homogenize.objective import linear_response
-from homogenize.relief import Waves
-from homogenize.rolled_membrane import rolled_membrane
-from homogenize.rolling import heights, roll, unrolled_flat
-from homogenize.sample import Sample, respond
-from pattern.lattice import Lattice
+from homogenize.cell.arm_segments import arm_segments
+from homogenize.cell.isotropy import isotropic, off_isotropic
+from homogenize.cell.objective import linear_response
+from homogenize.cell.relief import Waves
+from homogenize.cell.rolled_membrane import rolled_membrane
+from homogenize.cell.rolling import heights, roll, unrolled_flat
+from homogenize.cell.sample import Sample, respond
+from pattern.design.lattice import Lattice
 from tests.homogenize.cells import EDGE, design, relaxed
 
 SPACING = 10.0 * np.sqrt(3.0)

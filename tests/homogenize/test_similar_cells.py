@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from homogenize.cell import Cell
-from homogenize.relax import Flat, relax
-from pattern.design import Design
-from pattern.lattice import DEFAULT_SPACING
+from homogenize.cell.cell import Cell
+from homogenize.cell.relax import Flat, relax
+from pattern.design.design import Design
+from pattern.design.lattice import DEFAULT_SPACING
 
 EDGE = 5.0
 

@@ -5,9 +5,15 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from pattern.layout import Floats, Ints, Layout
-from pattern.mesh import Mesh
-from pattern.planar import distance_to_outline, distance_to_segment, polygon_area, triangle_angles, triangle_areas
+from pattern.geometry.planar import (
+    distance_to_outline,
+    distance_to_segment,
+    polygon_area,
+    triangle_angles,
+    triangle_areas,
+)
+from pattern.layout.layout import Floats, Ints, Layout
+from pattern.mesh.mesh import Mesh
 
 
 def smallest_angle(mesh: Mesh) -> float:

@@ -5,9 +5,9 @@ import json
 
 import pytest
 
-from pattern.build import layout
-from pattern.design import Design, load_design
-from pattern.errors import DesignError
+from pattern.design.design import Design, load_design
+from pattern.design.errors import DesignError
+from pattern.layout.build import layout
 
 GOOD = {"stars": {"length_mm": 10.0}, "border": {"rings": 1}}
 RADIAL = {"profile": "radial", "from": 10, "to": 4, "over_mm": 50}

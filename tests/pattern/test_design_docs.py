@@ -8,11 +8,11 @@ from typing import get_args
 import pytest
 from pydantic import BaseModel
 
-from pattern import fields
-from pattern.build import layout
-from pattern.design import Design
-from pattern.image import Picture
-from pattern.stars import Override
+from pattern.design.design import Design
+from pattern.design import sizing_fields as fields
+from pattern.design.image import Picture
+from pattern.design.stars import Override
+from pattern.layout.build import layout
 
 TEXT = (Path(__file__).parents[2] / "docs" / "design-file.md").read_text(encoding="utf-8")
 WHOLE, OVERRIDE, FIELDS = re.findall(r"```toml\n(.*?)```", TEXT, re.DOTALL)

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from pattern.build import layout
-from pattern.design import Design, load_design, save_design
-from pattern.errors import DesignError
+from pattern.design.design import Design, load_design, save_design
+from pattern.design.errors import DesignError
+from pattern.layout.build import layout
 
 GOOD = {"stars": {"length_mm": 10.0}, "border": {"rings": 1}}
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from pattern import gallery
-from pattern.build import layout
-from pattern.design import load_design, save_design
+from pattern.design.design import load_design, save_design
+from pattern.layout.build import layout
 
 FRAME_MM = 260
 

@@ -6,20 +6,20 @@ from functools import cache
 
 import numpy as np
 
-from asterism.own_law import own_material
-from asterism.previewing.run import preview
-from asterism.shape import Shape
-from asterism.simulation import simulate
-from asterism.verification.comparison import Comparison, compare
-from homogenize.campaign import Record
-from homogenize.fit import fit
-from homogenize.law import Law
-from homogenize.sample import respond
+from asterism.exact.simulation import simulate
+from asterism.laws.own_law import own_material
+from asterism.previews.run import preview
+from asterism.shape.comparison import Comparison, compare
+from asterism.shape.shape import Shape
+from homogenize.campaign.campaign import Record
+from homogenize.cell.sample import respond
+from homogenize.law.fit import fit
+from homogenize.law.law import Law
 from pattern import gallery
-from pattern.build import layout
-from pattern.design import Design
-from pattern.layout import Floats
-from pattern.symmetries import symmetries
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from pattern.layout.layout import Floats
+from pattern.layout.symmetries import symmetries
 
 EDGE = 3.5  # mm, of the exact model's meshes
 MIDDLE = 20.0  # mm of print around the middle

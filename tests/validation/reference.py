@@ -11,17 +11,17 @@ from typing import Any
 
 import numpy as np
 
-from discrete.elements import Array, Elements
-from discrete.hinges import Hinges, interior_edges, paper_coefficients
-from discrete.membrane import Membrane
-from discrete.model import Model
-from discrete.rod_bend import RodBend
-from discrete.rod_twist import RodTwist
-from discrete.rods import RodNetwork, bend_params, rod_network, stencil_inputs, stencil_length
-from discrete.state import State, tangents
-from pattern.design import Design
-from pattern.layout import Layout
-from pattern.mesh import Mesh
+from discrete.energies.bending.hinges import Hinges, interior_edges, paper_coefficients
+from discrete.energies.elements import Array, Elements
+from discrete.energies.membrane import Membrane
+from discrete.energies.rods.bend import RodBend
+from discrete.energies.rods.network import RodNetwork, bend_params, rod_network, stencil_inputs, stencil_length
+from discrete.energies.rods.twist import RodTwist
+from discrete.model.model import Model
+from discrete.model.state import State, tangents
+from pattern.design.design import Design
+from pattern.layout.layout import Layout
+from pattern.mesh.mesh import Mesh
 
 FOLDER = Path(__file__).parent.parent / "data" / "reference"
 SPACING = 10.0 * np.sqrt(3.0)

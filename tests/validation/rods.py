@@ -8,17 +8,24 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
-from discrete.elements import Array
-from discrete.rod_bend import RodBend
-from discrete.rod_stretch import RodStretch
-from discrete.rod_twist import RodTwist
-from discrete.rods import RodNetwork, bend_params, rod_network, stencil_inputs, stretch_params, twist_params
-from discrete.section import torsion_constant
-from discrete.state import State
-from discrete.system import System
-from equilibrium.certificate import smallest_eigenvalue
-from equilibrium.factor import make_factor
-from equilibrium.newton import Method, Minimum, minimise
+from discrete.energies.elements import Array
+from discrete.energies.rods.bend import RodBend
+from discrete.energies.rods.network import (
+    RodNetwork,
+    bend_params,
+    rod_network,
+    stencil_inputs,
+    stretch_params,
+    twist_params,
+)
+from discrete.energies.rods.section import torsion_constant
+from discrete.energies.rods.stretch import RodStretch
+from discrete.energies.rods.twist import RodTwist
+from discrete.model.state import State
+from discrete.model.system import System
+from equilibrium.linear.factor import make_factor
+from equilibrium.newton.certificate import smallest_eigenvalue
+from equilibrium.newton.minimise import Method, Minimum, minimise
 
 
 @dataclass(frozen=True)

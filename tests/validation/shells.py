@@ -4,15 +4,15 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from equilibrium.solve import held_definite
-from fem.density import Density, isotropic, on_metric
-from fem.fields import Fields
-from fem.mixed_newton import mixed_newton
-from fem.placement import Placement
-from fem.shell import Shell
-from fem.solve import TOLERANCE
-from fem.space import Space
-from fem.tabulation import Floats
+from equilibrium.newton.solve import held_definite
+from fem.elements.space import Space
+from fem.elements.tabulation import Floats
+from fem.search.mixed_newton import mixed_newton
+from fem.search.relax import TOLERANCE
+from fem.shell.density import Density, isotropic, on_metric
+from fem.shell.fields import Fields
+from fem.shell.shell import Shell
+from fem.supports.placement import Placement
 
 
 def material(modulus: float, thickness: float, poisson: float) -> Floats:

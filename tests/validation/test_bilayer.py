@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pattern.materials import Fabric, Plastic, rest_curvature
+from pattern.design.materials import Fabric, Plastic, rest_curvature
 
 
 def strip_curvature(h1: float, h2: float, ratio: float, mismatch: float) -> float:

@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from asterism.verification.comparison import Comparison
-from pattern.layout import Floats
+from asterism.shape.comparison import Comparison
+from pattern.layout.layout import Floats
 from tests.validation.figures import both, middles
 
 pytestmark = pytest.mark.slow

@@ -13,14 +13,14 @@ import json
 import numpy as np
 import pytest
 
-from discrete.elements import Array, Elements
-from discrete.solve import relax
-from discrete.state import State
-from discrete.system import System
-from discrete.walk import force_scale
-from equilibrium.factor import make_factor
-from equilibrium.newton import minimise
-from pattern.materials import rest_curvature
+from discrete.energies.elements import Array, Elements
+from discrete.model.state import State
+from discrete.model.system import System
+from discrete.release.solve import relax
+from discrete.release.walk import force_scale
+from equilibrium.linear.factor import make_factor
+from equilibrium.newton.minimise import minimise
+from pattern.design.materials import rest_curvature
 from tests.validation import reference
 
 DERIVATIVES = pytest.mark.parametrize("name", ["derivatives_A", "derivatives_B"])

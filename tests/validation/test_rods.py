@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from scipy.special import ellipe, ellipk
 
-from discrete.elements import Array
-from discrete.rod_stretch import RodStretch
-from discrete.rods import RodNetwork
-from discrete.state import State, carried, tangents
-from discrete.system import System
+from discrete.energies.elements import Array
+from discrete.energies.rods.network import RodNetwork
+from discrete.energies.rods.stretch import RodStretch
+from discrete.model.state import State, carried, tangents
+from discrete.model.system import System
 from tests.validation.rods import (
     Cantilever,
     Material,

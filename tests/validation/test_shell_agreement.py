@@ -5,12 +5,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from fem.conditions import Condition, HeldEdge, HeldPoints, vertices_at
-from fem.evidence import ShellEquilibrium
-from fem.fields import Fields, of_stretch
-from fem.placement import flat
-from fem.shell import Shell
-from fem.solve import follow, relax
+from fem.search.evidence import ShellEquilibrium
+from fem.search.relax import follow, relax
+from fem.shell.fields import Fields, of_stretch
+from fem.shell.shell import Shell
+from fem.supports.conditions import Condition, HeldEdge, HeldPoints, vertices_at
+from fem.supports.placement import flat
 from tests.fem.hexagons import FIELDS, RADIUS, density, hexagon
 from tests.fem.spaces import SPACES
 

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from skfem import MeshTri
 
-from fem.conditions import HeldEdge
-from fem.density import Density
-from fem.fields import Fields
-from fem.loads import edge_load
-from fem.placement import Placement
-from fem.shapes import Shape
-from fem.shell import Shell
-from fem.solve import follow, relax
+from fem.search.relax import follow, relax
+from fem.search.simple_shapes import Shape
+from fem.shell.density import Density
+from fem.shell.fields import Fields
+from fem.shell.shell import Shell
+from fem.supports.conditions import HeldEdge
+from fem.supports.loads import edge_load
+from fem.supports.placement import Placement
 from tests.fem.meshes import annulus, facets_where, rectangle
 from tests.fem.spaces import SPACES
 from tests.validation.shells import at, material, of_metric, parts, rate, stepped

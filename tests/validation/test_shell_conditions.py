@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from scipy.special import ellipe, ellipk
 
-from fem.conditions import HeldEdge, HeldPoints, vertices_at
-from fem.density import Density, isotropic
-from fem.fields import Fields, of_stretch
-from fem.loads import area_load, point_load
-from fem.placement import affine, flat
-from fem.shell import Shell
-from fem.solve import follow, relax
+from fem.search.relax import follow, relax
+from fem.shell.density import Density, isotropic
+from fem.shell.fields import Fields, of_stretch
+from fem.shell.shell import Shell
+from fem.supports.conditions import HeldEdge, HeldPoints, vertices_at
+from fem.supports.loads import area_load, point_load
+from fem.supports.placement import affine, flat
 from tests.fem.meshes import disc, facets_where, rectangle, turned
 from tests.fem.spaces import SPACES
 from tests.validation.shells import at, guess, material, stepped

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from fem.density import Density
-from fem.fields import Fields
-from fem.shapes import Shape
-from fem.shell import Shell
-from fem.solve import follow
+from fem.search.relax import follow
+from fem.search.simple_shapes import Shape
+from fem.shell.density import Density
+from fem.shell.fields import Fields
+from fem.shell.shell import Shell
 from tests.fem.meshes import graded
 from tests.fem.spaces import SPACES
 from tests.validation.rolled import turn

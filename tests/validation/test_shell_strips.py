@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from fem.conditions import HeldEdge
-from fem.density import Density
-from fem.end_moment import EndMoment
-from fem.fields import Fields
-from fem.loads import edge_load
-from fem.shell import Shell
-from fem.solve import relax
+from fem.search.relax import relax
+from fem.shell.density import Density
+from fem.shell.fields import Fields
+from fem.shell.shell import Shell
+from fem.supports.conditions import HeldEdge
+from fem.supports.end_moment import EndMoment
+from fem.supports.loads import edge_load
 from tests.fem.meshes import facets_where, rectangle
 from tests.fem.spaces import SPACES
 from tests.validation.shells import at, material, rate, stable, stepped

@@ -5,14 +5,14 @@ import pytest
 from scipy.linalg import sqrtm
 from scipy.optimize import minimize
 
-from fem.conditions import HeldEdge
-from fem.density import Density
-from fem.fields import Fields
-from fem.loads import edge_load
-from fem.placement import affine
-from fem.shell import Shell
-from fem.solve import relax
-from fem.tabulation import Floats
+from fem.elements.tabulation import Floats
+from fem.search.relax import relax
+from fem.shell.density import Density
+from fem.shell.fields import Fields
+from fem.shell.shell import Shell
+from fem.supports.conditions import HeldEdge
+from fem.supports.loads import edge_load
+from fem.supports.placement import affine
 from tests.fem.meshes import facets_where, rectangle
 from tests.fem.spaces import SPACES
 from tests.validation.shells import at, material, stepped

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from discrete.model import Model
-from discrete.solve import relax
-from discrete.state import State
+from discrete.model.model import Model
+from discrete.model.state import State
+from discrete.release.solve import relax
 from pattern import gallery
-from pattern.build import layout
-from pattern.design import Design
-from pattern.meshing import mesh_layout
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from pattern.mesh.meshing import mesh_layout
 
 
 def model(**sections: dict) -> Model:

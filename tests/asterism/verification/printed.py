@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from asterism.shape import Shape
-from pattern.build import layout
-from pattern.design import Design
-from pattern.layout import Floats
-from pattern.meshing import mesh_layout
+from asterism.shape.shape import Shape
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from pattern.layout.layout import Floats
+from pattern.mesh.meshing import mesh_layout
 
 
 def design(**sections: Any) -> Design:

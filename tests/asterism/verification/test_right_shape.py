@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from asterism.verification.plots import cut
+from asterism.reports.plots import cut
 from asterism.verification.right_shape import right_shape, same_energy
 from asterism.verification.run import _same_stars_down
-from pattern.build import layout
-from pattern.design import Design
-from pattern.planar import inside
-from pattern.symmetries import symmetries
+from pattern.design.design import Design
+from pattern.geometry.planar import inside
+from pattern.layout.build import layout
+from pattern.layout.symmetries import symmetries
 
 
 def shape(energy: float, off: tuple[int, ...] = (), minimum: bool = True, **more: Any) -> Any:

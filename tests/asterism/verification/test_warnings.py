@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from asterism.verification.comparison import compare
+from asterism.shape.comparison import compare
 from asterism.verification.run import Verification
 from asterism.verification.warnings import warnings
-from pattern.build import layout
-from pattern.layout import Floats
-from pattern.symmetries import symmetries
+from pattern.layout.build import layout
+from pattern.layout.layout import Floats
+from pattern.layout.symmetries import symmetries
 from tests.asterism.verification.printed import design, shape
 
 OF = design()

@@ -1,0 +1,39 @@
+"""Options of a command that take the place of entries of the design."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pattern.design.design import Design
+from pattern.design.errors import DesignError
+from pattern.layout.build import layout
+
+
+def changed(design: Design, options: dict[str, tuple[str, Any]]) -> Design:
+    """The design with other entries.
+
+    Parameters
+    ----------
+    options : for each option its name on the command line, and the dotted field and value; None changes nothing.
+
+    Raises
+    ------
+    DesignError
+        A value is not allowed; the message names the option.
+    """
+    data = design.to_dict()
+    given = {option: entry for option, entry in options.items() if entry[1] is not None}
+    for field, value in given.values():
+        section, key = field.split(".")
+        data.setdefault(section, {})[key] = value
+    if not given:
+        return design
+    try:
+        new = Design.from_dict(data)
+        layout(new)
+    except DesignError as error:
+        for option, (field, _) in given.items():
+            if field == error.field:
+                raise DesignError(option, error.allowed, error.value) from None
+        raise
+    return new

@@ -1,0 +1,99 @@
+"""The commands of `asterism strips`."""
+
+from __future__ import annotations
+
+import sys
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from asterism.cli.options import output_option
+
+app = typer.Typer(help="Measure a plastic and a fabric with printed strips.", no_args_is_help=True)
+
+
+class _Formula(StrEnum):
+    paper = "paper"
+    timoshenko = "timoshenko"
+
+
+class _KappaBar(StrEnum):
+    constant = "constant"
+    per_thickness = "per-thickness"
+    zero = "zero"
+
+
+@app.command()
+def new(
+    output: Annotated[Path, output_option("Directory of the files.")] = Path("strips"),
+    printer: Annotated[str, typer.Option(help="A printer's name or file; see asterism printers.")] = "ultimaker2",
+    thickness: Annotated[
+        list[float] | None, typer.Option(help="Of strips, in mm; give it several times (.3 .35 .4 .45).")
+    ] = None,
+    count: Annotated[int, typer.Option(min=1, max=200, help="Strips of each thickness.")] = 10,
+    length: Annotated[float, typer.Option(min=10, max=500, help="Of each strip, in mm.")] = 60.0,
+    width: Annotated[float, typer.Option(min=0.4, max=50, help="Of each strip, in mm.")] = 4.0,
+    stretch: Annotated[float, typer.Option(min=1.01, max=3, help="Of the fabric.")] = 1.35,
+    fabric_thickness: Annotated[float, typer.Option(min=0.01, max=10, help="Of the fabric, in mm.")] = 0.8,
+    plate: Annotated[float | None, typer.Option(help="Thickness of the plate under the fabric in mm.")] = None,
+    fabric: Annotated[
+        float | None,
+        typer.Option(min=0.01, max=10, help="Thickness of the stretched fabric in mm (that of the released one)."),
+    ] = None,
+) -> None:
+    """The test print: strips as STL and 3MF, start code, a sheet that says what to do, and a table to fill in."""
+    from asterism.measure.strips import new_run as command
+    from asterism.measure.strips.specimen import THICKNESSES_MM
+    from asterism.print.changed import changed
+    from asterism.print.profiles import load_printer
+
+    thicknesses = tuple(thickness or THICKNESSES_MM)
+    machine = changed(load_printer(printer), plate=plate)
+    lines = command.new(output, machine, thicknesses, count, length, width, stretch, fabric_thickness, fabric)
+    typer.echo("\n".join(lines))
+
+
+@app.command()
+def fit(
+    strips: Annotated[Path, typer.Argument(help="The table of measured strips (.csv).")],
+    output: Annotated[Path | None, output_option("The material's file (material.toml beside the table).")] = None,
+    rest_curvature: Annotated[_Formula, typer.Option(help="The material's convention.")] = _Formula.paper,
+    kappa_bar: Annotated[_KappaBar, typer.Option(help="Curvature of peeled plastic.")] = _KappaBar.constant,
+    stretch: Annotated[
+        float | None, typer.Option(min=1.01, max=3, help="Of the fabric, where the table does not say.")
+    ] = None,
+    fabric_thickness: Annotated[
+        float | None, typer.Option(min=0.01, max=10, help="In mm, where the table does not say.")
+    ] = None,
+    outside: Annotated[
+        bool, typer.Option("--outside", help="Boxes are drawn around the strips with their thickness.")
+    ] = False,
+    flat_height: Annotated[
+        float, typer.Option(min=0.01, max=10, help="Lower arcs, in mm, are not told from flat strips.")
+    ] = 0.5,
+    confidence: Annotated[float, typer.Option(min=0.5, max=0.999, help="Of the intervals.")] = 0.95,
+    keep_outliers: Annotated[bool, typer.Option("--keep-outliers", help="Use readings that do not fit, too.")] = False,
+) -> None:
+    """E1/E2 and kappa_bar from measured strips, as a material file for the other commands.
+
+    Exit status 1 if the strips do not determine them.
+    """
+    from asterism.measure.strips import fit_run as command
+
+    lines, worries = command.fit(
+        strips,
+        output,
+        rest_curvature.value,
+        kappa_bar.value,
+        stretch=stretch,
+        fabric_thickness_mm=fabric_thickness,
+        outside=outside,
+        flat_height_mm=flat_height,
+        confidence=confidence,
+        keep_outliers=keep_outliers,
+    )
+    typer.echo("\n".join(lines))
+    for worry in worries:
+        print(f"asterism: {worry}", file=sys.stderr)

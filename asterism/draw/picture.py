@@ -1,0 +1,160 @@
+"""A picture of a shape: in perspective, from above and from the front, to scale."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from io import BytesIO
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from PIL import Image
+
+from asterism.draw.colours import INK, PALE
+from asterism.draw.render import OBLIQUE, VIEWS, Camera, Surface, camera, render, surface
+from asterism.shape.shape import Shape
+from pattern.layout.layout import Floats
+
+WIDTH, HEIGHT, DPI = 2000, 1120, 200
+MARGIN, CAPTION = 60, 150
+# the perspective view has the left part of the picture, the two drawings to scale the right one
+DIVISION = 1240
+LEAST = 1e-4  # N mm: less is rounding
+
+
+def draw(shape: Shape, title: str, path_or_file: str | Path | IO[bytes]) -> None:
+    """Draw a shape as PNG: a held sheet as it stands, a free one turned to its principal axes.
+
+    Parameters
+    ----------
+    shape : what to draw; `stars_up`, `stars_total`, `energy_n_mm`, `converged` and `is_minimum` of its summary, and
+        `expected_rms_percent` of a preview's, go into the caption where they are there.
+    title : name of the design.
+    path_or_file : where the PNG goes.
+    """
+    shape = shape if shape.held else shape.aligned()
+    figure = Figure(figsize=(WIDTH / DPI, HEIGHT / DPI), dpi=DPI, facecolor="none")
+    words = FigureCanvasAgg(figure)
+    canvas = np.ones((HEIGHT, WIDTH, 3))
+    thing = surface(shape)
+    low, high = shape.positions.min(axis=0), shape.positions.max(axis=0)
+    _perspective(canvas, thing, (low + high) / 2, float(np.linalg.norm(high - low)))
+    _to_scale(figure, canvas, thing, (low + high) / 2)
+    # a long name is set smaller rather than cut
+    _text(figure, MARGIN, HEIGHT - 72, title, size=15 * min(1.0, 70 / max(len(title), 1)), weight="bold", color=INK)
+    _text(figure, MARGIN, HEIGHT - 112, caption(shape), size=8.5, color=PALE)
+    words.draw()
+    picture = Image.fromarray(np.rint(255 * canvas[::-1]).astype(np.uint8)).convert("RGBA")
+    picture.alpha_composite(Image.fromarray(np.asarray(words.buffer_rgba())))
+    picture.convert("RGB").save(path_or_file, format="png", dpi=(DPI, DPI))
+
+
+def image(shape: Shape, title: str) -> Image.Image:
+    """The same picture as an image, which a notebook shows."""
+    stream = BytesIO()
+    draw(shape, title, stream)
+    return Image.open(stream)
+
+
+def small_png(image: Image.Image) -> bytes:
+    """A picture in 256 colours; the usual choice leaves out those of few pixels, such as the red of what is held."""
+    out = BytesIO()
+    # the k-means step takes the steps out of the shades
+    image.convert("RGB").quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=1).save(out, "PNG", optimize=True)
+    return out.getvalue()
+
+
+def caption(shape: Shape) -> str:
+    """One line of numbers; those that the summary does not have are left out."""
+    summary: Mapping[str, Any] = shape.summary
+    parts = [
+        f"height {summary.get('height_mm', shape.height_mm):.1f} mm",
+        "extent " + " × ".join(f"{size:.1f}" for size in summary.get("extent_mm", shape.extent_mm)) + " mm",
+    ]
+    if "stars_total" in summary:
+        parts.append(f"{summary['stars_up']} of {summary['stars_total']} stars up")
+    if "energy_n_mm" in summary:
+        energy = summary["energy_n_mm"]
+        total = energy.get("total", sum(energy.values())) if isinstance(energy, Mapping) else energy
+        parts.append(f"energy {total if abs(total) >= LEAST else 0.0:.4g} N mm")
+    if "is_minimum" in summary:
+        certified = summary["is_minimum"] and summary.get("converged", True)
+        sure = "certified minimum" if certified else "not certified"
+        parts.append(_of_preview(summary, certified) if summary.get("model") == "preview" else sure)
+    return "   ·   ".join(parts)
+
+
+def _of_preview(summary: Mapping[str, Any], certified: bool) -> str:
+    """A preview is an equilibrium of its own smooth sheet: what counts is how far that is from the exact model."""
+    if not certified:
+        return "preview, not certified"
+    expected = summary.get("expected_rms_percent")
+    if expected is None:
+        return "preview, not known how far from the exact model"
+    return f"preview, expected {expected:.1f} % of the diameter from the exact model"
+
+
+def _perspective(canvas: Floats, thing: Surface, centre: Floats, diameter: float) -> None:
+    """The large view on the left."""
+    view = camera(*OBLIQUE, centre, distance_mm=2.6 * diameter)
+    room = np.array([DIVISION - 2 * MARGIN, HEIGHT - CAPTION - MARGIN])
+    scale = float((room / _size(thing, view)).min())
+    _paste(canvas, render(thing, view, scale), DIVISION / 2, MARGIN + room[1] / 2)
+
+
+def _to_scale(figure: Figure, canvas: Floats, thing: Surface, centre: Floats) -> None:
+    """From above, and below it from the front, both to the same scale, with its bar."""
+    above, front = (camera(*VIEWS[name], centre) for name in ("above", "front"))
+    (x, y), (_, z) = _size(thing, above), _size(thing, front)
+    column, bar_room, label_room = WIDTH - MARGIN - DIVISION, 70, 64
+    room = HEIGHT - CAPTION - MARGIN - bar_room - 2 * label_room
+    scale = float(min(column / x, room / (y + z)))
+    middle = DIVISION + column / 2
+    gap = min((room - scale * (y + z)) / 3, 60.0)
+    used = scale * (y + z) + bar_room + 2 * label_room + gap
+
+    bottom = MARGIN + (HEIGHT - CAPTION - MARGIN - used) / 2
+    _bar(figure, middle, bottom, scale, x)
+    bottom += bar_room + label_room
+    if scale * z < 1.0:  # less than a pixel: a line
+        ends = (middle + np.array([-x, x]) * scale / 2) / WIDTH
+        figure.add_artist(Line2D(ends, 2 * [bottom / HEIGHT], color=INK, linewidth=0.8))
+    else:
+        _paste(canvas, render(thing, front, scale), middle, bottom + scale * z / 2)
+    _text(figure, middle, bottom - 36, "from the front", size=8, color=PALE, ha="center")
+    bottom += scale * z + gap + label_room
+    _paste(canvas, render(thing, above, scale), middle, bottom + scale * y / 2)
+    _text(figure, middle, bottom - 36, "from above", size=8, color=PALE, ha="center")
+
+
+def _bar(figure: Figure, middle: float, bottom: float, scale: float, width_mm: float) -> None:
+    """A scale bar of a round length, about a third of the drawing."""
+    power = 10.0 ** np.floor(np.log10(width_mm / 3))
+    length = max(step * power for step in (1, 2, 5) if step * power <= width_mm / 3)
+    left, right = (middle + np.array([-1, 1]) * length * scale / 2) / WIDTH
+    y, tick = (bottom + 38) / HEIGHT, 7 / HEIGHT
+    for ends in (([left, right], [y, y]), ([left, left], [y - tick, y + tick]), ([right, right], [y - tick, y + tick])):
+        figure.add_artist(Line2D(*ends, color=INK, linewidth=1.1))
+    _text(figure, middle, bottom, f"{length:g} mm", size=8, color=INK, ha="center")
+
+
+def _size(thing: Surface, view: Camera) -> Floats:
+    """(2,) mm, width and height of what is seen; never zero, so that a flat sheet has a side view."""
+    return np.maximum(np.ptp(view.project(thing.points)[:, :2], axis=0), 1e-3)
+
+
+def _paste(canvas: Floats, image: Floats, x: float, y: float) -> None:
+    """Lay an image with opacity over the canvas, its middle at (x, y) pixels from the lower left."""
+    height, width = image.shape[:2]
+    row, column = round(y - height / 2), round(x - width / 2)
+    under = canvas[row : row + height, column : column + width]
+    opacity = image[..., 3:]
+    under[:] = opacity * image[..., :3] + (1 - opacity) * under
+
+
+def _text(figure: Figure, x: float, y: float, text: str, **style: Any) -> None:
+    """Text with its baseline at (x, y) pixels from the lower left; dollar signs are dollar signs."""
+    figure.text(x / WIDTH, y / HEIGHT, text, parse_math=False, **style)

@@ -1,0 +1,112 @@
+"""Where a sheet is held, as balls at points and tubes along sides."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from asterism.shape.diameter import diameter
+from asterism.shape.shape import Shape
+from pattern.design.design import Design
+from pattern.design.errors import DesignError
+from pattern.geometry.planar import turns
+from pattern.layout.build import layout
+from pattern.layout.layout import Floats, Ints, Layout
+
+# over the diameter of the sheet
+BALL, TUBE = 0.011, 0.0045
+# rings of a ball, places around it and around a tube, and the longest part of a tube over its radius
+RINGS, AROUND, LONG = 5, 8, 4.0
+SHARP = 0.3  # rad: where a tube turns by more it has a joint
+
+Marks = tuple[Floats, Floats, Ints]  # points (n, 3) mm, their normals, triangles (m, 3) with these to the outside
+
+
+def pin_marks(shape: Shape) -> Marks:
+    """The marks of a shape whose summary knows its design; none otherwise, and of free sheets."""
+    plan = _plan(shape) if shape.held else None
+    if plan is None or not plan.pins:
+        return _together([])
+    size, border = diameter(shape.positions), plan.border
+    points = plan.pin_points
+    runs = [run for pin in plan.pins for run in _runs(pin.edges, len(border))]
+    lines = [_line(border, run, LONG * TUBE * size) for run in runs]
+    sharp = np.flatnonzero(np.abs(turns(border)) > SHARP)
+    joints = [border[[corner for corner in run if corner in sharp or corner in (run[0], run[-1])]] for run in runs]
+    try:
+        there = shape.at(np.concatenate([points, *lines, *joints]))
+    except ValueError:  # of another print
+        return _together([])
+    ends = np.cumsum([len(points), *map(len, lines), *map(len, joints)])[:-1]
+    balls, *others = np.split(there, ends)
+    parts = [_ball(place, BALL * size) for place in balls]
+    parts += [_tube(line, TUBE * size) for line in others[: len(lines)]]
+    return _together(parts + [_ball(place, TUBE * size) for joint in others[len(lines) :] for place in joint])
+
+
+def _plan(shape: Shape) -> Layout | None:
+    """The layout of the shape's design."""
+    try:
+        return layout(Design.from_dict(shape.summary["design"]))
+    except (KeyError, TypeError, DesignError):  # a shape made by hand, or whose image of sizes is gone
+        return None
+
+
+def _runs(edges: tuple[int, ...], count: int) -> list[list[int]]:
+    """The corners, of so many, along edges that follow each other; the first one again where they go all around."""
+    held = set(edges)
+    found = []
+    for first in [edge for edge in edges if (edge - 1) % count not in held] or list(edges[:1]):
+        run = [first]
+        while run[-1] in held and not (len(run) > 1 and run[-1] == first):
+            run.append((run[-1] + 1) % count)
+        found.append(run)
+    return found
+
+
+def _line(border: Floats, corners: list[int], step: float) -> Floats:
+    """(k, 2) places along the border from corner to corner, at most so far (mm) from each other."""
+    sides = [border[[one, other]] for one, other in pairwise(corners)]
+    counts = [max(int(np.ceil(np.linalg.norm(end - start) / step)), 1) for start, end in sides]
+    parts = [np.linspace(start, end, count + 1)[:-1] for (start, end), count in zip(sides, counts, strict=True)]
+    return np.concatenate([*parts, border[corners[-1:]]])
+
+
+def _together(parts: list[Marks]) -> Marks:
+    points = np.concatenate([np.empty((0, 3)), *(part[0] for part in parts)])
+    normals = np.concatenate([np.empty((0, 3)), *(part[1] for part in parts)])
+    first = np.cumsum([0, *(len(part[0]) for part in parts)])
+    numbered = [part[2] + start for part, start in zip(parts, first, strict=False)]
+    return points, normals, np.concatenate([np.empty((0, 3), dtype=np.int64), *numbered])
+
+
+def _ball(centre: Floats, radius: float) -> Marks:
+    polar = np.linspace(0.0, np.pi, RINGS)
+    circles = np.stack([np.outer(np.sin(polar), one) for one in _circle()] + [np.outer(np.cos(polar), np.ones(AROUND))])
+    normals = circles.reshape(3, -1).T
+    return centre + radius * normals, normals, _grid(RINGS)
+
+
+def _tube(places: Floats, radius: float) -> Marks:
+    """Around a line (k, 3) mm, open at its ends."""
+    along = np.gradient(places, axis=0)
+    along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)
+    aside = np.cross(along, np.eye(3)[np.abs(along).max(axis=0).argmin()])
+    aside /= np.maximum(np.linalg.norm(aside, axis=1, keepdims=True), 1e-12)
+    cosine, sine = _circle()
+    normals = aside[:, None] * cosine[:, None] + np.cross(aside, along)[:, None] * sine[:, None]
+    return (places[:, None] + radius * normals).reshape(-1, 3), normals.reshape(-1, 3), _grid(len(places))
+
+
+def _circle() -> tuple[Floats, Floats]:
+    angle = 2.0 * np.pi * np.arange(AROUND) / AROUND
+    return np.cos(angle), np.sin(angle)
+
+
+def _grid(rows: int) -> Ints:
+    """Two triangles between neighbours of `AROUND` points in each of so many rows, row by row."""
+    here = np.arange((rows - 1) * AROUND)
+    turned = here // AROUND * AROUND + (here + 1) % AROUND
+    below = np.column_stack([here, here + AROUND, turned + AROUND])
+    return np.concatenate([below, np.column_stack([here, turned + AROUND, turned])])

@@ -1,0 +1,199 @@
+"""One view of a sheet as an image: cream on the plastic side, blue-grey behind, the arms dark, what is held red."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.ndimage import gaussian_filter, maximum_filter
+
+from asterism.draw.pin_marks import pin_marks
+from asterism.draw.raster import Raster, rasterise
+from asterism.draw.ribbons import ribbons
+from asterism.shape.shape import Shape
+from pattern.geometry.normals import vertex_normals
+from pattern.layout.layout import Floats, Ints
+
+PLASTIC_SIDE = (0.985, 0.92, 0.80)
+FABRIC_SIDE = (0.63, 0.725, 0.845)
+ARMS = (0.20, 0.205, 0.24)
+PINS = (0.86, 0.25, 0.16)
+OUTLINE = (0.16, 0.16, 0.18)
+# from the upper left, in front; and where its reflection is seen
+KEY_LIGHT = np.array([-0.50, 0.62, 0.60]) / np.linalg.norm([-0.50, 0.62, 0.60])
+HALFWAY = (KEY_LIGHT + np.array([0.0, 0.0, 1.0])) / np.linalg.norm(KEY_LIGHT + np.array([0.0, 0.0, 1.0]))
+# (azimuth, elevation), deg: in perspective, and the drawings to scale; all pictures and measurements call them so
+OBLIQUE = (-62.0, 30.0)
+VIEWS = {"above": (-90.0, 90.0), "front": (-90.0, 0.0), "side": (0.0, 0.0)}
+# every pixel of the image is the mean of this many squared
+FINER = 2
+
+
+@dataclass(frozen=True)
+class Camera:
+    """Where the sheet is looked at from.
+
+    Attributes
+    ----------
+    axes : (3, 3) rows, unit vectors to the right, upwards and towards the viewer.
+    centre : (3,) mm, in the middle of the view.
+    distance_mm : of the viewer from the centre; infinite without perspective.
+    """
+
+    axes: Floats
+    centre: Floats
+    distance_mm: float = np.inf
+
+    def project(self, points: Floats) -> Floats:
+        """(n, 3) mm to the right, upwards and towards the viewer, in perspective."""
+        seen = (points - self.centre) @ self.axes.T
+        return seen if np.isinf(self.distance_mm) else seen / (1 - seen[:, 2:] / self.distance_mm)
+
+
+def camera(azimuth_deg: float, elevation_deg: float, centre: Floats, distance_mm: float = np.inf) -> Camera:
+    """A camera with z upwards, `azimuth_deg` from x and `elevation_deg` above the ground."""
+    a, e = np.deg2rad([azimuth_deg, elevation_deg])
+    right = np.array([-np.sin(a), np.cos(a), 0.0])
+    towards = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
+    return Camera(np.array([right, np.cross(towards, right), towards]), centre, distance_mm)
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Sheet, ribbons and marks as triangles ready to be drawn.
+
+    Attributes
+    ----------
+    points, normals : (n, 3), normals on the plastic side.
+    triangles : (m, 3), those of the sheet first, those of the marks last.
+    sheet_triangles : how many belong to the sheet.
+    lift_mm : ribbons and marks count as this much nearer, so that creases under them do not cut them.
+    colours : (n, 3), 0 to 1, of both sides of the sheet in place of its own; those of the others do not count.
+    mark_triangles : how many belong to the marks.
+    """
+
+    points: Floats
+    normals: Floats
+    triangles: Ints
+    sheet_triangles: int
+    lift_mm: float = 0.8
+    colours: Floats | None = None
+    mark_triangles: int = 0
+
+
+def surface(shape: Shape) -> Surface:
+    """The triangles of a shape: the sheet, the ribbons on its plastic side, and marks where it is held."""
+    points, normals, strips = ribbons(shape)
+    mark_points, mark_normals, marks = pin_marks(shape)
+    count = len(shape.positions)
+    return Surface(
+        np.concatenate([shape.positions, points, mark_points]),
+        np.concatenate([vertex_normals(shape.positions, shape.triangles), normals, mark_normals]),
+        np.concatenate([shape.triangles, strips + count, marks + count + len(points)]),
+        len(shape.triangles),
+        mark_triangles=len(marks),
+    )
+
+
+def render(thing: Surface, view: Camera, pixels_per_mm: float) -> Floats:
+    """(height, width, 4) colour and opacity, row 0 the lowest; the image is as large as what is seen."""
+    seen = view.project(thing.points)
+    fine = FINER * pixels_per_mm
+    low, high = seen[:, :2].min(axis=0), seen[:, :2].max(axis=0)
+    width, height = np.ceil((high - low) * pixels_per_mm).astype(int) + 4
+    rows, columns = FINER * height, FINER * width
+    places = (seen[:, :2] - (low + high) / 2) * fine + np.array([columns, rows]) / 2
+    # a ribbon is only seen from the plastic side, a mark from outside
+    strips = thing.triangles[thing.sheet_triangles :]
+    seen_strips = _turns_left(places, strips)
+    marks = int(np.count_nonzero(seen_strips[len(strips) - thing.mark_triangles :]))
+    strips = strips[seen_strips]
+    triangles = np.concatenate([thing.triangles[: thing.sheet_triangles], strips])
+    depth = seen[:, 2].copy()
+    depth[np.unique(strips)] += thing.lift_mm
+    raster = rasterise(places, depth, triangles, rows, columns)
+
+    image = np.zeros((rows * columns, 4), dtype=np.float32)
+    plastic_side, around = _turns_left(places, triangles), _depth_around(raster)
+    turned = replace(thing, normals=thing.normals @ view.axes.T)
+    for piece in raster.pieces():
+        colour = _shaded(turned, view, piece, triangles, marks, plastic_side)
+        image[piece.pixels, :3] = colour * _open_sky(piece, around, fine)[:, None]
+    image[raster.pixels, 3] = 1.0
+    image = image.reshape(rows, columns, 4)
+    image[_outline(raster, fine)] = (*OUTLINE, 1.0)
+    image = _coarser(image)
+    # the empty part of a pixel has no colour, so that edges do not darken
+    image[..., :3] /= np.maximum(image[..., 3:], 1e-9)
+    return image
+
+
+def _coarser(image: Floats) -> Floats:
+    """The mean of every FINER x FINER pixels."""
+    parts = [image[row::FINER, column::FINER] for row in range(FINER) for column in range(FINER)]
+    return np.asarray(sum(parts[1:], start=parts[0]) / len(parts))
+
+
+def _shaded(
+    thing: Surface, view: Camera, raster: Raster, triangles: Ints, marks: int, plastic_side: np.ndarray
+) -> Floats:
+    """(P, 3) colours: a key light from the upper left, a soft sky, a trace of gloss.
+
+    Normals are along the view's axes. The last triangles are `marks`.
+    """
+    normals = raster.interpolate(thing.normals, triangles)
+    face = raster.face.ravel()[raster.pixels]
+    front = plastic_side[face]
+    normals *= np.where(front, 1.0, -1.0)[:, None]
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    # light that reaches around the edge of a shadow, as from a window rather than from the sun
+    key = np.maximum(0.5 + 0.5 * (normals @ KEY_LIGHT), 0.0) ** 1.6
+    sky = 0.5 + 0.5 * (normals @ view.axes[:, 2])
+    light = 0.36 + 0.54 * key + 0.13 * sky
+    gloss = np.maximum(normals @ HALFWAY, 0.0) ** 40
+    arm = face >= thing.sheet_triangles
+    if thing.colours is None:
+        colour = np.where(front[:, None], PLASTIC_SIDE, FABRIC_SIDE)
+    else:
+        colour = raster.interpolate(thing.colours, triangles)
+    colour[arm] = ARMS
+    colour[face >= len(triangles) - marks] = PINS
+    shine = np.where(arm, 0.10, 0.03) * gloss
+    return np.clip(colour * light[:, None] + shine[:, None], 0.0, 1.0)
+
+
+def _depth_around(raster: Raster) -> Floats:
+    """(rows, columns) of the coarse image: mean depth over a neighbourhood; smooth, so that this is enough."""
+    covered = np.isfinite(raster.depth)
+    depth = np.where(covered, raster.depth, 0.0)
+    reach = _reach(raster)
+    share = gaussian_filter(_coarser(covered.astype(np.float32)), reach, truncate=2.5)
+    return gaussian_filter(_coarser(depth.astype(np.float32)), reach, truncate=2.5) / np.maximum(share, 1e-6)
+
+
+def _reach(raster: Raster) -> float:
+    """Of a neighbourhood, pixels of the coarse image."""
+    return 0.015 * float(np.hypot(*raster.depth.shape)) / FINER
+
+
+def _open_sky(raster: Raster, around: Floats, pixels_per_mm: float) -> Floats:
+    """(P,) darker where the neighbourhood is nearer to the viewer: folds and what lies behind an edge.
+
+    Reference: Luft, Colditz and Deussen, Image enhancement by unsharp masking the depth buffer, 2006.
+    """
+    row, column = np.divmod(raster.pixels, raster.depth.shape[1])
+    nearer = around[row // FINER, column // FINER] - raster.depth.ravel()[raster.pixels]
+    return 1 - 0.38 * np.clip(nearer * pixels_per_mm / (2.5 * FINER * _reach(raster)), 0.0, 1.0)
+
+
+def _outline(raster: Raster, pixels_per_mm: float) -> np.ndarray:
+    """(rows, columns) bool, just behind an edge of the sheet as it is seen."""
+    depth = np.where(np.isfinite(raster.depth), raster.depth, -1e9)
+    step = maximum_filter(depth, size=3) - depth
+    return step > 1.0 + 8 / pixels_per_mm
+
+
+def _turns_left(places: Floats, triangles: Ints) -> np.ndarray:
+    """(T,) bool, corners counterclockwise on the image: the plastic side is seen."""
+    a, b, c = (places[triangles[:, k]] for k in range(3))
+    return (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0] > 0

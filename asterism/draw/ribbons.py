@@ -1,0 +1,57 @@
+"""The arms as ribbons of their printed width on the plastic side of the sheet."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from asterism.shape.shape import Shape
+from pattern.geometry.normals import vertex_normals
+from pattern.layout.layout import Floats, Ints
+
+# of arms whose width is not among the fields of their shape
+DEFAULT_WIDTH_MM = 1.2
+
+
+def ribbons(shape: Shape) -> tuple[Floats, Floats, Ints]:
+    """Strips of triangles along the arms, tangent to the sheet.
+
+    Returns
+    -------
+    points : (2 P, 3) mm, left and right of every vertex of every arm.
+    normals : (2 P, 3) unit normals of the sheet there.
+    triangles : (2 R, 3), two for each rod edge.
+    """
+    if not shape.rods:
+        return np.empty((0, 3)), np.empty((0, 3)), np.empty((0, 3), dtype=np.int64)
+    vertices = np.concatenate(shape.rods)
+    lengths = np.array([len(path) for path in shape.rods])
+    first = np.cumsum(lengths) - lengths
+    # all points but the last of each rod begin an edge; edges are numbered as in `shape.rod_edges`
+    begins = np.ones(len(vertices), dtype=bool)
+    begins[first + lengths - 1] = False
+    begin = np.flatnonzero(begins)
+
+    places = shape.positions[vertices]
+    normals = vertex_normals(shape.positions, shape.triangles)[vertices]
+    edges = places[begin + 1] - places[begin]
+    along = np.zeros_like(places)
+    along[begin] += edges
+    along[begin + 1] += edges
+    side = np.cross(normals, along)
+    side /= np.maximum(np.linalg.norm(side, axis=1, keepdims=True), 1e-12)
+    half_width = _at_points(shape, "width_mm", DEFAULT_WIDTH_MM, begin, len(vertices)) / 2
+    points = np.concatenate([places + half_width[:, None] * side, places - half_width[:, None] * side])
+    left, right = begin, begin + len(vertices)
+    triangles = np.concatenate(
+        [np.column_stack([left, right, right + 1]), np.column_stack([left, right + 1, left + 1])]
+    )
+    return points, np.concatenate([normals, normals]), triangles
+
+
+def _at_points(shape: Shape, name: str, default: float, begin: Ints, count: int) -> Floats:
+    """(P,) a field of the rod edges at the points of the rods: the mean of the edges that meet there."""
+    values = np.asarray(shape.rod_fields.get(name, np.full(len(begin), default)), dtype=float)
+    ends = np.concatenate([begin, begin + 1])
+    total = np.bincount(ends, weights=np.tile(values, 2), minlength=count)
+    # a rod of one point has no edges, and is not drawn
+    return total / np.maximum(np.bincount(ends, minlength=count), 1)

@@ -1,0 +1,75 @@
+"""What the summary says about the minima of a design."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from discrete.evidence.equilibrium import Equilibrium
+from discrete.evidence.roll_axis import roll_axis_deg
+from discrete.model.model import Model
+from discrete.release.branches import Branch, Minima
+
+ONE_START, NEAR = "the default start's", "from a shape that was given"
+LOWEST = "lowest energy"
+KEPT = "lowest energy of those whose stars are all on their branch"
+
+
+def one_minimum(model: Model, found: Equilibrium, near: bool = False) -> dict[str, Any]:
+    """Entries for a single start: the default one, or `near` a shape."""
+    axis = roll_axis_deg(model, found.state)
+    entry = {"energy_n_mm": found.energy, "stars_up": found.stars_up, "roll_axis_deg": axis, "starts": 1}
+    return {
+        "starts": 1,
+        "result_is": NEAR if near else ONE_START,
+        "minima_seen": 1,
+        "minima": [entry],
+        "next_minimum_percent": None,
+    }
+
+
+def many_minima(minima: Minima, starts: int) -> dict[str, Any]:
+    """Entries for many starts.
+
+    `minima` are those of the fine mesh, the first is the result; `minima_coarse` are those of the exploration, the
+    first of them carried to the fine mesh. Distances are in % of the diameter, modulo the symmetries of the design.
+    """
+    fine, coarse = minima.fine, minima.coarse
+    left_behind = minima.carried.count(False)
+    others = sorted(b.found.energy for b in fine[1:])
+    lowest = fine[0].found.energy
+    # how high a sheet hangs makes it no more or less likely to rest in another form
+    elastic = lowest - fine[0].found.energies.get("gravity", 0.0)
+    by_energy = all(lowest <= energy for energy in others)
+    return {
+        "starts": starts,
+        "starts_lost": minima.lost,
+        "result_is": LOWEST if by_energy else KEPT,
+        "minima_seen": len(fine) + left_behind,
+        "minima_not_carried": left_behind,
+        "next_minimum_percent": 100.0 * (others[0] - lowest) / elastic if others else None,
+        "next_minimum_n_mm": others[0] - lowest if others else None,
+        "symmetries": len(minima.symmetries),
+        "minima": [_entry(b, minima, f"minimum-{k}" if k > 1 else "shape") for k, b in enumerate(fine, 1)],
+        "minima_distance_percent": [[minima.distance_percent(a, b) for b in fine] for a in fine],
+        "minima_coarse": [
+            _entry(b, minima, None) | {"carried": kept} for b, kept in zip(coarse, minima.carried, strict=True)
+        ],
+    }
+
+
+def _entry(branch: Branch, minima: Minima, file: str | None) -> dict[str, Any]:
+    found = branch.found
+    named = {} if file is None else {"file": file}
+    return named | {
+        "energy_n_mm": found.energy,
+        "is_minimum": found.is_minimum,
+        "stars_up": found.stars_up,
+        "stars_off_branch": len(branch.off_branch),
+        "roll_axis_deg": branch.roll_axis_deg,
+        "starts": len(branch.starts),
+        "start_names": list(branch.starts),
+        "default": branch.default,
+        "distance_percent": minima.distance_percent(minima.fine[0], branch),
+        "smallest_eigenvalue": found.smallest_eigenvalue,
+        "vertices": branch.model.n_vertices,
+    }

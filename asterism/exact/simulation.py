@@ -1,0 +1,244 @@
+"""The exact shape of a design: layout, mesh, model, equilibrium, and the numbers that go with it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from asterism import __version__
+from asterism.exact.minima import many_minima, one_minimum
+from asterism.exact.warnings import exact_warnings
+from asterism.shape.contraction import contraction
+from asterism.shape.mesh_error import mesh_error
+from asterism.shape.self_intersections import self_intersections
+from asterism.shape.shape import Shape
+from asterism.shape.surface_fields import cell_fields, point_fields
+from asterism.shape.tube import roll_radius
+from discrete.energies.contact import ipc_toolkit
+from discrete.energies.rods.network import curvatures
+from discrete.evidence.creases import creases
+from discrete.evidence.equilibrium import Equilibrium
+from discrete.evidence.roll_axis import roll_axis_deg
+from discrete.model.contact_model import ContactModel
+from discrete.model.model import Model
+from discrete.release.branches import find_minima, stars_off_branch
+from discrete.release.levels import Level, find_equilibrium
+from discrete.release.walk import Report
+from equilibrium.linear.factor import check_backend
+from equilibrium.threads import one_blas_thread
+from pattern.design.design import Design
+from pattern.design.section import is_whole
+from pattern.layout.build import check_carried, layout
+from pattern.mesh.meshing import mesh_layout
+
+Say = Callable[[str], None]
+
+
+@one_blas_thread()
+def simulate(
+    design: Design,
+    backend: str = "auto",
+    report: Report | None = None,
+    say: Say | None = None,
+    starts: int = 1,
+    near: Shape | None = None,
+) -> Shape:
+    """Equilibrium of the exact model.
+
+    Parameters
+    ----------
+    design : from `load_design`, `new` or `Design.from_dict`.
+    backend : linear solver: `auto`, `pardiso`, `cholmod`, `superlu`, or `amg` (multigrid, for little memory).
+    report : called with the stage's name and an `Iteration` after every iteration.
+    say : called with a line of text when something begins.
+    starts : more than one: as many different starts are tried, and the lowest minimum whose stars are all on their
+        branch is the result, or the lowest if there is none; the others are in its `others`, and compared in the
+        summary's `minima`.
+    near : a shape of the same design to start from, as its preview, in place of the start that the design asks for; its
+        stars bump as they should. Goes with one start.
+
+    Returns
+    -------
+    The shape; `summary` says whether it is a minimum and holds the whole design. A free sheet lies with its
+    principal axes along x, y and z.
+
+    Raises
+    ------
+    DesignError, MeshError
+        The design cannot be printed, or its sheet not meshed.
+    BackendError
+        The factorisation is not installed.
+    ValueError
+        `near` with several starts, or none at all.
+    """
+    if not is_whole(starts) or starts < 1:
+        raise ValueError(f"starts = {starts!r}: must be a whole number, at least 1")
+    if near is not None and starts != 1:
+        raise ValueError("near goes with one start")
+    check_backend(backend)
+    tell = say or (lambda text: None)
+    start = time.perf_counter()
+    plan = layout(design)
+    if design.solver.contact:
+        ipc_toolkit()  # before anything else takes time
+    check_carried(design, plan)
+    mesh = mesh_layout(plan, design.mesh.edge_mm, design.mesh.kind, design.mesh.seed, design.mesh.graded)
+    tell(f"{len(plan.centres)} stars on {len(mesh.triangles)} triangles ({mesh.kind} mesh)")
+    meshed = time.perf_counter()
+    model = (ContactModel if design.solver.contact else Model)(design, plan, mesh)
+    built = time.perf_counter()
+    tell(f"minimising the energy over {len(model.free)} degrees of freedom")
+    solver = design.solver
+    before = {"mesh": meshed - start, "model": built - meshed}
+    if starts == 1:
+        found, levels = find_equilibrium(
+            model, solver.start, seed=solver.seed, backend=backend, report=report, near=near.at if near else None
+        )
+        minima = one_minimum(model, found, near is not None)
+        return _shape(model, found, levels, before | found.seconds, time.perf_counter() - start, minima)
+    all_found = find_minima(model, starts, seed=solver.seed, backend=backend, report=report)
+    minima = many_minima(all_found, starts)
+    spent = time.perf_counter() - start
+    best, *others = (
+        _shape(model, branch.found, list(branch.levels), before | branch.found.seconds, spent, minima)
+        for branch in all_found.fine
+    )
+    return replace(best, others=tuple(others))
+
+
+def _shape(
+    model: Model,
+    found: Equilibrium,
+    levels: list[Level],
+    seconds: dict[str, float],
+    wall: float,
+    minima: dict[str, Any],
+) -> Shape:
+    mesh, positions = model.mesh, _grounded(model, found.state.positions)
+    star = np.full(len(mesh.points), -1, dtype=np.int64)
+    star[mesh.star_vertices] = model.layout.star_number
+    shape = Shape(
+        printed=mesh.points,
+        positions=positions,
+        triangles=mesh.triangles,
+        star=star,
+        rods=mesh.rods,
+        star_vertices=mesh.star_vertices,
+        rod_fields=_rod_fields(model, found),
+        held=bool(model.held.any()),
+    )
+    if not shape.held:
+        shape = shape.aligned()
+    stretch = model.design.fabric.stretch_xy
+    fields = point_fields(shape.positions, shape.triangles)
+    strains = cell_fields(shape.printed, shape.positions, shape.triangles, stretch)
+    summary = _summary(model, found, shape, seconds, wall) | {
+        **_mesh_error(model, found, shape, levels),
+        "levels": [level.cost for level in levels],
+        **minima,
+        "path": [vars(step) for step in found.path],
+    }
+    summary["warnings"] = exact_warnings(summary, model.layout)
+    return replace(shape, point_fields=fields, cell_fields=strains, summary=summary)
+
+
+def _grounded(model: Model, positions: np.ndarray) -> np.ndarray:
+    """(V, 3) where pins leave the height open with the lowest vertex that they hold at z = 0."""
+    held = model.constraints.held
+    if held[:, 2].any() or not held.any():
+        return positions
+    return positions - [0.0, 0.0, positions[held.any(axis=1), 2].min()]
+
+
+def _rod_fields(model: Model, found: Equilibrium) -> dict[str, np.ndarray]:
+    net = model.network
+    bend = np.zeros(len(net.edges))
+    touched = np.zeros(len(net.edges))
+    curvature = curvatures(net, found.state.positions, found.state.directors, model.mesh.points)
+    # an edge shows the mean of the stencils along its own arm; those across a junction belong to two arms
+    own = net.signs[:, 0] > 0
+    np.add.at(bend, net.stencil_edges[own], curvature[own, None])
+    np.add.at(touched, net.stencil_edges[own], 1.0)
+    return {
+        "arm": net.rod,
+        "star": model.layout.star_number[model.layout.arm_star[net.rod]],
+        "thickness_mm": model.edge_thickness,
+        "width_mm": model.edge_width,
+        "curvature_per_mm": np.divide(bend, touched, out=np.full(len(bend), np.nan), where=touched > 0),
+    }
+
+
+def _summary(model: Model, found: Equilibrium, shape: Shape, seconds: dict[str, float], wall: float) -> dict[str, Any]:
+    number, axis = model.layout.star_number, roll_axis_deg(model, found.state)
+    return {
+        "model": "exact",
+        "converged": found.converged,
+        "is_minimum": found.is_minimum,
+        "smallest_eigenvalue": found.smallest_eigenvalue,
+        "eigenvalue_error": found.eigenvalue_error,
+        "gradient_norm": found.gradient_norm,
+        "gradient_tolerance": found.tolerance,
+        "energy_n_mm": found.energy,
+        "energy_parts_n_mm": found.energies,
+        **found.energies,
+        "stars_total": len(model.layout.centres),
+        "stars_up": found.stars_up,
+        "stars_down": number[found.sides < 0].tolist(),
+        "stars_off_branch": number[stars_off_branch(model, found)].tolist(),
+        "roll_axis_deg": axis,
+        "roll_radius_mm": None if axis is None else roll_radius(shape, model.layout.lattice_vectors),
+        "vertices": model.n_vertices,
+        "triangles": len(model.mesh.triangles),
+        "dofs": len(model.free),
+        "mesh": model.mesh.kind,
+        "edge_mm": model.design.mesh.edge_mm,
+        "self_intersections": self_intersections(shape.positions, shape.triangles),
+        "self_contact": _contact(model, found),
+        "fabric_bending": model.design.fabric.bending,
+        "fabric_bending_n_mm": sum(found.energies.get(part, 0.0) for part in ("hinges", "plate", "folds")),
+        "iterations": found.iterations,
+        "factorisations": found.factorisations,
+        "saddles_left": found.saddles_left,
+        "instabilities_passed": found.instabilities_passed,
+        "wall_s": wall,
+        "wall_s_by_stage": seconds,
+        "height_mm": shape.height_mm,
+        "extent_mm": list(shape.extent_mm),
+        "contraction": contraction(model.layout, shape),
+        "backend": found.backend,
+        "version": __version__,
+        "design": model.design.to_dict(),
+    }
+
+
+def _mesh_error(model: Model, found: Equilibrium, shape: Shape, levels: list[Level]) -> dict[str, Any]:
+    folds = creases(model, found.state)
+    error = mesh_error(shape, [(level.printed, level.positions) for level in levels[:-1]], folds.resolved)
+    return {
+        "mesh_error_percent": error.percent,
+        "mesh_error_order": error.order,
+        "mesh_change_percent": error.change,
+        "crease_mm": folds.width,
+        "edge_at_arms_mm": folds.edge,
+        "creases_resolved": folds.resolved,
+    }
+
+
+def _contact(model: Model, found: Equilibrium) -> dict[str, Any] | None:
+    """Where contact begins, how near parts may come, and how near they are; None if they may pass through each other.
+
+    Without any contact the least distance is not known, and null.
+    """
+    if not isinstance(model, ContactModel):
+        return None
+    pairs, least = model.contact.touching(found.state.positions)
+    return {
+        "begins_at_mm": model.contact.distance,
+        "closest_possible_mm": model.contact.closest,
+        "least_distance_mm": least if pairs else None,
+        "pairs": pairs,
+    }

@@ -1,0 +1,1 @@
+"""Laws for users: material files, calibration, tables."""

@@ -1,0 +1,158 @@
+"""`asterism calibrate`: a campaign of unit cells, and the law that comes out of it."""
+
+from __future__ import annotations
+
+import os
+import platform
+import sys
+import time
+from contextlib import suppress
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, TextIO
+
+from asterism import __version__
+from asterism.laws.table import law_table
+from asterism.process import interruption
+from asterism.results.files import OutputError, check_writable, write_file
+from equilibrium.compiled import HAVE_NUMBA
+from homogenize.campaign import campaign
+from homogenize.campaign.code_version import code_version
+from homogenize.campaign.plan import Material
+from homogenize.law.fit import fit
+from homogenize.law.law import WITHOUT_BENDING, Law
+from homogenize.law import file as law_file
+from pattern.design.errors import DesignError
+
+
+def samples_folder(law: Path) -> Path:
+    """Where the finished cells of a law are kept."""
+    return law.with_suffix(".samples")
+
+
+def calibrate(
+    material: Material, output: Path, jobs: int = 1, dask: str | None = None, command: str = "asterism in Python"
+) -> Law:
+    """Solve the plan's cells, those that are not there yet, fit the law and write it.
+
+    Parameters
+    ----------
+    material : with its plan, see `asterism.laws.own_law`.
+    jobs : processes of this machine.
+    dask : address of a scheduler to use in their place.
+    command : that the law's file names as its origin.
+
+    Raises
+    ------
+    DesignError
+        There is no law of such a material.
+    AddressError
+        No cluster answers at the address.
+    CampaignError
+        There is no law: too many cells without an answer, or workers that have ended.
+    """
+    if material.fabric.bending == "none":
+        raise DesignError("fabric.bending", WITHOUT_BENDING, "none")
+    check_writable(output.parent, output.name)
+    versions = _versions()
+    folder = samples_folder(output)
+    watch = CampaignProgress()
+    start = time.perf_counter()
+    try:
+        records = campaign.run(material, folder, jobs, dask, watch.report)
+    except OSError as error:
+        raise OutputError(f"cannot write {folder}: {(error.strerror or str(error)).lower()}") from None
+    finally:
+        watch.close()
+        # a folder with finished cells is not empty, and stays
+        with suppress(OSError):
+            folder.rmdir()
+    made = {
+        "command": command,
+        "code": code_version(),
+        "versions": versions,
+        "machine": {"cores": os.cpu_count(), "machine": platform.machine(), "python": platform.python_version()},
+        "cell_seconds": sum(record.seconds for record in records),
+        "wall_seconds_of_last_run": time.perf_counter() - start,
+    }
+    law = fit(material, records, made)
+    write_file(output, law_file.to_bytes(law))
+    return law
+
+
+def _versions() -> dict[str, str]:
+    """Of what computes the cells."""
+    packages = ["numpy", "scipy", *(["numba"] if HAVE_NUMBA else [])]
+    return {"asterism": __version__, **{name: version(name) for name in packages}}
+
+
+def default_jobs() -> int:
+    """One process per core that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+class CampaignProgress:
+    """One line that changes on a terminal; elsewhere a line every half minute. Failed cells have lines of their own."""
+
+    every_s = 30.0
+
+    def __init__(self, stream: TextIO | None = None) -> None:
+        self._stream = stream or sys.stderr
+        self._live = self._stream.isatty()
+        self._open = False
+        self._next = 0.0
+
+    def report(self, progress: campaign.Progress) -> None:
+        """A cell is finished, or the campaign begins."""
+        interruption.check()
+        record = progress.last
+        if record is not None and record.failed is not None:
+            task = record.task
+            sizes = f"l {task.length_mm:g}, h {task.thickness_mm:g}, w {task.width_mm:g} mm"
+            self._line(f"  no answer: stretch {task.stretch:g}, {sizes}: {record.failed}")
+        if self._live:
+            self._stream.write("\r\x1b[K" + _state(progress))
+            self._stream.flush()
+            self._open = True
+        elif time.monotonic() >= self._next or progress.done == progress.total:
+            self._next = time.monotonic() + self.every_s
+            self._line(_state(progress))
+
+    def close(self) -> None:
+        """Leave the terminal on a new line."""
+        if self._open:
+            self._stream.write("\n")
+            self._open = False
+
+    def _line(self, text: str) -> None:
+        self._stream.write(("\r\x1b[K" if self._open else "") + text + "\n")
+        self._stream.flush()
+        self._open = False
+
+
+def _state(progress: campaign.Progress) -> str:
+    text = f"  {progress.done} of {progress.total} cells"
+    if progress.failed:
+        text += f", {progress.failed} without an answer"
+    if progress.seconds_left is not None and progress.done < progress.total:
+        minutes, seconds = divmod(round(progress.seconds_left), 60)
+        text += f", about {minutes} min {seconds:02d} s left"
+    return text
+
+
+def report_lines(law: Law, output: Path) -> list[str]:
+    """What the command prints at its end."""
+    return [*law_table(law), f"{output}: the law; its cells stay in {samples_folder(output)}"]
+
+
+def summary(law: Law) -> dict[str, Any]:
+    """What a law says about itself, as plain data."""
+    problems = [s for s in law.samples if s["problem"] is not None]
+    return {
+        "material": law.material.to_dict(),
+        "digest": law_file.digest(law),
+        "made": law.made,
+        "residuals": law.residuals,
+        "cells": len(law.samples),
+        "cells_without_answer": [{k: v for k, v in s.items() if k != "sample"} for s in problems],
+    }

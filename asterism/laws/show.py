@@ -1,0 +1,37 @@
+"""`asterism law show`: what a law says, as a table, a picture and numbers."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from asterism.laws.calibrate import summary
+from asterism.laws.cells_table import law_cells
+from asterism.laws.picture import draw_law
+from asterism.laws.table import law_table
+from asterism.results.files import check_writable
+from asterism.results.write_results import staged_result
+from homogenize.law.file import PAPER, load_law
+
+
+def show(path: Path | None, output: Path | None) -> list[str]:
+    """Write law.png, cells.csv and summary.json, and return the lines to print.
+
+    Raises
+    ------
+    LawError
+        The file is not a law of this version.
+    """
+    law = load_law(path or PAPER)
+    directory = output or (Path("paper-law") if path is None else _beside(path))
+    check_writable(directory)
+    with staged_result(directory) as folder:
+        draw_law(law, folder / "law.png")
+        (folder / "cells.csv").write_text(law_cells(law), encoding="utf-8")
+        (folder / "summary.json").write_text(json.dumps(summary(law), indent=1) + "\n", encoding="utf-8")
+    return [*law_table(law), f"{directory}: law.png, cells.csv, summary.json"]
+
+
+def _beside(path: Path) -> Path:
+    """A folder for a law's picture: never that of a design's results, which has the design's name."""
+    return path.with_name(path.stem if path.stem.endswith("law") else f"{path.stem}-law")

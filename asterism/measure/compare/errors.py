@@ -1,0 +1,20 @@
+"""What is wrong with a scan or an outline, in one line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pattern.design.errors import one_line
+
+
+class ScanError(ValueError):
+    """A scan that cannot be read or compared; `str` is one line that begins with the file."""
+
+    def __init__(self, file: str | Path, problem: str):
+        super().__init__(one_line(f"{file}: {problem}"))
+
+
+def check_file(path: Path) -> None:
+    """Raise ScanError unless there is a file."""
+    if not path.is_file():
+        raise ScanError(path, "is no file" if path.exists() else "is not there")

@@ -1,0 +1,152 @@
+"""Pictures of a comparison: the distance in colour, sections, and how often each distance occurs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import IO
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from asterism.draw.chart_axes import tidy
+from asterism.draw.colours import INK, PALE
+from asterism.draw.render import OBLIQUE, camera, render
+from asterism.measure.compare.comparison import ScanComparison
+from asterism.measure.compare.silhouette import Fitted
+from asterism.reports.views import bare
+from pattern.layout.layout import Floats
+
+SHAPE = INK
+COLOURS = colormaps["RdBu_r"]
+NOT_SCANNED = (0.86, 0.86, 0.88)
+DPI, WIDTH, HEIGHT = 100, 16.0, 8.6
+# scan points this near to a section's plane are drawn in it
+_SLAB_MM = 1.0
+
+
+def draw_scan(found: ScanComparison, title: str, path_or_file: str | Path | IO[bytes]) -> None:
+    """Draw a scan's comparison as PNG."""
+    figure = _figure(title, _words(found))
+    far = max(float(np.quantile(np.abs(found.distance[found.used]), 0.98)), 0.1)
+    scale = Normalize(-far, far)
+    _coloured(figure, found, scale)
+    bar = figure.add_axes((0.06, 0.075, 0.4, 0.022))
+    figure.colorbar(ScalarMappable(scale, COLOURS), cax=bar, orientation="horizontal")
+    bar.set_title("distance of the scan, mm; red: on the plastic side; grey: not scanned", fontsize=9, color=PALE)
+    positions = found.shape.positions
+    centre = (positions.min(axis=0) + positions.max(axis=0)) / 2
+    sections = figure.add_axes((0.56, 0.66, 0.42, 0.2)), figure.add_axes((0.56, 0.37, 0.42, 0.2))
+    for axes, along in zip(sections, (0, 1), strict=True):
+        _section(axes, found, along, float(centre[1 - along]))
+    _histogram(figure.add_axes((0.56, 0.09, 0.42, 0.19)), found)
+    figure.savefig(path_or_file, format="png", dpi=DPI)
+
+
+def draw_outline(found: Fitted, title: str, words: str, path_or_file: str | Path | IO[bytes]) -> None:
+    """Draw an outline's comparison as PNG."""
+    figure = _figure(title, words)
+    axes = figure.add_axes((0.05, 0.09, 0.6, 0.77))
+    axes.fill(*found.silhouette.T, color="#eceef2")
+    axes.plot(*np.vstack([found.silhouette, found.silhouette[:1]]).T, color=SHAPE, linewidth=1.2, label="shape")
+    far = max(float(np.quantile(np.abs(found.distance), 0.98)), 0.1)
+    scale = Normalize(-far, far)
+    # white, no distance, would be lost on white paper
+    axes.plot(*np.vstack([found.places, found.places[:1]]).T, color="#b8b8c0", linewidth=4.5)
+    ends = np.stack([found.places, np.roll(found.places, -1, axis=0)], axis=1)
+    axes.add_collection(LineCollection(list(ends), colors=COLOURS(scale(found.distance)), linewidths=3))
+    axes.set_aspect("equal")
+    axes.margins(0.05)
+    tidy(axes, "the outline in the colour of its distance, on the shape's silhouette", "mm")
+    bar = figure.colorbar(
+        ScalarMappable(scale, COLOURS), cax=figure.add_axes((0.72, 0.62, 0.25, 0.025)), orientation="horizontal"
+    )
+    bar.ax.set_title("distance, mm; red: outside", fontsize=9, color=PALE)
+    below = figure.add_axes((0.72, 0.15, 0.25, 0.34))
+    below.hist(found.distance, bins=60, color="#2a6f97")
+    tidy(below, "length of outline at each distance", "mm")
+    below.set_yticks([])
+    for few in (bar.ax, below):  # there is room for so many numbers
+        few.xaxis.set_major_locator(MaxNLocator(4))
+    figure.savefig(path_or_file, format="png", dpi=DPI)
+
+
+def _figure(title: str, words: str) -> Figure:
+    figure = Figure(figsize=(WIDTH, HEIGHT), dpi=DPI, facecolor="white")
+    FigureCanvasAgg(figure)
+    size = 15 * min(1.0, 90 / max(len(title), 1))
+    figure.text(0.025, 0.945, title, fontsize=size, weight="bold", color=INK, parse_math=False)
+    figure.text(0.025, 0.91, words, fontsize=10, color=PALE, parse_math=False)
+    return figure
+
+
+def _words(found: ScanComparison) -> str:
+    s = found.summary()
+    return (
+        f"rms {s['rms_mm']:.2f} mm ({s['rms_percent']:.2f} % of the diameter)   ·   largest {s['max_mm']:.2f} mm   ·   "
+        f"{s['points_left_out_percent']:.0f} % of the points left out   ·   "
+        f"{s['shape_covered_percent']:.0f} % of the shape scanned"
+    )
+
+
+def _coloured(figure: Figure, found: ScanComparison, scale: Normalize) -> None:
+    """The shape in perspective in the colours of the distance."""
+    distance = found.vertex_distance
+    known = np.isfinite(distance)
+    colours = np.where(known[:, None], COLOURS(scale(np.where(known, distance, 0.0)))[:, :3], NOT_SCANNED)
+    thing = bare(found.shape, colours)
+    low, high = found.shape.positions.min(axis=0), found.shape.positions.max(axis=0)
+    view = camera(*OBLIQUE, (low + high) / 2, 2.6 * float(np.linalg.norm(high - low)))
+    room = np.array([0.46 * WIDTH, 0.68 * HEIGHT]) * DPI
+    seen = np.maximum(np.ptp(view.project(thing.points)[:, :2], axis=0), 1e-3)
+    image = render(thing, view, float((room / seen).min()))
+    height, width = image.shape[:2]
+    canvas = image[..., 3:] * image[..., :3] + 1 - image[..., 3:]
+    left, bottom = 0.27 * WIDTH * DPI - width / 2, 0.5 * HEIGHT * DPI - height / 2
+    figure.figimage(canvas, left, bottom, origin="lower")
+
+
+def _section(axes: Axes, found: ScanComparison, along: int, level: float) -> None:
+    """The shape cut by the plane on which the other horizontal coordinate is `level`, and the scan next to it."""
+    across = 1 - along
+    segments = _cut(found.shape.positions, found.shape.triangles, across, level)[:, :, [along, 2]]
+    near = np.abs(found.points[:, across] - level) < _SLAB_MM
+    for some, colour in ((near & ~found.used, "#b0b0b8"), (near & found.used, "#c8553d")):
+        axes.plot(*found.points[some][:, [along, 2]].T, ".", color=colour, markersize=2.5)
+    axes.add_collection(LineCollection(list(segments), colors=SHAPE, linewidths=1.2))
+    positions = found.shape.positions[:, [along, 2]]
+    low, high = positions.min(axis=0), positions.max(axis=0)
+    room = 0.06 * float((high - low).max()) + 1.0
+    axes.set_xlim(low[0] - room, high[0] + room)
+    axes.set_ylim(low[1] - room, high[1] + room)
+    axes.set_aspect("equal")
+    tidy(axes, f"cut along {'xy'[along]} through the middle: shape black, scan red, left out grey", "mm")
+
+
+def _cut(positions: Floats, triangles: np.ndarray, axis: int, level: float) -> Floats:
+    """(k, 2, 3) where triangles meet the plane on which a coordinate is `level`."""
+    height = positions[:, axis] - level
+    # a vertex on the plane counts as above it: every triangle is cut twice or not at all
+    above = height >= 0
+    segments = []
+    for corners in triangles[above[triangles].any(axis=1) & ~above[triangles].all(axis=1)]:
+        ends = []
+        for i, j in ((0, 1), (1, 2), (2, 0)):
+            a, b = corners[i], corners[j]
+            if above[a] != above[b]:
+                share = height[a] / (height[a] - height[b])
+                ends.append(positions[a] + share * (positions[b] - positions[a]))
+        segments.append(ends)
+    return np.array(segments).reshape(-1, 2, 3)
+
+
+def _histogram(axes: Axes, found: ScanComparison) -> None:
+    axes.hist(found.distance[found.used], bins=80, color="#2a6f97")
+    axes.set_yticks([])
+    tidy(axes, "points of the scan at each distance", "mm, positive on the plastic side")

@@ -1,0 +1,208 @@
+"""Laying a scan on a shape: many starts, then iterated closest points with the far ones left out.
+
+Only turned and shifted, never mirrored or scaled: a mirrored shape is another shape.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from operator import attrgetter
+
+import numpy as np
+from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
+
+from asterism.measure.compare.nearest import NearestOnSurface
+from asterism.measure.compare.scan import sample
+from pattern.geometry.rigid_fit import rigid_fit
+from pattern.layout.layout import Floats, Ints
+
+_COARSE_POINTS, _MIDDLE_POINTS, _FINE_POINTS = 150, 600, 3000
+_RANDOM_STARTS, _PROMISING, _REFINED = 200, 50, 8
+_TUKEY = 4.685
+# for the normal of a scan's point: a patch of some mm in a scan of a sheet
+_NEIGHBOURS = 60
+# points that fix a pose
+_FEWEST = 10
+# to sort poses by, the best first
+SPREAD = attrgetter("spread_mm")
+# errors of the shape's triangles and of the scanner are at least of this size
+_LEAST_SCALE_MM = 0.02
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Where a scan lies: `points @ rotation.T + shift` is on the shape.
+
+    Attributes
+    ----------
+    rotation : (3, 3), proper.
+    shift : (3,) mm.
+    spread_mm : the distance that `1 - trim` of the points are within, in the root mean square.
+    """
+
+    rotation: Floats
+    shift: Floats
+    spread_mm: float
+
+    def __call__(self, points: Floats) -> Floats:
+        """(n, 3) points of the scan, laid on the shape."""
+        return points @ self.rotation.T + self.shift
+
+
+@dataclass(frozen=True)
+class _Target:
+    """Places spread over the shape (m, 3), normals there, and a tree to find them."""
+
+    places: Floats
+    normals: Floats
+    tree: cKDTree
+    spacing_mm: float
+
+
+def register(
+    points: Floats, vertices: Floats, triangles: Ints, trim: float = 0.2, seed: int = 0, effort: int = 1
+) -> list[Pose]:
+    """Poses of a scan on a surface, the best first, each at least 15 degrees from the others.
+
+    Parameters
+    ----------
+    points : (n, 3) mm, of the scan; of the whole shape or a part of it.
+    vertices, triangles : of the shape, (V, 3) mm and (T, 3).
+    trim : the part of the points that may not belong to the shape.
+    effort : how many times the usual number of starts.
+
+    References
+    ----------
+    Chetverikov, Stepanov and Krsek 2005 (trimmed ICP); Chen and Medioni 1992 (point to plane).
+    """
+    rng = np.random.default_rng(seed)
+    surface = NearestOnSurface(vertices, triangles)
+    coarse_target, target = (_target(vertices, triangles, surface, count, rng) for count in (2000, 15_000))
+    few, some, many = (_some(points, count, rng) for count in (_COARSE_POINTS, _MIDDLE_POINTS, _FINE_POINTS))
+    starts = _starts(points, coarse_target, effort * _RANDOM_STARTS, rng)
+    first = sorted((_coarse(few, start, coarse_target, trim, 4) for start in starts), key=SPREAD)
+    coarse = sorted((_coarse(few, pose, coarse_target, trim, 12) for pose in first[: effort * _PROMISING]), key=SPREAD)
+    coarse = distinct(coarse)[: effort * _REFINED]
+    middle = sorted((_refine(some, pose, target, trim, 25) for pose in coarse), key=SPREAD)
+    fine = [_refine(many, pose, target, trim, 60) for pose in distinct(middle)[:4]]
+    exact = [replace(pose, spread_mm=_trimmed(np.abs(surface(pose(many)).distance), trim)) for pose in fine]
+    return distinct(sorted(exact, key=SPREAD))
+
+
+def distinct(poses: list[Pose], degrees: float = 15.0) -> list[Pose]:
+    """Those that differ from all better ones before them by a turn of so many degrees."""
+    found: list[Pose] = []
+    for pose in poses:
+        cosines = [(np.trace(pose.rotation.T @ other.rotation) - 1) / 2 for other in found]
+        if all(cosine < np.cos(np.deg2rad(degrees)) for cosine in cosines):
+            found.append(pose)
+    return found
+
+
+def _target(
+    vertices: Floats, triangles: Ints, surface: NearestOnSurface, count: int, rng: np.random.Generator
+) -> _Target:
+    places, which = sample(vertices, triangles, count, rng)
+    tree = cKDTree(places)
+    spacing = float(np.median(tree.query(places[:500], k=2)[0][:, 1]))
+    return _Target(places, surface.normals[which], tree, spacing)
+
+
+def _trimmed(distance: Floats, trim: float) -> float:
+    """Root mean square of all but the largest."""
+    kept = np.sort(distance)[: max(int((1 - trim) * len(distance)), 1)]
+    return float(np.sqrt(np.mean(kept**2)))
+
+
+def _starts(points: Floats, target: _Target, count: int, rng: np.random.Generator) -> list[Pose]:
+    """Principal axes laid on each other in all 24 ways, random turns about the middle, and single points on each other.
+
+    The last ones serve scans of a part, and with much else: a point of the scan is laid on a place of the shape, with
+    their normals along each other and a random turn about them.
+    """
+    centre, goal = np.median(points, axis=0), target.places.mean(axis=0)
+    ours, theirs = (_proper(np.linalg.svd(np.cov(p.T))[0]) for p in (points, target.places))
+    cube = Rotation.create_group("O").as_matrix()
+    turns = [*(theirs @ turn @ ours.T for turn in cube), *Rotation.random(count // 2, random_state=rng).as_matrix()]
+    poses = [Pose(turn, goal - turn @ centre, np.inf) for turn in turns]
+
+    some, there = rng.integers(len(points), size=count // 2), rng.integers(len(target.places), size=count // 2)
+    neighbours = points[cKDTree(points).query(points[some], k=min(_NEIGHBOURS, len(points)))[1]]
+    spread = neighbours - neighbours.mean(axis=1, keepdims=True)
+    normals = np.linalg.svd(spread, full_matrices=False)[2][:, 2] * rng.choice([-1.0, 1.0], size=count // 2)[:, None]
+    for point, normal, place, up, spin in zip(
+        points[some],
+        normals,
+        target.places[there],
+        target.normals[there],
+        rng.uniform(0, 2 * np.pi, count // 2),
+        strict=True,
+    ):
+        turn = Rotation.from_rotvec(spin * up).as_matrix() @ _onto(normal, up)
+        poses.append(Pose(turn, place - turn @ point, np.inf))
+    return poses
+
+
+def _onto(one: Floats, other: Floats) -> Floats:
+    """(3, 3) a rotation that brings one unit vector onto another."""
+    rotation, _ = Rotation.align_vectors(other[None], one[None])
+    return rotation.as_matrix()
+
+
+def _proper(axes: Floats) -> Floats:
+    return axes @ np.diag([1.0, 1.0, np.linalg.det(axes)])
+
+
+def _coarse(points: Floats, pose: Pose, target: _Target, trim: float, steps: int) -> Pose:
+    """A few steps from point to point."""
+    for _ in range(steps):
+        distance, index = target.tree.query(pose(points))
+        near = distance <= np.quantile(distance, 1 - max(trim, 0.1))
+        rotation, shift = rigid_fit(points[near], target.places[index[near]])
+        pose = Pose(rotation, shift, float(np.sqrt(np.mean(distance[near] ** 2))))
+    return pose
+
+
+def _refine(points: Floats, pose: Pose, target: _Target, trim: float, most: int) -> Pose:
+    """Gauss and Newton's steps on the distances, with Tukey's weights, until the pose stays.
+
+    A distance changes along the surface's normal; where a point lies beyond the outline, along the line to the outline.
+    """
+    rotation, shift, distance = pose.rotation, pose.shift, np.empty(0)
+    size = np.linalg.norm(points - points.mean(axis=0), axis=1).max()
+    reach = 5 * pose.spread_mm + 3 * target.spacing_mm
+    for _ in range(most):
+        placed = points @ rotation.T + shift
+        # far points have no weight, and looking for their nearest place would take most of the time
+        length, index = target.tree.query(placed, distance_upper_bound=reach)
+        near = np.isfinite(length)
+        index, length = np.where(near, index, 0), np.where(near, length, reach)
+        away, direction = placed - target.places[index], target.normals[index]
+        along_normal = np.einsum("ni,ni->n", away, direction)
+        beyond = (np.abs(along_normal) < 0.5 * length) & (length > 3 * target.spacing_mm)
+        direction = np.where(beyond[:, None], away / np.maximum(length, 1e-12)[:, None], direction)
+        offset = np.where(beyond, length, along_normal)
+        distance = np.where(near, np.abs(offset), reach)
+        scale = max(1.4826 * float(np.quantile(distance, (1 - trim) / 2)), _LEAST_SCALE_MM)
+        weight = np.maximum(1 - (distance / (_TUKEY * scale)) ** 2, 0.0) ** 2 * near
+        if np.count_nonzero(weight) < _FEWEST:
+            return replace(pose, spread_mm=np.inf)
+        # never much less than before: a step must not lose sight of the surface
+        reach = max(2 * _TUKEY * scale, 3 * target.spacing_mm, reach / 2)
+        centre = weight @ placed / weight.sum()
+        rows = np.concatenate([np.cross(placed - centre, direction) / size, direction], axis=1)
+        information = (rows * weight[:, None]).T @ rows
+        # flat and round shapes have directions in which nothing changes: stay there
+        information += 1e-4 * np.trace(information) / 6 * np.eye(6)
+        step = -np.linalg.solve(information, rows.T @ (weight * offset))
+        turn = Rotation.from_rotvec(step[:3] / size).as_matrix()
+        rotation, shift = turn @ rotation, turn @ (shift - centre) + centre + step[3:]
+        if np.linalg.norm(step) < 1e-4:
+            break
+    u, _, vt = np.linalg.svd(rotation)
+    return Pose(u @ vt, shift, _trimmed(distance, trim))
+
+
+def _some(points: Floats, count: int, rng: np.random.Generator) -> Floats:
+    return points[rng.choice(len(points), min(len(points), count), replace=False)]

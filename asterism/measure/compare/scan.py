@@ -1,0 +1,127 @@
+"""Scans: meshes and point clouds as points in mm."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from asterism.measure.compare.errors import ScanError, check_file
+from asterism.measure.compare.units import MM
+from pattern.layout.layout import Floats, Ints
+
+FORMATS = (".obj", ".stl", ".ply")
+MOST_POINTS = 20_000
+LARGEST = 1e9  # in the file's unit
+LINE = 1e-3  # width over length below which points are no surface
+
+
+@dataclass(frozen=True)
+class Scan:
+    """Points on a scanned surface.
+
+    Attributes
+    ----------
+    points : (n, 3) mm, spread evenly over the surface of a mesh, or some of those of a cloud.
+    triangles : of the mesh, 0 for a cloud.
+    vertices : of the file.
+    """
+
+    points: Floats
+    triangles: int
+    vertices: int
+
+    @property
+    def size_mm(self) -> float:
+        """Largest extent of its box along the principal axes."""
+        return extent(self.points)
+
+
+def extent(points: Floats) -> float:
+    """Largest extent (mm) of points (n, 3) along their principal axes."""
+    return float(_extents(points)[0])
+
+
+def _extents(points: Floats) -> Floats:
+    """(3,) mm, the largest first."""
+    centred = points - points.mean(axis=0)
+    axes = np.linalg.svd(centred.T @ centred)[0]
+    return np.asarray(np.sort(np.ptp(centred @ axes, axis=0))[::-1])
+
+
+def read_scan(path: str | Path, unit: str = "mm", seed: int = 0) -> Scan:
+    """A scan from an OBJ, STL or PLY file.
+
+    Raises
+    ------
+    ScanError
+        The file is not a scan, or empty.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in FORMATS:
+        raise ScanError(path, f"must end in {', '.join(FORMATS)}, or in .svg or .csv for an outline")
+    vertices, triangles = _read(path)
+    if len(vertices) == 0:
+        raise ScanError(path, "holds no points")
+    if not np.isfinite(vertices).all() or np.abs(vertices).max() > LARGEST:
+        raise ScanError(path, "holds points that are not finite numbers, or too far away")
+    vertices = vertices * MM[unit]
+    rng = np.random.default_rng(seed)
+    if len(triangles) == 0:
+        some = rng.choice(len(vertices), min(len(vertices), MOST_POINTS), replace=False)
+        points = vertices[np.sort(some)]
+    else:
+        points = sample(vertices, triangles, MOST_POINTS, rng)[0]
+    if len(np.unique(points, axis=0)) < 10:
+        raise ScanError(path, "holds too few points or triangles to be a surface")
+    long, wide, _ = _extents(points)
+    if wide <= LINE * long:
+        raise ScanError(path, "has all its points on one line: a surface is needed")
+    return Scan(points, len(triangles), len(vertices))
+
+
+def sample(vertices: Floats, triangles: Ints, count: int, rng: np.random.Generator) -> tuple[Floats, Ints]:
+    """Points (count, 3) spread evenly over triangles, and the triangle (count,) of each; none if they have no area."""
+    corners = vertices[triangles]
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    if not area.sum() > 0:
+        return np.empty((0, 3)), np.empty(0, dtype=np.int64)
+    # equal steps along the summed area: no triangle gets more than its share
+    where = (np.arange(count) + rng.random(count)) / count * area.sum()
+    which = np.minimum(np.searchsorted(np.cumsum(area), where), len(triangles) - 1)
+    u, v = rng.random((2, count))
+    u, v = np.where(u + v > 1, 1 - u, u), np.where(u + v > 1, 1 - v, v)
+    a, b, c = corners[which].transpose(1, 0, 2)
+    return a + u[:, None] * (b - a) + v[:, None] * (c - a), which
+
+
+def _read(path: Path) -> tuple[Floats, Ints]:
+    """Vertices and triangles of all parts of a file, polygons cut into triangles."""
+    import trimesh  # takes half a second, and only scans need it
+
+    check_file(path)
+    logging.getLogger("trimesh").setLevel(logging.CRITICAL)
+    try:
+        with path.open("rb") as stream, np.errstate(all="ignore"):
+            loaded: Any = trimesh.load(stream, file_type=path.suffix[1:].lower(), process=False)
+    except (ImportError, UnicodeDecodeError):  # it looks for a package that guesses the encoding of a text
+        raise ScanError(path, f"cannot be read as {path.suffix[1:].upper()}: it is not text") from None
+    except Exception as error:
+        reason = str(error).strip().split("\n")[0] or type(error).__name__
+        raise ScanError(path, f"cannot be read as {path.suffix[1:].upper()}: {reason}") from None
+    parts: list[Any] = list(loaded.dump()) if isinstance(loaded, trimesh.Scene) else [loaded]
+    vertices: list[Floats] = [np.empty((0, 3))]
+    triangles: list[Ints] = [np.empty((0, 3), dtype=np.int64)]
+    before = 0
+    for part in parts:
+        points = np.asarray(part.vertices, dtype=float).reshape(-1, 3)
+        vertices.append(points)
+        triangles.append(np.asarray(getattr(part, "faces", np.empty((0, 3))), dtype=np.int64).reshape(-1, 3) + before)
+        before += len(points)
+    corners = np.concatenate(triangles)
+    if len(corners) and not 0 <= corners.min() <= corners.max() < before:
+        raise ScanError(path, "has triangles with corners that it does not hold")
+    return np.concatenate(vertices), corners

@@ -1,0 +1,192 @@
+"""Parameters of a model and the noise of its readings, each from the other until both stay."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from asterism.measure.strips import arc
+from asterism.measure.strips.common import Common, common, effects, times
+from asterism.measure.strips.errors import NoMaterial
+from asterism.measure.strips.likelihood import solve
+from asterism.measure.strips.model import Data, Model
+from asterism.measure.strips.noise import FEW, Noise, noise, of_rounding, together
+from pattern.design.materials import bilayer_curvature
+from pattern.layout.layout import Floats
+
+# so much larger count the means of kinds in the first turn: the scatter within kinds tells where to begin
+_AT_FIRST = 1e6
+_TURNS = 40
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What readings say.
+
+    Attributes
+    ----------
+    parameters : (p,) E2/E1, then kappa_bar (1/mm).
+    covariance, rounding : (p, p), of scatter and effects, and of what rounding does to equal readings alike.
+    noise : of the readings.
+    free : readings that are not flat, less parameters.
+    common : what kinds of strips have in common beyond the formula.
+    of_common : (2, p, p) what these effects are of the covariance.
+    free_common : (2,) degrees of freedom that tell them.
+    """
+
+    parameters: Floats
+    covariance: Floats
+    rounding: Floats
+    noise: Noise
+    free: int
+    common: Common
+    of_common: Floats
+    free_common: Floats
+
+    def of_noise(self, index: int) -> float:
+        """What the scatter from strip to strip is of the variance of a parameter."""
+        return max(float(self.covariance[index, index] - self.of_common[:, index, index].sum()), 0.0)
+
+    def freedom(self, index: int) -> float:
+        """Degrees of freedom of the variance of a parameter (Satterthwaite, Biometrics Bulletin 2, 1946)."""
+        parts = np.array([self.of_noise(index), *self.of_common[:, index, index]])
+        free = np.array([max(self.free - self.free_common.sum(), 1.0), *np.maximum(self.free_common, 1.0)])
+        if not parts.sum() > 0:
+            return float(free[0])
+        share = parts / parts.sum()
+        return float(1 / np.sum(share**2 / free))
+
+
+def estimate(model: Model, data: Data, *, alike: bool = False) -> Estimate:
+    """Fit a model to readings.
+
+    Parameters
+    ----------
+    alike : strips of a kind have nothing in common but the formula; what kinds are off counts as scatter.
+
+    Raises
+    ------
+    NoMaterial
+        They are too few, or all flat.
+    """
+    bent = data.take(~data.flat)
+    parameters = first_guess(model, bent, data)
+    free = len(bent.curvature) - model.size
+    if free < 1:
+        raise NoMaterial(
+            f"{len(bent.curvature)} bent strips are too few; at least {model.size + 1} readings are needed"
+        )
+    if np.linalg.matrix_rank(_equal_columns(model.jacobian(parameters, bent))) < model.size:
+        raise NoMaterial(
+            "the strips that are bent cannot tell E1/E2 from kappa_bar: measure more thicknesses, or peel some"
+        )
+    kind = bent.kind
+    alone = alike or len(kind) - int(kind.max() + 1) < FEW
+    least = float(of_rounding(bent.step).max())
+    found, shared = Noise(1.0, 0.0), Common()
+    larger = np.full(len(kind), 1.0 if alone else _AT_FIRST)
+    for _ in range(_TURNS):
+        before, variance = (parameters, found, shared), _variance(model, data, parameters, found, shared)
+        parameters, covariance = solve(model, data, variance, parameters)
+        mean, jacobian = model.mean(parameters, bent), model.jacobian(parameters, bent)
+        sensitivity = arc.reading_sensitivity(mean, bent.length)
+        residual = bent.curvature - mean
+        found = noise(residual, jacobian, sensitivity, mean, least, kind=kind, times=larger)
+        if not alone:
+            plain = found.variance(sensitivity, mean)
+            off = together(bent.curvature, kind, sensitivity, bent.step)
+            sizes = effects(model.by_fabric(parameters, bent), bent.peeled)
+            shared = common(kind, residual, jacobian, plain, off, sizes, shared)
+            larger = times(kind, plain, shared.variance(sizes))
+        if np.all(np.abs(parameters - before[0]) <= 1e-4 * np.sqrt(np.diag(covariance))) and (
+            alone or _stays(before[1:], (found, shared))
+        ):
+            break
+    variance = _variance(model, data, parameters, found, shared)
+    parameters, covariance = solve(model, data, variance, parameters)
+    of_bent = _variance(model, bent, parameters, found, shared)
+    rounding = _of_rounding(model, bent, parameters, covariance, of_bent)
+    by_common = _of_common(model, bent, parameters, covariance, of_bent, shared)
+    return Estimate(parameters, covariance, rounding, found, free, shared, *by_common)
+
+
+def _stays(before: tuple[Noise, Common], now: tuple[Noise, Common]) -> bool:
+    """Whether noise and effects are what they were in the turn before."""
+    old, new = (np.array([*vars(one).values(), *vars(other).values()]) for one, other in (before, now))
+    return bool(np.all(np.abs(new - old) <= 1e-3 * np.abs(new)))
+
+
+def _variance(model: Model, data: Data, parameters: Floats, found: Noise, shared: Common) -> Floats:
+    """(n,) 1/mm^2, with which the readings count."""
+    mean = model.mean(parameters, data)
+    variance = found.variance(arc.reading_sensitivity(mean, data.length), mean)
+    sizes = effects(model.by_fabric(parameters, data), data.peeled)
+    return variance * times(data.kind, variance, shared.variance(sizes))
+
+
+def _of_common(
+    model: Model, bent: Data, parameters: Floats, covariance: Floats, variance: Floats, shared: Common
+) -> tuple[Floats, Floats]:
+    """(2, p, p) what each effect is of the covariance, and (2,) by how many kinds, less parameters, it is told."""
+    jacobian = model.jacobian(parameters, bent)
+    sizes = effects(model.by_fabric(parameters, bent), bent.peeled)
+    kind = bent.kind
+    count = int(kind.max()) + 1
+    pull = np.zeros((count, model.size))
+    np.add.at(pull, kind, jacobian / variance[:, None])
+    _, first = np.unique(kind, return_index=True)
+    taken = np.einsum("gp,pq,gq->g", pull, covariance, jacobian[first])
+    parts, free = [], []
+    for effect, size in zip((shared.with_fabric, shared.peeled), sizes[:, first], strict=True):
+        moved = covariance @ (pull * (effect * size)[:, None]).T
+        parts.append(moved @ moved.T)
+        free.append(max(float(np.sum((1 - taken)[size != 0])), 1.0) if effect else 0.0)
+    return np.array(parts), np.array(free)
+
+
+def _of_rounding(model: Model, bent: Data, parameters: Floats, covariance: Floats, variance: Floats) -> Floats:
+    """(p, p) what is added to the covariance, as rounding moves all readings together that should be equal."""
+    mean = model.mean(parameters, bent)
+    sensitivity = arc.reading_sensitivity(mean, bent.length)
+    alike = together(bent.curvature, bent.kind, sensitivity, bent.step)
+    off = alike / variance
+    equal = np.column_stack([np.round(mean / np.abs(mean).max(), 9), bent.length])
+    _, group = np.unique(equal, axis=0, return_inverse=True)
+    of_group = np.zeros((group.max() + 1, model.size))
+    np.add.at(of_group, group.reshape(-1), off[:, None] * model.jacobian(parameters, bent))
+    return np.asarray(covariance @ of_group.T @ of_group @ covariance)
+
+
+def first_guess(model: Model, bent: Data, data: Data) -> Floats:
+    """(p,) parameters of the right size.
+
+    Raises
+    ------
+    NoMaterial
+        Every strip with its fabric is flat, and the message gives the bound that is left; or there is none.
+    """
+    with_fabric = bent.take(~bent.peeled)
+    if len(with_fabric.curvature) == 0:
+        flat = data.take(~data.peeled)
+        if len(flat.curvature) == 0:  # they were outliers of each other
+            raise NoMaterial("the strips with their fabric contradict each other: measure again")
+        bound = np.max(_of_ratio_one(model, flat) / flat.limit)
+        raise NoMaterial(
+            f"every strip with its fabric looks flat: E1/E2 is above {bound:.0f} ({model.formula}) if kappa_bar is 0, "
+            "and no more can be said; print thinner or longer strips"
+        )
+    peeled = bent.curvature[bent.peeled]
+    kept = float(np.median(peeled)) if len(peeled) and model.size > 1 else 0.0
+    per_ratio = (with_fabric.curvature - kept) / _of_ratio_one(model, with_fabric)
+    return np.concatenate([[max(float(np.median(per_ratio)), 1e-7)], np.full(model.size - 1, kept)])
+
+
+def _of_ratio_one(model: Model, data: Data) -> Floats:
+    """(n,) curvature for E1/E2 = 1 in the limit of stiff plastic, 1/mm."""
+    stiff = 1e9
+    return stiff * bilayer_curvature(data.thickness, data.fabric, stiff, data.mismatch, model.formula)
+
+
+def _equal_columns(jacobian: Floats) -> Floats:
+    return jacobian / np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)

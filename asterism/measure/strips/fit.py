@@ -1,0 +1,224 @@
+"""E1/E2 and kappa_bar from strips, with intervals, in both conventions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+from scipy.stats import t as student
+
+from asterism.measure.strips.agreement import FALSE_ALARM, contradicted, lack_of_fit
+from asterism.measure.strips.errors import NoMaterial
+from asterism.measure.strips.estimate import Estimate, estimate
+from asterism.measure.strips.mistakes import check_mistakes
+from asterism.measure.strips.model import FORMULAS, KAPPA_BAR_KINDS, Data, Formula, KappaBarKind, Model
+from asterism.measure.strips.noise import Noise
+from asterism.measure.strips.outliers import outliers
+from asterism.measure.strips.strip import Reading
+from pattern.design.errors import from_validation
+from pattern.design.materials import Plastic
+
+FLAT_HEIGHT_MM = 0.5
+LITTLE = "strips with their fabric curl no more than peeled ones: E1/E2 cannot be told"
+UNLIKELY = "no plastic on this fabric curls such strips so: check their units, lengths, thicknesses and boxes"
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A value and the range it lies in with the chosen confidence; `high` may be infinite."""
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """A reading that was not used, and why."""
+
+    reading: Reading
+    reason: str
+
+
+@dataclass(frozen=True)
+class StripFit:
+    """What a table of strips says about a material.
+
+    Attributes
+    ----------
+    ratio : E1/E2 for each convention.
+    kappa_bar : one entry a thickness, or a single one with the key None; empty if it was taken for 0.
+    noise : of the readings.
+    used, left_out : the readings.
+    lack_of_fit : how likely strips as they were measured are if the formula holds; None if there are no repeats, or if
+        they all read the same.
+    widened : how many times as wide as by the scatter of strips alone the interval of E1/E2 is, because strips of a
+        thickness may have an error in common.
+    kappa_bar_contradicted : kappa_bar was taken for one number or for 0, and the peeled strips say that it is not.
+    thicknesses_apart : mm, of strips that lie away from the others as a whole; they are used.
+    """
+
+    formula: Formula
+    kappa_bar_kind: KappaBarKind
+    confidence: float
+    ratio: dict[Formula, Interval]
+    kappa_bar: dict[float | None, Interval]
+    estimate: Estimate
+    model: Model
+    noise: Noise
+    used: tuple[Reading, ...]
+    left_out: tuple[LeftOut, ...]
+    lack_of_fit: float | None
+    widened: float
+    kappa_bar_contradicted: bool
+    thicknesses_apart: tuple[float, ...] = ()
+    flat_height_mm: float = field(default=FLAT_HEIGHT_MM)
+
+    @property
+    def disagrees(self) -> bool:
+        """Kinds of strips differ from the formula by more than the scatter of their strips explains."""
+        return self.lack_of_fit is not None and self.lack_of_fit < FALSE_ALARM
+
+    @property
+    def fabrics(self) -> dict[str, set[float]]:
+        """What the strips were printed on, by the keys of a design's fabric; each has one value in most."""
+        return {
+            "stretch": {reading.stretch for reading in self.used},
+            "thickness_mm": {reading.fabric_thickness_mm for reading in self.used},
+        }
+
+    def plastic(self, modulus_ratio: float | None = None) -> Plastic:
+        """The plastic as a design has it, with another ratio if one is given."""
+        kept: Any = self.kappa_bar[None].value if None in self.kappa_bar else 0.0
+        if self.kappa_bar_kind == "per-thickness":
+            values = tuple(interval.value for interval in self.kappa_bar.values())
+            kept = {"thickness_mm": tuple(float(h) for h in self.model.thicknesses), "per_mm": values}
+        ratio = modulus_ratio or self.ratio[self.formula].value
+        return Plastic(modulus_ratio=ratio, rest_curvature=self.formula, kappa_bar_per_mm=kept)
+
+
+def fit_strips(
+    readings: list[Reading],
+    formula: Formula = "paper",
+    kappa_bar: KappaBarKind = "constant",
+    *,
+    confidence: float = 0.95,
+    flat_height_mm: float = FLAT_HEIGHT_MM,
+    keep_outliers: bool = False,
+) -> StripFit:
+    """Fit a material to strips.
+
+    Parameters
+    ----------
+    formula : convention of the rest curvature of the material; the other one's ratio is given beside it.
+    kappa_bar : one number, one for each thickness, or zero.
+    confidence : of the intervals.
+    flat_height_mm : a lower arc is not told from a flat strip.
+    keep_outliers : use readings that lie too far from the others, too.
+
+    Raises
+    ------
+    NoMaterial
+        The readings do not determine E1/E2.
+    ValueError
+        No such formula or kind of kappa_bar, or a confidence or height out of range.
+    """
+    for option, given, allowed in (("formula", formula, FORMULAS), ("kappa_bar", kappa_bar, KAPPA_BAR_KINDS)):
+        if given not in allowed:
+            raise ValueError(f"{option}: must be one of {', '.join(allowed)}, not {given!r}")
+    if not (0 < confidence < 1 and 0 < flat_height_mm < np.inf):
+        numbers = f"{confidence}, {flat_height_mm}"
+        raise ValueError(f"confidence: must be between 0 and 1, and flat_height_mm above 0, not {numbers}")
+    try:
+        with np.errstate(all="ignore"):  # what comes of it is looked at below
+            found = _fit(readings, formula, kappa_bar, confidence, flat_height_mm, keep_outliers)
+    except np.linalg.LinAlgError:
+        raise NoMaterial(UNLIKELY) from None
+    if not all(np.isfinite(interval.value) for interval in found.ratio.values()):
+        raise NoMaterial(UNLIKELY)
+    try:
+        found.plastic()
+    except ValidationError as error:
+        raise NoMaterial(f"{UNLIKELY}; {from_validation(error)}") from None
+    return found
+
+
+def _fit(
+    readings: list[Reading],
+    formula: Formula,
+    kappa_bar: KappaBarKind,
+    confidence: float,
+    flat_height_mm: float,
+    keep_outliers: bool,
+) -> StripFit:
+    """The same, which may come to numbers that no material has."""
+    left_out = [LeftOut(r, r.left_out) for r in readings if r.left_out]
+    usable = [r for r in readings if not r.left_out]
+    if not usable:
+        raise NoMaterial("no reading can be used: " + "; ".join(f"{o.reading.name}: {o.reason}" for o in left_out[:3]))
+    data = Data.of(usable, flat_height_mm)
+    thicknesses_apart: tuple[float, ...] = ()
+    if not keep_outliers:
+        model = Model.of(data, formula, kappa_bar)
+        odd, distance, apart = outliers(model, data)
+        expected = model.mean(estimate(model, data.take(~odd)).parameters, data)
+        for i in np.flatnonzero(odd):
+            seen = "flat" if data.flat[i] else f"{data.curvature[i]:.5f} /mm"
+            reason = f"{seen}, the others say {expected[i]:.5f}: {distance[i]:.1f} standard deviations"
+            left_out.append(LeftOut(usable[i], reason))
+        usable = [reading for reading, bad in zip(usable, odd, strict=True) if not bad]
+        thicknesses_apart = tuple(float(h) for h in np.unique(data.thickness[apart]))
+        data = data.take(~odd)
+    results, lack = {}, {}
+    for name in FORMULAS:
+        model = Model.of(data, name, kappa_bar)
+        results[name] = model, estimate(model, data)
+        lack[name] = lack_of_fit(*results[name], data)
+    ratio = {}
+    for name, (_, found) in results.items():
+        inverse = _interval(found, 0, confidence)
+        if inverse.value <= 0:
+            raise NoMaterial(LITTLE if data.peeled.any() else UNLIKELY)
+        ratio[name] = Interval(1 / inverse.value, 1 / inverse.high, 1 / inverse.low if inverse.low > 0 else np.inf)
+    model, found = results[formula]
+    check_mistakes(model, found, data, lack[formula])
+    keys: list[float | None] = [float(h) for h in model.thicknesses] if kappa_bar == "per-thickness" else [None]
+    kept = {key: _interval(found, 1 + i, confidence) for i, key in enumerate(keys[: model.size - 1])}
+    return StripFit(
+        formula,
+        kappa_bar,
+        confidence,
+        ratio,
+        kept,
+        found,
+        model,
+        found.noise,
+        tuple(usable),
+        tuple(left_out),
+        lack[formula],
+        _widened(found, confidence),
+        contradicted(kappa_bar, found, data),
+        thicknesses_apart,
+        flat_height_mm,
+    )
+
+
+def _interval(found: Estimate, index: int, confidence: float) -> Interval:
+    variance = found.covariance[index, index] + found.rounding[index, index]
+    half = student.ppf((1 + confidence) / 2, found.freedom(index)) * np.sqrt(variance)
+    value = float(found.parameters[index])
+    return Interval(value, value - float(half), value + float(half))
+
+
+def _widened(found: Estimate, confidence: float) -> float:
+    """How many times as wide as by the scatter alone the interval of E2/E1 is."""
+    if not found.of_common[0].any():
+        return 1.0
+    chance, free = (1 + confidence) / 2, found.free - found.free_common.sum()
+    wider = student.ppf(chance, found.freedom(0)) / student.ppf(chance, max(free, 1.0))
+    all_of_it = found.covariance[0, 0] + found.rounding[0, 0]
+    # strips that all read the same have no scatter
+    scatter = max(found.of_noise(0) + found.rounding[0, 0], 1e-12 * all_of_it)
+    return float(wider * np.sqrt(all_of_it / scatter))

@@ -1,0 +1,144 @@
+"""The curvatures that strips should have, by E2/E1 and kappa_bar, with their derivatives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, Self, get_args
+
+import numpy as np
+
+from asterism.measure.strips.errors import NoMaterial
+from asterism.measure.strips.strip import Reading
+from pattern.design.materials import bilayer_curvature
+from pattern.layout.layout import Floats, Ints
+
+Formula = Literal["paper", "timoshenko"]
+KappaBarKind = Literal["constant", "per-thickness", "zero"]
+FORMULAS: tuple[Formula, ...] = get_args(Formula)
+KAPPA_BAR_KINDS: tuple[KappaBarKind, ...] = get_args(KappaBarKind)
+
+
+@dataclass(frozen=True)
+class Data:
+    """Readings as arrays (n,).
+
+    Attributes
+    ----------
+    curvature : 1/mm; NaN for flat strips.
+    limit : 1/mm, a flat strip is known to be bent by less than this.
+    length : mm.
+    thickness, fabric : mm.
+    mismatch : 1 - 1/s^2.
+    peeled : bool.
+    step : mm, of the ruler to which the sides of a box were rounded; 0 where they were not.
+    """
+
+    curvature: Floats
+    limit: Floats
+    length: Floats
+    thickness: Floats
+    fabric: Floats
+    mismatch: Floats
+    peeled: np.ndarray
+    step: Floats
+
+    @classmethod
+    def of(cls, readings: list[Reading], flat_height_mm: float) -> Self:
+        """Of readings; heights below `flat_height_mm` look flat."""
+        length = np.array([r.length_mm for r in readings])
+        return cls(
+            curvature=np.array([np.nan if r.curvature_per_mm is None else r.curvature_per_mm for r in readings]),
+            limit=8 * flat_height_mm / length**2,
+            length=length,
+            thickness=np.array([r.thickness_mm for r in readings]),
+            fabric=np.array([r.fabric_thickness_mm for r in readings]),
+            mismatch=1 - np.array([r.stretch for r in readings]) ** -2,
+            peeled=np.array([r.peeled for r in readings], dtype=bool),
+            step=np.array([r.step_mm for r in readings]),
+        )
+
+    @property
+    def flat(self) -> np.ndarray:
+        """(n,) bool."""
+        return np.isnan(self.curvature)
+
+    @property
+    def kind(self) -> Ints:
+        """(n,) from 0: readings of one kind should be equal, of strips of one thickness, fabric and stretch, all peeled
+        or none."""
+        kinds = np.column_stack([self.thickness, self.fabric, self.mismatch, self.peeled])
+        return np.unique(kinds, axis=0, return_inverse=True)[1].reshape(-1)
+
+    def take(self, which: np.ndarray) -> Data:
+        """Some of the readings."""
+        return Data(**{name: values[which] for name, values in vars(self).items()})
+
+
+@dataclass(frozen=True)
+class Model:
+    """Curvatures as a function of the parameters (E2/E1, kappa_bar...).
+
+    Attributes
+    ----------
+    thicknesses : of the entries of kappa_bar if there is one for each, otherwise empty.
+    """
+
+    formula: Formula
+    kappa_bar: KappaBarKind
+    thicknesses: Floats
+
+    @classmethod
+    def of(cls, data: Data, formula: Formula, kappa_bar: KappaBarKind) -> Self:
+        """The model for some readings.
+
+        Raises
+        ------
+        NoMaterial
+            The readings cannot tell E1/E2 from kappa_bar.
+        """
+        thicknesses = np.unique(data.thickness)
+        if not np.any(~data.peeled):
+            raise NoMaterial("no strip was measured with its fabric: E1/E2 cannot be told")
+        if kappa_bar == "constant" and not data.peeled.any() and len(thicknesses) < 2:
+            raise NoMaterial(
+                "strips of one thickness and none peeled cannot tell E1/E2 from kappa_bar: "
+                "peel some, or give --kappa-bar zero"
+            )
+        if kappa_bar == "per-thickness":
+            missing = np.setdiff1d(thicknesses, data.thickness[data.peeled])
+            if len(missing):
+                raise NoMaterial(f"--kappa-bar per-thickness: no strip of {missing[0]:g} mm was measured peeled")
+            return cls(formula, kappa_bar, thicknesses)
+        return cls(formula, kappa_bar, np.empty(0))
+
+    @property
+    def size(self) -> int:
+        """Number of parameters."""
+        return 1 + {"constant": 1, "zero": 0, "per-thickness": len(self.thicknesses)}[self.kappa_bar]
+
+    def mean(self, parameters: Floats, data: Data) -> Floats:
+        """(n,) 1/mm."""
+        return self.by_fabric(parameters, data) + self._membership(data) @ parameters[1:]
+
+    def jacobian(self, parameters: Floats, data: Data) -> Floats:
+        """(n, size)."""
+        step = 1e-6 * max(abs(float(parameters[0])), 1e-9)
+        ends = (self._bilayer(parameters[0] + sign * step, data) for sign in (1, -1))
+        slope = np.subtract(*ends) / (2 * step)
+        return np.column_stack([slope, self._membership(data)])
+
+    def by_fabric(self, parameters: Floats, data: Data) -> Floats:
+        """(n,) 1/mm, the part of the mean without kappa_bar."""
+        return self._bilayer(parameters[0], data)
+
+    def _bilayer(self, inverse_ratio: float, data: Data) -> Floats:
+        # a ratio without limit, E2/E1 = 0, is a strip that stays straight
+        ratio = 1 / inverse_ratio if inverse_ratio else np.inf
+        found = bilayer_curvature(data.thickness, data.fabric, ratio, data.mismatch, self.formula)
+        return np.where(data.peeled, 0.0, found)
+
+    def _membership(self, data: Data) -> Floats:
+        """(n, size - 1) which entry of kappa_bar belongs to which reading."""
+        if self.kappa_bar == "per-thickness":
+            return (data.thickness[:, None] == self.thicknesses).astype(float)
+        return np.ones((len(data.thickness), self.size - 1))

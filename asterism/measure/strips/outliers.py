@@ -1,0 +1,151 @@
+"""Readings that do not belong to the others, and kinds of strips that lie apart as a whole."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.stats import t as student
+
+from asterism.measure.strips import arc
+from asterism.measure.strips.errors import NoMaterial
+from asterism.measure.strips.estimate import estimate, first_guess
+from asterism.measure.strips.model import Data, Model
+from asterism.measure.strips.noise import finest, of_rounding
+from pattern.layout.layout import Floats, Ints
+
+# the chance that one of all good readings is called an outlier
+FALSE_ALARM = 0.01
+_BIWEIGHT = 4.685
+# marks of the ruler by which a good reading may differ: one at the width and one at the height of its box
+_MARKS = 1.5
+# the middle of so few deviations may be far too small a scale
+_FEW = 24
+
+
+def outliers(model: Model, data: Data) -> tuple[np.ndarray, Floats, np.ndarray]:
+    """Which readings lie too far from the fit of the others, how many standard deviations away, and which lie apart.
+
+    Where most readings of a kind are too far off, on the same side, none of them is wrong but what they have in common,
+    such as their thickness. They are no outliers, unless they are too far from the middle of their kind.
+
+    Returns
+    -------
+    odd : (n,) bool, the outliers.
+    distance : (n,) standard deviations.
+    apart : (n,) bool, all readings of kinds that lie apart.
+
+    Raises
+    ------
+    NoMaterial
+        Too few readings, or more than a third contradict the others.
+    """
+    apart, own = np.zeros(len(data.curvature), dtype=bool), data
+    while True:
+        odd, beyond, mean = _outliers(model, own)
+        new = _apart(data.kind, odd, beyond) & ~apart
+        if not new.any():
+            # a flat strip has no place within its kind
+            odd &= ~(apart & data.flat)
+            if np.sum(odd) > len(odd) / 3:
+                raise NoMaterial(
+                    f"{np.sum(odd)} of {len(odd)} readings contradict the others: measure again, "
+                    "or give --keep-outliers to use them all"
+                )
+            return odd, np.abs(beyond), apart
+        apart |= new
+        own = replace(own, curvature=own.curvature + np.where(new, _to_middle(data.kind, own.curvature, mean), 0.0))
+
+
+def _apart(kind: Ints, odd: np.ndarray, beyond: Floats) -> np.ndarray:
+    """(n,) bool, readings of kinds most of whose readings are outliers on the same side; two at least."""
+    found = np.zeros(len(kind), dtype=bool)
+    for side in (-1.0, 1.0):
+        count = np.bincount(kind, odd & (np.sign(beyond) == side))
+        found |= ((count >= 2) & (count > np.bincount(kind) / 2))[kind]
+    return found
+
+
+def _to_middle(kind: Ints, curvature: Floats, mean: Floats) -> Floats:
+    """(n,) 1/mm, what brings the middle of a kind to where the fit has it; 0 for kinds that are all flat."""
+    off = mean - curvature
+    middle = [np.median(here) if len(here := off[(kind == k) & ~np.isnan(off)]) else 0.0 for k in range(kind.max() + 1)]
+    return np.array(middle)[kind]
+
+
+def _outliers(model: Model, data: Data) -> tuple[np.ndarray, Floats, Floats]:
+    """Which readings (n,) lie too far from the fit of the others; how many standard deviations away, negative below it;
+    and the fit (1/mm).
+
+    A robust fit (Tukey's biweight, from least absolute deviations) proposes; what decides is the distance of each
+    reading from a fit without the proposed ones, by Student's distribution with Bonferroni's correction.
+    """
+    good = ~(_robust_distance(model, data) > 4.0)
+    if len(good) < _FEW:
+        good[:] = True
+    for _ in range(10):
+        found = estimate(model, data.take(good), alike=True)
+        mean, jacobian = model.mean(found.parameters, data), model.jacobian(found.parameters, data)
+        sensitivity = arc.reading_sensitivity(mean, data.length)
+        variance = found.noise.variance(sensitivity, mean)
+        of_fit = np.einsum("np,pq,nq->n", jacobian, found.covariance, jacobian)
+        # a reading that took part pulls the fit towards itself
+        spread = np.sqrt(np.maximum(variance + np.where(good, -1, 1) * of_fit, 1e-3 * variance))
+        spread = np.maximum(spread, finest(sensitivity, mean))
+        distance = np.abs(_beyond(data, mean)) / spread
+        # scale without the reading itself, for those that took part
+        free = max(found.free, 2)
+        alone = distance * np.sqrt(np.maximum((free - 1) / np.maximum(free - distance**2, 1e-9), 0.0))
+        distance = np.where(good & ~data.flat, np.where(distance**2 < free, alone, np.inf), distance)
+        limit = student.ppf(1 - FALSE_ALARM / (2 * len(distance)), free - 1)
+        # the next mark of a ruler, at both sides of a box, is no contradiction, however many read the same one
+        mark = data.step * sensitivity
+        again = (distance <= limit) | (np.abs(_beyond(data, mean)) <= _MARKS * mark)
+        if np.array_equal(again, good):
+            break
+        good = again
+    side = np.where(data.flat, -np.sign(mean), np.sign(data.curvature - mean))
+    return ~good, side * distance, mean
+
+
+def _beyond(data: Data, mean: Floats) -> Floats:
+    """(n,) deviation of each reading; a flat strip deviates by what the fit is beyond its limit."""
+    return np.where(data.flat, np.maximum(np.abs(mean) - data.limit, 0.0), data.curvature - mean)
+
+
+def _robust_distance(model: Model, data: Data) -> Floats:
+    """(n,) deviations from a robust fit over their robust scale."""
+    bent = data.take(~data.flat)
+    start = first_guess(model, bent, data)
+    best, best_distance = np.inf, np.zeros(len(data.curvature))
+    # the scatter may be that of the boxes, the same for all, or grow with the curvature
+    for mix in (0.0, 0.5, 1.0):
+        parameters = start
+        for turn in range(40):
+            mean = model.mean(parameters, bent)
+            share = _share(mix, mean, bent)
+            standard = (bent.curvature - mean) / share
+            scale = max(1.4826 * float(np.median(np.abs(standard))), 1e-12)
+            u = standard / scale
+            absolute = 1 / np.maximum(np.abs(u), 1e-3)
+            weight = absolute if turn < 20 else np.maximum(1 - (u / _BIWEIGHT) ** 2, 0.0) ** 2
+            root = np.sqrt(weight) / share
+            jacobian = model.jacobian(parameters, bent) * root[:, None]
+            if not np.isfinite(jacobian).all():  # LAPACK would print a line of its own
+                raise np.linalg.LinAlgError("the robust fit has left all numbers")
+            parameters = parameters + np.linalg.lstsq(jacobian, (bent.curvature - mean) * root, rcond=None)[0]
+        likelihood = np.log(scale) + np.mean(np.log(share))
+        if likelihood < best:
+            mean = model.mean(parameters, data)
+            # where most read the same mark, the next one is no further than rounding
+            sensitivity = arc.reading_sensitivity(mean, data.length)
+            least = np.maximum(of_rounding(data.step) * sensitivity, finest(sensitivity, mean))
+            spread = np.maximum(scale * _share(mix, mean, data), least)
+            best, best_distance = likelihood, np.abs(_beyond(data, mean)) / spread
+    return best_distance
+
+
+def _share(mix: float, mean: Floats, data: Data) -> Floats:
+    """(n,) standard deviations up to a common factor."""
+    reading = arc.reading_sensitivity(mean, data.length) ** 2
+    return np.sqrt((1 - mix) * reading / reading.mean() + (mix + 0.01) * mean**2 / np.mean(mean**2) + 1e-3)

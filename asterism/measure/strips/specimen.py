@@ -1,0 +1,101 @@
+"""The test print: strips of several thicknesses, laid out on the printer's bed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from asterism.print.rounded import THICKEST_LAYER
+from pattern.design.errors import DesignError
+
+THICKNESSES_MM = (0.30, 0.35, 0.40, 0.45)
+# between a strip and the next: room for the scissors
+GAP_MM = 8.0
+EDGE_MM = 5.0
+_THINNEST_LAYER_UM = 40  # that common printers can do
+
+
+@dataclass(frozen=True)
+class PrintedStrip:
+    """A strip of plastic.
+
+    Attributes
+    ----------
+    number : from 1, row by row from the lower left.
+    centre_mm : from the middle of the bed.
+    """
+
+    number: int
+    thickness_mm: float
+    centre_mm: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Specimen:
+    """All strips, alike in length and width, along x."""
+
+    length_mm: float
+    width_mm: float
+    strips: tuple[PrintedStrip, ...]
+
+    @property
+    def thicknesses_mm(self) -> tuple[float, ...]:
+        """Every thickness once, the smallest first."""
+        return tuple(sorted({strip.thickness_mm for strip in self.strips}))
+
+
+def specimen(
+    bed_mm: tuple[float, float],
+    thicknesses_mm: tuple[float, ...] = THICKNESSES_MM,
+    count: int = 10,
+    length_mm: float = 60.0,
+    width_mm: float = 4.0,
+) -> Specimen:
+    """`count` strips of each thickness.
+
+    Thicknesses take turns: an uneven bed spoils all alike, and is not taken for an effect of the thickness.
+
+    Raises
+    ------
+    DesignError
+        They do not fit on the bed.
+    """
+    total = count * len(thicknesses_mm)
+    columns = min(math.floor((bed_mm[0] - 2 * EDGE_MM + GAP_MM) / (length_mm + GAP_MM)), total)
+    rows = math.ceil(total / columns) if columns else 0
+    pitch = (length_mm + GAP_MM, width_mm + GAP_MM)
+    if columns == 0 or rows * pitch[1] - GAP_MM > bed_mm[1] - 2 * EDGE_MM:
+        room = max(math.floor((bed_mm[1] - 2 * EDGE_MM + GAP_MM) / pitch[1]), 0) * columns
+        problem = f"must fit on the bed of {bed_mm[0]:g} x {bed_mm[1]:g} mm: it has room for {room}"
+        raise DesignError("--count" if room else "--length", problem, f"{total} strips of {length_mm:g} mm")
+    strips = []
+    for place in range(total):
+        row, column = divmod(place, columns)
+        # where a row holds whole turns, columns would be of one thickness each
+        turn = row if columns % len(thicknesses_mm) == 0 else 0
+        thickness = thicknesses_mm[(place + turn) % len(thicknesses_mm)]
+        centre = ((column - (columns - 1) / 2) * pitch[0], (row - (rows - 1) / 2) * pitch[1])
+        strips.append(PrintedStrip(place + 1, thickness, centre))
+    return Specimen(length_mm, width_mm, tuple(strips))
+
+
+def layers(thicknesses_mm: tuple[float, ...], nozzle_mm: float) -> tuple[float, float]:
+    """Heights (mm) of the first layer and of the others, as high as can be, that make all thicknesses exactly.
+
+    Raises
+    ------
+    DesignError
+        The nozzle has no such layers.
+    """
+    heights = sorted(round(1000 * h) for h in thicknesses_mm)
+    most = round(1000 * THICKEST_LAYER * nozzle_mm)
+    in_one = heights[0] <= most
+    step = math.gcd(*(h - heights[0] * in_one for h in heights)) or heights[0]
+    others = next(step // parts for parts in range(1, step + 1) if step % parts == 0 and step // parts <= most)
+    first = heights[0] if in_one else others
+    if min(first, others) < _THINNEST_LAYER_UM:
+        least = _THINNEST_LAYER_UM / 1000
+        which = f"{least:g} to {most / 1000:g} mm (nozzle {nozzle_mm:g} mm)"
+        problem = f"must be a first layer and equal others, of {which}"
+        raise DesignError("--thickness", problem, ", ".join(f"{h:g}" for h in sorted(thicknesses_mm)))
+    return first / 1000, others / 1000

@@ -1,0 +1,149 @@
+"""A fit of strips in words and numbers: for the terminal, the material file and the JSON beside it."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from scipy.stats import norm
+
+from asterism.measure.strips.fit import Interval, StripFit
+from asterism.measure.strips.model import FORMULAS, Data
+from asterism.measure.strips.systematic import FABRIC_MM, PLASTIC_MM, STRETCH_PERCENT, shared_errors
+from pattern.design.materials import bilayer_curvature
+
+
+def ratios(fit: StripFit) -> dict[str, str]:
+    """E1/E2 for each convention, as text."""
+    return {f"E1/E2, {name}": _ratio(fit.ratio[name]) for name in FORMULAS}
+
+
+def kappa_bars(fit: StripFit) -> dict[str, str]:
+    """kappa_bar as text."""
+    if not fit.kappa_bar:
+        return {"kappa_bar": "taken for 0"}
+    return {
+        "kappa_bar" if h is None else f"kappa_bar, {h:g} mm": f"{k.value:.5f} /mm   {k.low:.5f} to {k.high:.5f}"
+        for h, k in fit.kappa_bar.items()
+    }
+
+
+def conventions(fit: StripFit) -> list[str]:
+    """What the convention of a ratio means, in sentences."""
+    other = next(name for name in FORMULAS if name != fit.formula)
+    mine, theirs = fit.ratio[fit.formula].value, fit.ratio[other].value
+    return [
+        f'{mine:.4g} goes with rest_curvature = "{fit.formula}", {theirs:.4g} with "{other}": each with its own '
+        "formula gives these strips the curvature they have.",
+        f'The ratio is also the stiffness of the arms against the fabric: with "{other}" they are '
+        f'{theirs / mine:.2f} times as stiff as with "{fit.formula}".',
+        f'Mixed up, {mine:.4g} with "{other}", the fabric would curl the strips '
+        f"{_mixed_up(fit, other):.2f} times as much.",
+    ]
+
+
+def warnings(fit: StripFit) -> list[str]:
+    """What the user should know before trusting the numbers."""
+    lines = []
+    apart = " and ".join(f"{h:g} mm" for h in fit.thicknesses_apart)
+    wider = f"the interval of E1/E2 is {fit.widened:.1f} times as wide as by that scatter" if fit.widened > 1 else ""
+    if fit.kappa_bar_contradicted and fit.kappa_bar_kind == "zero":
+        lines.append("peeled strips curl by themselves: kappa_bar is not 0, try --kappa-bar constant")
+    elif fit.disagrees:
+        check = f", that of the strips of {apart} first" if apart else ""
+        lines.append(
+            "the thicknesses disagree with the formula by more than the scatter of their strips "
+            f"(chance {fit.lack_of_fit:.1g}): check the thicknesses{check}" + (f"; {wider}" if wider else "")
+        )
+    elif apart:
+        lines.append(f"the strips of {apart} disagree with the others as a whole: check their thickness")
+    if fit.kappa_bar_contradicted and fit.kappa_bar_kind == "constant":
+        lines.append("peeled strips of different thickness keep different curvatures: try --kappa-bar per-thickness")
+    if fit.lack_of_fit is None and fit.widened > 1:
+        lines.append(
+            "strips of a thickness all read the same: their scatter is not known, and intervals come from the "
+            "differences between thicknesses alone"
+        )
+    if math.isinf(fit.ratio[fit.formula].high):
+        lines.append(f"E1/E2 has no upper bound: {_why_no_bound(fit)}")
+    called = {"stretch": "stretches", "thickness_mm": "thicknesses of the fabric"}
+    return lines + [
+        f"strips of {len(values)} {called[key]}: the material says none; add fabric.{key} to it for asterism calibrate"
+        for key, values in fit.fabrics.items()
+        if len(values) > 1
+    ]
+
+
+def table(fit: StripFit) -> dict[str, str]:
+    """Rows for the terminal."""
+    flat = sum(r.curvature_per_mm is None for r in fit.used)
+    total = len(fit.used) + len(fit.left_out)
+    shared = shared_errors(fit)
+    rows = {"readings": f"{total}, {len(fit.used)} used" + (f", {flat} of them flat: a bound only" if flat else "")}
+    rows |= ratios(fit) | kappa_bars(fit)
+    rows["intervals"] = f"{100 * fit.confidence:g} %"
+    rows["scatter"] = (
+        f"{fit.noise.reading_mm:.2f} mm a side of a box, {100 * fit.noise.scatter:.1f} % from strip to strip"
+        f", {100 * fit.estimate.common.with_fabric:.1f} % from thickness to thickness"
+    )
+    rows["if all strips had"] = (
+        f"{STRETCH_PERCENT:g} % more stretch: E1/E2 {shared['stretch']:+.1f} %; fabric {FABRIC_MM:g} mm thicker: "
+        f"{shared['fabric_thickness']:+.1f} %; plastic {PLASTIC_MM:g} mm thicker: {shared['plastic_thickness']:+.1f} %"
+    )
+    return rows
+
+
+def summary(fit: StripFit) -> dict[str, Any]:
+    """Plain data, units in the names."""
+
+    def interval(value: Interval, unit: str = "") -> dict[str, float | None]:
+        high = value.high if math.isfinite(value.high) else None
+        return {f"value{unit}": value.value, f"low{unit}": value.low, f"high{unit}": high}
+
+    return {
+        "rest_curvature": fit.formula,
+        "confidence": fit.confidence,
+        "modulus_ratio": {name: interval(found) for name, found in fit.ratio.items()},
+        "kappa_bar_kind": fit.kappa_bar_kind,
+        "kappa_bar": [{"thickness_mm": h, **interval(found, "_per_mm")} for h, found in fit.kappa_bar.items()],
+        "reading_error_mm": fit.noise.reading_mm,
+        "strip_scatter": fit.noise.scatter,
+        "thickness_scatter": fit.estimate.common.with_fabric,
+        "peeled_thickness_scatter_per_mm": fit.estimate.common.peeled,
+        "lack_of_fit_chance": fit.lack_of_fit,
+        "intervals_widened_by": fit.widened,
+        "kappa_bar_contradicted": fit.kappa_bar_contradicted,
+        "thicknesses_apart_mm": list(fit.thicknesses_apart),
+        "shared_error_percent": shared_errors(fit),
+        "readings_used": len(fit.used),
+        "readings_flat": sum(r.curvature_per_mm is None for r in fit.used),
+        "left_out": [
+            {"strip": o.reading.strip, "row": o.reading.row, "peeled": o.reading.peeled, "reason": o.reason}
+            for o in fit.left_out
+        ],
+    }
+
+
+def _why_no_bound(fit: StripFit) -> str:
+    found = fit.estimate
+    value, variance = found.parameters[0], found.covariance[0, 0] + found.rounding[0, 0]
+    # would many strips of the same scatter have a bound?
+    if value <= norm.ppf((1 + fit.confidence) / 2) * np.sqrt(variance):
+        return "the strips bend too little"
+    if found.of_common[:, 0, 0].sum() > found.of_noise(0):
+        return "strips of too few thicknesses"
+    return f"{len(fit.used)} readings are too few"
+
+
+def _ratio(found: Interval) -> str:
+    high = f"{found.high:.0f}" if math.isfinite(found.high) else "without bound"
+    return f"{found.value:.0f}   {found.low:.0f} to {high}"
+
+
+def _mixed_up(fit: StripFit, other: str) -> float:
+    """Curvature by the fabric if the ratio of one convention is used with the other, over the measured one."""
+    data = Data.of([r for r in fit.used if not r.peeled], fit.flat_height_mm)
+    sizes = (data.thickness, data.fabric, fit.ratio[fit.formula].value, data.mismatch)
+    wrong = bilayer_curvature(*sizes, "timoshenko" if other == "timoshenko" else "paper")
+    return float(np.mean(wrong / bilayer_curvature(*sizes, fit.formula)))

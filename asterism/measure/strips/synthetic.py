@@ -1,0 +1,55 @@
+"""Strips of a known material measured with known errors: what a fit makes of them, before anything is printed."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from asterism.measure.strips import arc
+from asterism.measure.strips.strip import Reading
+from pattern.design.materials import Fabric, Plastic, rest_curvature
+
+THICKNESSES = (0.30, 0.35, 0.40, 0.45)
+
+
+def readings(
+    seed: int,
+    plastic: Plastic | None = None,
+    *,
+    count: int = 10,
+    length: float = 60.0,
+    reading_mm: float = 0.3,
+    scatter: float = 0.03,
+    flat_mm: float = 0.0,
+    stretch: float = 1.35,
+    step_mm: float = 0.0,
+    off_mm: float = 0.0,
+) -> list[Reading]:
+    """`count` strips of each of the paper's thicknesses, with fabric and peeled, their boxes read with errors.
+
+    Parameters
+    ----------
+    reading_mm : standard deviation of each side of each box.
+    scatter : standard deviation of the curvature from strip to strip, a part of it.
+    flat_mm : lower arcs count as flat.
+    step_mm : of the ruler, to which sides are rounded; 0: they are not.
+    off_mm : standard deviation of the error of each thickness, which all its strips share.
+    """
+    plastic = plastic or Plastic(kappa_bar_per_mm=0.003)
+    rng = np.random.default_rng(seed)
+    # of their own, so that tables without these errors stay the same
+    errors = off_mm * np.random.default_rng([seed, 1]).standard_normal(len(THICKNESSES))
+    found = []
+    for i, h1 in enumerate(np.repeat(THICKNESSES, count)):
+        real = h1 + errors[i // count]
+        with_fabric = float(rest_curvature(real, Fabric(stretch=stretch), plastic))
+        alone = float(
+            rest_curvature(real, Fabric(stretch=stretch), plastic.model_copy(update={"rest_curvature": "none"}))
+        )
+        for peeled, kappa in ((False, with_fabric), (True, alone)):
+            true = kappa * (1 + scatter * rng.standard_normal())
+            width, height = (float(side) + reading_mm * rng.standard_normal() for side in arc.box(true, length))
+            if step_mm:
+                width, height = (step_mm * round(side / step_mm) for side in (width, height))
+            bent = None if height <= flat_mm else float(arc.curvature(width, height))
+            found.append(Reading(str(i + 1), i + 2, float(h1), length, stretch, 0.8, peeled, bent, step_mm=step_mm))
+    return found

@@ -1,0 +1,31 @@
+"""What an error that all strips share would do to E1/E2; no interval from their scatter contains it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from asterism.measure.strips.estimate import estimate
+from asterism.measure.strips.fit import StripFit
+from asterism.measure.strips.model import Data
+
+STRETCH_PERCENT, FABRIC_MM, PLASTIC_MM = 1.0, 0.05, 0.01
+
+
+def shared_errors(fit: StripFit) -> dict[str, float]:
+    """Change of E1/E2 in percent if the stretch, the fabric's or the plastic's thickness were larger than stated."""
+    data = Data.of(list(fit.used), fit.flat_height_mm)
+    stretch = (1 - data.mismatch) ** -0.5 * (1 + STRETCH_PERCENT / 100)
+    thicker = data.thickness + PLASTIC_MM
+    changed = {
+        "stretch": (replace(data, mismatch=1 - stretch**-2), fit.model),
+        "fabric_thickness": (replace(data, fabric=data.fabric + FABRIC_MM), fit.model),
+        "plastic_thickness": (
+            replace(data, thickness=thicker),
+            replace(fit.model, thicknesses=fit.model.thicknesses + PLASTIC_MM),
+        ),
+    }
+    before = 1 / float(fit.estimate.parameters[0])
+    return {
+        name: 100 * (1 / float(estimate(model, other).parameters[0]) / before - 1)
+        for name, (other, model) in changed.items()
+    }

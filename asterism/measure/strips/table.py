@@ -1,0 +1,146 @@
+"""The table of measured strips: CSV in, readings out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from asterism.measure.strips import arc
+from asterism.measure.strips.strip import Reading
+from asterism.results.csv_cells import Row, TableError, read_rows
+from pattern.design.stars import THICKNESS_MM
+
+GIVEN = ("strip", "thickness_mm", "length_mm", "stretch", "fabric_thickness_mm")
+BOXES = ("box_width_mm", "box_height_mm", "peeled_box_width_mm", "peeled_box_height_mm")
+CURVATURES = ("curvature_per_mm", "peeled_curvature_per_mm")
+COLUMNS = (*GIVEN, *BOXES, *CURVATURES)
+LENGTH_MM = (5.0, 1000.0)
+FABRIC_MM = (0.01, 10.0)
+STRETCH = (1.01, 3.0)
+LARGEST_MM = 2000.0
+# steps to which a ruler or a screen is read; of fewer sides than this nothing is concluded
+RULERS_MM = (1.0, 0.5, 0.25, 0.2, 0.1, 0.05, 0.02, 0.01)
+FEWEST_SIDES = 6
+# a box whose arc is longer or shorter than its strip by more than this part was misread
+ARC_TOLERANCE = 0.1
+# no box along a chord is higher than wide; that of a strip that is nearly a circle may be read so
+ROUND_PART, ROUND_MM = 1.02, 1.0
+_UNITS = {"inches": 1 / 25.4, "centimetres": 0.1, "metres": 0.001, "tenths of a millimetre": 10.0}
+
+
+def read_strips(
+    path: Path, stretch: float | None = None, fabric_thickness_mm: float | None = None, *, outside: bool = False
+) -> list[Reading]:
+    """The readings of a table.
+
+    Parameters
+    ----------
+    stretch, fabric_thickness_mm : for rows that do not give them.
+    outside : boxes were drawn around the strip with its thickness, not along a line of it.
+
+    Raises
+    ------
+    TableError
+        One line with file, row and column.
+    """
+    rows = read_rows(path, COLUMNS, ("strip", "thickness_mm", "length_mm"))
+    if not rows:
+        raise TableError(path, None, None, "has a header but no strips")
+    seen: dict[str, int] = {}
+    readings: list[Reading] = []
+    boxes: list[tuple[float, float] | None] = []  # as written; None where a curvature or "flat" was
+    for row in rows:
+        name = row.cells.get("strip", "")
+        if not name:
+            raise row.wrong("strip", "every strip needs a name or number")
+        if name in seen:
+            raise row.wrong("strip", f"{name!r} is already in row {seen[name]}")
+        seen[name] = row.number
+        for reading, box in _readings(row, name, stretch, fabric_thickness_mm, outside):
+            readings.append(reading)
+            boxes.append(box)
+    if not readings:
+        raise TableError(path, None, None, "no strip has been measured yet: fill in the boxes or curvatures")
+    step = _ruler_step([side for box in boxes if box is not None for side in box])
+    return [replace(r, step_mm=step) if box is not None else r for r, box in zip(readings, boxes, strict=True)]
+
+
+def _ruler_step(sides: list[float]) -> float:
+    """mm, the largest step of a ruler that all sides are whole multiples of; 0 for few sides, and for finer ones."""
+    if len(sides) < FEWEST_SIDES:
+        return 0.0
+    return next(
+        (step for step in RULERS_MM if all(abs(side / step - round(side / step)) < 1e-6 for side in sides)), 0.0
+    )
+
+
+Measured = tuple[Reading, tuple[float, float] | None]
+
+
+def _readings(row: Row, name: str, stretch: float | None, fabric_mm: float | None, outside: bool) -> list[Measured]:
+    """What was measured of one strip, and the box: nothing, or with its fabric, peeled, or both."""
+    thickness = _needed(row, "thickness_mm", THICKNESS_MM)
+    length = _needed(row, "length_mm", LENGTH_MM)
+    fabric = _needed(row, "fabric_thickness_mm", FABRIC_MM, fabric_mm, "--fabric-thickness")
+    stretched = _needed(row, "stretch", STRETCH, stretch, "--stretch")
+    plain = Reading(name, row.number, thickness, length, stretched, fabric, False, None)
+    readings: list[Measured] = []
+    for peeled in (False, True):
+        prefix = "peeled_" if peeled else ""
+        reading = replace(plain, peeled=peeled)
+        curvature = row.number_in(f"{prefix}curvature_per_mm", -1.0 if peeled else 0.0, 1.0, "1/mm")
+        boxed = [row.cells.get(f"{prefix}box_{side}_mm", "") for side in ("width", "height")]
+        if curvature is not None and any(boxed):
+            raise row.wrong(f"{prefix}curvature_per_mm", "give the box or the curvature, not both")
+        if curvature is not None:
+            readings.append((replace(reading, curvature_per_mm=curvature or None), None))
+        elif any(boxed):
+            around = thickness + (0.0 if peeled else fabric) if outside else 0.0
+            readings.append(_boxed(row, prefix, reading, around))
+    return readings
+
+
+def _boxed(row: Row, prefix: str, reading: Reading, around: float) -> Measured:
+    """The curvature of the arc in a box; `around` is the thickness that the box includes."""
+    across, up = f"{prefix}box_width_mm", f"{prefix}box_height_mm"
+    if row.cells.get(up, "").lower() == "flat":
+        return reading, None
+    height = row.number_in(up, 0.0, LARGEST_MM)
+    width = row.number_in(across, 0.1, LARGEST_MM)
+    for column, value in ((across, width), (up, height)):
+        if value is None:
+            raise row.wrong(column, "is empty, but the other side of the box is given")
+    assert width is not None and height is not None
+    if height > ROUND_PART * width + ROUND_MM:
+        raise row.wrong(up, f"{height:g} must be at most the width {width:g}: the width lies along the arc's chord")
+    box = width, height
+    height = min(height, width)
+    if around:
+        try:
+            width, height = arc.line_box(width, height, around)
+        except ValueError as error:
+            raise row.wrong(across, str(error)) from None
+    ratio = float(arc.arc_length(width, height)) / reading.length_mm
+    for unit, factor in _UNITS.items():
+        if abs(ratio / factor - 1) < ARC_TOLERANCE:
+            raise row.wrong(
+                across, f"a strip of {reading.length_mm:g} mm has no arc of this size; is it in {unit}? write mm"
+            )
+    found = replace(reading, curvature_per_mm=float(arc.curvature(width, height)) or None)
+    rolled_over_itself = ratio < 1 and height > 0.95 * width
+    if abs(ratio - 1) > ARC_TOLERANCE and not rolled_over_itself:
+        arc_mm = ratio * reading.length_mm
+        reason = f"its box holds an arc of {arc_mm:.1f} mm, the strip has {reading.length_mm:g}"
+        return replace(found, left_out=reason), box
+    return found, box
+
+
+def _needed(
+    row: Row, column: str, limits: tuple[float, float], default: float | None = None, option: str = ""
+) -> float:
+    value = row.number_in(column, *limits, "" if column == "stretch" else "mm")
+    if value is None:
+        value = default
+    if value is None:
+        raise row.wrong(column, f"is empty; fill it in or give {option}" if option else "is empty")
+    return value

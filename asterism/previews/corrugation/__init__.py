@@ -1,0 +1,1 @@
+"""The bumps laid on the smooth surface."""

@@ -1,0 +1,1 @@
+"""Free and supported edges of the sheet."""

@@ -1,0 +1,64 @@
+"""Held sides of round outlines.
+
+The shell is held along the sides of its mesh. Those may stand for several short ones of the design, and where they turn
+by little they are held as a smooth curve. So a round outline comes out beside where its pins hold it, by some tenths of
+a millimetre, and the sheet is moved there: by all of what is missing at the outline, by less with the distance from it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from asterism.previews.sheet import Sheet
+from asterism.previews.supports.conditions import held_edges
+from fem.elements.tabulation import Floats
+from fem.supports.conditions import HeldEdge
+from pattern.geometry.planar import STRAIGHT, distance_to_outline, nearest_segment, turns
+
+REACH = 0.5  # of the spacing: how far from the outline the sheet is moved
+NEAR = 1e-6  # of the spacing: sides that are those of the mesh
+
+
+class HeldRim:
+    """Moves printed points (n, 2) near held sides of a sheet to where they are held."""
+
+    def __init__(self, sheet: Sheet, points: Floats) -> None:
+        plan = sheet.layout
+        held = np.array(held_edges(plan), dtype=np.int64)
+        start, end = plan.border[held], np.roll(plan.border, -1, axis=0)[held]
+        self._count, self._moved = len(points), np.empty(0, dtype=np.int64)
+        if not len(held) or not _is_round(sheet, start):
+            return
+        side = nearest_segment(points, start, end)
+        foot = _feet(points, start[side], end[side])
+        away = np.linalg.norm(points - foot, axis=1) / (REACH * plan.spacing_mm)
+        self._moved = np.flatnonzero(away < 1.0)
+        foot, edge, away = foot[self._moved], held[side[self._moved]], away[self._moved]
+        self._feet = sheet.space.locate(foot).value
+        self._places, fixed = np.zeros((2, len(foot), 3))
+        for pin in plan.pins:
+            its = np.isin(edge, pin.edges)
+            self._places[its], fixed[its] = pin.places(foot[its]), pin.fixed
+        self._share = fixed * (1.0 - away)[:, None]
+
+    def __call__(self, x: Floats) -> Floats:
+        """(n, 3) mm, what positions x (N, 3) of the shell's dofs are moved by."""
+        out = np.zeros((self._count, 3))
+        if len(self._moved):
+            out[self._moved] = self._share * (self._places - self._feet @ x)
+        return out
+
+
+def _is_round(sheet: Sheet, start: Floats) -> bool:
+    """Whether the shell is held elsewhere than along sides that begin at some points (s, 2)."""
+    turn = np.abs(turns(sheet.outline))
+    if ((turn > STRAIGHT) & (turn <= np.radians(HeldEdge.corner_deg))).any():
+        return True
+    return bool((distance_to_outline(start, sheet.outline) > NEAR * sheet.layout.spacing_mm).any())
+
+
+def _feet(points: Floats, start: Floats, end: Floats) -> Floats:
+    """(n, 2) the nearest point to each of some points on a segment of its own."""
+    along = end - start
+    part = np.einsum("ni,ni->n", points - start, along) / np.einsum("ni,ni->n", along, along)
+    return np.asarray(start + np.clip(part, 0.0, 1.0)[:, None] * along)

@@ -1,0 +1,1 @@
+"""Rest state and stiffness of the shell, from the law."""

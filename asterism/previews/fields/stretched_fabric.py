@@ -1,0 +1,94 @@
+"""What bare fabric does when it is stretched to twice its length and more, as it is beside a pin.
+
+The law's energy is quadratic in Green's strain: good for a few tens of percent, and far too stiff beyond. The exact
+model's fabric is neo-Hookean (`discrete.energies.membrane`), per rest area
+
+    W = mu/2 (tr C - 2 - 2 ln J) + lam/2 (ln J)^2,    C = 1 + 2 E/lambda^2,    J^2 = det C,
+
+E being the strain in printed coordinates from the rest metric lambda^2. The difference of W and its quadratic part is
+added to the shell's energy, times the share of bare fabric. Where lengths at rest follow the curvature
+(`asterism.previews.fields.sheet_fields`), E counts from those: a quadratic coupling beside an energy that grows ever
+more slowly would have no lower bound.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from equilibrium.compiled import loop
+from fem.elements.tabulation import Floats
+from fem.shell.density import Law
+from fem.shell.fields import Fields
+
+# det C below which ln J goes on as a parabola: strains on their way to an equilibrium may be no strains of a surface
+LEAST = 0.1
+
+
+def stretched_fabric(fields: Fields, stiffness: Floats, bare: Floats) -> Law:
+    """The further law of a density with a stiffness (T, Q, 6, 6), bare (T, Q) of it being fabric.
+
+    Young's modulus and Poisson's ratio are those of the stiffness, so that it stays what it is for small strains.
+    """
+    metric = np.asarray(fields.metric, dtype=float).reshape(-1, 3)
+    square = 0.5 * (metric[:, 0] + metric[:, 1])
+    membrane = stiffness[..., :3, :3].reshape(-1, 3, 3)
+    # strains count from what the curvatures make of the lengths at rest
+    follows = np.linalg.solve(membrane, stiffness[..., :3, 3:].reshape(-1, 3, 3))
+    coupled = bool(follows.any())
+    plane = bare.ravel() * membrane[:, 0, 0] * square**2
+    lam = plane * membrane[:, 0, 1] / membrane[:, 0, 0]
+    mu = 0.5 * (plane - lam)
+
+    def law(e: Floats) -> tuple[Floats, Floats, Floats]:
+        energy, gradient, hessian = np.zeros(len(e)), np.zeros((len(e), 6)), np.zeros((len(e), 6, 6))
+        own = np.ascontiguousarray(e)
+        if coupled:
+            own = own.copy()
+            own[:, :3] += np.einsum("pij,pj->pi", follows, e[:, 3:])
+        _beyond_quadratic(own, square, mu, lam, energy, gradient, hessian)
+        if coupled:
+            both = hessian[:, :3, :3] @ follows
+            back = np.swapaxes(follows, -1, -2)
+            gradient[:, 3:] = np.einsum("pji,pj->pi", follows, gradient[:, :3])
+            hessian[:, :3, 3:], hessian[:, 3:, :3] = both, np.swapaxes(both, -1, -2)
+            hessian[:, 3:, 3:] = back @ both
+        return energy, gradient, hessian
+
+    return law
+
+
+@loop
+def _beyond_quadratic(e, square, mu, lam, energy, gradient, hessian):  # type: ignore[no-untyped-def]
+    """Energy (P,) at strains e (P, 6), and its derivatives."""
+    turn, stress = np.empty(3), np.empty(3)
+    for p in range(e.shape[0]):
+        one, two, both = e[p, 0] / square[p], e[p, 1] / square[p], e[p, 2] / square[p]
+        c11, c22 = 1.0 + 2.0 * one, 1.0 + 2.0 * two
+        det = c11 * c22 - both * both
+        at = max(det, LEAST)
+        by = (det - at) / at
+        log = 0.5 * (np.log(at) + by - 0.5 * by * by)  # ln J, and its derivatives by det C
+        first, second = 0.5 * (1.0 - by) / at, -0.5 / (at * at)
+        slope = lam[p] * log - mu[p]  # of W by ln J
+        rate = lam[p] * first * first + slope * second
+        turn[0], turn[1], turn[2] = 2.0 * c22, 2.0 * c11, -2.0 * both  # of det C by the strain
+        stress[0] = 2.0 * mu[p] * one + lam[p] * (one + two)
+        stress[1] = 2.0 * mu[p] * two + lam[p] * (one + two)
+        stress[2] = mu[p] * both
+        energy[p] = mu[p] * (one + two - log) + 0.5 * lam[p] * log * log
+        energy[p] -= 0.5 * (stress[0] * one + stress[1] * two + stress[2] * both)
+        # no surface has such a C, but where lengths at rest follow the curvature strains may be of none
+        inside_out = min(c11 + c22, 0.0)
+        energy[p] += mu[p] * inside_out * inside_out
+        for a in range(3):
+            along = mu[p] * (1.0 + 4.0 * inside_out) if a < 2 else 0.0
+            gradient[p, a] = (slope * first * turn[a] - stress[a] + along) / square[p]
+            for b in range(3):
+                value = rate * turn[a] * turn[b]
+                if a < 2 and b < 2:
+                    value += 8.0 * mu[p] if inside_out < 0.0 else 0.0
+                    value -= lam[p]
+                    value += -2.0 * mu[p] if a == b else 4.0 * slope * first
+                if a == 2 and b == 2:
+                    value -= mu[p] + 2.0 * slope * first
+                hessian[p, a, b] = value / (square[p] * square[p])

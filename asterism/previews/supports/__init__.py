@@ -1,0 +1,1 @@
+"""Pins and weight as supports and loads."""

@@ -1,0 +1,84 @@
+"""A design's pins as conditions of the shell, and its weight as a load."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+from skfem import MeshTri
+
+from fem.supports.conditions import Condition, HeldEdge, HeldPoints, vertices_at
+from fem.supports.placement import affine
+from pattern.design.design import Design
+from pattern.geometry.planar import distance_to_segment, pieces
+from pattern.layout.layout import Floats, Ints, Layout
+from pattern.mesh.coarse.sheet_mesh import SheetMesh
+
+
+def pinned_points(layout: Layout) -> Floats:
+    """(n, 2) mm, the single points that are held along the print."""
+    return np.concatenate([np.empty((0, 2)), *(pin.points for pin in layout.pins if pin.is_along_print)])
+
+
+def held_sides(layout: Layout) -> list[tuple[int, ...]]:
+    """Sides of the border that are held, by pin."""
+    return [pin.edges for pin in layout.pins if pin.edges]
+
+
+def held_edges(layout: Layout) -> list[int]:
+    """Sides of the border that are held, by whatever pin."""
+    return [edge for sides in held_sides(layout) for edge in sides]
+
+
+def distance_to_held(layout: Layout, points: Floats) -> Floats:
+    """(n,) mm from printed points (n, 2) to the nearest place that is held; infinite where nothing is."""
+    held, pins = held_edges(layout), layout.pin_points
+    start, end = layout.border[held], np.roll(layout.border, -1, axis=0)[held]
+
+    def nearest(some: Floats) -> Floats:
+        far = np.hstack([distance_to_segment(some, start, end), np.linalg.norm(some - pins, axis=-1)])
+        return np.asarray(far.min(axis=1, initial=np.inf))
+
+    return np.concatenate([nearest(some[:, None]) for some in pieces(np.asarray(points), len(start) + len(pins))])
+
+
+def conditions(layout: Layout, sheet: SheetMesh, mesh: MeshTri, step: int) -> list[Condition]:
+    """What holds the shell once the pins up to `step` have taken hold; `mesh` is that of `sheet`."""
+    found: list[Condition] = []
+    facets = _facets(mesh, sheet.rim)
+    for number, pin in enumerate(layout.pins):
+        if pin.step > step:
+            continue
+        directions, name = np.eye(3)[list(pin.fixed)], f"pins[{number}]"
+        if len(pin.points):
+            found.append(HeldPoints(vertices_at(mesh, pin.points), pin.places(pin.points), directions, name))
+        if pin.edges:
+            placement = affine(pin.scale * np.eye(3)[:, :2], pin.offset_mm)
+            found.append(HeldEdge(facets[np.isin(sheet.side, pin.edges)], placement, directions, name=name))
+    return found
+
+
+def _facets(mesh: MeshTri, pairs: Ints) -> Ints:
+    """Numbers of the mesh's edges between pairs (R, 2) of its points."""
+    size = mesh.nvertices
+    low, high = np.sort(mesh.facets, axis=0)
+    codes = low * size + high
+    order = np.argsort(codes)
+    low, high = np.sort(pairs, axis=1).T
+    return order[np.searchsorted(codes[order], low * size + high)]
+
+
+def weight(design: Design, layout: Layout, weights: sp.csr_matrix, covered: Floats) -> Floats:
+    """(n, 3) N per printed mm^2 where stars count with weights (n, S); zero without gravity.
+
+    `covered`: (S,) mm^2, the weights of each star added up over the sheet, so that it weighs what is printed.
+    """
+    gravity, fabric, plastic = design.gravity, design.fabric, design.plastic
+    if not gravity.on:
+        return np.zeros((weights.shape[0], 3))
+    # the mean of a product of two that change evenly along the arm
+    thickness, width = layout.arm_thickness, layout.arm_width
+    section = thickness.mean(axis=1) * width.mean(axis=1) + np.diff(thickness)[:, 0] * np.diff(width)[:, 0] / 12.0
+    volume = np.bincount(layout.arm_star, section * layout.arm_length, len(layout.centres))
+    mass = fabric.printed_mass + 1e-9 * plastic.density_kg_m3 * (weights @ (volume / covered))
+    direction = np.asarray(gravity.direction, dtype=float)
+    return mass[:, None] * gravity.acceleration_m_s2 * direction / np.linalg.norm(direction)

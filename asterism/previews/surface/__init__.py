@@ -1,0 +1,1 @@
+"""The smooth surface and the sheet shown."""

@@ -1,0 +1,52 @@
+"""The shell's smooth surface at printed points: place, directions, normal and curvature."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.elements.tabulation import Evaluation, Floats
+
+
+@dataclass(frozen=True)
+class SmoothSurface:
+    """At n printed points.
+
+    Attributes
+    ----------
+    places : (n, 3) mm.
+    tangents : (n, 2, 3) derivatives of the place by the print's coordinates.
+    seconds : (n, 3, 3) 1/mm, its derivatives 11, 22, 12.
+    normals : (n, 3) unit normals, on the plastic side.
+    area : (n,) of the surface per printed area.
+    mean_curvature, gaussian_curvature : (n,) 1/mm and 1/mm^2; the mean one is positive where the plastic side is
+        convex.
+    """
+
+    places: Floats
+    tangents: Floats
+    seconds: Floats
+    normals: Floats
+    area: Floats
+    mean_curvature: Floats
+    gaussian_curvature: Floats
+
+    def moved(self, shift: Floats) -> Floats:
+        """(n, 3) mm, from the places to where the surface is after a shift (n, 2) mm of the print, to second order."""
+        one, two = shift.T
+        square = np.column_stack([0.5 * one**2, 0.5 * two**2, one * two])
+        return np.einsum("ni,nic->nc", shift, self.tangents) + np.einsum("nk,nkc->nc", square, self.seconds)
+
+
+def smooth_surface(at: Evaluation, x: Floats) -> SmoothSurface:
+    """Where positions x (N, 3) mm of the shell's dofs take the points of an evaluation."""
+    jets = at.jets(x)
+    first, second = jets[:, 1:3], jets[:, 3:]
+    cross = np.cross(first[:, 0], first[:, 1])
+    area = np.linalg.norm(cross, axis=1)
+    normals = cross / area[:, None]
+    a11, a22, a12 = (np.einsum("nc,nc->n", first[:, i], first[:, j]) for i, j in ((0, 0), (1, 1), (0, 1)))
+    b11, b22, b12 = np.einsum("nkc,nc->kn", second, normals)
+    mean = -0.5 * (a22 * b11 + a11 * b22 - 2.0 * a12 * b12) / area**2
+    return SmoothSurface(jets[:, 0], first, second, normals, area, mean, (b11 * b22 - b12**2) / area**2)

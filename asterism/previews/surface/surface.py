@@ -1,0 +1,128 @@
+"""The sheet in space as triangles: the shell's smooth surface, and the stars' bumps on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from asterism.previews.corrugation.bumps import held_still, pulled_flat, relief_heights
+from asterism.previews.edges.free_rim import beyond_stars
+from asterism.previews.edges.held_rim import HeldRim
+from asterism.previews.fields.star_values import StarValues
+from asterism.previews.sheet import Sheet
+from asterism.previews.supports.conditions import distance_to_held
+from asterism.previews.surface.smooth_surface import SmoothSurface, smooth_surface
+from asterism.shape.shape import Shape
+from asterism.shape.surface_fields import cell_fields
+from fem.elements.tabulation import Floats
+from homogenize.cell.relief import Waves
+from pattern.design.design import Design
+from pattern.mesh.mesh import Mesh
+from pattern.mesh.meshing import mesh_layout
+
+# coarsest edge of the triangles that are shown, over the spacing of the stars
+SHOWN = 1 / 6
+
+
+@dataclass(frozen=True)
+class Places:
+    """Of n printed points in space.
+
+    Attributes
+    ----------
+    surface : of the shell.
+    bumps : (n, 3) mm, from there to the sheet with its stars.
+    """
+
+    surface: SmoothSurface
+    bumps: Floats
+
+    @property
+    def smooth(self) -> Floats:
+        """(n, 3) mm, on the shell."""
+        return self.surface.places
+
+    @property
+    def bumpy(self) -> Floats:
+        """(n, 3) mm."""
+        return self.smooth + self.bumps
+
+
+class Lens:
+    """Takes shells of one sheet to a set of printed points (n, 2)."""
+
+    def __init__(self, sheet: Sheet, waves: Waves, points: Floats) -> None:
+        self.points = np.atleast_2d(np.asarray(points, dtype=float))
+        self._waves = waves(self.points - sheet.layout.lattice_origin)
+        self._spacing, self._held = sheet.layout.spacing_mm, bool(sheet.layout.pins)
+        self._stays = held_still(distance_to_held(sheet.layout, self.points), self._spacing)
+        self._at, self._rim = sheet.space.locate(self.points), HeldRim(sheet, self.points)
+        self._shares = sheet.cells.shares(self.points)
+        self._beyond, self._nearest = beyond_stars(sheet.layout, self.points)
+        self._arms = sheet.arms
+        self._out, self._lifted = self._arms.beside(self.points)
+
+    def __call__(self, x: Floats, values: StarValues) -> Places:
+        """Where positions x (N, 3) of the shell's dofs take the points."""
+        smooth = smooth_surface(self._at, x)
+        smooth = replace(smooth, places=smooth.places + self._rim(x))
+        weights = self._shares(values.sizes[:, 0])
+        curvature = 2.0 * smooth.mean_curvature
+        rim = self._beyond, self._nearest
+        heights = self._stays * relief_heights(self._waves, values, weights, curvature, *rim, self._spacing)
+        out, lift = self._arms.moves(x, values.value["kappa"])
+        heights += self._lifted @ lift
+        if self._held:
+            heights *= pulled_flat(values, weights, smooth.area)
+        return Places(smooth, smooth.moved(self._out @ out) + heights[:, None] * smooth.normals)
+
+
+def shown_mesh(design: Design, sheet: Sheet) -> Mesh:
+    """Triangles to show, with the arms among their edges: the design's, or coarser ones if those are coarse enough."""
+    edge = max(design.mesh.edge_mm, SHOWN * design.lattice.spacing_mm)
+    return mesh_layout(sheet.layout, edge, design.mesh.kind, design.mesh.seed, draft=True)
+
+
+def shape_of(design: Design, sheet: Sheet, mesh: Mesh, places: Places) -> Shape:
+    """A shape without its summary. `bump_mm` is the vector from the smooth surface to the bumpy one.
+
+    Normals, curvatures and strains are those of the smooth surface.
+    """
+    star = np.full(len(mesh.points), -1, dtype=np.int64)
+    star[mesh.star_vertices] = sheet.layout.star_number
+    return Shape(
+        printed=mesh.points,
+        positions=places.bumpy,
+        triangles=mesh.triangles,
+        star=star,
+        rods=mesh.rods,
+        star_vertices=mesh.star_vertices,
+        point_fields={
+            "bump_mm": places.bumps,
+            "normal": places.surface.normals,
+            "mean_curvature_per_mm": places.surface.mean_curvature,
+            "gaussian_curvature_per_mm2": places.surface.gaussian_curvature,
+        },
+        cell_fields=cell_fields(mesh.points, places.smooth, mesh.triangles, design.fabric.stretch_xy),
+        rod_fields=_rod_fields(sheet, mesh),
+        held=bool(sheet.layout.pins),
+    )
+
+
+def _rod_fields(sheet: Sheet, mesh: Mesh) -> dict[str, np.ndarray]:
+    """Of every edge of every arm: arm, star, and the section in its middle."""
+    layout, counts = sheet.layout, np.array([len(path) for path in mesh.rods])
+    arm = np.repeat(np.arange(len(counts)), counts)
+    step = np.linalg.norm(np.diff(mesh.points[np.concatenate(mesh.rods)], axis=0), axis=1)
+    within = arm[1:] == arm[:-1]  # the others lead from one arm to the next
+    arms, step = arm[1:][within], step[within]
+    total = np.bincount(arms, step)
+    before = np.cumsum(total) - total
+    part = (np.cumsum(step) - 0.5 * step - before[arms]) / total[arms]
+    ends = {"thickness_mm": layout.arm_thickness, "width_mm": layout.arm_width}
+    return {
+        "arm": arms,
+        "star": layout.star_number[layout.arm_star[arms]],
+        **{name: (1.0 - part) * both[arms, 0] + part * both[arms, 1] for name, both in ends.items()},
+    }

@@ -1,0 +1,40 @@
+"""The plastic of a layout as terraces: regions of the plane, each with the height to which it is printed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+from asterism.print.solid import GRID_MM, Step, terraces
+from asterism.print.strips_of_arms import Strip
+from pattern.design.rounding import Rounding
+from pattern.layout.layout import Layout
+
+THIN = 0.1  # of a line's width, half of what is too narrow for a piece of the cut line
+
+
+def star_terraces(plan: Layout, arms: Sequence[Strip]) -> tuple[Step, ...]:
+    """Terraces of all stars in print coordinates; arms that overlap are one."""
+    regions: list[tuple[float, BaseGeometry]] = []
+    for strip in arms:
+        centre = plan.centres[strip.star]
+        regions.append((strip.height_mm, shapely.Polygon(strip.corners(centre))))
+        if strip.begin_mm == 0.0:
+            # where arms were cut away at the border, the remaining ones meet in a round corner
+            disc = shapely.Point(centre).buffer(strip.begin_width_mm / 2, quad_segs=8)
+            regions.append((strip.height_mm, disc))
+    return terraces(regions)
+
+
+def border_terrace(plan: Layout, stars: Sequence[Step], rounding: Rounding) -> Step:
+    """A line to cut along: one line wide, one layer high, its inner edge on the border; it goes with the waste."""
+    sheet = shapely.polygons(plan.border)
+    around = sheet.buffer(rounding.line_mm, join_style="mitre", mitre_limit=5).difference(sheet)
+    # plastic that reaches over the border must not hang on the line
+    clear = around.difference(stars[0].region.buffer(rounding.line_mm))
+    # slivers cannot be printed, and would hang on the rest by a point
+    thin = THIN * rounding.line_mm
+    wide = clear.buffer(-thin, join_style="mitre").buffer(thin, join_style="mitre", mitre_limit=5)
+    return Step(rounding.first_layer_mm, shapely.set_precision(wide, GRID_MM))

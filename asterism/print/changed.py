@@ -1,0 +1,30 @@
+"""A printer with what options of a command say."""
+
+from __future__ import annotations
+
+from pydantic import ValidationError
+
+from asterism.print.printer import Printer
+from pattern.design.errors import DesignError, from_validation
+
+
+def changed(
+    machine: Printer, first_layer: float | None = None, layer: float | None = None, plate: float | None = None
+) -> Printer:
+    """The printer with other heights of layers (mm), and with another plate under the fabric.
+
+    Raises
+    ------
+    DesignError
+        An option is out of range.
+    """
+    data = machine.model_dump(mode="json")
+    data["first_layers_mm"] = data["first_layers_mm"] if first_layer is None else [first_layer]
+    data["layer_mm"] = data["layer_mm"] if layer is None else layer
+    data["frame"]["plate_mm"] = data["frame"]["plate_mm"] if plate is None else plate
+    options = {"first_layers_mm[0]": "--first-layer", "layer_mm": "--layer", "frame.plate_mm": "--plate"}
+    try:
+        return Printer.model_validate(data)
+    except ValidationError as error:
+        wrong = from_validation(error)
+        raise DesignError(options.get(wrong.field, wrong.field), wrong.allowed, wrong.value) from None

@@ -1,0 +1,17 @@
+"""OBJ: triangles in mm. The format has no unit; modellers ask, or take the numbers for their own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from pattern.layout.layout import Floats, Ints
+
+
+def write(path: Path, points: Floats, triangles: Ints) -> None:
+    """Write triangles (m, 3) over points (n, 3) mm."""
+    with path.open("w", encoding="ascii", newline="\n") as stream:
+        stream.write("# unit: mm\n")
+        np.savetxt(stream, points, "v %.6f %.6f %.6f")
+        np.savetxt(stream, triangles + 1, "f %d %d %d")

@@ -1,0 +1,103 @@
+"""PDF at 1:1: a page for every drawing, of its size."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+from matplotlib import patches
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_pdf import PdfPages
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.path import Path as Outline
+from matplotlib.patheffects import Stroke
+from matplotlib.transforms import Affine2D, Transform
+
+from asterism.print.drawing import Circle, Drawing, Line, Text
+from asterism.print.layers import NEEDLES
+from pattern.layout.layout import Floats
+
+_INCH = 25.4
+_HALO_MM = 1.0  # width of the white line around a number
+_POINTS = 72 / _INCH
+
+
+def write(path: Path, drawings: Sequence[Drawing]) -> None:
+    """Write drawings as pages, without a date; signs that the font lacks are boxes."""
+    with (
+        warnings.catch_warnings(),
+        matplotlib.rc_context({"pdf.fonttype": 42, "path.simplify": False}),
+        PdfPages(path, metadata={"Title": drawings[0].title, "CreationDate": None}) as pages,
+    ):
+        warnings.filterwarnings("ignore", "Glyph .* missing from font")
+        for drawing in drawings:
+            pages.savefig(_page(drawing))
+
+
+def _page(drawing: Drawing) -> Figure:
+    width, height = (float(side) for side in drawing.size_mm / _INCH)
+    # PDF has 72 units an inch; so have the figure's coordinates
+    figure = Figure(figsize=(width, height), dpi=72.0)
+    FigureCanvasAgg(figure)
+    to_page = Affine2D().translate(*-drawing.low).scale(_POINTS)
+    for item in drawing.items:
+        if isinstance(item, Text):
+            _write_text(figure, item, to_page)
+        else:
+            figure.add_artist(_shape(item, to_page))
+    return figure
+
+
+def _shape(item: Line | Circle, to_page: Transform) -> patches.Patch | Line2D:
+    layer = item.layer
+    drawn: patches.Patch | Line2D
+    if isinstance(item, Line) and not item.closed:
+        drawn = Line2D(*item.points.T, color=layer.colour, transform=to_page, solid_capstyle="butt")
+    else:
+        face, edge = (layer.colour, "none") if layer.filled else ("none", layer.colour)
+        drawn = patches.PathPatch(_outline(item), facecolor=face, edgecolor=edge, transform=to_page, joinstyle="miter")
+    drawn.set_linewidth(layer.width_mm * _POINTS)
+    if layer.dash_mm:
+        # matplotlib counts dashes in line widths
+        drawn.set_linestyle((0, [length / layer.width_mm for length in layer.dash_mm]))
+    return drawn
+
+
+def _outline(item: Line | Circle) -> Outline:
+    if isinstance(item, Circle):
+        return Outline.circle((float(item.centre[0]), float(item.centre[1])), item.radius_mm)
+    # a hole is a hole if it runs the other way round
+    rings = [_ring(item.points, 1), *(_ring(hole, -1) for hole in item.holes)]
+    return Outline.make_compound_path(*rings)
+
+
+def _ring(points: Floats, turn: int) -> Outline:
+    """A closed line that runs counterclockwise (1) or clockwise (-1)."""
+    x, y = points.T
+    area = x @ np.roll(y, -1) - y @ np.roll(x, -1)
+    ordered = points if area * turn > 0 else points[::-1]
+    return Outline(np.concatenate([ordered, ordered[:1]]), closed=True)
+
+
+def _write_text(figure: Figure, item: Text, to_page: Transform) -> None:
+    # a number may stand on an arm: white around it first, as a drawing, and then the text, to be found as one
+    halo = [Stroke(linewidth=_HALO_MM * _POINTS, foreground="white")]
+    for effects in [halo, None] if item.layer is NEEDLES else [None]:
+        figure.text(
+            float(item.at[0]),
+            float(item.at[1]),
+            item.text,
+            transform=to_page,
+            fontsize=item.size_mm * _POINTS,
+            family="DejaVu Sans Mono" if item.fixed_pitch else "DejaVu Sans",
+            weight="bold" if item.bold else "normal",
+            color=item.layer.colour,
+            ha="left" if item.end == "left" else "center",
+            va="baseline",
+            parse_math=False,
+            path_effects=effects,
+        )

@@ -1,0 +1,22 @@
+"""STL, binary: triangles in mm. The format has no unit; slicers take the numbers for mm."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import meshio
+import numpy as np
+
+from pattern.layout.layout import Floats, Ints
+
+
+def write(path: Path, points: Floats, triangles: Ints) -> None:
+    """Write triangles (m, 3) over points (n, 3) mm."""
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    normals = np.cross(b - a, c - a)
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    # none for a triangle without area: readers take it from the corners then
+    normals = np.divide(normals, length, out=np.zeros_like(normals), where=length > 0)
+    mesh = meshio.Mesh(points, [("triangle", triangles)], cell_data={"facet_normals": [normals]})
+    # the format's own writer: the general one reports its choices on the terminal
+    meshio.stl.write(str(path), mesh, binary=True)

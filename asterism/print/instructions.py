@@ -1,0 +1,219 @@
+"""What to do at the printer, step by step, with this design's numbers: as a page to print and as text."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from asterism.print.drawing import Circle, Drawing, Line, Text, size_within
+from asterism.print.job import Job
+from asterism.print.layers import TEXT
+from asterism.print.needles import MUCH_MM, Needle, at_the_edge, hanging, named
+from asterism.print.printer import Printer
+
+_A4_MM = (210.0, 297.0)
+_MARGIN_MM = 18.0
+_LETTERS = 98
+_MOST_NAMED = 12
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """A heading, paragraphs, and lines of code below them."""
+
+    title: str
+    paragraphs: tuple[str, ...]
+    code: tuple[str, ...] = ()
+
+
+def chapters(job: Job, cost: dict[str, float], tiny: list[dict[str, Any]]) -> tuple[Chapter, ...]:
+    """The instruction for a job; `cost` from `estimate`, `tiny` from `tiny_stars`."""
+    return (_stretch(job), _mount(job), _offset(job), _slice(job, tiny), _print(job, cost), _finish(job))
+
+
+def _stretch(job: Job) -> Chapter:
+    x, y = job.check_after_mm
+    return Chapter(
+        "1. Stretch the fabric",
+        (
+            f"Draw a square of {job.check_before_mm:g} mm on the relaxed fabric, near the middle (page 2 of "
+            f"layout.pdf). Clamp the fabric in its frame: the square must now be {x:.1f} mm wide and {y:.1f} mm deep.",
+        ),
+    )
+
+
+def _mount(job: Job) -> Chapter:
+    width, depth = job.printer.frame.size_mm
+    return Chapter(
+        "2. Put the frame on the bed",
+        (
+            f"Fix the frame of {width:g} x {depth:g} mm with its plate on the bed, its middle over the bed's middle: "
+            "page 1 of layout.pdf shows frame, printable area and alignment marks.",
+            homing(job.printer),
+            "Check that the head and its fans pass over the frame's bars, or keep away from them.",
+        ),
+    )
+
+
+def homing(printer: Printer) -> str:
+    """What to do about a nozzle that would hit the frame."""
+    if printer.homes == "onto":
+        return (
+            f"The {printer.name} moves its nozzle down to find the bed: home it BEFORE the frame is on it, and "
+            "take homing and levelling (G28, G29) out of the slicer's start code. The nozzle would hit the frame."
+        )
+    return f"The {printer.name} homes z away from the nozzle: the frame may be on it before."
+
+
+def _offset(job: Job) -> Chapter:
+    plate = job.printer.frame.plate_mm
+    fabric = "stretched fabric" if job.fabric_given else "fabric as the design has it, which is thinner when stretched,"
+    return Chapter(
+        f"3. Start on the fabric: z offset {job.z_offset_mm:.2f} mm",
+        (
+            f"Plate {plate:.2f} mm + {fabric} {job.fabric_mm:.2f} mm = {job.z_offset_mm:.2f} mm. Measure both "
+            "as they lie on the bed; if they differ, export again with --plate and --fabric. A nozzle too high does "
+            "not bind the plastic to the fabric, a nozzle too low tears it.",
+            "The stars stand at z = 0 in the files. Leave the slicer's own z offset at 0, whose sign and meaning "
+            "differ from slicer to slicer, and add start.gcode to the end of the printer's start code:",
+        ),
+        tuple(job.start_code.splitlines()),
+    )
+
+
+def _slice(job: Job, tiny: list[dict[str, Any]]) -> Chapter:
+    low = np.min([solid.box[0] for solid in job.solids], axis=0)
+    high = np.max([solid.box[1] for solid in job.solids], axis=0)
+    middle = (low + high) / 2
+    r = job.rounding
+    lines = [
+        "Load print.3mf, or the STL files if your slicer prefers them, in millimetres, at 100 %. Scaling in the slicer "
+        "would thicken the arms: change the design instead. Do not turn it.",
+        f"It belongs with the middle of its box at x = {middle[0]:.2f}, y = {middle[1]:.2f} mm and is "
+        f"{high[0] - low[0]:.2f} x {high[1] - low[1]:.2f} x {high[2]:.2f} mm large. If the slicer moved it, type "
+        "that in.",
+        f"First layer {r.first_layer_mm:g} mm, other layers {r.layer_mm:g} mm, lines {r.line_mm:g} mm wide, filled "
+        "with walls only. Skirt, brim, raft and supports off. First layer slow "
+        f"({job.printer.speed.first_layer_mm_s:g} mm/s).",
+    ]
+    if job.plastic.nozzle_c is not None:
+        bed = "" if job.plastic.bed_c is None else f", bed {job.plastic.bed_c:g} C"
+        lines.append(f"{job.plastic.name}: nozzle about {job.plastic.nozzle_c:g} C{bed}; see the spool.")
+    lines += job.plastic.advice
+    if tiny:
+        places = "; ".join(f"[{x:g}, {y:g}]" for x, y in (star["at_mm"] for star in tiny[:_MOST_NAMED]))
+        more = f"; and {len(tiny) - _MOST_NAMED} more" if len(tiny) > _MOST_NAMED else ""
+        lines.append(
+            f"Tiny stars may jump off the fabric. Watch those at {places}{more} (mm from the design's origin), or "
+            "lengthen or remove them."
+        )
+    return Chapter("4. Slice", tuple(lines))
+
+
+def _print(job: Job, cost: dict[str, float]) -> Chapter:
+    return Chapter(
+        "5. Print",
+        (
+            f"About {cost['minutes']:.0f} minutes, {cost['filament_m']:.2f} m or {cost['mass_g']:.2f} g of "
+            f"{job.plastic.name}. Stay with the first layer: it must wet the fabric everywhere.",
+        ),
+    )
+
+
+def _finish(job: Job) -> Chapter:
+    line = "along the inner edge of the printed line" if job.border is not None else "along the cut line of layout.pdf"
+    lines = [f"Let the plastic cool, open the frame, cut the fabric {line}."]
+    if edge := at_the_edge(job.plan, job.needles):
+        lines.append(f"Leave a tab of fabric outside the line, 5 mm or more, at {named(edge)}, on the line.")
+    if arms := job.needles_in_plastic:
+        lines.append(f"The plastic is in the way of {named(arms)}: drill a hole through the arm there first.")
+    known = [needle for needle in job.needles if needle.place is not None]
+    if known:
+        lines.append(
+            "Drill the base with the template (last page of layout.pdf). Push every needle through the sheet at its "
+            f"number in the layout, and set it into the hole of that number: {len(known)} needles."
+        )
+        if heights := _heights(known):
+            lines.append(heights)
+        if job.hangs_mm is not None and job.hangs_mm > MUCH_MM:
+            lines.append(
+                f"The sheet hangs {hanging(job.hangs_mm, job.hangs_doubt_mm)}: set all needles so much higher, on "
+                "posts, or cut the base out under it."
+            )
+        if len(known) < len(job.needles):
+            sliding = len(job.needles) - len(known)
+            lines.append(f"{sliding} more go through the sheet where it slides; the template has no holes for them.")
+        if rising := [needle.number for needle in known if needle.height_mm is None]:
+            lines.append(f"The sheet slides up and down along {named(rising)}: leave it free there, at its own height.")
+        if job.hangs_mm is None:
+            lines.append("Whether the sheet hangs below the base is not known; asterism export --simulate says it.")
+    elif job.needles:
+        lines.append(f"Needles go through the sheet at the {len(job.needles)} places of the layout, where it slides.")
+    else:
+        lines.append("The design has no pins: the sheet takes its shape by itself.")
+    if len(steps := sorted({needle.step for needle in job.needles})) > 1:
+        turns = [named([needle.number for needle in job.needles if needle.step == step]) for step in steps]
+        lines.append(f"Set them in the design's order: first {', then '.join(turns)}.")
+    if job.is_certain is False:
+        lines.append("The computed shape is not certain to stay: the sheet may take another one. See export.json.")
+    return Chapter("6. Release, cut, pin", tuple(lines))
+
+
+def _heights(needles: Sequence[Needle]) -> str:
+    """At which heights needles hold the sheet; empty if all hold it on the base."""
+    at: dict[str, list[int]] = {}
+    for needle in needles:
+        if needle.is_raised:
+            at.setdefault(f"{needle.height_mm:.1f}", []).append(needle.number)
+    if not at:
+        return ""
+    if len(at) > _MOST_NAMED:
+        return "They hold the sheet at heights over the base that are written beside their holes, and in needles.csv."
+    each = "; ".join(f"{height} mm at {named(numbers)}" for height, numbers in at.items())
+    known = [needle for needle in needles if needle.height_mm is not None]
+    rest = "" if all(needle.is_raised for needle in known) else "; on the base at the others"
+    return f"They hold the sheet at these heights over the base: {each}{rest}."
+
+
+def as_text(job: Job, parts: tuple[Chapter, ...]) -> str:
+    """The instruction as plain text."""
+    blocks = [f"{job.design.name}: how to print it on the {job.printer.name}"]
+    for part in parts:
+        wrapped = "\n\n".join(textwrap.fill(paragraph, 88) for paragraph in part.paragraphs)
+        code = "".join(f"\n    {line}" for line in part.code)
+        blocks.append(f"{part.title}\n\n{wrapped}" + (f"\n{code}" if code else ""))
+    return "\n\n\n".join(blocks) + "\n"
+
+
+def as_pages(job: Job, parts: tuple[Chapter, ...]) -> list[Drawing]:
+    """The instruction as A4 pages."""
+    name = job.design.name
+    pages: list[list[Line | Circle | Text]] = []
+    top, bottom = _A4_MM[1] - _MARGIN_MM, _MARGIN_MM
+    size = size_within(name, 6.5, _A4_MM[0] - 2 * _MARGIN_MM)
+    items: list[Line | Circle | Text] = [
+        Text(TEXT, np.array([_MARGIN_MM, top - 6.0]), name, size, bold=True),
+        Text(TEXT, np.array([_MARGIN_MM, top - 14.0]), f"How to print it on the {job.printer.name}", 4.2),
+    ]
+    y = top - 24.0
+    for part in parts:
+        lines = [(part.title, True, False, 6.4)]
+        for paragraph in part.paragraphs:
+            wrapped = textwrap.wrap(paragraph, _LETTERS) or [""]
+            lines += [(line, False, False, 4.6) for line in wrapped[:-1]] + [(wrapped[-1], False, False, 6.1)]
+        lines += [(line, False, True, 4.3) for line in part.code]
+        # a chapter stays on one page
+        if y - sum(step for *_, step in lines) < bottom:
+            pages.append(items)
+            items, y = [], top - 6.0
+        for line, bold, code, step in lines:
+            at = np.array([_MARGIN_MM + (6.0 if code else 0.0), y])
+            items.append(Text(TEXT, at, line, 4.1 if bold else 3.1 if code else 3.35, bold=bold, fixed_pitch=code))
+            y -= step
+        y -= 3.4
+    pages.append(items)
+    return [Drawing(f"{name}: instruction", np.zeros(2), np.array(_A4_MM), tuple(items)) for items in pages]

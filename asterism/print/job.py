@@ -1,0 +1,264 @@
+"""Everything that the files of one export are made from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import shapely
+
+from asterism.print.arm_regions import border_terrace, star_terraces
+from asterism.print.estimate import estimate
+from asterism.print.needles import Needle, in_plastic, needles
+from asterism.print.placement import Placement, place, room_mm
+from asterism.print.plastic import PlasticProfile
+from asterism.print.printer import Printer
+from asterism.print.rounded import changes, choose, exact, rounded_layout, with_rounding
+from asterism.print.solid import Solid, Step, stack
+from asterism.print.strips_of_arms import Strip, strips
+from asterism.shape.shape import Shape
+from pattern.design.design import Design
+from pattern.design.errors import DesignError
+from pattern.design.rounding import Rounding
+from pattern.layout.build import layout
+from pattern.layout.layout import Layout
+
+# sides of check squares, the usual one first
+CHECK_SQUARES_MM = (100.0, 80.0, 60.0, 50.0, 40.0, 30.0, 20.0, 10.0, 5.0, 2.0, 1.0)
+# how much of the frame's opening a stretched one may take
+_CHECK_PART = 0.8
+
+
+@dataclass(frozen=True)
+class Job:
+    """A design made ready for a printer.
+
+    Attributes
+    ----------
+    drawn, design : as it was given, and with the printer's rounding.
+    drawn_plan, plan : their layouts, in print coordinates.
+    arms : the pieces of all arms, about the stars' centres of `plan`.
+    placement : from print coordinates to those of the sheets.
+    stars, border : terraces of plastic in sheet coordinates; no border if it was not wanted or does not fit.
+    fabric_mm : thickness of the stretched fabric under the nozzle, if it was given; else the design's, released.
+    fabric_given : whether it was.
+    needles : in print coordinates.
+    shape : the sheet in space, if its files are wanted too.
+    too_large : why it cannot be printed like that; empty if it can.
+    glance : the sheet in space by the preview, if it was computed for what it says alone.
+    """
+
+    drawn: Design
+    design: Design
+    printer: Printer
+    plastic: PlasticProfile
+    rounding: Rounding
+    drawn_plan: Layout
+    plan: Layout
+    arms: tuple[Strip, ...]
+    placement: Placement
+    stars: tuple[Step, ...]
+    border: Step | None
+    fabric_mm: float
+    fabric_given: bool
+    needles: tuple[Needle, ...]
+    shape: Shape | None = None
+    too_large: str = ""
+    glance: Shape | None = None
+
+    @property
+    def z_offset_mm(self) -> float:
+        """Height of the fabric's surface above the bed."""
+        return self.printer.frame.plate_mm + self.fabric_mm
+
+    @property
+    def start_code(self) -> str:
+        """The printer's start code for this height, with a remark where the fabric was not measured."""
+        return self.printer.start_snippet(self.z_offset_mm, None if self.fabric_given else self.fabric_mm)
+
+    @property
+    def check_before_mm(self) -> float:
+        """Side of the check square on the relaxed fabric; stretched, it is well within the frame."""
+        room = np.asarray(self.printer.frame.opening_mm) / self.design.fabric.stretch_xy
+        most = _CHECK_PART * float(room.min()) + 1e-9
+        return next((side for side in CHECK_SQUARES_MM if side <= most), CHECK_SQUARES_MM[-1])
+
+    @property
+    def check_after_mm(self) -> tuple[float, float]:
+        """Sides of the check square on the stretched fabric."""
+        x, y = self.design.fabric.stretch_xy
+        return self.check_before_mm * x, self.check_before_mm * y
+
+    @cached_property
+    def size_changes(self) -> dict[str, Any]:
+        """What rounding does to the sizes, see `asterism.print.rounded.changes`."""
+        return changes(self.drawn_plan, self.plan)
+
+    @property
+    def is_rounded(self) -> bool:
+        """Whether the printer makes any star another size than the design has it."""
+        return any(size["stars_changed"] for size in self.size_changes.values())
+
+    @cached_property
+    def needles_in_plastic(self) -> list[int]:
+        """Numbers of the needles that would have to go through an arm."""
+        return in_plastic(self.plan, self.needles)
+
+    @property
+    def seen(self) -> Shape | None:
+        """The sheet in space, if it is known."""
+        return self.shape or self.glance
+
+    @property
+    def is_certain(self) -> bool | None:
+        """Whether the shape whose files are written is certain to stay; None if there is none, or nothing says so."""
+        summary = {} if self.shape is None else self.shape.summary
+        if "is_minimum" not in summary:
+            return None
+        return bool(summary["is_minimum"] and summary.get("converged", True))
+
+    @property
+    def shape_warnings(self) -> list[str]:
+        """What is to be known of the shape whose files are written; a line each."""
+        lines = None if self.shape is None else self.shape.summary.get("warnings")
+        # the summary of a given shape may be anybody's
+        return [" ".join(str(line).split()) for line in lines] if isinstance(lines, list | tuple) else []
+
+    @cached_property
+    def hangs_mm(self) -> float | None:
+        """How far the sheet hangs below the base in which its needles stand; None where the shape is not known."""
+        known = [(needle, height) for needle in self.needles if (height := needle.height_mm) is not None]
+        if not known:
+            return 0.0
+        if self.seen is None:
+            return None
+        needle, height = known[0]
+        base = float(self.seen.at(needle.printed[None])[0, 2] - height)
+        return max(base - float(self.seen.positions[:, 2].min()), 0.0)
+
+    @property
+    def hangs_doubt_mm(self) -> float | None:
+        """How far off the preview expects the height to be in which the sheet hangs; None of other shapes."""
+        summary = {} if self.seen is None else self.seen.summary
+        percent = summary.get("expected_height_percent")
+        return None if percent is None else percent / 100.0 * summary["height_mm"]
+
+    @cached_property
+    def solids(self) -> tuple[Solid, ...]:
+        """Stars and border line in the printer's coordinates, standing on z = 0."""
+        on_bed = Placement(0.0, np.asarray(self.printer.bed_centre_mm))
+        solids = [stack("stars", [on_bed.step(step) for step in self.stars])]
+        if self.border is not None:
+            solids.append(stack("border", [on_bed.step(self.border)]))
+        return tuple(solids)
+
+    @cached_property
+    def cost(self) -> dict[str, float]:
+        """What stars and border line take to print, see `asterism.print.estimate`."""
+        prints = [self.stars, *([(self.border,)] if self.border is not None else [])]
+        return estimate(prints, self.printer, self.rounding, self.plastic)
+
+
+def prepare(
+    design: Design,
+    printer: Printer,
+    plastic: PlasticProfile,
+    *,
+    fabric_mm: float | None = None,
+    border: bool = True,
+    turn_deg: float = 0.0,
+    needle_spacing_mm: float = 20.0,
+    shape: Shape | None = None,
+    any_size: bool = False,
+) -> Job:
+    """Round a design for a printer and lay it on its bed.
+
+    Parameters
+    ----------
+    fabric_mm : thickness of the stretched fabric; the design's, which is that of the released one, if it is not given.
+    border : print a line to cut along, if it fits the bed and the frame.
+    turn_deg : of the print on the bed, counterclockwise.
+    needle_spacing_mm : largest distance of needles on held edges.
+    shape : the sheet in space.
+    any_size : only to be described: what does not fit is told (`too_large`), not refused.
+
+    Raises
+    ------
+    DesignError
+        It does not fit the bed or the frame, or its rounded arms run into each other; or a number is out of its limits.
+    """
+    for option, value, limits in (
+        ("--fabric", fabric_mm, (0.01, 50.0)),  # as thin as a design's
+        ("--needle-spacing", needle_spacing_mm, (1.0, 1000.0)),
+        ("--turn", turn_deg, (-360.0, 360.0)),
+    ):
+        if value is not None and not limits[0] <= value <= limits[1]:
+            raise DesignError(option, f"must be from {limits[0]:g} to {limits[1]:g}", value)
+    drawn_plan = layout(design)
+    rounding = choose(drawn_plan, printer)
+    rounded = with_rounding(design, rounding)
+    plan = rounded_layout(rounded, printer)
+    arms = tuple(strips(plan, rounding))
+    here = star_terraces(plan, arms)
+    x, y = design.fabric.stretch_xy
+    if x != y and turn_deg % 360:
+        raise DesignError("--turn", "must be 0 on a fabric that is stretched differently along x and y", turn_deg)
+    too_large = ""
+    try:
+        placement = place(plan, here, printer, turn_deg, may_turn=x == y)
+    except DesignError as error:
+        if not any_size:
+            raise
+        placement, too_large = Placement(turn_deg, np.zeros(2)), str(error)
+    line = placement.step(border_terrace(plan, here, rounding)) if border else None
+    if line is not None and not _has_room(line, printer):
+        line = None
+    if shape is not None:
+        _check_same_sheet(design, plan, shape)
+    return Job(
+        drawn=design,
+        design=rounded,
+        printer=printer,
+        plastic=plastic,
+        rounding=rounding,
+        drawn_plan=drawn_plan,
+        plan=plan,
+        arms=arms,
+        placement=placement,
+        stars=tuple(placement.step(step) for step in here),
+        border=line,
+        fabric_mm=design.fabric.thickness_mm if fabric_mm is None else fabric_mm,
+        fabric_given=fabric_mm is not None,
+        needles=needles(plan, needle_spacing_mm, shape),
+        shape=shape,
+        too_large=too_large,
+    )
+
+
+def _has_room(step: Step, printer: Printer) -> bool:
+    low, high = np.reshape(shapely.bounds(step.region), (2, 2))
+    half = room_mm(printer) / 2
+    return bool((high <= half).all() and (low >= -half).all())
+
+
+def _check_same_sheet(design: Design, plan: Layout, shape: Shape) -> None:
+    """Refuse a shape of another print: another outline, other stars, or, where its summary is there, other entries."""
+    box = np.array([plan.border.min(axis=0), plan.border.max(axis=0)])
+    other = np.array([shape.printed.min(axis=0), shape.printed.max(axis=0)])
+    if np.abs(box - other).max() > 1e-3:
+        sides = [" x ".join(f"{side:.1f}" for side in sizes) for sizes in (np.ptp(box, axis=0), np.ptp(other, axis=0))]
+        raise DesignError("--shape", f"must be of this design, printed on {sides[0]} mm", f"a sheet of {sides[1]} mm")
+    if len(shape.star_vertices) != len(plan.centres):
+        stars = f"{len(shape.star_vertices)} stars"
+        raise DesignError("--shape", f"must be of this design with its {len(plan.centres)} stars", stars)
+    if "design" in shape.summary:
+        made_from = exact(Design.from_dict(shape.summary["design"]))
+        for section in ("lattice", "stars", "border", "pins", "gravity"):
+            if getattr(made_from, section) != getattr(exact(design), section):
+                raise DesignError("--shape", f"must be of this design, but its {section} are others")
+        if made_from.fabric.stretch_xy != design.fabric.stretch_xy:
+            raise DesignError("--shape", "must be of this design, but its fabric was stretched otherwise")
+        if (made_from.fabric, made_from.plastic) != (design.fabric, design.plastic):
+            raise DesignError("--shape", "must be of this design, but its material is another")

@@ -1,0 +1,132 @@
+"""Needles: where they go through the sheet, and where they stand."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from asterism.shape.shape import Shape
+from pattern.geometry.planar import distance_to_outline, distance_to_segment
+from pattern.layout.layout import Floats, Layout, PinSet
+
+# by which a sheet may hang below the base: it is as thick
+MUCH_MM = 0.5
+# fabric that a needle needs around it
+EDGE_MM = 2.0
+FLAT_MM = 0.05  # lower places are on the base
+
+
+@dataclass(frozen=True)
+class Needle:
+    """One needle.
+
+    Attributes
+    ----------
+    number : from 1, as in all drawings.
+    printed : (2,) mm, in print coordinates.
+    place : (3,) mm in space; None if the sheet slides in the plane and no shape says where to. Where it slides along z
+        and no shape says how high, z is not a number.
+    slides : `z` or `plane` where the sheet is free to slide, otherwise empty.
+    step : the design's step at which it is set.
+    """
+
+    number: int
+    printed: Floats
+    place: Floats | None
+    slides: str
+    step: int
+
+    @property
+    def height_mm(self) -> float | None:
+        """Height of the sheet above the base; None where it is not known."""
+        return None if self.place is None or np.isnan(self.place[2]) else float(self.place[2])
+
+    @property
+    def is_raised(self) -> bool:
+        """It holds the sheet above or below the base."""
+        return self.height_mm is not None and abs(self.height_mm) > FLAT_MM
+
+
+def needles(plan: Layout, spacing_mm: float, shape: Shape | None = None) -> tuple[Needle, ...]:
+    """Needles at all pins of a layout; held edges get some at most `spacing_mm` apart, their corners included.
+
+    A place comes from the design where the sheet is held, and from `shape` where it slides. Where all pins leave the
+    height open, the lowest needle's is 0.
+    """
+    found: list[Needle] = []
+    for pins in plan.pins:
+        along = [_along(plan.border, edge, spacing_mm) for edge in sorted(pins.edges)]
+        printed = np.concatenate([pins.points, *along])
+        places = _places(pins, printed, shape)
+        for k, point in enumerate(printed):
+            # neighbouring edges share a corner
+            if all(np.linalg.norm(point - needle.printed) > 1e-6 for needle in found):
+                place = None if places is None else places[k]
+                found.append(Needle(len(found) + 1, point, place, _slides(pins), pins.step))
+    if not any(pins.fixed[2] for pins in plan.pins):
+        # nothing says how high the sheet is: the lowest needle stands on the base
+        low = min((needle.height_mm for needle in found if needle.height_mm is not None), default=0.0)
+        found = [one if one.place is None else replace(one, place=one.place - [0.0, 0.0, low]) for one in found]
+    return tuple(found)
+
+
+def _along(border: Floats, edge: int, spacing_mm: float) -> Floats:
+    """Equally spaced points on an edge, its ends included."""
+    a, b = border[edge], border[(edge + 1) % len(border)]
+    pieces = max(math.ceil(float(np.linalg.norm(b - a)) / spacing_mm - 1e-9), 1)
+    return a + np.arange(pieces + 1)[:, None] / pieces * (b - a)
+
+
+def _places(pins: PinSet, printed: Floats, shape: Shape | None) -> Floats | None:
+    """(n, 3) where the printed points stand in space, z not a number if it is not known; None if x and y are not."""
+    held = np.array(pins.fixed)
+    if held.all():
+        return pins.places(printed)
+    if shape is None:
+        return np.where(held, pins.places(printed), np.nan) if held[:2].all() else None
+    return np.where(held, pins.places(printed), shape.at(printed))
+
+
+def _slides(pins: PinSet) -> str:
+    if all(pins.fixed):
+        return ""
+    return "z" if pins.fixed[0] else "plane"
+
+
+def at_the_edge(plan: Layout, some: Sequence[Needle]) -> list[int]:
+    """Numbers of those that stand so near to the cut line that the fabric would tear there."""
+    if not some:
+        return []
+    away = distance_to_outline(np.array([needle.printed for needle in some]), plan.border)
+    return [needle.number for needle, far in zip(some, away, strict=True) if far < EDGE_MM]
+
+
+def in_plastic(plan: Layout, some: Sequence[Needle]) -> list[int]:
+    """Numbers of those that would have to go through an arm."""
+    if not some:
+        return []
+    printed = np.array([needle.printed for needle in some])[:, None]
+    far = distance_to_segment(printed, plan.centres[plan.arm_star], plan.arm_tip)
+    through = (far < 0.5 * plan.arm_width.max(axis=1)).any(axis=1)
+    return [needle.number for needle, hit in zip(some, through, strict=True) if hit]
+
+
+def named(numbers: Sequence[int]) -> str:
+    """Such as `needle 3` or `needles 1, 4 to 9`."""
+    runs: list[list[int]] = []
+    for number in sorted(numbers):
+        if runs and number == runs[-1][-1] + 1:
+            runs[-1].append(number)
+        else:
+            runs.append([number])
+    texts = [f"{run[0]} to {run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in runs]
+    return f"needle{'s' if len(numbers) > 1 else ''} {', '.join(texts)}"
+
+
+def hanging(below_mm: float, doubt_mm: float | None) -> str:
+    """How far a sheet hangs; `doubt_mm`: how far off a preview expects its height to be."""
+    doubt = "" if doubt_mm is None else f", give or take {doubt_mm:.1f} mm"
+    return f"{below_mm:.1f} mm below the base{doubt}"

@@ -1,0 +1,94 @@
+"""A page with a square field for the drawing and a column of text beside it; with the paper's frame it is an A3."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asterism.print.drawing import Circle, Drawing, Layer, Line, Text, beside, size_within
+from asterism.print.layers import TEXT
+from pattern.layout.layout import Floats
+
+MARGIN_MM = 18.5
+COLUMN_MM = 123.0
+_LETTERS = 48  # in a line of the column
+_BAR_MM = 100.0
+
+Items = list[Line | Circle | Text]
+
+
+def page(
+    title: str,
+    field_mm: ArrayLike,
+    centre: ArrayLike,
+    items: Items,
+    name: str,
+    what: str,
+    paragraphs: Sequence[str],
+    table: Sequence[str] = (),
+) -> Drawing:
+    """A page around a field of this size about `centre`, with its column.
+
+    Parameters
+    ----------
+    items : the drawing.
+    name, what : the large lines at the head of the column.
+    paragraphs : text of the column, broken into lines here.
+    table : lines in a fixed pitch, as they are.
+    """
+    half = np.asarray(field_mm) / 2
+    low = np.asarray(centre) - half - MARGIN_MM
+    high = np.asarray(centre) + half + MARGIN_MM + [COLUMN_MM, 0.0]
+    at = np.array([high[0] - COLUMN_MM, high[1] - MARGIN_MM - 6.0])
+    column = _column(at, items, name, what, paragraphs, table)
+    lowest = min(item.at[1] for item in column if isinstance(item, Text)) - MARGIN_MM / 2
+    low[1] = min(low[1], lowest)
+    return Drawing(title, low, high, (*items, *column))
+
+
+def _column(
+    at: Floats, items: Items, name: str, what: str, paragraphs: Sequence[str], table: Sequence[str]
+) -> list[Line | Circle | Text]:
+    column: Items = [Text(TEXT, at.copy(), name, size_within(name, 7.0, COLUMN_MM - MARGIN_MM), bold=True)]
+    at = at - [0.0, 9.0]
+    column.append(Text(TEXT, at.copy(), what, 4.5))
+    at = at - [0.0, 12.0]
+    column += _ruler(at)
+    at = at - [0.0, 16.0]
+    for layer in dict.fromkeys(item.layer for item in items):
+        if layer.meaning:
+            column += _legend(layer, at)
+            at = at - [0.0, 6.0]
+    at = at - [0.0, 5.0]
+    for paragraph in paragraphs:
+        for line in textwrap.wrap(paragraph, _LETTERS) or [""]:
+            column.append(Text(TEXT, at.copy(), line, 3.6))
+            at = at - [0.0, 5.2]
+        at = at - [0.0, 2.2]
+    for line in table:
+        column.append(Text(TEXT, at.copy(), line, 3.0, fixed_pitch=True))
+        at = at - [0.0, 4.2]
+    return column
+
+
+def _ruler(at: Floats) -> Items:
+    ends = beside(at, (0.0, 0.0), (_BAR_MM, 0.0))
+    pen = Layer("ruler", TEXT.colour, 0.3)
+    ticks = [Line(pen, beside(end, (0.0, -2.0), (0.0, 2.0))) for end in ends]
+    words = Text(TEXT, beside(at, (0.0, -6.5)), "100 mm: measure it. Print at 100 %.", 3.6)
+    return [Line(pen, ends), *ticks, words]
+
+
+def _legend(meant: Layer, at: Floats) -> Items:
+    # on a layer of its own: a laser that cuts the layer "cut" must not cut the legend
+    layer = replace(meant, name=f"legend-{meant.name}", meaning="")
+    if layer.filled:
+        box = beside(at, (0.0, 0.0), (12.0, 0.0), (12.0, 2.4), (0.0, 2.4))
+        sample = Line(layer, box, closed=True)
+    else:
+        sample = Line(layer, beside(at, (0.0, 1.2), (12.0, 1.2)))
+    return [sample, Text(TEXT, beside(at, (15.0, 0.0)), meant.meaning, 3.6)]

@@ -1,0 +1,106 @@
+"""Where the print lies on the bed, and that it does."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+from asterism.print.printer import Printer
+from asterism.print.solid import Step
+from pattern.design.errors import DesignError
+from pattern.layout.layout import Floats, Layout
+
+
+@dataclass(frozen=True)
+class Placement:
+    """From print coordinates to those of the sheets, whose origin is the middle of frame and bed.
+
+    Attributes
+    ----------
+    turn_deg : counterclockwise about the design's origin.
+    shift : (2,) mm, where the design's origin lies then.
+    """
+
+    turn_deg: float
+    shift: Floats
+
+    def points(self, printed: Floats) -> Floats:
+        """(..., 2) mm."""
+        if self.turn_deg == 0.0:
+            return np.asarray(printed + self.shift)
+        a = np.deg2rad(self.turn_deg)
+        cos, sin = np.cos(a), np.sin(a)
+        return np.asarray(printed @ np.array([[cos, sin], [-sin, cos]]) + self.shift)
+
+    def step(self, step: Step) -> Step:
+        """A terrace in sheet coordinates."""
+        region: BaseGeometry = shapely.transform(step.region, self.points)
+        return Step(step.height_mm, region)
+
+
+def place(
+    plan: Layout, steps: tuple[Step, ...], printer: Printer, turn_deg: float = 0.0, may_turn: bool = True
+) -> Placement:
+    """The design's origin in the middle of the bed, or else the sheet's own middle, or as near to it as may be.
+
+    Parameters
+    ----------
+    turn_deg : counterclockwise.
+    may_turn : whether another turn may be proposed: not if the fabric's stretch knows directions.
+
+    Raises
+    ------
+    DesignError
+        The plastic is larger than the bed or the frame's opening, or the fabric than the frame.
+    """
+    corners = shapely.get_coordinates(shapely.convex_hull(steps[0].region))
+    bed, frame = np.asarray(printer.bed_mm), np.asarray(printer.frame.size_mm)
+    opening, room = np.asarray(printer.frame.opening_mm), room_mm(printer)
+    turned = Placement(turn_deg, np.zeros(2))
+    plastic, sheet = turned.points(corners), turned.points(plan.border)
+    least, most = _shifts(plastic, sheet, room, frame)
+    size, fabric = np.ptp(plastic, axis=0), np.ptp(sheet, axis=0)
+    problem = ""
+    # corners are rounded to the grid
+    if (size > bed + 1e-6).any():
+        problem = f"must be within the {_times(bed)} mm that the {printer.name} reaches"
+    elif (size > opening + 1e-6).any():
+        problem = f"must be within the {_times(opening)} mm between the bars of the frame"
+    if problem:
+        advice = _advice(corners, plan.border, room, frame) if may_turn else ""
+        raise DesignError("stars", problem + advice, f"{_times(size)} mm of plastic")
+    if (least > most + 1e-6).any():
+        problem = f"must be within the frame of {_times(frame)} mm, with the plastic where it can be printed"
+        advice = _advice(corners, plan.border, room, frame) if may_turn else ""
+        raise DesignError("border", problem + advice, f"{_times(fabric)} mm of fabric")
+    stays = (least <= 0.0) & (most >= 0.0)
+    middle = np.round(-(sheet.min(axis=0) + sheet.max(axis=0)) / 2, 3)
+    return Placement(turn_deg, np.where(stays, 0.0, np.clip(middle, least, most)))
+
+
+def room_mm(printer: Printer) -> Floats:
+    """(2,) width and depth in which plastic can be printed: on the bed, and between the bars of the frame."""
+    return np.minimum(printer.bed_mm, printer.frame.opening_mm)
+
+
+def _shifts(plastic: Floats, sheet: Floats, room: Floats, frame: Floats) -> tuple[Floats, Floats]:
+    """The least and the largest shift (2,) at which the plastic has room, and the fabric is within the frame."""
+    least = np.maximum(-room / 2 - plastic.min(axis=0), -frame / 2 - sheet.min(axis=0))
+    return least, np.minimum(room / 2 - plastic.max(axis=0), frame / 2 - sheet.max(axis=0))
+
+
+def _advice(plastic: Floats, sheet: Floats, room: Floats, frame: Floats) -> str:
+    """The least turn in degrees that makes plastic (n, 2) and sheet (m, 2) fit, in words; empty if there is none."""
+    for turn in range(180):
+        turned = Placement(turn, np.zeros(2))
+        least, most = _shifts(turned.points(plastic), turned.points(sheet), room, frame)
+        if (least <= most).all():
+            return f"; --turn {turn} makes it fit"
+    return ""
+
+
+def _times(size: Floats) -> str:
+    return f"{size[0]:.1f} x {size[1]:.1f}"

@@ -1,0 +1,157 @@
+"""What the layout has to know about a printer, and what the time estimate has to."""
+
+from __future__ import annotations
+
+import re
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, field_validator, model_validator
+
+from pattern.design.errors import DesignError
+from pattern.design.rounding import Rounding
+from pattern.design.section import Line, Number, Point, Section, Text
+
+LayerHeight = Annotated[Number, Field(ge=0.05, le=2)]
+# what may stand in braces in a printer's start code
+PLACEHOLDERS = ("z_offset_mm", "above_bed_mm", "above_fabric_mm")
+# how far above the fabric the nozzle is when z is set
+ABOVE_FABRIC_MM = 10.0
+_LEAST_OPENING_MM = 5.0
+
+
+class Speed(Section):
+    """For the time estimate.
+
+    Attributes
+    ----------
+    first_layer_mm_s, print_mm_s, travel_mm_s : of the nozzle.
+    island_s : lost at every separate piece of a layer: slowing down, lifting, starting to flow.
+    heating_min : before the first line.
+    """
+
+    first_layer_mm_s: Number = Field(gt=0, le=1000)
+    print_mm_s: Number = Field(gt=0, le=1000)
+    travel_mm_s: Number = Field(gt=0, le=2000)
+    island_s: Number = Field(ge=0, le=60)
+    heating_min: Number = Field(ge=0, le=60)
+
+
+class Frame(Section):
+    """What holds the fabric, centred on the bed.
+
+    Attributes
+    ----------
+    size_mm : width and depth, with its bars.
+    bar_mm : width of its bars, on which nothing can be printed.
+    plate_mm : thickness of the plate under the fabric.
+    """
+
+    size_mm: Point = (260.0, 260.0)
+    bar_mm: Number = Field(15.0, ge=0, le=1000)
+    plate_mm: Number = Field(4.0, ge=0, le=50)
+
+    @field_validator("size_mm")
+    @classmethod
+    def _has_room(cls, size: Point) -> Point:
+        return _sides(size)
+
+    @model_validator(mode="after")
+    def _bars_leave_an_opening(self) -> Self:
+        most = (min(self.size_mm) - _LEAST_OPENING_MM) / 2
+        if self.bar_mm > most:
+            sides = f"{self.size_mm[0]:g} x {self.size_mm[1]:g}"
+            raise DesignError("bar_mm", f"must be at most {most:g} in a frame of {sides} mm", self.bar_mm)
+        return self
+
+    @property
+    def opening_mm(self) -> tuple[float, float]:
+        """Width and depth between the bars."""
+        width, depth = self.size_mm
+        return width - 2 * self.bar_mm, depth - 2 * self.bar_mm
+
+
+class Printer(Section):
+    """A printer.
+
+    Attributes
+    ----------
+    name : what people call it.
+    bed_mm : width and depth that the nozzle reaches.
+    origin : of its coordinates: the left front `corner` of the bed, or its `centre`.
+    nozzle_mm : also the width of a line.
+    first_layers_mm : heights that the first layer may have, the usual one first.
+    layer_mm : height of the others.
+    filament_mm : diameter of the filament.
+    homes : what the nozzle does when z is homed: it moves `away` from the bed, or down `onto` it.
+    start_code : G-code that makes the nozzle start on the fabric, with the `PLACEHOLDERS` in braces.
+    """
+
+    name: Line = Field(min_length=1, max_length=100)
+    bed_mm: Point
+    origin: Literal["corner", "centre"] = "corner"
+    nozzle_mm: Number = Field(0.4, ge=0.1, le=2)
+    first_layers_mm: tuple[LayerHeight, ...] = Field(min_length=1, max_length=20)
+    layer_mm: Number = Field(ge=0.01, le=2)
+    filament_mm: Number = Field(1.75, ge=1, le=5)
+    homes: Literal["away", "onto"]
+    speed: Speed
+    frame: Frame = Frame()
+    start_code: Text = Field(max_length=10_000)
+
+    @model_validator(mode="after")
+    def _layers_of_the_nozzle(self) -> Self:
+        heights = {"layer_mm": self.layer_mm}
+        heights |= {f"first_layers_mm[{number}]": height for number, height in enumerate(self.first_layers_mm)}
+        for field, height in heights.items():
+            if height > self.nozzle_mm:
+                raise DesignError(field, f"must be at most the nozzle's {self.nozzle_mm:g} mm", height)
+        return self
+
+    @field_validator("bed_mm")
+    @classmethod
+    def _has_room(cls, size: Point) -> Point:
+        return _sides(size)
+
+    @field_validator("start_code")
+    @classmethod
+    def _known_placeholders(cls, code: str) -> str:
+        for name in re.findall(r"\{([^{}]*)\}", code):
+            if name not in PLACEHOLDERS:
+                raise DesignError("", f"may have {', '.join(PLACEHOLDERS)} in braces", "{" + name + "}")
+        if "{z_offset_mm}" not in code and "{above_bed_mm}" not in code:
+            raise DesignError("", "must use {z_offset_mm} or {above_bed_mm}: the nozzle starts on the fabric")
+        return code
+
+    def roundings(self) -> tuple[Rounding, ...]:
+        """The sizes that it can make, for each height of the first layer."""
+        return tuple(
+            Rounding(first_layer_mm=first, layer_mm=self.layer_mm, line_mm=self.nozzle_mm)
+            for first in self.first_layers_mm
+        )
+
+    @property
+    def bed_centre_mm(self) -> tuple[float, float]:
+        """The middle of the bed in the printer's coordinates."""
+        if self.origin == "centre":
+            return 0.0, 0.0
+        return self.bed_mm[0] / 2, self.bed_mm[1] / 2
+
+    def start_snippet(self, z_offset_mm: float, released_mm: float | None = None) -> str:
+        """The start code for a height of the fabric's surface above the bed.
+
+        `released_mm`: thickness that the fabric was taken to have, if it was not measured where it is stretched.
+        """
+        values = (z_offset_mm, z_offset_mm + ABOVE_FABRIC_MM, ABOVE_FABRIC_MM)
+        code = self.start_code
+        for name, value in zip(PLACEHOLDERS, values, strict=True):
+            code = code.replace("{" + name + "}", f"{value:.2f}")
+        code = code.strip() + "\n"
+        if released_mm is None:
+            return code
+        return f"; for {released_mm:.2f} mm of fabric, released: stretched it is thinner, measure it\n{code}"
+
+
+def _sides(size: Point) -> Point:
+    if not all(10 <= side <= 5000 for side in size):
+        raise DesignError("", "must be two sides from 10 to 5000 mm", size)
+    return size

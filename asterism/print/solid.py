@@ -1,0 +1,160 @@
+"""Watertight solids that stand on the ground: regions of the plane with a height each, united."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+from pattern.layout.layout import Floats, Ints
+
+# corners lie on a grid of a thousandth of a millimetre: single precision, as in STL, keeps them apart
+GRID_MM = 1e-3
+# joining parts may bring other corners together
+_MOST_ROUNDS = 5
+
+
+@dataclass(frozen=True)
+class Solid:
+    """A closed surface.
+
+    Attributes
+    ----------
+    name : what slicers show.
+    points : (n, 3) mm.
+    triangles : (m, 3), counterclockwise from outside.
+    """
+
+    name: str
+    points: Floats
+    triangles: Ints
+
+    @property
+    def volume_mm3(self) -> float:
+        """Enclosed volume, by the divergence theorem."""
+        a, b, c = (self.points[self.triangles[:, k]] for k in range(3))
+        return float(np.einsum("ni,ni->", a, np.cross(b, c))) / 6
+
+    @property
+    def box(self) -> Floats:
+        """(2, 3) mm, lowest and highest corner."""
+        return np.array([self.points.min(axis=0), self.points.max(axis=0)])
+
+
+@dataclass(frozen=True)
+class Step:
+    """A region of the plane that is filled from the ground to a height.
+
+    Attributes
+    ----------
+    height_mm : its top.
+    region : polygons, mm.
+    """
+
+    height_mm: float
+    region: BaseGeometry
+
+
+def terraces(regions: Sequence[tuple[float, BaseGeometry]]) -> tuple[Step, ...]:
+    """Regions (height, polygon) that may overlap, as one terrace for each height, the lowest and widest first.
+
+    A terrace covers all that is at least as high, so that each lies within the one before it. All are unions of the
+    faces of one subdivision of the plane: where two terraces have a wall in common, they have its corners in common.
+    Parts that touch in a point are joined there by a square of a few micrometres: an edge of a solid has two sides.
+    """
+    heights = np.array([round(height, 6) for height, _ in regions])
+    shapes = shapely.set_precision([region for _, region in regions], GRID_MM)
+    for _ in range(_MOST_ROUNDS):
+        steps = _subdivided(heights, shapes)
+        touching = [(step.height_mm, _touching_points(step.region)) for step in steps]
+        if not any(len(points) for _, points in touching):
+            break
+        for height, points in touching:
+            bridges = shapely.box(*(points - 2 * GRID_MM).T, *(points + 2 * GRID_MM).T)
+            heights = np.concatenate([heights, np.full(len(points), height)])
+            shapes = np.concatenate([shapes, shapely.set_precision(bridges, GRID_MM)])
+    return steps
+
+
+def _subdivided(heights: Floats, shapes: np.ndarray) -> tuple[Step, ...]:
+    faces, top = _faces(shapely.union_all(shapely.boundary(shapes), grid_size=GRID_MM), heights, shapes)
+    levels = np.unique(top)
+    return tuple(Step(float(level), shapely.coverage_union_all(faces[top >= level])) for level in levels)
+
+
+def _faces(lines: BaseGeometry, heights: Floats, shapes: np.ndarray) -> tuple[np.ndarray, Floats]:
+    """Polygons between the shapes' boundaries that lie under a shape, and the height of the highest one over each."""
+    faces = shapely.get_parts(shapely.polygonize(shapely.get_parts(lines)))
+    face, shape = shapely.STRtree(shapes).query(shapely.point_on_surface(faces), predicate="intersects")
+    top = np.zeros(len(faces))
+    np.maximum.at(top, face, heights[shape])
+    return faces[top > 0], top[top > 0]
+
+
+def _touching_points(region: BaseGeometry) -> Floats:
+    """(n, 2) corners at which parts of a region, or its holes, touch."""
+    rings = shapely.get_rings(shapely.get_parts(region))
+    corners = [shapely.get_coordinates(ring)[:-1] for ring in rings]
+    points, count = np.unique(np.concatenate([np.empty((0, 2)), *corners]), axis=0, return_counts=True)
+    return np.asarray(points[count > 1])
+
+
+def stack(name: str, steps: Sequence[Step]) -> Solid:
+    """The solid under nested terraces.
+
+    Over every corner of the plane lie points at the heights of all faces that meet there. Walls and roofs have no other
+    points, so that they fit without being cut against each other.
+
+    Raises
+    ------
+    ValueError
+        There is nothing in the regions.
+    """
+    heights = np.array([step.height_mm for step in steps])
+    # terraces may have been turned: what was on the grid has corners in common, and none are to move now
+    regions = np.array([step.region for step in steps], dtype=object)
+    faces, top = _faces(shapely.union_all(shapely.boundary(regions)), heights, regions)
+    if not len(faces):
+        raise ValueError(f"{name} has no area")
+    pieces, face = shapely.get_parts(shapely.constrained_delaunay_triangles(faces), return_index=True)
+    plane = shapely.get_coordinates(shapely.orient_polygons(pieces)).reshape(-1, 4, 2)[:, :3]
+    roofs = np.dstack([plane, np.broadcast_to(top[face][:, None], plane.shape[:2])])
+    ground = np.dstack([plane, np.zeros(plane.shape[:2])])[:, ::-1]
+    corners = np.concatenate([roofs, ground, _walls(shapely.orient_polygons(faces), top)])
+    points, index = np.unique(corners.reshape(-1, 3), axis=0, return_inverse=True)
+    return Solid(name, points, index.reshape(-1, 3))
+
+
+def _walls(faces: np.ndarray, top: Floats) -> Floats:
+    """(n, 3, 3) mm, triangles between faces of different heights and around them all."""
+    rings, face = shapely.get_rings(faces, return_index=True)
+    coordinates, ring = shapely.get_coordinates(rings, return_index=True)
+    corners, corner = np.unique(coordinates, axis=0, return_inverse=True)
+    along = ring[:-1] == ring[1:]
+    begin, end = corner.reshape(-1)[:-1][along], corner.reshape(-1)[1:][along]
+    height = top[face[ring[:-1][along]]]
+    # each face lies to the left of its edges; beyond an edge that is nobody's other side is the ground
+    other = dict(zip(zip(end.tolist(), begin.tolist(), strict=True), height.tolist(), strict=True))
+    walls, levels = [], [{0.0} for _ in corners]
+    for a, b, high in zip(begin.tolist(), end.tolist(), height.tolist(), strict=True):
+        levels[a].add(high)
+        low = other.get((a, b), 0.0)
+        if low < high:
+            walls.append((a, b, low, high))
+    triangles = []
+    for a, b, low, high in walls:
+        left, right = (sorted(z for z in levels[k] if low <= z <= high) for k in (a, b))
+        i = j = 0
+        while i + 1 < len(left) or j + 1 < len(right):
+            triangle = [(*corners[a], left[i]), (*corners[b], right[j])]
+            if i + 1 < len(left) and (j + 1 == len(right) or left[i + 1] <= right[j + 1]):
+                i += 1
+                triangle.append((*corners[a], left[i]))
+            else:
+                j += 1
+                triangle.append((*corners[b], right[j]))
+            triangles.append(triangle)
+    return np.array(triangles)

@@ -1,0 +1,1 @@
+"""The running process: interruption and compile time."""

@@ -1,0 +1,145 @@
+"""What the page about a design says, as headed lines."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from asterism.previews.uncertainty.expected_height import in_words
+from asterism.print.job import Job
+from asterism.print.needles import MUCH_MM
+from pattern.design.design import Design
+from pattern.design.kept_curvature import KeptCurvature
+from pattern.layout.layout import Layout
+
+Facts = dict[str, list[str]]
+
+
+def facts(job: Job, summary: Mapping[str, Any], source: str) -> Facts:
+    """Parameters, shape, accuracy and material; what is not known is left out.
+
+    Parameters
+    ----------
+    summary : of the shape; empty if there is none.
+    source : where the shape comes from, or why there is none.
+    """
+    found = {
+        "Fabric": _fabric(job.design),
+        "Plastic": _plastic(job.design),
+        "Stars": _stars(job.drawn_plan, job.design),
+        "Shape": [source, *_as_drawn(job, summary), *_shape(summary), *_hanging(job)],
+        "Accuracy": _accuracy(summary),
+        "Print": _print(job),
+    }
+    return {head: lines for head, lines in found.items() if lines}
+
+
+def _fabric(design: Design) -> list[str]:
+    x, y = design.fabric.stretch_xy
+    stretch = f"{x:g}" if x == y else f"{x:g} along x, {y:g} along y"
+    lines = [f"stretch {stretch}, {design.fabric.thickness_mm:g} mm thick", f"bending: {design.fabric.bending}"]
+    if design.gravity.on:  # only then the modulus counts
+        x, y, z = design.gravity.direction
+        lines.append(f"E {design.fabric.modulus_mpa:g} MPa, its weight pulls along ({x:g}, {y:g}, {z:g})")
+    return lines
+
+
+def _plastic(design: Design) -> list[str]:
+    plastic = design.plastic
+    kept = plastic.kappa_bar_per_mm
+    bar = "by thickness" if isinstance(kept, KeptCurvature) else f"{kept:g} /mm"
+    return [f"E1/E2 {plastic.modulus_ratio:g}, {plastic.rest_curvature}", f"kappa_bar {bar}"]
+
+
+def _stars(plan: Layout, design: Design) -> list[str]:
+    width, height = np.ptp(plan.border, axis=0)
+    return [
+        f"{len(plan.centres)}, {design.lattice.arms} arms, {design.lattice.spacing_mm:.4g} mm apart",
+        f"length {_range(plan.arm_length)} mm",
+        f"thickness {_range(plan.arm_thickness)}, width {_range(plan.arm_width)} mm",
+        *_sides(plan),
+        f"sheet {width:.1f} x {height:.1f} mm, stretched",
+    ]
+
+
+def _sides(plan: Layout) -> list[str]:
+    """Where stars do not all start up."""
+    down, free = (int((plan.star_branch == side).sum()) for side in (-1, 0))
+    started = [f"{count} {how}" for count, how in ((down, "bumped down"), (free, "flat")) if count]
+    return ["started " + ", ".join(started)] if started else []
+
+
+def _as_drawn(job: Job, summary: Mapping[str, Any]) -> list[str]:
+    """That the shape is not of what is printed, where the printer rounds."""
+    if not job.is_rounded or "design" not in summary or Design.from_dict(summary["design"]).stars == job.design.stars:
+        return []
+    return ["as drawn; the print is rounded, see there"]
+
+
+def _shape(summary: Mapping[str, Any]) -> list[str]:
+    lines = []
+    if "height_mm" in summary:
+        lines.append(f"height {summary['height_mm']:.1f} mm")
+    if "extent_mm" in summary:
+        lines.append("extent " + " x ".join(f"{size:.1f}" for size in summary["extent_mm"]) + " mm")
+    if "is_minimum" in summary:
+        lines.append("a certified equilibrium" if summary["is_minimum"] else "NOT certain to stay")
+    return lines
+
+
+def _hanging(job: Job) -> list[str]:
+    if job.hangs_mm is None or job.hangs_mm <= MUCH_MM:
+        return []
+    doubt = job.hangs_doubt_mm
+    below = f"hangs {job.hangs_mm:.1f} mm below its base"
+    return [below] if doubt is None else [f"{below},", f"give or take {doubt:.1f} mm"]
+
+
+def _accuracy(summary: Mapping[str, Any]) -> list[str]:
+    lines = []
+    if (expected := summary.get("expected_rms_percent")) is not None:
+        lines.append(f"expected rms {expected:.1f} % of the diameter")
+        lines.append("from the exact model")
+    if (height := summary.get("expected_height_percent")) is not None:
+        lines.append(f"height give or take {in_words(height, summary['height_mm'])}")
+    if (mesh := summary.get("mesh_error_percent")) is not None:
+        lines.append(f"mesh error about {mesh:.1f} % of the diameter")
+    elif (change := summary.get("mesh_change_percent")) is not None:
+        lines += ["mesh error not known", f"{change:.1f} % from the next coarser mesh"]
+    elif summary and summary.get("model") != "preview":
+        lines.append("mesh error not known, one mesh was solved")
+    elif summary and not lines:
+        lines.append("not known how far from the exact model")
+    if (law := summary.get("law")) is not None:
+        lines.append(f"law: {law['material']}, edges of {law['edge_mm']:g} mm")
+    return lines
+
+
+def _print(job: Job) -> list[str]:
+    cost = job.cost
+    return [
+        *([f"LARGER than the {job.printer.name} can print in its frame"] if job.too_large else []),
+        f"{job.printer.name}, {job.plastic.name}",
+        *_rounded(job),
+        f"{cost['mass_g']:.1f} g, {cost['filament_m']:.2f} m of filament",
+        f"about {cost['minutes']:.0f} minutes",
+        f"nozzle starts {job.z_offset_mm:g} mm above the bed" + ("" if job.fabric_given else ", on released fabric"),
+    ]
+
+
+def _rounded(job: Job) -> list[str]:
+    """Which sizes the printer makes in place of the design's."""
+    found = []
+    for name, size in job.size_changes.items():
+        if size["stars_changed"]:
+            found.append(
+                f"{name} " + ", ".join(f"{value:g}" for value in size["values_mm"][:4]) + " mm in place of the design's"
+            )
+    return found
+
+
+def _range(values: np.ndarray) -> str:
+    low, high = float(values.min()), float(values.max())
+    return f"{low:.3g}" if high - low < 0.005 * high else f"{low:.3g} to {high:.3g}"

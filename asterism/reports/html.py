@@ -1,0 +1,84 @@
+"""The parts that a report is made of: escaped text, tables, pictures inside the file."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from collections.abc import Mapping, Sequence
+from html import escape
+
+import numpy as np
+from PIL import Image
+
+from asterism.draw.picture import small_png
+from pattern.layout.layout import Floats
+
+STYLE = """
+:root { color-scheme: light; }
+body { font: 16px/1.5 system-ui, sans-serif; color: #26262b; background: #fff; max-width: 1080px; margin: 2.5rem auto;
+       padding: 0 1.5rem; }
+h1 { font-size: 1.7rem; margin: 0 0 .2rem; overflow-wrap: anywhere; } h2 { font-size: 1.15rem; margin: 2.2rem 0 .6rem; }
+.lead { font-size: 1.1rem; margin: 0 0 1.2rem; }
+.small { color: #62626a; font-size: .9rem; max-width: 52rem; }
+.tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(9.5rem, 1fr)); gap: .8rem; margin: 1rem 0; }
+.tile { background: #f4f3ef; border-radius: 8px; padding: .7rem .9rem; }
+.tile b { display: block; font-size: 1.5rem; font-weight: 600; } .tile span { color: #62626a; font-size: .85rem; }
+.row { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(300px, 100%), 1fr)); gap: 1rem;
+       align-items: end; }
+figure { margin: 0; break-inside: avoid; } figure img { width: 100%; height: auto; display: block; }
+figcaption { color: #62626a; font-size: .85rem; margin-top: .3rem; }
+.good { color: #2a6f3c; } .bad { color: #a3361f; }
+.warnings { background: #fdf3e7; border-left: 4px solid #ed7829; margin: 1rem 0; padding: .6rem 1rem; }
+.warnings ul { margin: .2rem 0 0; padding-left: 1.2rem; }
+.wide { overflow-x: auto; }
+table { border-collapse: collapse; margin: .4rem 0; font-variant-numeric: tabular-nums; }
+th, td { text-align: left; padding: .22rem 1.2rem .22rem 0; border-bottom: 1px solid #e8e6e0; vertical-align: top; }
+td.n, th.n { text-align: right; } th { font-weight: 600; }
+td { overflow-wrap: anywhere; } td.n, td:first-child { overflow-wrap: normal; }
+@media (max-width: 600px) { th, td { padding-right: .5rem; } body { padding: 0 .8rem; } }
+"""
+
+
+def page(title: str, parts: Sequence[str]) -> str:
+    """A whole document that needs no other file and no network."""
+    return (
+        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>{escape(title)}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n"
+        + "\n".join(parts)
+        + "\n</body>\n</html>\n"
+    )
+
+
+def table(header: Sequence[str], rows: Sequence[Sequence[str]], numbers: bool = True) -> str:
+    """Text in the first column; numbers, to the right, in the others, or text there too."""
+
+    def line(cells: Sequence[str], tag: str) -> str:
+        kinds = ["", *([' class="n"' if numbers else ""] * (len(cells) - 1))]
+        return "<tr>" + "".join(f"<{tag}{k}>{escape(c)}</{tag}>" for k, c in zip(kinds, cells, strict=True)) + "</tr>"
+
+    lines = [line(header, "th"), *(line(row, "td") for row in rows)]
+    return '<div class="wide"><table>\n' + "\n".join(lines) + "\n</table></div>"
+
+
+def tiles(values: Mapping[str, str]) -> str:
+    """Large numbers, each with what it is below."""
+    each = (f'<div class="tile"><b>{escape(v)}</b><span>{escape(k)}</span></div>' for k, v in values.items())
+    return '<div class="tiles">' + "".join(each) + "</div>"
+
+
+def figures(pictures: Sequence[tuple[bytes, str]]) -> str:
+    """PNG pictures side by side, with captions."""
+    each = (
+        f'<figure><img alt="{escape(caption, quote=True)}" src="data:image/png;base64,{b64encode(png).decode()}">'
+        f"<figcaption>{escape(caption)}</figcaption></figure>"
+        for png, caption in pictures
+    )
+    return '<div class="row">' + "".join(each) + "</div>"
+
+
+def png(image: Floats) -> bytes:
+    """An image (height, width, 4), row 0 the lowest, on white."""
+    opacity = image[..., 3:]
+    colour = opacity * image[..., :3] + (1.0 - opacity)
+    picture = Image.fromarray(np.clip(255.0 * np.flipud(colour) + 0.5, 0, 255).astype(np.uint8))
+    return small_png(picture)

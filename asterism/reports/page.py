@@ -1,0 +1,157 @@
+"""The page about a design, an A4: picture, facts, layout to a round scale, needles."""
+
+from __future__ import annotations
+
+import textwrap
+import warnings
+from collections.abc import Sequence
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+import shapely
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path as Outline
+from matplotlib.transforms import Affine2D, Transform
+from PIL import Image
+from shapely.geometry.base import BaseGeometry
+
+from asterism.draw.colours import INK, PALE
+from asterism.draw.picture import draw
+from asterism.print.job import Job
+from asterism.reports.facts import Facts
+from asterism.shape.shape import Shape
+from pattern.layout.layout import Floats
+
+A4_MM = np.array([210.0, 297.0])
+MARGIN_MM = 15.0
+RED, SHEET = "#c8553d", "#f3f1ea"
+# room for the drawing, and the most needles that are listed
+LAYOUT_MM, LAYOUT_AT = np.array([112.0, 122.0]), np.array([83.0, 42.0])
+MOST_NEEDLES = 12
+# characters of a line of doubts, and lines
+DOUBT_WIDTH, DOUBT_LINES = 145, 3
+SCALES = (1, 1.5, 2, 2.5, 3, 4, 5, 10, 20, 50)
+_POINTS = 72 / 25.4
+
+
+def write_page(path: Path, job: Job, found: Facts, doubts: Sequence[str], shape: Shape | None) -> float:
+    """Write the page as PDF, with doubts about the shape; returns n of the layout's scale 1:n."""
+    figure = Figure(figsize=tuple(A4_MM / 25.4), dpi=72.0, facecolor="white")
+    FigureCanvasAgg(figure)
+    to_page = Affine2D().scale(_POINTS)
+    name = job.design.name
+    _text(figure, to_page, MARGIN_MM, 276.0, name, 7.0 * min(1.0, 40 / max(len(name), 1)), weight="bold")
+    if shape is not None:
+        _picture(figure, shape)
+    _doubts(figure, to_page, doubts)
+    _facts(figure, to_page, found)
+    parts = _layout(figure, to_page, job)
+    _needles(figure, to_page, job)
+    settings: dict[Any, Any] = {"pdf.fonttype": 42, "path.simplify": False}
+    with warnings.catch_warnings(), matplotlib.rc_context(settings):
+        warnings.filterwarnings("ignore", "Glyph .* missing from font")
+        figure.savefig(path, format="pdf", dpi=300, metadata={"Title": name, "CreationDate": None})
+    return parts
+
+
+def _picture(figure: Figure, shape: Shape) -> None:
+    stream = BytesIO()
+    draw(shape, "", stream)
+    with Image.open(stream) as image:
+        # its head is said by the page
+        pixels = np.asarray(image.convert("RGB"))[140:]
+    height, width = pixels.shape[:2]
+    size = np.array([A4_MM[0] - 2 * MARGIN_MM, 0.0])
+    size[1] = size[0] * height / width
+    low = np.array([MARGIN_MM, 270.0 - size[1]])
+    axes = figure.add_axes((*(low / A4_MM), *(size / A4_MM)))
+    axes.imshow(pixels, interpolation="none")
+    axes.axis("off")
+
+
+def _doubts(figure: Figure, to_page: Transform, doubts: Sequence[str]) -> None:
+    """Between the picture and the facts, as many as there is room for."""
+    lines = [line for doubt in doubts for line in textwrap.wrap(doubt, DOUBT_WIDTH)]
+    if len(lines) > DOUBT_LINES:
+        lines = [*lines[: DOUBT_LINES - 1], "... and more: see the summary of the results"]
+    for k, line in enumerate(lines):
+        _text(figure, to_page, MARGIN_MM, 181.5 - 3.2 * k, line, 2.3, color=RED)
+
+
+def _facts(figure: Figure, to_page: Transform, found: Facts) -> None:
+    y = 170.0
+    for head, lines in found.items():
+        _text(figure, to_page, MARGIN_MM, y, head, 3.3, weight="bold")
+        for line in lines:
+            y -= 4.2
+            _text(figure, to_page, MARGIN_MM, y, line, 2.7)
+        y -= 6.4
+
+
+def _layout(figure: Figure, to_page: Transform, job: Job) -> float:
+    """The layout as it is printed, seen from the plastic side, with its needles."""
+    border = job.plan.border
+    low, high = border.min(axis=0), border.max(axis=0)
+    parts = next((n for n in SCALES if ((high - low) / n <= LAYOUT_MM).all()), SCALES[-1])
+    middle = LAYOUT_AT + LAYOUT_MM / 2
+    to_drawing = Affine2D().translate(*-(low + high) / 2).scale(1 / parts).translate(*middle) + to_page
+    sheet = shapely.Polygon(border)
+    _draw(figure, to_drawing, sheet, facecolor=SHEET, edgecolor=PALE, linewidth=0.6)
+    for arm in job.arms:
+        _draw(figure, to_drawing, shapely.Polygon(arm.corners(job.plan.centres[arm.star])), facecolor=INK, linewidth=0)
+    for needle in job.needles[:200]:
+        spot = shapely.Point(needle.printed).buffer(1.0 * parts)
+        _draw(figure, to_drawing, spot, facecolor=RED, linewidth=0)
+        if len(job.needles) <= MOST_NEEDLES:
+            # towards the middle, so that nothing leaves the room of the drawing
+            inwards = (low + high) / 2 - needle.printed
+            far = float(np.linalg.norm(inwards))
+            at = needle.printed + 4.0 * parts * (inwards / far if far > 4.0 * parts else np.array([0.0, 1.0]))
+            x, y = (at - (low + high) / 2) / parts + middle
+            # its own ground, where it comes to lie on an arm
+            style = {"color": RED, "weight": "bold", "bbox": {"facecolor": SHEET, "edgecolor": "none", "pad": 0.6}}
+            _text(figure, to_page, x, y - 1.0, str(needle.number), 2.8, ha="center", **style)
+    head = f"Layout 1:{parts:g}, on the stretched fabric, plastic side"
+    _text(figure, to_page, LAYOUT_AT[0], LAYOUT_AT[1] + LAYOUT_MM[1] + 5.0, head, 3.3, weight="bold")
+    return float(parts)
+
+
+def _needles(figure: Figure, to_page: Transform, job: Job) -> None:
+    needles = job.needles
+    if not needles:
+        _text(figure, to_page, MARGIN_MM, 33.0, "No needles: the sheet is free.", 2.7, color=PALE)
+        return
+    _text(figure, to_page, MARGIN_MM, 35.0, f"Needles: {len(needles)}", 3.3, weight="bold")
+    if len(needles) > MOST_NEEDLES:
+        text = "Red dots in the layout; asterism export writes their places (needles.csv) and a drilling template."
+        _text(figure, to_page, MARGIN_MM, 30.5, text, 2.7)
+        return
+    for i, needle in enumerate(needles):
+        column, row = divmod(i, 4)
+        printed = _numbers(needle.printed)
+        place = "slides" if needle.place is None else _numbers(needle.place)
+        text = f"{needle.number}: printed ({printed}), stands at ({place})"
+        _text(figure, to_page, MARGIN_MM + 62.0 * column, 30.5 - 4.2 * row, text, 2.3)
+
+
+def _numbers(place: Floats) -> str:
+    """In mm, without a minus before nothing; a height that is not known slides."""
+    return ", ".join("slides" if np.isnan(value) else f"{value:.1f}" for value in np.round(place, 1) + 0.0)
+
+
+def _draw(figure: Figure, transform: Transform, region: BaseGeometry, **style: Any) -> None:
+    for polygon in shapely.get_parts(region):
+        outline = Outline(np.asarray(polygon.exterior.coords), closed=True)
+        figure.add_artist(PathPatch(outline, transform=transform, **style))
+
+
+def _text(
+    figure: Figure, to_page: Transform, x: float | Floats, y: float | Floats, text: str, size_mm: float, **style: Any
+) -> None:
+    settings: dict[str, Any] = {"color": INK, "family": "DejaVu Sans", "parse_math": False} | style
+    figure.text(float(x), float(y), text, transform=to_page, fontsize=size_mm * _POINTS, **settings)

@@ -1,0 +1,112 @@
+"""The distance over the printed sheet, and profiles through its middle."""
+
+from __future__ import annotations
+
+from io import BytesIO
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.tri import Triangulation
+
+from asterism.reports.views import COLOURS, ORANGE
+from asterism.shape.comparison import Comparison
+from pattern.geometry.planar import inside
+from pattern.layout.layout import Floats
+
+BLUE = "#4f6d92"
+SAMPLES = 241
+# cuts end this much before the outline, so that rounding does not take them over it
+INSIDE = 0.999
+
+
+def distance_map(comparison: Comparison) -> bytes:
+    """PNG: distance of the cell means in % of the diameter over the print, star centres on top."""
+    reference, layout = comparison.reference, comparison.layout
+    width, height = np.ptp(layout.border, axis=0)
+    # a long sheet has no bar of colours that towers over it
+    figure = Figure(figsize=(5.6, float(np.clip(1.0 + 4.0 * height / width, 2.2, 4.6))), dpi=130, layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.subplots()
+    percent = 100.0 * comparison.distance_mm / comparison.diameter_mm
+    over = Triangulation(reference.printed[:, 0], reference.printed[:, 1], reference.triangles)
+    filled = axes.tripcolor(over, percent, shading="gouraud", cmap=COLOURS, vmin=0)
+    figure.colorbar(filled, label="distance, % of the diameter", shrink=0.85)
+    stars = 100.0 * comparison.star_distance_mm / comparison.diameter_mm
+    x, y = layout.centres.T
+    axes.scatter(x, y, c=stars, cmap=COLOURS, vmin=0, vmax=filled.get_clim()[1], s=24, edgecolors="0.4")
+    axes.plot(*np.vstack([layout.border, layout.border[:1]]).T, color="0.3", linewidth=0.8)
+    axes.set(aspect="equal", xlabel="x on the print, mm", ylabel="y on the print, mm")
+    return _png(figure)
+
+
+def profiles(comparison: Comparison) -> bytes:
+    """PNG: two cuts through the middle of the print, along it and across, each seen in its own plane."""
+    curves = {name: _in_plane(*cut(comparison, way)) for name, way in directions(comparison).items()}
+    tallest = max(float(np.divide(*np.ptp(np.concatenate(pair), axis=0)[::-1])) for pair in curves.values())
+    # flat cuts leave no empty paper
+    figure = Figure(figsize=(10.0, float(np.clip(1.3 + 4.4 * tallest, 2.0, 4.6))), dpi=130, layout="constrained")
+    FigureCanvasAgg(figure)
+    for axes, (name, pair) in zip(figure.subplots(1, 2), curves.items(), strict=True):
+        for curve, colour, label in zip(pair, (BLUE, ORANGE), ("exact", "preview"), strict=True):
+            axes.plot(*curve.T, color=colour, label=label, linewidth=1.6)
+        axes.set(aspect="equal", title=name, xlabel="mm", ylabel="mm")
+        axes.grid(color="0.92")
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), frameon=False, loc="outside upper center", ncols=2)
+    return _png(figure)
+
+
+def directions(comparison: Comparison) -> dict[str, Floats]:
+    """Two directions on the print: across the axis and along it for a rolled sheet, else x and y."""
+    axis = comparison.roll_axes_deg[0]
+    a = np.radians(axis if axis is not None else 90.0)
+    along, across = np.array([np.cos(a), np.sin(a)]), np.array([np.sin(a), -np.cos(a)])
+    if axis is None:
+        return {"along x": across, "along y": along}
+    return {"across the axis of the roll": across, "along the axis": along}
+
+
+def cut(comparison: Comparison, direction: Floats) -> tuple[Floats, Floats]:
+    """(n, 3) mm of both shapes along a straight line of the print through the middle of its stars.
+
+    Where that is off the sheet, as in an L, through the star nearest to it.
+    """
+    border, centres = comparison.layout.border, comparison.layout.centres
+    middle = centres.mean(axis=0)
+    if not inside(middle[None], border)[0]:
+        middle = centres[np.linalg.norm(centres - middle, axis=1).argmin()]
+    printed = middle + np.linspace(*_ends(border, middle, direction), SAMPLES)[:, None] * direction
+    return comparison.reference.at(printed), comparison.other.at(printed)
+
+
+def _ends(border: Floats, middle: Floats, direction: Floats) -> tuple[float, float]:
+    """mm from the middle along the direction to the outline, backwards (negative) and forwards."""
+    normal = np.array([-direction[1], direction[0]])
+    gap, along = (border - middle) @ normal, (border - middle) @ direction
+    after, beyond = np.roll(gap, -1), np.roll(along, -1)
+    crossing = (gap < 0.0) != (after < 0.0)
+    way = gap[crossing] / (gap[crossing] - after[crossing])
+    at = along[crossing] + way * (beyond - along)[crossing]
+    return INSIDE * float(at[at < 0.0].max()), INSIDE * float(at[at > 0.0].min())
+
+
+def _in_plane(exact: Floats, preview: Floats) -> tuple[Floats, Floats]:
+    """(n, 2) mm, both curves in the plane nearest to the exact one, seen from its middle."""
+    plane, middle = _plane(exact), exact.mean(axis=0)
+    return (exact - middle) @ plane.T, (preview - middle) @ plane.T
+
+
+def _plane(curve: Floats) -> Floats:
+    """(2, 3) axes of the plane nearest to a curve: from its start to its end, and as far upwards as that leaves."""
+    normal = np.linalg.svd(curve - curve.mean(axis=0), full_matrices=False)[2][2]
+    chord = curve[-1] - curve[0]
+    chord -= (chord @ normal) * normal
+    first = chord / np.linalg.norm(chord)
+    second = np.cross(normal, first)
+    return np.array([first, second if second[2] >= 0.0 else -second])
+
+
+def _png(figure: Figure) -> bytes:
+    out = BytesIO()
+    figure.savefig(out, format="png")
+    return out.getvalue()

@@ -1,0 +1,67 @@
+"""The shape on the page: from results that belong to the design, or from a new preview."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from asterism.results.read_shape import read_shape
+from asterism.shape.shape import Shape
+from homogenize.law.law import Law
+from pattern.design.design import Design
+from pattern.design.errors import DesignError
+
+
+def shape_of(
+    design: Design, results: Path | None, beside: Path, say: Callable[[str], None], law: Law | None = None
+) -> tuple[Shape | None, str]:
+    """A shape of the design and where it comes from; None and the reason, if there is no preview of it.
+
+    Parameters
+    ----------
+    results : a directory of results, or its shape.vtu.
+    beside : where results usually are; taken only if they are of this design, and no preview where a law is given.
+    say : called with a line if something takes long the first time, and if there is no shape.
+    law : of a new preview; that of the paper's material by default.
+
+    Raises
+    ------
+    DesignError
+        The results are not of this design, or cannot be read.
+    """
+    from asterism.previews.run import preview
+    from asterism.process.compiling import told_of_compiling
+    from homogenize.errors import ForeignLaw, LawError
+
+    if results is not None:
+        shape = read_shape(results)
+        if not _is_of(shape, design):
+            raise DesignError("--results", "must be of this design; compute them again", str(results))
+        return shape, shape.made_by
+    if (beside / "shape.vtu").is_file():
+        try:
+            shape = read_shape(beside)
+        except DesignError:
+            pass  # what lies there by chance is no mistake
+        else:
+            if _is_of(shape, design) and not (law is not None and shape.is_preview):
+                return shape, shape.made_by
+    try:
+        with told_of_compiling(say):
+            shape = preview(design, law)
+    except LawError as error:
+        give = "--law or --results" if isinstance(error, ForeignLaw) else "--results"
+        say(f"the page has no picture: {error}; give {give}")
+        return None, "not known: no law of this material and lattice"
+    return shape, shape.made_by
+
+
+def _is_of(shape: Shape, design: Design) -> bool:
+    """Whether it is of this design, whatever its name, and on whatever mesh and from whatever start it was computed."""
+    made_from = shape.summary.get("design")
+    try:
+        other = None if made_from is None else Design.from_dict(made_from)
+    except DesignError:
+        return False
+    aside = {name: getattr(design, name) for name in ("name", "mesh", "solver")}
+    return other is not None and other.model_copy(update=aside) == design

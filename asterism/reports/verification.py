@@ -1,0 +1,244 @@
+"""report.html: preview and exact shape of a design, seen and in numbers, in one file that needs nothing else."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from html import escape
+from typing import Any
+
+from asterism.previews.uncertainty.expected_height import in_words as height_in_words
+from asterism.reports.html import figures, page, png, table, tiles
+from asterism.reports.plots import distance_map, profiles
+from asterism.reports.views import views
+from asterism.shape.mesh_error import in_words
+from asterism.shape.tube import degrees
+from asterism.verification.numbers import times
+from asterism.verification.origins import origins
+from asterism.verification.right_shape import SURE, gap
+from asterism.verification.run import PREVIEW, RELEASE, Verification
+from asterism.verification.warnings import FLAT
+
+MINIMA = ["exact model", "energy, N mm", "stars up", "certain to stay", "from the preview", "iterations"]
+LONGEST = 600  # characters of an entry of the design
+NAMES = {RELEASE: "released from the flat print", PREVIEW: "started from the preview"}
+
+
+def report(found: Verification) -> str:
+    """The whole page, as text."""
+    s, name = found.summary, found.design.name
+    parts = [
+        f"<h1>{escape(name)}</h1>",
+        f'<p class="lead">{_verdict(s)}</p>',
+        tiles(_headline(s)),
+        f'<p class="small">{_how(s)}</p>',
+        _warnings(s["warnings"]),
+        *_pictures(found),
+        "<h2>Numbers</h2>",
+        table(["", "exact", "preview", "difference"], _numbers(s)),
+        f"<p>Mesh error of the exact shape: {escape(in_words(s['exact']))}.</p>",
+        "<h2>Minima seen</h2>",
+        table(MINIMA, _minima(s)),
+        f"<p>{_agreement(s)}</p>",
+        "<h2>Seconds</h2>",
+        table(["without compiling", "s"], _seconds(s)),
+        "<h2>The design</h2>",
+        table(["", "as it was computed, with defaults"], _design(s["design"]), numbers=False),
+        "<h2>Made from</h2>",
+        table(["", "besides the design"], origins(s), numbers=False),
+    ]
+    return page(f"{name}: preview and exact model", parts)
+
+
+def _verdict(s: Mapping[str, Any]) -> str:
+    if not s["exact"]["is_minimum"]:
+        return (
+            'The exact model has <span class="bad">not found a shape that is certain to stay</span>: this says nothing '
+            "about the preview. Pictures and numbers show where the exact model stopped."
+        )
+    branch = "the same form as" if s["same_branch"] else '<span class="bad">another form</span> than'
+    expected = s["expected_rms_percent"]
+    told = "" if expected is None else f" It had expected {expected:.1f} %."
+    distance = f"{s['rms_percent']:.2f} % of its diameter ({s['rms_percent'] * s['diameter_mm'] / 100.0:.2g} mm)"
+    return f"The preview shows {branch} the exact model, {distance} away.{told}{_nearly(s)}"
+
+
+def _nearly(s: Mapping[str, Any]) -> str:
+    """That another exact minimum is nearer, and as low as the model can tell."""
+    other = s["starts"][RELEASE if s["result_from"] == PREVIEW else PREVIEW]
+    more = gap(s["exact"], other)
+    nearer = other["is_minimum"] and other["rms_percent"] < s["rms_percent"]
+    if s["same_branch"] or not nearer or more > SURE:
+        return ""
+    return (
+        f" The exact model has another minimum, {other['rms_percent']:.2f} % away, whose energy differs by "
+        f"{100.0 * more:.1g} %: which of the two counts is not certain."
+    )
+
+
+def _how(s: Mapping[str, Any]) -> str:
+    """What is measured, for those who have not read the documentation."""
+    return (
+        "Distances are between the places of the same printed points, after the preview has been turned and shifted "
+        f"onto the exact shape. Per cent are of the exact shape's diameter, {s['diameter_mm']:.0f} mm from end to end. "
+        "Surfaces are compared without the stars' bumps (means over the cell of a star), star centres with them. "
+        "rms: root mean square."
+    )
+
+
+def _headline(s: Mapping[str, Any]) -> dict[str, str]:
+    radius = s["roll_radius_error_percent"]
+    rise = s["rise_error_percent"]
+    if not s["exact"]["is_minimum"]:
+        return {}
+    return {
+        "distance of the surfaces, rms": _percent(s["rms_percent"], 2),
+        "largest distance": _percent(s["max_percent"], 1),
+        "distance of star centres, rms": _percent(s["rms_stars_percent"], 2),
+        **({} if _is_flat(s) else {"height of the preview, against the exact one": _signed(s["height_error_percent"])}),
+        **({} if rise is None else {"rise over what is held, against the exact one": _signed(rise)}),
+        **({} if radius is None else {"radius of the preview's roll, against the exact one": _signed(radius)}),
+        **_mesh(s["mesh_error_percent"], s["mesh_change_percent"]),
+        f"{'faster than' if s['speedup'] > 1.0 else 'as fast as'} the exact model": f"{times(s['speedup'])} ×",
+    }
+
+
+def _is_flat(s: Mapping[str, Any]) -> bool:
+    """Heights of nothing, whose ratio says nothing."""
+    exact, preview = s["heights_mm"]
+    return bool(abs(preview - exact) < FLAT * s["diameter_mm"] and abs(s["height_error_percent"] or 0.0) > 50.0)
+
+
+def _mesh(error: float | None, change: float | None) -> dict[str, str]:
+    """What is known of the exact model's mesh."""
+    if error is not None:
+        return {"the exact model's own mesh error": _percent(error, 1)}
+    if change is not None:
+        return {"the exact shape, from that on a coarser mesh": _percent(change, 1)}
+    return {"the exact model's own mesh error: one mesh was solved": "not known"}
+
+
+def _warnings(lines: list[str]) -> str:
+    each = "".join(f"<li>{escape(line)}</li>" for line in lines)
+    return f'<div class="warnings"><b>Before you trust these numbers</b><ul>{each}</ul></div>' if lines else ""
+
+
+def _pictures(found: Verification) -> list[str]:
+    seen = {name: [png(image) for image in images] for name, images in views(found.comparison).items()}
+    largest = found.comparison.distance_mm.max()
+    return [
+        "<h2>Side by side</h2>",
+        figures([(seen["exact"][0], "exact model"), (seen["preview"][0], "preview, with its stars' bumps")]),
+        "<h2>One in the other</h2>",
+        figures(
+            [
+                (seen["overlaid"][0], "exact blue, preview orange; what is outside is seen"),
+                (seen["overlaid"][1], "from the front"),
+                (seen["overlaid"][2], "from the side"),
+            ]
+        ),
+        "<h2>Where the distance is</h2>",
+        figures(
+            [
+                (distance_map(found.comparison), "over the print; dots are star centres"),
+                (seen["distance"][0], f"on the exact shape, from none (light) to {largest:.1f} mm (dark)"),
+            ]
+        ),
+        "<h2>Profiles through the middle</h2>",
+        figures([(profiles(found.comparison), "cuts along straight lines of the print, each seen in its own plane")]),
+    ]
+
+
+def _numbers(s: Mapping[str, Any]) -> list[list[str]]:
+    off = "" if _is_flat(s) else _signed(s["height_error_percent"])
+    rows = [["height, mm", *_pair(s["heights_mm"], 1), off]]
+    if s["rises_mm"] is not None:
+        rows.append(["rise over what is held, mm", *_pair(s["rises_mm"], 1), _signed(s["rise_error_percent"])])
+    if s["roll_radii_mm"] is not None:
+        rows.append(["radius of the roll, mm", *_pair(s["roll_radii_mm"], 1), _signed(s["roll_radius_error_percent"])])
+    if s["volumes_mm3"] is not None:
+        cm3 = [volume / 1000.0 for volume in s["volumes_mm3"]]
+        rows.append(["volume under the sheet, cm³", *_pair(cm3, 2), _signed(s["volume_error_percent"])])
+    axes = ["-" if axis is None else degrees(axis) for axis in s["roll_axes_deg"]]
+    if axes != ["-", "-"]:
+        itself = s["preview"].get("roll_axis_deg")
+        turned = itself is not None and degrees(itself) != axes[1]
+        laid = f" (the preview's before it was laid: {degrees(itself)})" if turned else ""
+        rows.append([f"axis of the roll on the print, deg{laid}", *axes, ""])
+    high = s["expected_height_percent"]
+    return [
+        *rows,
+        ["normals, rms", "", "", f"{s['normals_rms_deg']:.1f}°"],
+        ["surface, rms", "", "", _percent(s["rms_percent"], 2)],
+        ["surface, largest", "", "", _percent(s["max_percent"], 2)],
+        ["star centres, rms", "", "", _percent(s["rms_stars_percent"], 2)],
+        ["star centres, largest", "", "", _percent(s["max_stars_percent"], 2)],
+        ["stars' bumps, rms, of their size", "", "", _percent(s["relief_error_percent"], 0)],
+        ["surface, rms, as the preview expected", "", "", _percent(s["expected_rms_percent"], 2)],
+        ["height, as the preview expected", "", "", "-" if high is None else height_in_words(high, s["heights_mm"][1])],
+        ["diameter, mm", f"{s['diameter_mm']:.1f}", "", ""],
+    ]
+
+
+def _minima(s: Mapping[str, Any]) -> list[list[str]]:
+    return [
+        [
+            NAMES[name] + (" (counts)" if name == s["result_from"] else ""),
+            f"{one['energy_n_mm']:.4f}",
+            str(one["stars_up"]),
+            "yes" if one["is_minimum"] else "no",
+            _percent(one["rms_percent"], 2),
+            str(one["iterations"]),
+        ]
+        for name, one in s["starts"].items()
+    ]
+
+
+def _agreement(s: Mapping[str, Any]) -> str:
+    if not s["exact"]["is_minimum"]:
+        return "Neither start has come to a minimum that is certain to stay."
+    if s["starts_agree"]:
+        return "Both starts end in the same minimum."
+    lost = [NAMES[name] for name, one in s["starts"].items() if not one["is_minimum"]]
+    if lost:
+        return f"One start ({lost[0]}) has come to no minimum that is certain to stay; the other one counts."
+    apart = f"{s['starts_distance_percent']:.2g} % of the diameter apart and of different energy"
+    return f"The two starts end in different minima, {apart}. The certain one of lower energy counts."
+
+
+def _seconds(s: Mapping[str, Any]) -> list[list[str]]:
+    names = {
+        "preview_s": "preview, the first time",
+        "preview_again_s": "preview, again",
+        "exact_s": "exact model, " + NAMES[RELEASE],
+        "exact_from_preview_s": "exact model, " + NAMES[PREVIEW],
+    }
+    return [[text, f"{s[key]:.3g}"] for key, text in names.items()]
+
+
+def _design(design: Mapping[str, Any]) -> list[list[str]]:
+    """A line for every entry; sections that were left out have none."""
+    rows = []
+    for name, value in design.items():
+        entries = value if isinstance(value, Mapping) else {"": value}
+        for key, entry in entries.items():
+            if entry not in (None, [], {}):
+                rows.append([f"{name}.{key}".rstrip("."), _shortened(json.dumps(entry, ensure_ascii=False))])
+    return rows
+
+
+def _shortened(text: str) -> str:
+    """Of a grey picture or an outline of many corners the beginning is enough."""
+    return text if len(text) <= LONGEST else f"{text[:LONGEST]} ... (all {len(text)} characters: summary.json)"
+
+
+def _pair(values: list[float], digits: int) -> list[str]:
+    return [f"{value:.{digits}f}" for value in values]
+
+
+def _percent(value: float | None, digits: int) -> str:
+    return "-" if value is None else f"{value:.{digits}f} %"
+
+
+def _signed(value: float | None) -> str:
+    return "-" if value is None else f"{value:+.1f} %"

@@ -1,0 +1,36 @@
+"""The files of a verification."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from asterism.reports.verification import report
+from asterism.results.files import LAST
+from asterism.results.vtu import write_shape_vtu
+from asterism.results.write_results import staged_result
+from asterism.verification.run import Verification
+from pattern.design.arguments import check_kind
+from pattern.design.files import plain
+
+
+def write_verification(found: Verification, directory: str | Path) -> list[str]:
+    """Write report.html, exact.vtu, preview.vtu (laid on the exact shape) and summary.json, all or none.
+
+    Returns
+    -------
+    Their names.
+
+    Raises
+    ------
+    OutputError
+        They cannot be written there.
+    """
+    check_kind(found, Verification, "verify makes them")
+    with staged_result(directory) as folder:
+        # the command holds names of files, which may be no text
+        (folder / "report.html").write_text(report(found), encoding="utf-8", errors="backslashreplace")
+        write_shape_vtu(found.comparison.reference, folder / "exact.vtu")
+        write_shape_vtu(found.comparison.other, folder / "preview.vtu")
+        (folder / LAST).write_text(json.dumps(plain(found.summary), indent=2, allow_nan=False) + "\n")
+        return sorted(file.name for file in folder.iterdir())

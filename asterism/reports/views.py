@@ -1,0 +1,79 @@
+"""Both shapes from the same places and to the same scale: each alone, one in the other, and the distance as colour."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from matplotlib import colormaps
+
+from asterism.draw.render import FABRIC_SIDE, OBLIQUE, VIEWS, Camera, Surface, camera, render, surface
+from asterism.shape.comparison import Comparison
+from asterism.shape.shape import Shape
+from pattern.layout.layout import Floats
+
+ORANGE = (0.93, 0.47, 0.16)
+TALL, WIDE = 440, 640  # pixels: no picture is larger
+COLOURS = colormaps["magma_r"]
+
+
+def views(comparison: Comparison) -> dict[str, list[Floats]]:
+    """Images (height, width, 4) by name, in perspective, and `overlaid` from the front and from the side too.
+
+    `exact` and `preview` with their arms; `overlaid`: the exact sheet blue, the preview orange; `distance`: the exact
+    sheet, the darker the further the preview is away.
+    """
+    exact, preview = surface(comparison.reference), surface(comparison.other)
+    things = {
+        "exact": exact,
+        "preview": preview,
+        "overlaid": _together(bare(comparison.reference, FABRIC_SIDE), bare(comparison.other, ORANGE)),
+        "distance": bare(comparison.reference, colours_of(comparison)),
+    }
+    frame = np.concatenate([exact.points, preview.points])
+    low, high = frame.min(axis=0), frame.max(axis=0)
+    middle, size = (low + high) / 2, float(np.linalg.norm(high - low))
+    cameras = [camera(*OBLIQUE, middle, 2.6 * size), *(camera(*VIEWS[name], middle) for name in ("front", "side"))]
+    return {
+        name: [_framed(thing, view, frame) for view in (cameras if name == "overlaid" else cameras[:1])]
+        for name, thing in things.items()
+    }
+
+
+def colours_of(comparison: Comparison) -> Floats:
+    """(V, 3) of the distance at the vertices of the exact sheet, from nothing to its largest."""
+    far = max(float(comparison.distance_mm.max()), 1e-12)
+    return np.asarray(COLOURS(comparison.distance_mm / far))[:, :3]
+
+
+def bare(shape: Shape, colour: Floats | Sequence[float]) -> Surface:
+    """The sheet without its arms and pins, in one colour or in one at each vertex."""
+    thing = surface(replace(shape, rods=(), rod_fields={}, held=False))
+    return replace(thing, colours=np.broadcast_to(np.asarray(colour, dtype=float), (len(shape.positions), 3)))
+
+
+def _together(one: Surface, other: Surface) -> Surface:
+    assert one.colours is not None and other.colours is not None
+    return Surface(
+        np.concatenate([one.points, other.points]),
+        np.concatenate([one.normals, other.normals]),
+        np.concatenate([one.triangles, other.triangles + len(one.points)]),
+        len(one.triangles) + len(other.triangles),
+        colours=np.concatenate([one.colours, other.colours]),
+    )
+
+
+def _framed(thing: Surface, view: Camera, frame: Floats) -> Floats:
+    """The view of a thing in the picture that shows all points of `frame`; row 0 the lowest."""
+    seen, own = view.project(frame)[:, :2], view.project(thing.points)[:, :2]
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    scale = float((np.array([WIDE, TALL]) / np.maximum(high - low, 1e-3)).min())
+    image = render(thing, view, scale)
+    width, height = np.ceil((high - low) * scale).astype(int) + 8
+    out = np.zeros((height, width, 4))
+    own_middle = (own.min(axis=0) + own.max(axis=0)) / 2
+    corner = (own_middle - low) * scale + 4 - np.array(image.shape[1::-1]) / 2
+    column, row = np.clip(np.rint(corner).astype(int), 0, [width - image.shape[1], height - image.shape[0]])
+    out[row : row + image.shape[0], column : column + image.shape[1]] = image
+    return out

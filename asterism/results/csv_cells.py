@@ -1,0 +1,132 @@
+"""The rows of a CSV file, and its cells as numbers; whatever is wrong is said with row and column."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+from pattern.design.errors import one_line
+
+LARGEST_BYTES = 2_000_000
+
+
+class TableError(ValueError):
+    """A table that cannot be read or used; `str` is one line with the file, its row and its column.
+
+    Parameters
+    ----------
+    row : as a spreadsheet counts, the header is row 1; None for the file as a whole.
+    """
+
+    def __init__(self, file: str | Path, row: int | None, column: str | None, problem: str):
+        place = [str(file), *([f"row {row}"] if row else []), *([f"column {column}"] if column else [])]
+        super().__init__(one_line(f"{', '.join(place)}: {problem}"))
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row of the table: texts by column; missing and empty cells are empty texts."""
+
+    file: Path
+    number: int
+    cells: dict[str, str]
+
+    def wrong(self, column: str | None, problem: str) -> TableError:
+        """The mistake, with its place."""
+        return TableError(self.file, self.number, column, problem)
+
+    def number_in(self, column: str, low: float, high: float, unit: str = "mm", needed: bool = False) -> float | None:
+        """The number in a cell; None if it is empty, which a `needed` one must not be."""
+        text = self.cells.get(column, "")
+        if not text:
+            if needed:
+                raise self.wrong(column, "is empty")
+            return None
+        try:
+            value = float(text)
+        except ValueError:
+            if text.count(",") == 1 and text.replace(",", "").lstrip("+-").isdigit():
+                raise self.wrong(column, f"{text!r}: write decimals with a point") from None
+            raise self.wrong(column, f"{text!r} is not a number") from None
+        if not math.isfinite(value):
+            hint = "" if needed else "; leave the cell empty if it was not measured"
+            raise self.wrong(column, f"{text} is not a finite number{hint}")
+        if not low <= value <= high:
+            hint = ""
+            if unit == "mm" and 0 < value < low and (low <= 10 * value <= high or low <= 25.4 * value <= high):
+                hint = "; is it in inches or centimetres?"
+            raise self.wrong(column, f"{text} must be from {low:g} to {high:g} {unit}".rstrip() + hint)
+        return value
+
+
+def read_rows(path: Path, known: tuple[str, ...], required: tuple[str, ...]) -> list[Row]:
+    """The rows below the header that hold anything; lines that begin with # are remarks.
+
+    Columns may come in any order, separated by commas, semicolons or tabs.
+
+    Raises
+    ------
+    TableError
+        The file cannot be read, or its header is not as it should be.
+    """
+    lines = _lines(path)
+    if not lines:
+        raise TableError(path, None, None, "is empty")
+    first, head = lines[0]
+    separator = max(",;\t", key=head.count)
+    names = _cells(path, first, head, separator)
+    while names and not names[-1]:
+        names.pop()
+    for name in names:
+        if name not in known:
+            raise TableError(path, first, None, f"no column {name!r} is known; there are {', '.join(known)}")
+        if names.count(name) > 1:
+            raise TableError(path, first, name, "is there twice")
+    for name in required:
+        if name not in names:
+            raise TableError(path, first, None, f"the column {name} is missing")
+    rows = []
+    for number, line in lines[1:]:
+        texts = _cells(path, number, line, separator)
+        while len(texts) > len(names) and not texts[-1]:
+            texts.pop()
+        if len(texts) > len(names):
+            problem = f"{len(texts)} cells, but the header has {len(names)}"
+            if separator == ",":
+                problem += "; write decimals with a point"
+            raise TableError(path, number, None, problem)
+        if any(texts):
+            rows.append(Row(path, number, dict(zip(names, texts, strict=False))))
+    return rows
+
+
+def _cells(path: Path, number: int, line: str, separator: str) -> list[str]:
+    """The cells of a line."""
+    try:
+        return [text.strip() for text in next(csv.reader([line], delimiter=separator))]
+    except csv.Error as error:
+        raise TableError(path, number, None, str(error)) from None
+
+
+def _lines(path: Path) -> list[tuple[int, str]]:
+    """Numbered lines that are neither empty nor remarks."""
+    try:
+        with path.open("rb") as stream:
+            raw = stream.read(LARGEST_BYTES + 1)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise TableError(path, None, None, f"cannot be read: {reason.lower()}") from None
+    if len(raw) > LARGEST_BYTES:
+        raise TableError(path, None, None, f"is larger than {LARGEST_BYTES // 1_000_000} MB")
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        row = raw[: error.start].count(b"\n") + 1
+        raise TableError(path, row, None, "is not UTF-8 text; save the table as CSV (UTF-8)") from None
+    if "\0" in text:
+        raise TableError(path, None, None, "is not text; save the table as CSV (UTF-8)")
+    numbered = enumerate(io.StringIO(text, newline=None), 1)
+    return [(n, line.rstrip("\n")) for n, line in numbered if line.strip(" ,;\t\n") and not line.startswith("#")]

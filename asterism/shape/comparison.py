@@ -1,0 +1,275 @@
+"""How far one shape of a design is from another one: at the same printed points, after the best rigid motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from asterism.previews.supports.conditions import held_edges
+from asterism.shape.cell_mean import CellMean
+from asterism.shape.diameter import diameter
+from asterism.shape.shape import Shape
+from asterism.shape.surface_fields import border_of
+from asterism.shape.tube import tube_radius
+from pattern.geometry.normals import triangle_normals, vertex_normals
+from pattern.geometry.rigid_fit import rigid_fit
+from pattern.layout.layout import Floats, Layout
+from pattern.layout.likeness import rolled_about
+from pattern.layout.pin_freedom import tilts
+from pattern.layout.symmetries import Symmetry
+
+SAMPLES = 500  # vertices by which the nearest image is chosen
+WHOLE = 0.01  # of the spacing: a cell whose middle is further from its point is cut
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A shape laid on a reference shape; all distances are after that.
+
+    Relief repeats from star to star and is not what a smooth sheet can know: surfaces are compared by their means over
+    a cell (`CellMean`), star centres as they are.
+
+    Attributes
+    ----------
+    reference : the shape that counts as right; lengths in % are of its diameter.
+    other : the other shape's image under `symmetry`, laid on the reference, without fields of the sheet.
+    layout : what was printed.
+    symmetry : of the design; the compared shape stands for all its images, and this is the nearest one.
+    reference_mean, other_mean : (V, 3) mm, cell means at the vertices of the reference.
+    standing, standing_mean : the other shape as its pins hold it, and its cell means: heights are read off these. Where
+        pins let it tilt they are as laid on the reference.
+    diameter_mm : of the reference, the largest distance of two of its points.
+    whole : (V,) whether the cell around a vertex is not cut by the outline.
+    """
+
+    reference: Shape
+    other: Shape
+    layout: Layout
+    symmetry: Symmetry
+    reference_mean: Floats
+    other_mean: Floats
+    standing: Shape
+    standing_mean: Floats
+    diameter_mm: float
+    whole: NDArray[np.bool_]
+
+    @cached_property
+    def distance_mm(self) -> Floats:
+        """(V,) between the cell means at the vertices of the reference."""
+        return np.linalg.norm(self.other_mean - self.reference_mean, axis=1)
+
+    @cached_property
+    def star_distance_mm(self) -> Floats:
+        """(S,) between star centres."""
+        centres = self.layout.centres
+        return np.linalg.norm(self.other.at(centres) - self.reference.at(centres), axis=1)
+
+    @property
+    def rms_percent(self) -> float:
+        """Root mean square over the printed area of the distance of the cell means."""
+        return self._percent(float(self.reference.weights @ self.distance_mm**2) ** 0.5)
+
+    @property
+    def max_percent(self) -> float:
+        """Largest distance of the cell means."""
+        return self._percent(self.distance_mm.max())
+
+    @property
+    def rms_stars_percent(self) -> float:
+        """Root mean square over the star centres."""
+        return self._percent(np.sqrt((self.star_distance_mm**2).mean()))
+
+    @property
+    def max_stars_percent(self) -> float:
+        """Largest distance of two star centres."""
+        return self._percent(self.star_distance_mm.max())
+
+    @cached_property
+    def heights_mm(self) -> tuple[float, float]:
+        """Extents along z of the whole shapes, bumps and all."""
+        return float(np.ptp(self.reference.positions[:, 2])), float(np.ptp(self.standing.positions[:, 2]))
+
+    @cached_property
+    def rises_mm(self) -> tuple[float, float] | None:
+        """From the mean level of what is held to the furthest point on the reference's higher side, bumps and all.
+
+        None where nothing is held, or a single point.
+        """
+        held = _held(self.layout)
+        if len(held) < 2:
+            return None
+        level = self.reference.at(held)[:, 2].mean()
+        own = self.reference.positions[:, 2] - level
+        side = 1.0 if own.max() >= -own.min() else -1.0
+        others = self.standing.positions[:, 2] - self.standing.at(held)[:, 2].mean()
+        return float((side * own).max()), float((side * others).max())
+
+    @cached_property
+    def mean_heights_mm(self) -> tuple[float, float]:
+        """Extents along z of the cell means."""
+        return float(np.ptp(self.reference_mean[:, 2])), float(np.ptp(self.standing_mean[:, 2]))
+
+    @cached_property
+    def relief_error_percent(self) -> float | None:
+        """Root mean square of the distance of the two reliefs, what the cell means leave of the surfaces, in % of that
+        of the reference's own; over the printed area whose cells are not cut. None without a relief."""
+        weights, own = self.reference.weights * self.whole, self.reference.positions - self.reference_mean
+        size = float((weights @ own**2).sum())
+        if size == 0.0:
+            return None
+        other = self.other.at(self.reference.printed) - self.other_mean
+        return float(100.0 * np.sqrt((weights @ (other - own) ** 2).sum() / size))
+
+    @cached_property
+    def roll_axes_deg(self) -> tuple[float | None, float | None]:
+        """Axes about which the sheets are rolled in print coordinates; None: not rolled.
+
+        Beside one that is, a sheet that is almost rolled counts as rolled: where that begins must not part two alike.
+        """
+        axes = [rolled_about(self.layout, normals) for normals in self._normals]
+        nearly = None in axes and axes != [None, None]
+        one, other = (
+            rolled_about(self.layout, normals, nearly=True) if nearly and axis is None else axis
+            for normals, axis in zip(self._normals, axes, strict=True)
+        )
+        return one, other
+
+    @cached_property
+    def _normals(self) -> tuple[Floats, Floats]:
+        """(S, 3) of the cell means, at the stars."""
+        triangles = self.reference.triangles
+        one, other = (self._stars(vertex_normals(mean, triangles)) for mean in (self.reference_mean, self.other_mean))
+        return one, other
+
+    @cached_property
+    def roll_radii_mm(self) -> tuple[float, float] | None:
+        """Radii of the tubes nearest to the star centres' cell means; None unless both are rolled, and are tubes."""
+        if None in self.roll_axes_deg:
+            return None
+        one, other = (
+            tube_radius(self._stars(mean), normals)
+            for mean, normals in zip((self.reference_mean, self.other_mean), self._normals, strict=True)
+        )
+        return None if one is None or other is None else (one, other)
+
+    @cached_property
+    def volumes_mm3(self) -> tuple[float, float] | None:
+        """Between the cell means and the level of their outlines; None where a sheet is rolled."""
+        if self.roll_axes_deg != (None, None):
+            return None
+        return self._volume(self.reference_mean), self._volume(self.other_mean)
+
+    @cached_property
+    def normals_rms_deg(self) -> float:
+        """Root mean square angle of the normals of the cell means, over the printed area."""
+        triangles = self.reference.triangles
+        one, other = (vertex_normals(mean, triangles) for mean in (self.reference_mean, self.other_mean))
+        # the cosine alone has no digits left for small angles
+        angle = 2.0 * np.arctan2(np.linalg.norm(one - other, axis=1), np.linalg.norm(one + other, axis=1))
+        return float(np.degrees(np.sqrt(self.reference.weights @ angle**2)))
+
+    def _stars(self, values: Floats) -> Floats:
+        return values[self.reference.star_vertices]
+
+    def _percent(self, length: float) -> float:
+        return float(100.0 * length / self.diameter_mm)
+
+    def _volume(self, mean: Floats) -> float:
+        triangles = self.reference.triangles
+        level = mean[border_of(triangles, len(mean)), 2].mean()
+        over_ground = triangle_normals(mean, triangles)[:, 2] / 2
+        return float((mean[triangles, 2].mean(axis=1) - level) @ over_ground)
+
+
+def compare(
+    reference: Shape, other: Shape, layout: Layout, symmetries: Sequence[Symmetry], weighs: bool = False
+) -> Comparison:
+    """Lay a shape on a reference: proper rotation, shift, and the symmetry of the design that brings it nearest.
+
+    Parameters
+    ----------
+    reference, other : two shapes of the same design, on any meshes.
+    layout : of the design.
+    symmetries : of the design, from `pattern.layout.symmetries`. Symmetries turn the print, and so a mirrored one
+        reflects the other shape in space too; otherwise it is only ever turned and shifted.
+    weighs : the sheet has weight, which says how it hangs where its pins let it turn.
+
+    Raises
+    ------
+    ValueError
+        If the other shape does not cover the reference's printed points.
+
+    References
+    ----------
+    Kabsch 1976, weights: printed area.
+    """
+    symmetry = _nearest(reference, other, symmetries)
+    mean = CellMean(reference.printed, reference.weights, layout.lattice_vectors)
+    reference_mean = mean(reference.positions)
+    near = image(other, symmetry)
+    near_mean = mean(near.at(reference.printed))
+    rotation, shift = rigid_fit(near_mean, reference_mean, reference.weights)
+    laid, laid_mean = replace(near, positions=near.positions @ rotation.T + shift), near_mean @ rotation.T + shift
+    standing, standing_mean = (laid, laid_mean) if tilts(layout) and not weighs else (near, near_mean)
+    return Comparison(
+        reference,
+        laid,
+        layout,
+        symmetry,
+        reference_mean,
+        laid_mean,
+        standing,
+        standing_mean,
+        diameter(reference.positions),
+        np.linalg.norm(mean(reference.printed) - reference.printed, axis=1) < WHOLE * layout.spacing_mm,
+    )
+
+
+def _held(layout: Layout) -> Floats:
+    """(n, 2) mm, printed points that are held, and the ends of held sides."""
+    sides = np.array(held_edges(layout), dtype=np.int64)
+    ends = np.unique(np.concatenate([sides, (sides + 1) % len(layout.border)]))
+    return np.concatenate([layout.pin_points, layout.border[ends]])
+
+
+def image(shape: Shape, symmetry: Symmetry) -> Shape:
+    """The image of a shape under a symmetry of its design, an equilibrium like itself; without sheet fields."""
+    # a shape need not have a vertex at every star
+    star_vertices = shape.star_vertices[symmetry.star] if len(shape.star_vertices) else shape.star_vertices
+    numbers = shape.star[shape.star_vertices]
+    star = np.full(len(shape.printed), -1, dtype=np.int64)
+    star[star_vertices] = numbers
+    rod_fields = dict(shape.rod_fields)
+    if "star" in rod_fields and len(star_vertices):  # whose arm an edge is now
+        of = dict(zip(shape.star[star_vertices].tolist(), numbers.tolist(), strict=True))
+        rod_fields["star"] = np.array([of[number] for number in rod_fields["star"].tolist()], dtype=np.int64)
+    flip = np.array([-1.0 if symmetry.mirrors else 1.0, 1.0, 1.0])
+    return Shape(
+        printed=(shape.printed - symmetry.shift) @ symmetry.turn,
+        positions=shape.positions * flip,
+        triangles=shape.triangles[:, ::-1] if symmetry.mirrors else shape.triangles,
+        star=star,
+        rods=shape.rods,
+        star_vertices=star_vertices,
+        rod_fields=rod_fields,
+        summary=shape.summary,
+        held=shape.held,
+    )
+
+
+def _nearest(reference: Shape, other: Shape, symmetries: Sequence[Symmetry]) -> Symmetry:
+    """The symmetry whose image is nearest; bumps are the same in all of them, so that the surface itself will do."""
+    some = slice(None, None, max(len(reference.printed) // SAMPLES, 1))
+    printed, places = reference.printed[some], reference.positions[some]
+
+    def off(symmetry: Symmetry) -> float:
+        there = other.at(printed @ symmetry.turn.T + symmetry.shift)
+        there[:, 0] *= -1.0 if symmetry.mirrors else 1.0
+        rotation, shift = rigid_fit(there, places)
+        return float(((there @ rotation.T + shift - places) ** 2).sum())
+
+    return min(symmetries, key=off)

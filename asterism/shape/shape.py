@@ -1,0 +1,135 @@
+"""A sheet in space: where every printed point has gone, and what is known about it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from asterism.shape.pose import upright_rotation
+from asterism.shape.surface_fields import triangle_areas
+from pattern.geometry.normals import triangle_normals
+from pattern.geometry.point_location import locate
+from pattern.layout.layout import Floats, Ints
+
+
+@dataclass(frozen=True)
+class Shape:
+    """The result of a simulation, exact or homogenised.
+
+    Attributes
+    ----------
+    printed : (V, 2) mm, where each vertex was printed, on the stretched fabric.
+    positions : (V, 3) mm, where it is in space.
+    triangles : (T, 3), counterclockwise in print, so that normals point to the plastic side.
+    star : (V,) the number of the star whose centre is this vertex, -1 elsewhere.
+    rods : one array of vertices an arm, from the star's centre to the tip.
+    star_vertices : (S,) the vertex at each star's centre.
+    point_fields : arrays (V,) or (V, 3) by name; three columns are a vector in space and turn with the sheet.
+    cell_fields : arrays (T,) or (T, m) by name.
+    rod_fields : arrays (R,) by name over the edges of all rods, in the order of `rod_edges`;
+        `thickness_mm`, `width_mm`, `arm` and `star` among them.
+    summary : the numbers of `summary.json`.
+    others : further minima of the same design, where they were looked for.
+    held : pins hold the sheet, so that z is up; a free one has no up, and is shown as its `aligned()` copy.
+    """
+
+    printed: Floats
+    positions: Floats
+    triangles: Ints
+    star: Ints
+    rods: tuple[Ints, ...]
+    star_vertices: Ints
+    point_fields: Mapping[str, np.ndarray] = field(default_factory=dict)
+    cell_fields: Mapping[str, np.ndarray] = field(default_factory=dict)
+    rod_fields: Mapping[str, np.ndarray] = field(default_factory=dict)
+    summary: Mapping[str, Any] = field(default_factory=dict)
+    others: tuple[Shape, ...] = ()
+    held: bool = False
+
+    @property
+    def rod_edges(self) -> Ints:
+        """(R, 2) vertices at the ends of every rod edge, rod by rod, from centre to tip."""
+        edges = [np.column_stack([path[:-1], path[1:]]) for path in self.rods]
+        return np.concatenate(edges) if edges else np.empty((0, 2), dtype=np.int64)
+
+    @property
+    def edges_of_rod(self) -> Ints:
+        """(R,) the rod of each edge of `rod_edges`."""
+        return np.repeat(np.arange(len(self.rods)), [len(path) - 1 for path in self.rods])
+
+    @property
+    def is_preview(self) -> bool:
+        """The preview computed it, not the exact model."""
+        return self.summary.get("model") == "preview"
+
+    @property
+    def made_by(self) -> str:
+        """Which model computed it, in words."""
+        return "by the preview" if self.is_preview else "by the exact model"
+
+    @property
+    def height_mm(self) -> float:
+        """Extent along z. A free sheet has no up: ask its `aligned()` copy."""
+        return float(np.ptp(self.positions[:, 2]))
+
+    @property
+    def extent_mm(self) -> tuple[float, float, float]:
+        """Sizes of the box around a held sheet along x, y and z, the last one its height.
+
+        Of a free one along the axes of `aligned()`, the largest first; the same however it lies in space.
+        """
+        if self.held:
+            sizes = np.ptp(self.positions, axis=0)
+        else:
+            sizes = np.sort(np.ptp(self.positions @ self.upright().T, axis=0))[::-1]
+        return float(sizes[0]), float(sizes[1]), float(sizes[2])
+
+    def at(self, printed_points: Floats) -> Floats:
+        """Where printed points are in space.
+
+        Parameters
+        ----------
+        printed_points : (n, 2) mm, on the printed sheet.
+
+        Returns
+        -------
+        (n, 3) mm, linear within each triangle.
+
+        Raises
+        ------
+        ValueError
+            If a point is off the sheet.
+        """
+        points = np.atleast_2d(np.asarray(printed_points, dtype=float))
+        triangle, weights = locate(self.printed, self.triangles, points)
+        return np.einsum("nk,nki->ni", weights, self.positions[self.triangles[triangle]])
+
+    def aligned(self) -> Shape:
+        """A centred copy, its principal axes along x, y and z, the largest first, the plastic side up."""
+        rotation, weights = self.upright(), self.weights
+        turned = {
+            name: values @ rotation.T if values.ndim == 2 and values.shape[1] == 3 else values
+            for name, values in self.point_fields.items()
+        }
+        moved = (self.positions - weights @ self.positions) @ rotation.T
+        return replace(self, positions=moved, point_fields=turned)
+
+    def upright(self) -> Floats:
+        """(3, 3) the rotation of `aligned()`; its rows are the principal axes."""
+        return self._upright
+
+    @cached_property
+    def _upright(self) -> Floats:
+        plastic_side = triangle_normals(self.positions, self.triangles).sum(axis=0)
+        return upright_rotation(self.printed, self.positions, self.weights, plastic_side)
+
+    @cached_property
+    def weights(self) -> Floats:
+        """(V,) share of the printed sheet that each vertex stands for; adds up to 1."""
+        third = np.repeat(triangle_areas(self.printed, self.triangles) / 3, 3)
+        areas = np.bincount(self.triangles.ravel(), weights=third, minlength=len(self.printed))
+        return areas / areas.sum()

@@ -1,0 +1,1 @@
+"""The energies of the exact model."""

@@ -1,0 +1,1 @@
+"""Bending energies of the fabric."""

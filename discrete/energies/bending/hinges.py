@@ -1,0 +1,163 @@
+"""Bending of the fabric: the hinge energy of the paper (Tamstorf and Grinspun 2013, rest angle zero).
+
+`W = c (2 tan(theta/2))^2`, `c = k_B 3 |e|^2/(A1 + A2)`, `k_B = E h^3/(24 (1 - nu^2))`, no further 1/2.
+Positive theta: the two triangles fold towards their normals.
+
+A second coefficient f adds `f (2 tan(theta/2))^4`. Alone it makes folds expensive and costs nothing in the limit of a
+fine mesh, where the angles of a smooth sheet go to zero: see `fold_coefficients`.
+
+Derivatives: a triangle (x0, x1, p) with unit normal n, edge direction t = (x1 - x0)/|e|, in-plane conormal
+m = n x t, height h and foot fraction s turns about the edge by `d(phi) = n . dq / h` with
+`dq = dp - (1 - s) dx0 - s dx1`; the second variation follows by differentiating n, h and s. The part of it
+that is not symmetric (the turning of the edge's own frame) cancels between the two triangles.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from discrete.energies.elements import Array, Elements
+from discrete.energies.kernel import combine, cross, dot, formula, point, scaled, sub, sweep
+
+
+@formula
+def _flap(x0, x1, p):  # type: ignore[no-untyped-def]
+    """Unit normal, edge direction, conormal, edge length, height and foot fraction of a triangle."""
+    e, d = sub(x1, x0), sub(p, x0)
+    normal = cross(e, d)
+    length, twice = np.sqrt(dot(e, e)), np.sqrt(dot(normal, normal))
+    n, t = scaled(1.0 / twice, normal), scaled(1.0 / length, e)
+    return n, t, cross(n, t), length, twice / length, dot(d, t) / length
+
+
+@formula
+def _tangent(n_a, n_b, t):  # type: ignore[no-untyped-def]
+    """tan(theta/2) from the unit normals on both sides of the edge with direction t."""
+    return dot(cross(n_b, n_a), t) / (1.0 + dot(n_a, n_b))
+
+
+@formula
+def _law(p, tangent):  # type: ignore[no-untyped-def]
+    """dW/dtheta and d2W/dtheta2 from tan(theta/2)."""
+    square = tangent * tangent
+    slope = (1.0 + square) * tangent * (4.0 * p[0] + 32.0 * p[1] * square)
+    bend = 2.0 * (1.0 + square) * (p[0] * (1.0 + 3.0 * square) + 8.0 * p[1] * square * (3.0 + 5.0 * square))
+    return slope, bend
+
+
+@formula
+def hinge_energy(q, p):  # type: ignore[no-untyped-def]
+    """Energy of the hinge (x0, x1; x2 left of the edge, x3 right of it); p = (c, f)."""
+    x0, x1, x2, x3 = point(q, 0), point(q, 1), point(q, 2), point(q, 3)
+    n_a, t, _, _, _, _ = _flap(x0, x1, x2)
+    n_b, _, _, _, _, _ = _flap(x1, x0, x3)
+    tangent = _tangent(n_a, n_b, t)
+    square = 4.0 * tangent * tangent
+    return square * (p[0] + p[1] * square)
+
+
+@formula
+def hinge_gradient(q, p, g):  # type: ignore[no-untyped-def]
+    """dW/dtheta times the gradient of theta: the normals over the heights, shared out by the feet."""
+    x0, x1, x2, x3 = point(q, 0), point(q, 1), point(q, 2), point(q, 3)
+    n_a, t, _, _, h_a, s_a = _flap(x0, x1, x2)
+    n_b, _, _, _, h_b, s_b = _flap(x1, x0, x3)
+    force, _ = _law(p, _tangent(n_a, n_b, t))
+    for k in range(3):
+        a, b = force * n_a[k] / h_a, force * n_b[k] / h_b
+        g[k] = -(1.0 - s_a) * a - s_b * b
+        g[3 + k] = -s_a * a - (1.0 - s_b) * b
+        g[6 + k] = a
+        g[9 + k] = b
+
+
+@formula
+def hinge_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
+    """W'' grad theta grad theta^T + (1 - blend) W' hess theta; only the second can be indefinite."""
+    x0, x1, x2, x3 = point(q, 0), point(q, 1), point(q, 2), point(q, 3)
+    n_a, t, m_a, length, h_a, s_a = _flap(x0, x1, x2)
+    n_b, t_b, m_b, _, h_b, s_b = _flap(x1, x0, x3)
+    slope, stiffness = _law(p, _tangent(n_a, n_b, t))
+    force = (1.0 - blend) * slope
+    # weights of the four vertices in dq and de of each triangle; in the right one the edge runs backwards
+    q_a = (-(1.0 - s_a), -s_a, 1.0, 0.0)
+    q_b = (-s_b, -(1.0 - s_b), 0.0, 1.0)
+    e = (-1.0, 1.0, 0.0, 0.0)
+    slide_a, slide_b = -force / (h_a * length), force / (h_b * length)
+    swing_a, swing_b, turn = -force / (h_a * h_a), -force / (h_b * h_b), -0.5 * force / (length * length)
+    for i in range(4):
+        grad_i = combine(stiffness * q_a[i] / h_a, n_a, stiffness * q_b[i] / h_b, n_b)
+        for k in range(i + 1):
+            grad_k = combine(q_a[k] / h_a, n_a, q_b[k] / h_b, n_b)
+            both = turn * e[i] * e[k]
+            # each triangle adds n (x) right + left (x) n
+            lift_a, lift_b = swing_a * q_a[i] * q_a[k] + both, swing_b * q_b[i] * q_b[k] + both
+            right_a = combine(lift_a, m_a, slide_a * e[i] * q_a[k], t)
+            left_a = combine(lift_a, m_a, slide_a * q_a[i] * e[k], t)
+            right_b = combine(lift_b, m_b, slide_b * e[i] * q_b[k], t_b)
+            left_b = combine(lift_b, m_b, slide_b * q_b[i] * e[k], t_b)
+            for r in range(3):
+                for c in range(3):
+                    h[3 * i + r, 3 * k + c] = (
+                        grad_i[r] * grad_k[c]
+                        + n_a[r] * right_a[c]
+                        + left_a[r] * n_a[c]
+                        + n_b[r] * right_b[c]
+                        + left_b[r] * n_b[c]
+                    )
+
+
+class Hinges(Elements):
+    """Interior edges of the fabric.
+
+    Parameters
+    ----------
+    hinges : (H, 4) vertices: the edge, then the apex on its left and the apex on its right.
+    coefficient : (H,) N mm, c.
+    fold : (H,) N mm, f; none by default.
+    """
+
+    formulas = (hinge_energy, hinge_gradient, hinge_hessian)
+    sweep = staticmethod(sweep(12, 12, *formulas))
+
+    def __init__(
+        self, hinges: Array, coefficient: Array | float, compiled: bool = True, fold: Array | float = 0.0
+    ) -> None:
+        dofs = (3 * hinges[:, :, None] + np.arange(3)).reshape(len(hinges), 12)
+        params = np.column_stack(np.broadcast_arrays(coefficient, fold, hinges[:, 0])[:2])
+        super().__init__(dofs, dofs, params, compiled)
+
+    @property
+    def vertices(self) -> Array:
+        """(H, 4), as given."""
+        return self.inputs[:, ::3] // 3
+
+
+def interior_edges(triangles: Array) -> Array:
+    """(H, 4) hinges of a mesh of counterclockwise triangles, in the order of their edges' vertices."""
+    start = triangles.ravel()
+    end = np.roll(triangles, -1, axis=1).ravel()
+    apex = np.roll(triangles, -2, axis=1).ravel()
+    key = np.minimum(start, end).astype(np.int64) * (int(triangles.max()) + 1) + np.maximum(start, end)
+    order = np.argsort(key, kind="stable")
+    pair = np.flatnonzero(key[order][1:] == key[order][:-1])
+    one, other = order[pair], order[pair + 1]
+    return np.column_stack([start[one], end[one], apex[one], apex[other]])
+
+
+def paper_coefficients(hinges: Array, rest: Array, thickness: float, modulus: float, poisson: float) -> Array:
+    """(H,) `k_B 3 |e|^2/(A1 + A2)`: it does not change with the size of the rest shape (rest: (V, 2) mm)."""
+    x0, x1, x2, x3 = (rest[hinges[:, i]] for i in range(4))
+    e, a, b = x1 - x0, x2 - x0, x3 - x0
+    areas = 0.5 * (np.abs(e[:, 0] * a[:, 1] - e[:, 1] * a[:, 0]) + np.abs(e[:, 0] * b[:, 1] - e[:, 1] * b[:, 0]))
+    return modulus * thickness**3 / (24.0 * (1.0 - poisson**2)) * 3.0 * np.einsum("ij,ij->i", e, e) / areas
+
+
+def fold_coefficients(hinges: Array, rest: Array, thickness: float, modulus: float, poisson: float) -> Array:
+    """(H,) the fourth-order term that the plate's patches need, `k_B |e|^2/(A1 + A2)/2`.
+
+    A patch measures heights, `sin(theta)` in place of `2 tan(theta/2)`, and would let a fold beyond 90 degrees get
+    cheaper again. The squares of the two differ by theta^4/2 to leading order; this is that difference, of the hinges
+    that are as stiff as the plate for a cylinder (a third of the paper's).
+    """
+    return paper_coefficients(hinges, rest, thickness, modulus, poisson) / 6.0

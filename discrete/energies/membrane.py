@@ -1,0 +1,148 @@
+"""Stretching of the fabric: constant strain triangles of a hyperelastic membrane.
+
+`W = mu/2 (tr C - 2) - alpha L + lam/2 L^2 + beta/2 (exp(-2 L) - 1)`, `L = ln J`, `J^2 = det C`, per rest volume.
+Neo-Hookean: `alpha = mu`, `beta = 0`. Incompressible: `alpha = lam = 0`, `beta = mu`, which is
+`mu/2 (tr C + 1/det C - 3)`. Both are barriers against collapse, `J -> 0`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from discrete.energies.elements import Array, Elements
+from discrete.energies.kernel import combine, cross, dot, formula, point, scaled, sweep
+from pattern.geometry.planar import triangle_areas, triangle_gradients
+
+
+@formula
+def invariants(q, p):  # type: ignore[no-untyped-def]
+    """Columns of F, the covariant metric C and L = ln J."""
+    x0, x1, x2 = point(q, 0), point(q, 1), point(q, 2)
+    f1 = combine(1.0, combine(p[0], x0, p[2], x1), p[4], x2)
+    f2 = combine(1.0, combine(p[1], x0, p[3], x1), p[5], x2)
+    c11, c12, c22 = dot(f1, f1), dot(f1, f2), dot(f2, f2)
+    return f1, f2, c11, c12, c22, 0.5 * np.log(c11 * c22 - c12 * c12)
+
+
+@formula
+def volumetric(p, log_j):  # type: ignore[no-untyped-def]
+    """First and second derivative by L of what depends on J alone."""
+    thinning = p[9] * np.exp(-2.0 * log_j)
+    return p[8] * log_j - p[7] - thinning, p[8] + 2.0 * thinning
+
+
+@formula
+def membrane_energy(q, p):  # type: ignore[no-untyped-def]
+    """Energy of a triangle; p = (b0, b1, b2, mu V, alpha V, lam V, beta V)."""
+    _, _, c11, _, c22, log_j = invariants(q, p)
+    return (
+        0.5 * p[6] * (c11 + c22 - 2.0)
+        - p[7] * log_j
+        + 0.5 * p[8] * log_j * log_j
+        + 0.5 * p[9] * (np.exp(-2.0 * log_j) - 1.0)
+    )
+
+
+@formula
+def membrane_gradient(q, p, g):  # type: ignore[no-untyped-def]
+    """dW/dx_i = V (mu F b_i + a G b_i), with G = F C^-1 and a = dW/dL."""
+    f1, f2, c11, c12, c22, log_j = invariants(q, p)
+    a, _ = volumetric(p, log_j)
+    scale = a / (c11 * c22 - c12 * c12)
+    # second Piola-Kirchhoff stress mu I + a C^-1, times the rest volume
+    s11, s12, s22 = p[6] + scale * c22, -scale * c12, p[6] + scale * c11
+    p1, p2 = combine(s11, f1, s12, f2), combine(s12, f1, s22, f2)
+    for i in range(3):
+        for k in range(3):
+            g[3 * i + k] = p1[k] * p[2 * i] + p2[k] * p[2 * i + 1]
+
+
+@formula
+def membrane_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
+    """Blocks `mu (b_i.b_j) I + lam' g_i g_j^T + a ((g_i.g_j) n n^T - g_j g_i^T)`, `g_i = G b_i`.
+
+    Two parts can be indefinite: n n^T times the second Piola-Kirchhoff stress (compression) and the
+    in-plane spin (eigenvalue mu + a/J). `blend` lifts their negative eigenvalues towards zero.
+    """
+    f1, f2, c11, c12, c22, log_j = invariants(q, p)
+    a, a_prime = volumetric(p, log_j)
+    det = c11 * c22 - c12 * c12
+    j = np.sqrt(det)
+    n = scaled(1.0 / j, cross(f1, f2))
+    g1 = combine(c22 / det, f1, -c12 / det, f2)
+    g2 = combine(c11 / det, f2, -c12 / det, f1)
+    # eigenvalues of the stress and its negative part, a polynomial of the stress itself
+    s11, s12, s22 = p[6] + a * c22 / det, -a * c12 / det, p[6] + a * c11 / det
+    mean, half = 0.5 * (s11 + s22), np.sqrt(0.25 * (s11 - s22) ** 2 + s12 * s12)
+    low, high = np.minimum(mean - half, 0.0), np.minimum(mean + half, 0.0)
+    slope = (high - low) / (2.0 * half + 1e-30 * (p[6] + half))
+    shift = low - slope * (mean - half)
+    n11, n12, n22 = slope * s11 + shift, slope * s12, slope * s22 + shift
+    # polar rotation F U^-1, U = (C + J I)/sqrt(tr C + 2 J), and the spin mode n x R b_i
+    root = np.sqrt(c11 + c22 + 2.0 * j)
+    u11, u12, u22 = (c11 + j) / root, c12 / root, (c22 + j) / root
+    r1 = combine(u22 / j, f1, -u12 / j, f2)
+    r2 = combine(u11 / j, f2, -u12 / j, f1)
+    spin1, spin2 = cross(n, r1), cross(n, r2)
+    spin = -0.5 * blend * np.minimum(p[6] + a / j, 0.0)
+    for i in range(3):
+        bi1, bi2 = p[2 * i], p[2 * i + 1]
+        gi = combine(bi1, g1, bi2, g2)
+        vi = combine(bi1, spin1, bi2, spin2)
+        for k in range(i + 1):
+            bk1, bk2 = p[2 * k], p[2 * k + 1]
+            gk = combine(bk1, g1, bk2, g2)
+            vk = combine(bk1, spin1, bk2, spin2)
+            identity = p[6] * (bi1 * bk1 + bi2 * bk2)
+            lift = bi1 * (n11 * bk1 + n12 * bk2) + bi2 * (n12 * bk1 + n22 * bk2)
+            normal = a * dot(gi, gk) - blend * lift
+            for r in range(3):
+                for c in range(3):
+                    h[3 * i + r, 3 * k + c] = (
+                        a_prime * gi[r] * gk[c] - a * gk[r] * gi[c] + normal * n[r] * n[c] + spin * vi[r] * vk[c]
+                    )
+                h[3 * i + r, 3 * k + r] += identity
+
+
+class Membrane(Elements):
+    """Constant strain triangles.
+
+    Parameters
+    ----------
+    triangles : (T, 3) vertices.
+    rest : (V, 2) mm, the unstretched fabric.
+    thickness, modulus, poisson : mm, MPa, 1.
+    incompressible : `mu/2 (tr C + 1/det C - 3)` with `mu = E/3` in place of the neo-Hookean law.
+    """
+
+    formulas = (membrane_energy, membrane_gradient, membrane_hessian)
+    sweep = staticmethod(sweep(9, 9, *formulas))
+
+    def __init__(
+        self,
+        triangles: Array,
+        rest: Array,
+        thickness: float,
+        modulus: float,
+        poisson: float,
+        incompressible: bool = False,
+        compiled: bool = True,
+    ) -> None:
+        dofs = (3 * triangles[:, :, None] + np.arange(3)).reshape(len(triangles), 9)
+        params = membrane_params(triangles, rest, thickness, modulus, poisson, incompressible)
+        super().__init__(dofs, dofs, params, compiled)
+
+
+def membrane_params(
+    triangles: Array, rest: Array, thickness: float, modulus: float, poisson: float, incompressible: bool
+) -> Array:
+    """(T, 10): gradients of the shape functions (1/mm) and Lame parameters times the rest volume (N mm)."""
+    if incompressible:
+        mu = modulus / 3.0
+        lame = (mu, 0.0, 0.0, mu)
+    else:
+        mu = modulus / (2.0 * (1.0 + poisson))
+        lame = (mu, mu, modulus * poisson / (1.0 - poisson**2), 0.0)
+    gradients = triangle_gradients(rest, triangles).reshape(len(triangles), 6)
+    volume = thickness * triangle_areas(rest, triangles)
+    return np.column_stack([gradients, volume[:, None] * np.asarray(lame)])

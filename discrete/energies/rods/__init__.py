@@ -1,0 +1,1 @@
+"""Energies of the rods: stretch, bend, twist."""

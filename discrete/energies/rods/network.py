@@ -1,0 +1,148 @@
+"""The arms of a layout as rods on a mesh: edges, stencils and their parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from discrete.energies.elements import Array
+from discrete.energies.rods.section import torsion_constant
+from discrete.model.state import tangents
+
+
+@dataclass(frozen=True)
+class RodNetwork:
+    """Edges and stencils of rods that may share their first vertex with others (junctions).
+
+    Attributes
+    ----------
+    edges : (R, 2) vertices, along each rod.
+    rod : (R,) the rod of each edge.
+    middle : (R,) place of the edge's midpoint along its rod, 0 at the start and 1 at the end.
+    stencil_vertices : (S, 3), stencil_edges : (S, 2), and signs (S, 2): -1 where the stencil runs backwards.
+    weight : (S,) share of the cross-section that bends and twists in this stencil.
+    """
+
+    edges: Array
+    rod: Array
+    middle: Array
+    stencil_vertices: Array
+    stencil_edges: Array
+    signs: Array
+    weight: Array
+
+
+def rod_network(paths: tuple[Array, ...], junction: Array, printed: Array) -> RodNetwork:
+    """Edges and stencils of rods along vertex paths.
+
+    Parameters
+    ----------
+    paths : one vertex path a rod.
+    junction : (n rods,) rods with the same number (>= 0) are joined at their first vertex; -1: free start.
+    printed : (V, 2) mm.
+
+    Notes
+    -----
+    A junction of N rods splits every rod into N - 1 copies, one for each of the others, and bonds the pairs: each of
+    the N (N - 1)/2 pairs bends and twists with weight 1/(N - 1). Three arms have the paper's weight 1/2 (section 3.2),
+    two make one straight rod.
+    """
+    edges: list[tuple[int, int]] = []
+    rod: list[int] = []
+    middle: list[float] = []
+    vertices: list[tuple[int, int, int]] = []
+    pairs: list[tuple[int, int]] = []
+    signs: list[tuple[float, float]] = []
+    weight: list[float] = []
+    first: list[int] = []
+    for r, path in enumerate(paths):
+        start = len(edges)
+        first.append(start)
+        length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(printed[path], axis=0), axis=1))])
+        for j in range(len(path) - 1):
+            edges.append((path[j], path[j + 1]))
+            rod.append(r)
+            middle.append(0.5 * (length[j] + length[j + 1]) / length[-1])
+            if j > 0:
+                vertices.append((path[j - 1], path[j], path[j + 1]))
+                pairs.append((start + j - 1, start + j))
+                signs.append((1.0, 1.0))
+                weight.append(1.0)
+    for star in np.unique(junction[junction >= 0]):
+        joined = np.flatnonzero(junction == star)
+        for i, a in enumerate(joined):
+            for b in joined[i + 1 :]:
+                vertices.append((paths[a][1], paths[a][0], paths[b][1]))
+                pairs.append((first[a], first[b]))
+                signs.append((-1.0, 1.0))
+                weight.append(1.0 / (len(joined) - 1))
+    return RodNetwork(
+        np.array(edges, dtype=np.int64).reshape(-1, 2),
+        np.array(rod, dtype=np.int64),
+        np.array(middle, dtype=float),
+        np.array(vertices, dtype=np.int64).reshape(-1, 3),
+        np.array(pairs, dtype=np.int64).reshape(-1, 2),
+        np.array(signs, dtype=float).reshape(-1, 2),
+        np.array(weight, dtype=float),
+    )
+
+
+def stretch_params(network: RodNetwork, printed: Array, modulus: float, width: Array, thickness: Array) -> Array:
+    """(R, 2) EA (N) and printed length (mm); width, thickness (R,) mm of every edge."""
+    length = np.linalg.norm(printed[network.edges[:, 1]] - printed[network.edges[:, 0]], axis=1)
+    return np.column_stack([modulus * width * thickness, length])
+
+
+def bend_params(
+    network: RodNetwork, printed: Array, modulus: float, width: Array, thickness: Array, curvature: Array
+) -> Array:
+    """(S, 6) of `RodBend`: the stiffnesses of a stencil are the means of its two edges.
+
+    width, thickness (mm) and curvature (1/mm, rest curvature about the width) are (R,), one for every edge. The rest
+    value in the plane is the angle of the layout.
+    """
+    about_width = _mean(network, modulus * width * thickness**3 / 12.0) * network.weight
+    in_plane = _mean(network, modulus * thickness * width**3 / 12.0) * network.weight
+    span = stencil_length(network, printed)
+    a, b, c = (np.pad(printed[network.stencil_vertices[:, i]], ((0, 0), (0, 1))) for i in range(3))
+    t0 = (b - a) / np.linalg.norm(b - a, axis=1, keepdims=True)
+    t1 = (c - b) / np.linalg.norm(c - b, axis=1, keepdims=True)
+    turn = 2.0 * np.cross(t0, t1)[:, 2] / (1.0 + (t0 * t1).sum(axis=1))
+    rest = 0.5 * _mean(network, curvature) * span
+    return np.column_stack([about_width / span, in_plane / span, rest, turn, network.signs])
+
+
+def twist_params(
+    network: RodNetwork, printed: Array, modulus: float, poisson: float, width: Array, thickness: Array
+) -> Array:
+    """(S, 3) of `RodTwist`."""
+    stiffness = modulus / (2.0 * (1.0 + poisson)) * torsion_constant(width, thickness)
+    span = stencil_length(network, printed)
+    return np.column_stack([_mean(network, stiffness) * network.weight / span, network.signs])
+
+
+def stencil_length(network: RodNetwork, printed: Array) -> Array:
+    """(S,) mm, printed length of a stencil's two edges together."""
+    length = np.linalg.norm(printed[network.edges[:, 1]] - printed[network.edges[:, 0]], axis=1)
+    return length[network.stencil_edges].sum(axis=1)
+
+
+def stencil_inputs(network: RodNetwork, n_vertices: int) -> tuple[Array, Array]:
+    """Inputs (S, 15) and dofs (S, 11) of the stencils: three points, then two directors or twists."""
+    xyz = np.arange(3)
+    points = (3 * network.stencil_vertices[:, :, None] + xyz).reshape(-1, 9)
+    directors = (3 * n_vertices + 3 * network.stencil_edges[:, :, None] + xyz).reshape(-1, 6)
+    return np.hstack([points, directors]), np.hstack([points, 3 * n_vertices + network.stencil_edges])
+
+
+def curvatures(network: RodNetwork, positions: Array, directors: Array, printed: Array) -> Array:
+    """(S,) 1/mm, curvature about the width axis; positive where the rod bends away from its plastic side."""
+    t = tangents(positions, network.edges)[network.stencil_edges] * network.signs[:, :, None]
+    width = np.cross(directors[network.stencil_edges], t)
+    binormal = 2.0 * np.cross(t[:, 0], t[:, 1]) / (1.0 + (t[:, 0] * t[:, 1]).sum(axis=1))[:, None]
+    return (binormal * width.sum(axis=1)).sum(axis=1) / stencil_length(network, printed)
+
+
+def _mean(network: RodNetwork, values: Array) -> Array:
+    return values[network.stencil_edges].mean(axis=1)

@@ -1,0 +1,53 @@
+"""Stretching of rod edges, each counted once: `EA/2 l (|e|/l - 1)^2`."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from discrete.energies.elements import Elements
+from discrete.energies.kernel import dot, formula, point, scaled, sub, sweep
+
+
+@formula
+def stretch_energy(q, p):  # type: ignore[no-untyped-def]
+    """`EA/2 l (|e|/l - 1)^2`; p = (EA, l)."""
+    e = sub(point(q, 1), point(q, 0))
+    strain = np.sqrt(dot(e, e)) / p[1] - 1.0
+    return 0.5 * p[0] * p[1] * strain * strain
+
+
+@formula
+def stretch_gradient(q, p, g):  # type: ignore[no-untyped-def]
+    """Axial force EA (|e|/l - 1) along the edge."""
+    e = sub(point(q, 1), point(q, 0))
+    length = np.sqrt(dot(e, e))
+    force = p[0] * (length / p[1] - 1.0) / length
+    for k in range(3):
+        g[k] = -force * e[k]
+        g[3 + k] = force * e[k]
+
+
+@formula
+def stretch_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
+    """Axial stiffness EA/l and force over length across; `blend` lifts the latter in compression."""
+    e = sub(point(q, 1), point(q, 0))
+    length = np.sqrt(dot(e, e))
+    t = scaled(1.0 / length, e)
+    across = p[0] * (1.0 / p[1] - 1.0 / length)
+    across = across - blend * np.minimum(across, 0.0)
+    along = p[0] / p[1] - across
+    for r in range(3):
+        for c in range(3):
+            value = along * t[r] * t[c]
+            if r == c:
+                value = value + across
+            h[r, c] = value
+            h[3 + r, 3 + c] = value
+            h[3 + r, c] = -value
+
+
+class RodStretch(Elements):
+    """Rod edges; params (N, 2): EA (N), printed length (mm)."""
+
+    formulas = (stretch_energy, stretch_gradient, stretch_hessian)
+    sweep = staticmethod(sweep(6, 6, *formulas))

@@ -1,0 +1,62 @@
+"""How wide the fabric's creases along the arms are, and how finely the mesh cuts them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from discrete.energies.elements import Array
+from discrete.energies.membrane import invariants, volumetric
+from discrete.model.model import Model
+from discrete.model.state import State
+
+# of the plate of the fabric's thickness: the paper's hinges on equilateral triangles, bent to a cylinder
+STIFFENED = {"paper": 3.0, "consistent": 1.0, "none": 0.0}
+
+RESOLVED = 0.7  # largest edge over the width
+
+
+@dataclass(frozen=True)
+class Creases:
+    """`width` sqrt(D/N), mm: bending stiffness over the mean tension of the triangles at the arms.
+
+    `edge`: mm, median height of these triangles over the arm. Both in the deformed sheet. A kink over an arm, in a
+    sheet under the tension N, decays like exp(-distance/width).
+    """
+
+    width: float
+    edge: float
+
+    @property
+    def resolved(self) -> bool:
+        """Beside an arm lies more than one triangle to a width: from there on tubes converge, see docs/mesh.md."""
+        return self.edge <= RESOLVED * self.width
+
+
+def creases(model: Model, state: State) -> Creases:
+    """Of a sheet at rest; the width is zero for fabric without bending, and infinite where there is no tension."""
+    triangles, edges = model.mesh.triangles, np.sort(model.edges, axis=1)
+    corner = state.positions[triangles]
+    sides = np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2), axis=2)
+    size = model.n_vertices
+    at_arm = np.isin(sides @ [size, 1], edges @ [size, 1])
+    step = np.roll(corner, -1, axis=1) - corner
+    twice = np.linalg.norm(np.cross(step[:, 0], step[:, 1]), axis=1)
+    height = twice[:, None] / np.linalg.norm(step, axis=2)
+    beside = at_arm.any(axis=1)
+    fabric = model.design.fabric
+    bending = fabric.modulus_mpa * fabric.thickness_mm**3 / (12.0 * (1.0 - fabric.poisson**2))
+    tension = float(_tension(model, state, 0.5 * twice)[beside].mean())
+    width = np.sqrt(STIFFENED[fabric.bending] * bending / tension) if tension > 0.0 else np.inf
+    return Creases(float(width), float(np.median(height[at_arm])))
+
+
+def _tension(model: Model, state: State, area: Array) -> Array:
+    """(T,) N/mm of deformed length, mean of the principal ones."""
+    fabric = model.parts["membrane"]
+    p = fabric.params.T
+    _, _, c11, _, c22, log_j = invariants(state.packed[fabric.inputs.T], p)
+    by_log_j, _ = volumetric(p, log_j)
+    # half the trace of F S F^T, S the second Piola-Kirchhoff stress times the rest volume
+    return np.asarray((0.5 * p[6] * (c11 + c22) + by_log_j) / area)

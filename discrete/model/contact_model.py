@@ -1,0 +1,154 @@
+"""The exact model of a sheet that does not pass through itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from discrete.energies.contact import Contact
+from discrete.energies.elements import Array
+from discrete.model.model import Model
+from discrete.model.state import State, carried
+from equilibrium.linear.extended_pattern import ExtendedPattern, entry_keys, united
+from equilibrium.linear.factor import Factor
+from equilibrium.linear.following_factor import FollowingFactor
+from pattern.design.design import Design
+from pattern.design.errors import DesignError
+from pattern.geometry.rigid_fit import rigid_fit
+from pattern.layout.layout import Layout
+from pattern.mesh.mesh import Mesh
+
+THICKEST = 0.1  # contact begins at the fabric's thickness, at most at this fraction of the spacing of the stars
+KEPT = 0.9  # of a way that is free
+
+
+def keeps_apart(model: Model, state: State) -> bool:
+    """Whether no parts of a state pass through each other, where the model has contact."""
+    return not isinstance(model, ContactModel) or model.contact.apart(state.positions)
+
+
+class ContactModel(Model):
+    """`Model` with the energy of `Contact`, and curves of states that nothing stops; parameters as there.
+
+    Attributes
+    ----------
+    contact : the barrier.
+    pattern : of the Hessian; another object when new pairs have come into contact.
+    """
+
+    def __init__(self, design: Design, layout: Layout, mesh: Mesh, compiled: bool = True) -> None:
+        super().__init__(design, layout, mesh, compiled)
+        fabric = design.fabric
+        distance = min(fabric.thickness_mm, THICKEST * self.spacing)
+        self.contact = Contact(mesh, distance, max(fabric.stretch_xy), fabric.modulus_mpa)
+        self._fixed = self.pattern
+        self._extra: Array = np.empty(0, dtype=np.int64)
+        self._fits: Array | None = None  # positions whose contacts the pattern holds
+        self._reduced = np.full(self.n_dofs, -1, dtype=np.int64)
+        self._reduced[self.free] = np.arange(len(self.free))
+
+    def factor(self, backend: str = "auto") -> Factor:
+        """A factorisation that follows the pattern.
+
+        Raises
+        ------
+        BackendError
+            The backend is multigrid, which knows one pattern only.
+        """
+        return FollowingFactor(self, backend)
+
+    def energies(self, state: State) -> dict[str, float]:
+        """N mm, by part."""
+        return super().energies(state) | {"contact": self.contact.energy(state.positions)}
+
+    def full_gradient(self, state: State) -> Array:
+        """(3 V + R,) N and N mm over all dofs."""
+        total = super().full_gradient(state)
+        total[: 3 * self.n_vertices] += self.contact.gradient(state.positions)
+        return total
+
+    def hessian(self, state: State, blend: float) -> Array:
+        """(nnz,) entries of the lower triangle in `pattern`, which belongs to this state from now on."""
+        if self._fits is not state.positions:  # once a state: its Hessians are added to each other
+            entries, _ = self._keys(*self.contact.entries(state.positions))
+            if len(entries) and not (isinstance(self.pattern, ExtendedPattern) and self.pattern.holds(entries)):
+                self._grow(state, entries)
+            self._fits = state.positions
+        keys, values = self._keys(*self.contact.hessian(state.positions, blend))
+        data = super().hessian(state, blend)
+        if isinstance(self.pattern, ExtendedPattern):
+            self.pattern.add(data, keys, values)
+        return data
+
+    def _grow(self, state: State, keys: Array) -> None:
+        """Make room for these entries and those that may follow soon: every new pattern is analysed anew."""
+        soon, _ = self._keys(*self.contact.soon(state.positions))
+        wanted = united(keys, soon)
+        self._extra = united(wanted, self._extra) if len(self._extra) < 3 * len(wanted) else wanted
+        self.pattern = ExtendedPattern(self._fixed, self._extra)
+
+    def _keys(self, rows: Array, columns: Array, values: Array | None = None) -> tuple[Array, Array]:
+        """(K,) keys in the lower triangle over the free dofs, and their values."""
+        row, column = self._reduced[rows], self._reduced[columns]
+        inside = (column >= 0) & (row >= column)
+        keys = entry_keys(row[inside], column[inside], len(self.free))
+        return keys, np.empty(0) if values is None else values[inside]
+
+    def path(self, state: State, direction: Array, straight: bool = False) -> tuple[Callable[[float], State], float]:
+        """Curve of states leaving `state` in `direction`; all of them can be reached without passing through anything.
+
+        A state of the model's own curve that cannot be reached straight is replaced by one on the straight way to it.
+        """
+        curve, longest = super().path(state, direction, straight)
+        known: dict[float, State] = {}
+
+        def safe(a: float) -> State:
+            if a not in known:
+                known[a] = self.towards(state, curve(a))
+            return known[a]
+
+        a = min(1.0, longest)
+        for _ in range(8):
+            target = curve(a)
+            free = self._free(state, target)
+            if free >= 1.0:
+                known[a] = target
+                break
+            # shorter steps along the curve, which turns where a straight way would stretch
+            a *= max(KEPT * free, 0.1)
+        return safe, a
+
+    def towards(self, state: State, target: State) -> State:
+        """The target if it can be reached straight, else most of the way that is free."""
+        free = self._free(state, target)
+        if free >= 1.0:
+            return target
+        aligned = self._aligned(state.positions, target.positions)
+        positions = state.positions + KEPT * free * (aligned - state.positions)
+        return carried(state, self.edges, positions, np.zeros(len(self.edges)))
+
+    def moved_pins(self, state: State) -> State:
+        """As in `Model`.
+
+        Raises
+        ------
+        DesignError
+            The pins push the sheet through itself.
+        """
+        target = super().moved_pins(state)
+        if target is not state and self._free(state, target) < 1.0:
+            raise DesignError("solver.contact", "the pins push the sheet through itself; it cannot follow them")
+        return target
+
+    def _free(self, state: State, target: State) -> float:
+        if not np.isfinite(target.positions).all():
+            return 0.0
+        return self.contact.clear(state.positions, self._aligned(state.positions, target.positions))
+
+    def _aligned(self, positions: Array, target: Array) -> Array:
+        """Target turned and shifted onto the positions: how a free sheet moves as a whole makes no difference."""
+        if self.held.any():
+            return target
+        rotation, shift = rigid_fit(target, positions)
+        return target @ rotation.T + shift

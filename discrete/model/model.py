@@ -1,0 +1,186 @@
+"""The exact model of a design on a mesh, between the stretched print and its release."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from discrete.energies.bending.hinges import Hinges, fold_coefficients, interior_edges, paper_coefficients
+from discrete.energies.bending.plate import Plate
+from discrete.energies.elements import Array, Elements
+from discrete.energies.membrane import Membrane, membrane_params
+from discrete.energies.rods.bend import RodBend
+from discrete.energies.rods.network import (
+    RodNetwork,
+    bend_params,
+    rod_network,
+    stencil_inputs,
+    stretch_params,
+    twist_params,
+)
+from discrete.energies.rods.stretch import RodStretch
+from discrete.energies.rods.twist import RodTwist
+from discrete.model.constraints import pin_constraints
+from discrete.model.reconstruction import Reconstruction
+from discrete.model.state import State
+from discrete.model.system import System
+from pattern.design.materials import rest_curvature
+from pattern.geometry.planar import triangle_areas
+from pattern.layout.layout import Layout
+from pattern.mesh.mesh import Mesh
+
+if TYPE_CHECKING:
+    from pattern.design.design import Design
+
+
+class Model(System):
+    """Rods on a shell: all energies of a design.
+
+    Parameters
+    ----------
+    design, layout, mesh : what is printed, and its mesh.
+    compiled : compiled loops (the default) or plain numpy.
+
+    Attributes
+    ----------
+    parts : membrane; hinges, or plate and folds, if the fabric bends; rod_bending, rod_stretch, rod_twist.
+    release : 0 is the stretched print, 1 the released design; see `set_release`.
+    progress : how much of their way the pins have gone; that of the release, but for pins that take hold after it.
+    """
+
+    def __init__(self, design: Design, layout: Layout, mesh: Mesh, compiled: bool = True) -> None:
+        self.design, self.layout, self.mesh, self.compiled = design, layout, mesh, compiled
+        self.network = rod_network(mesh.rods, layout.arm_star, mesh.points)
+        self.edge_thickness = _along(self.network, layout.arm_thickness)
+        self.edge_width = _along(self.network, layout.arm_width)
+        self.constraints = pin_constraints(layout, mesh)
+        edges = self.network.edges
+        held = np.concatenate([self.constraints.held.ravel(), np.zeros(len(edges), dtype=bool)])
+        parts = _fabric(design, mesh, compiled) | self._rods(compiled)
+        super().__init__(parts, len(mesh.points), edges, held)
+        self.level = self.constraints.level
+        self._weight = self._dead_load()
+        self.set_release(1.0)
+        self._reconstruction: Reconstruction | None = None
+
+    def _rods(self, compiled: bool) -> dict[str, Elements]:
+        net, points, plastic = self.network, self.mesh.points, self.design.plastic
+        modulus = self.design.fabric.modulus_mpa * plastic.modulus_ratio
+        h, w = self.edge_thickness, self.edge_width
+        inputs, dofs = stencil_inputs(net, len(points))
+        edge_dofs = (3 * net.edges[:, :, None] + np.arange(3)).reshape(-1, 6)
+        # set_release gives the rest curvature
+        bend = bend_params(net, points, modulus, w, h, np.zeros(len(h)))
+        return {
+            "rod_bending": RodBend(inputs, dofs, bend, compiled),
+            "rod_stretch": RodStretch(edge_dofs, edge_dofs, stretch_params(net, points, modulus, w, h), compiled),
+            "rod_twist": RodTwist(inputs, dofs, twist_params(net, points, modulus, plastic.poisson, w, h), compiled),
+        }
+
+    def _dead_load(self) -> Array:
+        """(3 V,) N, the weight of fabric and plastic on the vertices; zero without gravity."""
+        gravity, fabric, plastic = self.design.gravity, self.design.fabric, self.design.plastic
+        if not gravity.on:
+            return np.zeros(3 * self.n_vertices)
+        length = self.parts["rod_stretch"].params[:, 1]
+        sheet = fabric.printed_mass * triangle_areas(self.mesh.points, self.mesh.triangles) / 3.0
+        # kg/m^3 times mm^3 is 1e-9 kg
+        rod = 1e-9 * plastic.density_kg_m3 * self.edge_thickness * self.edge_width * length / 2.0
+        mass = np.zeros(self.n_vertices)
+        np.add.at(mass, self.mesh.triangles, sheet[:, None])
+        np.add.at(mass, self.network.edges, rod[:, None])
+        direction = np.asarray(gravity.direction, dtype=float)
+        pull = gravity.acceleration_m_s2 * direction / np.linalg.norm(direction)
+        return (mass[:, None] * pull).ravel()
+
+    def set_release(self, release: float) -> None:
+        """Release the fabric from stretch 1 (0) to the design's stretch (1); pins and gravity go along."""
+        self.release = self.progress = release
+        fabric = self.design.fabric
+        sx, sy = (1.0 + release * (s - 1.0) for s in fabric.stretch_xy)
+        self.parts["membrane"].params[:] = membrane_params(
+            self.mesh.triangles,
+            self.mesh.points / (sx, sy),
+            fabric.thickness_mm,
+            fabric.modulus_mpa,
+            fabric.poisson,
+            fabric.model == "incompressible",
+        )
+        plate = self.parts.get("plate")
+        if isinstance(plate, Plate):
+            plate.set_rest_area(1.0 / (sx * sy))
+        if len(set(fabric.stretch_xy)) > 1:  # hinges follow the shape of the fabric at rest, not its size
+            self._set_rest_shape(self.mesh.points / (sx / sy, 1.0))
+        net = self.network
+        step = self.mesh.points[net.edges[:, 1]] - self.mesh.points[net.edges[:, 0]]
+        length = np.linalg.norm(step, axis=1)
+        partly = fabric.model_copy(update={"stretch": (sx, sy)})
+        kappa = rest_curvature(self.edge_thickness, partly, self.design.plastic, step / length[:, None])
+        span = length[net.stencil_edges].sum(axis=1)
+        self.parts["rod_bending"].params[:, 2] = 0.5 * kappa[net.stencil_edges].mean(axis=1) * span
+        # what nothing holds would fall: it lies on the ground until its first pins take hold
+        self.load = release * self._weight if self.constraints.held.any() else np.zeros_like(self._weight)
+
+    def _set_rest_shape(self, rest: Array) -> None:
+        """Coefficients of the fabric's hinges for a rest shape (V, 2) mm of any size."""
+        fabric = self.design.fabric
+        for name, column, coefficients in (("hinges", 0, paper_coefficients), ("folds", 1, fold_coefficients)):
+            if isinstance(hinges := self.parts.get(name), Hinges):
+                sheet = (fabric.thickness_mm, fabric.modulus_mpa, fabric.poisson)
+                hinges.params[:, column] = coefficients(hinges.vertices, rest, *sheet)
+
+    @property
+    def spacing(self) -> float:
+        """mm, nearest distance of two stars of the lattice."""
+        return self.layout.spacing_mm
+
+    def printed_state(self) -> State:
+        """The print as it lies: flat, plastic up."""
+        return State(self.constraints.printed.copy(), np.tile([0.0, 0.0, 1.0], (len(self.edges), 1)))
+
+    def flat_state(self) -> State:
+        """The print with its held vertices at their places for the present progress."""
+        return self.moved_pins(self.printed_state())
+
+    def moved_pins(self, state: State) -> State:
+        """The state with its held components where the present progress puts them, and the rest moved along."""
+        held, places = self.constraints.held, self.constraints.places(self.progress)
+        if not held.any() or np.array_equal(state.positions[held], places[held]):
+            return state
+        return self.reconstruction.moved(state, np.where(held, places, state.positions))
+
+    @property
+    def reconstruction(self) -> Reconstruction:
+        """Positions from gradients; made when first asked for."""
+        if self._reconstruction is None:
+            self._reconstruction = Reconstruction(self)
+        return self._reconstruction
+
+    def path(self, state: State, direction: Array, straight: bool = False) -> tuple[Callable[[float], State], float]:
+        """Curve of states leaving `state` in `direction` (free,), turning what a straight step would stretch."""
+        if straight:
+            return super().path(state, direction, straight)
+        return self.reconstruction.path(state, *self.spread(direction))
+
+
+def _along(network: RodNetwork, ends: Array) -> Array:
+    """(R,) values at the middle of every rod edge, linear from the start to the tip (A, 2)."""
+    return ends[network.rod, 0] + network.middle * (ends[network.rod, 1] - ends[network.rod, 0])
+
+
+def _fabric(design: Design, mesh: Mesh, compiled: bool) -> dict[str, Elements]:
+    fabric = design.fabric
+    sheet = (fabric.thickness_mm, fabric.modulus_mpa, fabric.poisson)
+    parts: dict[str, Elements] = {
+        "membrane": Membrane(mesh.triangles, mesh.points, *sheet, fabric.model == "incompressible", compiled)
+    }
+    if fabric.bending != "none":
+        hinges = interior_edges(mesh.triangles)
+    if fabric.bending == "consistent":
+        parts["plate"] = Plate(mesh.triangles, mesh.points, *sheet, compiled=compiled)
+        parts["folds"] = Hinges(hinges, 0.0, compiled, fold_coefficients(hinges, mesh.points, *sheet))
+    if fabric.bending == "paper":
+        parts["hinges"] = Hinges(hinges, paper_coefficients(hinges, mesh.points, *sheet), compiled)
+    return parts

@@ -1,0 +1,35 @@
+"""Rigid motions of a state."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from discrete.energies.elements import Array
+from discrete.model.state import State, tangents
+
+
+def rigid_motions(state: State, edges: Array, held: Array, free: Array) -> Array:
+    """(free, k) infinitesimal rigid motions, independent, that move no held dof (k from 0 to 6).
+
+    Turning the body by `w` turns an edge with tangent t by `w . t` beyond what parallel transport does.
+    """
+    n = len(state.positions)
+    x = state.positions - state.positions.mean(axis=0)
+    size = np.sqrt((x**2).sum(axis=1).mean()) + 1e-30  # turns and shifts of about the same length
+    modes = np.zeros((3 * n + len(edges), 6))
+    t = tangents(state.positions, edges)
+    for i, axis in enumerate(np.eye(3)):
+        modes[: 3 * n, i] = np.tile(axis, n)
+        modes[: 3 * n, 3 + i] = np.cross(axis, x).ravel() / size
+        modes[3 * n :, 3 + i] = t @ axis / size
+    blocked = modes[held]
+    if len(blocked):
+        gram = blocked.T @ blocked
+        values, vectors = np.linalg.eigh(gram)
+        modes = modes @ vectors[:, values < 1e-12 * len(blocked)]
+    return modes[free]
+
+
+def rigid_modes(state: State, edges: Array, held: Array, free: Array) -> Array:
+    """(free, k) the same, orthonormal."""
+    return np.linalg.qr(rigid_motions(state, edges, held, free))[0]

@@ -1,0 +1,1 @@
+"""From the stretched print to a certified equilibrium."""

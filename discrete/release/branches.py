@@ -1,0 +1,171 @@
+"""Minima of a design from many starts: found on the coarse mesh, told apart, the best carried to the fine mesh."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from discrete.energies.elements import Array
+from discrete.evidence.equilibrium import Equilibrium
+from discrete.evidence.roll_axis import roll_axis_deg
+from discrete.model.model import Model
+from discrete.release.levels import Level, carried_up, coarser
+from discrete.release.solve import relax
+from discrete.release.starts import beginnings
+from discrete.release.walk import Report, named
+from equilibrium.newton.minimise import Method
+from pattern.design.errors import DesignError
+from pattern.layout.likeness import distances, print_diameter
+from pattern.layout.symmetries import Symmetry, symmetries
+
+SAME_PERCENT = 0.5  # of the diameter: minima nearer than this are one
+CARRIED = 6  # lowest minima that are solved on the fine mesh, besides the default start's and the result
+
+
+@dataclass(frozen=True)
+class Branch:
+    """A minimum and how it was found.
+
+    Attributes
+    ----------
+    found : on the mesh of `model`.
+    starts : names of the starts that ended here, the first of them first.
+    default : the default start did.
+    levels : what the finer meshes cost; empty before they were solved.
+    """
+
+    found: Equilibrium
+    model: Model
+    starts: tuple[str, ...]
+    default: bool
+    levels: tuple[Level, ...] = ()
+
+    @property
+    def centres(self) -> Array:
+        """(S, 3) mm."""
+        return self.found.state.positions[self.model.mesh.star_vertices]
+
+    @property
+    def roll_axis_deg(self) -> float | None:
+        """Axis of the rolled sheet in print coordinates."""
+        return roll_axis_deg(self.model, self.found.state)
+
+    @property
+    def off_branch(self) -> list[int]:
+        """Stars that are not on the side to which their branch sends them; a flat start sends none."""
+        return stars_off_branch(self.model, self.found)
+
+
+@dataclass(frozen=True)
+class Minima:
+    """All that many starts have found.
+
+    Attributes
+    ----------
+    fine : distinct minima on the fine mesh, those with all stars on their branch first, and by energy; the first is the
+        result.
+    coarse : distinct minima of the exploration in the same order; `carried` of them were solved on the fine mesh.
+    lost : starts that ended in no minimum.
+    symmetries : of the design, for `distance_percent`.
+    """
+
+    fine: list[Branch]
+    coarse: list[Branch]
+    carried: list[bool]
+    lost: int
+    symmetries: list[Symmetry]
+
+    def distance_percent(self, first: Branch, second: Branch) -> float:
+        """Rms distance of the star centres over the diameter, modulo rigid motions and symmetries."""
+        return _percent(first, second, self.symmetries)[0]
+
+
+def find_minima(
+    model: Model,
+    starts: int,
+    seed: int = 0,
+    backend: str = "auto",
+    method: Method = "blended",
+    max_iterations: int = 500,
+    report: Report | None = None,
+) -> Minima:
+    """Distinct minima from a fixed sequence of starts, the design's own first; other arguments as in `relax`.
+
+    The result is the lowest minimum whose stars are all on the side to which their branch sends them (up, unless the
+    layout says otherwise), where there is one: a print does not start from any other.
+
+    Raises
+    ------
+    ValueError
+        Fewer than one start.
+    """
+    if starts < 1:
+        raise ValueError(f"starts = {starts}: must be at least 1")
+    models, start = [*coarser(model), model], model.design.solver.start
+    same = symmetries(model.design, model.layout)
+    found: list[Branch] = []
+    lost = 0
+    for number, one in enumerate(beginnings(len(model.layout.centres), starts, start == "bump", seed)):
+        tell = named(report, f"start {number + 1} of {starts}")
+        try:
+            end = relax(models[0], one, None, seed, backend, method, max_iterations, tell)
+        except (DesignError, FloatingPointError):
+            # what the design's own start cannot do is a mistake in it; another one may begin where nothing goes on
+            if number == 0:
+                raise
+            lost += 1
+            continue
+        if end.is_minimum or number == 0:
+            found.append(Branch(end, models[0], (one.name,), number == 0))
+        else:
+            lost += 1
+    coarse = distinct(found, same)
+    ranked = _best_first(coarse)
+    low = sorted(range(len(ranked)), key=lambda i: ranked[i].found.energy)[:CARRIED]
+    carried = [i == 0 or i in low or branch.default for i, branch in enumerate(ranked)]
+    fine = []
+    for number, branch in enumerate(b for b, kept in zip(ranked, carried, strict=True) if kept):
+        tell = named(report, f"minimum {number + 1}")
+        end, levels = carried_up(models, branch.found, start, seed, backend, method, max_iterations, tell)
+        fine.append(replace(branch, found=end, model=model, levels=tuple(levels)))
+    certain = [b for b in fine if b.found.is_minimum] or fine
+    return Minima(_best_first(distinct(certain, same)), ranked, carried, lost, same)
+
+
+def distinct(branches: list[Branch], same: list[Symmetry]) -> list[Branch]:
+    """One of each minimum: of those that are nearer than SAME_PERCENT with the same stars up, the best."""
+    groups: list[list[Branch]] = []
+    for branch in _best_first(branches):
+        for group in groups:
+            percent, alike = _percent(group[0], branch, same)
+            if alike and percent < SAME_PERCENT:
+                group.append(branch)
+                break
+        else:
+            groups.append([branch])
+    return [
+        replace(group[0], starts=tuple(s for b in group for s in b.starts), default=any(b.default for b in group))
+        for group in groups
+    ]
+
+
+def _percent(first: Branch, second: Branch, same: list[Symmetry]) -> tuple[float, bool]:
+    """Distance in percent of the diameter, and whether it is to an image with the same stars up."""
+    apart = 100.0 * distances(first.centres, second.centres, same) / print_diameter(first.model.layout)
+    sides, other = first.found.sides, second.found.sides
+    alike = np.array([np.array_equal(sides, other[symmetry.star]) for symmetry in same])
+    if alike.any() and apart[alike].min() < SAME_PERCENT:
+        return float(apart[alike].min()), True
+    return float(apart.min()), False
+
+
+def _best_first(branches: list[Branch]) -> list[Branch]:
+    """By energy, those whose stars are on their branch before the others."""
+    return sorted(branches, key=lambda b: (bool(b.off_branch), b.found.energy))
+
+
+def stars_off_branch(model: Model, found: Equilibrium) -> list[int]:
+    """Stars that did not keep the side to which their branch sent them; from a flat start none is sent."""
+    sent = model.layout.star_branch if model.design.solver.start == "bump" else 0
+    return [int(i) for i in np.flatnonzero(found.sides * sent < 0)]

@@ -1,0 +1,56 @@
+"""The shape that two meshes of a sheet promise for the next finer one.
+
+Soft sheets move from mesh to mesh, mostly the same way. Going on in that direction saves the finer mesh a long walk.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from discrete.energies.elements import Array
+from discrete.model.model import Model
+from discrete.model.reconstruction import rotated
+from discrete.model.state import State, tangents
+from discrete.release.prolongation import plastic_normals
+from pattern.geometry.rigid_fit import rigid_fit
+
+
+def extrapolated(model: Model, before: State, state: State, share: float) -> State:
+    """The state moved on by a share of the way from `before` to it, both on the model's mesh.
+
+    Every triangle and every rod edge goes on turning about the axis of its turn from the one to the other, as the
+    cylinder does that a tube is rolled up to; none stretches. Positions are put together again by least squares.
+    """
+    rotation, shift = rigid_fit(before.positions, state.positions)
+    old = State(before.positions @ rotation.T + shift, before.directors @ rotation.T)
+    (f0, _), (f1, e1) = (model.reconstruction.gradients(s.positions) for s in (old, state))
+    spin = share * rotation_vectors(_spatial(f0), _spatial(f1))
+    edge_spin = share * rotation_vectors(*(_frames(model, s) for s in (old, state)))
+    columns = f1.transpose(0, 2, 1)
+    lack = (rotated(spin, columns) - columns).transpose(0, 2, 1)
+    edge_lack = rotated(edge_spin, e1[:, None])[:, 0] - e1
+    positions = state.positions + model.reconstruction.correction(lack, edge_lack)
+    return State(positions, plastic_normals(model, positions))
+
+
+def rotation_vectors(before: Array, after: Array) -> Array:
+    """(E, 3) rad, of the rotations in the polar decompositions of `after before^-1`, matrices (E, 3, 3)."""
+    u, _, vt = np.linalg.svd(after @ np.linalg.inv(before))
+    q = u @ vt
+    skew = np.stack([q[:, 2, 1] - q[:, 1, 2], q[:, 0, 2] - q[:, 2, 0], q[:, 1, 0] - q[:, 0, 1]], axis=1)
+    sine = 0.5 * np.linalg.norm(skew, axis=1)
+    angle = np.arctan2(sine, 0.5 * (np.trace(q, axis1=1, axis2=2) - 1.0))
+    # half a turn has no axis here, and nothing turns that far between two meshes: it is left where it is
+    return (0.5 * angle / np.maximum(sine, 1e-12))[:, None] * skew
+
+
+def _spatial(f: Array) -> Array:
+    """(T, 3, 3) deformation gradients (T, 3, 2) with the normal as a third column."""
+    normal = np.cross(f[:, :, 0], f[:, :, 1])
+    return np.concatenate([f, (normal / np.linalg.norm(normal, axis=1, keepdims=True))[:, :, None]], axis=2)
+
+
+def _frames(model: Model, state: State) -> Array:
+    """(R, 3, 3) tangent, director and width direction of every rod edge, as columns."""
+    t = tangents(state.positions, model.edges)
+    return np.stack([t, state.directors, np.cross(t, state.directors)], axis=2)

@@ -1,0 +1,49 @@
+"""Pins that take hold of the sheet after its release."""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import replace
+
+import numpy as np
+
+from discrete.model.model import Model
+from discrete.model.state import State
+from pattern.geometry.rigid_fit import rigid_fit
+
+WEAK = 1e-6  # weight of the rest of the sheet where the pins leave a turn undecided
+
+
+def held_until(model: Model, step: int) -> Model:
+    """The model with the pins of the steps up to this one only; itself if all pins hold from the print on."""
+    if model.layout.pin_steps == (0,):
+        return model
+    kept = [i for i, pin in enumerate(model.layout.pins) if pin.step <= step]
+    if len(kept) == len(model.layout.pins):
+        return copy.copy(model)  # its constraints will be its own
+    layout = replace(model.layout, pins=tuple(model.layout.pins[i] for i in kept))
+    mesh = replace(model.mesh, pin_vertices=tuple(model.mesh.pin_vertices[i] for i in kept))
+    return type(model)(model.design, layout, mesh, model.compiled)
+
+
+def taken(model: Model, state: State, was_free: bool) -> State:
+    """The state as the model's pins take hold of it: from here they move to their places (`model.progress`).
+
+    A sheet that was free is first laid where its pins are nearest to their places.
+    """
+    model.set_release(1.0)
+    if was_free:
+        state = _laid(model, state)
+    start = np.where(model.constraints.held, state.positions, model.constraints.printed)
+    model.constraints = replace(model.constraints, printed=start)
+    model.progress = 0.0
+    return state
+
+
+def _laid(model: Model, state: State) -> State:
+    """Rigid motion that brings the held components closest to their targets (Kabsch), plastic up if they allow it."""
+    components = model.constraints.held.sum(axis=1)
+    most = components == components.max()
+    weight = np.where(most, 1.0 / most.sum(), WEAK / model.n_vertices)
+    rotation, shift = rigid_fit(state.positions, model.constraints.target, weight)
+    return State(state.positions @ rotation.T + shift, state.directors @ rotation.T)

@@ -1,0 +1,186 @@
+"""The way to an equilibrium: release, later pins, kicks where stability is lost, certificate."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import closing
+
+import numpy as np
+
+from discrete.evidence.effort import Effort, PathStep
+from discrete.evidence.equilibrium import Equilibrium
+from discrete.model.model import Model
+from discrete.model.star_bumps import bump_heights
+from discrete.model.state import State
+from discrete.release.pin_steps import held_until, taken
+from discrete.release.saddle import left, lowest_mode
+from discrete.release.starts import Beginning
+from equilibrium.linear.factor import Factor
+from equilibrium.newton.certificate import Eigenpair
+from equilibrium.newton.minimise import Iteration, Method, Minimum, minimise
+
+Report = Callable[[str, Iteration], None]
+
+TOLERANCE, LOOSE = 1e-8, 1e-4  # of the force scale: at the end, and on the way there
+WEIGHED = 1e-3  # of the weight, vertex by vertex: a stiff sheet on two needles must find out how it hangs
+CLEARLY = 1e-7  # of modulus times thickness: an eigenvalue below minus this is negative at the loose tolerance too
+CARRIED = 1.0  # first blend at a state that comes from another mesh: smaller ones would be refused
+KICKS = 5
+PIN_MOVES = 5  # parts of the way of pins that take hold after release
+
+
+def named(report: Report | None, name: str) -> Report | None:
+    """The report with a name before every stage."""
+    return (lambda stage, iteration: report(f"{name}, {stage}", iteration)) if report else None
+
+
+def force_scale(model: Model) -> float:
+    """N: modulus times fabric thickness times star spacing."""
+    fabric = model.design.fabric
+    return float(fabric.modulus_mpa * fabric.thickness_mm * model.spacing)
+
+
+def certain(model: Model) -> float:
+    """N, the gradient of an equilibrium: a part of the force scale, and of the weight that must hang."""
+    part, weight = TOLERANCE * force_scale(model), WEIGHED * float(np.linalg.norm(model.load))
+    return min(part, weight) if weight else part
+
+
+class Walk:
+    """Minimises step by step and keeps count; parameters as in `discrete.release.solve.relax`."""
+
+    def __init__(self, backend: str, method: Method, max_iterations: int, report: Report | None, seed: int) -> None:
+        self.backend, self.method, self.max_iterations = backend, method, max_iterations
+        self.report, self.seed = report, seed
+        self.effort = Effort()
+
+    def along(self, model: Model, start: Beginning) -> Equilibrium:
+        """Release the fabric, then let the later pins take hold, one step after the other."""
+        *earlier, last = model.layout.pin_steps
+        model.set_release(1.0)
+        before: tuple[State, bool] | None = None
+        for step in earlier:
+            present = held_until(model, step)
+            with self._factor(present) as factor:
+                before = self._stepped(present, start, before, step, factor), not present.held.any()
+        present = held_until(model, last)
+        with self._factor(present) as factor:
+            return self._certified(present, self._stepped(present, start, before, last, factor), factor)
+
+    def from_state(self, model: Model, state: State) -> Equilibrium:
+        """Minimise where the model is now."""
+        with self._factor(model) as factor:
+            return self._certified(model, state, factor, CARRIED)
+
+    def _stepped(
+        self, model: Model, start: Beginning, before: tuple[State, bool] | None, step: int, factor: Factor
+    ) -> State:
+        """After the step's pins took hold; `before` is where the last step ended, and whether the sheet was free."""
+        if before is None:
+            return self._released(model, start, factor)
+        return self._pinned(model, taken(model, *before), step, factor)
+
+    def _released(self, model: Model, start: Beginning, factor: Factor) -> State:
+        model.set_release(start.releases[0])
+        state = start.state(model)
+        for release in start.releases:
+            model.set_release(release)
+            state = model.moved_pins(state)
+            state = start.kept(model, state)
+            state = self._followed(model, state, 0, factor, f"{100 * release:.0f} %")
+        return state
+
+    def _pinned(self, model: Model, state: State, step: int, factor: Factor) -> State:
+        for way in np.linspace(0.0, 1.0, PIN_MOVES + 1)[1:]:
+            model.progress = float(way)
+            state = model.moved_pins(state)
+            state = self._followed(model, state, step, factor, f"pins of step {step}, {100 * way:.0f} % of their way")
+        return state
+
+    def _followed(self, model: Model, state: State, step: int, factor: Factor, name: str) -> State:
+        """Loosely minimise; where the path has lost its stability, kick it to the side and minimise again."""
+        fabric = model.design.fabric
+        clear, loose = CLEARLY * fabric.modulus_mpa * fabric.thickness_mm, LOOSE * force_scale(model)
+        result = self._minimised(model, state, loose, factor, "release", name)
+        iterations, kicks = result.iterations, 0
+        # the flag also falls for rigid motions, which cost nothing only where all forces vanish
+        while kicks < KICKS and not result.definite and np.isfinite(result.energy):
+            pair = self._lowest(model, result.state, factor, "stability")
+            if pair.value >= -clear - pair.error:
+                break
+            kicks += 1
+            away = left(model, result.state, pair)
+            result = self._minimised(model, away, loose, factor, "release", f"{name}, to the side")
+            iterations += result.iterations
+        here = (step, model.release, model.progress, model.n_vertices)
+        self.effort.path.append(PathStep(*here, result.energy, iterations, kicks))
+        return result.state
+
+    def _certified(self, model: Model, state: State, factor: Factor, blend: float = 0.0) -> Equilibrium:
+        """Minimise tightly, find the smallest eigenvalue, and while it is negative leave along its mode."""
+        result = self._minimised(model, state, certain(model), factor, "equilibrium", "equilibrium", blend)
+        iterations, saddles = result.iterations, 0
+        while True:
+            pair = self._lowest(model, result.state, factor, "certificate")
+            # near a saddle on a fine mesh the gradient may not fall below the tolerance
+            if not (result.converged or result.idle) or pair.value >= -pair.error or saddles == KICKS:
+                break
+            saddles += 1
+            away = left(model, result.state, pair)
+            result = self._minimised(model, away, certain(model), factor, "saddle", "leaving a saddle")
+            iterations += result.iterations
+        here = (model.layout.pin_steps[-1], model.release, model.progress, model.n_vertices)
+        self.effort.path.append(PathStep(*here, result.energy, iterations, saddles))
+        return Equilibrium(
+            result.state,
+            model.energies(result.state),
+            result.gradient_norm,
+            certain(model),
+            pair.value,
+            pair.error,
+            bump_heights(model, result.state),
+            self.effort.iterations,
+            self.effort.factorisations,
+            saddles,
+            factor.name,
+            self.effort.clock.seconds,
+            tuple(self.effort.path),
+        )
+
+    def _factor(self, model: Model) -> closing[Factor]:
+        return closing(self.effort.clock("analysis", model.factor, self.backend))
+
+    def _lowest(self, model: Model, state: State, factor: Factor, stage: str) -> Eigenpair:
+        pair = self.effort.clock(stage, lowest_mode, model, state, factor, self.seed)
+        self.effort.factorisations += pair.factorisations
+        return pair
+
+    def _minimised(
+        self,
+        model: Model,
+        state: State,
+        goal: float,
+        factor: Factor,
+        stage: str,
+        name: str,
+        blend: float = 0.0,
+    ) -> Minimum:
+        """Newton's method on the clock of a stage, to a gradient of `goal` N."""
+        report = self.report
+        tell = (lambda iteration: report(name, iteration)) if report else None
+        result = self.effort.clock(
+            stage,
+            lambda: minimise(
+                model,
+                state,
+                factor,
+                goal,
+                self.max_iterations,
+                self.method,
+                report=tell,
+                blend=blend,
+                verdict=stage == "release",  # elsewhere the certificate follows
+            ),
+        )
+        self.effort.add(result)
+        return result

@@ -1,0 +1,1 @@
+"""Newton's method, line search, and the certificate of a minimum."""

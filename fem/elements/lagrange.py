@@ -1,0 +1,68 @@
+"""Continuous piecewise polynomials of degree 2 or 3 on a triangle mesh, with their second derivatives.
+
+Mesh, numbering and nodes are those of scikit-fem, whose own elements stop at first derivatives.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from skfem import Basis, ElementTriP2, ElementTriP3, MeshTri
+from skfem.quadrature import get_quadrature
+
+from fem.elements.monomials import monomials, powers
+from fem.elements.printed_mesh import usable
+from fem.elements.tabulation import Floats, Ints
+
+ELEMENTS = {2: ElementTriP2, 3: ElementTriP3}
+
+
+class Lagrange:
+    """Basis functions of every triangle.
+
+    Parameters
+    ----------
+    mesh : scikit-fem's, in printed mm; see `fem.elements.printed_mesh.usable`.
+    degree : 2 or 3.
+
+    Attributes
+    ----------
+    dofs : (T, m) numbers of a triangle's nodes.
+    nodes : (N, 2) mm, their places.
+    """
+
+    def __init__(self, mesh: MeshTri, degree: int) -> None:
+        if degree not in ELEMENTS:
+            raise ValueError(f"degree: {degree} is not one of 2, 3")
+        mesh = usable(mesh)
+        element = ELEMENTS[degree]()
+        basis = Basis(mesh, element, intorder=1)
+        self.mesh, self.degree = mesh, degree
+        self.dofs: Ints = basis.element_dofs.T.copy()
+        self.nodes: Floats = basis.doflocs.T.copy()
+        self._powers = powers(degree)
+        self._coefficients = np.linalg.inv(monomials(self._powers, element.doflocs)[..., 0])
+        corners = mesh.p.T[mesh.t.T]
+        self._origin = corners[:, 0]
+        self._jacobian = np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=2)
+        self._inverse = np.linalg.inv(self._jacobian)
+        self.areas: Floats = 0.5 * np.abs(np.linalg.det(self._jacobian))
+
+    def local(self, triangles: Ints, points: Floats) -> Floats:
+        """(n, 2) coordinates of printed points (n, 2) in the triangles whose corners are (0, 0), (1, 0), (0, 1)."""
+        return np.einsum("nab,nb->na", self._inverse[triangles], points - self._origin[triangles])
+
+    def jets(self, triangles: Ints, points: Floats) -> Floats:
+        """(n, m, 6) value and derivatives 1, 2, 11, 22, 12 of a triangle's functions at a printed point, per mm."""
+        table = np.einsum("nka,km->nma", monomials(self._powers, self.local(triangles, points)), self._coefficients)
+        inverse = self._inverse[triangles]
+        first = np.einsum("nma,nab->nmb", table[..., 1:3], inverse)
+        second = np.einsum("nmab,nac,nbd->nmcd", table[..., [[3, 5], [5, 4]]], inverse, inverse)
+        return np.concatenate(
+            [table[..., :1], first, second[..., 0, 0, None], second[..., 1, 1, None], second[..., 0, 1, None]], axis=2
+        )
+
+    def quadrature(self, order: int) -> tuple[Floats, Floats]:
+        """(T, Q, 2) printed points and (T, Q) weights, exact for polynomials of degree `order`."""
+        local, weights = get_quadrature(self.mesh.refdom, order)
+        points = self._origin[:, None] + np.einsum("tab,bq->tqa", self._jacobian, local)
+        return points, 2.0 * self.areas[:, None] * weights

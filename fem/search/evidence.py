@@ -1,0 +1,77 @@
+"""An equilibrium of the shell, and the evidence that it is one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from fem.elements.tabulation import Floats
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A start that was followed: its name, and what became of it. Energy in N mm, x (N, 3) in mm."""
+
+    name: str
+    energy: float
+    is_minimum: bool
+    iterations: int
+    x: Floats
+
+
+@dataclass(frozen=True)
+class ShellEquilibrium:
+    """A state of the shell with the evidence for what it is.
+
+    Attributes
+    ----------
+    x : (N, 3) positions of the dofs, mm.
+    strains : (T, Q, 6) at the quadrature points; to go on from here after an edit.
+    energies : N mm, by part: as `Shell.energies`, with what Gaussian curvature costs or saves as `gaussian`.
+    gradient_norm, tolerance : N, over the free unknowns.
+    definite : the exact Hessian is positive definite (rigid motions held).
+    soft_modes : (k,) N/mm^3, smallest eigenvalues of the Hessian against the printed area: the energy of a mode of one
+        mm mean square is half of that times the area. Empty if they were not asked for. One far below the others
+        belongs to a neutral motion, such as the axis about which an even sheet rolls.
+    start : name of the start that led here.
+    trials : all starts that were followed.
+    load_steps : 0, or the steps in which the fields and loads had to be brought up.
+    saddles_left : on the way.
+    fallbacks : times that the energy had to be followed down because Newton's method with mixed points failed.
+    seconds : by part.
+    """
+
+    x: Floats
+    strains: Floats
+    energies: dict[str, float]
+    gradient_norm: float
+    tolerance: float
+    definite: bool
+    soft_modes: Floats
+    start: str
+    trials: tuple[Trial, ...] = ()
+    load_steps: int = 0
+    iterations: int = 0
+    factorisations: int = 0
+    saddles_left: int = 0
+    fallbacks: int = 0
+    seconds: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def energy(self) -> float:
+        """N mm."""
+        return sum(self.energies.values())
+
+    @property
+    def at_stake(self) -> float:
+        """N mm, the energy, what a part saves counted as spent: errors are a part of it."""
+        return sum(map(abs, self.energies.values()))
+
+    @property
+    def converged(self) -> bool:
+        """The gradient is below the tolerance."""
+        return self.gradient_norm <= self.tolerance
+
+    @property
+    def is_minimum(self) -> bool:
+        """Converged, and stable."""
+        return self.converged and self.definite

@@ -1,0 +1,1 @@
+"""The Koiter shell: strains, energy density, assembly."""

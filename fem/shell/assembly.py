@@ -1,0 +1,143 @@
+"""From quadrature points to vectors and matrices over the dofs, in a sparsity pattern made once.
+
+A matrix over the 3 N components of the position is the lower triangle, by columns, of 3 x 3 blocks: only the pattern
+of the scalar dofs has to be sorted. The column of component d of dof J holds `3 - d` entries of the diagonal block and
+then three entries of each further dof.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+
+from equilibrium.linear.sparse_pattern import SparsePattern
+from fem.elements.tabulation import Floats, Ints, Tabulation
+from fem.shell import koiter, koiter_tangent
+
+
+class Assembly:
+    """Strains, forces and tangents of one discretisation.
+
+    Parameters
+    ----------
+    tabulation : of the space.
+    size : number N of scalar dofs.
+
+    Attributes
+    ----------
+    weights, points : (T, Q) mm^2 and (T, Q, 2) mm.
+    pattern : of the 3 N components of the position, dof by dof.
+    """
+
+    def __init__(self, tabulation: Tabulation, size: int) -> None:
+        self.size = size
+        self.weights, self.points = tabulation.weights, tabulation.points
+        self.dofs: Ints = np.ascontiguousarray(tabulation.dofs, dtype=np.int64)
+        both = np.concatenate([tabulation.gradients, tabulation.hessians], axis=3)
+        self._table: Floats = np.ascontiguousarray(np.swapaxes(both, 2, 3))
+        self._keys, self._starts, self._places = _scalar_pattern(self.dofs, size)
+        self.pattern = SparsePattern.of_lower(self._blocks())
+
+    def _blocks(self) -> sp.csc_matrix:
+        """Lower triangle of ones, each scalar entry three by three."""
+        n = self.size
+        count = np.diff(self._starts)
+        indptr = np.zeros(3 * n + 1, dtype=np.int32)
+        indptr[1:] = np.cumsum((3 * count[:, None] - np.arange(3)).ravel())
+        column = np.repeat(np.arange(n), count)
+        place = 3 * (np.arange(len(column)) - self._starts[column])
+        indices = np.empty(indptr[-1], dtype=np.int32)
+        for c in range(3):  # entries above the diagonal of a diagonal block are left out
+            row = 3 * (self._keys - n * column) + c
+            for d in range(3):
+                kept = slice(None) if d <= c else place > 0
+                indices[(indptr[3 * column + d] + place + (c - d))[kept]] = row[kept]
+        return sp.csc_matrix((np.ones(len(indices)), indices, indptr), shape=(3 * n, 3 * n))
+
+    def strains(self, x: Floats, rest: Floats) -> Floats:
+        """(T, Q, 6) of positions x (N, 3); rest (T, Q, 6) as in `fem.shell.koiter.strains`."""
+        out = np.empty_like(rest)
+        koiter.strains(self._table, self.dofs, x, rest, out)
+        return out
+
+    def strain_changes(self, x: Floats, move: Floats) -> Floats:
+        """(T, Q, 6) derivative of the strains at x along move (N, 3)."""
+        out = np.empty((*self.weights.shape, 6))
+        koiter.strain_changes(self._table, self.dofs, x, move, out)
+        return out
+
+    def forces(self, x: Floats, stress: Floats) -> Floats:
+        """(N, 3) derivative by x of the integral of stress (T, Q, 6) by strain."""
+        out = np.zeros((self.size, 3))
+        koiter.forces(self._table, self.dofs, self.weights, x, stress, out)
+        return out
+
+    def tangent(self, x: Floats, stiffness: Floats, stress: Floats) -> Floats:
+        """(nnz,) of `B' A B + stress : e''`, stiffness A (T, Q, 6, 6) and stress (T, Q, 6)."""
+        data = np.zeros(self.pattern.nnz)
+        koiter_tangent.tangent(
+            self._table, self.dofs, self.weights, x, stiffness, stress, self._places, self.pattern.indptr, data
+        )
+        return data
+
+    def mass(self, values: Floats) -> sp.csr_matrix:
+        """(N, N) mm^2, integrals of the products of the basis functions, whose values are (T, Q, m)."""
+        i, j = np.tril_indices(self.dofs.shape[1])
+        blocks = np.matmul(np.swapaxes(self.weights[..., None] * values, 1, 2), values)[:, i, j]
+        first = np.minimum(self.dofs[:, i], self.dofs[:, j])
+        data = np.bincount((self._starts[first] + self._places).ravel(), blocks.ravel(), len(self._keys))
+        low = sp.csc_matrix((data, self._keys % self.size, self._starts), shape=(self.size, self.size))
+        return sp.csr_matrix(low + low.T - sp.diags_array(low.diagonal()))
+
+    def gather(self, matrix: sp.csr_matrix) -> Floats:
+        """(nnz,) of a symmetric matrix (3 N, 3 N); its entries must be in the pattern.
+
+        Raises
+        ------
+        ValueError
+            An entry is not in the pattern.
+        """
+        low = sp.tril(matrix).tocoo()
+        column, dof = low.col // 3, low.row // 3
+        place = self._place(column, dof)
+        entry = self.pattern.indptr[low.col] + 3 * place - low.col % 3 + low.row % 3
+        entry[place == 0] = (self.pattern.indptr[low.col] + low.row - low.col)[place == 0]
+        return np.bincount(entry, low.data, self.pattern.nnz).astype(float)
+
+    def _place(self, column: Ints, row: Ints) -> Ints:
+        """Number of a scalar entry within its column."""
+        wanted = column.astype(np.int64) * self.size + row
+        found = np.minimum(np.searchsorted(self._keys, wanted), len(self._keys) - 1)
+        if (self._keys[found] != wanted).any():
+            raise ValueError("the matrix couples dofs of triangles that share no stencil")
+        return found - self._starts[column]
+
+    def spread(self, matrix: sp.csr_matrix) -> Floats:
+        """(nnz,) of a symmetric scalar matrix (N, N) that acts on every component alike, its entries in the pattern.
+
+        Raises
+        ------
+        ValueError
+            An entry is not in the pattern.
+        """
+        low = sp.tril(matrix).tocoo()
+        place = self._place(low.col, low.row)
+        data = np.zeros(self.pattern.nnz)
+        for d in range(3):
+            data[self.pattern.indptr[3 * low.col + d] + 3 * place] += low.data
+        return data
+
+
+def _scalar_pattern(dofs: Ints, size: int) -> tuple[Ints, Ints, Ints]:
+    """Keys `column N + row` of the lower triangle in order, starts (N + 1,) of its columns, and places.
+
+    The place (T, m (m + 1)/2) of a pair is its number within its column; 0 is the diagonal.
+    """
+    i, j = np.tril_indices(dofs.shape[1])
+    low, high = np.minimum(dofs[:, i], dofs[:, j]), np.maximum(dofs[:, i], dofs[:, j])
+    wanted = low * size + high
+    diagonal = np.arange(size, dtype=np.int64) * (size + 1)  # also of a dof that no triangle uses
+    keys, number = np.unique(np.concatenate([diagonal, wanted.ravel()]), return_inverse=True)
+    starts = np.searchsorted(keys, np.arange(size + 1, dtype=np.int64) * size)
+    places = number[size:].reshape(wanted.shape) - starts[low]
+    return keys, starts, places.astype(np.int32)

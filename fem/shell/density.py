@@ -1,0 +1,210 @@
+"""Energy of the sheet per printed area, as a function of the strains `e = (E11, E22, 2 E12, K11, K22, 2 K12)`.
+
+    W(e) = w_0 + s . e + e . A e / 2 + c3 Re[z^3 exp(-6 i phi)] / (1 + |z|^2/z_s^2) + w(e),    z = (K11 - K22)/2 + i K12
+
+A is any symmetric 6 x 6 matrix (membrane, bending and their coupling), s the stress at no strain. The c3 term lets a
+sheet with a lattice at the angle phi prefer some of its axes to roll about: z turns by twice the angle of the sheet,
+z^3 by six times. A pure cubic has no lowest energy, so it is cut off at z_s, beyond which it grows like |z| only: with
+a positive definite A the energy is bounded below whatever c3 is. w is any further law.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from equilibrium.compiled import formula, loop
+from fem.elements.tabulation import Floats
+
+Law = Callable[[Floats], tuple[Floats, Floats, Floats]]
+
+
+@dataclass(frozen=True)
+class Density:
+    """Energy per area at the quadrature points (T, Q); what does not change over the sheet may be given once.
+
+    Attributes
+    ----------
+    stiffness : (T, Q, 6, 6) or (6, 6), symmetric; N/mm, N and N mm for its parts.
+    sixfold : (T, Q) or a number, c3 in N mm^2.
+    orientation : phi in radians, that of a lattice line; a cylinder whose curvature lies along it has the energy
+        `+ c3 (kappa/2)^3` as long as kappa is far below 2 z_s.
+    saturation : z_s per mm, (T, Q) or a number; the term has half of its cubic's value at |z| = z_s.
+    law : takes e (P, 6) of all points, P = T Q, to w (P,), its gradient (P, 6) and its Hessian (P, 6, 6).
+    stress : s, (T, Q, 6) or (6,), N/mm and N, and `ground`, w_0, (T, Q) or a number, N/mm, at no strain.
+    """
+
+    stiffness: Floats
+    sixfold: Floats | float = 0.0
+    orientation: Floats | float = 0.0
+    saturation: Floats | float = np.inf
+    law: Law | None = None
+    stress: Floats | float = 0.0
+    ground: Floats | float = 0.0
+
+    def at(self, shape: tuple[int, int]) -> Density:
+        """The same, everything spelled out for (T, Q) points."""
+
+        def spread(values: Floats | float, tail: tuple[int, ...] = ()) -> Floats:
+            return np.array(np.broadcast_to(values, (*shape, *tail)), dtype=float)
+
+        return Density(
+            spread(self.stiffness, (6, 6)),
+            spread(self.sixfold),
+            spread(self.orientation),
+            spread(self.saturation),
+            self.law,
+            spread(self.stress, (6,)),
+            spread(self.ground),
+        )
+
+    def with_gaussian(self, modulus: Floats, curvature: Floats) -> Density:
+        """The density and `modulus det b` more at the points (T, Q), N mm, for `b = K + b_r` with b_r (T, Q, 3).
+
+        `curvature`: b_r, its components 11, 22 and 12. The modulus is Helfrich's (1973) of Gaussian curvature.
+        """
+        full = self.at(modulus.shape)
+        b11, b22, b12 = np.moveaxis(np.broadcast_to(curvature, (*modulus.shape, 3)), -1, 0)
+        full.stiffness[..., 3, 4] += modulus
+        full.stiffness[..., 4, 3] += modulus
+        full.stiffness[..., 5, 5] -= 0.5 * modulus
+        full.stress[..., 3:] += modulus[..., None] * np.stack([b22, b11, -b12], axis=-1)  # type: ignore[index]
+        return replace(full, ground=full.ground + modulus * (b11 * b22 - b12**2))
+
+    def __call__(self, e: Floats) -> tuple[Floats, Floats, Floats]:
+        """Energies (T, Q), stresses (T, Q, 6) and stiffnesses (T, Q, 6, 6) at strains e (T, Q, 6)."""
+        scalars = (self.sixfold, self.orientation, self.saturation, self.ground)
+        spelled_out = (np.shape(self.stiffness), np.shape(self.stress)) == ((*e.shape, 6), e.shape)
+        spelled_out = spelled_out and all(np.shape(each) == e.shape[:2] for each in scalars)
+        full = self if spelled_out else self.at(e.shape[:2])
+        energy, stress, tangent = np.empty(e.shape[:2]), np.empty(e.shape), np.empty((*e.shape, 6))
+        parts = (full.stiffness, full.sixfold, full.orientation, full.saturation, full.stress, full.ground)
+        _evaluate(*parts, e, energy, stress, tangent)
+        if self.law is not None:
+            for total, part in zip((energy, stress, tangent), self.law(e.reshape(-1, 6)), strict=True):
+                total += part.reshape(total.shape)
+        return energy, stress, tangent
+
+    def energies(self, e: Floats) -> Floats:
+        """(T, Q) at strains e (T, Q, 6), without their derivatives; `self` is spelled out, see `at`."""
+        energy = np.empty(e.shape[:2])
+        parts = (self.stiffness, self.sixfold, self.orientation, self.saturation, self.stress, self.ground)
+        _energies(*parts, e, energy)
+        return energy if self.law is None else energy + self.law(e.reshape(-1, 6))[0].reshape(energy.shape)
+
+    @property
+    def quadratic(self) -> bool:
+        """The stiffness is the same for all strains."""
+        return self.law is None and not np.any(self.sixfold)
+
+
+@loop
+def _evaluate(  # type: ignore[no-untyped-def]
+    stiffness, sixfold, orientation, saturation, start, ground, e, energy, stress, tangent
+):
+    h = np.empty((2, 2))
+    for t in range(e.shape[0]):
+        for q in range(e.shape[1]):
+            energy[t, q] = ground[t, q]
+            for a in range(6):
+                value = 0.0
+                for b in range(6):
+                    value += stiffness[t, q, a, b] * e[t, q, b]
+                    tangent[t, q, a, b] = stiffness[t, q, a, b]
+                stress[t, q, a] = start[t, q, a] + value
+                energy[t, q] += (start[t, q, a] + 0.5 * value) * e[t, q, a]
+            if sixfold[t, q] != 0.0:
+                u, v = 0.5 * (e[t, q, 3] - e[t, q, 4]), 0.5 * e[t, q, 5]
+                w, gu, gv = _roll(sixfold[t, q], orientation[t, q], saturation[t, q], u, v, h)
+                energy[t, q] += w
+                stress[t, q, 3] += 0.5 * gu
+                stress[t, q, 4] -= 0.5 * gu
+                stress[t, q, 5] += 0.5 * gv
+                for a, x, y in ((3, 0.5, 0.0), (4, -0.5, 0.0), (5, 0.0, 0.5)):
+                    for b, r, s in ((3, 0.5, 0.0), (4, -0.5, 0.0), (5, 0.0, 0.5)):
+                        tangent[t, q, a, b] += x * (h[0, 0] * r + h[0, 1] * s) + y * (h[1, 0] * r + h[1, 1] * s)
+
+
+@loop
+def _energies(stiffness, sixfold, orientation, saturation, start, ground, e, energy):  # type: ignore[no-untyped-def]
+    h = np.empty((2, 2))
+    for t in range(e.shape[0]):
+        for q in range(e.shape[1]):
+            total = ground[t, q]
+            for a in range(6):
+                value = start[t, q, a] + 0.5 * stiffness[t, q, a, a] * e[t, q, a]
+                for b in range(a):
+                    value += stiffness[t, q, a, b] * e[t, q, b]
+                total += value * e[t, q, a]
+            if sixfold[t, q] != 0.0:
+                u, v = 0.5 * (e[t, q, 3] - e[t, q, 4]), 0.5 * e[t, q, 5]
+                total += _roll(sixfold[t, q], orientation[t, q], saturation[t, q], u, v, h)[0]
+            energy[t, q] = total
+
+
+@formula
+def _roll(c3, angle, saturation, u, v, h):  # type: ignore[no-untyped-def]
+    """The sixfold term at z = u + i v: value, gradient, and its Hessian in h (2, 2)."""
+    cos, sin = c3 * np.cos(6.0 * angle), c3 * np.sin(6.0 * angle)
+    uu, vv, uv = u * u, v * v, u * v
+    # real and imaginary parts of c3 exp(-6 i phi) times z, z^2, z^3
+    one, one_i = cos * u + sin * v, cos * v - sin * u
+    two, two_i = cos * (uu - vv) + sin * 2.0 * uv, cos * 2.0 * uv - sin * (uu - vv)
+    cube = two * u - two_i * v
+    least = 1.0 / (saturation * saturation)
+    cut = 1.0 / (1.0 + least * (uu + vv))
+    slope = -2.0 * least * cut * cut  # the cut's gradient is this times (u, v)
+    pu, pv, su, sv = 3.0 * two, -3.0 * two_i, slope * u, slope * v
+    bend = 2.0 / cut
+    h[0, 0] = 6.0 * one * cut + 2.0 * pu * su + cube * (bend * su * su + slope)
+    h[1, 1] = -6.0 * one * cut + 2.0 * pv * sv + cube * (bend * sv * sv + slope)
+    h[0, 1] = h[1, 0] = -6.0 * one_i * cut + pu * sv + pv * su + cube * bend * su * sv
+    return cube * cut, pu * cut + cube * su, pv * cut + cube * sv
+
+
+def isotropic(
+    membrane: Floats | float,
+    bending: Floats | float,
+    poisson: Floats | float,
+    bending_poisson: Floats | float | None = None,
+) -> Floats:
+    """(..., 6, 6) stiffness of an isotropic sheet on the Euclidean metric of the print.
+
+    `membrane` is Young's modulus times thickness over `1 - nu^2` (N/mm), `bending` the plate stiffness D (N mm), both
+    per printed area and for strains in printed coordinates.
+    """
+    second = poisson if bending_poisson is None else bending_poisson
+    parts = np.broadcast_arrays(membrane, poisson, bending, second)
+    out = np.zeros((*parts[0].shape, 6, 6))
+    for start, modulus, nu in ((0, parts[0], parts[1]), (3, parts[2], parts[3])):
+        out[..., start, start] = out[..., start + 1, start + 1] = modulus
+        out[..., start, start + 1] = out[..., start + 1, start] = nu * modulus
+        out[..., start + 2, start + 2] = 0.5 * (1.0 - nu) * modulus
+    return out
+
+
+def on_metric(stiffness: Floats, metric: Floats) -> Floats:
+    """(..., 6, 6) the same material where the print has a metric of its own, per area of the coordinates.
+
+    `stiffness` is per area and unit vectors of the rest metric (..., 3) = (a11, a22, a12): the strains are taken to an
+    orthonormal frame of it, whose first vector is along the first coordinate, and the area grows by sqrt(det a).
+    """
+    a11, a22, a12 = np.moveaxis(np.asarray(metric, dtype=float), -1, 0)
+    area = np.sqrt(a11 * a22 - a12**2)
+    zero = np.zeros_like(a11)
+    # columns: the orthonormal vectors in coordinates
+    one = (1.0 / np.sqrt(a11), zero)
+    two = (-a12 / (np.sqrt(a11) * area), np.sqrt(a11) / area)
+    half = np.stack(
+        [
+            np.stack([one[0] ** 2, one[1] ** 2, one[0] * one[1]], axis=-1),
+            np.stack([two[0] ** 2, two[1] ** 2, two[0] * two[1]], axis=-1),
+            np.stack([2.0 * one[0] * two[0], 2.0 * one[1] * two[1], one[0] * two[1] + one[1] * two[0]], axis=-1),
+        ],
+        axis=-2,
+    )
+    turn = np.zeros((*a11.shape, 6, 6))
+    turn[..., :3, :3] = turn[..., 3:, 3:] = half
+    return area[..., None, None] * np.einsum("...ai,...ab,...bj->...ij", turn, stiffness, turn)

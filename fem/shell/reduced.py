@@ -1,0 +1,82 @@
+"""Matrices over the free unknowns: `T' H T` in a pattern of its own, by one sparse product for every new H."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+
+from equilibrium.compiled import loop
+from equilibrium.linear.sparse_pattern import SparsePattern
+from fem.elements.tabulation import Floats
+
+
+class Reduced:
+    """Restricts symmetric matrices in a pattern to the columns of a map.
+
+    Parameters
+    ----------
+    pattern : of the matrices, size n.
+    columns : (n, k) map T from the free unknowns.
+
+    Attributes
+    ----------
+    pattern : of the restricted matrices, size k.
+    """
+
+    def __init__(self, pattern: SparsePattern, columns: sp.csr_matrix) -> None:
+        self._map: sp.csr_matrix | None = None
+        self.pattern = pattern
+        size = columns.shape[1]
+        if size == columns.shape[0] and (columns != sp.identity(size, format="csr")).nnz == 0:
+            return
+        column = np.repeat(np.arange(pattern.size), np.diff(pattern.indptr))
+        count = np.diff(columns.indptr)
+        total = size + int((count[pattern.indices].astype(np.int64) * count[column]).sum())
+        # an entry of every diagonal one, with nothing in it, and the products
+        keys, source, weight = np.empty(total, dtype=np.int64), np.zeros(total, dtype=np.int32), np.zeros(total)
+        keys[:size] = np.arange(size, dtype=np.int64) * (size + 1)
+        _products(
+            pattern.indices, column, columns.indptr, columns.indices, columns.data,
+            size, keys[size:], source[size:], weight[size:],
+        )  # fmt: skip
+        order = np.argsort(keys, kind="stable")  # long runs are in order already
+        keys = keys[order]
+        starts = np.flatnonzero(np.r_[True, keys[1:] != keys[:-1]])
+        keys = keys[starts]
+        lower = sp.csc_matrix(
+            (
+                np.ones(len(keys)),
+                (keys % size).astype(np.int32),
+                np.searchsorted(keys, np.arange(size + 1, dtype=np.int64) * size).astype(np.int32),
+            ),
+            shape=(size, size),
+        )
+        self.pattern = SparsePattern.of_lower(lower)
+        self._map = sp.csr_matrix((weight[order], source[order], np.r_[starts, total]), shape=(len(keys), pattern.nnz))
+
+    def __call__(self, data: Floats) -> Floats:
+        """(nnz of the restricted pattern,) from the entries (nnz,) of a matrix."""
+        return data if self._map is None else self._map @ data
+
+
+@loop
+def _products(row, column, indptr, indices, values, size, keys, source, weight):  # type: ignore[no-untyped-def]
+    """All products `T_ri T_cj` of entries (r, c) of a lower triangle: place `j N + i` in that of `T' H T`, the entry's
+    number, and the product.
+
+    Off the diagonal an entry stands for two of the symmetric matrix, of which one is in the lower triangle.
+    """
+    k = 0
+    for entry in range(row.size):
+        r, c = row[entry], column[entry]
+        for a in range(indptr[r], indptr[r + 1]):
+            for b in range(indptr[c], indptr[c + 1]):
+                i, j = indices[a], indices[b]
+                product = values[a] * values[b]
+                if i == j and r != c:
+                    product *= 2.0
+                if i != j and r == c:
+                    product *= 0.5
+                keys[k] = min(i, j) * size + max(i, j)
+                source[k], weight[k] = entry, product
+                k += 1

@@ -1,0 +1,154 @@
+"""Linear equations that hold the sheet along an edge, for both kinds of discretisation.
+
+A C1 space with jets at its vertices (Argyris, Bell) is held by them: the value and its first and second derivative
+along the curve, and for a clamp the slope and its derivative along the curve, with the slope in the middle of the edge
+where that is a dof. On straight edges these equations determine the whole polynomial along the edge. A continuous
+space (`fem.elements.lifted`) is held at its nodes along the edge, and clamped at as many Gauss points as its slope
+needs.
+
+A clamp prescribes the tangent plane, not the stretch across the edge: `n . d x/d nu = 0`, with n the normal of the
+placement and nu the normal of the edge in the printed plane.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import scipy.sparse as sp
+from skfem import MeshTri
+
+from fem.elements.tabulation import Evaluation, Floats, Ints, Tabulation
+from fem.supports.edge_curve import EdgeCurve, edge_curve, left
+from fem.supports.placement import Placement, flat
+
+ROUNDING = 1e-10  # over the largest coefficient of an equation: what should be nothing, on flat triangles too
+
+
+class Space(Protocol):
+    """What conditions and loads ask of a discretisation."""
+
+    mesh: MeshTri
+    size: int
+    smooth: bool
+    mid_normals: bool
+    degree: int
+
+    def jets(self, triangles: Ints, points: Floats) -> tuple[Ints, Floats]: ...
+
+    def tabulate(self, order: int) -> Tabulation: ...
+
+    def locate(self, points: Floats) -> Evaluation: ...
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Equations `sum_ar weights[a, r] J_a[x_r] = right` on the jets J of the position.
+
+    Attributes
+    ----------
+    triangles : (R,) whose polynomial is meant.
+    points : (R, 2) printed mm.
+    weights : (R, 6, 3) of the value and the derivatives 1, 2, 11, 22, 12 of every component.
+    right : (R, 2) for the sheet as printed, and at the target.
+    """
+
+    triangles: Ints
+    points: Floats
+    weights: Floats
+    right: Floats
+
+    @classmethod
+    def at(cls, triangles: Ints, points: Floats, weights: Floats, placement: Placement) -> Rows:
+        """Right-hand sides from the printed plane and the placement themselves."""
+        right = [np.einsum("nar,nar->n", weights, place.jets(points)) for place in (flat(), placement)]
+        return cls(triangles, points, weights, np.column_stack(right))
+
+    @classmethod
+    def joined(cls, parts: Sequence[Rows]) -> Rows:
+        """All parts, one after the other."""
+        names = ("triangles", "points", "weights", "right")
+        if not parts:
+            return cls(np.empty(0, dtype=np.int64), np.empty((0, 2)), np.empty((0, 6, 3)), np.empty((0, 2)))
+        return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
+
+    def matrix(self, space: Space) -> sp.csr_matrix:
+        """(R, 3N) coefficients of the dofs, without those that are rounding."""
+        dofs, jets = space.jets(self.triangles, self.points)
+        table = np.matmul(jets, self.weights)
+        size = np.abs(table)
+        row, dof, component = np.nonzero(size > ROUNDING * size.max(axis=(1, 2), keepdims=True))
+        columns = 3 * dofs[row, dof] + component
+        return sp.csr_matrix((table[row, dof, component], (row, columns)), shape=(len(dofs), 3 * space.size))
+
+
+def edge_rows(
+    space: Space, facets: Ints, placement: Placement, directions: Floats, clamped: bool, corner_deg: float
+) -> Rows:
+    """Equations that hold mesh edges (see `fem.supports.conditions.HeldEdge` for the arguments)."""
+    curve = edge_curve(space.mesh, facets, corner_deg)
+    triangles = space.mesh.f2t[0, facets]
+    rows = _vertex_rows if space.smooth else _node_rows
+    return Rows.joined(list(rows(space, curve, triangles, placement, np.asarray(directions), clamped)))
+
+
+def _vertex_rows(
+    space: Space, curve: EdgeCurve, triangles: Ints, placement: Placement, directions: Floats, clamped: bool
+) -> list[Rows]:
+    found = []
+    for end in (0, 1):
+        points, tangents, bends = curve.ends[:, end], curve.tangents[:, end], curve.curvatures[:, end]
+        value, along, bend, across, twist = _line_jets(tangents, bends)
+        held = [jet[:, :, None] * direction for direction in directions for jet in (value, along, bend)]
+        if clamped:
+            normal = placement.normal(points)[:, None]
+            turn = placement.normal_turn(points, tangents)[:, None]
+            held += [across[:, :, None] * normal, twist[:, :, None] * normal + across[:, :, None] * turn]
+        if held:
+            every = np.tile(triangles, len(held)), np.tile(points, (len(held), 1))
+            found.append(Rows.at(*every, np.concatenate(held), placement))
+    if clamped and space.mid_normals:
+        found.append(_slope_rows(curve, 0.5, triangles, placement))
+    return found
+
+
+def _node_rows(
+    space: Space, curve: EdgeCurve, triangles: Ints, placement: Placement, directions: Floats, clamped: bool
+) -> list[Rows]:
+    found = []
+    for share in np.linspace(0.0, 1.0, space.degree + 1):
+        points, tangents = curve.along(share)
+        value = _line_jets(tangents, np.zeros(len(points)))[0]
+        for direction in directions:
+            found.append(Rows.at(triangles, points, value[:, :, None] * direction, placement))
+    if clamped:
+        for root in np.polynomial.legendre.leggauss(space.degree)[0]:
+            found.append(_slope_rows(curve, 0.5 * (root + 1.0), triangles, placement))
+    return found
+
+
+def _slope_rows(curve: EdgeCurve, share: float, triangles: Ints, placement: Placement) -> Rows:
+    # across the chord: closer to the curve it costs more than it gains, on the plates with a closed form
+    chord = curve.ends[:, 1] - curve.ends[:, 0]
+    points = curve.ends[:, 0] + share * chord
+    across = _line_jets(chord / np.linalg.norm(chord, axis=1, keepdims=True), np.zeros(len(chord)))[3]
+    return Rows.at(triangles, points, across[:, :, None] * placement.normal(points)[:, None], placement)
+
+
+def _line_jets(tangents: Floats, bends: Floats) -> tuple[Floats, ...]:
+    """(n, 6) weights of value, d/ds, d2/ds2, d/dnu and d/ds d/dnu along a curve with signed curvature, nu left of s.
+
+    By `t' = k nu`, `nu' = -k t`: the second derivative along the curve is `t.H t + k d/dnu`, that of the slope across
+    it `t.H nu - k d/dt`.
+    """
+    normals = left(tangents)
+    zero, one = np.zeros(len(tangents)), np.ones(len(tangents))
+    (t1, t2), (n1, n2) = tangents.T, normals.T
+    value = np.column_stack([one, zero, zero, zero, zero, zero])
+    along = np.column_stack([zero, t1, t2, zero, zero, zero])
+    across = np.column_stack([zero, n1, n2, zero, zero, zero])
+    bend = np.column_stack([zero, bends * n1, bends * n2, t1 * t1, t2 * t2, 2.0 * t1 * t2])
+    twist = np.column_stack([zero, -bends * t1, -bends * t2, t1 * n1, t2 * n2, t1 * n2 + t2 * n1])
+    return value, along, bend, across, twist

@@ -1,0 +1,154 @@
+"""Unknowns that satisfy linear equations exactly: A x = b becomes x = T q + c, with q some of the x."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.linalg import qr
+from scipy.sparse.csgraph import connected_components
+
+from fem.elements.tabulation import Floats, Ints
+
+DIGITS = 10  # of equations with a largest coefficient of 1: those that are alike but for rounding are solved once
+DEPENDENT = 1e-9  # a pivot below this part of the largest one belongs to an equation that others imply
+
+
+@dataclass(frozen=True)
+class Elimination:
+    """x = map q + constant.
+
+    Attributes
+    ----------
+    map : (n, len(free)); rows of the free unknowns are those of the identity.
+    constant : (n, k), one column for each right-hand side.
+    free : numbers of the unknowns that are kept, sorted.
+    redundant : number of equations that others imply.
+    """
+
+    map: sp.csr_matrix
+    constant: Floats
+    free: Ints
+    redundant: int
+
+
+class Contradiction(ValueError):
+    """Equations without a solution: which one is off by how much."""
+
+    def __init__(self, row: int, miss: float) -> None:
+        super().__init__(f"equation {row} is off by {miss:.3g}")
+        self.row, self.miss = row, miss
+
+
+def eliminate(matrix: sp.csr_matrix, right: Floats, tolerance: float) -> Elimination:
+    """Solve equations for as many unknowns as they determine.
+
+    Groups of equations that share unknowns are solved each by itself, by QR with column pivoting.
+
+    Parameters
+    ----------
+    matrix : (R, n).
+    right : (R, k).
+    tolerance : how far redundant equations may disagree, each scaled to a largest coefficient of 1.
+
+    Raises
+    ------
+    Contradiction
+    """
+    matrix = sp.csr_matrix(matrix)
+    matrix.sum_duplicates()
+    largest = abs(matrix).max(axis=1).toarray().ravel() if matrix.shape[0] else np.empty(0)
+    empty = largest == 0.0
+    wrong = empty & ~(np.abs(right).max(axis=1) <= tolerance)  # nan too
+    if wrong.any():
+        row = int(wrong.argmax())
+        raise Contradiction(row, float(np.abs(right[row]).max()))
+    scale = np.where(empty, 1.0, largest)
+    matrix = sp.csr_matrix(sp.diags_array(1.0 / scale) @ matrix)
+    matrix.data = np.round(matrix.data, DIGITS)
+    matrix.eliminate_zeros()
+    right = right / scale[:, None]
+    size = matrix.shape[1]
+    constant = np.zeros((size, right.shape[1]))
+    gone = np.zeros(size, dtype=bool)
+    redundant = int(empty.sum())
+    rows_out: list[Ints] = []
+    columns_out: list[Ints] = []
+    entries_out: list[Floats] = []
+    alike: dict[tuple[int, bytes], list[tuple[Ints, Ints]]] = {}  # components of a vector share equations
+    for rows, columns, block in _groups(matrix):
+        alike.setdefault((len(rows), block.tobytes()), []).append((rows, columns))
+    for (height, entries), groups in alike.items():
+        rows, columns = (np.array(part) for part in zip(*groups, strict=True))  # a group in each row
+        one = _solve(np.frombuffer(entries).reshape(height, -1))
+        given = right[rows]
+        miss = np.abs(given - one.q @ (one.q.T @ given)).max(axis=2)
+        if not miss.max() <= tolerance:  # nan too
+            worst = np.unravel_index(miss.argmax(), miss.shape)
+            raise Contradiction(int(rows[worst]), float(miss[worst]))
+        redundant += rows.size - len(rows) * len(one.pivots)
+        pivots = columns[:, one.pivots]
+        gone[pivots] = True
+        constant[pivots] = one.given @ given
+        rows_out.append(pivots[:, one.row].ravel())
+        columns_out.append(columns[:, one.column].ravel())
+        entries_out.append(np.tile(one.weight, len(rows)))
+    free = np.flatnonzero(~gone)
+    number = np.full(size, -1)
+    number[free] = np.arange(len(free))
+    rows_out.append(free)
+    columns_out.append(free)
+    entries_out.append(np.ones(len(free)))
+    where = (np.concatenate(rows_out), number[np.concatenate(columns_out)])
+    mapping = sp.csr_matrix((np.concatenate(entries_out), where), shape=(size, len(free)))
+    return Elimination(mapping, constant, free, redundant)
+
+
+@dataclass(frozen=True)
+class _Solved:
+    """A block of equations, solved for its pivots: `pivots = given @ right side + weight times other column`.
+
+    `q` are orthonormal combinations of the equations; the weights come entry by entry.
+    """
+
+    q: Floats
+    given: Floats
+    pivots: Ints
+    row: Ints
+    column: Ints
+    weight: Floats
+
+
+def _solve(block: Floats) -> _Solved:
+    """By QR with column pivoting."""
+    q, r, order = qr(block, mode="economic", pivoting=True, check_finite=False)
+    rank = int(np.sum(np.abs(np.diag(r)) > DEPENDENT * abs(r[0, 0])))
+    q = q[:, :rank]
+    solved = np.linalg.solve(r[:rank, :rank], np.hstack([q.T, -r[:rank, rank:]]))
+    given, weights = solved[:, : len(block)], solved[:, len(block) :]
+    i, j = np.nonzero(np.abs(weights) >= 10.0**-DIGITS)
+    return _Solved(q, given, order[:rank], i, order[rank:][j], weights[i, j])
+
+
+def _groups(matrix: sp.csr_matrix) -> Iterator[tuple[Ints, Ints, Floats]]:
+    """Rows, columns and entries of the blocks that a matrix falls into."""
+    count = matrix.shape[0]
+    entries = matrix.tocoo()
+    graph = sp.coo_matrix((np.ones(entries.nnz), (entries.row, count + entries.col)), shape=(sum(matrix.shape),) * 2)
+    kinds, label = connected_components(graph, directed=False)
+    order = np.argsort(label, kind="stable")  # rows first within a block
+    ends = np.searchsorted(label[order], np.arange(kinds + 1))
+    place = np.empty_like(order)
+    place[order] = np.arange(len(order)) - ends[label[order]]
+    of_block = np.argsort(label[entries.row], kind="stable")
+    stops = np.searchsorted(label[entries.row][of_block], np.arange(kinds + 1))
+    i, j, values = place[entries.row[of_block]], place[count + entries.col[of_block]], entries.data[of_block]
+    for kind in np.flatnonzero(np.diff(stops)):
+        members = order[ends[kind] : ends[kind + 1]]
+        height = int(np.searchsorted(members, count))
+        block = np.zeros((height, len(members) - height))
+        part = slice(stops[kind], stops[kind + 1])
+        block[i[part], j[part] - height] = values[part]
+        yield members[:height], members[height:] - count, block

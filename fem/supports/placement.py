@@ -1,0 +1,67 @@
+"""Maps from the printed sheet into space, with two derivatives: where a condition holds the sheet."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fem.elements.tabulation import Floats
+
+Map = Callable[[Floats], Floats]
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Place of every printed point (n, 2) mm.
+
+    Attributes
+    ----------
+    position : to (n, 3) mm.
+    gradient : to (n, 3, 2), derivatives 1, 2.
+    hessian : to (n, 3, 3) per mm, derivatives 11, 22, 12.
+    """
+
+    position: Map
+    gradient: Map
+    hessian: Map
+
+    def jets(self, points: Floats) -> Floats:
+        """(n, 6, 3) place and derivatives 1, 2, 11, 22, 12."""
+        parts = [self.position(points)[:, :, None], self.gradient(points), self.hessian(points)]
+        return np.concatenate(parts, axis=2).transpose(0, 2, 1)
+
+    def normal(self, points: Floats) -> Floats:
+        """(n, 3) unit normals x_1 x x_2."""
+        first = self.gradient(points)
+        cross = np.cross(first[..., 0], first[..., 1])
+        return cross / np.linalg.norm(cross, axis=1, keepdims=True)
+
+    def normal_turn(self, points: Floats, tangent: Floats) -> Floats:
+        """(n, 3) derivative of the unit normal along `tangent` (n, 2), per mm."""
+        first, second = self.gradient(points), self.hessian(points)
+        along = second[..., [[0, 2], [2, 1]]] @ tangent[:, None, :, None]
+        along = along[..., 0]
+        cross = np.cross(first[..., 0], first[..., 1])
+        change = np.cross(along[..., 0], first[..., 1]) + np.cross(first[..., 0], along[..., 1])
+        length = np.linalg.norm(cross, axis=1, keepdims=True)
+        normal = cross / length
+        return (change - np.sum(change * normal, axis=1, keepdims=True) * normal) / length
+
+
+def affine(matrix: ArrayLike, offset: ArrayLike = (0.0, 0.0, 0.0)) -> Placement:
+    """`matrix` (3, 2) times the printed point, plus `offset` (3,) mm."""
+    slope, start = np.asarray(matrix, dtype=float), np.asarray(offset, dtype=float)
+    return Placement(
+        lambda p: p @ slope.T + start,
+        lambda p: np.broadcast_to(slope, (len(p), 3, 2)),
+        lambda p: np.zeros((len(p), 3, 3)),
+    )
+
+
+def flat(scale: float = 1.0, centre: ArrayLike = (0.0, 0.0)) -> Placement:
+    """In the printed plane, `scale` times as far from `centre` (2,) mm as printed."""
+    middle = np.asarray(centre, dtype=float)
+    return affine(scale * np.eye(3)[:, :2], np.r_[(1.0 - scale) * middle, 0.0])

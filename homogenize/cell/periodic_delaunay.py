@@ -1,0 +1,117 @@
+"""The Delaunay triangulation of points that repeat with a lattice."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.spatial import Delaunay
+
+from pattern.design.errors import MeshError
+from pattern.geometry.planar import mean_circumcentres, triangle_angles, triangle_areas
+from pattern.layout.layout import Floats, Ints
+
+# of the edge, by which points are moved to decide between triangulations that are equally good
+TIE = 1e-6
+# of the edge, around the cell, that images are taken from
+MARGIN = 4.0
+_STEPS = np.array([[i, j] for i in (-1, 0, 1) for j in (-1, 0, 1)])
+
+
+@dataclass(frozen=True)
+class Triangles:
+    """One triangle of each class of images, counterclockwise.
+
+    Attributes
+    ----------
+    points : (N, 2) mm; vectors : (2, 2) mm, rows.
+    corner : (T, 3) points; image : (T, 3, 2) how many vectors away.
+    """
+
+    points: Floats
+    vectors: Floats
+    corner: Ints
+    image: Ints
+
+    @cached_property
+    def places(self) -> Floats:
+        """(3 T, 2) mm, of the corners one by one."""
+        return self.points[self.corner.ravel()] + self.image.reshape(-1, 2) @ self.vectors
+
+    @cached_property
+    def areas(self) -> Floats:
+        """(T,) mm^2."""
+        return triangle_areas(self.places, self._alone)
+
+    @cached_property
+    def angles(self) -> Floats:
+        """(T, 3) degrees."""
+        return triangle_angles(self.places, self._alone)
+
+    @cached_property
+    def circumcentres(self) -> Floats:
+        """(T, 2) mm."""
+        return mean_circumcentres(self.places, self._alone)[::3]
+
+    @property
+    def _alone(self) -> Ints:
+        return np.arange(3 * len(self.corner)).reshape(-1, 3)
+
+    def smoothed(self) -> Floats:
+        """(N, 2) mm, mean circumcentre of the triangles at each point (`pattern.geometry.planar.mean_circumcentres`)."""
+        centre = np.repeat(self.circumcentres, 3, axis=0) - self.image.reshape(-1, 2) @ self.vectors
+        at, weight = self.corner.ravel(), np.repeat(self.areas, 3)
+        total = np.bincount(at, weight, len(self.points))
+        return np.column_stack([np.bincount(at, weight * x, len(self.points)) / total for x in centre.T])
+
+    def edges(self) -> tuple[Ints, Ints]:
+        """(3 T,) names of the edges from corner 0 to 1, 1 to 2 and 2 to 0 of each triangle, and of the way back.
+
+        Raises
+        ------
+        MeshError
+            The triangles do not close to a torus: an edge has not one triangle on each side.
+        """
+        a, b = self.corner, np.roll(self.corner, -1, axis=1)
+        step = np.roll(self.image, -1, axis=1) - self.image
+        there, back = self.name(a, b, step).ravel(), self.name(b, a, -step).ravel()
+        if len(np.unique(there)) < len(there) or not np.isin(back, there).all():
+            raise MeshError("the triangles do not close to a torus")
+        return there, back
+
+    def name(self, a: Ints, b: Ints, step: Ints) -> Ints:
+        """Of edges from point a to the image `step` (..., 2) of point b."""
+        return np.asarray(((a * len(self.points) + b) * 9 + step[..., 0] + 4) * 9 + step[..., 1] + 4)
+
+
+def periodic_delaunay(points: Floats, vectors: Floats, edge_mm: float) -> Triangles:
+    """Triangles of points (N, 2) of one cell, which repeat with the lattice vectors; N is 3 or more.
+
+    Where several triangulations are Delaunay's, one is taken that depends on the points' numbers only.
+
+    Raises
+    ------
+    MeshError
+        They leave a hole: points are further apart than a few edges.
+    """
+    inverse = np.linalg.inv(vectors)
+    tie = TIE * edge_mm * np.random.default_rng(0).normal(size=points.shape)
+    base = np.tile(np.arange(len(points)), len(_STEPS))
+    image = np.repeat(_STEPS, len(points), axis=0)
+    copies = points[base] + image @ vectors
+    margin = MARGIN * edge_mm * np.linalg.norm(inverse, axis=0)
+    near = (np.abs(copies @ inverse - 0.5) < 0.5 + margin).all(axis=1)
+    base, image, copies = base[near], image[near], copies[near]
+    found = Delaunay(copies + tie[base]).simplices
+    turned = triangle_areas(copies, found) < 0.0
+    found[turned] = found[turned][:, ::-1]
+    # of the images of a triangle, that whose first corner is a base point; first by number, then by image
+    order = (base * 3 + image[:, 0] + 1) * 3 + image[:, 1] + 1
+    first = found[np.arange(len(found)), order[found].argmin(axis=1)]
+    own = found[(image[first] == 0).all(axis=1)]
+    triangles = Triangles(points, vectors, base[own], image[own])
+    area = abs(np.linalg.det(vectors))
+    if not (len(own) == 2 * len(points) and abs(triangles.areas.sum() - area) < 1e-9 * area):
+        raise MeshError("the points of the cell leave a hole")
+    return triangles

@@ -1,0 +1,176 @@
+"""A cell rolled to a tube of imposed curvature.
+
+The tube's axis is x and the plastic is outside; the printed direction t, y turned by an angle, runs around it.
+Curvature k is the angle per
+length of the *print*, positive with the plastic outside. A tube of mean radius r has the hoop stretch `k r` and the
+curvature `1/r = k/hoop` of the contracted sheet.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from discrete.energies.elements import Array
+from discrete.model.star_bumps import bump_heights
+from discrete.model.state import State
+from equilibrium.newton.minimise import minimise
+from homogenize.cell.cell import Cell
+from homogenize.cell.relax import Flat, clean, tolerance
+
+
+@dataclass(frozen=True)
+class Tube:
+    """A cell in equilibrium as a tube.
+
+    Attributes
+    ----------
+    curvature : k, 1/mm of the print, along t, y turned by `angle`.
+    state : of the cell with these images.
+    energy : N mm per mm^2 of print; moment : its derivative by k, N.
+    radius : mm, mean of the surface weighted by printed area; hoop, axial : stretches of that surface.
+    bump : (S,) mm.
+    """
+
+    curvature: float
+    angle: float
+    state: State
+    energy: float
+    moment: float
+    radius: float
+    hoop: float
+    axial: float
+    bump: Array
+    gradient_norm: float
+    definite: bool
+    iterations: int
+
+    @property
+    def contracted(self) -> float:
+        """1/mm, curvature of the contracted sheet: one over the mean radius."""
+        return 1.0 / self.radius
+
+
+@dataclass(frozen=True)
+class Unrolled:
+    """A state as printed directions see it: along the axis, around it (as length on the mean surface) and outwards."""
+
+    positions: Array
+    directors: Array
+    hoop: float
+
+
+def unrolled_flat(flat: Flat, angle: float) -> Unrolled:
+    """A flat cell seen along the axis of a tube."""
+    return _along(flat.state.positions, flat.state.directors, flat.deformation, angle)
+
+
+def unrolled_towards(cell: Cell, tube: Tube, angle: float) -> Unrolled:
+    """A tube, laid flat and seen along the axis of a tube in another direction."""
+    sheet = unrolled(cell, tube)
+    deformation = np.linalg.solve(cell.cell_vectors, sheet.positions[cell.torus.n_base :, :2]).T
+    return _along(sheet.positions, sheet.directors, deformation, angle)
+
+
+def _along(positions: Array, directors: Array, deformation: Array, angle: float) -> Unrolled:
+    """A laid-out cell turned so that lines of equal angle on the tube are lines of equal y."""
+    across = np.linalg.solve(deformation.T, np.array([-np.sin(angle), np.cos(angle)]))
+    hoop = 1.0 / float(np.linalg.norm(across))
+    (x, y) = hoop * across
+    turn = np.array([[y, -x, 0.0], [x, y, 0.0], [0.0, 0.0, 1.0]])
+    return Unrolled(positions @ turn.T, directors @ turn.T, hoop)
+
+
+def unrolled(cell: Cell, tube: Tube) -> Unrolled:
+    """A tube, slit and laid flat: arc lengths at the mean radius, heights above it. The cell takes on its images."""
+    cell.tube(tube.curvature, tube.angle)
+    n, k = cell.torus.n_base, tube.curvature
+    x = tube.state.positions
+    angle = _angles(cell, x[:n], k)
+    radial = np.sign(k) * np.hypot(x[:n, 1], x[:n, 2])
+    flat = np.column_stack([x[:n, 0], tube.hoop / k * angle, radial - tube.radius])
+    macro = x[n:].copy()
+    macro[:, 1] = tube.hoop * _around(cell, cell.cell_vectors)
+    middle = _middles(cell, cell.images.unfold(x), k)
+    return Unrolled(np.vstack([flat, macro]), _turned(tube.state.directors, -middle), tube.hoop)
+
+
+def rolled(cell: Cell, sheet: Unrolled, curvature: float, angle: float) -> State:
+    """The laid-out cell rolled to a tube; the cell takes on the tube's images."""
+    cell.tube(curvature, angle)
+    n = cell.torus.n_base
+    base, radius = sheet.positions[:n], sheet.hoop / curvature
+    turn = base[:, 1] / radius
+    out = radius + base[:, 2]
+    positions = np.zeros_like(sheet.positions)
+    positions[:n] = np.column_stack([base[:, 0], out * np.sin(turn), out * np.cos(turn)])
+    positions[n:, 0] = sheet.positions[n:, 0]
+    middle = _middles(cell, cell.images.unfold(positions), curvature)
+    return clean(cell, State(positions, _turned(sheet.directors, middle)))
+
+
+def roll(cell: Cell, sheet: Unrolled, curvature: float, angle: float) -> Tube:
+    """Roll the laid-out cell and find its equilibrium."""
+    start = rolled(cell, sheet, curvature, angle)
+    found = minimise(cell, start, cell.factor(), tolerance(cell))
+    if not found.converged:
+        raise ArithmeticError(f"tube: no equilibrium at curvature {curvature:.4g}/mm")
+    k = curvature
+    n = cell.torus.n_base
+    x = found.state.positions
+    radius = float(np.sign(k) * cell.weights @ np.hypot(x[:n, 1], x[:n, 2]))
+    axial = float(np.linalg.solve(cell.cell_vectors, x[n:, 0]) @ cell.turn[0])
+    return Tube(
+        curvature=k,
+        angle=cell.angle,
+        state=found.state,
+        energy=found.energy / cell.area,
+        moment=cell.moment(found.state),
+        radius=radius,
+        hoop=k * radius,
+        axial=axial,
+        bump=bump_heights(cell.model, cell.unfolded(found.state)),
+        gradient_norm=found.gradient_norm,
+        definite=found.definite,
+        iterations=found.iterations,
+    )
+
+
+def heights(cell: Cell, tube: Tube) -> Array:
+    """(V,) mm, of the base points over the tube's mean surface, towards the plastic."""
+    y, z = tube.state.positions[: cell.torus.n_base, 1:].T
+    return np.asarray(np.sign(tube.curvature) * np.hypot(y, z) - tube.radius)
+
+
+def centre_offset(cell: Cell, tube: Tube) -> float:
+    """mm, of the first star's centre over the tube's mean surface, towards the plastic."""
+    return float(heights(cell, tube)[cell.torus.star_vertices[0]])
+
+
+def _angles(cell: Cell, points: Array, curvature: float) -> Array:
+    """(V,) rad about the axis, on the turn that the printed place says."""
+    sign = np.sign(curvature)
+    star = int(cell.torus.star_vertices[0])
+    printed = curvature * _around(cell, cell.printed[: len(points)] - cell.printed[star])
+    off = np.arctan2(sign * points[:, 1], sign * points[:, 2]) - printed
+    return printed + off - 2.0 * np.pi * np.round(off / (2.0 * np.pi))
+
+
+def _around(cell: Cell, printed: Array) -> Array:
+    """(n,) mm, component of printed vectors (n, 2) around the tube."""
+    return np.asarray(printed @ cell.turn[1])
+
+
+def _middles(cell: Cell, points: Array, curvature: float) -> Array:
+    """(R,) rad, angle of every rod edge's middle."""
+    middle = points[cell.edges].mean(axis=1)
+    sign = np.sign(curvature)
+    return np.arctan2(sign * middle[:, 1], sign * middle[:, 2])
+
+
+def _turned(vectors: Array, angle: Array) -> Array:
+    """Vectors (R, 3) turned outwards by angles (R,) about the axis."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    y, z = vectors[:, 1], vectors[:, 2]
+    return np.column_stack([vectors[:, 0], y * cos + z * sin, z * cos - y * sin])

@@ -1,0 +1,1 @@
+"""The homogenised law: tables, fit, file."""

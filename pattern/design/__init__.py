@@ -1,0 +1,1 @@
+"""The design file: its sections, and one-line errors."""

@@ -1,0 +1,154 @@
+"""The design: everything a user decides about a sheet, in one file that can be read and edited."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Literal, Self
+
+import numpy as np
+from pydantic import Field, ValidationError, field_validator, model_validator
+
+from pattern.design.arguments import check_kind
+from pattern.design.border import Border
+from pattern.design.errors import DesignError, from_validation
+from pattern.design.files import read_table, write_table
+from pattern.design.lattice import Lattice
+from pattern.design.materials import Fabric, Plastic
+from pattern.design.pins import Pins
+from pattern.design.section import Flag, Line, Number, Place, Section, Text, Whole
+from pattern.design.stars import Stars
+from pattern.layout.build import layout
+
+
+class Gravity(Section):
+    """Weight of fabric and plastic; it needs the fabric's real modulus, not only the ratio."""
+
+    on: Flag = False
+    direction: Place = (0.0, 0.0, -1.0)
+    acceleration_m_s2: Number = Field(9.81, ge=0, le=100)
+
+    @field_validator("direction")
+    @classmethod
+    def _points_somewhere(cls, direction: Place) -> Place:
+        if not 1e-6 <= np.linalg.norm(direction) <= 1e6:
+            raise DesignError("", "must point somewhere, e.g. [0, 0, -1]", direction)
+        return direction
+
+
+class MeshChoice(Section):
+    """How the sheet is cut into triangles: length of their edges, kind of mesh, seed of its irregularity, grading."""
+
+    edge_mm: Number = Field(2.0, ge=0.2, le=500)
+    kind: Literal["auto", "aligned", "delaunay"] = "auto"
+    seed: Whole = Field(0, ge=0, lt=2**32)
+    graded: Flag = False
+
+
+class Solver(Section):
+    """Where the search for the shape starts: all stars bumped towards the plastic, or flat with noise.
+
+    And whether the sheet may pass through itself on its way, and in the end.
+    """
+
+    start: Literal["bump", "flat"] = "bump"
+    seed: Whole = Field(0, ge=0, lt=2**32)
+    contact: Flag = False
+
+
+class Design(Section):
+    """A sheet of plastic stars on stretched fabric; lengths in mm on the stretched fabric, moduli in MPa."""
+
+    name: Line = Field("design", min_length=1, max_length=100)
+    units: Text = "mm"
+    fabric: Fabric = Fabric()
+    plastic: Plastic = Plastic()
+    lattice: Lattice = Lattice()
+    stars: Stars
+    border: Border
+    pins: tuple[Pins, ...] = Field((), max_length=1000)
+    gravity: Gravity = Gravity()
+    mesh: MeshChoice = MeshChoice()
+    solver: Solver = Solver()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _keys_in_their_tables(cls, data: Any) -> Any:
+        """A key that is known elsewhere is told where: in TOML whatever follows a table's header is in that table."""
+        if not isinstance(data, Mapping):
+            return data
+        kinds = {"": cls} | {name: field.annotation for name, field in cls.model_fields.items()}
+        tables = {name: kind for name, kind in kinds.items() if isinstance(kind, type) and issubclass(kind, Section)}
+        for name in tables:
+            entries = data.get(name) if name else data
+            if not isinstance(entries, Mapping):
+                continue
+            for key in entries:
+                homes = [home for home, other in tables.items() if key in other.model_fields]
+                if homes and name not in homes:
+                    field = f"{name}.{key}" if name else key
+                    raise DesignError(field, f"unknown key here, it belongs {_place(homes)}", entries[key])
+        return data
+
+    @field_validator("units")
+    @classmethod
+    def _millimetres(cls, units: str) -> str:
+        if units != "mm":
+            raise DesignError("", 'must be "mm": write all lengths in millimetres', units)
+        return units
+
+    @model_validator(mode="after")
+    def _weighs_what_it_weighs(self) -> Self:
+        if self.gravity.on and "modulus_mpa" not in self.fabric.model_fields_set:
+            raise DesignError("fabric.modulus_mpa", "must be given with gravity on: the default is a ratio's scale")
+        return self
+
+    @model_validator(mode="after")
+    def _bends_alike_everywhere(self) -> Self:
+        if self.mesh.graded and self.fabric.bending == "paper":
+            message = (
+                'needs fabric.bending = "consistent" or "none": the stiffness of the paper\'s hinges follows the mesh'
+            )
+            raise DesignError("mesh.graded", message, self.mesh.graded)
+        return self
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any], folder: str | Path = ".", file: str | Path | None = None) -> Design:
+        """A design from plain data, with pictures looked for in `folder`; `layout` checks its geometry."""
+        try:
+            return cls.model_validate(data, context={"folder": Path(folder)})
+        except ValidationError as error:
+            raise from_validation(error, file) from None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Plain data, complete with defaults, fit for JSON and TOML; `from_dict` makes the same design of it."""
+        return self.model_dump(mode="json", by_alias=True, exclude_none=True)
+
+
+def _place(tables: list[str]) -> str:
+    return " or ".join(f"in [{table}]" if table else "at the top, before all tables" for table in tables)
+
+
+def load_design(path: str | Path) -> Design:
+    """A design from a TOML or JSON file that `layout` accepts; `DesignError` names file and field otherwise."""
+    path = Path(path)
+    design = Design.from_dict(read_table(path), path.parent, path)
+    try:
+        layout(design)
+    except DesignError as error:
+        raise error.within(path) from None
+    return design
+
+
+def save_design(design: Design, path: str | Path) -> None:
+    """Write a design to a TOML or JSON file, complete with defaults.
+
+    Raises
+    ------
+    DesignError
+        The file's name ends in something else.
+    OSError
+        It cannot be written.
+    """
+    check_kind(design, Design, "load_design reads one from a file, new one from the gallery")
+    write_table(design.to_dict(), Path(path))

@@ -1,0 +1,137 @@
+"""Design files: TOML and JSON in, TOML and JSON out; and plain data for JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import re
+import tempfile
+import tomllib
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+from pattern.design.errors import DesignError
+
+LARGEST_BYTES = 10_000_000
+
+
+def read_table(path: Path) -> dict[str, Any]:
+    """The table in a file, with `DesignError` for everything that can be wrong with one."""
+
+    def wrong(problem: str) -> DesignError:
+        return DesignError("", problem, file=path)
+
+    suffix = _suffix(path)
+    if os.path.isdir(path):
+        raise wrong("is a folder, not a design file")
+    try:
+        with path.open("rb") as stream:
+            raw = stream.read(LARGEST_BYTES + 1)
+    except (OSError, ValueError) as error:
+        raise wrong(f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    if len(raw) > LARGEST_BYTES:
+        raise wrong(f"is larger than {LARGEST_BYTES // 1_000_000} MB")
+    try:
+        text = raw.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise wrong(f"is not UTF-8 text (line {raw[: error.start].count(bytes([10])) + 1})") from None
+    if not text.strip():
+        raise wrong("is empty")
+    try:
+        table = tomllib.loads(text) if suffix == ".toml" else json.loads(text, object_pairs_hook=_once)
+    except RecursionError:
+        raise wrong("is nested too deeply") from None
+    except ValueError as error:  # syntax errors of both formats, with their line
+        long = "sys.set_int_max_str_digits" in str(error)  # a hint for programmers
+        problem = "a whole number has too many digits" if long else f"{error}{_hint(text, str(error))}"
+        raise wrong(f"is not {suffix[1:].upper()}: {problem}") from None
+    if not isinstance(table, dict):
+        raise wrong("must hold a table of keys and values")
+    try:
+        json.dumps(table, ensure_ascii=False, default=str).encode()
+    except UnicodeEncodeError:
+        raise wrong("holds half a character (\\ud800 to \\udfff alone), which is no text") from None
+    return table
+
+
+def _hint(text: str, problem: str) -> str:
+    """What the reader of TOML does not say: a line sets something twice, or has a number with a comma."""
+    if re.match("Cannot (overwrite|declare)", problem):
+        return "; what it sets is set before, each key and each table may stand once"
+    at = re.search(r"at line (\d+)", problem)
+    line = text.split("\n")[int(at[1]) - 1] if at else ""
+    return "; decimals have a point, 7.5" if re.search(r"=\s*[-+]?\d+,\d", line) else ""
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """A JSON object whose keys are all different, as TOML demands too."""
+    table = dict(pairs)
+    if len(table) < len(pairs):
+        again, _ = Counter(key for key, _ in pairs).most_common(1)[0]
+        raise ValueError(f"the key {again!r} is there twice")
+    return table
+
+
+def write_table(table: dict[str, Any], path: Path) -> None:
+    """Write a table; the file appears complete or not at all."""
+    if _suffix(path) == ".toml":
+        text = "\n\n".join(_toml_tables(table, "")) + "\n"
+    else:
+        text = json.dumps(table, indent=2, ensure_ascii=False) + "\n"
+    try:
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    except OSError as error:
+        raise type(error)(error.errno, error.strerror, str(path)) from None  # not the name that nobody gave
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as stream:
+            stream.write(text)
+        Path(name).chmod(0o644)
+        Path(name).replace(path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise
+
+
+def plain(value: Any) -> Any:
+    """JSON has no infinity and no not-a-number: both become null."""
+    if isinstance(value, dict):
+        return {key: plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def _toml_tables(table: dict[str, Any], name: str, heading: str = "") -> list[str]:
+    """Blocks of TOML: the table's own keys, then its lists of tables; small tables stand inline."""
+    blocks: list[str] = []
+    lines = [heading] if heading else []
+    for key, value in table.items():
+        if not name and isinstance(value, dict):
+            blocks += _toml_tables(value, key, f"[{key}]")
+        elif value and isinstance(value, list) and isinstance(value[0], dict):
+            full = f"{name}.{key}" if name else key
+            for entry in value:
+                blocks += _toml_tables(entry, full, f"[[{full}]]")
+        else:
+            lines.append(f"{key} = {_toml(value)}")
+    return ["\n".join(lines), *blocks] if lines else blocks
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{key} = {_toml(inner)}" for key, inner in value.items()) + " }"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_toml, value)) + "]"
+    # JSON's texts, numbers and booleans are TOML's, but for one control character
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _suffix(path: Path) -> str:
+    suffix = path.suffix.lower()
+    if suffix not in (".toml", ".json"):
+        raise DesignError("", "must end in .toml or .json", file=path)
+    return suffix

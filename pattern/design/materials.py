@@ -1,0 +1,126 @@
+"""The fabric, the plastic, and the curvature that the two layers of an arm want together."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from pydantic import Field, field_validator
+
+from pattern.design.errors import DesignError
+from pattern.design.kept_curvature import KappaBar, kept_curvature
+from pattern.design.section import Number, NumberOrPair, Section
+
+
+class Fabric(Section):
+    """The stretched fabric.
+
+    Attributes
+    ----------
+    stretch : printed length over released length, the same in x and y or one for each.
+    modulus_mpa : Young's modulus. Without gravity only its ratio to the plastic's matters for the shape.
+    model : energy of the membrane.
+    bending : energy of the hinges: `paper` is the paper's, `consistent` the plate of this thickness.
+    thickness_mm, density_kg_m3 : of the released fabric; the density is used by gravity only.
+    """
+
+    stretch: NumberOrPair = 1.35
+    thickness_mm: Number = Field(0.8, ge=0.01, le=10)
+    modulus_mpa: Number = Field(7.1875, ge=1e-3, le=1e5)
+    poisson: Number = Field(0.3, ge=0, le=0.49)
+    model: Literal["neo-hookean", "incompressible"] = "neo-hookean"
+    bending: Literal["paper", "consistent", "none"] = "paper"
+    density_kg_m3: Number = Field(400.0, ge=0, le=20000)
+
+    @field_validator("stretch")
+    @classmethod
+    def _in_range(cls, stretch: float | tuple[float, float]) -> float | tuple[float, float]:
+        if not all(1 <= s <= 3 for s in np.atleast_1d(stretch)):
+            raise DesignError("", "must be from 1 to 3 (printed length over released length)", stretch)
+        return stretch
+
+    @property
+    def stretch_xy(self) -> tuple[float, float]:
+        """Stretch along x and along y."""
+        x, y = np.broadcast_to(self.stretch, 2)
+        return float(x), float(y)
+
+    @property
+    def printed_mass(self) -> float:
+        """kg per printed mm^2: of that much fabric 1/(sx sy) is at rest."""
+        sx, sy = self.stretch_xy
+        # kg/m^3 times mm is 1e-9 kg/mm^2
+        return 1e-9 * self.density_kg_m3 * self.thickness_mm / (sx * sy)
+
+
+class Plastic(Section):
+    """The printed plastic.
+
+    Attributes
+    ----------
+    modulus_ratio : Young's modulus of the plastic over the fabric's, E1/E2; it goes with `rest_curvature`,
+        which was used to measure it.
+    rest_curvature : formula for the curvature of a released arm.
+    kappa_bar_per_mm : curvature that the plastic keeps when it is peeled off, one number or a table over the thickness.
+    density_kg_m3 : used by gravity only.
+    """
+
+    modulus_ratio: Number = Field(3200.0, ge=1, le=1e7)
+    poisson: Number = Field(0.3, ge=0, le=0.49)
+    rest_curvature: Literal["paper", "timoshenko", "none"] = "paper"
+    kappa_bar_per_mm: KappaBar = 0.0
+    density_kg_m3: Number = Field(1220.0, ge=0, le=20000)
+
+
+def rest_curvature(
+    thickness_mm: ArrayLike, fabric: Fabric, plastic: Plastic, direction: ArrayLike | None = None
+) -> NDArray[np.float64]:
+    """Curvature (1/mm) about the width axis that a released arm has on its own; positive bends the tips down.
+
+    Parameters
+    ----------
+    thickness_mm : (...) h1, thickness of the plastic.
+    direction : (..., 2) unit vectors along the arms in print coordinates; needed if the stretches differ.
+
+    Notes
+    -----
+    `bilayer_curvature` plus `kappa_bar`; `none` is `kappa_bar` alone. Along an arm of direction t on a fabric
+    stretched by sx and sy, `1/s^2` is the fabric's released metric `tx^2/sx^2 + ty^2/sy^2`.
+    """
+    h1 = np.asarray(thickness_mm, dtype=float)
+    mismatch = _metric_mismatch(fabric.stretch_xy, direction)
+    kept = kept_curvature(h1, plastic.kappa_bar_per_mm)
+    if plastic.rest_curvature == "none":
+        return kept + np.zeros(np.shape(mismatch))
+    return bilayer_curvature(h1, fabric.thickness_mm, plastic.modulus_ratio, mismatch, plastic.rest_curvature) + kept
+
+
+def bilayer_curvature(
+    h1: ArrayLike, h2: ArrayLike, ratio: ArrayLike, mismatch: ArrayLike, formula: Literal["paper", "timoshenko"]
+) -> NDArray[np.float64]:
+    """Curvature (1/mm) of a strip of plastic and fabric, without what the plastic keeps; arrays that broadcast.
+
+    Parameters
+    ----------
+    h1, h2 : thickness of plastic and fabric, mm.
+    ratio : E1/E2.
+    mismatch : of the two metrics, `1 - 1/s^2`.
+    formula : `paper` is Eq. (1), `6 h2 (h1 + h2) / h1^3  E2/E1  (1 - 1/s^2)`. `timoshenko` is the strip of
+        Timoshenko (1925), `6 eps (1+m)^2 / (H (3 (1+m)^2 + (1 + m n) (m^2 + 1/(m n))))` with `m = h1/h2`,
+        `n = E1/E2`, `H = h1 + h2` and mismatch strain `eps = (1 - 1/s^2)/2`; for stiff plastic it is half of Eq. (1).
+    """
+    h1, h2, n, mismatch = (np.asarray(value, dtype=float) for value in (h1, h2, ratio, mismatch))
+    if formula == "paper":
+        return np.asarray(6 * h2 * (h1 + h2) / (h1**3 * n) * mismatch)
+    m = h1 / h2
+    stiffness = 3 * (1 + m) ** 2 + (1 + m * n) * (m**2 + 1 / (m * n))
+    return np.asarray(6 * (mismatch / 2) * (1 + m) ** 2 / ((h1 + h2) * stiffness))
+
+
+def _metric_mismatch(stretch: tuple[float, float], direction: ArrayLike | None) -> NDArray[np.float64]:
+    if direction is None:
+        if stretch[0] != stretch[1]:
+            raise ValueError("a fabric stretched differently in x and y needs the direction of the arm")
+        return np.asarray(1 - 1 / stretch[0] ** 2)
+    return 1 - np.sum((np.asarray(direction, dtype=float) / stretch) ** 2, axis=-1)

@@ -1,0 +1,94 @@
+"""What every table of the design file has in common: known keys only, frozen, numbers that are numbers."""
+
+from __future__ import annotations
+
+import difflib
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Strict, Tag, model_validator
+from pydantic_core import PydanticCustomError, PydanticKnownError
+
+from pattern.design.errors import DesignError
+
+MOST = 1e12  # what is larger is a slip, and its square may be no number
+
+
+def is_whole(value: Any) -> bool:
+    """Whether it is a whole number, of Python or of an array."""
+    return isinstance(value, int | np.integer) and not isinstance(value, bool)
+
+
+def _from_array(value: Any) -> Any:
+    return int(value) if is_whole(value) else value
+
+
+def _moderate(value: float) -> float:
+    if abs(value) <= MOST:
+        return value
+    raise PydanticKnownError(
+        *(("less_than_equal", {"le": MOST}) if value > 0 else ("greater_than_equal", {"ge": -MOST}))
+    )
+
+
+def _printable(text: str) -> str:
+    if not text.isprintable():
+        raise DesignError("", "must be one line of printable characters", text)
+    return text
+
+
+# strict: neither a bool nor a text passes for a number
+Number = Annotated[float, Strict(), AfterValidator(_moderate)]
+Whole = Annotated[int, Strict(), BeforeValidator(_from_array)]
+Flag = Annotated[bool, Strict()]
+Text = Annotated[str, Strict()]
+Line = Annotated[Text, AfterValidator(_printable)]
+Point = tuple[Number, Number]
+Place = tuple[Number, Number, Number]
+
+
+class Section(BaseModel):
+    """A table of the design file."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    def _check_one_of(self, *names: str) -> None:
+        """Refuse a table that has none of these keys, or several."""
+        given = [name for name in names if getattr(self, name) is not None]
+        if len(given) != 1:
+            has = f", but has {' and '.join(given)}" if given else ""
+            raise DesignError("", f"must have one of {', '.join(names[:-1])} and {names[-1]}{has}")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _arrays_as_lists(cls, data: Any) -> Any:
+        if not isinstance(data, dict):
+            return data
+        return {
+            key: value.tolist() if isinstance(value, np.ndarray | np.generic) else value for key, value in data.items()
+        }
+
+    @model_validator(mode="before")
+    @classmethod
+    def _only_known_keys(cls, data: Any) -> Any:
+        known = [field.alias or name for name, field in cls.model_fields.items()]
+        for key in data if isinstance(data, dict) else ():
+            if key not in known:
+                near = difflib.get_close_matches(str(key), known, n=1)
+                hint = f"did you mean {near[0]}?" if near else f"known here: {', '.join(known)}"
+                raise PydanticCustomError(
+                    "unknown_key",
+                    "unknown key, {hint}",
+                    {"hint": hint, "key": str(key), "value": data[key]},
+                )
+        return data
+
+
+def _is_list(value: Any) -> str:
+    return "entry:many" if isinstance(value, list | tuple) else "entry:one"
+
+
+# a number, or one for x and one for y
+NumberOrPair = Annotated[
+    Annotated[Number, Tag("entry:one")] | Annotated[Point, Tag("entry:many")], Discriminator(_is_list)
+]

@@ -1,0 +1,1 @@
+"""Plane and space geometry in numpy."""

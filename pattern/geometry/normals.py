@@ -1,0 +1,30 @@
+"""Normals of a triangulated sheet in space, on the plastic side."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pattern.layout.layout import Floats, Ints
+
+
+def triangle_normals(positions: Floats, triangles: Ints) -> Floats:
+    """(T, 3) mm^2, normals towards the plastic side, each as long as twice its triangle's area."""
+    x, y, z = positions.T
+    a, b, c = triangles.T
+    (ux, vx), (uy, vy), (uz, vz) = ((one[b] - one[a], one[c] - one[a]) for one in (x, y, z))
+    return np.column_stack([uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx])
+
+
+def vertex_normals(positions: Floats, triangles: Ints) -> Floats:
+    """(V, 3) unit normals on the plastic side: mean of the triangles around, weighted by area."""
+    normals = gather(triangles, np.repeat(triangle_normals(positions, triangles), 3, axis=0), len(positions))
+    # a vertex where the sheet is folded onto itself has no normal; any unit vector serves
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    return np.where(length > 0, normals / np.where(length > 0, length, 1.0), [0.0, 0.0, 1.0])
+
+
+def gather(triangles: Ints, per_corner: Floats, count: int) -> Floats:
+    """Sum over the corners at each vertex of values (3 T,) or (3 T, m) listed triangle by triangle."""
+    gathered = np.zeros((count, *per_corner.shape[1:]))
+    np.add.at(gathered, triangles.ravel(), per_corner)
+    return gathered

@@ -1,0 +1,121 @@
+"""Plane geometry of polygons, segments and triangles, for many of them at once."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from pattern.layout.layout import Floats, Ints
+
+TABLE = 2_000_000  # entries of a table of distances
+STRAIGHT = 1e-6  # rad: an outline that turns by less has no corner there
+
+
+def cross(a: Floats, b: Floats) -> Floats:
+    """z component of the cross product of the vectors in the last axis."""
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+
+
+def polygon_area(polygon: Floats) -> float:
+    """Signed area of a polygon (n, 2): positive if counterclockwise."""
+    return float(cross(polygon, np.roll(polygon, -1, axis=0)).sum() / 2)
+
+
+def turns(ring: Floats) -> Floats:
+    """(n,) rad, how much a ring (n, 2) turns left at each point."""
+    ahead, behind = np.roll(ring, -1, axis=0) - ring, ring - np.roll(ring, 1, axis=0)
+    return np.arctan2(cross(behind, ahead), (behind * ahead).sum(axis=1))
+
+
+def triangle_areas(points: Floats, triangles: Ints) -> Floats:
+    """Signed areas (T,) of triangles: positive if counterclockwise."""
+    x, y = points.T
+    a, b, c = triangles.T
+    return np.asarray((x[b] - x[a]) * (y[c] - y[a]) - (y[b] - y[a]) * (x[c] - x[a])) / 2
+
+
+def triangle_gradients(points: Floats, triangles: Ints) -> Floats:
+    """Gradients (T, 3, 2) of the barycentric coordinates of triangles, 1 over the unit of the points."""
+    a, b, c = points[triangles].swapaxes(0, 1)
+    e1, e2 = b - a, c - a
+    twice = cross(e1, e2)[:, None]
+    b1 = np.column_stack([e2[:, 1], -e2[:, 0]]) / twice
+    b2 = np.column_stack([-e1[:, 1], e1[:, 0]]) / twice
+    return np.stack([-b1 - b2, b1, b2], axis=1)
+
+
+def triangle_angles(points: Floats, triangles: Ints) -> Floats:
+    """Angles (T, 3) in degrees at the corners of triangles."""
+    x, y = points[:, 0][triangles.T], points[:, 1][triangles.T]
+    (ux, vx), (uy, vy) = ((np.roll(one, -1, axis=0) - one, np.roll(one, 1, axis=0) - one) for one in (x, y))
+    return np.degrees(np.arctan2(np.abs(ux * vy - uy * vx), ux * vx + uy * vy)).T
+
+
+def mean_circumcentres(points: Floats, triangles: Ints) -> Floats:
+    """Mean (n, 2), weighted by area, of the circumcentres of the triangles at each point.
+
+    Moving points there lowers the interpolation error of a paraboloid (optimal Delaunay triangulations, Chen and Xu
+    2004), which makes triangles equilateral.
+    """
+    a, b, c = points[triangles].swapaxes(0, 1)
+    u, v = b - a, c - a
+    twice = cross(u, v)
+    u2, v2 = (u**2).sum(axis=1), (v**2).sum(axis=1)
+    from_a = np.column_stack([u2 * v[:, 1] - v2 * u[:, 1], v2 * u[:, 0] - u2 * v[:, 0]]) / (2 * twice[:, None])
+    corner, weight = triangles.ravel(), np.repeat(twice, 3)
+    weighted = [np.bincount(corner, weight * np.repeat(x, 3), len(points)) for x in (a + from_a).T]
+    return np.column_stack(weighted) / np.bincount(corner, weight, len(points))[:, None]
+
+
+def among(numbers: Ints, ordered: Ints) -> NDArray[np.bool_]:
+    """Which numbers (n,) are among sorted ones (m,): `np.isin` hashes, which takes several times as long."""
+    if len(ordered) == 0:
+        return np.zeros(len(numbers), dtype=bool)
+    return np.asarray(ordered[np.minimum(np.searchsorted(ordered, numbers), len(ordered) - 1)] == numbers)
+
+
+def inside(points: Floats, polygon: Floats) -> NDArray[np.bool_]:
+    """Which points (n, 2) lie in a simple polygon; either answer for points on its outline."""
+    region = shapely.polygons(polygon)
+    shapely.prepare(region)
+    return np.asarray(shapely.contains_xy(region, points), dtype=bool)
+
+
+def distance_to_segment(points: Floats, a: Floats, b: Floats) -> Floats:
+    """Distance of points to segments a-b; the three arrays (..., 2) broadcast."""
+    ax, ay = a[..., 0], a[..., 1]
+    along_x, along_y = b[..., 0] - ax, b[..., 1] - ay
+    x, y = points[..., 0] - ax, points[..., 1] - ay
+    t = (x * along_x + y * along_y) / np.maximum(along_x**2 + along_y**2, np.finfo(float).tiny)
+    t = np.minimum(np.maximum(t, 0.0), 1.0)
+    return np.asarray(np.sqrt((x - t * along_x) ** 2 + (y - t * along_y) ** 2))
+
+
+def pieces(points: Floats, against: int) -> list[Floats]:
+    """Points (n, 2) cut up so that a table of each piece against so many others stays small."""
+    return np.array_split(points, len(points) * against // TABLE + 1)
+
+
+def nearest_segment(points: Floats, a: Floats, b: Floats) -> Ints:
+    """(n,) number of the segment from `a` to `b` (s, 2) that each point (n, 2) is nearest to, the first of equals."""
+    far = (distance_to_segment(some[:, None], a, b) for some in pieces(points, len(a)))
+    return np.concatenate([each.argmin(axis=1) for each in far])
+
+
+def distance_to_outline(points: Floats, polygon: Floats) -> Floats:
+    """Distance (n,) of points to the outline of a polygon."""
+    ring = shapely.linearrings(polygon)
+    shapely.prepare(ring)
+    return np.asarray(shapely.distance(ring, shapely.points(points)), dtype=float)
+
+
+def distance_along(points: Floats, direction: Floats, polygon: Floats) -> Floats:
+    """Distance (n,) from points to a polygon's outline along a unit vector (2,); infinite where that never meets it."""
+    start, edge = polygon, np.roll(polygon, -1, axis=0) - polygon
+    to, turn = start - points[:, None], cross(direction, edge)
+    crosses = np.abs(turn) > 1e-12 * np.linalg.norm(edge, axis=1)  # others run along
+    safe = np.where(crosses, turn, 1.0)
+    along, part = cross(to, edge) / safe, cross(to, direction) / safe
+    meets = crosses & (along >= 0.0) & (part >= 0.0) & (part <= 1.0)
+    return np.asarray(np.where(meets, along, np.inf).min(axis=1))

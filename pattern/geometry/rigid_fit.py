@@ -1,0 +1,28 @@
+"""The rigid motion that lays one set of points on another, and what distance is left."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pattern.layout.layout import Floats
+
+
+def rigid_fit(points: Floats, targets: Floats, weight: Floats | None = None) -> tuple[Floats, Floats]:
+    """Rotation (3, 3), proper, and shift (3,) that bring points (n, 3) closest to targets: `x @ rotation.T + shift`.
+
+    Kabsch 1976, least squares with weights (n,).
+    """
+    w = np.full(len(points), 1.0) if weight is None else weight
+    w = w / w.sum()
+    centre, goal = w @ points, w @ targets
+    u, _, vt = np.linalg.svd((w[:, None] * (points - centre)).T @ (targets - goal))
+    u[:, -1] *= np.sign(np.linalg.det(u @ vt))
+    rotation = (u @ vt).T
+    return rotation, goal - rotation @ centre
+
+
+def rms_distance(points: Floats, targets: Floats, mirrored: bool = False) -> float:
+    """Root mean square distance (mm) of points (n, 3) after the best rigid motion; `mirrored`: the best reflection."""
+    points = points * [-1.0, 1.0, 1.0] if mirrored else points
+    rotation, shift = rigid_fit(points, targets)
+    return float(np.sqrt(((points @ rotation.T + shift - targets) ** 2).sum(axis=1).mean()))

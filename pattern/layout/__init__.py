@@ -1,0 +1,1 @@
+"""The layout of a design: stars, arms, outline and pins in print coordinates."""

@@ -1,0 +1,1 @@
+"""Meshes on the lines of the lattice."""

@@ -1,0 +1,81 @@
+"""The lattice-aligned mesh: nearly equilateral triangles whose edges are a whole part of the stars' distance."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pattern.design.errors import MeshError
+from pattern.layout.layout import Floats, Ints, Layout
+from pattern.mesh.aligned.arm_stations import arm_stations
+from pattern.mesh.aligned.cut_mesh import cut_mesh
+from pattern.mesh.aligned.grid_motion import moved, prescribed
+from pattern.mesh.aligned.hexagon_border import HexagonBorder
+from pattern.mesh.aligned.lattice_grid import LatticeGrid
+from pattern.mesh.check import check_edge, checked
+from pattern.mesh.grading import Grading
+from pattern.mesh.mesh import Mesh
+from pattern.mesh.pin_vertices import pin_vertices, pins_on_sheet
+
+# flatter triangles than this (degrees) are left to the Delaunay mesh, which refines where it is narrow
+SMALLEST_ANGLE = 15.0
+# below this the grid's own connectivity gives way to a triangulation that adds points where they are missing
+WELL_SHAPED = 22.0
+# across an arm a graded mesh is much finer than along it
+GRADED = 8.0
+
+
+def aligned_mesh(layout: Layout, edge_mm: float, graded: bool = False, draft: bool = False) -> Mesh:
+    """Refine the lattice of the stars and move the grid points near tips and border onto them.
+
+    Parameters
+    ----------
+    edge_mm : wished length of an edge; the lattice distance is cut into the nearest whole number of edges.
+    graded : as many triangles, but finer ones at arms and tips, see `pattern.mesh.grading`; for hexagons along the
+        lattice.
+    draft : the strip along other borders is smoothed only until its triangles will do.
+
+    Raises
+    ------
+    MeshError : where arms do not lie on lattice lines, or moving grid points would flatten triangles.
+    """
+    check_edge(layout, edge_mm)
+    grid = LatticeGrid.of(layout, edge_mm)
+    hexagon = HexagonBorder.of(layout, grid)
+    if graded:
+        if hexagon is None:
+            raise MeshError("a graded aligned mesh needs a hexagonal border along the lattice")
+        return checked(_hexagon_mesh(layout, grid, hexagon, Grading.of(layout)), layout, GRADED)
+    if hexagon is not None:
+        try:
+            return checked(_hexagon_mesh(layout, grid, hexagon), layout, WELL_SHAPED)
+        except MeshError:
+            # tips close to the border, pins between grid points: they need points of their own
+            pass
+    strip = cut_mesh(layout, grid, SMALLEST_ANGLE) if draft else cut_mesh(layout, grid)
+    return checked(strip, layout, SMALLEST_ANGLE)
+
+
+def _hexagon_mesh(layout: Layout, grid: LatticeGrid, hexagon: HexagonBorder, grading: Grading | None = None) -> Mesh:
+    """The grid hexagon with its own connectivity, moved onto the border."""
+    outline = hexagon.places(layout, grid)
+
+    def border(start: Ints, step: Ints) -> tuple[Ints, Floats]:
+        count = hexagon.exit(start, step)
+        return count, outline[hexagon.on_ring(start + count[:, None] * step)]
+
+    stations = arm_stations(layout, grid, border, grading)
+    patch = hexagon.patch(grid)
+    ring = patch.index(hexagon.ring)
+    taken, known, places = prescribed(patch, stations, ring, outline)
+    points = moved(patch, taken, known, places, pins_on_sheet(layout), grading)
+    first = int(np.argmin(np.linalg.norm(points[ring] - layout.border[0], axis=1)))
+    border_vertices = np.roll(ring, -first)
+    return Mesh(
+        points=points,
+        triangles=patch.triangles(),
+        rods=tuple(patch.paths(stations.arms)),
+        star_vertices=patch.index(stations.centres),
+        border_vertices=border_vertices,
+        pin_vertices=pin_vertices(layout, points, border_vertices),
+        kind="aligned",
+    )

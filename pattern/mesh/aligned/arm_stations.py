@@ -1,0 +1,157 @@
+"""Where arms, and the gaps behind their tips, take their vertices on the lines of the lattice grid."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from pattern.design.errors import MeshError
+from pattern.layout.layout import Floats, Ints, Layout
+from pattern.mesh.aligned.lattice_grid import ON_LINE, LatticeGrid
+from pattern.mesh.grading import Grading
+
+# the grid's edges along arms and gaps may not be squeezed below this part of their length
+SMALLEST_EDGE = 0.25
+
+
+@dataclass(frozen=True)
+class Stations:
+    """Grid points of the arms, and all grid points that are moved to a place.
+
+    Attributes
+    ----------
+    centres : (S, 2) grid points of the stars.
+    arms : one (n + 1, 2) array of grid points an arm, from the star's centre to the tip.
+    ij, places : (P, 2) grid points, and their places in mm; a point may occur more than once.
+    """
+
+    centres: Ints
+    arms: tuple[Ints, ...]
+    ij: Ints
+    places: Floats
+
+
+@dataclass
+class _Links:
+    """The grid points ahead of the star of each arm (A, ...): `count` edges to the place `end` (mm), `taken` by it."""
+
+    start: Ints
+    step: Ints
+    count: Ints
+    end: Floats
+    taken: Ints
+
+
+Border = Callable[[Ints, Ints], tuple[Ints, Floats]]
+
+
+def arm_stations(layout: Layout, grid: LatticeGrid, border: Border, grading: Grading | None = None) -> Stations:
+    """Spread every arm evenly over grid edges, and the gap behind its tip over those left on its link.
+
+    With a grading arms have their vertices where it wants them, and the gaps are left free.
+
+    Parameters
+    ----------
+    border : for the grid points (A, 2) and directions (A, 2) of the arms, the number (A,) of grid edges to the border
+        and the places (A, 2) mm of the grid points there; a number beyond the arm where the border takes none.
+    """
+    links, centres = _links(layout, grid, border), grid.centres(layout)
+    centre, tip, length = layout.centres[layout.arm_star], layout.arm_tip, layout.arm_length
+    other = _others(links)
+    facing = other >= 0
+    tolerance = ON_LINE * grid.edge_mm * grid.k
+    overlap = facing & (length + length[other] > np.linalg.norm(links.end - centre, axis=1) + tolerance)
+    if overlap.any():
+        one = int(np.argmax(overlap))
+        raise MeshError(f"arms {one} and {other[one]} overlap")
+    meeting = np.linalg.norm(tip[other] - tip, axis=1) <= tolerance
+    for one in np.flatnonzero(facing & (np.arange(len(other)) < other)).tolist():
+        pair = [one, int(other[one])]
+        links.taken[pair] = _shared(int(links.count[one]), links.taken[pair], length[pair], bool(meeting[one]))
+    left = links.count - np.where(facing, links.taken[other], 0) - links.taken
+    end = np.where(facing[:, None], tip[other], links.end)
+    edge = length / links.taken
+    edge = np.where(left > 0, np.minimum(edge, np.linalg.norm(end - tip, axis=1) / np.maximum(left, 1)), edge)
+    if (edge < SMALLEST_EDGE * grid.edge_mm).any():
+        one = int(np.argmax(edge < SMALLEST_EDGE * grid.edge_mm))
+        raise MeshError(f"arm {one} leaves too little room for a mesh edge at its tip")
+    arm, number = _numbered(links.taken)
+    on_arms = links.start[arm] + number[:, None] * links.step[arm]
+    if grading is None:
+        gap = np.flatnonzero(left > 0)
+        which, ahead = _numbered(left[gap])
+        first = links.start + links.taken[:, None] * links.step
+        in_gaps = first[gap][which] + ahead[:, None] * links.step[gap][which]
+        ij = [in_gaps, centres, on_arms]
+        places = [_even(tip[gap], end[gap], left[gap]), layout.centres, _even(centre, tip, links.taken)]
+    else:
+        part = np.concatenate([grading.along(*one) for one in zip(length, links.taken, strict=True)])
+        ij = [centres, on_arms]
+        places = [layout.centres, centre[arm] + part[:, None] * (tip - centre)[arm]]
+    arms = tuple(np.split(on_arms, np.cumsum(links.taken + 1)[:-1])) if len(length) else ()
+    return Stations(centres, arms, np.concatenate(ij), np.concatenate(places))
+
+
+def _links(layout: Layout, grid: LatticeGrid, border: Border) -> _Links:
+    """The link of every arm: up to the lattice point at or behind its tip, or to the border."""
+    centres, step, length = grid.centres(layout), grid.directions(layout), layout.arm_length
+    start, centre = centres[layout.arm_star], layout.centres[layout.arm_star]
+    spacing = np.linalg.norm(step @ grid.basis, axis=1)
+    steps = np.maximum(np.ceil(length / spacing - ON_LINE), 1).astype(np.int64)
+    stars = {(*ij,) for ij in centres.tolist()}
+    for arm in np.flatnonzero(steps > 1).tolist():
+        if any((*(start[arm] + n * grid.k * step[arm]).tolist(),) in stars for n in range(1, steps[arm])):
+            raise MeshError(f"arm {arm} runs through another star")
+    count = steps * grid.k
+    end = grid.place(start + count[:, None] * step)
+    to_border, there = border(start, step)
+    cut = to_border < count
+    count[cut], end[cut] = to_border[cut], there[cut]
+    reach = np.linalg.norm(end - centre, axis=1)
+    off = (length <= 0) | (count < 1) | (length > reach + ON_LINE * spacing)
+    if off.any():
+        raise MeshError(f"arm {np.argmax(off)} has no length, or leaves the sheet")
+    part = np.clip(np.rint(length / reach * count), 1, count - 1).astype(np.int64)
+    taken = np.where(np.linalg.norm(end - layout.arm_tip, axis=1) > ON_LINE * spacing, part, count)
+    if not taken.all():
+        raise MeshError(f"arm {np.argmin(taken)} needs a shorter mesh edge")
+    return _Links(start, step, count, end, taken)
+
+
+def _others(links: _Links) -> Ints:
+    """(A,) the arm that comes from the other end of each link, -1 for none."""
+    ends = {(*row,): arm for arm, row in enumerate(np.hstack([links.start, links.step]).tolist())}
+    ahead = np.hstack([links.start + links.count[:, None] * links.step, -links.step])
+    return np.array([ends.get((*row,), -1) for row in ahead.tolist()], dtype=np.int64)
+
+
+def _shared(count: int, taken: Ints, length: Floats, meeting: bool) -> Ints:
+    """(2,) the grid edges of a link, divided between the arms from both its ends: all if they meet, else leave one."""
+    room = count if meeting else count - 1
+    if room < 2:
+        raise MeshError("arms from both ends of a link need a shorter mesh edge")
+    one, other = (int(number) for number in taken)
+    if meeting:
+        one = min(max(round(float(length[0] / length.sum()) * room), 1), room - 1)
+        other = room - one
+    while one + other > room:
+        # the arm whose edges are the shorter ones gives one up
+        edges = [part / number if number > 1 else np.inf for part, number in zip(length, (one, other), strict=True)]
+        one, other = (one - 1, other) if edges[0] <= edges[1] else (one, other - 1)
+    return np.array([one, other])
+
+
+def _numbered(count: Ints) -> tuple[Ints, Ints]:
+    """Row and number 0 ... n of the points of rows that have `count` (A,) n edges each."""
+    row = np.repeat(np.arange(len(count)), count + 1)
+    return row, np.arange(len(row)) - (np.cumsum(count + 1) - count - 1)[row]
+
+
+def _even(first: Floats, last: Floats, count: Ints) -> Floats:
+    """(P, 2) places from each first one (A, 2) to the last, n equal edges apart; the ends exactly."""
+    row, number = _numbered(count)
+    places = number[:, None] * ((last - first) / count[:, None])[row] + first[row]
+    places[np.cumsum(count + 1) - 1] = last
+    return places

@@ -1,0 +1,76 @@
+"""Moving the points of a lattice grid: some to given places, the others smoothly with them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from pattern.design.errors import MeshError
+from pattern.layout.layout import Floats, Ints
+from pattern.mesh.aligned.arm_stations import Stations
+from pattern.mesh.aligned.lattice_grid import ON_LINE, GridPatch
+from pattern.mesh.grading import Grading
+from pattern.mesh.pin_vertices import SAME_PLACE_MM
+
+NOTHING = np.zeros(0, dtype=np.int64)
+NOWHERE = np.zeros((0, 2))
+
+
+def prescribed(
+    patch: GridPatch, stations: Stations, ring: Ints = NOTHING, outline: Floats = NOWHERE
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_], Floats]:
+    """Which points of a patch are on arms or the outline (n,), which have a place (gaps too), and all places (n, 2).
+
+    Parameters
+    ----------
+    ring, outline : points of the patch (m,) on the border, and their places (m, 2) in mm.
+    """
+    at = patch.index(stations.ij)
+    known, places = np.zeros(len(patch.ij), dtype=bool), patch.grid.place(patch.ij)
+    known[ring], places[ring] = True, outline
+    known[at[at >= 0]] = True
+    places[at[at >= 0]] = stations.places[at >= 0]
+    if np.abs(places[at] - stations.places)[at >= 0].max(initial=0) > ON_LINE * patch.grid.edge_mm * patch.grid.k:
+        raise MeshError("arms want the same grid points")
+    taken = np.zeros_like(known)
+    taken[ring] = True
+    printed = patch.index(np.concatenate([stations.centres, *stations.arms]))
+    if printed.min(initial=0) < 0:
+        raise MeshError("a star or an arm leaves the sheet")
+    taken[printed] = True
+    return taken, known, places
+
+
+def moved(
+    patch: GridPatch,
+    taken: NDArray[np.bool_],
+    known: NDArray[np.bool_],
+    places: Floats,
+    pins: Floats,
+    grading: Grading | None = None,
+) -> Floats:
+    """Places (n, 2) of all grid points of a patch: the known ones, one on each pin, and the others smoothly between.
+
+    Pins (P, 2) get the nearest points that are not taken.
+    """
+    points = _spread(patch, known, places, grading)
+    missing = pins[cKDTree(points[taken]).query(pins)[0] > SAME_PLACE_MM] if len(pins) else pins
+    if not len(missing):
+        return points
+    taken, known, places = taken.copy(), known.copy(), places.copy()
+    for pin in missing:
+        away = np.where(taken, np.inf, np.linalg.norm(points - pin, axis=1))
+        nearest = int(np.argmin(away))
+        if away[nearest] > patch.grid.edge_mm:
+            raise MeshError(f"no free grid point near the pin at ({pin[0]:g}, {pin[1]:g}) mm")
+        taken[nearest], known[nearest], places[nearest] = True, True, pin
+    return _spread(patch, known, places, grading)
+
+
+def _spread(patch: GridPatch, known: NDArray[np.bool_], places: Floats, grading: Grading | None) -> Floats:
+    """All points: evenly between the known ones, or graded."""
+    if grading is not None:
+        return grading.spread(patch, known, places)
+    natural = patch.grid.place(patch.ij)
+    return natural + patch.harmonic(known, places - natural)

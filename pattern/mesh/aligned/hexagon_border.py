@@ -1,0 +1,107 @@
+"""A hexagonal border along the lattice, onto which a hexagon of the lattice grid is mapped."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pattern.design.errors import MeshError
+from pattern.design.lattice import DIRECTIONS
+from pattern.geometry.planar import distance_to_outline
+from pattern.layout.layout import Floats, Ints, Layout
+from pattern.mesh.aligned.lattice_grid import ON_LINE, GridPatch, LatticeGrid
+
+
+@dataclass(frozen=True)
+class HexagonBorder:
+    """A hexagon about a lattice point with its corners in the six lattice directions.
+
+    Attributes
+    ----------
+    centre : (2,) grid point.
+    rows : grid edges from the centre to a corner, and along a side.
+    corners : (6, 2) mm, in the order of DIRECTIONS.
+    ring : (6 rows, 2) grid points on the outline, counterclockwise from the first corner.
+    """
+
+    centre: Ints
+    rows: int
+    corners: Floats
+    ring: Ints
+
+    @classmethod
+    def of(cls, layout: Layout, grid: LatticeGrid) -> HexagonBorder | None:
+        """The border of a layout as such a hexagon, None if it is something else."""
+        if len(layout.border) != 6:
+            return None
+        middle = layout.border.mean(axis=0)
+        about = grid.lattice_coordinates(middle[None] - grid.origin)[0]
+        corners = grid.lattice_coordinates(layout.border - middle)
+        first = int(np.argmax(corners @ [2, 1]))
+        corners, places = np.roll(corners, -first, axis=0), np.roll(layout.border, -first, axis=0)
+        radius = float(corners[0, 0])
+        if np.abs(about - np.rint(about)).max() > ON_LINE or np.abs(corners - radius * DIRECTIONS).max() > ON_LINE:
+            return None
+        rows = max(round(radius * grid.k), 1)
+        centre = np.rint(about).astype(np.int64) * grid.k
+        side = np.arange(rows)[:, None]
+        ring = [centre + rows * DIRECTIONS[q] + side * DIRECTIONS[(q + 2) % 6] for q in range(6)]
+        return cls(centre, rows, places, np.concatenate(ring))
+
+    def patch(self, grid: LatticeGrid) -> GridPatch:
+        """All grid points in the hexagon."""
+        span = np.arange(-self.rows, self.rows + 1)
+        ij = np.stack(np.meshgrid(span, span, indexing="ij"), axis=-1).reshape(-1, 2)
+        return GridPatch(grid, self.centre + ij[np.abs(ij.sum(axis=1)) <= self.rows])
+
+    def exit(self, start: Ints, step: Ints) -> Ints:
+        """(n,) number of grid edges from grid points (n, 2) to the outline, in directions (n, 2)."""
+        at = start - self.centre
+        faces = np.array([[one[:, 0], one[:, 1], one.sum(axis=1)] for one in (at, step)])
+        left = self.rows - faces[0] * faces[1]
+        return np.asarray(np.where(faces[1] != 0, left, left.max(initial=0)).min(axis=0))
+
+    def on_ring(self, ij: Ints) -> Ints:
+        """(n,) number within the ring of grid points (n, 2) that are on it, and any number of others."""
+        width = 4 * self.rows + 1
+        codes, wanted = ((one - self.centre) @ [width, 1] for one in (self.ring, ij))
+        order = np.argsort(codes)
+        return np.asarray(order[np.minimum(np.searchsorted(codes[order], wanted), len(order) - 1)])
+
+    def places(self, layout: Layout, grid: LatticeGrid) -> Floats:
+        """Places (6 rows, 2) of the ring: evenly spaced between corners, tips and pins on the border."""
+        taken: dict[int, float] = {q * self.rows: float(q * self.rows) for q in range(6)}
+        tolerance = ON_LINE * grid.edge_mm * grid.k
+        tips = np.flatnonzero(distance_to_outline(layout.arm_tip, layout.border) <= tolerance)
+        starts, steps = grid.centres(layout)[layout.arm_star[tips]], grid.directions(layout)[tips]
+        stations = starts + self.exit(starts, steps)[:, None] * steps
+        for arm, station in zip(tips, self.on_ring(stations).tolist(), strict=True):
+            self._take(taken, station, self._along(layout.arm_tip[arm]))
+        points = layout.pin_points
+        for point in points[distance_to_outline(points, layout.border) <= tolerance]:
+            at = self._along(point)
+            if not any(abs(at - t) < 1e-5 for t in taken.values()):
+                self._take(taken, round(at) % len(self.ring), at)
+        ordered = sorted(taken)
+        stations, along = np.array([*ordered, len(self.ring)]), np.array([*(taken[k] for k in ordered), len(self.ring)])
+        if (np.diff(along) <= 0).any():
+            raise MeshError("tips and pins on the border are closer together than the mesh edges")
+        t = np.interp(np.arange(len(self.ring)), stations, along)
+        side = np.minimum(t // self.rows, 5).astype(int)
+        part = (t / self.rows - side)[:, None]
+        return (1 - part) * self.corners[side] + part * self.corners[(side + 1) % 6]
+
+    def _along(self, point: Floats) -> float:
+        """How far along the outline a point on it is, in grid edges from the first corner."""
+        a, b = self.corners, np.roll(self.corners, -1, axis=0)
+        part = np.clip(((point - a) * (b - a)).sum(axis=1) / ((b - a) ** 2).sum(axis=1), 0, 1)
+        side = int(np.argmin(np.linalg.norm(a + part[:, None] * (b - a) - point, axis=1)))
+        return float(side + part[side]) * self.rows % len(self.ring)
+
+    @staticmethod
+    def _take(taken: dict[int, float], station: int, along: float) -> None:
+        """Note that a point of the ring has its place; two places for one are refused."""
+        if abs(taken.get(station, along) - along) > 1e-5:
+            raise MeshError("two tips, pins or corners on the border want the same mesh vertex")
+        taken.setdefault(station, along)

@@ -1,0 +1,133 @@
+"""The triangular grid that refines the lattice of the stars, so that arms along lattice directions lie on its lines."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pattern.design.errors import MeshError
+from pattern.design.lattice import DIRECTIONS
+from pattern.geometry.planar import cross
+from pattern.layout.layout import Floats, Ints, Layout
+from pattern.mesh.aligned.springs import means_of_neighbours
+
+# how far from a grid line counts as on it, in lattice distances
+ON_LINE = 1e-6
+
+
+@dataclass(frozen=True)
+class LatticeGrid:
+    """Points `origin + ij @ basis / k` for whole numbers ij, each lattice triangle cut into k^2.
+
+    Attributes
+    ----------
+    origin : (2,) mm.
+    basis : (2, 2) mm, rows: lattice vectors at most 90 degrees apart, the second to the left of the first.
+    k : grid edges between neighbouring lattice points.
+    """
+
+    origin: Floats
+    basis: Floats
+    k: int
+
+    @classmethod
+    def of(cls, layout: Layout, edge_mm: float) -> LatticeGrid:
+        """The grid of a layout whose edges are closest to `edge_mm`."""
+        a, b = np.asarray(layout.lattice_vectors, dtype=float)
+        k = max(round(float(np.sqrt((a @ a + b @ b) / 2)) / edge_mm), 2)
+        return cls(np.asarray(layout.lattice_origin, dtype=float), np.array([a, b]), k)
+
+    @cached_property
+    def edge_mm(self) -> float:
+        """Length of a grid edge (mean of the two axes)."""
+        return float(np.linalg.norm(self.basis, axis=1).mean() / self.k)
+
+    def lattice_coordinates(self, vectors: Floats) -> Floats:
+        """Vectors (n, 2) in mm as multiples of the lattice vectors."""
+        return vectors @ np.linalg.inv(self.basis)
+
+    def place(self, ij: Ints) -> Floats:
+        """Where grid points (n, 2) are, mm."""
+        return self.origin + ij @ self.basis / self.k
+
+    def centres(self, layout: Layout) -> Ints:
+        """Grid points (S, 2) of the stars."""
+        where = self.lattice_coordinates(layout.centres - self.origin)
+        off = np.abs(where - np.rint(where)).max(axis=1, initial=0)
+        if (off > ON_LINE).any():
+            raise MeshError(f"star {layout.star_number[np.argmax(off > ON_LINE)]} is not at a point of the lattice")
+        return np.rint(where).astype(np.int64) * self.k
+
+    def directions(self, layout: Layout) -> Ints:
+        """Grid direction (A, 2) along which each arm points."""
+        step = DIRECTIONS @ self.basis
+        unit = step / np.linalg.norm(step, axis=1, keepdims=True)
+        arm = layout.arm_tip - layout.centres[layout.arm_star]
+        best = np.argmax(arm @ unit.T, axis=1)
+        off = np.abs(cross(arm, unit[best])) > ON_LINE * np.linalg.norm(self.basis[0])
+        if off.any():
+            star = layout.star_number[layout.arm_star[np.argmax(off)]]
+            raise MeshError(f"an arm of star {star} does not lie on a line of the lattice")
+        return DIRECTIONS[best]
+
+    def window(self, low: Floats, high: Floats) -> Ints:
+        """Grid points (n, 2) in the box from `low` to `high` (2,) in mm and a little around it, sorted."""
+        corners = np.array([[x, y] for x in (low[0], high[0]) for y in (low[1], high[1])])
+        span = self.lattice_coordinates(corners - self.origin) * self.k
+        (i0, j0), (i1, j1) = np.floor(span.min(axis=0)).astype(int), np.ceil(span.max(axis=0)).astype(int)
+        ij = np.stack(np.meshgrid(np.arange(i0, i1 + 1), np.arange(j0, j1 + 1), indexing="ij"), axis=-1).reshape(-1, 2)
+        where = self.place(ij)
+        return ij[((where >= low - self.edge_mm) & (where <= high + self.edge_mm)).all(axis=1)]
+
+
+class GridPatch:
+    """Some points of a grid, the triangles and edges between them, and the way back from grid coordinates."""
+
+    def __init__(self, grid: LatticeGrid, ij: Ints) -> None:
+        self.grid, self.ij = grid, ij
+        self.low = ij.min(axis=0) - 1
+        self.table = np.full(np.ptp(ij, axis=0) + 3, -1, dtype=np.int64)
+        self.table[tuple((ij - self.low).T)] = np.arange(len(ij))
+
+    def index(self, ij: Ints) -> Ints:
+        """Number of each grid point (..., 2) in the patch, -1 for those outside."""
+        shifted = ij - self.low
+        known = ((shifted >= 0) & (shifted < self.table.shape)).all(axis=-1)
+        shifted = np.where(known[..., None], shifted, 0)
+        return np.where(known, self.table[shifted[..., 0], shifted[..., 1]], -1)
+
+    @cached_property
+    def _ahead(self) -> Ints:
+        """(3, n) the neighbours of all points in the first three directions, -1 for those outside."""
+        at = (self.ij - self.low).T
+        return np.array([self.table[at[0] + i, at[1] + j] for i, j in DIRECTIONS[:3].tolist()])
+
+    def paths(self, lines: Sequence[Ints]) -> list[Ints]:
+        """Numbers of the grid points of each line (n, 2), all at once."""
+        if not lines:
+            return []
+        return np.split(self.index(np.concatenate(lines)), np.cumsum([len(line) for line in lines])[:-1])
+
+    def triangles(self) -> Ints:
+        """Triangles (T, 3), counterclockwise, all of whose corners are in the patch."""
+        own, ahead = np.arange(len(self.ij)), self._ahead
+        triangles = np.concatenate([np.column_stack([own, ahead[q], ahead[q + 1]]) for q in (0, 1)])
+        return triangles[triangles.min(axis=1) >= 0]
+
+    def edges(self) -> Ints:
+        """Pairs (E, 2) of neighbouring grid points in the patch."""
+        ends = self._ahead.ravel()
+        own = np.tile(np.arange(len(self.ij)), 3)
+        return np.column_stack([own, ends])[ends >= 0]
+
+    def harmonic(self, known: NDArray[np.bool_], values: Floats, stiff: Floats | None = None) -> Floats:
+        """Values (n, 2), given at `known` points, continued to the others so that each is its neighbours' mean.
+
+        The mean is weighted with `stiff` (E,), one for every edge, if that is given.
+        """
+        edges = self.edges()
+        return means_of_neighbours(edges, np.ones(len(edges)) if stiff is None else stiff, known, values)

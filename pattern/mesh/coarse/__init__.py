@@ -1,0 +1,1 @@
+"""Coarse meshes for shells of high order."""

@@ -1,0 +1,221 @@
+"""The one guarded call of the `triangle` package, whose C code ends the process on input it does not like."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+import triangle
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial import cKDTree
+
+from pattern.design.errors import MeshError
+from pattern.geometry.planar import among, distance_to_segment, triangle_areas
+from pattern.layout.layout import Floats, Ints
+
+# closer than this, relative to the extent of the input, points count as one and segments as touching
+TOLERANCE = 1e-8
+MAX_TRIANGLES = 2_000_000
+MAX_ANGLE_DEG = 33.0
+
+# loose ends that are taken off lines of segments, one segment at a time, before loops are looked for
+PEELED = 30
+
+
+def triangulate(
+    points: ArrayLike,
+    segments: ArrayLike,
+    *,
+    min_angle_deg: float | None = None,
+    max_area: float | None = None,
+    holes: ArrayLike = (),
+) -> tuple[Floats, Ints]:
+    """Constrained Delaunay triangulation of the region that closed loops of segments enclose.
+
+    Segments are never split. Refinement adds points inside only, so that triangles at the segments may miss the
+    angle and the area asked for.
+
+    Parameters
+    ----------
+    points : (n, 2), distinct, none on a segment it does not end.
+    segments : (m, 2) indices of points; they may meet at points only.
+    min_angle_deg : smallest angle to aim for, at most 33.
+    max_area : largest area of a triangle, in units of `points` squared.
+    holes : (h, 2), one point in each hole.
+
+    Returns
+    -------
+    points : (N, 2), N >= n; the first n are those given, bit for bit.
+    triangles : (T, 3), counterclockwise.
+
+    Raises
+    ------
+    MeshError : where the input is not such a set of points and segments, or the mesh would be too large.
+    """
+    p, s, h = _arrays(points, segments, holes)
+    centre = (p.min(axis=0) + p.max(axis=0)) / 2
+    scale = float(np.ptp(p, axis=0).max())
+    if not scale > 1e-9 * float(np.abs(p).max()):
+        raise MeshError("the points to triangulate coincide, or lie too far from the origin to tell apart")
+    # Triangle's exact arithmetic is only exact far from overflow and underflow
+    unit = (p - centre) / scale
+    holes_at = (h - centre) / scale
+    _check_geometry(unit, s)
+    area = _check_region(unit, s, holes_at)
+    options, room = _options(unit, min_angle_deg, None if max_area is None else max_area / scale**2)
+    data = {"vertices": unit, "segments": s.astype(np.int32)}
+    if len(h):
+        data["holes"] = holes_at
+    result = triangle.triangulate(data, options)
+    mesh, triangles = np.asarray(result["vertices"]), np.asarray(result.get("triangles", ()), dtype=np.int64)
+    if room and len(mesh) - len(p) >= room:
+        raise MeshError(f"the mesh would need more than {room} points: use a longer edge")
+    _check_result(mesh, triangles.reshape(-1, 3), s, area)
+    return np.concatenate([p, mesh[len(p) :] * scale + centre]), triangles
+
+
+def _arrays(points: ArrayLike, segments: ArrayLike, holes: ArrayLike) -> tuple[Floats, Ints, Floats]:
+    """The input as arrays of the right shape, finite and with indices in range."""
+    try:
+        p = np.array(points, dtype=float)
+        s = np.array(segments)
+        h = np.array(holes, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise MeshError(f"points, segments and holes must be arrays of numbers: {error}") from None
+    if p.ndim != 2 or p.shape[1] != 2 or len(p) < 3:
+        raise MeshError(f"points must be at least three pairs, got an array of shape {p.shape}")
+    if s.ndim != 2 or s.shape[1] != 2 or len(s) < 3 or s.dtype.kind not in "iu":
+        raise MeshError(f"segments must be at least three pairs of whole numbers, got shape {s.shape}")
+    if h.size and (h.ndim != 2 or h.shape[1] != 2):
+        raise MeshError(f"holes must be pairs, got an array of shape {h.shape}")
+    if not (np.isfinite(p).all() and np.isfinite(h).all()):
+        raise MeshError("points and holes must be finite")
+    if not (1e-100 < np.abs(p).max() < 1e100):
+        raise MeshError("points must be of an ordinary size")
+    if s.min() < 0 or s.max() >= len(p):
+        raise MeshError(f"segments must name points 0 to {len(p) - 1}, got {s.min()} to {s.max()}")
+    return p, s.astype(np.int64), h.reshape(-1, 2)
+
+
+def _check_geometry(p: Floats, s: Ints) -> None:
+    """Refuse points that are not distinct, and segments that meet elsewhere than at points."""
+    same = cKDTree(p).query_pairs(TOLERANCE)
+    if same:
+        i, j = min(same)
+        raise MeshError(f"points {i} and {j} are the same")
+    spread = np.linalg.svd(p - p.mean(axis=0), compute_uv=False)
+    if spread[1] < TOLERANCE * spread[0]:
+        raise MeshError("the points lie on one line")
+    if (s[:, 0] == s[:, 1]).any():
+        raise MeshError(f"segment {np.argmax(s[:, 0] == s[:, 1])} has no length")
+    if len(np.unique(_codes(s, len(p)))) < len(s):
+        raise MeshError("a segment is given twice")
+    lines = shapely.linestrings(p[s])
+    # pairs whose boxes meet, without the many that belong together, before their geometry is looked at
+    low, high = p[s].min(axis=1) - TOLERANCE, p[s].max(axis=1) + TOLERANCE
+    owner, on = shapely.STRtree(shapely.points(p)).query(shapely.box(*low.T, *high.T))
+    other = (s[owner] != on[:, None]).all(axis=1)
+    owner, on = owner[other], on[other]
+    touching = np.flatnonzero(distance_to_segment(p[on], p[s[owner, 0]], p[s[owner, 1]]) <= TOLERANCE)
+    if len(touching):
+        k = touching[0]
+        raise MeshError(f"point {on[k]} lies on segment {owner[k]} between its ends")
+    first, second = shapely.STRtree(lines).query(lines)
+    # segments with a common end cannot cross: each has the other's end beside it only by rounding
+    apart = (s[first][:, :, None] != s[second][:, None, :]).all(axis=(1, 2))
+    first, second = first[apart], second[apart]
+    crossing = np.flatnonzero(shapely.crosses(lines[first], lines[second]))
+    if len(crossing):
+        k = crossing[0]
+        raise MeshError(f"segments {first[k]} and {second[k]} cross")
+
+
+def _check_region(p: Floats, s: Ints, holes: Floats) -> float:
+    """The area that the segments enclose without the holes, if all points and segments are in it."""
+    faces = shapely.get_parts(shapely.polygonize(shapely.linestrings(p[_closed(s, len(p))])))
+    if len(holes):
+        inside, face = shapely.STRtree(faces).query(shapely.points(holes), predicate="within")
+        beside = distance_to_segment(holes[:, None], *p[s].swapaxes(0, 1)).min(axis=1) <= TOLERANCE
+        bad = np.isin(np.arange(len(holes)), inside, invert=True) | beside
+        if bad.any():
+            raise MeshError(f"hole {np.argmax(bad)} is not inside a loop of segments")
+        faces = np.delete(faces, face)
+    if not len(faces):
+        raise MeshError("the segments enclose nothing")
+    shapely.prepare(faces)
+    middles = p[s].mean(axis=1)
+    out = _outside(faces, middles)
+    # the middles of the loops' own segments
+    on = shapely.STRtree(shapely.points(middles[out])).query(faces, predicate="dwithin", distance=TOLERANCE)[1]
+    out[np.flatnonzero(out)[on]] = False
+    if out.any():
+        raise MeshError(f"segment {np.argmax(out)} lies outside what the segments enclose")
+    free = np.ones(len(p), dtype=bool)
+    free[s] = False
+    free[free] = _outside(faces, p[free])
+    if free.any():
+        raise MeshError(f"point {np.argmax(free)} lies outside what the segments enclose")
+    return float(shapely.area(faces).sum())
+
+
+def _closed(s: Ints, n: int) -> Ints:
+    """The segments that may be part of a loop: most of a sheet's belong to arms, which end freely."""
+    for _ in range(PEELED):
+        kept = (np.bincount(s.ravel(), minlength=n)[s] > 1).all(axis=1)
+        if kept.all():
+            break
+        s = s[kept]
+    return s
+
+
+def _outside(faces: NDArray[np.object_], points: Floats) -> NDArray[np.bool_]:
+    """Which points (k,) no face holds in its inside."""
+    out = np.ones(len(points), dtype=bool)
+    for face in faces:
+        out[out] = ~shapely.contains_xy(face, points[out])
+    return out
+
+
+def _options(p: Floats, min_angle_deg: float | None, max_area: float | None) -> tuple[str, int]:
+    """Triangle's switches, and how many points it may add (0: it adds none)."""
+    if min_angle_deg is None and max_area is None:
+        return "p", 0
+    expected = 20.0 * len(p)
+    options = "pYY"
+    if min_angle_deg is not None:
+        if not 0 <= min_angle_deg <= MAX_ANGLE_DEG:
+            raise MeshError(f"the smallest angle must be 0 to {MAX_ANGLE_DEG:g} degrees, got {min_angle_deg}")
+        options += f"q{min_angle_deg:.6f}"
+    if max_area is not None:
+        if not 0 < max_area < np.inf:
+            raise MeshError(f"the largest area must be positive, got {max_area}")
+        expected += 2 * np.prod(np.ptp(p, axis=0)) / max_area
+        options += f"a{max_area:.20f}"
+    if expected > MAX_TRIANGLES:
+        raise MeshError(f"about {expected:.2g} triangles would be needed, more than {MAX_TRIANGLES}: use a longer edge")
+    room = int(expected)
+    return f"{options}S{room}", room
+
+
+def _check_result(p: Floats, t: Ints, s: Ints, area: float) -> None:
+    """Triangles turn counterclockwise, fill the area, use every point, contain every segment and end at segments."""
+    areas = triangle_areas(p, t) if len(t) else np.zeros(1)
+    if not np.isfinite(p).all() or areas.min() <= 0 or abs(areas.sum() - area) > 1e-9 + 1e-6 * area:
+        raise MeshError("the mesh does not fill what the segments enclose")
+    edges, count = _edges(t, len(p))
+    codes = _codes(s, len(p))
+    used = np.bincount(t.ravel(), minlength=len(p)) > 0
+    if not (
+        used.all() and among(codes, edges).all() and among(edges[count == 1], np.sort(codes)).all() and count.max() <= 2
+    ):
+        raise MeshError("the mesh does not follow the segments")
+
+
+def _codes(pairs: Ints, n: int) -> Ints:
+    """One number for every unordered pair of indices below n."""
+    one, two = pairs.T
+    return np.minimum(one, two) * n + np.maximum(one, two)
+
+
+def _edges(t: Ints, n: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Codes of the edges of triangles, and how many triangles have each."""
+    return np.unique(_codes(np.concatenate([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]]), n), return_counts=True)

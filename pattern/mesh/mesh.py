@@ -1,0 +1,32 @@
+"""A triangle mesh of the printed sheet whose edges follow every arm."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pattern.layout.layout import Floats, Ints
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Triangles of the sheet and the paths of the arms on it, in print coordinates (mm).
+
+    Attributes
+    ----------
+    points : (V, 2) mm, every one used by a triangle.
+    triangles : (T, 3) counterclockwise.
+    rods : one array an arm (in the layout's order): vertices from the star's centre to the tip;
+        consecutive ones are edges of triangles.
+    star_vertices : (S,) the vertex at each star's centre.
+    border_vertices : vertices on the outline, counterclockwise.
+    pin_vertices : one array a pin set of the layout. For points: in their order. For edges: every mesh vertex on them.
+    kind : "aligned" or "delaunay".
+    """
+
+    points: Floats
+    triangles: Ints
+    rods: tuple[Ints, ...]
+    star_vertices: Ints
+    border_vertices: Ints
+    pin_vertices: tuple[Ints, ...]
+    kind: str

@@ -1,0 +1,32 @@
+"""The mesh of a layout: aligned with the lattice wherever that is possible, else constrained Delaunay."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pattern.design.errors import MeshError
+from pattern.layout.layout import Layout
+from pattern.mesh.aligned.aligned_mesh import aligned_mesh
+from pattern.mesh.free.delaunay_mesh import SPLITS, delaunay_mesh
+from pattern.mesh.mesh import Mesh
+
+Kind = Literal["auto", "aligned", "delaunay"]
+
+
+def mesh_layout(
+    layout: Layout, edge_mm: float, kind: Kind = "auto", seed: int = 0, graded: bool = False, draft: bool = False
+) -> Mesh:
+    """Mesh the sheet with edges of about `edge_mm`; "auto" prefers the aligned mesh (`seed` is the Delaunay one's).
+
+    `graded`: finer at the arms and their tips; an aligned mesh has as many triangles as without, a Delaunay mesh more.
+    `draft`: good enough to look at, and sooner; triangles may be flatter where features or the border are close.
+    """
+    if kind not in ("auto", "aligned", "delaunay"):
+        raise MeshError(f"the mesh kind must be auto, aligned or delaunay, got {kind!r}")
+    if kind != "delaunay":
+        try:
+            return aligned_mesh(layout, edge_mm, graded, draft)
+        except MeshError as error:
+            if kind == "aligned":
+                raise MeshError(f"mesh.kind = 'aligned': {error}; delaunay and auto mesh every sheet") from None
+    return delaunay_mesh(layout, edge_mm, seed, graded, 0 if draft else SPLITS)

@@ -1,0 +1,48 @@
+"""The vertices of a mesh at which the sheet is held."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from pattern.design.errors import MeshError
+from pattern.geometry.planar import distance_to_outline, distance_to_segment, inside
+from pattern.layout.layout import Floats, Ints, Layout
+
+# places this close, in mm, are one
+SAME_PLACE_MM = 1e-5
+
+
+def pins_on_sheet(layout: Layout) -> Floats:
+    """The layout's pin points (P, 2) in mm; those off the sheet are refused."""
+    points = layout.pin_points
+    on_border = distance_to_outline(points, layout.border) <= SAME_PLACE_MM
+    off = ~(on_border | inside(points, layout.border))
+    if off.any():
+        x, y = points[np.argmax(off)]
+        raise MeshError(f"the pin at ({x:g}, {y:g}) mm is not on the sheet")
+    return points
+
+
+def pin_vertices(layout: Layout, points: Floats, border_vertices: Ints) -> tuple[Ints, ...]:
+    """Vertices of each pin set: those at its points, in their order, then those on its border edges."""
+    if not layout.pins:
+        return ()
+    tree = cKDTree(points)
+    result = []
+    for pin in layout.pins:
+        distance, at = tree.query(pin.points)
+        if (distance > SAME_PLACE_MM).any():
+            x, y = pin.points[np.argmax(distance)]
+            raise MeshError(f"no mesh vertex at the pin at ({x:g}, {y:g}) mm")
+        held = [np.asarray(at, dtype=np.int64)]
+        for edge in pin.edges:
+            a, b = layout.border[edge], layout.border[(edge + 1) % len(layout.border)]
+            on = distance_to_segment(points[border_vertices], a, b) <= SAME_PLACE_MM
+            held.append(border_vertices[on])
+        vertices = np.concatenate(held)
+        _, first = np.unique(vertices, return_index=True)
+        # points keep their order and number: targets go with them
+        keep = np.union1d(first, np.arange(len(at)))
+        result.append(vertices[keep])
+    return tuple(result)

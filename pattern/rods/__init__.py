@@ -1,0 +1,1 @@
+"""Printed rods: the arms of the stars."""

@@ -1,0 +1,82 @@
+"""Arms on the sheet: cut at the outline, and clear of each other."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+
+from pattern.design.errors import DesignError
+from pattern.layout.layout import Floats, Ints
+
+MEANT_MM = 0.02  # ends that are nearer were to meet, and their length was rounded
+
+
+def cut(centres: Floats, tips: Floats, corners: Floats, margin: float) -> tuple[Floats, Ints]:
+    """Tips pulled back to stay `margin` (mm) inside the outline, and which arms were too long.
+
+    Parameters
+    ----------
+    centres, tips : (A, 2) mm, both ends of every arm.
+    corners : (B, 2) mm, outline of the sheet.
+    """
+    # mitres would take long spikes out of the sheet before corners that point inwards
+    inner = shapely.polygons(corners).buffer(-margin, join_style="round", quad_segs=16)
+    arms = shapely.linestrings(np.stack([centres, tips], axis=1))
+    shapely.prepare(inner)
+    # a tip exactly at the margin is inside
+    long = np.flatnonzero(~shapely.covers(inner.buffer(1e-9 * margin), arms))
+    tips = tips.copy()
+    for arm in long:
+        tips[arm] = _first_exit(arms[arm], centres[arm], inner)
+    return tips, long
+
+
+def _first_exit(arm: shapely.LineString, centre: Floats, inner: shapely.Geometry) -> Floats:
+    """End of the stretch of the arm that starts at its centre; the sheet may come back further out."""
+    parts = shapely.get_parts(shapely.intersection(arm, inner))
+    lines = parts[shapely.get_type_id(parts) == shapely.GeometryType.LINESTRING]
+    # where the arm touches a corner it comes in two
+    for part in shapely.get_parts(shapely.line_merge(shapely.multilinestrings(lines))):
+        ends = shapely.get_coordinates(part)
+        distance = np.linalg.norm(ends - centre, axis=1)
+        if len(ends) and distance.min() < 1e-9:
+            return ends[distance.argmax()]
+    return centre
+
+
+def check_clear(centres: Floats, tips: Floats, star: Ints, width: Floats, meeting: float) -> None:
+    """Refuse arms of different stars that cross, or that are so close that they print as one.
+
+    Ends that meet within `meeting` (mm) are joined on purpose and are fine, unless one of the arms lies on the other.
+
+    Parameters
+    ----------
+    centres, tips : (A, 2) mm; star : (A,); width : (A, 2) mm at the centre and at the tip.
+    """
+    arms = shapely.linestrings(np.stack([centres, tips], axis=1))
+    tree = shapely.STRtree(arms)
+    first, second = tree.query(arms, predicate="dwithin", distance=float(width.max()))
+    keep = (first < second) & (star[first] != star[second])
+    first, second = first[keep], second[keep]
+
+    ends = np.stack([centres, tips], axis=1)
+    gap = np.linalg.norm(ends[first][:, :, None] - ends[second][:, None], axis=-1).reshape(-1, 4)
+    joined = gap.min(axis=1) <= meeting if len(gap) else np.zeros(0, dtype=bool)
+    # of four ends, two where arms are joined; a third is the far end of the shorter one, if it lies on the longer
+    touching = _ends_on(ends[first], arms[second], meeting) + _ends_on(ends[second], arms[first], meeting)
+    distance = shapely.distance(arms[first], arms[second])
+    clearance = (width[first].max(axis=1) + width[second].max(axis=1)) / 2
+    bad = np.flatnonzero(np.where(joined, touching > 2, distance < clearance))
+    if len(bad) == 0:
+        return
+    i, j = first[bad[0]], second[bad[0]]
+    here, there = (f"[{x:.2f}, {y:.2f}]" for x, y in (centres[i], centres[j]))
+    apart = f"are {distance[bad[0]]:.3f} mm apart and would print as one"
+    what = "overlap" if joined[bad[0]] or distance[bad[0]] == 0 else apart
+    meant = "; length_fraction makes ends meet" if gap[bad[0]].min() < MEANT_MM else ""
+    raise DesignError("stars", f"arms of the stars at {here} and {there} {what}; shorten or turn them{meant}")
+
+
+def _ends_on(ends: Floats, others: np.ndarray, near: float) -> Ints:
+    """(n,) how many of both ends (n, 2, 2) of an arm lie on another one; asked of an intersection, rounding decides."""
+    return np.count_nonzero(shapely.distance(shapely.points(ends), others[:, None]) <= near, axis=1)

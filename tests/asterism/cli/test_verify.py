@@ -1,0 +1,63 @@
+"""asterism verify as a user meets it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from homogenize.law.file import to_bytes
+from tests.asterism.cli.test_main import run
+from tests.asterism.commands import command
+from tests.asterism.previews.laws import plain_law
+
+SEVEN = """
+[stars]
+length_mm = 8.0
+[border]
+rings = 1
+[mesh]
+edge_mm = 3.5
+"""
+
+
+def test_verify_writes_a_report_and_a_table(tmp_path: Path) -> None:
+    (tmp_path / "d.toml").write_text(SEVEN)
+    (tmp_path / "law.npz").write_bytes(to_bytes(plain_law()))
+    (tmp_path / "d-verified").mkdir()
+    for earlier in ("summary.json", "shape.vtu", "rods.vtu", "shape.png"):
+        (tmp_path / "d-verified" / earlier).write_text('{"version": "of simulate"}')
+    result = run("verify", "d.toml", "--law", "law.npz", cwd=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert "% of the diameter rms" in result.stdout and "same form" in result.stdout
+    # what is seen while waiting
+    said = ("preview done in", "released from the flat print", "started from the preview", "comparing", "report")
+    assert [result.stderr.index(text) for text in said] == sorted(result.stderr.index(text) for text in said)
+    assert sorted(file.name for file in (tmp_path / "d-verified").iterdir()) == [
+        "exact.vtu", "preview.vtu", "report.html", "summary.json",
+    ]  # fmt: skip
+    summary = json.loads((tmp_path / "d-verified" / "summary.json").read_text())
+    assert summary["preview"]["model"] == "preview" and summary["exact"]["is_minimum"]
+    assert 0.0 < summary["rms_percent"] < 30.0
+    expected, height = (summary[f"expected_{what}_percent"] for what in ("rms", "height"))
+    assert f"  expected             {expected:.1f} %, height {height:.0f} %\n" in result.stdout
+
+
+def test_mistakes_are_one_line_and_leave_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "d.toml").write_text(SEVEN)
+    (tmp_path / "not.npz").write_text("a law?")
+    (tmp_path / "other.toml").write_text(SEVEN + "[plastic]\nmodulus_ratio = 100.0\n")
+    for words, said in (
+        (["d.toml", "--law", "not.npz"], "not.npz"),
+        (["no.toml"], "no.toml"),
+        (["d.toml", "--backend", "none"], "backend: 'none'"),
+        (["d.toml", "--edge", "1000"], "--edge"),
+        (["other.toml"], "modulus_ratio"),
+    ):
+        refused = command(["verify", *words], capsys, monkeypatch)
+        assert refused.status == 2 and said in refused.line
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["d.toml", "not.npz", "other.toml"]

@@ -1,0 +1,155 @@
+"""simulate with many starts: what the summary says, and the files of the other minima."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from asterism.exact.simulation import simulate
+from asterism.results.read_shape import read_shape
+from asterism.results.write_results import write_results
+from asterism.shape.shape import Shape
+from discrete.evidence.equilibrium import Equilibrium
+from discrete.model.model import Model
+from discrete.release import branches
+from discrete.release.starts import Beginning
+from pattern import gallery
+from pattern.design.design import Design
+from pattern.design.errors import DesignError
+
+STARTS = 9
+
+
+def small(**sections: object) -> Design:
+    data = gallery.load("tube").to_dict()
+    data["border"] = {"rings": 1}
+    data["mesh"] = {"edge_mm": 4.0}
+    data["stars"] = {"length_mm": 10.0, "thickness_mm": 0.3}
+    return Design.from_dict(data | sections)
+
+
+@pytest.fixture(scope="module")
+def shape() -> Shape:
+    return simulate(small(), starts=STARTS)
+
+
+def test_minima_of_the_summary(shape: Shape) -> None:
+    s = shape.summary
+    minima = s["minima"]
+    assert s["starts"] == STARTS and s["result_is"] == "lowest energy"
+    assert sum(m["starts"] for m in minima) + s["starts_lost"] == STARTS
+    energies = [m["energy_n_mm"] for m in minima]
+    assert energies == sorted(energies) and s["energy_n_mm"] == energies[0]
+    assert len(minima) >= 2 and len(shape.others) == len(minima) - 1
+    assert [other.summary["energy_n_mm"] for other in shape.others] == energies[1:]
+    assert s["next_minimum_n_mm"] == pytest.approx(energies[1] - energies[0])
+    assert sum(m["default"] for m in minima) == 1
+    apart = np.array(s["minima_distance_percent"])
+    np.testing.assert_allclose(apart, apart.T, atol=1e-9)
+    np.testing.assert_allclose(apart[0], [m["distance_percent"] for m in minima])
+    assert s["symmetries"] == 6
+    assert all(m["is_minimum"] and m["stars_up"] <= 7 for m in minima)
+
+
+def test_one_start_is_the_first_of_many(shape: Shape) -> None:
+    s = simulate(small()).summary
+    default = next(m for m in shape.summary["minima"] if m["default"])
+    assert s["starts"] == 1 and s["minima_seen"] == 1 and s["next_minimum_percent"] is None
+    assert s["energy_n_mm"] == pytest.approx(default["energy_n_mm"], rel=1e-9)
+    assert [step["release"] for step in s["path"]] == sorted(step["release"] for step in s["path"])
+    assert set(s["path"][0]) >= {"step", "release", "energy_n_mm", "iterations", "kicks"}
+    assert s["instabilities_passed"] == sum(step["kicks"] for step in s["path"])
+
+
+@pytest.mark.usefixtures("blank_pictures")
+def test_every_minimum_has_its_files(shape: Shape, tmp_path) -> None:  # type: ignore[no-untyped-def]
+    files = write_results(replace(shape, others=shape.others[:1]), tmp_path / "out")
+    for m in shape.summary["minima"][:2]:
+        assert {f"{m['file']}.vtu", f"{m['file']}.png"} <= set(files)
+    assert json.loads((tmp_path / "out" / "summary.json").read_text())["minima"]
+    first, second = (read_shape(tmp_path / "out" / name) for name in ("shape.vtu", "minimum-2.vtu"))
+    assert first.summary["energy_n_mm"] == shape.summary["energy_n_mm"]
+    assert second.summary["energy_n_mm"] == shape.others[0].summary["energy_n_mm"]
+    assert second.summary["design"] == shape.summary["design"] and "height_mm" not in second.summary
+    again = write_results(replace(shape, others=()), tmp_path / "out")
+    assert sorted(file.name for file in (tmp_path / "out").iterdir()) == again
+
+
+def test_stars_that_snap_back_are_named() -> None:
+    """Stiff stars cannot stay down next to others."""
+    override = [{"star": 2, "branch": "down"}]
+    s = simulate(small(stars={"length_mm": 10.0, "thickness_mm": 0.8, "override": override})).summary
+    assert s["stars_up"] == 7 and s["stars_off_branch"] == [2]
+    kept = simulate(small(stars={"length_mm": 10.0, "thickness_mm": 0.3, "override": override})).summary
+    assert kept["stars_down"] == [2] and kept["stars_off_branch"] == []
+    flat = simulate(small(solver={"start": "flat"}, stars={"length_mm": 10.0, "thickness_mm": 0.4, "branch": "down"}))
+    assert flat.summary["stars_off_branch"] == []
+
+
+def test_pins_after_release_are_in_the_path() -> None:
+    s = simulate(small(pins=[{"where": "corners", "scale": 0.8, "step": 1}])).summary
+    assert s["is_minimum"]
+    assert [step["step"] for step in s["path"]] == [0] * 10 + [1] * 6
+
+
+@pytest.mark.parametrize(
+    "sections",
+    [
+        {"fabric": {"bending": "consistent"}},
+        {"solver": {"contact": True}},
+        {
+            "fabric": {"modulus_mpa": 0.5},
+            "gravity": {"on": True},
+            "pins": [{"where": "corners", "scale": 0.8, "step": 1}],
+        },
+    ],
+    ids=["consistent", "contact", "weight and late pins"],
+)
+def test_many_starts_with_other_options(sections: dict[str, object]) -> None:
+    if "solver" in sections:
+        pytest.importorskip("ipctk")
+    s = simulate(small(**sections), starts=4).summary
+    assert s["is_minimum"] and all(m["is_minimum"] for m in s["minima"])
+    assert sum(m["starts"] for m in s["minima"]) + s["starts_lost"] == 4 and s["starts_lost"] <= 1
+    assert sum(m["default"] for m in s["minima"]) == 1
+    assert s["minima"][0]["stars_off_branch"] == 0
+
+
+def test_where_the_pins_stand_makes_no_difference_to_the_starts() -> None:
+    """Three starts from bent sheets are taken along with their pins."""
+    held = {"corners": [0, 2, 4], "scale": 0.8}
+    here, there = (
+        simulate(small(pins=[held | {"offset_mm": at}]), starts=4).summary
+        for at in ([0.0, 0.0, 0.0], [300.0, 0.0, 90.0])
+    )
+    assert here["starts_lost"] == there["starts_lost"] == 0
+    assert there["minima_seen"] == here["minima_seen"]
+    assert there["energy_n_mm"] == pytest.approx(here["energy_n_mm"], rel=1e-8)
+
+
+def test_how_high_a_sheet_hangs_makes_no_difference_to_the_next_minimum() -> None:
+    weight = {"gravity": {"on": True}, "fabric": {"modulus_mpa": 1.0, "density_kg_m3": 2000.0}}
+    held = {"corners": [0, 2, 4], "scale": 0.8}
+    low, high = (
+        simulate(small(**weight, pins=[held | {"offset_mm": [0.0, 0.0, z]}]), starts=8).summary for z in (-900.0, 0.0)
+    )
+    assert low["minima_seen"] == high["minima_seen"] > 1
+    assert low["next_minimum_percent"] == pytest.approx(high["next_minimum_percent"], rel=1e-4)
+    assert low["next_minimum_n_mm"] == pytest.approx(high["next_minimum_n_mm"], rel=1e-4)
+
+
+def test_a_start_that_cannot_go_on_is_lost_and_not_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    relax = branches.relax
+
+    def failing(model: Model, start: Beginning, *rest: Any) -> Equilibrium:
+        if start.bend != "none":
+            raise DesignError("solver.contact", "the pins push the sheet through itself; it cannot follow them")
+        return relax(model, start, *rest)
+
+    monkeypatch.setattr(branches, "relax", failing)
+    summary = simulate(small(), starts=3).summary
+    assert summary["is_minimum"] and summary["starts_lost"] == 2

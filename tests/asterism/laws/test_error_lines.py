@@ -1,0 +1,92 @@
+"""Laws that miss their own test cells say so."""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import replace
+
+import asterism
+from asterism.laws.error_lines import coarse_line, mesh_line, pleats_line
+from asterism.laws.table import law_table
+from homogenize.law.file import load_law
+from homogenize.law.law import Law
+from homogenize.law.residuals import unstable_tubes
+
+
+def missed(kappa: float, bending: float) -> Law:
+    """The paper's, whose cells at stretch 1.75 are missed by so many percent."""
+    law = load_law()
+    residuals = copy.deepcopy(law.residuals)
+    errors = residuals["1.75"]["held_out"]["errors"]
+    errors["kappa"]["rms_percent"], errors["bending"]["rms_percent"] = kappa, bending
+    return replace(law, residuals=residuals)
+
+
+def test_a_law_that_misses_its_cells_says_so_wherever_it_is_used() -> None:
+    law = missed(8.5, 2.0)
+    line = coarse_line(law)
+    assert line is not None and "at stretch 1.75" in line and "curvature by 8 % and bending stiffness by 2 %" in line
+    assert f"  {line}" in law_table(law)
+    assert line in asterism.preview(asterism.new("dome"), law).summary["warnings"]
+
+
+def test_a_law_that_does_not_is_silent() -> None:
+    assert coarse_line(load_law()) is None and coarse_line(missed(4.9, 4.9)) is None
+    assert not any("test cells" in line for line in asterism.preview(asterism.new("dome")).summary["warnings"])
+    untested = replace(load_law(), residuals={"1.35": {"held_out": {"count": 0, "errors": {}}}})
+    assert coarse_line(untested) is None
+
+
+def differing(percent: float) -> Law:
+    """The paper's, with a cell that curls otherwise on its second mesh."""
+    law = load_law()
+    residuals = copy.deepcopy(law.residuals)
+    sizes = {"length_mm": 7.2746, "thickness_mm": 0.4, "width_mm": 1.2}
+    residuals["1.35"]["meshes"] = {"count": 3, "largest_percent": percent, **sizes}
+    return replace(law, residuals=residuals)
+
+
+def test_a_law_of_cells_that_depend_on_their_mesh_says_so_wherever_it_is_used() -> None:
+    line = mesh_line(differing(150.0))
+    assert line is not None and "l 7.275, h 0.4, w 1.2 mm curls to the other side" in line
+    assert "curls by 30 % more or less" in (mesh_line(differing(30.0)) or "")
+    assert f"  {line}" in law_table(differing(150.0))
+    summary = asterism.preview(asterism.new("dome"), differing(150.0)).summary
+    assert line in summary["warnings"]
+    assert summary["expected_rms_percent"] is None and summary["expected_height_percent"] is None
+
+
+def test_a_law_of_cells_that_do_not_is_silent() -> None:
+    assert mesh_line(load_law()) is None and mesh_line(differing(12.0)) is None
+
+
+def unstable(count: int) -> Law:
+    """The paper's, of whose cells so many out of forty would leave their natural tubes."""
+    law = load_law()
+    residuals = copy.deepcopy(law.residuals)
+    residuals["1.35"]["tubes"] = {"count": 20, "unstable": count}
+    residuals["1.75"]["tubes"] = {"count": 20, "unstable": 0}
+    return replace(law, residuals=residuals)
+
+
+def test_a_law_whose_stars_would_rise_and_fall_in_turn_says_so_wherever_it_is_used() -> None:
+    line = pleats_line(unstable(5))
+    assert line is not None and "of 5 of the law's 40 cells" in line
+    assert f"  {line}" in law_table(unstable(5))
+    summary = asterism.preview(asterism.new("dome"), unstable(5)).summary
+    assert line in summary["warnings"]
+    assert summary["expected_rms_percent"] is None and summary["expected_height_percent"] is None
+
+
+def test_a_law_of_few_such_cells_is_silent() -> None:
+    assert pleats_line(unstable(4)) is None and pleats_line(load_law()) is None
+
+
+def test_what_a_law_keeps_of_its_cells_stability_is_what_its_cells_say() -> None:
+    """The paper's has 19 tight ones in 1400, of which calibration.md tells."""
+    law = load_law()
+    assert unstable_tubes(law.samples) == {"count": 1400, "unstable": 19}
+    free = [copy.deepcopy(cell) for cell in law.samples[-3:]]
+    free[0]["sample"]["natural_supercell_eigenvalue"][1] = -1e-4
+    free[1] |= {"problem": "none", "sample": None}
+    assert unstable_tubes(free) == {"count": 2, "unstable": 1}

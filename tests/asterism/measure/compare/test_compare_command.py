@@ -1,0 +1,146 @@
+"""`asterism compare` as its user meets it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from PIL import Image
+
+from asterism.measure.compare.silhouette import silhouette
+from asterism.results.vtu import write_shape_vtu
+from asterism.shape.diameter import diameter
+from tests.asterism.commands import command
+from tests.asterism.measure.compare.scans import bent_sheet, motion
+
+SHAPE = bent_sheet()
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    write_shape_vtu(SHAPE, tmp_path / "shape.vtu")
+    return tmp_path
+
+
+def scan(path: Path, scale: float = 1.0) -> None:
+    rotation, shift = motion(3)
+    x, y = SHAPE.printed.T
+    bump = 2 * np.exp(-((x - 20) ** 2 + y**2) / 150)
+    raised = SHAPE.positions + np.column_stack([0 * bump, 0 * bump, bump])
+    trimesh.Trimesh((raised @ rotation.T + shift) * scale, SHAPE.triangles, process=False).export(path)
+
+
+def test_a_scan_in_inches(folder: Path, capsys, monkeypatch) -> None:
+    scan(folder / "scan.obj", 1 / 25.4)
+    words = ["compare", str(folder / "shape.vtu"), str(folder / "scan.obj")]
+    refused = command(words, capsys, monkeypatch)
+    assert refused.status == 2 and "it seems to be in inches" in refused.line and "--units in" in refused.line
+    assert not (folder / "scan-compared").exists()
+    seen = command([*words, "--units", "in", "--view", "front"], capsys, monkeypatch)
+    assert seen.status == 2 and "--view is for outlines" in seen.line
+    done = command([*words, "--units", "in"], capsys, monkeypatch)
+    assert done.status == 0, done.err
+    assert "of the shape's diameter" in done.out
+    numbers = json.loads((folder / "scan-compared" / "summary.json").read_text())
+    assert numbers["units"] == "in" and 0.2 < numbers["rms_mm"] < 0.8 and numbers["shape_covered_percent"] > 98
+    with Image.open(folder / "scan-compared" / "compare.png") as picture:
+        assert picture.size == (1600, 860)
+        # the shape is there, in colours: neither white nor grey
+        colours = np.asarray(picture.convert("RGB"))[200:600, 100:700].reshape(-1, 3).astype(int)
+        assert (np.ptp(colours, axis=1) > 8).mean() > 0.02
+
+
+@pytest.mark.parametrize("scale", [1.0, 1.08])
+def test_a_scan_of_another_size(folder: Path, capsys, monkeypatch, scale: float) -> None:
+    trimesh.Trimesh(SHAPE.positions * scale, SHAPE.triangles, process=False).export(folder / "scan.ply")
+    done = command(["compare", str(folder / "shape.vtu"), str(folder / "scan.ply")], capsys, monkeypatch)
+    assert done.status == 0, done.err
+    assert ("perhaps another size" in done.out and "1.08" in done.out) is (scale != 1.0)
+
+
+def test_an_outline_from_above(folder: Path, capsys, monkeypatch) -> None:
+    corners = np.array([[-50, -40], [50, -40], [50, 40], [-50, 40]]) * 1.02 + [10, 20]
+    (folder / "outline.csv").write_text("x_mm,y_mm\n" + "".join(f"{x:.2f},{y:.2f}\n" for x, y in corners))
+    words = ["compare", str(folder / "shape.vtu"), str(folder / "outline.csv"), "-o", str(folder / "out")]
+    assert command(words, capsys, monkeypatch).status == 0
+    numbers = json.loads((folder / "out" / "summary.json").read_text())
+    assert numbers["area_of_outline_mm2"] == pytest.approx(8000 * 1.02**2, rel=1e-3)
+    assert 0.4 < numbers["mean_outwards_mm"] < 1.1
+    assert (folder / "out" / "compare.png").stat().st_size > 10_000
+
+
+def draw(path: Path, size: str, more: str = "") -> None:
+    """A rectangle as large as the shape where the page is 120 mm wide."""
+    shapes = f'<rect x="10" y="10" width="100" height="80"/>{more}'
+    path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" {size} viewBox="0 0 120 100">{shapes}</svg>')
+
+
+def test_an_outline_among_other_lines(folder: Path, capsys, monkeypatch) -> None:
+    """A picture's frame may be the largest."""
+    draw(folder / "o.svg", 'width="120mm" height="100mm"', '<rect width="120" height="100"/>')
+    done = command(["compare", str(folder / "shape.vtu"), str(folder / "o.svg")], capsys, monkeypatch)
+    assert done.status == 0 and "2, of which the largest is taken" in done.out
+    numbers = json.loads((folder / "o-compared" / "summary.json").read_text())
+    assert numbers["lines"] == 2 and numbers["units"] == "its own"
+
+
+def test_a_drawing_of_another_size(folder: Path, capsys, monkeypatch) -> None:
+    draw(folder / "o.svg", 'width="12mm" height="10mm"')
+    refused = command(["compare", str(folder / "shape.vtu"), str(folder / "o.svg")], capsys, monkeypatch)
+    assert refused.status == 2 and "in centimetres; correct its width and height" in refused.line
+
+
+@pytest.mark.parametrize(("scale", "poor"), [([1.0, 1.0], False), ([1.3, 0.7], True)])
+def test_an_outline_that_fits_poorly(scale: list[float], poor: bool, folder: Path, capsys, monkeypatch) -> None:
+    corners = silhouette(SHAPE, "above") * scale
+    (folder / "outline.csv").write_text("x_mm,y_mm\n" + "".join(f"{x:.2f},{y:.2f}\n" for x, y in corners))
+    done = command(["compare", str(folder / "shape.vtu"), str(folder / "outline.csv")], capsys, monkeypatch)
+    assert done.status == 0 and ("a poor fit" in done.out) == poor
+    numbers = json.loads((folder / "outline-compared" / "summary.json").read_text())
+    assert numbers["diameter_mm"] == pytest.approx(diameter(SHAPE.positions))
+    assert numbers["rms_percent"] == pytest.approx(100 * numbers["rms_mm"] / numbers["diameter_mm"])
+    assert (numbers["rms_percent"] > 1.5) == poor
+
+
+def test_a_mirrored_scan_is_not_taken_for_the_shape(folder: Path, capsys, monkeypatch) -> None:
+    """Most of a shallow sheet's mirror image lies on it; what does not is left out, and told."""
+    mirrored = SHAPE.positions * [1.0, 1.0, -1.0]
+    trimesh.Trimesh(mirrored, SHAPE.triangles, process=False).export(folder / "scan.ply")
+    done = command(["compare", str(folder / "shape.vtu"), str(folder / "scan.ply")], capsys, monkeypatch)
+    assert done.status == 0 and ("perhaps another shape" in done.out or "a poor fit" in done.out)
+
+
+@pytest.mark.parametrize(
+    ("shape", "file", "content", "problem"),
+    [
+        ("shape.vtu", "none.obj", None, "none.obj: is not there"),
+        ("none.vtu", "a.obj", b"v 1 2 3\n", "none.vtu"),
+        ("shape.vtu", ".", None, ": is no file"),
+        ("shape.vtu", "a.obj", b"v 1e300 0 0\nv 0 1e300 0\nv 0 0 0\nf 1 2 3\n", "not finite numbers, or too far away"),
+        ("shape.vtu", "a.obj", b"", "a.obj: holds no points"),
+        ("shape.vtu", "a.txt", b"", "a.txt: must end in .obj"),
+        ("a.vtu", "a.vtu", b"hello", "a.vtu: cannot be read as VTU"),
+    ],
+)
+def test_mistakes(
+    shape: str, file: str, content: bytes | None, problem: str, folder: Path, capsys, monkeypatch
+) -> None:
+    if content is not None:
+        (folder / file).write_bytes(content)
+    before = sorted(folder.iterdir())
+    done = command(["compare", str(folder / shape), str(folder / file)], capsys, monkeypatch)
+    assert done.status == 2 and problem in done.line
+    assert sorted(folder.iterdir()) == before
+
+
+def test_a_comparison_does_not_replace_its_shape(folder: Path, capsys, monkeypatch) -> None:
+    (folder / "summary.json").write_text("{}")
+    scan(folder / "scan.obj")
+    for named in (folder, folder / "shape.vtu"):
+        words = ["compare", str(named), str(folder / "scan.obj"), "-o", str(folder)]
+        refused = command(words, capsys, monkeypatch)
+        assert refused.status == 2 and "is where the shape is" in refused.line
+    assert sorted(file.name for file in folder.iterdir()) == ["scan.obj", "shape.vtu", "summary.json"]

@@ -1,0 +1,150 @@
+"""Outlines: files, the silhouette of a shape, and laying one on the other."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+
+from asterism.measure.compare.errors import ScanError
+from asterism.measure.compare.outline import read_outline
+from asterism.measure.compare.silhouette import fit_outline, silhouette
+from asterism.results.csv_cells import TableError
+from tests.asterism.sheets import dome, flat, sheet, tube
+
+SVG = '<svg xmlns="http://www.w3.org/2000/svg" {size}>{body}</svg>'
+RECT = '<rect x="10" y="10" width="50" height="20"/>'
+
+
+@pytest.mark.parametrize(
+    ("size", "scale"),
+    [
+        ('width="100mm" height="100mm" viewBox="0 0 100 100"', 1.0),
+        ('width="10cm" height="10cm" viewBox="0 0 200 200"', 0.5),
+        ('width="2in" height="2in" viewBox="0 0 100 100"', 0.508),
+        ('width="72pt" height="6pc" viewBox="0 0 100 100"', 0.254),
+        ('width="100mm" height="80mm"', 25.4 / 96),  # without a viewBox a unit is a pixel, whatever the size
+        ('viewBox="0 0 100 100"', 1.0),
+    ],
+)
+def test_svg_in_mm(size: str, scale: float, tmp_path: Path) -> None:
+    (tmp_path / "a.svg").write_text(SVG.format(size=size, body=RECT + '<circle cx="2" cy="2" r="1"/>'))
+    outline = read_outline(tmp_path / "a.svg")
+    corners = outline.corners
+    # y upwards, and the larger one of both
+    assert outline.lines == 2 and (outline.unit is None) == ("width" in size)
+    np.testing.assert_allclose(corners.min(axis=0), [10 * scale, -30 * scale], rtol=1e-5)
+    np.testing.assert_allclose(corners.max(axis=0), [60 * scale, -10 * scale], rtol=1e-5)
+
+
+def test_curves_and_transforms(tmp_path: Path) -> None:
+    body = '<g transform="translate(5,5) scale(2)"><path d="M 20 0 A 10 10 0 0 1 0 0 A 10 10 0 0 1 20 0 z"/></g>'
+    (tmp_path / "a.svg").write_text(SVG.format(size='width="100mm" height="100mm" viewBox="0 0 100 100"', body=body))
+    circle = shapely.Polygon(read_outline(tmp_path / "a.svg").corners)
+    assert circle.area == pytest.approx(np.pi * 20**2, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("body", "lines"),
+    [
+        ('<path d="M0 0 L100 0 L100 90"/>', 1),
+        ('<rect width="90" height="90" visibility="hidden"/>', 1),
+        ('<g visibility="hidden"><rect width="90" height="90"/></g>', 1),
+        ('<marker><rect width="90" height="90"/></marker>', 1),
+        ('<mask><rect width="90" height="90"/></mask><symbol id="b"><rect width="90" height="90"/></symbol>', 1),
+        ('<symbol id="b"><rect width="9" height="9"/></symbol><use href="#b"/>', 2),
+        ('<polyline points="0,0 20,0 20,20 0,0"/>', 2),
+    ],
+)
+def test_only_closed_lines_that_are_drawn_count(body: str, lines: int, tmp_path: Path) -> None:
+    (tmp_path / "a.svg").write_text(SVG.format(size="", body=RECT + body))
+    outline = read_outline(tmp_path / "a.svg")
+    assert outline.lines == lines
+    np.testing.assert_allclose(np.ptp(outline.corners, axis=0), [50, 20], rtol=1e-5)
+
+
+def test_csv(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("x_mm;y_mm\n0;0\n10;0\n10;10\n0;0\n")
+    np.testing.assert_array_equal(read_outline(tmp_path / "a.csv", "cm").corners, [[0, 0], [100, 0], [100, 100]])
+
+
+def test_a_drawing_with_a_size_takes_no_unit(tmp_path: Path) -> None:
+    (tmp_path / "a.svg").write_text(SVG.format(size='width="10cm" height="10cm"', body=RECT))
+    with pytest.raises(ScanError, match="its own size, 10cm x 10cm: --units"):
+        read_outline(tmp_path / "a.svg", "cm")
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "problem"),
+    [
+        ("a.svg", "", "SVG"),
+        ("a.svg", "nonsense", "SVG"),
+        ("a.svg", SVG.format(size="", body=""), "no line"),
+        ("a.svg", SVG.format(size="", body='<path d="M0 0 H9 V9"/>'), "holds no closed line with three corners"),
+        ("a.svg", "<html></html>", "is not a drawing in SVG"),
+        (
+            "a.svg",
+            SVG.format(size='width="100px" height="100px"', body=RECT),
+            "size in px: give width and height in mm",
+        ),
+        ("a.svg", SVG.format(size='width="100" height="100"', body=RECT), "size in px: give width and height in mm"),
+        (
+            "a.svg",
+            SVG.format(size='width="100,0mm" height="60,0mm" viewBox="0 0 100 60"', body=RECT),
+            "has the size '100,0mm': must be a number and a unit, 120mm; decimals have a point",
+        ),
+        ("a.svg", SVG.format(size='width="wide" height="60mm"', body=RECT), "has the size 'wide': must be a number"),
+        ("a.svg", SVG.format(size='width="100%" height="100%"', body=RECT), "size in %: give width and height in mm"),
+        ("a.csv", "x_mm,y_mm\n0,0\n10,10\n10,0\n0,10\n", "crosses itself"),
+        ("a.csv", "x_mm,y_mm\n0,0\n10,10\n", "at least three"),
+        ("a.csv", "x_mm,y_mm\n0,0\n5,5\n10,10\n", "on a line"),
+        ("a.csv", "x_mm,y_mm\n0,0\n0.1,0.3\n0.3,0.9\n", "on a line"),
+        ("a.csv", "x_mm,y_mm\n", "at least three"),
+        ("a.csv", "x_mm,y_mm\n1," + "9" * 140_000, "row 2: field larger"),
+        ("a.csv", "", "is empty"),
+        ("a.csv", "x,y\n1,2\n", "row 1: no column 'x'"),
+        ("a.csv", "x_mm,y_mm\n1,\n", "row 2, column y_mm: is empty"),
+        ("a.csv", "x_mm,y_mm\n1,nan\n", "row 2, column y_mm: nan is not a finite number$"),
+        ("a.csv", 'x_mm,y_mm\n"1,5",2\n', "row 2, column x_mm.*point"),
+        ("a.csv", "x_mm,y_mm\n1,nan\n", "row 2, column y_mm.*finite"),
+    ],
+)
+def test_mistakes(name: str, text: str, problem: str, tmp_path: Path) -> None:
+    (tmp_path / name).write_text(text)
+    with pytest.raises((ScanError, TableError), match=problem):
+        read_outline(tmp_path / name)
+
+
+def test_silhouettes() -> None:
+    plate = sheet(flat, 100, 80, 5.0)
+    assert shapely.Polygon(silhouette(plate, "above")).area == pytest.approx(8000, rel=1e-3)
+    # a spiral that is seen from its end is a line, drawn around on both sides
+    rolled = shapely.Polygon(silhouette(sheet(tube, 100, 80, 3.0), "side"))
+    assert rolled.length == pytest.approx(2 * 80, rel=0.05)
+    low = silhouette(sheet(dome, 100, 80, 3.0), "front")
+    assert np.ptp(low[:, 0]) > 2 * np.ptp(low[:, 1])
+
+
+@pytest.mark.parametrize("turn", [0.3, 2.0, 4.5])
+def test_known_motions_are_undone(turn: float) -> None:
+    corners = np.array([[0, 0], [90, 0], [90, 40], [40, 60], [0, 40]], dtype=float)
+    cos, sin = np.cos(turn), np.sin(turn)
+    moved = corners @ np.array([[cos, sin], [-sin, cos]]) + [300, -20]
+    found = fit_outline(moved, corners)
+    np.testing.assert_allclose(found.outline, corners, atol=0.05)
+    assert np.abs(found.distance).max() < 0.05 and found.missed.max() < 0.05
+
+
+def test_mirrored_outlines_stay_mirrored() -> None:
+    corners = np.array([[0, 0], [90, 0], [90, 40], [40, 60], [0, 20]], dtype=float)
+    assert np.abs(fit_outline(corners * [-1, 1], corners).distance).max() > 3
+
+
+def test_a_larger_outline_is_outside() -> None:
+    corners = np.array([[0, 0], [90, 0], [90, 40], [0, 40]], dtype=float)
+    larger = shapely.get_coordinates(shapely.buffer(shapely.Polygon(corners), 2.0, join_style="mitre"))[:-1]
+    found = fit_outline(larger, corners)
+    assert found.distance.mean() == pytest.approx(2.0, abs=0.1)
+    assert fit_outline(corners, larger).distance.mean() == pytest.approx(-2.0, abs=0.1)

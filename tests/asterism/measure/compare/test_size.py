@@ -1,0 +1,70 @@
+"""Scans that are too large or too small."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from asterism.measure.compare.comparison import ScanComparison, compare_scan
+from asterism.measure.compare.nearest import NearestOnSurface
+from asterism.measure.compare.scan import Scan
+from asterism.measure.compare.size import _fit, _rim
+from asterism.previews.run import preview
+from asterism.shape.shape import Shape
+from pattern import gallery
+from pattern.geometry.normals import vertex_normals
+from pattern.layout.layout import Floats
+from tests.asterism.measure.compare.scans import bent_sheet, motion, scanned
+from tests.asterism.sheets import dome, sheet
+
+
+def laid(shape: Shape, ratio: float, part: float = 1.0) -> ScanComparison:
+    """A scan of so many times its size."""
+    points, _ = scanned(shape, 5, 0.05, part, other=0.0)
+    rotation, shift = motion(5)
+    return compare_scan(shape, Scan(ratio * points @ rotation.T + shift, 0, len(points)))
+
+
+@pytest.mark.parametrize("ratio", [0.95, 1.0, 1.12])
+@pytest.mark.parametrize("shape", [bent_sheet(), sheet(dome)], ids=["bent", "dome"])
+def test_the_size_of_a_whole_scan_is_found(shape: Shape, ratio: float) -> None:
+    numbers = laid(shape, ratio).summary()
+    assert numbers["best_size"] == pytest.approx(ratio, abs=0.005)
+    assert numbers["rms_percent_at_best_size"] < 0.2
+    if ratio != 1.0:
+        assert numbers["rms_percent"] > 1.2 * numbers["rms_percent_at_best_size"]
+
+
+def test_a_part_fits_in_many_sizes() -> None:
+    numbers = laid(bent_sheet(), 1.05, part=0.7).summary()
+    assert numbers["best_size"] is None and numbers["rms_percent_at_best_size"] is None
+
+
+@pytest.mark.parametrize("off_mm", [-0.5, 0.5])
+def test_one_side_of_a_roll_is_no_other_size(off_mm: float) -> None:
+    """Of a tube every parallel surface is one of another radius; its length tells."""
+    shape = preview(gallery.load("tube"))
+    side = replace(shape, positions=shape.positions + off_mm * vertex_normals(shape.positions, shape.triangles))
+    points, _ = scanned(side, 5, 0.05, other=0.0)
+    found = compare_scan(shape, Scan(points, 0, len(points)))
+    assert found.size is not None and found.size.lifted_rms_mm < 0.6 * found.size.rms_mm
+    larger = compare_scan(shape, Scan(1.04 * points, 0, len(points))).size
+    assert larger is not None and larger.lifted_rms_mm > larger.rms_mm
+
+
+def test_a_scan_is_lifted_by_no_more_than_a_sheet_is_thick() -> None:
+    def roll(points: Floats) -> Floats:
+        x, y = points.T
+        return np.column_stack([30.0 * np.sin(x / 30.0), y, 30.0 * np.cos(x / 30.0)])
+
+    shape = sheet(roll, edge=3.0)
+    surface = NearestOnSurface(shape.positions, shape.triangles)
+    rim = _rim(shape.positions, shape.triangles, surface.normals)
+    for off, expected in ((1.0, 1.0), (3.0, 2.0), (-3.0, -2.0)):
+        side = replace(shape, positions=shape.positions + off * vertex_normals(shape.positions, shape.triangles))
+        found = _fit(surface, rim, scanned(side, 5, 0.05, other=0.0)[0], 10.0, True)
+        assert found is not None
+        assert found[0] == pytest.approx(expected, abs=0.15)
+        assert (found[1] > 0.3) == (abs(off) > 2.0)

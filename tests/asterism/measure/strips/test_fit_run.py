@@ -1,0 +1,185 @@
+"""`asterism strips fit` as its user meets it, and the material it leaves."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from asterism.laws.material import with_material
+from asterism.measure.strips import arc
+from asterism.measure.strips.fit import fit_strips
+from asterism.measure.strips.material import material_text
+from asterism.measure.strips.strip import Reading
+from asterism.measure.strips.synthetic import readings
+from homogenize.campaign.plan import load_material
+from pattern.design.design import Design
+from pattern.design.errors import DesignError
+from tests.asterism.commands import command
+
+
+def table(strips: list[Reading], path: Path) -> Path:
+    """Boxes of strips to a tenth of a millimetre, as someone writes them down."""
+    head = "strip,thickness_mm,length_mm,stretch,fabric_thickness_mm,box_width_mm,box_height_mm"
+    rows: dict[str, list[str]] = {}
+    for r in strips:
+        first = [r.strip, f"{r.thickness_mm:g}", f"{r.length_mm:g}", f"{r.stretch:g}", f"{r.fabric_thickness_mm:g}"]
+        width, height = arc.box(r.curvature_per_mm or 0.0, r.length_mm)
+        rows.setdefault(r.strip, first).extend([f"{width:.1f}", f"{height:.1f}"])
+    lines = [head + ",peeled_box_width_mm,peeled_box_height_mm", *map(",".join, rows.values())]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+@pytest.fixture
+def strips(tmp_path: Path) -> Path:
+    return table(readings(0), tmp_path / "strips.csv")
+
+
+def test_material_picture_and_numbers(strips: Path, capsys, monkeypatch) -> None:
+    done = command(["strips", "fit", str(strips)], capsys, monkeypatch)
+    assert done.status == 0, done.err
+    assert "E1/E2, paper" in done.out and "E1/E2, timoshenko" in done.out and "kappa_bar" in done.out
+    assert "times as stiff" in done.out
+    material = load_material(strips.with_name("material.toml"))
+    assert material.plastic.modulus_ratio == pytest.approx(3200, rel=0.04)
+    assert material.plastic.kappa_bar_per_mm == pytest.approx(0.003, rel=0.1)
+    assert (material.fabric.stretch, material.fabric.thickness_mm) == (1.35, 0.8)
+    numbers = json.loads(strips.with_name("material.json").read_text())
+    found = numbers["modulus_ratio"]["paper"]
+    assert found["low"] <= 3200 <= found["high"]
+    assert material.plastic.modulus_ratio == pytest.approx(found["value"], rel=1e-4)
+    with Image.open(strips.with_name("material.png")) as picture:
+        assert picture.size == (1800, 810)
+
+
+def test_the_other_convention_and_a_table(strips: Path, capsys, monkeypatch) -> None:
+    words = ["strips", "fit", str(strips), "--rest-curvature", "timoshenko", "--kappa-bar", "per-thickness"]
+    assert command(words, capsys, monkeypatch).status == 0
+    plastic = load_material(strips.with_name("material.toml")).plastic
+    assert plastic.rest_curvature == "timoshenko" and 1400 < plastic.modulus_ratio < 1650
+    assert plastic.kappa_bar_per_mm.thickness_mm == (0.3, 0.35, 0.4, 0.45)  # type: ignore[union-attr]
+
+
+def test_outliers_are_named(tmp_path: Path, capsys, monkeypatch) -> None:
+    file = table(readings(0), tmp_path / "strips.csv")
+    rows = file.read_text().splitlines()
+    rows[7] = "7,0.3,60,1.35,0.8,44.0,18.0,59.6,1.6"
+    rows[9] = "9,0.3,60,1.35,0.8,44.0,5.0,59.6,1.6"
+    file.write_text("\n".join(rows))
+    done = command(["strips", "fit", str(file)], capsys, monkeypatch)
+    assert "left out: strip 7 with fabric (row 8): 0.04" in done.out
+    assert "left out: strip 9 with fabric (row 10): its box holds an arc of 45.5 mm" in done.out
+
+
+def test_own_files_are_left_alone(strips: Path, capsys, monkeypatch) -> None:
+    material = strips.with_name("material.toml")
+    words = ["strips", "fit", str(strips)]
+    assert command(words, capsys, monkeypatch).status == command(words, capsys, monkeypatch).status == 0
+    material.write_text("name = 'mine'\n")
+    assert "another name" in command(words, capsys, monkeypatch).line
+    assert material.read_text() == "name = 'mine'\n"
+    assert ".toml" in command([*words, "-o", "x.txt"], capsys, monkeypatch).line
+    for mine in (strips.with_name("dome.json"), strips.with_name("photo.png")):
+        mine.write_text("mine")
+        done = command([*words, "-o", str(mine.with_suffix(".toml"))], capsys, monkeypatch)
+        assert done.status == 2 and mine.name in done.line and "another name" in done.line
+        assert mine.read_text() == "mine" and not mine.with_suffix(".toml").exists()
+
+
+def test_mistakes_leave_nothing(strips: Path, capsys, monkeypatch) -> None:
+    strips.write_text(strips.read_text().replace("60,", "60mm,", 1))
+    done = command(["strips", "fit", str(strips)], capsys, monkeypatch)
+    assert done.status == 2 and "row 2, column length_mm" in done.line
+    strips.write_text(
+        "strip,thickness_mm,length_mm,stretch,fabric_thickness_mm,box_width_mm,box_height_mm\n1,.4,60,1.3,1,,flat"
+    )
+    done = command(["strips", "fit", str(strips), "--kappa-bar", "zero"], capsys, monkeypatch)
+    assert done.status == 1 and "looks flat" in done.line
+    assert [file.name for file in strips.parent.iterdir()] == ["strips.csv"]
+
+
+HEAD = "strip,thickness_mm,length_mm,stretch,fabric_thickness_mm,curvature_per_mm,peeled_curvature_per_mm\n"
+
+
+@pytest.mark.parametrize(
+    ("rows", "options", "problem"),
+    [
+        (
+            [".3,60,1.35,.8,.020,.0030", ".3,60,1.35,.8,.030,.0031", *(f".3,60,1.35,.8,,.00{k}" for k in (29, 30, 32))],
+            [],
+            "with their fabric contradict each other",
+        ),
+        (
+            [".3,30,1.01,10,.0130367,.00278312", ".4,30,1.01,10,.00853419,-.00290093"],
+            ["--kappa-bar", "zero", "--rest-curvature", "timoshenko"],
+            "no plastic on this fabric",
+        ),
+    ],
+)
+def test_tables_without_a_material_end_in_one_line(rows, options, problem, tmp_path, capfd, monkeypatch) -> None:
+    lines = [f"{number},{row}" for number, row in enumerate(rows, 1)]
+    (tmp_path / "strips.csv").write_text(HEAD + "\n".join(lines) + "\n")
+    done = command(["strips", "fit", str(tmp_path / "strips.csv"), *options], capfd, monkeypatch)
+    assert done.status == 1 and problem in done.line and not done.out
+    assert [file.name for file in tmp_path.iterdir()] == ["strips.csv"]
+
+
+@pytest.mark.parametrize("name", ["a\N{GRINNING FACE}.toml", "m\udce9s.toml"])
+def test_a_material_of_any_file_name_can_be_read(name: str, strips: Path, capsys, monkeypatch) -> None:
+    try:
+        odd = strips.rename(strips.with_name(name.replace(".toml", ".csv")))
+    except (OSError, UnicodeError):
+        pytest.skip("no such names on this disk")
+    path = strips.with_name(name)
+    assert command(["strips", "fit", str(odd), "-o", str(path)], capsys, monkeypatch).status == 0
+    assert load_material(path).name.isprintable()
+
+
+def test_thicknesses_that_are_nearly_one_stay_apart() -> None:
+    near = [replace(r, thickness_mm=0.3000001) if r.thickness_mm == 0.35 else r for r in readings(0)]
+    fit = fit_strips(near, kappa_bar="per-thickness")
+    text = tomllib.loads(material_text(fit, "near", []))
+    assert text["plastic"]["kappa_bar_per_mm"]["thickness_mm"][:2] == [0.3, 0.3000001]
+
+
+def test_a_material_takes_the_place_of_the_designs_own(tmp_path: Path) -> None:
+    design = Design.from_dict(
+        {"fabric": {"stretch": 1.5, "poisson": 0.2}, "stars": {"length_mm": 8}, "border": {"rings": 1}}
+    )
+    file = tmp_path / "material.toml"
+    file.write_text(
+        "[fabric]\nstretch = 1.35\nthickness_mm = 0.7\n[plastic]\nmodulus_ratio = 1500.0\nkappa_bar_per_mm = 0.002\n"
+    )
+    found = with_material(design, file)
+    assert (found.fabric.stretch, found.fabric.poisson, found.fabric.thickness_mm) == (1.5, 0.2, 0.7)
+    assert (found.plastic.modulus_ratio, found.plastic.kappa_bar_per_mm) == (1500.0, 0.002)
+    assert found.stars == design.stars
+    assert with_material(design, None) is design
+    file.write_text("[plastic]\nmodulus_ratio = 0.5\n")
+    with pytest.raises(DesignError, match=r"material\.toml: plastic\.modulus_ratio"):
+        with_material(design, file)
+
+
+@pytest.mark.usefixtures("blank_pictures")
+def test_simulate_takes_a_material(tmp_path: Path, capsys, monkeypatch) -> None:
+    (tmp_path / "d.toml").write_text("[stars]\nlength_mm = 10.0\n[border]\nrings = 0\n[mesh]\nedge_mm = 4.0\n")
+    (tmp_path / "m.toml").write_text("[plastic]\nmodulus_ratio = 2000.0\n")
+    words = ["simulate", str(tmp_path / "d.toml"), "-o", str(tmp_path / "out"), "--material"]
+    assert command([*words, str(tmp_path / "m.toml")], capsys, monkeypatch).status == 0
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["design"]["plastic"]["modulus_ratio"] == 2000.0
+    assert "none.toml" in command([*words, "none.toml"], capsys, monkeypatch).line
+
+
+@pytest.mark.parametrize("words", [["verify"], ["preview"]])
+def test_a_law_of_another_material_is_refused(words: list[str], tmp_path: Path, capsys, monkeypatch) -> None:
+    (tmp_path / "d.toml").write_text("[stars]\nlength_mm = 10.0\n[border]\nrings = 1\n")
+    (tmp_path / "m.toml").write_text("[plastic]\nmodulus_ratio = 2000.0\n")
+    done = command([*words, str(tmp_path / "d.toml"), "--material", str(tmp_path / "m.toml")], capsys, monkeypatch)
+    assert done.status == 2 and "plastic.modulus_ratio" in done.err
+    assert not (tmp_path / "d").exists()

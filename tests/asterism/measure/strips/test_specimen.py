@@ -1,0 +1,182 @@
+"""The test print: where its strips lie, and the files that go with it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pypdfium2
+import pytest
+import trimesh
+from hypothesis import given
+from hypothesis import strategies as st
+
+from asterism.measure.strips.specimen import EDGE_MM, GAP_MM, THICKNESSES_MM, layers, specimen
+from asterism.measure.strips.table import read_strips
+from pattern.design.errors import DesignError
+from tests.asterism.commands import command
+
+BED = (223.0, 223.0)
+
+
+def test_four_times_ten_strips_mixed_over_the_bed() -> None:
+    strips = specimen(BED).strips
+    assert Counter(s.thickness_mm for s in strips) == dict.fromkeys(THICKNESSES_MM, 10)
+    for h in THICKNESSES_MM:
+        middle = np.mean([s.centre_mm for s in strips if s.thickness_mm == h], axis=0)
+        assert np.abs(middle).max() < 15
+
+
+@given(
+    count=st.integers(1, 12),
+    length=st.floats(20, 105),
+    kinds=st.integers(1, 5),
+    bed=st.tuples(st.floats(120, 400), st.floats(120, 400)),
+)
+def test_strips_keep_apart_and_on_the_bed(count: int, length: float, kinds: int, bed: tuple[float, float]) -> None:
+    thicknesses = tuple(0.3 + 0.05 * k for k in range(kinds))
+    try:
+        found = specimen(bed, thicknesses, count, length, 3.0)
+    except DesignError as error:
+        assert error.field == "--count"
+        return
+    assert Counter(s.thickness_mm for s in found.strips) == dict.fromkeys(thicknesses, count)
+    centres = np.array([s.centre_mm for s in found.strips])
+    reach = np.abs(centres) + np.array([length / 2, 1.5])
+    assert (reach <= np.array(bed) / 2 - EDGE_MM + 1e-9).all()
+    apart = np.abs(centres[:, None] - centres[None])
+    clear = (apart[..., 0] >= length + GAP_MM - 1e-9) | (apart[..., 1] >= 3.0 + GAP_MM - 1e-9)
+    assert (clear | np.eye(len(centres), dtype=bool)).all()
+
+
+@pytest.mark.parametrize(
+    ("thicknesses", "expected"),
+    [
+        ((0.3, 0.35, 0.4, 0.45), (0.3, 0.05)),
+        ((0.2, 0.4, 0.8), (0.2, 0.2)),
+        ((0.3,), (0.3, 0.3)),
+        ((0.25, 0.4), (0.25, 0.15)),
+        ((0.6, 0.9), (0.3, 0.3)),
+        ((0.6, 0.75), (0.15, 0.15)),
+        ((5.0,), (0.25, 0.25)),
+    ],
+)
+def test_layers_make_every_thickness(thicknesses: tuple[float, ...], expected: tuple[float, float]) -> None:
+    first, others = layers(thicknesses, 0.4)
+    assert (first, others) == expected
+    for h in thicknesses:
+        assert (h - first) / others == pytest.approx(round((h - first) / others), abs=1e-9)
+
+
+@pytest.mark.parametrize("thicknesses", [(0.3, 0.37, 0.4512), (0.02,), (0.61, 0.9)])
+def test_thicknesses_without_layers_are_refused(thicknesses: tuple[float, ...]) -> None:
+    with pytest.raises(DesignError, match=r"of 0.04 to 0.3 mm \(nozzle 0.4 mm\)"):
+        layers(thicknesses, 0.4)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    from asterism.measure.strips.new_run import new
+    from asterism.print.profiles import load_printer
+
+    folder = tmp_path_factory.mktemp("print") / "strips"
+    new(folder, load_printer("ultimaker2"), THICKNESSES_MM, 10, 60.0, 4.0, 1.35, 0.8)
+    return folder
+
+
+def test_stl_holds_forty_closed_boxes_in_mm(folder: Path) -> None:
+    mesh = trimesh.load_mesh(folder / "strips.stl")
+    assert mesh.is_watertight
+    bodies = mesh.split()
+    assert len(bodies) == 40
+    sizes = np.array([body.extents for body in bodies])
+    np.testing.assert_allclose(sizes[:, :2], [[60.0, 4.0]] * 40, atol=0.01)
+    np.testing.assert_allclose(np.sort(sizes[:, 2]), np.repeat(THICKNESSES_MM, 10), atol=1e-6)
+    assert mesh.volume == pytest.approx(sum(60 * 4 * h * 10 for h in THICKNESSES_MM), rel=1e-5)
+    assert mesh.bounds[0, 2] == 0
+
+
+def test_3mf_has_named_strips_in_mm(folder: Path) -> None:
+    lib3mf = pytest.importorskip("lib3mf")
+    model = lib3mf.get_wrapper().CreateModel()
+    reader = model.QueryReader("3mf")
+    reader.SetStrictModeActive(True)
+    reader.ReadFromFile(str(folder / "strips.3mf"))
+    assert reader.GetWarningCount() == 0 and model.GetUnit() == lib3mf.ModelUnit.MilliMeter
+    objects = model.GetMeshObjects()
+    names = []
+    while objects.MoveNext():
+        thing = objects.GetCurrentMeshObject()
+        assert thing.IsManifoldAndOriented()
+        names.append(thing.GetName())
+    assert len(names) == 40 and names[0] == "strip 1, 0.3 mm"
+
+
+def test_the_sheet_says_what_to_do_and_has_every_strip(folder: Path) -> None:
+    document = pypdfium2.PdfDocument(folder / "strips.pdf")
+    assert [tuple(np.round(np.array(page.get_size()) / 72 * 25.4, 1)) for page in document] == [(210.0, 297.0)] * 2
+    first, second = (page.get_textpage().get_text_range() for page in document)
+    assert "13.5 cm" in first and "first layer of 0.3 mm and others of 0.05 mm" in first and "1:2" in first
+    for strip in specimen(BED).strips:
+        assert f"{strip.number}: {strip.thickness_mm:g}" in first
+    words = second.split()
+    assert all(str(number) in words for number in range(1, 41)) and "peeled" in words
+
+
+def test_the_nozzle_starts_on_the_fabric(folder: Path, tmp_path: Path, capsys, monkeypatch) -> None:
+    """4 mm of plate and .8 of fabric, or what the options say; in the start code, on the page and in the terminal."""
+    from asterism.print.profiles import load_printer
+
+    assert (folder / "start.gcode").read_text() == load_printer("ultimaker2").start_snippet(4.8, released_mm=0.8)
+    page = pypdfium2.PdfDocument(folder / "strips.pdf")[0].get_textpage().get_text_range()
+    assert "start.gcode" in page and "4.80 mm above the bed" in page and "homes z" in page
+    words = ["strips", "new", "-o", str(tmp_path / "a"), "--plate", "3", "--fabric", "0.5", "--printer", "prusa-mk4"]
+    done = command(words, capsys, monkeypatch)
+    assert done.status == 0 and "z offset 3.50 mm (plate and stretched fabric)" in done.out
+    assert (tmp_path / "a" / "start.gcode").read_text() == load_printer("prusa-mk4").start_snippet(3.5)
+    page = pypdfium2.PdfDocument(tmp_path / "a" / "strips.pdf")[0].get_textpage().get_text_range()
+    assert "BEFORE the frame" in page
+
+
+def test_the_table_waits_to_be_filled_in(folder: Path, tmp_path: Path) -> None:
+    from asterism.results.csv_cells import TableError
+
+    with pytest.raises(TableError, match="no strip has been measured"):
+        read_strips(folder / "strips.csv")
+    rows = (folder / "strips.csv").read_text().splitlines()
+    assert len(rows) == 41
+    rows[1] = rows[1].replace(",,,,", ",53.4,11.7,,")
+    filled = tmp_path / "strips.csv"
+    filled.write_text("\n".join(rows))
+    (reading,) = read_strips(filled)
+    assert (reading.strip, reading.thickness_mm, reading.stretch, reading.peeled) == ("1", 0.3, 1.35, False)
+
+
+def test_a_table_with_measurements_is_kept(tmp_path: Path, capsys, monkeypatch) -> None:
+    words = ["strips", "new", "-o", str(tmp_path / "a")]
+    assert command(words, capsys, monkeypatch).status == 0
+    assert command(words, capsys, monkeypatch).status == 0
+    table = tmp_path / "a" / "strips.csv"
+    table.write_text(table.read_text().replace(",,,,", ",53.4,11.7,,", 1))
+    filled = table.read_text()
+    assert "filled in" in command(words, capsys, monkeypatch).line
+    assert table.read_text() == filled
+
+
+@pytest.mark.parametrize(
+    ("words", "problem"),
+    [
+        (["--count", "60"], "--count = '240 strips of 60 mm'"),
+        (["--length", "300"], "--length = '40 strips of 300 mm': must fit on the bed of 223 x 223 mm: "),
+        (["--thickness", "9"], "--thickness = 9"),
+        (["--thickness", "0.3", "--thickness", "0.3"], "twice"),
+        (["--printer", "none"], "--printer"),
+        (["--stretch", "1"], "--stretch"),
+        (["--plate", "99"], "--plate"),
+    ],
+)
+def test_mistakes(words: list[str], problem: str, tmp_path: Path, capsys, monkeypatch) -> None:
+    done = command(["strips", "new", "-o", str(tmp_path / "a"), *words], capsys, monkeypatch)
+    assert done.status == 2 and problem in done.line
+    assert not (tmp_path / "a").exists()

@@ -1,0 +1,165 @@
+"""Arms of previews keep their length, bend like cells' arms, and leave alone what is held."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from asterism.exact.simulation import simulate
+from asterism.previews.corrugation import arms as arm_relief
+from asterism.previews.corrugation.arms import KEPT, RIGID, Arms
+from asterism.previews.session import Preview
+from fem.search.simple_shapes import Shape
+from homogenize.cell.cell import Cell
+from homogenize.cell.natural import curl
+from homogenize.cell.rolling import heights
+from pattern import gallery
+from pattern.design.design import Design
+from pattern.geometry.planar import distance_to_outline
+from pattern.mesh.meshing import mesh_layout
+from tests.asterism.previews.laws import plain_law
+from tests.homogenize.cells import design as cell_design
+from tests.homogenize.cells import relaxed
+
+EDGE = 1.15
+
+
+def sheet(pins: list[dict[str, object]], rings: int = 2) -> Preview:
+    data = gallery.load("tube").to_dict() | {"border": {"rings": rings}, "pins": pins}
+    return Preview(Design.from_dict(data), plain_law())
+
+
+def ends(preview: Preview) -> tuple[np.ndarray, np.ndarray]:
+    plan = preview.sheet.layout
+    return preview.at(plan.centres).bumpy[plan.arm_star], preview.at(plan.arm_tip).bumpy
+
+
+def test_arms_keep_their_length_where_the_sheet_shrinks() -> None:
+    preview = sheet([])
+    plan = preview.sheet.layout
+    one, other = ends(preview)
+    smooth = preview.at(plan.arm_tip).smooth - preview.at(plan.centres).smooth[plan.arm_star]
+    assert np.median(np.linalg.norm(smooth, axis=1) / plan.arm_length) < 0.9
+    assert np.median(np.linalg.norm(other - one, axis=1) / plan.arm_length) == pytest.approx(1.0, abs=0.04)
+
+
+@pytest.mark.parametrize(("length", "off"), [(10.0, 0.28), (7.0, 0.18), (5.0, 0.26)])
+def test_fabric_beside_arms_follows_them_as_in_a_flat_cell(length: float, off: float) -> None:
+    cell, flat = relaxed(length, 0.4, EDGE)
+    count, offset = cell.torus.n_base, _from_star(cell)
+    right = flat.state.positions[:count, :2] - cell.printed[:count] @ flat.deformation.T
+    weights = cell.weights / cell.weights.sum()
+    preview = Preview(cell_design(length, 0.4, border={"rings": 3}), plain_law())
+    arms = Arms(preview.sheet.layout, preview.sheet.space)
+    found = arms.beside(offset)[0] @ ((1.0 - flat.stretch) * length * arms.direction)
+    right, found = right - weights @ right, found - weights @ found
+    assert np.sqrt(weights @ ((found - right) ** 2).sum(axis=1)) < off * np.sqrt(weights @ (right**2).sum(axis=1))
+
+
+@pytest.mark.parametrize("angle", [0.0, np.pi / 6.0])
+def test_arms_of_a_rolled_cell_bend_by_a_part_of_the_mean(angle: float) -> None:
+    length = 7.0
+    cell, flat = relaxed(length, 0.3, EDGE)
+    tube = curl(cell, flat, angle).natural
+    assert tube is not None
+    offset = _from_star(cell)
+    directions = np.asarray(cell.design.lattice.arm_directions)
+    tips = [np.linalg.norm(offset - length * d, axis=1).argmin() for d in directions]
+    around = (directions @ [-np.sin(angle), np.cos(angle)]) ** 2
+    lift = heights(cell, tube)[tips]
+    bend = 0.5 * length**2 * tube.contracted * (around - around.mean())
+    assert (lift @ bend) / (bend @ bend) == pytest.approx(RIGID, abs=0.15)
+
+
+def test_last_arms_poke_down_as_in_the_exact_model(monkeypatch: pytest.MonkeyPatch) -> None:
+    data = gallery.load("dome").to_dict() | {
+        "stars": {"length_mm": 9.0, "thickness_mm": 0.35},
+        "border": {"rings": 1},
+        "pins": [{"where": "border", "scale": 0.8}],
+        "mesh": {"edge_mm": 1.45},
+    }
+    preview = Preview(Design.from_dict(data))
+    plan, last = preview.sheet.layout, preview.sheet.arms.last
+    inner = np.linalg.norm(plan.centres, axis=1)[plan.arm_star] < 1.0
+    assert 0 < last.sum() < len(last) and not last[inner].any()
+    right = simulate(preview.design).at(plan.arm_tip)[last, 2]
+    found = preview.at(plan.arm_tip).bumpy[last, 2]
+    monkeypatch.setattr(arm_relief, "KEPT", 0.0)
+    without = preview.at(plan.arm_tip).bumpy[last, 2]
+    assert right.min() < -1.0
+    assert np.abs(found - right).mean() < 0.6 * np.abs(without - right).mean()
+
+
+def test_what_ends_at_a_held_side_and_what_is_pinned_stay() -> None:
+    """Arms that the border cuts, and a pin in the middle of an arm."""
+    cut = {"border": {"rectangle_mm": [80.0, 60.0], "star_margin_mm": 2.0}, "stars": {"length_mm": 12.0}}
+    preview = Preview(
+        Design.from_dict(gallery.load("dome").to_dict() | cut | {"pins": [{"where": "border", "scale": 0.8}]}),
+        plain_law(),
+    )
+    mesh = mesh_layout(preview.sheet.layout, 2.5)
+    places = preview.at(mesh.points)
+    corners = places.smooth[mesh.triangles], places.bumpy[mesh.triangles]
+    smooth, bumpy = (np.linalg.norm(np.cross(c[:, 1] - c[:, 0], c[:, 2] - c[:, 0]), axis=1) for c in corners)
+    assert distance_to_outline(preview.sheet.layout.arm_tip, preview.sheet.layout.border).min() < 1.0
+    assert (bumpy / smooth).max() < 2.0
+    pinned = sheet([{"points_mm": [[0.0, -4.0], [20.0, 20.0], [-20.0, 20.0]], "scale": 0.8}])
+    out, lifted = pinned.sheet.arms.beside(np.array([[0.0, -4.0]]))
+    assert max(out.max(), lifted.max()) < 1e-9
+
+
+def test_held_borders_stay() -> None:
+    preview = sheet([{"where": "border", "scale": 0.8}])
+    mesh = mesh_layout(preview.sheet.layout, 4.0)
+    out, lifted = Arms(preview.sheet.layout, preview.sheet.space).beside(mesh.points[mesh.pin_vertices[0]])
+    assert max(out.max(), lifted.max()) < 0.02
+
+
+def _from_star(cell: Cell) -> np.ndarray:
+    """(n, 2) mm, of the cell's vertices from the centre of the star that they are nearest to."""
+    lattice = cell.design.lattice
+    offset = cell.printed[: cell.torus.n_base] - cell.printed[cell.torus.star_vertices[0]]
+    place = offset + np.asarray(lattice.origin_mm)
+    return np.asarray(offset - lattice.nearest(place) @ np.asarray(lattice.vectors))
+
+
+def test_tips_lie_further_out_by_what_the_sheet_shrinks_and_no_further_where_it_is_wider() -> None:
+    """Along the print they move by more: that shrinks too."""
+    preview = sheet([])
+    plan, arms, kappa = preview.sheet.layout, preview.sheet.arms, np.full(len(preview.sheet.layout.centres), 0.01)
+    narrow, wide = (_laid(preview, Shape("flat"), stretch) for stretch in (0.8, 1.1))
+    assert arms.moves(narrow, kappa)[0] == pytest.approx(0.25 * plan.arm_length[:, None] * arms.direction)
+    assert not arms.moves(wide, kappa)[0].any()
+
+
+@pytest.mark.parametrize("stretch", [0.8, 1.0])
+def test_arms_on_a_tube_lift_by_a_part_of_what_they_bend_more_than_the_mean(stretch: float) -> None:
+    """As long as they are, and not as short as the sheet beneath them."""
+    preview, curvature = sheet([]), 2e-3
+    plan, arms = preview.sheet.layout, preview.sheet.arms
+    _, lift = arms.moves(_laid(preview, Shape("arc", curvature), stretch), np.zeros(len(plan.centres)))
+    expected = 0.5 * RIGID * curvature * plan.arm_length**2 * (0.5 - arms.direction[:, 0] ** 2)
+    among = ~arms.last
+    assert lift[among] == pytest.approx(expected[among], abs=0.01 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_last_arms_of_a_flat_sheet_poke_to_the_side_that_stars_curl_to(side: float) -> None:
+    preview, kappa = sheet([]), 0.01
+    plan, arms = preview.sheet.layout, preview.sheet.arms
+    _, lift = arms.moves(_laid(preview, Shape("flat"), 0.8), np.full(len(plan.centres), side * kappa))
+    kept = 0.25 * KEPT * kappa * plan.arm_length**2
+    assert lift == pytest.approx(np.where(arms.last, -side * kept, 0.0))
+
+
+def test_the_lift_of_an_arm_grows_with_the_square_of_the_way_to_its_tip() -> None:
+    preview = sheet([])
+    plan, arms, parts = preview.sheet.layout, preview.sheet.arms, np.array([0.25, 0.5, 0.75, 1.0])
+    out, lifted = arms.beside(plan.centres[0] + parts[:, None] * (plan.arm_tip[0] - plan.centres[0]))
+    assert plan.arm_star[0] == 0
+    assert out[:, [0]].toarray().ravel() == pytest.approx(parts)
+    assert lifted[:, [0]].toarray().ravel() == pytest.approx(parts**2)
+
+
+def _laid(preview: Preview, shape: Shape, stretch: float) -> np.ndarray:
+    return shape.positions(preview.sheet.space, np.zeros(2), stretch)

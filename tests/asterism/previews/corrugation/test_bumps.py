@@ -1,0 +1,38 @@
+"""How high bumps stand where a sheet is pulled, and how far along an arm they are looked for."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from asterism.previews.corrugation.bumps import APART, pulled_flat
+from asterism.previews.fields.star_values import REACH, star_values
+from pattern import gallery
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from tests.asterism.previews.laws import SPACING, plain_law
+
+
+def of_stars(length: float):
+    design = Design.from_dict(gallery.load("tube").to_dict() | {"stars": {"length_mm": length, "thickness_mm": 0.4}})
+    return design, star_values(design, layout(design), plain_law())
+
+
+def test_bumps_go_as_the_sheet_is_stretched_in_length() -> None:
+    """Half of the way to none: the root of one half, at lengths beyond the sheet's own by half of APART."""
+    _, values = of_stars(8.0)
+    stars = len(values.sizes)
+    lam = values.value["lam"][:-1]
+    for part in (-0.5, 0.0, 0.5, 1.0, 2.0):
+        found = pulled_flat(values, sp.eye_array(stars, format="csr"), (lam * (1.0 + part * APART)) ** 2)
+        np.testing.assert_allclose(found, np.sqrt(np.clip(1.0 - part, 0.0, 1.0)), atol=1e-7)
+
+
+@pytest.mark.parametrize("length", [6.0, 12.0])
+def test_tips_are_looked_for_within_the_cell(length: float) -> None:
+    """Longer arms leave it, and the waves repeat."""
+    design, values = of_stars(length)
+    law, reach = plain_law(), min(length, REACH * SPACING)
+    waves = law.waves(reach * np.asarray(design.lattice.arm_directions)).mean(axis=0)
+    np.testing.assert_allclose(values.tips[:-1], values.relief[:-1] @ waves, rtol=1e-9)

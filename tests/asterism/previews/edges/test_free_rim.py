@@ -1,0 +1,189 @@
+"""Free rims lie as low as the arms' tips and curl across, not along; held ones do not curl."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from asterism.exact.simulation import simulate
+from asterism.previews.corrugation.bumps import relief_heights
+from asterism.previews.edges import free_rim
+from asterism.previews.edges.free_rim import (
+    CURL,
+    FALL,
+    ROUND,
+    beyond_stars,
+    free_normals,
+    rim_curvature,
+    rim_fall,
+)
+from asterism.previews.fields.star_values import star_values
+from asterism.previews.session import Preview
+from asterism.previews.supports.conditions import distance_to_held
+from pattern import gallery
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from tests.asterism.previews.laws import SPACING, plain_law
+
+TUBE = gallery.load("tube")
+PLAN = layout(TUBE)
+VALUES = star_values(TUBE, PLAN, plain_law())
+COUNT = len(PLAN.centres)
+
+
+def rectangle(pins: list[dict[str, object]]) -> Design:
+    data = TUBE.to_dict() | {"border": {"rectangle_mm": [80.0, 60.0]}, "pins": pins}
+    return Design.from_dict(data)
+
+
+def test_normals_are_those_of_the_nearest_side_and_vanish_where_it_is_held() -> None:
+    places = np.array([[35.0, 0.0], [-35.0, 2.0], [0.0, 25.0], [3.0, -25.0]])
+    free = layout(rectangle([]))
+    expected = np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
+    assert free_normals(free, places) == pytest.approx(expected)
+    middle = 0.5 * (free.border + np.roll(free.border, -1, axis=0))
+    held = int(middle[:, 0].argmax())
+    plan = layout(rectangle([{"edges": [held], "scale": 0.8}]))
+    assert free_normals(plan, places) == pytest.approx(expected * np.array([[0.0], [1.0], [1.0], [1.0]]))
+    # points on the right side and near the lower one
+    pulled = layout(rectangle([{"points_mm": [[40.0, 5.0], [10.0, -28.0]], "scale": 0.8}]))
+    assert free_normals(pulled, places) == pytest.approx(expected * np.array([[0.0], [1.0], [1.0], [0.0]]))
+    sliding = layout(rectangle([{"points_mm": [[40.0, 5.0], [10.0, -28.0]], "slide": "plane"}]))
+    assert free_normals(sliding, places) == pytest.approx(expected)
+    alone = layout(rectangle([{"points_mm": [[40.0, 25.0]], "scale": 0.8}]))
+    assert free_normals(alone, places) == pytest.approx(expected)
+
+
+def test_bare_fabric_curls_across_the_rim_by_the_bumps_beside_it() -> None:
+    share = np.array([1.0, 0.6, 0.0])
+    weights = sp.csr_matrix(share[:, None] * np.eye(1, COUNT))
+    normals = np.tile([0.6, 0.8], (3, 1))
+    found = rim_curvature(weights, VALUES, normals)
+    # the plain law: one wave, 1 on the star
+    wave = plain_law().waves(np.vstack([np.zeros((1, 2)), 10.0 * np.asarray(TUBE.lattice.arm_directions)]))[:, 0]
+    top = (0.1 + 0.5 * VALUES.value["kappa"][0]) * 10.0
+    cap = 2.0 * top * (1.0 - wave[1:].mean() / wave[0]) / 10.0**2
+    assert found[1] == pytest.approx(CURL * 0.4 * cap * np.array([0.36, 0.64, 0.48]))
+    assert found[[0, 2]] == pytest.approx(0.0)  # among stars, and far from all of them
+
+
+def test_the_bare_rim_lies_as_low_as_the_tips() -> None:
+    weights = sp.csr_matrix(np.array([[0.2], [1e-9]]) * np.eye(1, COUNT))
+    kappa = VALUES.value["kappa"][0]
+    waves, curvature = np.zeros((2, len(plain_law().waves))), np.full(2, kappa)
+    nearest = np.zeros(2, dtype=np.int64)
+    heights = relief_heights(waves, VALUES, weights, curvature, np.zeros(2), nearest, SPACING)
+    tip = VALUES.tips[0] @ np.array([1.0, kappa])
+    assert tip < 0.0
+    assert heights == pytest.approx([0.8 * tip, tip])  # far from all stars too
+
+
+def test_free_rims_go_on_down_by_their_distance_from_the_stars() -> None:
+    free, held = layout(rectangle([])), layout(rectangle([{"where": "border", "scale": 0.78}]))
+    corner = free.border.max(axis=0)
+    far = np.linalg.norm(free.centres - corner, axis=1).min() - 0.5 * SPACING
+    assert far > 0.0
+    places = np.vstack([corner, free.centres[0]])
+    beyond, nearest = beyond_stars(free, places)
+    assert beyond == pytest.approx([far, 0.0])
+    assert np.linalg.norm(free.centres[nearest] - places, axis=1) == pytest.approx([far + 0.5 * SPACING, 0.0])
+    assert beyond_stars(held, places)[0] == pytest.approx([0.0, 0.0])
+    # beside a star, on one, and in a corner that no star has a share in
+    weights = sp.csr_matrix(np.array([[0.2], [0.2], [0.0]]) * np.eye(1, COUNT))
+    beyond, nearest = np.array([4.0, 0.0, 12.0]), np.zeros(3, dtype=np.int64)
+    flat = replace(VALUES, caps=0.0 * VALUES.caps)
+    assert rim_fall(weights, nearest, flat, beyond, SPACING) == pytest.approx(beyond * FALL)
+    # fabric that gives up half of the area falls half as far, and no fabric further
+    for released, part in ((0.5 * (1.0 - 1.35**-2), 0.5), (0.7, 1.0), (0.0, 0.0)):
+        other = replace(flat, value=flat.value | {"lam_n": np.full(COUNT + 1, np.sqrt(1.0 - released))})
+        assert rim_fall(weights, nearest, other, beyond, SPACING) == pytest.approx(part * beyond * FALL)
+    # where bumps are round it curls instead
+    rounded = replace(VALUES, caps=np.full_like(VALUES.caps, ROUND / SPACING))
+    assert rim_fall(weights, nearest, rounded, beyond, SPACING) == pytest.approx(0.0)
+
+
+@pytest.mark.parametrize("pins", [[], [{"where": "border", "scale": 0.78}]])
+def test_rims_of_free_sheets_turn_down_and_those_of_held_ones_stay(
+    pins: list[dict[str, object]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    design = rectangle(pins)
+    plan = layout(design)
+    # a little inside of each side, in its middle
+    middle = 0.97 * 0.5 * (plan.border + np.roll(plan.border, -1, axis=0))
+
+    def tilt() -> np.ndarray:
+        normals = Preview(design, plain_law()).at(np.vstack([0.6 * middle, middle])).surface.normals
+        inner, outer = np.split(normals, 2)
+        return np.asarray(np.degrees(np.arccos((inner * outer).sum(axis=1))))
+
+    curled = tilt()
+    monkeypatch.setattr(free_rim, "CURL", 0.0)
+    straight = tilt()
+    if pins:
+        assert curled == pytest.approx(straight)
+    else:
+        assert (curled - straight).mean() > 2.0
+
+
+def test_the_rim_of_a_lone_star_is_as_deep_as_in_the_exact_model(monkeypatch: pytest.MonkeyPatch) -> None:
+    design = Design.from_dict(gallery.load("star").to_dict() | {"mesh": {"edge_mm": 1.15}})
+    preview = Preview(design)
+    tips, corners = preview.sheet.layout.arm_tip, preview.sheet.layout.border
+
+    def fall(places: Callable[[np.ndarray], np.ndarray]) -> float:
+        """From the plane through the tips to the sheet's corners, mm."""
+        a, b, c = places(tips)
+        normal = np.cross(b - a, c - a)
+        return float(-((places(0.999 * corners) - a) @ normal).mean() / np.linalg.norm(normal))
+
+    exact = fall(simulate(design).at)
+    found = fall(lambda points: preview.at(points).bumpy)
+    monkeypatch.setattr(free_rim, "FALL", 0.0)
+    without = fall(lambda points: preview.at(points).bumpy)
+    assert exact > 2.0
+    assert abs(found - exact) < 0.6 * abs(without - exact)
+
+
+def test_outlines_of_many_corners_are_asked_in_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever the size of the tables, the answers are the same."""
+    held = Design.from_dict(TUBE.to_dict() | {"pins": [{"edges": [0, 1]}, {"corners": [3], "scale": 0.9}]})
+    plan = layout(held)
+    points = np.random.default_rng(2).uniform(-60.0, 60.0, (300, 2))
+    whole = free_normals(plan, points), distance_to_held(plan, points)
+    monkeypatch.setattr("pattern.geometry.planar.TABLE", 100)
+    np.testing.assert_array_equal(free_normals(plan, points), whole[0])
+    np.testing.assert_array_equal(distance_to_held(plan, points), whole[1])
+    assert len(distance_to_held(plan, points[:0])) == 0 and np.isinf(distance_to_held(PLAN, points)).all()
+
+
+def test_a_side_in_pieces_is_one_side() -> None:
+    """Held at a corner it keeps no curl along its whole length, however many corners lie on it."""
+    corners = PLAN.border
+    pieces = np.concatenate(
+        [np.linspace(a, b, 5)[:-1] for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True)]
+    )
+    points = np.random.default_rng(3).uniform(-60.0, 60.0, (200, 2))
+    for held in (corners[:1], corners[:2], corners[::3]):
+        pins = [{"points_mm": held.tolist(), "scale": 0.9}]
+        one, other = (
+            free_normals(
+                layout(Design.from_dict(TUBE.to_dict() | {"border": {"polygon_mm": ring.tolist()}, "pins": pins})),
+                points,
+            )
+            for ring in (corners, np.roll(pieces, 2, axis=0))
+        )
+        np.testing.assert_allclose(one, other, atol=1e-9)
+
+
+def test_rims_of_stars_that_curl_down_go_up() -> None:
+    value = VALUES.value | {"kappa": -VALUES.value["kappa"]}
+    down = replace(VALUES, value=value, caps=-VALUES.caps, sizes=VALUES.sizes + np.array([9.0, 0.0, 0.0]))
+    up = replace(VALUES, caps=VALUES.caps, sizes=down.sizes)
+    weights, nearest, beyond = sp.csr_matrix((3, COUNT)), np.array([0, 1, 2]), np.array([0.0, 2.0, 5.0])
+    found, other = (rim_fall(weights, nearest, values, beyond, SPACING) for values in (up, down))
+    assert found[2] > 0.0
+    assert other == pytest.approx(-found)

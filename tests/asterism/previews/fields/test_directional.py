@@ -1,0 +1,170 @@
+"""Fields of stars that bend differently in each direction."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from asterism.previews.fields.directional import strongest, tensors
+from asterism.previews.fields.sheet_fields import POISSON, sheet_fields
+from asterism.previews.fields.star_values import StarValues, star_values
+from asterism.previews.session import Preview
+from homogenize.campaign.plan import Material
+from homogenize.cell.relief import Waves
+from homogenize.law.anisotropy import BENDING, COUNT, ENTRIES, MOMENT, PLATE, least, natural
+from homogenize.law.law import Law
+from homogenize.law.table import TIGHT
+from pattern import gallery
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from pattern.layout.layout import Floats
+from tests.asterism.previews.laws import plain_law
+
+PLAN = layout(gallery.load("tube"))
+PLAIN = star_values(gallery.load("tube"), PLAN, plain_law())
+STARS = len(PLAN.centres)
+
+
+def values(along_x: float, moment: float = 0.0, gap: float = 0.0) -> StarValues:
+    """Stars whose bending along x is `along_x` times the mean's, and along y `2 - along_x`; lengths differ by `gap`."""
+    own = np.zeros((STARS + 1, COUNT))
+    own[:-1, BENDING[:2]] = along_x - 1.0, 1.0 - along_x
+    own[:-1, MOMENT[:2]] = moment, -moment
+    kappa = PLAIN.value["kappa"]
+    flat = PLAIN.value["lam_n"].copy()
+    flat[:-1] *= 1.0 + gap
+    value = PLAIN.value | {"c3": np.zeros(STARS + 1), "lam": flat}
+    return replace(PLAIN, value=value, anisotropy=own, curl=strongest(kappa, own))
+
+
+def moments(stars: StarValues, curvature: tuple[float, float]) -> Floats:
+    """(6,) stress of a sheet of the first star on its natural length with curvatures about y and x, over lam^2."""
+    fields = sheet_fields(sp.csr_matrix(np.eye(1, STARS)), stars, (1, 1))
+    square = stars.value["lam_n"][0] ** 2
+    state = square * np.array([0.5, 0.5, 0.0, -curvature[0], -curvature[1], 0.0])
+    rest = fields.rest(np.zeros((1, 1, 2)))[0, 0]
+    return np.asarray(fields.density((state - rest)[None, None])[1][0, 0])  # type: ignore[operator]
+
+
+@pytest.mark.parametrize(("along_x", "moment"), [(1.0, 0.0), (0.6, 0.0), (1.3, 0.0), (1.0, 0.01), (0.7, 0.005)])
+def test_a_tube_about_either_axis_has_no_moment_around_it_at_its_own_curvature(along_x: float, moment: float) -> None:
+    stars = values(along_x, moment)
+    kappa = stars.value["kappa"][0]
+    x, y = (kappa + moment) / along_x, (kappa - moment) / (2.0 - along_x)
+    scale = np.abs(moments(stars, (0.0, 0.0))[3:5]).max()
+    assert abs(moments(stars, (x, 0.0))[3]) < 1e-12 * scale
+    assert abs(moments(stars, (0.0, y))[4]) < 1e-12 * scale
+    gains = (kappa + moment) * x, (kappa - moment) * y
+    assert stars.curl[0] == pytest.approx((x, y)[int(np.argmax(gains))])
+    assert stars.curl[-1] == stars.value["kappa"][-1] == 0.0
+
+
+def test_the_tube_that_gains_most_has_its_natural_length() -> None:
+    """Others are as much longer as they are flatter, `sheet_fields` says by how much."""
+    stars = values(0.6, gap=0.03)
+    scale = np.abs(moments(stars, (0.0, 0.0))[:2]).max()
+    assert np.abs(moments(stars, (stars.curl[0], 0.0))[:3]).max() < 1e-12 * scale
+    alike = values(1.0, gap=0.03)
+    np.testing.assert_allclose(
+        moments(alike, (0.01, 0.0)),
+        moments(replace(alike, anisotropy=np.empty((STARS + 1, 0))), (0.01, 0.0)),
+        rtol=1e-12,
+    )
+
+
+def test_bare_fabric_is_the_same_in_all_directions_and_stars_share_it_evenly() -> None:
+    stars = values(0.6)
+    weights = sp.csr_matrix(np.array([[0.0], [1.0]]) * np.eye(1, STARS))
+    stiffness = np.asarray(sheet_fields(weights, stars, (2, 1)).densities(np.zeros((2, 1, 2))).stiffness)[:, 0, 3:, 3:]
+    assert stiffness[0, 0, 0] == stiffness[0, 1, 1]
+    assert stiffness[1, 0, 0] / stiffness[1, 1, 1] == pytest.approx(0.6 / 1.4)
+    assert stiffness[1, 0, 1] == pytest.approx(POISSON * 0.5 * (stiffness[1, 0, 0] + stiffness[1, 1, 1]))
+
+
+def test_caps_of_soft_directions_stay_stable() -> None:
+    """However much Gaussian curvature saves."""
+    stars = values(0.2)
+    low = least(tensors(stars.value["kappa"], stars.anisotropy)[0])
+    assert low[0] < 0.21 and low[-1] == pytest.approx(1.0)
+    weights = sp.csr_matrix(np.eye(1, STARS))
+    fields = sheet_fields(weights, stars, (1, 1), gaussian=np.full(STARS, 1e6))
+    stiffness = np.asarray(fields.densities(np.zeros((1, 1, 2))).stiffness)[0, 0, 3:, 3:]
+    assert np.linalg.eigvalsh(stiffness).min() > 0.0
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    softer=st.floats(-0.8, 0.8),
+    moment=st.floats(-0.02, 0.02),
+    shear=st.floats(-0.3, 0.3),
+    turn=st.floats(0.0, np.pi),
+)
+def test_the_tube_that_gains_most_is_found_in_whatever_direction_it_lies(
+    softer: float, moment: float, shear: float, turn: float
+) -> None:
+    """Nothing between the steps gains more, however the print is turned."""
+    c, s = np.cos(turn), np.sin(turn)
+    voigt = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
+    own = np.zeros((2, COUNT))
+    kappa = np.full(2, 0.02)
+    q = PLATE + np.diag([softer, -softer, shear])
+    for number, bending in enumerate((q, voigt.T @ q @ voigt)):
+        own[number, BENDING] = [(bending - PLATE)[entry] for entry in ENTRIES]
+    tensor = moment * np.array([[1.0, 0.0], [0.0, -1.0]])
+    turned = np.array([[c, s], [-s, c]])
+    for number, both in enumerate((tensor, turned.T @ tensor @ turned)):
+        own[number, MOMENT] = both[0, 0], both[1, 1], both[0, 1]
+    found = strongest(kappa, own)
+    everywhere, gain = natural(*tensors(kappa, own), np.linspace(0.0, np.pi, 7200))
+    for number in range(2):
+        as_good = everywhere[number][gain[number] > 0.9999 * gain[number].max()]  # two may gain alike
+        assert np.abs(as_good - found[number]).min() < 0.01 * abs(found[number])
+
+
+def other_law(lattice: dict[str, Any], along_x: float | None = None) -> Law:
+    """The plain law for other stars, without bumps, with bending along x `along_x` times the mean's."""
+    law = plain_law()
+    table = law.tables[0]
+    own = np.zeros((*table.nodes.shape[:3], 0 if along_x is None else COUNT))
+    if along_x is not None:
+        own[1:, ..., BENDING[0]] = along_x - 1.0
+    material = Material.from_dict({**law.material.to_dict(), "lattice": lattice})
+    flat = np.zeros((*table.reliefs.shape[:4], len(Waves.of(material.lattice))))
+    return replace(law, material=material, tables=(replace(table, anisotropies=own, reliefs=flat),))
+
+
+def sheet(thickness: float, lattice: dict[str, Any]) -> Design:
+    return Design.from_dict(
+        {
+            "stars": {"length_mm": 8.0, "thickness_mm": thickness},
+            "border": {"rectangle_mm": [70.0, 60.0]},
+            "lattice": lattice,
+        }
+    )
+
+
+def test_stars_are_tight_where_their_cells_are_though_previews_follow_part_of_that() -> None:
+    lattice = {"kind": "square"}
+    for thickness, tight in ((0.3, True), (0.4, False)):
+        design = sheet(thickness, lattice)
+        found = star_values(design, layout(design), other_law(lattice, along_x=0.4))
+        assert np.abs(found.curl).max() * design.lattice.spacing_mm < TIGHT
+        assert bool(found.tight) is tight
+
+
+@pytest.mark.parametrize(
+    ("lattice", "along_x", "known"), [({"kind": "square"}, 0.9, True), ({"orientation_deg": 10.0}, None, False)]
+)
+def test_only_of_turned_stars_previews_expect_nothing(
+    lattice: dict[str, Any], along_x: float | None, known: bool
+) -> None:
+    """These may roll about axes that the law does not have."""
+    summary = Preview(sheet(0.45, lattice), other_law(lattice, along_x)).shape().summary
+    assert (summary["expected_rms_percent"] is not None) is known
+    assert (summary["expected_height_percent"] is not None) is known

@@ -1,0 +1,205 @@
+"""The law as a shell: tubes of it have the curvature and the energies that the law says, in every direction."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from asterism.previews.fields.sheet_fields import EARLY, POISSON, SIXFOLD, TURN, free_early, sheet_fields
+from asterism.previews.fields.star_values import star_sizes, star_values
+from fem.elements.tabulation import Floats
+from homogenize.errors import LawError
+from homogenize.law.table import NAMES
+from pattern import gallery
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from tests.asterism.previews.laws import plain_law
+
+TUBE = gallery.load("tube")
+VALUES = star_values(TUBE, layout(TUBE), plain_law())
+STARS = len(VALUES.sizes)
+
+
+def tube_energy(curvature: float, direction_deg: float) -> float:
+    """N/mm of a sheet rolled with the plastic outside, with lengths at rest; counted from flat."""
+    fields = sheet_fields(sp.csr_matrix(np.eye(1, STARS)), VALUES, (1, 1))
+    lam = VALUES.value["lam_n"][0]
+    a = np.radians(direction_deg)
+    t = np.array([np.cos(a) ** 2, np.sin(a) ** 2, 2 * np.cos(a) * np.sin(a)])
+    rest = fields.rest(np.zeros((1, 1, 2)))[0, 0]
+
+    def energy(k: float) -> float:
+        # edges go down where the plastic is outside: n . hess x is negative
+        state = np.r_[0.5 * lam**2, 0.5 * lam**2, 0.0, -k * lam**2 * t]
+        density = fields.density
+        return float(density((state - rest)[None, None])[0][0, 0])  # type: ignore[operator]
+
+    return energy(curvature) - energy(0.0)
+
+
+def test_a_tube_of_the_natural_curvature_gains_what_the_law_says() -> None:
+    kappa, bending, c3 = (VALUES.value[name][0] for name in ("kappa", "bending", "c3"))
+    both = [tube_energy(kappa, direction) for direction in (90.0, 120.0)]
+    assert np.mean(both) == pytest.approx(-0.5 * bending * kappa**2)
+    # angles of the law are counted from y
+    assert both[0] - both[1] == pytest.approx(SIXFOLD * c3 * kappa**3 / 4.0)
+    assert tube_energy(kappa, 75.0) == pytest.approx(np.mean(both))
+
+
+def test_the_natural_curvature_is_the_best_one() -> None:
+    kappa = VALUES.value["kappa"][0]
+    curvatures = np.linspace(0.5, 1.5, 101) * kappa
+    energies = [tube_energy(k, 75.0) for k in curvatures]
+    assert curvatures[int(np.argmin(energies))] == pytest.approx(kappa, rel=0.011)
+    assert tube_energy(-kappa, 75.0) > 0.0
+
+
+def test_a_sheet_held_flat_is_longer_than_a_tube_by_part_of_what_the_cells_are() -> None:
+    lam, kappa = VALUES.value["lam_n"][0], VALUES.value["kappa"][0]
+    flat = VALUES.value["lam"].copy()
+    flat[:-1] = 1.03 * lam
+    values = replace(VALUES, value=VALUES.value | {"lam": flat, "c3": np.zeros(STARS + 1)})
+    fields = sheet_fields(sp.csr_matrix(np.eye(1, STARS)), values, (1, 1))
+    rest = fields.rest(np.zeros((1, 1, 2)))[0, 0]
+
+    def stress(a: float, k: float) -> Floats:
+        state = np.r_[0.5 * a, 0.5 * a, 0.0, -k * lam**2, 0.0, 0.0]
+        return fields.density((state - rest)[None, None])[1][0, 0]  # type: ignore[operator, no-any-return]
+
+    part = EARLY * ((1.03 * lam) ** 2 - lam**2)
+    scale = np.abs(stress(1.03 * lam**2, 0.0)[:2]).max()
+    assert np.abs(stress(lam**2, kappa)[:3]).max() < 1e-12 * scale
+    assert np.abs(stress(lam**2 + part, 0.0)[:3]).max() < 1e-12 * scale
+    assert np.abs(stress(lam**2 - 0.5 * part, 1.5 * kappa)[:3]).max() < 1e-12 * scale
+    # a natural tube stays in equilibrium
+    assert abs(stress(lam**2, kappa)[3]) < 1e-12 * abs(stress(lam**2, 0.0)[3])
+
+
+def test_the_rim_is_bare_fabric() -> None:
+    fields = sheet_fields(sp.csr_matrix((1, STARS)), VALUES, (1, 1))
+    points = np.zeros((1, 1, 2))
+    assert fields.rest(points)[0, 0] == pytest.approx([0.5 / 1.35**2, 0.5 / 1.35**2, 0, 0, 0, 0])
+    stiffness: Floats = np.asarray(fields.densities(points).stiffness)[0, 0]
+    bare = {name: VALUES.value[name][-1] for name in ("a11", "a12", "bending")}
+    assert stiffness[0, :2] == pytest.approx([bare["a11"], bare["a12"]])
+    assert stiffness[3, 3:5] == pytest.approx(bare["bending"] * 1.35**4 * np.array([1.0, POISSON]))
+
+
+def test_caps_of_stars_cost_less_and_bare_fabric_has_no_modulus_of_gaussian_curvature() -> None:
+    shares = np.array([0.0, 0.5, 1.0])
+    weights = sp.csr_matrix(shares[:, None] * np.eye(1, STARS))
+    assert not np.any(sheet_fields(weights, VALUES, (3, 1)).gaussian)
+    bending = VALUES.value["bending"][0] / VALUES.value["lam_n"][0] ** 4
+    modulus = np.asarray(sheet_fields(weights, VALUES, (3, 1), gaussian=np.full(STARS, 0.1 * bending)).gaussian)[:, 0]
+    assert modulus[0] == 0.0
+    # as the square of the share
+    assert modulus[1:] == pytest.approx(-0.1 * bending * np.array([0.25, 1.0]))
+    fields = sheet_fields(weights, VALUES, (3, 1), gaussian=np.full(STARS, 10.0 * bending))
+    stiffness = np.asarray(fields.densities(np.zeros((3, 1, 2))).stiffness)[:, 0, 3:, 3:]
+    assert (np.linalg.eigvalsh(stiffness) > 0.0).all()
+
+
+def test_half_way_between_two_stars_logarithms_are_averaged() -> None:
+    values = star_values(gallery.load("fig8-l-decreasing"), layout(gallery.load("fig8-l-decreasing")), plain_law())
+    weights = np.zeros((1, STARS))
+    weights[0, [0, 30]] = 0.5
+    rest = sheet_fields(sp.csr_matrix(weights), values, (1, 1)).rest(np.zeros((1, 1, 2)))[0, 0]
+    lam = values.value["lam_n"][[0, 30]]
+    assert 2.0 * rest[0] == pytest.approx(lam[0] * lam[1])
+
+
+def changed(**sections: dict[str, object]) -> Design:
+    data = TUBE.to_dict()
+    for name, entries in sections.items():
+        data[name] = {**data.get(name, {}), **entries}
+    return Design.from_dict(data)
+
+
+def test_stars_beyond_the_law_are_named_with_their_place() -> None:
+    design = changed(stars={"override": [{"star": 3, "thickness_mm": 0.9}]})
+    plan = layout(design)
+    values = star_values(design, plan, plain_law())
+    x, y = plan.centres[3]
+    assert len(values.outside) == 1
+    assert values.outside[0].startswith(f"star 3 at [{x:.1f}, {y:.1f}]: thickness_mm = 0.9 is outside")
+
+
+@pytest.mark.parametrize(
+    ("sections", "named"),
+    [
+        ({"fabric": {"thickness_mm": 0.7}}, "fabric.thickness_mm"),
+        ({"fabric": {"stretch": 1.5}}, "fabric.stretch"),
+        ({"plastic": {"modulus_ratio": 100.0}}, "plastic.modulus_ratio"),
+    ],
+)
+def test_a_law_for_something_else_is_refused(sections: dict[str, dict[str, object]], named: str) -> None:
+    design = changed(**sections)
+    with pytest.raises(LawError, match=named):
+        star_values(design, layout(design), plain_law())
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        ("lam_n", 1.2, "lam_n = 1.2, a sheet needs a contraction above 0"),
+        ("a12", 20.0, r"a11 = [\d.]+, a sheet needs a positive membrane stiffness"),
+    ],
+)
+def test_what_no_sheet_can_do_is_refused_with_star_and_value(name: str, value: float, said: str) -> None:
+    law = plain_law()
+    table = law.tables[0]
+    nodes = table.nodes.copy()
+    nodes[9:, ..., NAMES.index(name)] = value
+    broken = replace(law, tables=(replace(table, nodes=nodes),))
+    with pytest.raises(LawError, match=rf"star 0 at \[0.0, 0.0\]: the law's {said}"):
+        star_values(TUBE, layout(TUBE), broken)
+
+
+def test_an_arm_cut_short_counts_as_it_is() -> None:
+    data = TUBE.to_dict() | {"border": {"rectangle_mm": [46.0, 60.0], "star_margin_mm": 5.0}}
+    design = Design.from_dict(data)
+    plan = layout(design)
+    sizes = star_sizes(plan, 3)
+    assert sizes[:, 0].min() < 9.9 < sizes[:, 0].max() == pytest.approx(10.0)
+    assert sizes[:, 1:] == pytest.approx(np.tile([0.4, 1.2], (len(sizes), 1)))
+
+
+def test_stars_and_bare_fabric_bend_in_series() -> None:
+    weights = sp.csr_matrix(np.array([[1.0], [0.5], [0.0]]) * np.eye(1, STARS))
+    bending, natural = VALUES.value["bending"], VALUES.value["lam_n"]
+    fields = sheet_fields(weights, VALUES, (3, 1), early=0.0)
+    found = 1.0 / fields.density.stiffness[:, 0, 3, 3]  # type: ignore[index]
+    lam = np.exp(np.array([1.0, 0.5, 0.0]) * np.log(natural[0] / natural[-1])) * natural[-1]
+    alone = np.array([1.0 / bending[0], 0.5 / bending[0] + 0.5 / bending[-1], 1.0 / bending[-1]])
+    assert found / found[0] == pytest.approx(lam**4 * alone / (lam[0] ** 4 * alone[0]))
+
+
+def test_free_stars_that_curl_little_shorten_with_their_curvature_and_others_are_done() -> None:
+    curls = np.array([0.0, 0.02, 0.5])
+    found = free_early(replace(VALUES, value=VALUES.value | {"kappa": curls}), 17.3)
+    turn = 0.02 * 17.3 / TURN
+    # the slope of tanh at the natural turn, over that of a straight line from flat
+    slope = turn / np.cosh(turn) ** 2 / np.tanh(turn)
+    assert found == pytest.approx([1.0, slope, 0.0], abs=1e-3)
+
+
+def test_between_stars_that_curl_to_opposite_sides_lengths_stay_between_theirs() -> None:
+    """Where their curls cancel nothing says which curvature makes the sheet shorter, and so none does."""
+    value = {name: found.copy() for name, found in VALUES.value.items()}
+    value["kappa"][1] *= -0.7
+    value["lam"][:-1] = 1.03 * value["lam_n"][:-1]
+    stars = replace(VALUES, value=value | {"c3": np.zeros(STARS + 1)}, curl=value["kappa"])
+    share = np.linspace(0.0, 1.0, 201)
+    shares = [1.0 - share, share, *np.zeros((STARS - 2, len(share)))]
+    fields = sheet_fields(sp.csr_matrix(np.column_stack(shares)), stars, (len(share), 1))
+    stiffness = np.asarray(fields.densities(np.zeros((len(share), 1, 2))).stiffness)[:, 0]
+    # mm, by which half of the metric changes per curvature
+    coupling = -np.linalg.solve(stiffness[:, :3, :3], stiffness[:, :3, 3:])[:, 0, 0]
+    assert coupling[0] > 0.0 > coupling[-1]
+    assert np.all(np.abs(coupling) <= 1.01 * np.abs(coupling[[0, -1]]).max())
+    assert np.abs(np.diff(coupling)).max() < 0.02 * np.abs(coupling).max()
+    metric = fields.rest(np.zeros((len(share), 1, 2)))[:, 0, 0]
+    assert np.abs(np.diff(metric)).max() < 1e-3 * metric.max()

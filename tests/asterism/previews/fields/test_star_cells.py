@@ -1,0 +1,108 @@
+"""Shares of the stars: they add up, follow the cells, and end at the rim."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from asterism.previews.fields.star_cells import StarCells
+from asterism.previews.fields.star_values import star_sizes
+from pattern import gallery
+from pattern.design.design import Design
+from pattern.layout.build import layout
+
+TUBE = gallery.load("tube")
+PLAN = layout(TUBE)
+COUNT = len(PLAN.centres)
+
+
+def test_a_star_rules_its_own_centre() -> None:
+    weights = StarCells(PLAN, TUBE.lattice).shares(PLAN.centres).wide.toarray()
+    # a Gaussian of a fifth of the spacing has .956 of its weight in the cell's inner circle, .985 in its outer one
+    assert np.diag(weights)[:7] == pytest.approx(0.97, abs=0.01)
+    assert (weights.argmax(axis=1) == np.arange(len(PLAN.centres))).all()
+
+
+def test_a_wide_rim_is_bare() -> None:
+    data = TUBE.to_dict()
+    data["border"] = {"rectangle_mm": [140.0, 140.0], "star_margin_mm": 40.0}
+    design = Design.from_dict(data)
+    plan = layout(design)
+    cells = StarCells(plan, design.lattice)
+    x = np.linspace(0.0, 70.0, 200)
+    share = cells.shares(np.column_stack([x, np.zeros(200)])).wide.toarray().sum(axis=1)
+    assert (np.diff(share) < 1e-9).all()
+    outermost = plan.centres[:, 0].max() + design.lattice.spacing_mm
+    assert share[0] == pytest.approx(1.0)
+    assert (share[x > outermost + 3 * cells.width_mm] == 0.0).all()
+
+
+def test_inside_the_shares_add_up_and_have_no_jumps() -> None:
+    cells = StarCells(PLAN, TUBE.lattice)
+    line = np.column_stack([np.linspace(-20, 20, 2001), np.zeros(2001)])
+    weights = cells.shares(line).wide.toarray()
+    assert weights.sum(axis=1) == pytest.approx(1.0)
+    assert np.abs(np.diff(weights, axis=0)).max() < 0.01
+    # equal neighbours have equal shares half way between them
+    middle = cells.shares(PLAN.centres[PLAN.neighbours].mean(axis=1)[:6]).wide.toarray()
+    top = np.sort(middle, axis=1)[:, -2:]
+    assert top[:, 0] == pytest.approx(top[:, 1], abs=0.03)
+
+
+def test_a_narrow_kernel_gives_the_cells_themselves() -> None:
+    points = np.random.default_rng(0).uniform(-30, 30, (300, 2))
+    weights = StarCells(PLAN, TUBE.lattice, (0.25, 0.005)).shares(points).narrow.toarray()
+    nearest = np.linalg.norm(points[:, None] - PLAN.centres[None], axis=2).argmin(axis=1)
+    assert np.mean(weights.argmax(axis=1) == nearest) > 0.97
+
+
+def test_a_removed_star_is_bare_fabric() -> None:
+    data = TUBE.to_dict()
+    data["stars"]["override"] = [{"star": 0, "remove": True}]
+    design = Design.from_dict(data)
+    plan = layout(design)
+    assert len(plan.centres) == len(PLAN.centres) - 1
+    share = StarCells(plan, design.lattice).shares(np.zeros((1, 2))).wide.sum()
+    assert share < 0.3
+
+
+def test_a_tongue_narrower_than_the_grid_has_an_answer() -> None:
+    data = TUBE.to_dict()
+    tongue = [[-30, -30], [30, -30], [30, -0.2], [60, -0.2], [60, 0.2], [30, 0.2], [30, 30], [-30, 30]]
+    data["border"] = {"polygon_mm": tongue}
+    design = Design.from_dict(data)
+    shares = StarCells(layout(design), design.lattice).shares(np.array([[55.0, 0.0]]))
+    assert 0.0 <= shares.wide.sum() <= 1.0 and 0.0 <= shares.narrow.sum() <= 1.0
+
+
+def test_long_arms_reach_out_of_their_cells_and_short_ones_do_not() -> None:
+    cells = StarCells(PLAN, TUBE.lattice)
+    corner = PLAN.border[np.abs(PLAN.border).argmax(axis=0)[0]]
+    line = np.linspace(0.0, 1.0, 400)[:, None] * corner
+    shares = cells.shares(line)
+    spacing = TUBE.lattice.spacing_mm
+    short, between, long = (shares(np.full(COUNT, part * spacing)) for part in (0.25, 0.42, 0.6))
+    assert (short != shares.narrow).nnz == 0 and (long != shares.wide).nnz == 0
+    half = 0.5 * (short + long).toarray()
+    assert between.toarray() == pytest.approx(half)
+    # the rim has bare fabric, more of it where arms are short
+    rim = [float(one[-40:].sum(axis=1).mean()) for one in (short, between, long)]
+    assert rim[0] < rim[1] < rim[2] < 1.0
+    # where arms differ, a place goes by those around it
+    mixed = np.where(np.arange(COUNT) == 0, 10.0, 4.0)
+    assert shares(mixed)[0].toarray() == pytest.approx(long[0].toarray(), abs=0.1)
+    assert shares(mixed)[-1].toarray() == pytest.approx(short[-1].toarray(), abs=0.01)
+    assert shares(mixed).sum(axis=1).max() <= 1.0 + 1e-9
+
+
+def test_a_star_is_as_thick_as_its_arms_are_on_the_mean_of_their_lengths() -> None:
+    """One arm was cut to half, another one away."""
+    parts = np.tile([1.0, 0.5, 0.0], COUNT)
+    centre = PLAN.centres[PLAN.arm_star]
+    thickness = np.tile([[0.2, 0.4], [0.4, 0.8], [9.0, 9.0]], (COUNT, 1))
+    cut = replace(PLAN, arm_tip=centre + parts[:, None] * (PLAN.arm_tip - centre), arm_thickness=thickness)
+    sizes = star_sizes(cut, 3)
+    assert sizes[:, 0] == pytest.approx(star_sizes(PLAN, 3)[:, 0] / 2.0)
+    assert sizes[:, 1] == pytest.approx((0.3 + 0.5 * 0.6) / 1.5)

@@ -1,0 +1,148 @@
+"""Sheets that curl tightly at their border are started from caps too."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from asterism.previews.search import equilibria
+from asterism.previews.search.equilibria import narrow, settled, soft_in_two_ways, turned_over
+from asterism.previews.session import Preview
+from fem.elements.argyris import Argyris
+from fem.search.mean_fields import trends
+from fem.search.relax import follow, relax
+from fem.search.sides import side_of
+from fem.shell.fields import Fields, of_stretch
+from fem.shell.shell import Shell
+from pattern import gallery
+from pattern.design.design import Design
+from tests.fem.hexagons import FIELDS, RADIUS, density, hexagon, radius
+
+FOLDS = of_stretch(density(100.0), 0.8, lambda p: -0.06 * radius(p) ** 2)
+ROLLS = of_stretch(density(100.0), 0.8, lambda p: -0.012 - 0.001 * radius(p) ** 2)
+
+
+@pytest.mark.parametrize("fields", [FOLDS, ROLLS])
+def test_caps_never_cost_energy(fields: Fields) -> None:
+    shell = Shell(Argyris(hexagon(1)), fields)
+    factor = shell.factor()
+    plain = settled(shell, factor, "auto", uniform=False, curls=False)
+    found = settled(shell, factor, "auto", uniform=False, curls=True)
+    assert found.is_minimum
+    assert found.energy <= plain.energy * (1.0 + 1e-9)
+    assert "cap" in {trial.name for trial in found.trials}
+    assert found.energy == pytest.approx(shell.energy(found.x))
+    # the factor is left with the Hessian of what was found, its rigid motions held
+    data = shell.hessian(found.x)
+    low = shell.pattern.lower(data).toarray()
+    push = (low + np.tril(low, -1).T) @ np.random.default_rng(0).normal(size=len(low))
+    moved = factor.solve(push)
+    assert np.allclose((low + np.tril(low, -1).T) @ moved, push, atol=1e-6 * np.abs(push).max())
+    factor.close()
+
+
+@pytest.mark.parametrize("curls", [True, False])
+def test_a_folded_sheet_is_found(curls: bool) -> None:
+    """By its tight curls, or because the roll is soft in two ways."""
+    shell = Shell(Argyris(hexagon(1)), FOLDS)
+    found = settled(shell, shell.factor(), "auto", uniform=False, curls=curls)
+    assert found.is_minimum and found.energy < 0.98 * relax(shell).energy
+
+
+def test_a_form_on_the_side_that_is_asked_for_is_shown_though_it_is_dearer() -> None:
+    """A held dome would rather go up from its border; both are minima."""
+    preview = Preview(gallery.load("dome"))
+    down = preview.equilibrium
+    factor = preview.shell.factor()
+    up = settled(preview.shell, factor, "up", uniform=False, curls=False)
+    assert (side_of(preview.shell, down.x), side_of(preview.shell, up.x)) == ("down", "up")
+    assert up.is_minimum and up.energy > 1.2 * down.energy and len(up.soft_modes)
+    factor.close()
+
+
+def test_a_narrow_sheet_is_looked_at_for_other_buckles() -> None:
+    """Both forms are stiff minima; a start as a round cap leads to the higher one."""
+    stars = {"length_mm": 6.97, "thickness_mm": 0.39}
+    pins = [{"where": "border", "scale": 0.68}]
+    preview = Preview(Design.from_dict({"stars": stars, "border": {"rings": 2}, "pins": pins}))
+    shape = preview.shape()
+    (other,) = shape.summary["other_forms"]
+    assert any("the exact model may take another" in line for line in shape.summary["warnings"])
+    assert shape.summary["is_minimum"] and other["energy_n_mm"] > 1.1 * shape.summary["energy_n_mm"]
+    assert narrow(trends(preview.shell)) and not soft_in_two_ways(preview.shell, preview.equilibrium, 60.0)
+    *_, last = preview.edit(
+        Design.from_dict({"stars": stars | {"length_mm": 7.1}, "border": {"rings": 2}, "pins": pins})
+    )
+    assert last.name == "equilibrium" and any("buckle" in line for line in preview.shape().summary["warnings"])
+    assert not narrow(trends(Preview(gallery.load("dome")).shell))
+
+
+def test_sides_of_free_and_held_states() -> None:
+    shell = Shell(Argyris(hexagon(1)), FIELDS["dome"])
+    found = relax(shell)
+    side = trends(shell).side
+    assert side_of(shell, found.x) == side and side_of(shell, shell.flat) == "auto"
+    turned = found.x * [1.0, -1.0, -1.0]  # half a turn is no other side
+    assert side_of(shell, turned) == side
+    hangs = gallery.load("dome").to_dict() | {"pins": [{"points_mm": [[0.0, 0.0]]}]}
+    middle = Preview(Design.from_dict(hangs))
+    assert middle.shape().extent_mm[2] > 20.0 and side_of(middle.shell, middle.equilibrium.x) == "down"
+
+
+@pytest.mark.parametrize(("fields", "soft"), [(FOLDS, True), (FIELDS["dome"], False)])
+def test_sheets_soft_in_two_ways_are_started_from_other_kinds(fields: Fields, soft: bool) -> None:
+    shell = Shell(Argyris(hexagon(1)), fields)
+    alone = relax(shell)
+    assert soft_in_two_ways(shell, alone, 0.8 * 2.0 * RADIUS) == soft
+    found = settled(shell, shell.factor(), "auto", uniform=False, curls=False)
+    tried, before = ({trial.name for trial in each.trials} for each in (found, alone))
+    assert tried > before if soft else tried == before
+    assert found.is_minimum and found.energy <= 1.02 * alone.energy
+
+
+def test_a_held_sheet_that_is_soft_in_two_ways_is_pushed_to_a_lower_form() -> None:
+    """The roof on three corners: its free ones hang down, where a cap alone leads to a dearer form."""
+    preview = Preview(gallery.load("doubly-curved"))
+    found = preview.equilibrium
+    cap, *others = found.trials
+    assert found.is_minimum and found.start == "pushed" and cap.name == "cap"
+    assert found.energy < 0.97 * cap.energy
+    assert {trial.name for trial in others} == {"pushed"}
+    corners = preview.at(0.999 * preview.sheet.layout.border).smooth[:, 2]
+    assert (corners[1::2] < corners[::2] - 10.0).all()
+
+
+def test_what_gaussian_curvature_saves_is_a_part_of_the_energy() -> None:
+    preview = Preview(gallery.load("dome"))
+    found, shell = preview.equilibrium, preview.shell
+    assert found.energies["gaussian"] < 0.0
+    assert sum(found.energies.values()) == pytest.approx(shell.energy(found.x))
+    assert found.at_stake == pytest.approx(found.energies["sheet"] - found.energies["gaussian"])
+
+
+@pytest.mark.parametrize("thickness", [0.415, 0.42])
+def test_a_tube_that_hardly_prefers_an_axis_settles_soon(thickness: float) -> None:
+    """A soft motion with a negative stiffness on its way: without turning it round, 100 iterations and more."""
+    data = gallery.load("tube").to_dict()
+    data["stars"]["thickness_mm"] = thickness
+    found = Preview(Design.from_dict(data)).equilibrium
+    assert found.is_minimum
+    assert found.soft_modes[1] > 20.0 * found.soft_modes[0]
+    assert found.fallbacks == 0
+    assert found.iterations <= 60
+
+
+def test_a_held_sheet_on_the_wrong_side_is_tried_from_flat(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Guesses may turn over on the way; a dome that hangs below its border costs more."""
+    preview = Preview(gallery.load("dome"))
+    shell, right = preview.shell, preview.equilibrium
+    over = right.x * [1.0, 1.0, -1.0]
+    assert turned_over(shell, over, "down") and turned_over(shell, right.x, "up")
+    assert not turned_over(shell, right.x, "down") and not turned_over(shell, shell.held(shell.flat), "down")
+    wrong = follow(shell, over, shell.factor(), "cap")
+    assert wrong.is_minimum and wrong.energy > 1.1 * right.energy
+    first = iter([wrong])
+    real = equilibria.relax
+    monkeypatch.setattr(equilibria, "relax", lambda *given, **more: next(first, None) or real(*given, **more))
+    found = settled(shell, shell.factor(), "auto", False, False)
+    assert found.energy == pytest.approx(right.energy, rel=1e-6) and len(found.trials) == 2

@@ -1,0 +1,176 @@
+"""Edits that are broken off, dragged on, overtaken or undone."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import asterism.previews.session as preview_module
+from asterism.previews.session import Preview
+from pattern import gallery
+from pattern.design.design import Design
+from pattern.design.errors import DesignError
+
+
+def edited(name: str, **sections: Any) -> Design:
+    data = gallery.load(name).to_dict() | {"mesh": {"edge_mm": 4.0}}
+    for section, entries in sections.items():
+        data[section] = data[section] | entries if isinstance(entries, dict) else entries
+    return Design.from_dict(data)
+
+
+def break_off_while_it_settles(preview: Preview, design: Design, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The factor then is of some state on the way."""
+
+    def interrupted(shell: Any, x: Any, factor: Any, *_: Any) -> None:
+        factor.factorise(2.0 * shell.hessian(x))
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(preview_module, "follow", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            preview.update(design)
+
+
+@pytest.mark.parametrize(
+    ("name", "key", "ends"),
+    [("dome", "length_mm", (9.0, 7.0)), ("tube", "thickness_mm", (0.4, 0.5)), ("tunnel", "thickness_mm", (0.3, 0.36))],
+)
+def test_who_drags_through_linear_responses_sees_a_sheet(name: str, key: str, ends: tuple[float, float]) -> None:
+    """Each starts from the last equilibrium, not from the last response."""
+    preview = Preview(edited(name))
+    size = preview.shell.size
+    for value in np.linspace(*ends, 30):
+        stage = next(preview.edit(edited(name, stars={key: float(value)})))
+        assert stage.name == "linear" and np.ptp(stage.x, axis=0).max() < 1.5 * size
+        assert not preview.equilibrium.is_minimum or value == ends[0]
+    # the last of them is that of a single edit
+    once = next(Preview(edited(name)).edit(edited(name, stars={key: ends[1]})))
+    assert stage.x == pytest.approx(once.x, abs=1e-9 * size)
+    final = preview.update(edited(name, stars={key: ends[1]}))
+    assert final.summary["is_minimum"]
+
+
+@pytest.mark.parametrize("part", ["linear_response", "energies_of"])
+def test_an_edit_that_is_broken_off_changes_nothing(part: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    preview = Preview(edited("dome"))
+    before, height = preview.design, preview.shape().height_mm
+    other = edited("dome", stars={"override": [{"star": 3, "remove": True}], "thickness_mm": 0.33})
+
+    def interrupted(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(preview_module, part, interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            preview.update(other)
+    assert preview.design is before and preview.equilibrium.is_minimum
+    assert np.linalg.norm(preview.shell.gradient(preview.equilibrium.x)) <= preview.equilibrium.tolerance
+    assert preview.shape().height_mm == height
+    assert preview.update(other).height_mm == pytest.approx(Preview(other).shape().height_mm, rel=1e-6)
+
+
+def test_an_edit_after_one_that_was_broken_off_while_it_settled(monkeypatch: pytest.MonkeyPatch) -> None:
+    preview, other = Preview(edited("dome")), edited("dome", stars={"thickness_mm": 0.33})
+
+    break_off_while_it_settles(preview, other, monkeypatch)
+    assert not preview.equilibrium.is_minimum and preview.shape().summary["warnings"]
+    linear, _ = preview.edit(edited("dome", stars={"thickness_mm": 0.32}))
+    once = next(Preview(edited("dome")).edit(edited("dome", stars={"thickness_mm": 0.32})))
+    # with the stiffness of the sheet as it was being edited: nearly the same
+    assert np.abs(linear.x - once.x).max() < 0.02 * preview.shell.size
+    assert preview.equilibrium.is_minimum
+
+
+def test_an_edit_that_was_overtaken_says_so() -> None:
+    preview = Preview(edited("dome"))
+    first = preview.edit(edited("dome", stars={"length_mm": 7.0}))
+    next(first)
+    preview.update(edited("dome", border={"rings": 2}))
+    with pytest.raises(RuntimeError, match="overtaken"):
+        next(first)
+    assert preview.equilibrium.is_minimum and len(preview.sheet.layout.centres) == 19
+
+
+def test_a_stage_is_the_callers_own() -> None:
+    preview = Preview(edited("dome"))
+    for stage in preview.edit(edited("dome", stars={"thickness_mm": 0.32})):
+        height = np.ptp(preview.equilibrium.x[:, 2])
+        stage.x[:] *= 1.5
+        assert np.ptp(preview.equilibrium.x[:, 2]) == height
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, pickle.dumps], ids=["copy", "deepcopy", "pickle"])
+def test_a_preview_is_not_copied(copied: Callable[[Preview], object]) -> None:
+    """A copy would share the shell that edits change."""
+    with pytest.raises(TypeError, match="cannot be copied or pickled"):
+        copied(Preview(edited("star")))
+
+
+def test_what_is_shown_is_kept_while_arms_stay(monkeypatch: pytest.MonkeyPatch) -> None:
+    meshed: list[Design] = []
+    mesh = preview_module.shown_mesh
+    monkeypatch.setattr(preview_module, "shown_mesh", lambda *given: meshed.append(given[0]) or mesh(*given))
+    preview = Preview(edited("dome"))
+    preview.shape()
+    for change, count in (
+        ({"stars": {"thickness_mm": 0.33}}, 1),
+        ({"stars": {"thickness_mm": 0.33, "length_mm": 7.5}}, 2),
+        ({"stars": {"override": [{"star": 3, "remove": True}]}}, 3),
+        ({"mesh": {"edge_mm": 3.0}}, 4),
+    ):
+        shape = preview.update(edited("dome", **change))
+        assert len(meshed) == count
+        fresh = Preview(edited("dome", **change)).shape()
+        meshed.pop()
+        assert shape.positions == pytest.approx(fresh.positions, abs=1e-4)
+        assert shape.rod_fields["thickness_mm"] == pytest.approx(fresh.rod_fields["thickness_mm"])
+
+
+@pytest.mark.parametrize(("name", "said"), [("tube", True), ("dome", False)])
+def test_free_sheets_say_that_an_edit_keeps_their_form(name: str, said: bool) -> None:
+    """They may have lower ones, which only starts meet."""
+    preview = Preview(edited(name))
+    told = [
+        any("a new preview looks for lower ones" in line for line in shape.summary["warnings"])
+        for shape in (preview.shape(), preview.update(edited(name, stars={"thickness_mm": 0.41})))
+    ]
+    assert told == [False, said]
+
+
+def test_pins_on_arms_go_with_them() -> None:
+    """A pin beside a tip is on it; where the arm becomes shorter it is beside again."""
+    pins = {"pins": [{"points_mm": [[0.0, -9.8], [-20.0, -15.0], [20.0, -15.0]]}], "border": {"rings": 2}}
+    data = gallery.load("tube").to_dict() | {"mesh": {"edge_mm": 4.0}} | pins
+    stars = data["stars"]
+    longer, shorter = (Design.from_dict(data | {"stars": stars | {"length_mm": size}}) for size in (10.0, 8.0))
+    preview = Preview(longer)
+    shape = preview.update(shorter)
+    assert shape.at([[0.0, -9.8]])[0] == pytest.approx([0.0, -9.8, 0.0], abs=1e-6)
+    assert preview.equilibrium.energy == pytest.approx(Preview(shorter).equilibrium.energy, rel=1e-6)
+    preview.flip()
+
+
+def test_an_edit_that_is_refused_overtakes_none() -> None:
+    preview = Preview(edited("dome"))
+    pending = preview.edit(edited("dome", stars={"thickness_mm": 0.33}))
+    next(pending)
+    with pytest.raises(DesignError):
+        preview.update(edited("dome", border={"rings": 2}, pins=[{"edges": [0]}, {"edges": [1], "scale": 0.5}]))
+    assert next(pending).name == "equilibrium" and preview.equilibrium.is_minimum
+
+
+def test_softness_is_that_of_the_sheet_after_an_edit_without_change_was_broken_off(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    preview = Preview(edited("dome"))
+    before = preview.shape().summary["soft_modes_n_mm3"]
+
+    break_off_while_it_settles(preview, edited("dome"), monkeypatch)
+    assert preview.equilibrium.is_minimum
+    assert preview.shape().summary["soft_modes_n_mm3"] == pytest.approx(before, rel=1e-3)

@@ -1,0 +1,122 @@
+"""`asterism preview`: files, table, exit status, and one line for every mistake."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from asterism.cli.preview import table_lines
+from homogenize.law.file import to_bytes
+from tests.asterism.commands import command
+from tests.asterism.previews.laws import plain_law
+
+DESIGN = """
+name = "small"
+[stars]
+length_mm = 8.0
+thickness_mm = 0.3
+[border]
+rings = 1
+[mesh]
+edge_mm = 5.0
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    (tmp_path / "small.toml").write_text(DESIGN)
+    (tmp_path / "plain.npz").write_bytes(to_bytes(plain_law()))
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_writes_the_files_of_a_simulation(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    done = command(["preview", "small.toml", "-o", "out", "--law", "plain.npz"], capsys, monkeypatch)
+    assert done.status == 0
+    assert {file.name for file in (folder / "out").iterdir()} == {"summary.json", "shape.vtu", "rods.vtu", "shape.png"}
+    summary = json.loads((folder / "out" / "summary.json").read_text())
+    assert summary["is_minimum"] and summary["law"]["material"] == "plain"
+    assert "equilibrium          stable" in done.out
+    expected = f"expected distance    {summary['expected_rms_percent']:.1f} % of the diameter"
+    assert expected in done.out
+    assert "expected distance    not known" in "\n".join(table_lines(summary | {"expected_rms_percent": None}))
+    height, off = summary["height_mm"], summary["expected_height_percent"]
+    assert f"  height               {height:.2f} mm, give or take {off:.0f} %\n" in done.out
+    assert f"height               {height:.2f} mm" in table_lines(summary | {"expected_height_percent": None})[1]
+
+
+@pytest.mark.usefixtures("blank_pictures")
+def test_a_form_on_a_side_is_not_sent_to_the_other_one(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Verifications look at the side that the stars want. Stars outside the law are warned of."""
+    (folder / "small.toml").write_text(DESIGN.replace("thickness_mm = 0.3", "thickness_mm = 0.15"))
+    words = ["preview", "small.toml", "-o", "out", "--law", "plain.npz"]
+    up, auto = (command([*words, *side], capsys, monkeypatch) for side in (["--side", "up"], []))
+    assert "asterism verify small.toml --law plain.npz" in auto.err
+    assert "asterism.simulate(design, near=shape)" in up.err and "verify small.toml" not in up.err
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["preview", "none.toml"], "none.toml"),
+        (["preview", "small.toml", "--law", "none.npz"], "none.npz"),
+        (["preview", "small.toml", "--law", "small.toml"], "is not a law"),
+        (["preview", "small.toml", "--side", "left"], "--side"),
+        (["preview", "small.toml", "-o", "small.toml"], "a file is in the way"),
+    ],
+)
+def test_mistakes_are_one_line(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, words: list[str], said: str
+) -> None:
+    done = command(words, capsys, monkeypatch)
+    assert done.status == 2
+    assert said in done.line
+    assert not (folder / "small").exists()
+
+
+def test_a_law_for_another_material_is_refused(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (folder / "small.toml").write_text(DESIGN + "[plastic]\nmodulus_ratio = 100.0\n")
+    done = command(["preview", "small.toml", "--law", "plain.npz"], capsys, monkeypatch)
+    assert done.status == 2 and "plastic.modulus_ratio" in done.line
+    assert not (folder / "small").exists()
+
+
+@pytest.mark.usefixtures("blank_pictures")
+def test_stars_outside_the_law_are_named(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (folder / "small.toml").write_text(DESIGN.replace("0.3", "0.9"))
+    done = command(["preview", "small.toml", "--law", "plain.npz"], capsys, monkeypatch)
+    assert done.status == 0
+    assert "star 0 at [0.0, 0.0]: thickness_mm = 0.9 is outside" in done.err
+    assert done.err.endswith("asterism: the exact model tells:  asterism verify small.toml --law plain.npz\n")
+    summary = json.loads((folder / "small" / "summary.json").read_text())
+    assert not any("asterism verify" in line for line in summary["warnings"])
+    # nothing is known of the error there
+    assert summary["expected_rms_percent"] is None and summary["expected_height_percent"] is None
+    assert "expected distance    not known" in done.out and "give or take" not in done.out
+
+
+@pytest.mark.usefixtures("blank_pictures")
+def test_a_sheet_that_is_nearly_flat(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its height may be off by many times itself: by so many mm."""
+    (folder / "wide.toml").write_text(
+        "[stars]\nlength_mm = 8\n[border]\nrings = 1\n[[pins]]\nwhere = 'border'\nscale = 2.0\n"
+    )
+    done = command(["preview", "wide.toml"], capsys, monkeypatch)
+    assert "the pins hold the sheet 2 times as wide as it was printed" in done.err
+    summary = json.loads((folder / "wide" / "summary.json").read_text())
+    assert summary["expected_height_percent"] > 100.0
+    height = next(line for line in done.out.splitlines() if "height" in line)
+    off = float(height.split("give or take")[1].removesuffix("mm"))
+    assert off == pytest.approx(0.01 * summary["expected_height_percent"] * summary["height_mm"], abs=0.05)

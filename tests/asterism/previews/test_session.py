@@ -1,0 +1,683 @@
+"""The preview of a design: signs, pins, edits, bumps, and what its summary says."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+from scipy.spatial.transform import Rotation
+
+import asterism
+import asterism.previews.session as preview_module
+from asterism.exact.simulation import simulate
+from asterism.previews.corrugation.arms import Arms
+from asterism.previews.corrugation.bumps import TURN
+from asterism.previews.fields.star_values import SIXFOLD_MOST, star_values
+from asterism.previews.session import Preview
+from asterism.previews.summary import warnings
+from asterism.previews.supports.conditions import weight
+from asterism.previews.uncertainty.other_forms import OtherForm
+from asterism.shape.comparison import compare
+from homogenize.errors import LawError
+from homogenize.law.table import NAMES
+from pattern import gallery
+from pattern.design.design import Design
+from pattern.design.errors import DesignError
+from pattern.geometry.planar import polygon_area
+from pattern.layout.build import layout
+from pattern.layout.symmetries import symmetries
+from tests.asterism.previews.laws import SPACING, plain_law
+
+TUBE = gallery.load("tube")
+
+
+def design(**sections: Any) -> Design:
+    """The tube's sheet, with sections that replace or change its own."""
+    data = TUBE.to_dict()
+    for name, entries in sections.items():
+        own = data.get(name)
+        data[name] = {**own, **entries} if isinstance(own, Mapping) and isinstance(entries, Mapping) else entries
+    return Design.from_dict(data)
+
+
+CURLY = design(stars={"thickness_mm": 0.25}, mesh={"edge_mm": 4.0})
+
+
+@pytest.fixture(scope="module")
+def curly() -> Preview:
+    return Preview(CURLY, plain_law())
+
+
+def test_a_free_sheet_rolls_with_the_plastic_outside(curly: Preview) -> None:
+    assert curly.equilibrium.is_minimum
+    centre = curly.at(np.zeros((1, 2)))
+    kappa = curly.values.value["kappa"][0]
+    # positive mean curvature is convex on the plastic side; of a tube it is half of the curvature around it, and the
+    # bare rim holds a small sheet open by a part of that
+    assert 0.7 < centre.surface.mean_curvature[0] / (kappa / 2) < 1.0
+    assert abs(centre.surface.gaussian_curvature[0]) < 0.02 * kappa**2
+    shape = curly.shape()
+    assert shape.summary["roll_axis_deg"] == pytest.approx(
+        min(shape.summary["equivalent_axes_deg"], key=lambda a: abs(a - shape.summary["roll_axis_deg"]))
+    )
+    # tubes of three-armed stars roll about axes at right angles to an arm, and by symmetry about three of them
+    assert np.round(shape.summary["equivalent_axes_deg"]).tolist() == [30.0, 90.0, 150.0]
+
+
+def test_bumps_are_as_high_as_the_law_says(curly: Preview, monkeypatch: pytest.MonkeyPatch) -> None:
+    tips = len(curly.sheet.layout.arm_tip)
+    monkeypatch.setattr(Arms, "moves", lambda *_: (np.zeros((tips, 2)), np.zeros(tips)))
+    shape = curly.shape()
+    bump = shape.point_fields["bump_mm"]
+    heights = np.einsum("vi,vi->v", bump, shape.point_fields["normal"])
+    wave = curly.law.waves(np.zeros((1, 2)))[0, 0]
+    flat, more = curly.values.relief[0, :, 0]
+    inner = shape.star_vertices[:7]
+    curvature = 2.0 * shape.point_fields["mean_curvature_per_mm"][inner]
+    kappa, turn = curly.values.value["kappa"][0], SPACING / TURN
+    way = kappa * np.tanh(curvature * turn) / np.tanh(kappa * turn)
+    assert heights[inner] == pytest.approx((flat + more * way) * wave, rel=0.02)
+    # off the bumps the surface is the shell's
+    smooth = curly.at(shape.printed).smooth
+    turned = shape.positions - bump
+    assert np.linalg.norm(turned[0] - turned[100]) == pytest.approx(np.linalg.norm(smooth[0] - smooth[100]))
+
+
+def test_the_shape_covers_the_whole_print(curly: Preview) -> None:
+    shape, plan = curly.shape(), layout(CURLY)
+    assert shape.at(plan.border).shape == (6, 3)
+    assert len(shape.rods) == 3 * len(plan.centres) and len(shape.star_vertices) == len(plan.centres)
+    assert shape.rod_fields["thickness_mm"] == pytest.approx(0.25)
+    assert len(shape.rod_fields["arm"]) == len(shape.rod_edges)
+
+
+def test_summary_has_the_keys_of_a_simulation(curly: Preview) -> None:
+    summary = curly.shape().summary
+    same = {
+        "converged", "is_minimum", "gradient_norm", "gradient_tolerance", "energy_n_mm", "roll_axis_deg", "vertices",
+        "triangles", "dofs", "iterations", "factorisations", "saddles_left", "wall_s", "wall_s_by_stage", "height_mm",
+        "extent_mm", "contraction", "version", "design",
+    }  # fmt: skip
+    assert same | {"law", "law_in_range", "warnings"} <= set(summary)
+    assert summary["law_in_range"] and not summary["stars_tight"]
+    assert summary["design"] == CURLY.to_dict()
+
+
+def test_an_edit_gives_the_shape_of_a_new_preview() -> None:
+    preview = Preview(CURLY, plain_law())
+    thicker = design(stars={"thickness_mm": 0.27}, mesh={"edge_mm": 4.0})
+    linear, final = preview.edit(thicker)
+    assert (linear.name, final.name) == ("linear", "equilibrium")
+    fresh = Preview(thicker, plain_law())
+    assert preview.equilibrium.is_minimum
+    # the sheet may have more than one form, but it is the same sheet
+    x = preview.equilibrium.x
+    assert fresh.shell.energy(x) == pytest.approx(preview.equilibrium.energy, rel=1e-9)
+    assert np.linalg.norm(fresh.shell.gradient(x)) < 2.0 * preview.equilibrium.tolerance
+    assert preview.equilibrium.energy == pytest.approx(fresh.equilibrium.energy, rel=0.01)
+    assert preview.shape().height_mm == pytest.approx(fresh.shape().height_mm, rel=1e-3)
+
+
+@pytest.mark.parametrize("step", [0, 1])
+def test_softness_is_known_after_edits_and_pins_too(step: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No edit waits for it; it is found once, when a summary is asked for."""
+    asked: list[None] = []
+    find = preview_module.modes_of
+    monkeypatch.setattr(preview_module, "modes_of", lambda *given: asked.append(None) or find(*given))
+    pins = [{"edges": [0]}, {"points_mm": [[0.0, -60.0]], "target_mm": [[0.0, -45.0, 5.0]], "step": step}]
+    one, other = (design(stars={"thickness_mm": t}, pins=pins, mesh={"edge_mm": 4.0}) for t in (0.3, 0.303))
+    preview, fresh = Preview(one, plain_law()), Preview(other, plain_law())
+    before = preview.shape().summary
+    assert before["expected_rms_percent"] is not None and len(asked) == step
+    list(preview.edit(other))
+    assert len(asked) == step
+    after, new = preview.shape().summary, fresh.shape().summary
+    assert after["energy_n_mm"] == pytest.approx(new["energy_n_mm"], rel=1e-6)  # one form
+    for key in (
+        "soft_modes_n_mm3", "soft_amplitudes_percent", "expected_rms_percent", "expected_height_percent",
+        "height_doubts_mm", "warnings",
+    ):  # fmt: skip
+        assert after[key] == (new[key] if key == "warnings" else pytest.approx(new[key], rel=1e-4)), key
+    for key in ("expected_rms_percent", "expected_height_percent"):
+        assert after[key] != pytest.approx(before[key], rel=1e-4), key
+    count = len(asked)
+    assert preview.shape().summary["soft_modes_n_mm3"] == after["soft_modes_n_mm3"] and len(asked) == count
+
+
+def test_the_linear_response_is_right_to_first_order() -> None:
+    missed = []
+    for change in (0.002, 0.001):
+        preview = Preview(gallery.load("dome"), plain_law())
+        data = preview.design.to_dict()
+        data["stars"]["thickness_mm"] = 0.3 + change
+        linear, final = preview.edit(Design.from_dict(data))
+        missed.append(np.abs(linear.x - final.x).max())
+    assert missed[1] < 0.35 * missed[0]
+
+
+def test_an_edit_of_the_outline_starts_anew_and_a_refused_one_changes_nothing() -> None:
+    preview = Preview(CURLY, plain_law())
+    before = preview.equilibrium.x.copy()
+    with pytest.raises(LawError, match=r"fabric\.thickness_mm"):
+        list(preview.edit(design(fabric={"thickness_mm": 0.5})))
+    assert preview.design is CURLY and (preview.equilibrium.x == before).all()
+    # what is wrong is found only when the new sheet is held
+    with pytest.raises(DesignError, match="pins"):
+        list(preview.edit(design(pins=[{"edges": [0]}, {"edges": [1], "scale": 0.5}])))
+    assert preview.design is CURLY and (preview.equilibrium.x == before).all()
+    assert preview.shape().summary["design"] == CURLY.to_dict()
+    smaller = design(border={"rings": 2})
+    assert [stage.name for stage in preview.edit(smaller)] == ["equilibrium"]
+    assert len(preview.sheet.layout.centres) == 19
+
+
+def test_a_removed_star_is_bare_fabric_after_an_edit_too() -> None:
+    preview = Preview(CURLY, plain_law())
+    gone = design(stars={"thickness_mm": 0.25, "override": [{"star": 0, "remove": True}]}, mesh={"edge_mm": 4.0})
+    list(preview.edit(gone))
+    fresh = Preview(gone, plain_law())
+    assert len(preview.values.sizes) == 36
+    # the sheet may have more than one form, but it is the same sheet
+    x = preview.equilibrium.x
+    assert fresh.shell.energy(x) == pytest.approx(preview.equilibrium.energy, rel=1e-9)
+    assert np.linalg.norm(fresh.shell.gradient(x)) < 2.0 * preview.equilibrium.tolerance
+    assert preview.equilibrium.energy == pytest.approx(fresh.equilibrium.energy, rel=0.01)
+
+
+def test_a_dome_can_be_flipped() -> None:
+    preview = Preview(gallery.load("dome"), plain_law())
+    up = preview.at(np.zeros((1, 2))).smooth[0, 2]
+    assert up > 1.0
+    preview.flip()
+    assert preview.equilibrium.is_minimum
+    down = preview.at(np.zeros((1, 2))).smooth[0, 2]
+    assert down < -1.0
+    preview.flip()
+    assert preview.at([0.0, 0.0]).smooth[0, 2] == pytest.approx(up, rel=1e-6)
+
+
+def test_a_sheet_without_another_side_stays_and_says_so() -> None:
+    """The stars of a held bell keep it up."""
+    bell = gallery.load("bell")
+    preview = Preview(bell)
+    before = preview.equilibrium
+    assert preview.flip() == "down" and preview.equilibrium is before and preview.side == "auto"
+    assert not any("edges" in line for line in preview.shape().summary["warnings"])
+    *_, last = preview.edit(bell)  # its factorisation goes with it
+    assert last.name == "equilibrium" and preview.equilibrium.iterations <= 1
+    asked = Preview(bell, side="up").shape().summary
+    assert asked["is_minimum"] and asked["energy_n_mm"] == pytest.approx(before.energy, rel=1e-6)
+    assert "the edges were asked to go up, but no such form was reached: they go down" in asked["warnings"]
+
+
+def test_a_sheet_that_goes_up_by_itself_is_flipped_down() -> None:
+    """Its natural curvature is the other one; whatever side `auto` has found, a flip leaves it."""
+    law = plain_law()
+    dome, table = gallery.load("dome"), law.tables[0]
+    nodes = table.nodes.copy()
+    nodes[..., NAMES.index("kappa")] *= -1.0
+    preview = Preview(dome, replace(law, tables=(replace(table, nodes=nodes), *law.tables[1:])))
+    before = preview.at([0.0, 0.0]).smooth[0, 2]
+    assert preview.flip() == "down"
+    assert preview.at([0.0, 0.0]).smooth[0, 2] * before < -1.0
+
+
+def test_where_pins_leave_the_height_open_the_lowest_stands_at_zero() -> None:
+    """Of new previews, edits and the exact model alike; their shapes can be laid on each other as they are."""
+    corners = [{"where": "corners", "scale": 0.74, "slide": "z"}]
+    one, other = (design(stars={"length_mm": size}, pins=corners, mesh={"edge_mm": 4.0}) for size in (8.0, 8.4))
+    preview = Preview(one)
+    for stage in preview.edit(other):
+        held = preview.at(preview.sheet.layout.border, stage.x).smooth[:, 2]
+        assert held.min() == pytest.approx(0.0, abs=1e-9) and np.ptp(held) < 20.0
+    fresh, exact = Preview(other).shape(), simulate(other)
+    assert preview.shape().positions == pytest.approx(fresh.positions, abs=1e-3 * np.ptp(fresh.positions))
+    assert exact.at(preview.sheet.layout.border)[:, 2].min() == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_held_border_is_where_it_is_held() -> None:
+    preview = Preview(gallery.load("dome"), plain_law())
+    border = preview.sheet.layout.border
+    share = np.linspace(0, 1, 7)[:, None, None]
+    rim = (border + share * (np.roll(border, -1, axis=0) - border)).reshape(-1, 2)
+    places = preview.at(rim).smooth
+    assert places == pytest.approx(np.column_stack([0.74 * rim, np.zeros(len(rim))]), abs=1e-9)
+
+
+@pytest.mark.parametrize("pin", [{"edges": [0, 1, 2, 3, 4, 5]}, {"points_mm": [[20.0, 0.0], [-10.0, 17.0]]}])
+def test_bumps_leave_what_is_held_in_its_place(pin: dict[str, Any]) -> None:
+    stars = {"length_mm": 8.0, "thickness_mm": 0.3}
+    preview = Preview(design(stars=stars, border={"rings": 1}, pins=[pin | {"scale": 0.78}]))
+    border = preview.sheet.layout.border
+    held = np.array(pin.get("points_mm") or np.concatenate([border, 0.5 * (border + np.roll(border, 1, axis=0))]))
+    found = preview.at(held)
+    assert found.bumpy == pytest.approx(np.column_stack([0.78 * held, np.zeros(len(held))]), abs=1e-9)
+    assert np.abs(preview.at(0.7 * border).bumps[:, 2]).max() > 0.1
+    assert preview.shape().held
+
+
+@pytest.mark.parametrize(("slide", "held"), [(None, [0, 1, 2]), ("z", [0, 1]), ("plane", [2])])
+def test_pins_hold_what_they_say(slide: str | None, held: list[int]) -> None:
+    points = [[-50.0, 0.0], [50.0, 0.0], [0.0, 60.0]]
+    pin = {"points_mm": points, "scale": 0.8} | ({"slide": slide} if slide else {})
+    preview = Preview(design(pins=[pin]), plain_law())
+    assert preview.equilibrium.is_minimum
+    target = np.column_stack([0.8 * np.array(points), np.zeros(3)])
+    assert preview.at(np.array(points)).smooth[:, held] == pytest.approx(target[:, held], abs=1e-9)
+
+
+def test_targets_and_later_steps() -> None:
+    points, target = [[0.0, -60.0], [0.0, 60.0]], [[0.0, -40.0, 0.0], [0.0, 40.0, 5.0]]
+    preview = Preview(design(pins=[{"points_mm": points, "target_mm": target, "step": 1}]), plain_law())
+    assert preview.equilibrium.start == "pins take hold"
+    assert preview.equilibrium.is_minimum
+    assert preview.at(np.array(points)).smooth == pytest.approx(np.array(target), abs=1e-9)
+
+
+@pytest.mark.parametrize("turn", [("z", 180.0), ("x", 90.0), ("y", 150.0)])
+def test_pins_that_are_turned_in_space_turn_the_shape(turn: tuple[str, float]) -> None:
+    """Stood upright or laid on its back: without weight the energy is the same."""
+    corners = layout(design()).border[::2]
+    places = np.column_stack([0.8 * corners, np.zeros(3)])
+    turned = places @ Rotation.from_euler(*turn, degrees=True).as_matrix().T
+    one, other = (
+        Preview(design(pins=[{"corners": [0, 2, 4], "target_mm": at.tolist()}]), plain_law()).equilibrium
+        for at in (places, turned)
+    )
+    assert one.is_minimum and other.is_minimum and other.energy == pytest.approx(one.energy, rel=1e-6)
+
+
+def test_what_nothing_holds_yet_does_not_fall() -> None:
+    """Corners that slide on the ground from the beginning, and after the release."""
+    energies = []
+    for step in (0, 1):
+        pins = [{"where": "corners", "slide": "plane", "step": step}]
+        heavy = design(fabric={"modulus_mpa": 1.0}, gravity={"on": True}, pins=pins, stars={"length_mm": 8.0})
+        found = Preview(heavy, plain_law()).equilibrium
+        assert found.is_minimum
+        energies.append(found.energy)
+    assert energies[1] == pytest.approx(energies[0], rel=1e-6)
+
+
+def test_a_sheet_that_swings_keeps_its_form() -> None:
+    """Hung from a needle in its middle it expects what it expects there without weight, and fears no other form."""
+    hung = {
+        "border": {"rings": 2},
+        "pins": [{"points_mm": [[0.0, 0.0]]}],
+        "stars": {"length_mm": 8.0},
+        "fabric": {"modulus_mpa": 7.0},
+    }
+    light, heavy = (asterism.preview(design(**hung, gravity={"on": on}), plain_law()).summary for on in (False, True))
+    assert light["is_minimum"] and heavy["is_minimum"]
+    assert heavy["expected_rms_percent"] == pytest.approx(light["expected_rms_percent"], rel=0.2)
+    assert not any("form" in line for line in heavy["warnings"])
+
+
+def test_arms_weigh_what_they_are_printed_as() -> None:
+    """Thicker and narrower from the centre to the tip: 1200 kg/m^3 times the integral of the section."""
+    axis = {"profile": "axis", "axis": "y", "over_mm": 40.0}
+    sizes = {
+        "length_mm": 8.0,
+        "vary_along_arms": True,
+        "thickness_mm": {**axis, "from": 0.2, "to": 0.9},
+        "width_mm": {**axis, "from": 3.0, "to": 0.8},
+    }
+    heavy = design(gravity={"on": True}, fabric={"modulus_mpa": 1.0, "density_kg_m3": 0.0}, stars=sizes)
+    plan = layout(heavy)
+    stars = len(plan.centres)
+    cell = abs(np.linalg.det(plan.lattice_vectors))
+    found = weight(heavy, plan, sp.eye_array(stars, format="csr"), np.full(stars, cell))[:, 2] * cell
+    at = (np.arange(1000) + 0.5) / 1000
+    (t0, t1), (w0, w1) = plan.arm_thickness.T[..., None], plan.arm_width.T[..., None]
+    volume = ((t0 + (t1 - t0) * at) * (w0 + (w1 - w0) * at)).mean(axis=1) * plan.arm_length
+    expected = -9.81e-9 * heavy.plastic.density_kg_m3 * np.bincount(plan.arm_star, volume, stars)
+    np.testing.assert_allclose(found, expected, rtol=1e-5)
+
+
+@pytest.mark.parametrize("border", [{"rings": 0}, {"rectangle_mm": [90.0, 60.0], "rings": None}])
+def test_a_sheet_weighs_what_is_printed(border: dict[str, Any]) -> None:
+    """Where cells reach over the outline too."""
+    gravity = {"on": True, "direction": [0.0, 0.0, -1.0]}
+    pins = [{"where": "corners"}]
+    heavy = design(gravity=gravity, fabric={"modulus_mpa": 1.0}, stars={"length_mm": 8.0}, border=border, pins=pins)
+    preview = Preview(heavy, plain_law())
+    sheet, plan = preview.sheet, preview.sheet.layout
+    # lifting all by a millimetre takes the whole weight
+    lifted = np.zeros((6, 3))
+    lifted[0, 2] = 1.0
+    pulled = sheet.space.interpolate(lambda points: np.repeat(lifted[None], len(points), axis=0))[:, 2]
+    pulled = pulled @ sheet.loads(heavy)[:, 2]
+    volume = (plan.arm_length * plan.arm_thickness.mean(axis=1) * plan.arm_width.mean(axis=1)).sum()
+    plastic = 1e-9 * heavy.plastic.density_kg_m3 * volume
+    fabric = heavy.fabric.printed_mass * polygon_area(plan.border)
+    assert pulled == pytest.approx(-9.81 * (plastic + fabric), rel=2e-3)
+
+
+def test_sheets_that_may_tilt_do_not_say_how_high_they_are() -> None:
+    """Two pins let it turn about the line through them; three do not."""
+    two, three = ([[-15.0, 0.0], [15.0, 0.0]], [[-15.0, 0.0], [15.0, 0.0], [0.0, 15.0]])
+    summaries = [
+        asterism.preview(
+            design(stars={"length_mm": 8.0}, pins=[{"points_mm": points, "scale": 0.8}]), plain_law()
+        ).summary
+        for points in (two, three)
+    ]
+    assert summaries[0]["expected_height_percent"] is None and summaries[1]["expected_height_percent"] > 0.0
+    assert summaries[0]["is_minimum"] and summaries[0]["expected_rms_percent"] > 0.0
+
+
+def test_an_interrupted_edit_is_not_gone_on_from(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ctrl-C while later pins take hold: the next edit is as good as a new preview."""
+    late = [{"where": "corners", "scale": 0.8, "step": 1}]
+    preview = Preview(design(stars={"length_mm": 8.0}, pins=late), plain_law())
+
+    def stop(*args: object) -> None:
+        raise KeyboardInterrupt
+
+    def lost(shell: Any, x: Any, factor: Any, *rest: Any) -> Any:
+        return replace(preview.equilibrium, definite=False)
+
+    other = design(stars={"length_mm": 8.5}, pins=late)
+    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
+        patch.setattr(preview_module, "taken", stop)
+        patch.setattr(preview_module, "follow", lost)
+        list(preview.edit(other))
+    assert not preview.equilibrium.is_minimum and len(preview.shell.held_points)
+    list(preview.edit(other))
+    assert preview.equilibrium.energy == pytest.approx(Preview(other, plain_law()).equilibrium.energy, rel=1e-6)
+
+
+def test_an_edit_that_changes_nothing_leaves_an_equilibrium() -> None:
+    preview = Preview(design(pins=[{"where": "border", "scale": 0.8}]), plain_law())
+    assert next(preview.edit(preview.design)).name == "linear" and preview.equilibrium.is_minimum
+    assert next(preview.edit(design(pins=preview.design.to_dict()["pins"], stars={"length_mm": 9.0}))).name == "linear"
+    assert not preview.equilibrium.is_minimum
+
+
+def test_weight_pulls_a_roof_down() -> None:
+    held = gallery.load("dome").to_dict()
+    held["fabric"]["modulus_mpa"] = 0.005
+    heights = []
+    for on in (False, True):
+        held["gravity"] = {"on": on}
+        heights.append(Preview(Design.from_dict(held), plain_law()).at(np.zeros((1, 2))).smooth[0, 2])
+    assert heights[1] < heights[0]
+
+
+def test_an_edit_changes_the_weight() -> None:
+    """Of the plastic, and of the stars: as in a preview from nothing."""
+    heavy = gallery.load("dome").to_dict()
+    heavy["fabric"]["modulus_mpa"], heavy["gravity"] = 0.005, {"on": True}
+    preview = Preview(Design.from_dict(heavy), plain_law())
+    for section, change in (("plastic", {"density_kg_m3": 20000.0}), ("stars", {"thickness_mm": 0.35})):
+        heavy[section] |= change
+        edited = Design.from_dict(heavy)
+        list(preview.edit(edited))
+        fresh = Preview(edited, plain_law())
+        assert preview.shell.loads.sum(axis=0) == pytest.approx(fresh.shell.loads.sum(axis=0))
+        assert preview.equilibrium.energy == pytest.approx(fresh.equilibrium.energy, rel=1e-9)
+
+
+def test_stars_beyond_the_law_are_warned_of_not_refused() -> None:
+    odd = design(stars={"override": [{"star": 5, "thickness_mm": 0.9}]})
+    summary = Preview(odd, plain_law()).shape().summary
+    assert not summary["law_in_range"]
+    assert summary["stars_outside_law"][0].startswith("star 5 at [")
+    assert summary["stars_outside_law"][0] in summary["warnings"]
+
+
+def test_warnings_name_stars_by_the_numbers_of_the_design() -> None:
+    odd = [{"star": 0, "remove": True}, {"star": 5, "thickness_mm": 0.9}]
+    shape = Preview(design(stars={"override": odd}), plain_law()).shape()
+    assert shape.summary["stars_outside_law"][0].startswith("star 5 at [")
+    assert shape.star.max() == len(shape.star_vertices) and 0 not in shape.star[shape.star_vertices]
+    down = Preview(design(stars={"override": [odd[0], {"star": 3, "branch": "down"}]}), plain_law()).shape()
+    assert any(line.endswith("start down: star 3") for line in down.summary["warnings"])
+
+
+def test_many_stars_beyond_the_law_are_one_warning() -> None:
+    odd = [{"star": star, "thickness_mm": 0.9} for star in range(4)]
+    summary = Preview(design(stars={"override": odd}), plain_law()).shape().summary
+    assert len(summary["stars_outside_law"]) == 4
+    (line,) = [line for line in summary["warnings"] if "outside the law" in line]
+    assert line.startswith("4 of ") and "such as star 0 at [" in line
+
+
+def test_neighbours_that_no_sheet_can_join_are_refused_with_star_and_value() -> None:
+    """Fabric that is stretched threefold, and stars that let it contract by that or not at all."""
+    law = plain_law(3.0)
+    table = law.tables[0]
+    nodes = table.nodes.copy()
+    nodes[7:, ..., NAMES.index("lam_n")] = 0.99
+    law = replace(law, tables=(replace(table, nodes=nodes),))
+    short = [{"star": star, "length_mm": 1.0} for star in range(1, 37)]
+    same = design(fabric={"stretch": 3.0}, stars={"length_mm": 1.0})
+    torn = design(fabric={"stretch": 3.0}, stars={"length_mm": 10.0, "override": short})
+    refused = r"star \d+ at \[.*\]: lam_n = [\d.]+ is too far from its neighbours': rest metric at .* positive definite"
+    with pytest.raises(LawError, match=refused):
+        Preview(torn, law)
+    preview = Preview(same, law)
+    before = preview.equilibrium.x.copy()
+    with pytest.raises(LawError, match=refused):
+        list(preview.edit(torn))
+    assert preview.design is same and (preview.equilibrium.x == before).all()
+    assert [stage.name for stage in preview.edit(same)] == ["linear", "equilibrium"]
+
+
+def test_pins_that_contradict_each_other_are_refused() -> None:
+    pins = [{"edges": [0]}, {"edges": [1], "scale": 0.5}]
+    with pytest.raises(DesignError, match="pins"):
+        Preview(design(pins=pins), plain_law())
+
+
+def test_weight_that_nothing_carries_is_refused() -> None:
+    falls = {"fabric": {"modulus_mpa": 7.0}, "gravity": {"on": True}, "pins": []}
+    with pytest.raises(DesignError, match=r"gravity.on = True: needs \[\[pins\]\]"):
+        Preview(design(**falls), plain_law())
+    preview = Preview(design(), plain_law())
+    with pytest.raises(DesignError, match=r"gravity.on"):
+        list(preview.edit(design(**falls)))
+    assert preview.design == design() and preview.equilibrium.is_minimum
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "percent"), [("tube", 3.0), ("dome", 2.5), ("fig9-linear", 2.0)])
+def test_the_exact_model_agrees(name: str, percent: float) -> None:
+    """Signs, sides, axes and sizes at once: only turns and the design's own symmetries are taken out."""
+    plan = gallery.load(name)
+    shown, exact = asterism.preview(plan), asterism.simulate(plan)
+    found = compare(exact, shown, layout(plan), symmetries(plan, layout(plan)))
+    assert found.rms_percent < percent
+
+
+def test_bumps_vanish_where_the_sheet_is_held_apart():
+    data = gallery.load("tube").to_dict() | {"border": {"rings": 1}}
+
+    def bump(scale: float) -> float:
+        design = Design.from_dict(data | {"pins": [{"where": "border", "scale": scale}]})
+        return float(np.abs(Preview(design).shape().point_fields["bump_mm"][:, 2]).max())
+
+    # the stars' flat cells are .84 of the print
+    assert bump(1.0) < 0.05 * bump(0.84)
+    assert 0.3 < bump(0.87) / bump(0.84) < 1.0
+
+
+def test_who_stops_after_the_linear_response_has_no_equilibrium() -> None:
+    preview = Preview(CURLY, plain_law())
+    thicker = design(stars={"thickness_mm": 0.27}, mesh={"edge_mm": 4.0})
+    linear = next(preview.edit(thicker))
+    summary = preview.shape().summary
+    assert not summary["is_minimum"] and not summary["converged"]
+    assert summary["starts"] == summary["other_forms"] == []  # those of the design before say nothing of this one
+    assert summary["energy_n_mm"] == pytest.approx(preview.shell.energy(linear.x), rel=1e-9)
+    # the next edit goes on from there
+    list(preview.edit(CURLY))
+    assert preview.equilibrium.is_minimum
+    assert preview.shape().height_mm == pytest.approx(Preview(CURLY, plain_law()).shape().height_mm, rel=1e-3)
+
+
+HINGED = [
+    [70.17, 19.81], [66.19, 19.78], [62.44, 34.1], [62.63, 39.91], [55.83, 43.1], [45.14, 52.76], [32.78, 39.69],
+    [-0.45, 47.27], [-13.79, 63.1], [-30.51, 19.68], [-43.22, 21.68], [-51.24, 14.77], [-34.68, 4.71], [-41.08, 3.03],
+    [-57.4, -9.15], [-41.96, -10.79], [-31.6, -45.17], [-28.06, -43.96], [-15.65, -42.71], [-6.57, -37.37],
+    [-1.86, -31.22], [2.57, -29.85], [28.27, -46.63], [28.57, -46.37], [39.16, -35.39], [48.6, -42.06], [43.86, -27.15],
+    [58.42, -37.97], [51.46, -29.42], [62.69, -13.29],
+]  # fmt: skip
+
+
+def test_flat_triangles_do_not_hide_what_holds_the_sheet() -> None:
+    """One straight edge is held, on a mesh with needles: the sheet turns about it, and its soft modes do not know."""
+    stars, pins = {"length_mm": 6.6, "thickness_mm": 0.5}, [{"edges": [0], "scale": 0.82}]
+    preview = Preview(Design.from_dict({"stars": stars, "border": {"polygon_mm": HINGED}, "pins": pins}))
+    x = preview.equilibrium.x
+    assert preview.equilibrium.is_minimum and len(preview.shell.held_points) == 2
+    assert preview.shell.rigid_modes(x).shape[1] == 1
+    preview.shape()
+    assert preview.equilibrium.soft_modes[0] > 1e-3 * preview.equilibrium.soft_modes[2]
+
+
+def test_only_ratios_of_stiffness_count() -> None:
+    """Without weight the unit of force is free, at the bare rim too."""
+    heights, energies = [], []
+    for modulus in (1e-3, 7.1875, 1e4):
+        preview = Preview(design(fabric={"modulus_mpa": modulus}, mesh={"edge_mm": 4.0}))
+        heights.append(preview.shape().height_mm)
+        energies.append(preview.equilibrium.energy / modulus)
+    np.testing.assert_allclose(heights, heights[1], rtol=1e-6)
+    np.testing.assert_allclose(energies, energies[1], rtol=1e-9)
+
+
+def test_where_pins_stand_does_not_matter_to_a_heavy_sheet() -> None:
+    """The work of weight is counted from the pins: what is compared, and the error to be expected, are the same."""
+    found = []
+    for level in (0.0, 2000.0, -2000.0):
+        pins = [{"corners": [0, 2, 4], "scale": 0.7, "offset_mm": [0.0, 0.0, level]}]
+        heavy = design(gravity={"on": True}, fabric={"modulus_mpa": 1.0}, pins=pins, mesh={"edge_mm": 4.0})
+        found.append(Preview(heavy).shape().summary)
+    for key in ("energy_n_mm", "height_mm", "expected_rms_percent", "expected_height_percent"):
+        np.testing.assert_allclose([s[key] for s in found], found[0][key], rtol=1e-5)
+    assert len({tuple(start["name"] for start in s["starts"]) for s in found}) == 1
+
+
+@pytest.mark.parametrize("points", [[], 3.0, [[0.0, 0.0, 0.0]], [[np.nan, 0.0]]])
+def test_places_that_are_none_are_refused(points: object) -> None:
+    with pytest.raises(ValueError, match="points must be finite pairs of mm"):
+        Preview(CURLY, plain_law()).at(points)  # type: ignore[arg-type]
+
+
+def test_a_state_of_another_sheet_is_refused() -> None:
+    with pytest.raises(ValueError, match="x must be a stage's, shape"):
+        Preview(CURLY, plain_law()).at([0.0, 0.0], np.zeros((3, 3)))
+
+
+def test_a_roll_that_passes_through_itself_says_so() -> None:
+    """`fig8-l-increasing` rolls up further than round; `tube` does not."""
+    through, open_ = (Preview(gallery.load(name)).shape().summary for name in ("fig8-l-increasing", "tube"))
+    assert open_["self_intersections"] == 0 and not any("passes through" in line for line in open_["warnings"])
+    (line,) = [line for line in through["warnings"] if "passes through itself" in line]
+    assert f"({through['self_intersections']} pairs of triangles)" in line and "--contact" in line
+
+
+def test_stars_turned_by_half_a_turn_make_the_sheet_turned_by_it() -> None:
+    plan = Design.from_dict({"stars": {"length_mm": 8.0, "thickness_mm": 0.3}, "border": {"rings": 1}})
+    turned = Design.from_dict({**plan.to_dict(), "lattice": {"orientation_deg": 60.0}})
+    printed = np.array([[0.0, 0.0], [6.0, 2.0], [-13.0, 9.0], [4.0, -15.0], [20.0, 5.0]])
+    one, other = asterism.preview(plan).at(printed), asterism.preview(turned).at(-printed)
+    distances = [np.linalg.norm(places[:, None] - places, axis=2) for places in (one, other)]
+    np.testing.assert_allclose(*distances, atol=0.02)
+
+
+def test_sheets_that_slide_on_all_their_pins_expect_to_be_as_far_off_as_free_ones() -> None:
+    """Stars that curl tightly shape them: the exact model folds this one up otherwise, by a tenth of its diameter."""
+    curly = {"stars": {"length_mm": 10.0, "thickness_mm": 0.4}, "border": {"rings": 2}, "fabric": {"stretch": 1.75}}
+    sliding = asterism.preview(Design.from_dict(curly | {"pins": [{"where": "corners", "slide": "plane"}]}))
+    held = asterism.preview(Design.from_dict(curly | {"pins": [{"where": "corners", "scale": 0.62}]}))
+    assert len(sliding.summary["stars_tight"]) == 19 and sliding.summary["expected_rms_percent"] > 4.0
+    assert len(held.summary["stars_tight"]) == 19 and held.summary["expected_rms_percent"] < 4.0
+
+
+@pytest.mark.parametrize(
+    "pins", [{"points_mm": [[0.0, 0.0]]}, {"corners": [0]}, {"corners": [0, 2, 4], "slide": "plane"}]
+)
+def test_pins_that_a_free_sheet_meets_anyway_cost_nothing(pins: dict[str, object]) -> None:
+    """One held point, or three that slide in their plane: there is always a rigid motion to them."""
+    data = {"stars": {"length_mm": 4.0, "thickness_mm": 0.6}, "border": {"rings": 3}}
+    free, held = (Preview(Design.from_dict(data | more)).equilibrium for more in ({}, {"pins": [pins]}))
+    assert held.is_minimum and held.energy == pytest.approx(free.energy, rel=1e-6)
+
+
+def test_a_sixfold_term_that_outweighs_the_bending_is_bounded_and_told() -> None:
+    law = plain_law()
+    nodes = law.tables[0].nodes.copy()
+    nodes[..., NAMES.index("c3")] *= 1e4
+    wild = replace(law, tables=(replace(law.tables[0], nodes=nodes),))
+    plan = layout(TUBE)
+    values = star_values(TUBE, plan, wild)
+    assert values.uneven == tuple(plan.star_number.tolist()) and not star_values(TUBE, plan, law).uneven
+    taken = np.abs(values.value["c3"] * values.value["kappa"])
+    assert taken[:-1] == pytest.approx(SIXFOLD_MOST * values.value["bending"][:-1])
+    summary = asterism.preview(TUBE, law=wild).summary
+    assert summary["expected_rms_percent"] is None and summary["expected_height_percent"] is None
+    assert "37 of 37 stars curl far more in some directions than in others" in " ".join(summary["warnings"])
+    assert summary["energy_n_mm"] > 0.0
+
+
+def test_an_update_is_an_edit_to_its_end() -> None:
+    preview = Preview(design(), plain_law())
+    thicker = design(stars={"thickness_mm": 0.45})
+    with pytest.raises(TypeError, match="a Design is needed"):
+        preview.edit("tube.toml")  # type: ignore[arg-type]
+    preview.edit(thicker)  # nothing yet
+    assert preview.design == design()
+    shape = preview.update(thicker)
+    assert preview.design == thicker and shape.summary["is_minimum"]
+    assert shape.height_mm == pytest.approx(preview.shape().height_mm)
+
+
+def test_pins_that_leave_no_length_for_a_rise_are_told() -> None:
+    """Who forgets the scale gets a flat sheet, and a scale with which it rises."""
+
+    def held(scale: float) -> tuple[float, list[str]]:
+        found = Preview(design(stars={"length_mm": 9.0}, pins=[{"where": "border", "scale": scale}])).shape()
+        return found.height_mm, [line for line in found.summary["warnings"] if "nearly flat" in line]
+
+    height, told = held(1.0)
+    (scale,) = re.findall(r"times as wide as its stars want it, nearly flat: a scale of about (\S+) lets", *told)
+    higher, silent = held(0.98 * float(scale))
+    assert not silent and higher > 4.0 * height
+
+
+@pytest.mark.parametrize("corners", [[0], [0, 1]])
+def test_tubes_hang_by_their_corners(corners: list[int]) -> None:
+    """From flat and level to upright is far: they are swung there as they are bent."""
+    hung = design(stars={"thickness_mm": 0.45}, pins=[{"corners": corners}], gravity={"on": True})
+    found = Preview(hung).equilibrium
+    assert found.is_minimum and found.iterations < 60
+
+
+def test_nothing_is_expected_of_stars_that_are_sent_down() -> None:
+    """The law's are all up. A single one of many is warned of only."""
+    pins = [{"where": "border", "scale": 0.9}]
+    few, many = (
+        design(pins=pins, mesh={"edge_mm": 5.0}, stars={"override": [{"star": k, "branch": "down"} for k in range(n)]})
+        for n in (1, 5)
+    )
+    one, five = (Preview(each, plain_law()).shape().summary for each in (few, many))
+    assert one["stars"] == 37 and one["expected_rms_percent"] is not None
+    assert five["expected_rms_percent"] is None and five["expected_height_percent"] is None
+    assert any("5 of the design start down" in line for line in five["warnings"])
+
+
+def test_a_lower_form_is_not_called_nearly_as_low(curly: Preview) -> None:
+    """Which side was asked for may hide it."""
+    high, low = (OtherForm("arc", 1.0, gap, 9.0) for gap in (-0.01, -0.29))
+    near, below = (
+        next(line for line in warnings(curly, None, others=[form]) if "another form" in line) for form in (high, low)
+    )
+    assert "has nearly the same energy (-1.0 %): the exact model may take that one" in near
+    assert "has 29 % less energy: the exact model will likely take that one" in below

@@ -1,0 +1,86 @@
+"""A preview says which other forms it met."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from asterism.previews.session import Preview
+from asterism.previews.uncertainty.expected import UNSURE, close_form, expected_rms_percent
+from asterism.previews.uncertainty.other_forms import OtherForm, other_forms
+from fem.search.evidence import Trial
+from pattern.design.design import Design
+from pattern.layout.likeness import distances
+from pattern.layout.symmetries import Symmetry
+from tests.asterism.previews.laws import plain_law
+
+AMPLITUDES = np.array([5.0, 2.0])
+
+
+def design(thickness: object) -> Design:
+    stars = {"length_mm": 9.0, "thickness_mm": thickness, "width_mm": 1.2}
+    return Design.from_dict({"name": "forms", "stars": stars, "border": {"rings": 3}})
+
+
+def test_a_sheet_that_changes_along_a_line_has_several_forms() -> None:
+    skew = {"profile": "linear", "from": 0.3, "to": 0.2, "start_mm": [-34.0, -10.0], "end_mm": [34.0, 10.0]}
+    preview = Preview(design(skew), plain_law())
+    summary = preview.shape().summary
+    others = summary["other_forms"]
+    assert others
+    for other in others:
+        assert other["distance_percent"] > 2.0
+        more = other["gap"] * preview.equilibrium.at_stake
+        assert other["energy_n_mm"] == pytest.approx(summary["energy_n_mm"] + more)
+        assert any(trial["energy"] == other["energy_n_mm"] for trial in summary["starts"])
+    assert others[0]["gap"] < UNSURE
+    assert any("another form" in line for line in summary["warnings"])
+    assert summary["expected_rms_percent"] > 0.5 * others[0]["distance_percent"]
+
+
+def test_forms_that_symmetry_makes_equal_are_one() -> None:
+    preview = Preview(design(0.3), plain_law())
+    assert len(preview.symmetries) == 6
+    assert preview.shape().summary["other_forms"] == []
+
+
+def test_a_form_counts_by_how_likely_it_is() -> None:
+    def expected(*gaps: float) -> float:
+        return expected_rms_percent(AMPLITUDES, [OtherForm("arc", 1.0, gap, 20.0) for gap in gaps]) or 0.0
+
+    alone = expected()
+    assert expected(0.0) == pytest.approx(np.hypot(alone, 20.0 / np.sqrt(2.0)))
+    assert expected(-0.01) > expected(0.0) > expected(0.05) > expected(0.2) > alone
+    assert expected(1.0) == pytest.approx(alone)
+    assert expected(0.3, 0.05) == expected(0.05)
+
+
+def test_a_close_form_is_one_that_the_law_cannot_exclude() -> None:
+    near, far = OtherForm("arc", 1.0, 0.5 * UNSURE, 20.0), OtherForm("cap", 1.0, 2.0 * UNSURE, 20.0)
+    assert close_form([near, far]) is near
+    assert close_form([far]) is None
+    assert close_form([]) is None
+
+
+def test_forms_are_told_from_each_other_and_measured_from_the_one_that_is_shown() -> None:
+    """Rolls about one axis by more and more: the third is as good as the second."""
+    y = np.linspace(-50.0, 50.0, 9)
+    x = np.tile([-10.0, 0.0, 10.0], 3)
+    rolls = [np.column_stack([x, np.sin(k * y) / k, np.cos(k * y) / k]) for k in (0.01, 0.02, 0.0201)]
+    trials = [Trial(f"arc {n}", 10.0 + n, True, 1, roll) for n, roll in enumerate(rolls)]
+    lost = Trial("cap", 5.0, False, 1, 3.0 * rolls[0])
+    plan = SimpleNamespace(centres=np.column_stack([x, y]))
+    space = SimpleNamespace(locate=lambda points: SimpleNamespace(value=np.eye(9)))
+    same = [Symmetry(np.eye(2), np.zeros(2), np.arange(9))]
+    shown = SimpleNamespace(x=rolls[0], energy=10.0, at_stake=20.0, trials=[lost, *trials[::-1]])
+    preview = SimpleNamespace(equilibrium=shown, sheet=SimpleNamespace(layout=plan, space=space), symmetries=same)
+    (found,) = other_forms(preview, 100.0)  # type: ignore[arg-type]
+    assert (found.start, found.energy_n_mm, found.gap) == ("arc 1", 11.0, 1.0 / 20.0)
+    assert found.distance_percent == pytest.approx(distances(rolls[0], rolls[1], same)[0])
+    # a third one beside the second, further from it than EQUAL
+    shown.trials.append(Trial("arc 3", 14.0, True, 1, 1.1 * rolls[1]))
+    third = other_forms(preview, 100.0)[1]  # type: ignore[arg-type]
+    apart = [distances(roll, 1.1 * rolls[1], same)[0] for roll in rolls[:2]]
+    assert third.distance_percent == pytest.approx(apart[0]) and apart[1] < 0.9 * apart[0]

@@ -1,0 +1,33 @@
+"""Small jobs for the tests of exports."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from asterism.print.job import Job, prepare
+from asterism.print.profiles import load_plastic, load_printer
+from pattern.design.design import Design
+
+SMALL: dict[str, Any] = {
+    "name": "small",
+    "fabric": {"stretch": [1.35, 1.3]},
+    "stars": {
+        "length_mm": 8.0,
+        "thickness_mm": {"profile": "radial", "from": 0.6, "to": 0.2, "over_mm": 40.0},
+        "override": [{"at_mm": [0.0, 0.0], "length_mm": 2.0}],
+    },
+    "border": {"rings": 2},
+    "pins": [{"edges": [0, 3], "scale": 0.8}],
+}
+
+
+def design(**changes: Any) -> Design:
+    """A hexagon of 19 stars, with its sections changed."""
+    return Design.from_dict(SMALL | changes)
+
+
+def job(of: Design | None = None, printer: dict[str, Any] | None = None, **options: Any) -> Job:
+    """A job for the paper's printer, with some of its entries changed."""
+    machine = load_printer("ultimaker2")
+    changed = type(machine).model_validate(machine.model_dump() | (printer or {}))
+    return prepare(of or design(), changed, load_plastic("tpu95a"), **options)

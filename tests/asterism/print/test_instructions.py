@@ -1,0 +1,177 @@
+"""The instruction says this design's numbers, and stays on its pages."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.font_manager import FontProperties
+from matplotlib.textpath import TextPath
+
+from asterism.previews.run import preview
+from asterism.print import instructions, sheets
+from asterism.print.drawing import Circle, Drawing, Text
+from asterism.print.estimate import estimate
+from asterism.print.job import Job
+from asterism.print.needles import at_the_edge, in_plastic
+from asterism.print.rounded import tiny_stars
+from tests.asterism.print.jobs import design, job
+
+
+def chapters(one: Job) -> tuple[instructions.Chapter, ...]:
+    cost = estimate([one.stars], one.printer, one.rounding, one.plastic)
+    return instructions.chapters(one, cost, tiny_stars(one.plan, one.plastic.tiny_arm_mm))
+
+
+def said(one: Job) -> str:
+    """The instruction as one line."""
+    return " ".join(instructions.as_text(one, chapters(one)).split())
+
+
+def width_mm(item: Text) -> float:
+    """Of a text in the font of the PDF."""
+    family = "DejaVu Sans Mono" if item.fixed_pitch else "DejaVu Sans"
+    font = FontProperties(family=family, weight="bold" if item.bold else "normal")
+    return (
+        float(TextPath((0, 0), item.text, size=item.size_mm, prop=font).get_extents().x1) if item.text.strip() else 0.0
+    )
+
+
+def check_texts(page: Drawing) -> None:
+    for item in page.items:
+        if isinstance(item, Text):
+            width = width_mm(item)
+            left = item.at[0] - (width / 2 if item.end == "middle" else 0.0)
+            assert page.low[0] <= left and left + width <= page.high[0] - 3.0, item.text
+            assert page.low[1] < item.at[1] < page.high[1] - item.size_mm, item.text
+
+
+def test_numbers_of_the_design() -> None:
+    one = job(fabric_mm=0.5)
+    text = said(one)
+    for number in (
+        "135.0 mm wide and 130.0 mm deep",
+        "z offset 4.50 mm",
+        "lines 0.4 mm wide",
+        "[0, 0]",
+        "x = 111.50, y = 111.5",
+    ):
+        assert number in text
+    assert "G1 Z14.50" in text and "Skirt" in text and f"{len(one.needles)} needles" in text
+
+
+def test_a_height_with_released_fabric_is_told_wherever_it_stands() -> None:
+    for one, told in ((job(), True), (job(fabric_mm=0.5), False)):
+        remark, *_ = one.start_code.splitlines()
+        assert (remark.startswith(";") and "0.80 mm of fabric, released" in remark) == told
+        assert one.start_code.endswith(one.printer.start_snippet(one.z_offset_mm))
+        column = " ".join(item.text for item in sheets.layout_sheet(one).items if isinstance(item, Text))
+        assert f"{one.z_offset_mm:.2f} mm above the bed" in column
+        assert ("with the released fabric" in column) == told
+        assert ("thinner when stretched" in said(one)) == told
+
+
+def test_printers_that_home_onto_the_bed_are_warned_of() -> None:
+    assert "BEFORE the frame is on it" in said(job(printer={"homes": "onto"}))
+    assert "BEFORE" not in said(job(printer={"homes": "away"}))
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"border": False}, "along the cut line of layout.pdf"),
+        ({}, "along the inner edge of the printed line"),
+    ],
+)
+def test_how_to_cut(options: dict[str, Any], words: str) -> None:
+    assert words in said(job(**options))
+
+
+def test_free_sheets_have_no_needles() -> None:
+    assert "no pins" in said(job(design(pins=[])))
+
+
+@pytest.mark.parametrize("name", ["small", "W" * 100])
+def test_texts_stay_on_their_pages(name: str) -> None:
+    one = job(design(name=name.strip()))
+    template = sheets.needle_sheet(one)
+    assert template is not None
+    pages = instructions.as_pages(one, chapters(one))
+    assert len(pages) == 1
+    for page in (*pages, sheets.layout_sheet(one), sheets.stretch_sheet(one), template):
+        check_texts(page)
+    assert all(tuple(page.size_mm) == (210.0, 297.0) for page in pages)
+
+
+def test_many_needles_make_a_longer_page() -> None:
+    one = job(needle_spacing_mm=4.0)
+    template = sheets.needle_sheet(one)
+    assert template is not None and 20 < len(one.needles) < 40
+    check_texts(template)
+
+
+def test_needles_without_a_place_get_no_hole() -> None:
+    """Three corners are held, three slide, and no shape says where to."""
+    one = job(design(pins=[{"corners": [0, 2, 4]}, {"corners": [1, 3, 5], "slide": "plane"}]))
+    assert "into the hole of that number: 3 needles. 3 more go through the sheet where it slides" in said(one)
+
+
+def test_needles_along_which_the_sheet_slides_get_a_hole() -> None:
+    """The design says where they stand, and no shape how high the sheet is there."""
+    pins = [{"corners": [0, 2, 4], "scale": 0.8, "offset_mm": [0, 0, 5]}, {"corners": [1, 3, 5], "slide": "z"}]
+    one = job(design(pins=pins))
+    text = said(one)
+    assert "into the hole of that number: 6 needles." in text and "no holes for them" not in text
+    assert "slides up and down along needles 4 to 6: leave it free there" in text
+    assert "at these heights over the base: 5.0 mm at needles 1 to 3." in text and "nan" not in text
+    template = sheets.needle_sheet(one)
+    assert template is not None
+    words = " ".join(item.text for item in template.items if isinstance(item, Text))
+    assert "it finds its own" in words and "computed shape" not in words and "nan" not in words
+    # a hole and its cross, the middle's cross, and the number beside it
+    assert sum(isinstance(item, Circle) for item in template.items) == 6
+    # the height of the base comes from a needle that has one
+    glance = preview(design(fabric={}, stars={"length_mm": 8.0}, pins=pins))
+    last = replace(one, needles=one.needles[::-1], glance=glance)
+    assert last.hangs_mm == pytest.approx(replace(one, glance=glance).hangs_mm, abs=1e-6)
+
+
+def test_a_sheet_whose_height_nothing_holds_stands_on_its_lowest_needle() -> None:
+    """All pins slide along z: the shape's own height is by chance."""
+    pins = [{"corners": [0, 1, 2, 3, 4, 5], "slide": "z", "scale": 0.8}]
+    sliding = design(fabric={}, stars={"length_mm": 8.0}, pins=pins)
+    found = preview(sliding)
+    lifted = replace(found, positions=found.positions - np.array([0.0, 0.0, 14.5]))
+    needles = [job(sliding, shape=one).needles for one in (found, lifted)]
+    heights = [[needle.place[2] for needle in some if needle.place is not None] for some in needles]
+    assert len(heights[0]) == 6 and min(heights[0]) == 0.0
+    np.testing.assert_allclose(*heights, atol=1e-9)
+
+
+def test_heights_and_order_of_the_needles() -> None:
+    mast = {"points_mm": [[0.0, 0.0]], "target_mm": [0.0, 0.0, 25.0]}
+    one = job(design(pins=[mast, {"where": "corners", "scale": 0.8, "step": 1}]))
+    text = said(one)
+    assert "at these heights over the base: 25.0 mm at needle 1; on the base at the others." in text
+    assert "in the design's order: first needle 1, then needles 2 to 7." in text
+    assert "in the design's order" not in said(job()) and "at these heights" not in said(job())
+
+
+def test_many_heights_are_beside_their_holes() -> None:
+    points = [[3.0 * k, 0.0] for k in range(-7, 8)]
+    targets = [[2.5 * k, 0.0, 10.0 + 0.5 * k] for k in range(-7, 8)]
+    text = said(job(design(pins=[{"points_mm": points, "target_mm": targets}])))
+    assert "heights over the base that are written beside their holes" in text
+
+
+def test_needles_that_stand_on_the_cut_line_or_on_an_arm_are_told() -> None:
+    """The first on the centre of a star, the second beside its arms, the third at a corner."""
+    pins = [{"points_mm": [[0.0, 17.32], [5.0, 14.44]], "scale": 0.8}, {"corners": [0], "scale": 0.8}]
+    made = job(design(pins=pins))
+    assert in_plastic(made.plan, made.needles) == [1] and at_the_edge(made.plan, made.needles) == [3]
+    assert "The plastic is in the way of needle 1: drill" in said(made)
+    assert "Leave a tab of fabric outside the line, 5 mm or more, at needle 3, on the line" in said(made)
+    inside = job(design(pins=[{"points_mm": [[5.0, 14.44], [-5.0, 14.44]], "scale": 0.8}]))
+    assert not in_plastic(inside.plan, inside.needles) and not at_the_edge(inside.plan, inside.needles)

@@ -1,0 +1,280 @@
+"""Rounded for the printer, on its bed, within the frame, with its needles."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+
+from asterism.print.estimate import estimate
+from asterism.print.formats.needle_table import write
+from asterism.print.profiles import load_printer
+from asterism.print.rounded import better_layers, changes, choose, tiny_stars
+from asterism.print.strips_of_arms import _height_steps
+from pattern import gallery
+from pattern.design.errors import DesignError
+from pattern.design.rounding import Rounding
+from pattern.layout.build import layout
+from tests.asterism.print.jobs import design, job
+from tests.asterism.sheets import sheet
+
+
+def rectangle(width: float, depth: float, **stars: Any) -> Any:
+    return design(stars={"length_mm": 8.0} | stars, border={"rectangle_mm": [width, depth]}, pins=[])
+
+
+@pytest.mark.parametrize(("thickness", "first"), [(0.2, 0.2), (0.3, 0.3), (0.4, 0.2), (0.5, 0.3), (0.45, 0.2)])
+def test_the_first_layer_suits_the_design(thickness: float, first: float) -> None:
+    """Equally good: the printer's usual one."""
+    plan = layout(design(stars={"length_mm": 8.0, "thickness_mm": thickness}))
+    assert choose(plan, load_printer("ultimaker2")).first_layer_mm == first
+
+
+def test_changes_are_counted_in_stars() -> None:
+    one = job()
+    said = changes(one.drawn_plan, one.plan)["thickness"]
+    exact, rounded = one.drawn_plan.arm_thickness[:, 0], one.plan.arm_thickness[:, 0]
+    assert said["stars_changed"] == len(np.unique(one.plan.arm_star[np.abs(exact - rounded) > 1e-6]))
+    assert abs(said["largest_change_mm"]) == pytest.approx(np.abs(exact - rounded).max())
+    assert said["values_mm"] == pytest.approx(np.unique(rounded))
+    assert changes(one.plan, one.plan)["width"]["stars_changed"] == 0
+
+
+def test_what_is_rounded_already_is_printed_as_drawn() -> None:
+    once = job()
+    again = job(once.design)
+    assert once.is_rounded and not again.is_rounded
+    assert again.drawn == once.design and again.rounding == once.rounding
+    np.testing.assert_array_equal(again.plan.arm_thickness, once.plan.arm_thickness)
+
+
+def test_better_layers_are_named_where_there_are_any() -> None:
+    plan = layout(design(stars={"length_mm": 8.0, "thickness_mm": 0.35}))
+    coarse = Rounding(first_layer_mm=0.2, layer_mm=0.2, line_mm=0.4)
+    better = better_layers(plan, coarse)
+    assert better is not None and better.thickness(np.array([0.35])) == pytest.approx(0.35)
+    assert better_layers(plan, better) is None
+
+
+def test_tiny_stars_are_named_by_their_place() -> None:
+    assert tiny_stars(job().plan, 3.0) == [{"at_mm": [0.0, 0.0], "arm_mm": 2.0}]
+    assert tiny_stars(job().plan, 1.5) == []
+
+
+@pytest.mark.parametrize("name", gallery.names())
+def test_the_gallery_fits_the_papers_printer(name: str) -> None:
+    one = job(gallery.load(name))
+    assert not one.placement.shift.any()
+    for solid in one.solids:
+        assert solid.box[0].min() >= 0 and solid.box[1, :2].max() <= 223.0
+
+
+def test_a_print_that_hangs_over_is_moved_onto_the_bed() -> None:
+    # arms point down: the plastic is not symmetric about the origin
+    one = job(printer={"bed_mm": (76.0, 83.0)})
+    low, high = np.reshape(shapely.bounds(one.stars[0].region), (2, 2))
+    assert one.placement.shift[0] == 0 and one.placement.shift[1] > 0
+    assert low[1] == pytest.approx(-41.5, abs=0.002)
+    assert (low >= np.array([-38.0, -41.5])).all() and (high <= np.array([38.0, 41.5])).all()
+    # the border does not fit any more, and is left out
+    assert one.border is None and len(one.solids) == 1
+
+
+def test_a_sheet_drawn_away_from_the_origin_lies_in_the_middle() -> None:
+    corners = np.array([[100.0, 100.0], [200.0, 100.0], [200.0, 200.0], [100.0, 200.0]])
+    for margin in (8.0, 25.0):  # of stars that would be on the bed far from its middle, and of some that would not
+        border = {"polygon_mm": corners.tolist(), "star_margin_mm": margin}
+        one = job(design(stars={"length_mm": 7.0}, border=border, pins=[{"where": "border", "scale": 0.8}]))
+        assert one.placement.points(corners).mean(axis=0) == pytest.approx([0.0, 0.0], abs=1e-3)
+        assert one.border is not None
+        assert all(np.abs(one.placement.points(n.printed)).max() < 111.5 for n in one.needles)
+
+
+def test_larger_than_the_bed() -> None:
+    with pytest.raises(DesignError, match=r"stars = '224\.5 x .*': must be within the 223\.0 x 223\.0 mm"):
+        job(rectangle(240.0, 100.0))
+
+
+def test_a_turn_that_helps_is_named_and_does() -> None:
+    bar = design(fabric={}, stars={"length_mm": 8.0}, border={"rectangle_mm": [240.0, 60.0]}, pins=[])
+    with pytest.raises(DesignError, match=r"--turn [0-9]+ makes it fit$") as caught:
+        job(bar)
+    turn = float(str(caught.value).split("--turn ")[1].split()[0])
+    one, straight = job(bar, turn_deg=turn), job(bar, printer={"bed_mm": (250.0, 250.0)})
+    assert one.solids[0].volume_mm3 == pytest.approx(straight.solids[0].volume_mm3, rel=1e-4)
+    assert np.ptp(one.solids[0].box[:, :2], axis=0).max() <= 223.0
+    # where the bed has room as it is, no turn is the advice
+    with pytest.raises(DesignError, match=r"--turn 0 makes it fit$"):
+        job(bar, turn_deg=40.0, printer={"bed_mm": (250.0, 100.0)})
+    # a fabric stretched differently in x and y cannot be turned under its print
+    with pytest.raises(DesignError, match=r"--turn = 20\.0: must be 0 on a fabric"):
+        job(rectangle(240.0, 60.0), turn_deg=20.0)
+    with pytest.raises(DesignError, match=r"reaches$"):
+        job(rectangle(240.0, 60.0))
+
+
+def test_larger_than_the_frame() -> None:
+    wide = {"rectangle_mm": [270.0, 100.0], "star_margin_mm": 40.0}
+    with pytest.raises(DesignError, match=r"border = '270.0 x 100.0 mm of fabric': must be within the frame of 260.0"):
+        job(design(stars={"length_mm": 8.0}, border=wide, pins=[]))
+
+
+def test_nothing_is_printed_on_the_bars_of_the_frame() -> None:
+    """Here the nozzle reaches beyond the frame."""
+    bed = {"bed_mm": (300.0, 300.0)}
+
+    def framed(size_mm: float, bar_mm: float) -> dict[str, Any]:
+        return bed | {"frame": {"size_mm": (size_mm, size_mm), "bar_mm": bar_mm}}
+
+    wide, deep = np.ptp(np.reshape(shapely.bounds(job(printer=bed).stars[0].region), (2, 2)), axis=0)
+    edge = float(np.ceil(max(wide, deep)))
+    words = rf"stars = '{wide:.1f} x {deep:.1f} mm of plastic': must be within the 70\.0 x 70\.0 mm between the bars"
+    with pytest.raises(DesignError, match=words):
+        job(printer=framed(100.0, 15.0))
+    # the plastic has room, the printed line around it has not
+    tight = job(printer=framed(edge + 30.0, 15.0))
+    assert tight.border is None
+    low, high = np.reshape(shapely.bounds(tight.stars[0].region), (2, 2))
+    assert (low >= -edge / 2 - 1e-6).all() and (high <= edge / 2 + 1e-6).all()
+    assert job(printer=framed(edge + 30.0, 5.0)).border is not None
+
+
+def test_a_turn_may_help_between_the_bars_too() -> None:
+    bar = design(fabric={}, stars={"length_mm": 8.0}, border={"rectangle_mm": [150.0, 40.0]}, pins=[])
+    frame = {"frame": {"size_mm": (150.0, 190.0), "bar_mm": 15.0}}
+    with pytest.raises(DesignError, match=r"between the bars of the frame; --turn [0-9]+ makes it fit$") as caught:
+        job(bar, printer=frame)
+    job(bar, printer=frame, turn_deg=float(str(caught.value).split("--turn ")[1].split()[0]))
+
+
+def test_wider_arms_that_run_into_each_other_are_refused() -> None:
+    """Arms of 1.0 mm that lie 1.14 mm apart become 1.2 mm wide."""
+    close = {"length_mm": 16.0, "width_mm": 1.0}
+    layout(design(stars=close, pins=[]))
+    with pytest.raises(DesignError, match=r"would print as one.*rounded for the Ultimaker 2\+"):
+        job(design(stars=close, pins=[]))
+
+
+def test_needles_along_edges_are_evenly_spaced_and_not_doubled() -> None:
+    one = job(design(pins=[{"edges": [0, 1], "scale": 0.8}]), needle_spacing_mm=10.0)
+    corners = one.plan.border[[0, 1, 2]]
+    printed = np.array([needle.printed for needle in one.needles])
+    side = np.linalg.norm(corners[1] - corners[0])
+    pieces = int(np.ceil(side / 10.0))
+    assert len(printed) == 2 * pieces + 1
+    line = shapely.LineString(corners)
+    along = np.sort([line.project(shapely.Point(point)) for point in printed])
+    assert np.diff(along) == pytest.approx(side / pieces)
+    assert [needle.number for needle in one.needles] == list(range(1, len(printed) + 1))
+
+
+def test_needles_that_slide_need_a_shape() -> None:
+    held = [{"corners": [0], "target_mm": [1.0, 2.0, 3.0]}, {"corners": [3], "slide": "plane"}]
+    fixed, free = job(design(border={"rectangle_mm": [80.0, 60.0]}, pins=held)).needles
+    assert fixed.place == pytest.approx([1.0, 2.0, 3.0]) and free.place is None and free.slides == "plane"
+    flat = sheet(lambda p: np.column_stack([0.5 * p, np.full(len(p), 7.0)]), 80.0, 60.0)
+    plan = layout(design(border={"rectangle_mm": [80.0, 60.0]}, pins=held))
+    from asterism.print.needles import needles
+
+    fixed, free = needles(plan, 20.0, flat)
+    assert fixed.place == pytest.approx([1.0, 2.0, 3.0])
+    # x and y from the shape, z held on the ground
+    assert free.place == pytest.approx([*(0.5 * plan.border[3]), 0.0])
+
+
+def test_needles_that_slide_along_z_have_a_place_and_no_height(tmp_path: Path) -> None:
+    pins = [{"corners": [0], "target_mm": [30.0, 4.0, 3.0]}, {"corners": [3], "scale": 0.8, "slide": "z"}]
+    held, slides = job(design(pins=pins)).needles
+    assert held.height_mm == 3.0 and slides.height_mm is None and not slides.is_raised
+    assert slides.place is not None and slides.place[:2] == pytest.approx(0.8 * slides.printed)
+    write(tmp_path / "needles.csv", (held, slides))
+    rows = [line.split(",") for line in (tmp_path / "needles.csv").read_text().splitlines()]
+    assert rows[1][3:6] == ["30.000", "4.000", "3.000"]
+    assert [float(text) for text in rows[2][3:5]] == pytest.approx(0.8 * slides.printed, abs=1e-3)
+    assert rows[2][5:7] == ["", "z"]
+    # nothing holds any height: there is none to count from
+    assert [needle.height_mm for needle in job(design(pins=pins[1:])).needles] == [None]
+
+
+def test_a_shape_of_another_design_is_refused() -> None:
+    other = sheet(lambda p: np.column_stack([p, np.zeros(len(p))]), 80.0, 60.0)
+    with pytest.raises(DesignError, match=r"--shape = 'a sheet of 80.0 x 60.0 mm': must be of this design"):
+        job(shape=other)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"stars": {"length_mm": 7.0}}, "its stars are others"),
+        ({"pins": []}, "its pins are others"),
+        ({"fabric": {"stretch": 1.2}}, "its fabric was stretched otherwise"),
+        ({"plastic": {"modulus_ratio": 1000.0}}, "its material is another"),
+    ],
+)
+def test_a_shape_made_from_other_entries_is_refused(change: dict[str, Any], words: str) -> None:
+    flat = sheet(lambda p: np.column_stack([p, np.zeros(len(p))]), 80.0, 60.0)
+    mine = design(border={"rectangle_mm": [80.0, 60.0]}, pins=[{"corners": [0]}])
+    stars = len(layout(mine).centres)
+    same = replace(flat, star_vertices=flat.star_vertices[:stars], summary={"design": mine.to_dict()})
+    assert job(mine, shape=same).shape is same
+    # rounding and mesh may differ
+    assert job(job(mine).design.model_copy(update={"name": "other"}), shape=same).shape is same
+    other = mine.to_dict() | change
+    with pytest.raises(DesignError, match=rf"--shape: must be of this design, but {words}"):
+        job(mine, shape=replace(same, summary={"design": other}))
+
+
+def test_estimate_of_a_single_star_by_hand() -> None:
+    one = job(design(stars={"length_mm": 8.0, "thickness_mm": 0.4}, border={"rings": 0}, pins=[]), border=False)
+    cost = estimate([one.stars], one.printer, one.rounding, one.plastic)
+    area = one.stars[0].region.area
+    speed = one.printer.speed
+    assert cost["volume_mm3"] == pytest.approx(0.4 * area)
+    assert cost["mass_g"] == pytest.approx(0.4 * area * 1.22e-3)
+    assert cost["filament_m"] == pytest.approx(0.4 * area / (np.pi / 4 * 2.85**2) / 1000)
+    assert cost["layers"] == 2
+    seconds = area / 0.4 / speed.first_layer_mm_s + area / 0.4 / speed.print_mm_s + 2 * speed.island_s
+    assert cost["minutes"] == pytest.approx(speed.heating_min + seconds / 60)
+
+
+def test_prints_of_the_papers_size_take_about_its_twenty_minutes() -> None:
+    minutes = []
+    for name in ("roof", "tunnel", "u-shape", "doubly-curved"):
+        one = job(gallery.load(name))
+        minutes.append(estimate([one.stars], one.printer, one.rounding, one.plastic)["minutes"])
+    assert 10 < np.mean(minutes) < 30
+
+
+@pytest.mark.parametrize("ends", [(0.6, 0.3), (0.6, 0.33), (0.53, 0.6), (0.3, 0.6), (0.2, 0.25)])
+def test_arms_change_height_where_their_rounding_does(ends: tuple[float, float]) -> None:
+    """Tips that the border cut off are no whole number of layers high."""
+    rounding = Rounding(first_layer_mm=0.2, layer_mm=0.1, line_mm=0.4)
+    heights, at = _height_steps(np.array(ends), rounding)
+    along = np.linspace(0.0, 1.0, 1001)
+    along = along[np.abs(along[:, None] - at).min(axis=1) > 1e-6]
+    wanted = rounding.thickness(ends[0] + along * (ends[1] - ends[0]))
+    np.testing.assert_allclose(heights[np.searchsorted(at, along) - 1], wanted, atol=1e-9)
+
+
+def test_a_turn_is_named_only_if_the_fabric_fits_the_frame_too() -> None:
+    bar = design(fabric={}, stars={"length_mm": 8.0}, border={"rectangle_mm": [280.0, 40.0]}, pins=[])
+    with pytest.raises(DesignError, match=r"--turn [0-9]+ makes it fit$") as caught:
+        job(bar)
+    job(bar, turn_deg=float(str(caught.value).split("--turn ")[1].split()[0]))
+
+
+def test_what_is_only_described_may_be_of_any_size() -> None:
+    assert "must be within the 223.0 x 223.0 mm" in job(rectangle(400.0, 300.0), any_size=True).too_large
+    assert job(any_size=True).too_large == ""
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"fabric_mm": -3.0}, {"needle_spacing_mm": 0.0}, {"needle_spacing_mm": float("nan")}, {"turn_deg": 400.0}]
+)
+def test_impossible_numbers_are_refused_in_python_too(wrong: dict[str, float]) -> None:
+    with pytest.raises(DesignError, match="must be from"):
+        job(**wrong)

@@ -1,0 +1,116 @@
+"""Printers and plastics as data files, those that come along and the user's own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from asterism.print import profiles
+from asterism.print.printer import Printer
+from pattern.design.errors import DesignError
+
+OWN = """
+name = "My machine"
+bed_mm = [120, 100.0]
+origin = "centre"
+first_layers_mm = [0.25]
+layer_mm = 0.15
+homes = "away"
+start_code = "G92 Z{above_fabric_mm} ; {z_offset_mm}"
+[speed]
+first_layer_mm_s = 10.0
+print_mm_s = 20.0
+travel_mm_s = 100.0
+island_s = 1.0
+heating_min = 2.0
+"""
+
+
+@pytest.fixture(autouse=True)
+def nobodys_own(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Whoever runs the tests may have printers too."""
+    monkeypatch.delenv(profiles.VARIABLE, raising=False)
+    monkeypatch.setattr(profiles.typer, "get_app_dir", lambda name: str(tmp_path / "home" / name))
+
+
+@pytest.mark.parametrize("name", ["ultimaker2", "prusa-mk4", "ender-3"])
+def test_every_printer_starts_on_the_fabric(name: str) -> None:
+    printer = profiles.load_printer(name)
+    code = printer.start_snippet(4.8)
+    assert "{" not in code and code.endswith("\n")
+    # whatever z the machine has, it is 10 mm above the fabric when z is set to 10
+    lines = [line.split(";")[0].split() for line in code.splitlines()]
+    assert ["G90"] in lines
+    move, setting = [line for line in lines if line != ["G90"]]
+    assert move[:2] == ["G1", "Z14.80"] and setting == ["G92", "Z10.00"]
+
+
+def test_the_papers_printer() -> None:
+    printer = profiles.load_printer("ultimaker2")
+    assert printer.bed_mm == (223.0, 223.0) and printer.frame.size_mm == (260.0, 260.0)
+    assert (printer.nozzle_mm, printer.layer_mm, printer.filament_mm) == (0.4, 0.2, 2.85)
+    assert printer.bed_centre_mm == (111.5, 111.5)
+
+
+def test_all_that_come_along_can_be_read() -> None:
+    assert {"ultimaker2", "prusa-mk4", "ender-3"} <= set(profiles.names("printers"))
+    for name in profiles.names("plastics"):
+        assert profiles.load_plastic(name).density_kg_m3 > 500
+
+
+def test_own_files_by_path_by_folder_and_by_home(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    (tmp_path / "mine.toml").write_text(OWN)
+    assert profiles.load_printer(str(tmp_path / "mine.toml")).bed_centre_mm == (0.0, 0.0)
+    home = tmp_path / "home" / "asterism" / "printers"
+    home.mkdir(parents=True)
+    (home / "mine.toml").write_text(OWN)
+    assert profiles.load_printer("mine").name == "My machine"
+    other = tmp_path / "lab" / "printers"
+    other.mkdir(parents=True)
+    (other / "mine.toml").write_text(OWN.replace("My machine", "The lab's"))
+    (other / "ultimaker2.toml").write_text(OWN.replace("My machine", "Our Ultimaker"))
+    monkeypatch.setenv(profiles.VARIABLE, str(tmp_path / "lab"))
+    # the folder of the variable comes first, also before what comes along
+    assert profiles.load_printer("mine").name == "The lab's"
+    assert profiles.load_printer("ultimaker2").name == "Our Ultimaker"
+    assert "mine" in profiles.names("printers")
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("bed_mm = [120, 100.0]", "bed_mm = [120, -1]"), r"bed_mm = \(120.0, -1.0\): must be two sides"),
+        (("layer_mm = 0.15", "layer_mm = 0"), "layer_mm = 0: must be at least 0.01"),
+        (("layer_mm = 0.15", "layer = 0.15"), "layer = 0.15: unknown key, did you mean layer_mm"),
+        (("{z_offset_mm}", "{offset}"), r"start_code = '\{offset\}': may have z_offset_mm, above_bed_mm"),
+        (("{z_offset_mm}", ""), r"start_code: must use \{z_offset_mm\} or \{above_bed_mm\}"),
+        (('homes = "away"', ""), "homes: is missing"),
+        (('name = "My machine"', 'name = "My\\u0001machine"'), "name = .*: must be one line of printable characters"),
+        (("island_s = 1.0", "island_s = true"), "speed.island_s = True: must be a number"),
+        (("[speed]", "[speed"), "is not TOML"),
+        (
+            ("[speed]", "[frame]\nbar_mm = 128\n[speed]"),
+            r"frame.bar_mm = 128.0: must be at most 127.5 in a frame of 260",
+        ),
+        (("[speed]", "[frame]\nbar_mm = -1\n[speed]"), "frame.bar_mm = -1: must be at least 0"),
+    ],
+)
+def test_a_mistake_is_one_line_with_file_and_field(change: tuple[str, str], message: str, tmp_path: Path) -> None:
+    (tmp_path / "mine.toml").write_text(OWN.replace(*change))
+    with pytest.raises(DesignError, match=message) as caught:
+        profiles.load_printer(str(tmp_path / "mine.toml"))
+    assert str(caught.value).startswith(str(tmp_path / "mine.toml")) and "\n" not in str(caught.value)
+
+
+def test_an_unknown_name_lists_what_there_is() -> None:
+    with pytest.raises(DesignError, match=r"--printer = 'ulti': must be a file.*ender-3, prusa-mk4, ultimaker2"):
+        profiles.load_printer("ulti")
+    with pytest.raises(DesignError, match=r"--plastic = 'wood': must be a file.*pla, tpu95a"):
+        profiles.load_plastic("wood")
+
+
+def test_braces_beyond_the_placeholders_are_refused() -> None:
+    data = profiles.load_printer("ultimaker2").model_dump()
+    with pytest.raises(ValueError, match="in braces"):
+        Printer.model_validate(data | {"start_code": "{z_offset_mm} {} G1"})

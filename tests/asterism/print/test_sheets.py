@@ -1,0 +1,267 @@
+"""The sheets are to scale: measured on the rendered PDF and SVG, and in the DXF."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+
+from asterism.print import sheets
+from asterism.print.drawing import Drawing, Line, Text
+from asterism.print.formats import dxf, pdf, svg
+from asterism.print.job import Job
+from tests.asterism.print import measure
+from tests.asterism.print.jobs import design, job
+
+pytest.importorskip("pypdfium2")
+SAME_MM = 0.01
+
+
+@pytest.fixture(scope="module")
+def one() -> Job:
+    # seven letters beyond Latin 1, so that fonts matter; 1.35 along x and 1.3 along y
+    return job(design(name="Kuppel Ω <&> ß"))
+
+
+@pytest.fixture(scope="module")
+def folder(one: Job, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("sheets")
+    template = sheets.needle_sheet(one)
+    assert template is not None
+    pages = [sheets.layout_sheet(one), sheets.stretch_sheet(one), template]
+    pdf.write(path / "layout.pdf", pages)
+    svg.write(path / "layout.svg", pages[0])
+    dxf.write(path / "layout.dxf", pages[0])
+    dxf.write(path / "needles.dxf", template)
+    return path
+
+
+def middle(drawing: Drawing) -> tuple[float, float]:
+    """The middle of the frame, from the lower left of the page."""
+    return float(-drawing.low[0]), float(-drawing.low[1])
+
+
+@pytest.mark.parametrize("page", [0, 1])
+def test_the_check_square_on_the_rendered_pdf(one: Job, folder: Path, page: int) -> None:
+    """10 cm before stretching, 10 cm times the stretch of each direction after."""
+    x, y = middle(sheets.layout_sheet(one))
+    # bands of a few dashes beside the middle; the alignment marks are elsewhere
+    across, (scale_x, _) = measure.pdf_band(folder / "layout.pdf", page, (x - 90, y + 20), (x + 90, y + 32), 24.0)
+    upwards, (_, scale_y) = measure.pdf_band(folder / "layout.pdf", page, (x + 20, y - 90), (x + 32, y + 90), 24.0)
+    for band, scale, stretch in ((across, scale_x, 1.35), (np.swapaxes(upwards, 0, 1), scale_y, 1.3)):
+        places = np.array(measure.lines_mm(measure.orange(band), scale))
+        assert len(places) == 4
+        assert places[2] - places[1] == pytest.approx(100.0, abs=SAME_MM)
+        assert places[3] - places[0] == pytest.approx(100.0 * stretch, abs=SAME_MM)
+        # about the middle of the frame, but for the whole pixels at which the band begins
+        assert places.mean() == pytest.approx(90.0, abs=2 / scale)
+
+
+def test_pages_are_a3_with_the_papers_frame(folder: Path) -> None:
+    for page in range(3):
+        assert measure.pdf_size_mm(folder / "layout.pdf", page) == pytest.approx((420.0, 297.0), abs=SAME_MM)
+
+
+def test_pages_grow_with_the_frame(tmp_path: Path) -> None:
+    large = job(printer={"frame": {"size_mm": [400.0, 350.0], "plate_mm": 4.0}})
+    pdf.write(tmp_path / "a.pdf", [sheets.layout_sheet(large)])
+    assert measure.pdf_size_mm(tmp_path / "a.pdf", 0) == pytest.approx((560.0, 387.0), abs=SAME_MM)
+
+
+def test_the_check_square_on_the_rendered_svg(one: Job, folder: Path) -> None:
+    pytest.importorskip("resvg_py")
+    scale = 254 / 25.4
+    image = measure.svg_pixels(folder / "layout.svg", scale)
+    assert image.shape[:2] == (2970, 4200)  # 297 x 420 mm at ten pixels a millimetre
+    x, y = middle(sheets.layout_sheet(one))
+    rows = slice(int((297 - y - 32) * scale), int((297 - y - 20) * scale))
+    places = np.array(
+        measure.lines_mm(measure.orange(image[rows, int((x - 90) * scale) : int((x + 90) * scale)]), scale)
+    )
+    assert len(places) == 4
+    assert places[2] - places[1] == pytest.approx(100.0, abs=SAME_MM)
+    assert places[3] - places[0] == pytest.approx(135.0, abs=SAME_MM)
+
+
+def test_dxf_is_sound_and_in_millimetres(one: Job, folder: Path) -> None:
+    """Without $INSUNITS = 4 a laser cutter may take the numbers for inches."""
+    import ezdxf
+
+    for name in ("layout.dxf", "needles.dxf"):
+        document = ezdxf.readfile(folder / name)
+        audit = document.audit()
+        assert not audit.errors and not audit.fixes
+        assert document.header["$INSUNITS"] == 4 and document.header["$MEASUREMENT"] == 1
+        text = (folder / name).read_text(encoding="utf-8")
+        assert "$INSUNITS\n 70\n4\n" in text
+        assert all(entity.dxf.layer in document.layers for entity in document.modelspace())
+
+
+def test_dxf_can_be_seen_on_black_and_on_white(folder: Path) -> None:
+    import ezdxf
+
+    layers = ezdxf.readfile(folder / "layout.dxf").layers
+    for name in ("stars", "text"):
+        assert layers.get(name).color == 7 and layers.get(name).rgb is None
+    assert layers.get("cut").rgb == (0xD0, 0x1C, 0x1C)
+
+
+def test_dxf_has_the_right_sizes_on_the_right_layers(one: Job, folder: Path) -> None:
+    import ezdxf
+
+    space = ezdxf.readfile(folder / "layout.dxf").modelspace()
+
+    def outlines(layer: str) -> list[np.ndarray]:
+        found = [line for line in space.query("LWPOLYLINE") if line.dxf.layer == layer and line.closed]
+        return [np.array([point[:2] for point in line.get_points()]) for line in found]
+
+    sizes = {
+        "frame": (260.0, 260.0),
+        "frame-opening": (230.0, 230.0),
+        "printable-area": (223.0, 223.0),
+        "check-before-stretching": (100.0, 100.0),
+        "check-after-stretching": (135.0, 130.0),
+    }
+    for layer, size in sizes.items():
+        (outline,) = outlines(layer)
+        assert np.ptp(outline, axis=0) == pytest.approx(size, abs=SAME_MM)
+        assert outline.mean(axis=0) == pytest.approx((0.0, 0.0), abs=SAME_MM)
+    (cut,) = outlines("cut")
+    assert cut == pytest.approx(one.plan.border, abs=SAME_MM)
+    stars = sum(shapely.Polygon(outline).area for outline in outlines("stars"))
+    assert stars == pytest.approx(one.stars[0].region.area, rel=1e-6)
+    needles = [circle.dxf.center for circle in space.query("CIRCLE") if circle.dxf.layer == "needles"]
+    assert np.array(needles)[:, :2] == pytest.approx(np.array([n.printed for n in one.needles]), abs=SAME_MM)
+
+
+def test_the_drilling_template_has_the_needles_in_space(one: Job, folder: Path) -> None:
+    import ezdxf
+
+    space = ezdxf.readfile(folder / "needles.dxf").modelspace()
+    holes = np.array([circle.dxf.center for circle in space.query("CIRCLE")])[:, :2]
+    places = np.array([needle.place for needle in one.needles])[:, :2]
+    assert holes == pytest.approx(places, abs=SAME_MM)
+    # two edges of the hexagon, held at .8 of their printed place
+    assert places == pytest.approx(0.8 * np.array([n.printed for n in one.needles]))
+
+
+def test_svg_is_in_millimetres_and_survives_any_name(one: Job, folder: Path) -> None:
+    from xml.etree import ElementTree
+
+    root = ElementTree.parse(folder / "layout.svg").getroot()
+    assert (root.get("width"), root.get("height"), root.get("viewBox")) == ("420mm", "297mm", "0 0 420 297")
+    groups = {group.get("id") for group in root.iter("{http://www.w3.org/2000/svg}g")}
+    assert {"cut", "stars", "frame", "check-after-stretching", "needles"} <= groups
+    texts = [text.text for text in root.iter("{http://www.w3.org/2000/svg}text")]
+    assert one.design.name in texts
+
+
+def test_a_free_sheet_needs_no_template() -> None:
+    assert sheets.needle_sheet(job(design(pins=[]))) is None
+
+
+@pytest.mark.parametrize(
+    ("stretch", "printer", "side"),
+    [
+        (1.35, {}, 100.0),
+        (2.8, {}, 60.0),
+        (1.35, {"bed_mm": [300.0, 280.0]}, 100.0),
+        (1.35, {"frame": {"size_mm": [130.0, 140.0]}}, 50.0),
+        ([1.2, 1.8], {"frame": {"size_mm": [130.0, 140.0]}}, 40.0),
+        (1.35, {"frame": {"size_mm": [130.0, 40.0], "bar_mm": 5.0}}, 10.0),
+    ],
+)
+def test_large_beds_and_small_frames(stretch: Any, printer: dict[str, Any], side: float) -> None:
+    """The page shows all of them, and the stretched square is within the frame."""
+    stars = {"length_mm": 5.0, "thickness_mm": 0.2}
+    made = job(design(fabric={"stretch": stretch}, stars=stars, border={"rings": 0}, pins=[]), printer)
+    assert made.check_before_mm == side
+    assert (np.array(made.check_after_mm) <= 0.8 * np.array(made.printer.frame.opening_mm)).all()
+    layout, check = sheets.layout_sheet(made), sheets.stretch_sheet(made)
+    check_page(layout)
+    check_page(check)
+    words = " ".join(texts(check))
+    x, y = made.check_after_mm
+    assert f"before: {side:g} x {side:g} mm" in words and f"after: {x:.1f} x {y:.1f} mm" in words
+    front = next(item for item in layout.items if isinstance(item, Text) and item.text == "front of the printer")
+    assert front.at[1] < -max(made.printer.bed_mm[1], made.printer.frame.size_mm[1]) / 2
+
+
+def test_everything_is_on_its_page(one: Job) -> None:
+    template = sheets.needle_sheet(one)
+    assert template is not None
+    for drawing in (sheets.layout_sheet(one), sheets.stretch_sheet(one), template):
+        check_page(drawing)
+
+
+def check_page(drawing: Drawing) -> None:
+    for item in drawing.items:
+        points = (
+            item.points if isinstance(item, Line) else np.atleast_2d(getattr(item, "at", getattr(item, "centre", 0)))
+        )
+        assert (points >= drawing.low).all() and (points <= drawing.high).all()
+
+
+@pytest.mark.parametrize("place", [[0.0, 0.0], [2.0, 2.2], [0.0, 9.0], [-8.0, -2.0]])
+def test_the_origin_is_not_written_over_a_needle(place: list[float]) -> None:
+    """Nor over its number and height, which stand to its right."""
+    mast = {"points_mm": [place], "target_mm": [*place, 25.0]}
+    template = sheets.needle_sheet(job(design(pins=[mast, {"where": "corners", "scale": 0.8, "step": 1}])))
+    assert template is not None
+    word = next(item for item in template.items if isinstance(item, Text) and item.text == "origin")
+    label = next(item for item in template.items if isinstance(item, Text) and item.text == "1  z 25.0")
+    apart = np.abs(word.at - label.at)
+    assert apart[1] > 4.0 or word.at[0] + 6.0 < label.at[0] or word.at[0] - 6.0 > label.at[0] + 16.0
+    assert any("Steps are set one after the other" in line for line in texts(template))
+
+
+def texts(page: Drawing) -> list[str]:
+    return [item.text for item in page.items if isinstance(item, Text)]
+
+
+def test_every_text_of_a_pdf_is_there_once(tmp_path: Path) -> None:
+    """Numbers of needles have white around them, which is no text."""
+    drawing = sheets.layout_sheet(job())
+    pdf.write(tmp_path / "a.pdf", [drawing])
+    texts = [item.text for item in drawing.items if isinstance(item, Text)]
+    assert Counter(measure.pdf_words(tmp_path / "a.pdf", 0)) == Counter(" ".join(texts).split())
+
+
+WRITES = """
+import sys
+import numpy as np
+from pathlib import Path
+from asterism.print import dxf, pdf
+from asterism.print.drawing import Drawing, Text, rectangle
+from asterism.print.layers import CUT, TEXT
+items = (rectangle(CUT, (10.0, 10.0)), Text(TEXT, np.zeros(2), "Kuppel"))
+drawing = Drawing("a", np.full(2, -9.0), np.full(2, 9.0), items)
+dxf.write(Path(sys.argv[1]) / "a.dxf", drawing)
+pdf.write(Path(sys.argv[1]) / "a.pdf", [drawing])
+"""
+
+
+def test_the_same_drawing_is_the_same_file(tmp_path: Path) -> None:
+    """In another process too, where the order of sets is another."""
+    for seed in ("1", "4"):
+        (tmp_path / seed).mkdir()
+        words = [sys.executable, "-c", WRITES, str(tmp_path / seed)]
+        subprocess.run(words, check=True, env=os.environ | {"PYTHONHASHSEED": seed})
+    for name in ("a.dxf", "a.pdf"):
+        assert (tmp_path / "1" / name).read_bytes() == (tmp_path / "4" / name).read_bytes()
+    # processes may run within a second
+    assert b"CreationDate" not in (tmp_path / "1" / "a.pdf").read_bytes()
+
+
+def test_dates_of_other_dxf_files_stay(tmp_path: Path) -> None:
+    import ezdxf
+
+    dxf.write(tmp_path / "a.dxf", sheets.layout_sheet(job()))
+    assert not ezdxf.options.write_fixed_meta_data_for_testing

@@ -1,0 +1,106 @@
+"""The line that says what a first run waits for: only where something is compiled, and once."""
+
+from __future__ import annotations
+
+import importlib.util
+import time
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from asterism.process.compiling import clock_without_compiling, told_of_compiling
+from pattern import gallery
+from pattern.design.errors import MeshError
+from tests.asterism.commands import command
+
+pytest.importorskip("numba")
+
+SOURCE = """
+from equilibrium.compiled import formula, loop
+
+@formula
+def twice(x):
+    return 2 * x
+
+@loop
+def first(n):
+    return twice(n) + 1
+
+@loop
+def second(n):
+    return twice(n) + 2
+"""
+
+
+def fresh(folder: Path, name: str) -> ModuleType:
+    """The module as a new process imports it; its machine code is kept in a folder beside its file."""
+    path = folder / "loops.py"
+    if not path.exists():
+        path.write_text(SOURCE)
+    spec = importlib.util.spec_from_file_location(name, path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def said(module: ModuleType) -> list[str]:
+    lines: list[str] = []
+    with told_of_compiling(lines.append):
+        assert (module.first(3), module.second(3)) == (7, 8)
+    return lines
+
+
+def test_compiling_is_said_once_and_not_where_machine_code_is_found(tmp_path: Path) -> None:
+    lines = said(fresh(tmp_path, "discrete.loops"))
+    assert len(lines) == 1 and lines[0].startswith("compiling the exact model:")
+    assert list(tmp_path.rglob("*.nbi"))
+    assert said(fresh(tmp_path, "discrete.loops")) == []
+
+
+def test_other_packages_are_not_ours(tmp_path: Path) -> None:
+    assert said(fresh(tmp_path, "theirs.loops")) == []
+
+
+def test_nothing_is_said_after_the_block(tmp_path: Path) -> None:
+    lines: list[str] = []
+    with told_of_compiling(lines.append):
+        pass
+    assert fresh(tmp_path, "fem.loops").first(1) == 3 and lines == []
+
+
+def test_a_clock_stands_still_while_loops_are_compiled_or_read(tmp_path: Path) -> None:
+    for name in ("fem.loops", "fem.again"):  # the second finds the machine code of the first
+        module = fresh(tmp_path, name)
+        with clock_without_compiling() as clock:
+            begun, by_the_clock = time.perf_counter(), clock()
+            module.first(3)
+            spent, counted = time.perf_counter() - begun, clock() - by_the_clock
+            assert counted < 0.9 * spent, name
+            begun, by_the_clock = time.perf_counter(), clock()
+            time.sleep(0.05)
+            assert clock() - by_the_clock == pytest.approx(time.perf_counter() - begun, abs=0.03)
+
+
+@pytest.mark.parametrize(
+    ("word", "engine"),
+    [
+        ("preview", "asterism.previews.run.preview"),
+        ("simulate", "asterism.exact.simulation.simulate"),
+        ("verify", "asterism.verification.run.verify"),
+    ],
+)
+def test_commands_say_it(
+    word: str, engine: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def compile_and_stop(*arguments: object, **options: object) -> None:
+        fresh(tmp_path, "fem.loops").first(1)
+        raise MeshError("enough")
+
+    monkeypatch.setattr(engine, compile_and_stop)
+    found = command([word, str(gallery.path("star")), "-o", str(tmp_path / "out")], capsys, monkeypatch)
+    assert found.err.splitlines() == [
+        "compiling the preview's shell: in the first run only, some 20 s",
+        "asterism: enough",
+    ]

@@ -1,0 +1,220 @@
+"""The page about a design, read back by another program and measured on its picture."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pypdfium2
+import pytest
+
+from asterism.previews.run import preview
+from asterism.reports.page import LAYOUT_AT, LAYOUT_MM
+from asterism.results.write_results import write_results
+from homogenize.law.file import PAPER, load_law
+from pattern.design.design import load_design
+from tests.asterism.commands import command
+
+DESIGN = """
+name = "small roof"
+[stars]
+length_mm = 8.0
+thickness_mm = 0.4
+[border]
+rectangle_mm = [104.0, 70.0]
+[[pins]]
+where = "corners"
+scale = 0.7
+[mesh]
+edge_mm = 4.0
+"""
+
+
+@pytest.fixture
+def design(tmp_path: Path) -> Path:
+    (tmp_path / "d.toml").write_text(DESIGN)
+    return tmp_path / "d.toml"
+
+
+def page(path: Path) -> tuple[str, np.ndarray]:
+    """Text of the only page, and its picture (rows, columns, 3) with 10 pixels a mm."""
+    document = pypdfium2.PdfDocument(path)
+    assert len(document) == 1
+    size = np.array(document[0].get_size()) * 25.4 / 72
+    np.testing.assert_allclose(size, [210, 297], atol=0.1)
+    image = document[0].render(scale=10 * 25.4 / 72).to_pil().convert("RGB")
+    return document[0].get_textpage().get_text_range(), np.asarray(image).astype(int)
+
+
+def test_parameters_picture_layout_needles_and_material(design: Path, capsys, monkeypatch) -> None:
+    done = command(["report", str(design)], capsys, monkeypatch)
+    assert done.status == 0, done.err
+    assert "layout 1:1; shape: by the preview" in done.out
+    text, image = page(design.with_name("d-report.pdf"))
+    for words in (
+        "small roof",
+        "stretch 1.35, 0.8 mm thick",
+        "E1/E2 3200, paper",
+        "length 8 mm",
+        "thickness 0.4, width 1.2 mm",
+        "sheet 104.0 x 70.0 mm",
+        "by the preview",
+        "height give or take ",
+        "g, ",
+        "Layout 1:1",
+        "Needles: 4",
+        "1: printed (-52.0, -35.0), stands at (-36.4, -24.5, 0.0)",
+    ):
+        assert words in text, text
+    # the colour of the sheet in the layout: as wide and high as the sheet itself
+    rows, columns = np.nonzero(
+        (np.abs(image - [0xF3, 0xF1, 0xEA]) < 3).all(axis=2) & (np.arange(len(image)) > 1200)[:, None]
+    )
+    assert np.ptp(columns) / 10 == pytest.approx(104, abs=0.5)
+    assert np.ptp(rows) / 10 == pytest.approx(70, abs=0.5)
+    # something is drawn in the place of the picture
+    assert (image[300:1200, 150:1950].min(axis=2) < 200).mean() > 0.03
+
+
+@pytest.mark.usefixtures("blank_pictures")
+def test_results_of_the_design_are_used_and_others_refused(design: Path, tmp_path: Path, capsys, monkeypatch) -> None:
+    plan = load_design(design)
+    shape = preview(plan, load_law(None))
+    summary = {
+        "design": plan.to_dict(),
+        "height_mm": 12.34,
+        "extent_mm": [90.0, 60.0, 12.3],
+        "is_minimum": False,
+        "mesh_error_percent": 1.7,
+        "warnings": ["it passes through itself (12 pairs of triangles)", "1 of 19 stars of the exact shape are not up"],
+    }
+    write_results(replace(shape, summary=summary), tmp_path / "d")
+    done = command(["report", str(design), "-o", str(tmp_path / "r.pdf")], capsys, monkeypatch)
+    assert "by the exact model" in done.out
+    text, _ = page(tmp_path / "r.pdf")
+    assert "height 12.3 mm" in text and "NOT certain" in text and "mesh error about 1.7 %" in text
+    assert "expected rms" not in text
+    # what the commands warn of is on the page too
+    assert "passes through itself (12 pairs of triangles)" in text
+    assert "1 of 19 stars of the exact shape are not" in text
+
+    # they may be from another start, or mesh
+    design.write_text(DESIGN + "[solver]\nseed = 3\n")
+    done = command(["report", str(design), "-o", str(tmp_path / "r.pdf")], capsys, monkeypatch)
+    assert "by the exact model" in done.out
+
+    design.write_text(DESIGN.replace("8.0", "7.0"))
+    refused = command(["report", str(design), "--results", str(tmp_path / "d")], capsys, monkeypatch)
+    assert refused.status == 2 and "--results" in refused.line and "of this design" in refused.line
+
+
+@pytest.mark.usefixtures("blank_pictures")
+def test_sheets_that_hang_and_sizes_that_are_rounded_are_on_the_page(design: Path, capsys, monkeypatch) -> None:
+    middle = "points_mm = [[-10, 0], [10, 0], [0, 12]]\nscale = 0.76\n"
+    design.write_text(DESIGN.split("[[pins]]")[0].replace("0.4", "0.38") + "[[pins]]\n" + middle)
+    assert command(["report", str(design)], capsys, monkeypatch).status == 0
+    text, _ = page(design.with_name("d-report.pdf"))
+    low = preview(load_design(design)).positions[:, 2].min()
+    assert f"hangs {-low:.1f} mm below its base" in text and low < -0.5
+    assert "thickness 0.4 mm in place of the design's" in text and "as drawn; the print is rounded" in text
+    # a design that is what the printer makes has a page without such lines
+    assert command(["export", str(design), "-o", str(design.with_name("out"))], capsys, monkeypatch).status == 0
+    rounded = design.with_name("out") / "rounded.toml"
+    assert command(["report", str(rounded), "-o", str(rounded.with_name("r.pdf"))], capsys, monkeypatch).status == 0
+    text, _ = page(rounded.with_name("r.pdf"))
+    assert "thickness 0.4, width" in text and "in place of" not in text and "as drawn" not in text
+
+
+@pytest.mark.usefixtures("blank_pictures")
+def test_what_decides_the_shape_is_on_the_page(design: Path, tmp_path: Path, capsys, monkeypatch) -> None:
+    """Weight and sides of stars too; and a needle in the middle keeps its dot beside its number."""
+    middle = "[[pins]]\npoints_mm = [[0, 0]]\nslide = 'z'\n[gravity]\non = true\n[fabric]\nmodulus_mpa = 1.0\n"
+    design.write_text(DESIGN.replace("thickness_mm = 0.4", "thickness_mm = 0.4\nbranch = 'down'") + middle)
+    shape = preview(load_design(design))
+    summary = {"design": load_design(design).to_dict(), "height_mm": 5.0, "is_minimum": True}
+    write_results(replace(shape, summary=summary), tmp_path / "d")
+    done = command(["report", str(design)], capsys, monkeypatch)
+    assert done.status == 0, done.err
+    text, image = page(design.with_name("d-report.pdf"))
+    for words in ("its weight pulls along (0, 0, -1)", "bumped down", "mesh error not known, one mesh was solved"):
+        assert words in text, text
+    assert "-0.0" not in text
+    x, y = (10 * (LAYOUT_AT + LAYOUT_MM / 2)).astype(int)
+    red, green, blue = image[2970 - y - 3 : 2970 - y + 3, x - 3 : x + 3].mean(axis=(0, 1))
+    assert red > green + 60 and red > blue + 60
+
+
+def test_needles_along_which_the_sheet_slides_stand_at_a_place_without_a_height(
+    design: Path, capsys, monkeypatch
+) -> None:
+    """There is no law, and so no shape that says it."""
+    sliding = DESIGN.replace("scale = 0.7", 'scale = 0.7\nslide = "z"')
+    design.write_text(sliding + "[plastic]\nmodulus_ratio = 2000.0\n")
+    assert command(["report", str(design)], capsys, monkeypatch).status == 0
+    assert "1: printed (-52.0, -35.0), stands at (-36.4, -24.5, slides)" in page(design.with_name("d-report.pdf"))[0]
+
+
+def test_without_a_law_there_is_no_picture(design: Path, capsys, monkeypatch) -> None:
+    design.write_text(DESIGN + "[plastic]\nmodulus_ratio = 2000.0\n")
+    done = command(["report", str(design)], capsys, monkeypatch)
+    assert done.status == 0 and "no picture" in done.line and "plastic.modulus_ratio" in done.line
+    text, image = page(design.with_name("d-report.pdf"))
+    assert "not known: no law of this material" in text and "E1/E2 2000" in text
+    assert image[300:1200, 150:1950].min() == 255
+    # no law holds two stretches: none is asked for
+    design.write_text(DESIGN + "[fabric]\nstretch = [1.2, 1.5]\n")
+    done = command(["report", str(design)], capsys, monkeypatch)
+    assert done.status == 0 and done.line.endswith("asterism simulate; give --results")
+    design.write_text(DESIGN + "[plastic]\nmodulus_ratio = 2000.0\n")
+    # a law for something else says what would make one
+    refused = command(["report", str(design), "--law", str(PAPER)], capsys, monkeypatch)
+    assert refused.status == 2 and "asterism calibrate" in refused.line
+    design.write_text(DESIGN)
+    done = command(["report", str(design), "--law", str(PAPER)], capsys, monkeypatch)
+    assert done.status == 0 and "by the preview" in done.out
+
+
+@pytest.mark.parametrize(
+    ("words", "problem"),
+    [
+        (["-o", "r.png"], "must end with .pdf"),
+        (["--printer", "none"], "--printer"),
+        (["--material", "none.toml"], "none.toml"),
+        (["--results", "nowhere"], "nowhere"),
+    ],
+)
+def test_mistakes(words: list[str], problem: str, design: Path, capsys, monkeypatch) -> None:
+    done = command(["report", str(design), *words], capsys, monkeypatch)
+    assert done.status == 2 and problem in done.line
+    assert [file.name for file in design.parent.iterdir()] == ["d.toml"]
+
+
+@pytest.mark.usefixtures("blank_pictures")
+def test_sheets_larger_than_the_printer_have_a_page(design: Path, tmp_path: Path, capsys, monkeypatch) -> None:
+    """And doubts of a preview are on it, as many as there is room for."""
+    design.write_text(DESIGN.replace("[104.0, 70.0]", "[400.0, 70.0]"))
+    warnings = [f"warning {k}: " + "word " * 30 for k in range(5)]
+    plan = load_design(design)
+    shape = preview(plan, load_law(None))
+    write_results(replace(shape, summary=dict(shape.summary) | {"warnings": warnings}), tmp_path / "d")
+    done = command(["report", str(design), "-o", str(tmp_path / "r.pdf")], capsys, monkeypatch)
+    assert done.status == 0, done.err
+    text, _ = page(tmp_path / "r.pdf")
+    assert "LARGER than the Ultimaker 2+ can print" in text
+    assert "warning 0" in text and "and more: see the summary" in text and "warning 4" not in text
+
+
+@pytest.mark.usefixtures("blank_pictures")
+def test_a_law_that_is_given_makes_the_preview(design: Path, tmp_path: Path, capsys, monkeypatch) -> None:
+    """What lies beside the design may be of another law; a given one is not for results."""
+    plan = load_design(design)
+    shape = preview(plan, load_law(None))
+    write_results(replace(shape, summary={**shape.summary, "height_mm": 77.7}), tmp_path / "d")
+    words = ["report", str(design), "-o", str(tmp_path / "r.pdf")]
+    for given, told in (([], True), (["--law", str(PAPER)], False)):
+        assert command([*words, *given], capsys, monkeypatch).status == 0
+        text, _ = page(tmp_path / "r.pdf")
+        assert ("height 77.7 mm" in text) == told and "law: paper, edges of 1.15 mm" in text
+    both = command([*words, "--law", str(PAPER), "--results", str(tmp_path / "d")], capsys, monkeypatch)
+    assert both.status == 2 and "--law: is for a new preview" in both.line

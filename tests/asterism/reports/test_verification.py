@@ -1,0 +1,316 @@
+"""verify on a small design, its files, and the report in a browser."""
+
+from __future__ import annotations
+
+import json
+import re
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+from PIL import Image
+
+from asterism import __version__
+from asterism.cli.verify import table_lines
+from asterism.exact.simulation import simulate
+from asterism.previews.run import preview
+from asterism.reports.verification import report
+from asterism.reports.verification_files import write_verification
+from asterism.results.read_shape import read_shape
+from asterism.results.vtu import write_shape_vtu
+from asterism.results.write_results import write_results
+from asterism.verification import run
+from asterism.verification.run import Verification, verify
+from pattern.design.design import Design
+from tests.asterism.previews.laws import plain_law
+from tests.asterism.process.test_compiling import fresh
+from tests.asterism.verification.browser import browser, opened
+from tests.asterism.verification.printed import design
+
+# what a name must not do to a page
+NAME = 'seven <b>"stars"</b> & </title><script>document.title = "broken"</script>'
+OF = design(name=NAME, mesh={"edge_mm": 2.5})
+
+
+def stand_in(of: Design):
+    """A shape of the same design in place of its preview: the exact one on a coarser mesh, somewhere else."""
+    shape = simulate(Design.from_dict(of.to_dict() | {"mesh": {"edge_mm": 3.5}}))
+    turned = shape.positions[:, [1, 2, 0]] + 10.0
+    return replace(shape, positions=turned, summary={"warnings": ["a star is beyond the law's range"]})
+
+
+@pytest.fixture(scope="module")
+def found() -> Verification:
+    return verify(OF, shown=stand_in, command="asterism verify <stars>.toml --edge 2.5")
+
+
+@pytest.fixture(scope="module")
+def folder(found, tmp_path_factory) -> Path:
+    out = tmp_path_factory.mktemp("verified") / "out"
+    assert write_verification(found, out) == ["exact.vtu", "preview.vtu", "report.html", "summary.json"]
+    return out
+
+
+@pytest.mark.parametrize(("long_s", "made"), [(1e3, 1 + run.AGAIN), (1e-9, 2)])
+def test_previews_that_take_long_are_made_once_more_and_it_is_said(found, monkeypatch, long_s, made):
+    monkeypatch.setattr(run, "LONG_S", long_s)
+    count, said = [], []
+
+    def shown(of: Design):
+        count.append(of)
+        return found.preview
+
+    again = verify(OF, shown=shown, released=found.exact["release"], near=found.exact["preview"], say=said.append)
+    assert len(count) == made
+    assert ["once more" in line for line in said].count(True) == (made == 2)
+    assert again.summary["rms_percent"] == found.summary["rms_percent"]
+
+
+def test_summary(found):
+    s = found.summary
+    assert 0.0 < s["rms_percent"] < s["max_percent"] < 5.0
+    assert 0.0 < s["rms_stars_percent"] < 5.0
+    assert s["same_branch"] and s["starts_agree"]
+    assert s["speedup"] == pytest.approx(s["exact_s"] / s["preview_again_s"])
+    assert s["roll_radius_error_percent"] is None or abs(s["roll_radius_error_percent"]) < 20.0
+    assert abs(s["height_error_percent"]) < 20.0
+    assert s["exact"]["is_minimum"] and s["exact"]["energy_n_mm"] == min(
+        one["energy_n_mm"] for one in s["starts"].values()
+    )
+    # a start that is nearly there saves most of the way
+    assert s["starts"]["preview"]["iterations"] < 0.5 * s["starts"]["release"]["iterations"]
+    assert s["warnings"][0] == "a star is beyond the law's range"
+    assert s["preview"] and s["design"]["name"] == NAME
+
+
+def test_compiling_counts_for_neither_model(found, tmp_path, monkeypatch):
+    """It happens in the first run only, mostly within the exact model."""
+    pytest.importorskip("numba")
+    spent: list[float] = []
+
+    def compiled_first(*_, **__):
+        folder = tmp_path / str(len(spent))
+        folder.mkdir()
+        loops = fresh(folder, f"discrete.loops{len(spent)}")
+        begun = time.perf_counter()
+        loops.first(3)
+        spent.append(time.perf_counter() - begun)
+        return found.exact["release"]
+
+    monkeypatch.setattr(run, "simulate", compiled_first)
+    s = run.verify(OF, shown=lambda _: found.preview).summary
+    assert len(spent) == 2 and s["exact_s"] < 0.5 * spent[0] and s["exact_from_preview_s"] < 0.5 * spent[1]
+    assert s["speedup_cold"] == pytest.approx(s["exact_s"] / s["preview_s"])
+
+
+def test_files(found, folder):
+    summary = json.loads((folder / "summary.json").read_text())
+    assert summary["rms_percent"] == pytest.approx(found.summary["rms_percent"])
+    exact, preview = (meshio.read(folder / f"{name}.vtu").points for name in ("exact", "preview"))
+    # the preview is laid on the exact shape
+    assert np.abs(exact.mean(axis=0) - preview.mean(axis=0)).max() < 1.0
+    assert np.abs(np.ptp(exact, axis=0) - np.ptp(preview, axis=0)).max() < 2.0
+
+
+def test_another_shape_in_its_folder_is_not_taken_for_a_verified_one(found, folder, tmp_path):
+    """`asterism report` must not say of any shape what a verification's summary says of two."""
+    write_shape_vtu(found.exact["release"], tmp_path / "shape.vtu")
+    (tmp_path / "summary.json").write_bytes((folder / "summary.json").read_bytes())
+    assert read_shape(tmp_path).summary == {}
+
+
+@pytest.mark.usefixtures("blank_pictures")
+def test_it_takes_the_place_of_another_result(found, tmp_path, monkeypatch):
+    monkeypatch.setattr("asterism.reports.verification._pictures", lambda _: [])  # they take seconds
+    write_results(found.exact["release"], tmp_path)
+    files = write_verification(found, tmp_path)
+    assert sorted(file.name for file in tmp_path.iterdir()) == files
+    assert read_shape(tmp_path).positions == pytest.approx(found.comparison.reference.positions, abs=1e-6)
+
+
+def test_names_of_files_that_are_no_text_do_not_stop_it(found, tmp_path, monkeypatch):
+    """As Python gives them to commands."""
+    monkeypatch.setattr("asterism.reports.verification._pictures", lambda _: [])  # they take seconds
+    odd = replace(found, summary=found.summary | {"command": "asterism verify d\udce9.toml"})
+    write_verification(odd, tmp_path)
+    assert "asterism verify d\\udce9.toml" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_both_shapes_of_a_verification_can_be_read_again(found, folder):
+    exact, preview = read_shape(folder), read_shape(folder / "preview.vtu")
+    assert exact.positions == pytest.approx(found.comparison.reference.positions, abs=1e-6)
+    assert exact.summary["is_minimum"] and exact.summary["design"] == found.design.to_dict()
+    assert preview.positions == pytest.approx(found.comparison.other.positions, abs=1e-6)
+    assert preview.summary == found.summary["preview"]
+
+
+def test_page_needs_nothing_else(folder):
+    text = (folder / "report.html").read_text(encoding="utf-8")
+    assert "<script" not in text
+    assert "&lt;b&gt;&quot;stars&quot;&lt;/b&gt; &amp;" in text
+    assert not re.search(r'(src|href)="(?!data:)', text)
+    assert not re.search(r"url\(|@import|https?://", text)
+    assert text.count("data:image/png;base64,") == 8
+
+
+def test_page_says_what_counts(found, folder):
+    """Distance in mm too, what the preview expected, and what is to be known before."""
+    s, text = found.summary, (folder / "report.html").read_text(encoding="utf-8")
+    assert f"({s['rms_percent'] * s['diameter_mm'] / 100:.2g} mm) away" in text
+    assert "The preview shows the same form as the exact model, " in text
+    assert "<li>a star is beyond the law&#x27;s range</li>" in text
+    released = s["starts"]["release"]
+    assert f'<td class="n">{released["energy_n_mm"]:.4f}</td>' in text and "from end to end" in text
+
+
+def test_page_says_what_it_was_made_from(found, folder, monkeypatch):
+    text = (folder / "report.html").read_text(encoding="utf-8").split("Made from")[1]
+    exact = found.summary["exact"]
+    assert "asterism verify &lt;stars&gt;.toml --edge 2.5" in text and f"<td>{__version__}</td>" in text
+    assert f"edges of 2.5 mm, {exact['triangles']} triangles" in text and f"solver {exact['backend']}" in text
+    assert "<td>law</td>" not in text  # the stand-in has none
+    monkeypatch.setattr("asterism.reports.verification._pictures", lambda _: [])  # they take seconds
+    law = replace(plain_law(), made={"command": "asterism calibrate my.toml"})
+    made = preview(OF, law).summary
+    text = report(replace(found, summary=found.summary | {"preview": made, "command": None})).split("Made from")[1]
+    edges = f"edges of {law.edge_mm:g} mm"
+    assert f"<td>plain, fabric stretched 1.35, {edges}, made by asterism calibrate my.toml</td>" in text
+    assert f"{made['shell_triangles']} triangles, side auto" in text and "<td>command</td>" not in text
+
+
+def test_page_says_that_the_form_is_another_one(found, monkeypatch):
+    monkeypatch.setattr("asterism.reports.verification._pictures", lambda _: [])  # they take seconds
+    text = report(replace(found, summary=found.summary | {"same_branch": False}))
+    assert 'The preview shows <span class="bad">another form</span> than the exact model, ' in text
+
+
+def test_a_start_without_a_minimum_is_no_other_form(found, monkeypatch):
+    """However near to the preview it has stopped."""
+    result = found.exact[found.result]
+    stopped = replace(result, summary=result.summary | {"is_minimum": False})
+    moved = replace(result, positions=result.positions * [1.0, 1.0, 1.05])
+    bold = replace(result, summary=found.preview.summary)
+    one = run.verify(OF, shown=lambda _: bold, released=moved, near=stopped)
+    assert one.result == "release" and one.summary["starts"]["preview"]["rms_percent"] < one.summary["rms_percent"]
+    assert one.summary["same_branch"] and not one.summary["starts_agree"]
+    lines = "\n".join(table_lines(one.summary | {"expected_height_percent": None}))
+    assert "one start in a minimum" in lines and "two minima" not in lines
+    monkeypatch.setattr("asterism.reports.verification._pictures", lambda _: [])  # they take seconds
+    assert "has come to no minimum that is certain to stay; the other one counts" in report(one)
+
+
+def test_nothing_is_said_against_a_preview_where_the_exact_model_has_failed(found, monkeypatch):
+    """However far from it the exact model stopped."""
+    failed = found.exact["release"]
+    failed = replace(failed, positions=3.0 * failed.positions, summary=failed.summary | {"is_minimum": False})
+    bold = replace(found.preview, summary=found.preview.summary | {"expected_rms_percent": 0.1})
+    lost = run.verify(OF, shown=lambda _: bold, released=failed, near=failed)
+    assert lost.summary["same_branch"] is None
+    assert lost.summary["warnings"] == [*bold.summary["warnings"], "the exact shape is not certified to be a minimum"]
+    lines = "\n".join(table_lines(lost.summary | {"expected_height_percent": None}))
+    assert "not known: no certified exact shape" in lines and "no minimum; " in lines
+    monkeypatch.setattr("asterism.reports.verification._pictures", lambda _: [])  # they take seconds
+    text = report(lost)
+    assert "not found a shape that is certain to stay" in text and "The preview shows" not in text
+    assert '<div class="tile">' not in text and "Neither start has come to a minimum" in text
+
+
+def test_page_says_that_another_minimum_is_nearer_and_as_low(found, monkeypatch):
+    """Energies move by more from mesh to mesh."""
+    monkeypatch.setattr("asterism.reports.verification._pictures", lambda _: [])  # they take seconds
+    s = found.summary
+    other = "preview" if s["result_from"] == "release" else "release"
+    energy = s["exact"]["energy_n_mm"]
+
+    def told(part: float, distance: float, form: bool, saved: float = 0.0) -> bool:
+        """`saved`: by the weight, which makes the sum small and what the sheet stores no smaller."""
+        exact = s["exact"] | {"energy_n_mm": energy - saved, "gravity": -saved}
+        near = s["starts"][other] | {"energy_n_mm": (1.0 + part) * energy - saved, "rms_percent": distance}
+        changed = s | {"same_branch": form, "rms_percent": 10.0, "exact": exact}
+        changed |= {"starts": s["starts"] | {other: near}}
+        return "has another minimum, " in report(replace(found, summary=changed))
+
+    assert told(5e-5, 3.29, False) and told(5e-5, 3.29, False, saved=0.999 * energy)
+    assert not told(0.02, 3.29, False) and not told(5e-5, 12.0, False) and not told(5e-5, 3.29, True)
+
+
+def test_a_long_entry_of_the_design_is_cut_on_the_page(found, monkeypatch):
+    monkeypatch.setattr("asterism.reports.verification._pictures", lambda _: [])  # they take seconds
+    corners = [[float(k), 0.25] for k in range(500)]
+    design = found.summary["design"] | {"border": {"polygon_mm": corners}}
+    text = report(replace(found, summary=found.summary | {"design": design}))
+    assert "[100.0, 0.25]" not in text and "[1.0, 0.25]" in text and "characters: summary.json)" in text
+
+
+def test_what_is_slower_is_not_called_faster(found, monkeypatch):
+    monkeypatch.setattr("asterism.reports.verification._pictures", lambda _: [])  # they take seconds
+    quick, slow = (report(replace(found, summary=found.summary | {"speedup": ratio})) for ratio in (27.3, 0.42))
+    assert "<b>27 ×</b><span>faster than the exact model</span>" in quick
+    assert "<b>0.42 ×</b><span>as fast as the exact model</span>" in slow
+
+
+def test_heights_of_nothing_are_no_percent(found, monkeypatch):
+    """A preview of .001 mm that expects to be .4 mm off."""
+    monkeypatch.setattr("asterism.reports.verification._pictures", lambda _: [])  # they take seconds
+    flat = {"heights_mm": [0.03, 0.001], "height_error_percent": -96.7, "expected_height_percent": 40000.0}
+    s = found.summary | flat
+    text = report(replace(found, summary=s))
+    assert "height of the preview, against" not in text and "-96.7" not in text
+    assert "40000" not in text and "0.4 mm" in text
+    assert "height 0.4 mm" in "\n".join(table_lines(s | {"expected_rms_percent": 0.6}))
+
+
+def test_an_axis_that_was_taken_to_an_equivalent_one_is_told(found, monkeypatch):
+    """The warning of the preview names its own."""
+    monkeypatch.setattr("asterism.reports.verification._pictures", lambda _: [])  # they take seconds
+    preview = found.summary["preview"] | {"roll_axis_deg": 90.0}
+    for axis, told in ((30.0, True), (90.0, False)):
+        s = found.summary | {"preview": preview, "roll_axes_deg": [axis, axis]}
+        assert ("before it was laid: 90)" in report(replace(found, summary=s))) is told
+
+
+@pytest.mark.parametrize(
+    ("error", "change", "tile"),
+    [
+        (1.23, 4.0, "<b>1.2 %</b><span>the exact model&#x27;s own mesh error</span>"),
+        (None, 4.0, "<b>4.0 %</b><span>the exact shape, from that on a coarser mesh</span>"),
+        (None, None, "<b>not known</b><span>the exact model&#x27;s own mesh error: one mesh was solved</span>"),
+    ],
+)
+def test_page_says_what_is_known_of_the_mesh(found, error, change, tile, monkeypatch):
+    monkeypatch.setattr("asterism.reports.verification._pictures", lambda _: [])  # they take seconds
+    known = {"mesh_error_percent": error, "mesh_change_percent": change}
+    assert tile in report(replace(found, summary=found.summary | known))
+
+
+@pytest.mark.skipif(browser() is None, reason="no Chromium, Chrome or Edge on this machine")
+def test_page_in_a_browser(folder, tmp_path):
+    """Every picture is decoded and as large as it should be, nothing sticks out, and the page is not blank."""
+    page = tmp_path / "report.html"
+    page.write_bytes((folder / "report.html").read_bytes())
+    picture = tmp_path / "page.png"
+    opened(page, tmp_path / "profile", f"--screenshot={picture}", "--window-size=1200,2600")
+    pixels = np.asarray(Image.open(picture).convert("L"))
+    assert pixels.shape == (2600, 1200)
+    # in every screenful of the pictures there is something dark and something white
+    for band in np.array_split(pixels[:1800], 4):
+        assert band.min() < 120 and band.max() > 250
+    _ask(page, "[document.title, document.images.length, [...document.images].every(i => i.naturalWidth > 200), "
+               "document.documentElement.scrollWidth <= innerWidth]")  # fmt: skip
+    title = f"{NAME}: preview and exact model"
+    for width in (1200, 500):  # a desk, a phone
+        text = opened(page, tmp_path / "profile", "--dump-dom", f"--window-size={width},900")
+        answer = json.loads(re.search("ANSWER(.*?)REWSNA", text)[1])
+        assert answer == [title.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;"), 8, True, True]
+
+
+def _ask(page: Path, question: str) -> None:
+    """Has the page answer, in text that `--dump-dom` prints."""
+    script = (
+        "<p id=answer></p><script>addEventListener('load', () => "
+        f"document.getElementById('answer').textContent = 'ANSWER' + JSON.stringify({question}) + 'REWSNA')</script>"
+    )
+    page.write_text(page.read_text(encoding="utf-8").replace("</body>", script + "</body>"), encoding="utf-8")

@@ -1,0 +1,241 @@
+"""Results appear complete or not at all, whatever happens while they are written."""
+
+from __future__ import annotations
+
+import errno
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from asterism.results.files import OutputError, check_writable, staged, write_file
+
+NAMES = ["rods.vtu", "shape.png", "shape.vtu", "summary.json"]
+
+
+def write(directory: Path, content: str) -> None:
+    with staged(directory) as folder:
+        for name in NAMES:
+            (folder / name).write_text(content)
+
+
+def contents(directory: Path) -> dict[str, str]:
+    """Every file below a directory, hidden ones too."""
+    return {str(f.relative_to(directory)): f.read_text() for f in directory.rglob("*") if f.is_file()}
+
+
+def whole(content: str) -> dict[str, str]:
+    return dict.fromkeys(NAMES, content)
+
+
+def failing_at(call: int, error: BaseException, name: str) -> Callable[..., None]:
+    """A stand-in for a function of `os` that raises in one of its calls."""
+    original, calls = getattr(os, name), iter(range(1, 1000))
+
+    def stand_in(*args: object) -> None:
+        if next(calls) == call:
+            raise error
+        original(*args)
+
+    return stand_in
+
+
+def test_files_appear_in_a_new_directory(tmp_path: Path) -> None:
+    write(tmp_path / "a" / "b", "new")
+    assert contents(tmp_path / "a" / "b") == whole("new")
+
+
+def test_files_replace_earlier_ones_and_leave_others(tmp_path: Path) -> None:
+    write(tmp_path, "old")
+    (tmp_path / "notes.txt").write_text("mine")
+    write(tmp_path, "new")
+    assert contents(tmp_path) == whole("new") | {"notes.txt": "mine"}
+
+
+def test_stale_files_go_with_the_change_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def again() -> None:
+        with staged(tmp_path, stale=r"minimum-\d+\.vtu") as folder:
+            for name in [*NAMES, "minimum-2.vtu"]:
+                (folder / name).write_text("new")
+
+    write(tmp_path, "old")
+    mine = {"minimum-2.vtu": "old", "minimum-3.vtu": "old", "minimum-3.vtu.mine": "old", "my minimum-4.vtu": "old"}
+    for name, text in mine.items():
+        (tmp_path / name).write_text(text)
+    for call in range(1, 7):
+        with monkeypatch.context() as patch:
+            patch.setattr(os, "replace", failing_at(call, OSError(errno.ENOSPC, "No space left on device"), "replace"))
+            with pytest.raises(OutputError, match="full"):
+                again()
+        assert contents(tmp_path) == whole("old") | mine
+    again()
+    kept = {name: "old" for name in ("minimum-3.vtu.mine", "my minimum-4.vtu")}
+    assert contents(tmp_path) == whole("new") | {"minimum-2.vtu": "new"} | kept
+
+
+def test_new_directories_have_ordinary_permissions(tmp_path: Path) -> None:
+    write(tmp_path / "results", "new")
+    (tmp_path / "ordinary").mkdir()
+    assert (tmp_path / "results").stat().st_mode == (tmp_path / "ordinary").stat().st_mode
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt(), ValueError("no"), MemoryError()])
+def test_an_exception_while_writing_leaves_nothing(tmp_path: Path, error: BaseException) -> None:
+    write(tmp_path / "old", "old")
+    for target in (tmp_path / "old", tmp_path / "new" / "deep"):
+        with pytest.raises(type(error)), staged(target) as folder:
+            (folder / "shape.vtu").write_text("half")
+            raise error
+    assert contents(tmp_path / "old") == whole("old")
+    assert [p.name for p in tmp_path.iterdir()] == ["old"]
+
+
+@pytest.mark.parametrize("call", [1, 2, 3, 4])
+def test_a_full_disk_leaves_the_earlier_results(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, call: int) -> None:
+    write(tmp_path, "old")
+    for name in ("fsync", "replace"):
+        full = OSError(errno.ENOSPC, "No space left on device")
+        with monkeypatch.context() as patch:
+            patch.setattr(os, name, failing_at(call, full, name))
+            with pytest.raises(OutputError, match=r"^cannot write .*: the disk is full$"):
+                write(tmp_path, "new")
+        assert contents(tmp_path) == whole("old")
+
+
+def test_files_without_an_earlier_one_are_taken_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "notes.txt").write_text("mine")
+    full = OSError(errno.ENOSPC, "No space left on device")
+    monkeypatch.setattr(os, "replace", failing_at(3, full, "replace"))
+    with pytest.raises(OutputError):
+        write(tmp_path, "new")
+    assert contents(tmp_path) == {"notes.txt": "mine"}
+
+
+def test_disks_without_hard_links_do_as_well(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def no_link(*args: object) -> None:
+        raise OSError(errno.EPERM, "Operation not permitted")
+
+    monkeypatch.setattr(os, "link", no_link)
+    write(tmp_path, "old")
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "replace", failing_at(4, OSError(errno.EIO, "Input/output error"), "replace"))
+        with pytest.raises(OutputError, match="input/output error"):
+            write(tmp_path, "new")
+    assert contents(tmp_path) == whole("old")
+
+
+def test_ctrl_c_waits_until_the_files_have_moved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write(tmp_path, "old")
+    original = os.replace
+
+    def interrupted(*args: str) -> None:
+        signal.raise_signal(signal.SIGINT)
+        original(*args)
+
+    monkeypatch.setattr(os, "replace", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        write(tmp_path, "new")
+    assert contents(tmp_path) == whole("new")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no limits on file sizes")
+def test_a_real_failing_write(tmp_path: Path) -> None:
+    """A process that may not write large files, as on a disk that fills up."""
+    write(tmp_path / "old", "old")
+    program = (
+        "import resource; from asterism.results.files import staged, OutputError\n"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000))\n"
+        "try:\n"
+        "    with staged('old') as folder: (folder / 'shape.vtu').write_bytes(bytes(100_000))\n"
+        "except OutputError as error: print(error)\n"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", program],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[3])},
+        capture_output=True,
+        text=True,
+    )
+    assert run.stdout.strip() == "cannot write old: the file would be larger than allowed", run.stderr
+    assert contents(tmp_path) == {f"old/{name}": "old" for name in NAMES}
+
+
+def test_things_in_the_way_are_named(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("mine")
+    for target in (tmp_path / "file", tmp_path / "file" / "deep" / "er"):
+        with pytest.raises(OutputError, match=r"^cannot write .*file.*: a file is in the way$"):
+            check_writable(target)
+    (tmp_path / "results" / "shape.vtu").mkdir(parents=True)
+    with pytest.raises(OutputError, match=r"shape\.vtu: a folder is in the way$"):
+        write(tmp_path / "results", "new")
+    assert contents(tmp_path) == {"file": "mine"}
+
+
+def test_a_folder_where_a_file_is_to_be_is_told_at_once(tmp_path: Path) -> None:
+    (tmp_path / "law.npz").mkdir()
+    with pytest.raises(OutputError, match=r"law\.npz: a folder is in the way$"):
+        check_writable(tmp_path, "law.npz")
+
+
+@pytest.mark.parametrize("name", ["shape.png", "report.html", "minimum-2.vtu"])
+def test_files_of_somebody_else_with_names_of_results_are_not_written_over(name: str, tmp_path: Path) -> None:
+    (tmp_path / name).write_text("mine")
+    with pytest.raises(OutputError, match=f"{name} is no result's: there is no summary.json beside it; choose another"):
+        check_writable(tmp_path)
+    check_writable(tmp_path, "design.toml")
+    (tmp_path / "summary.json").write_text('{"version": "1"}')
+    check_writable(tmp_path)
+
+
+def test_a_result_may_go_beside_an_export(tmp_path: Path) -> None:
+    for name in ("export.json", "shape.vtu", "rods.vtu"):
+        (tmp_path / name).write_text("{}")
+    check_writable(tmp_path)
+    (tmp_path / "shape.png").write_text("mine")
+    with pytest.raises(OutputError, match=r"shape\.png is no result's"):
+        check_writable(tmp_path)
+
+
+def test_a_summary_of_somebody_else_is_not_written_over(tmp_path: Path) -> None:
+    for mine in ("my notes", '{"sales": 3}', "[1, 2]"):
+        (tmp_path / "summary.json").write_text(mine)
+        with pytest.raises(OutputError, match=r"summary\.json was not written by asterism; choose another folder"):
+            check_writable(tmp_path)
+        check_writable(tmp_path, "export.json")
+    for ours in ('{"version": "0.1.0"}', '{"digest": "a"}'):
+        (tmp_path / "summary.json").write_text(ours)
+        check_writable(tmp_path)
+
+
+def test_a_name_that_is_too_long_is_named(tmp_path: Path) -> None:
+    name = 300 * "x"
+    for check in (lambda: check_writable(tmp_path / name), lambda: check_writable(tmp_path / "new", name)):
+        with pytest.raises(OutputError, match=rf"^cannot write .*{name}: the name is too long$"):
+            check()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_no_permission_is_said_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(self: Path, *args: object, **kwargs: object) -> None:
+        raise PermissionError(errno.EACCES, "Permission denied", str(self))
+
+    monkeypatch.setattr(Path, "mkdir", refuse)
+    with pytest.raises(OutputError, match=r"results: no permission to write there$"):
+        check_writable(tmp_path / "results")
+
+
+def test_checking_leaves_no_trace(tmp_path: Path) -> None:
+    check_writable(tmp_path / "a" / "b")
+    check_writable(tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_single_file_is_written_whole(tmp_path: Path) -> None:
+    write_file(tmp_path / "designs" / "star.toml", 'name = "été"\n')
+    write_file(tmp_path / "designs" / "star.toml", 'name = "été 2"\n')
+    assert (tmp_path / "designs" / "star.toml").read_bytes().decode() == 'name = "été 2"\n'
+    assert [p.name for p in (tmp_path / "designs").iterdir()] == ["star.toml"]

@@ -1,0 +1,99 @@
+"""Results of one kind replace those of another in the same folder, and nothing else."""
+
+from __future__ import annotations
+
+import errno
+import os
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+from scipy.spatial.transform import Rotation
+
+from asterism.draw.picture import draw
+from asterism.results.files import OutputError
+from asterism.results.write_results import staged_result, write_results
+from asterism.shape.shape import Shape
+from tests.asterism.sheets import dome, sheet
+
+KINDS = {
+    "simulate": {"summary.json", "shape.vtu", "rods.vtu", "shape.png", "minimum-2.vtu", "minimum-2.png"},
+    "verify": {"summary.json", "report.html", "exact.vtu", "preview.vtu"},
+    "compare": {"summary.json", "compare.png"},
+    "law show": {"summary.json", "law.png", "cells.csv"},
+}
+MINE = {"notes.txt", "my shape.vtu", "shape.vtu.bak", "shape.obj", "export.json", "minimum-2.txt"}
+
+
+def fill(folder: Path, names: set[str]) -> None:
+    folder.mkdir(exist_ok=True)
+    for name in names:
+        (folder / name).write_text("old")
+
+
+def names(folder: Path) -> set[str]:
+    return {file.name for file in folder.iterdir()}
+
+
+@pytest.fixture(scope="module")
+def shape() -> Shape:
+    made = sheet(dome)
+    made.summary["design"] = {"name": "dome"}  # type: ignore[index]
+    return made
+
+
+def test_a_held_sheet_is_drawn_as_it_stands(shape: Shape, tmp_path: Path) -> None:
+    leaning = replace(shape, positions=shape.positions @ Rotation.from_euler("x", 40, degrees=True).as_matrix().T)
+    held = replace(leaning, held=True, others=(replace(leaning, held=True),))
+    pictures = {}
+    for name, one in {"free": leaning, "held": held}.items():
+        write_results(one, tmp_path / name)
+        files = sorted((tmp_path / name).glob("*.png"))
+        pictures[name] = [np.asarray(Image.open(file))[200:] for file in files]  # below the caption
+    draw(held, "dome", tmp_path / "dome.png")
+    assert np.array_equal(pictures["held"][0], pictures["held"][1])
+    assert np.array_equal(pictures["held"][0], np.asarray(Image.open(tmp_path / "dome.png"))[200:])
+    assert not np.array_equal(pictures["held"][0], pictures["free"][0])
+
+
+@pytest.mark.parametrize("before", KINDS)
+@pytest.mark.usefixtures("blank_pictures")
+def test_earlier_results_of_any_kind_go_away(before: str, shape: Shape, tmp_path: Path) -> None:
+    fill(tmp_path, KINDS[before] | MINE)
+    written = write_results(shape, tmp_path)
+    assert names(tmp_path) == set(written) | MINE
+    assert all((tmp_path / name).read_text() == "old" for name in MINE)
+
+
+@pytest.mark.parametrize("after", KINDS)
+def test_one_kind_is_left(after: str, tmp_path: Path) -> None:
+    fill(tmp_path, set().union(*KINDS.values()) | MINE)
+    with staged_result(tmp_path) as folder:
+        fill(folder, KINDS[after])
+    assert names(tmp_path) == KINDS[after] | MINE
+
+
+@pytest.mark.usefixtures("blank_pictures")
+def test_a_failure_leaves_the_other_kind_whole(shape: Shape, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    fill(tmp_path, KINDS["verify"])
+    move = os.replace
+
+    def full(source: Path, target: Path) -> None:
+        if target == tmp_path / "shape.vtu":
+            raise OSError(errno.ENOSPC, "No space left on device")
+        move(source, target)
+
+    monkeypatch.setattr(os, "replace", full)
+    with pytest.raises(OutputError, match="the disk is full"):
+        write_results(shape, tmp_path)
+    assert names(tmp_path) == KINDS["verify"]
+
+
+@pytest.mark.usefixtures("blank_pictures")
+def test_a_folder_that_holds_no_result_keeps_its_files(shape: Shape, tmp_path: Path) -> None:
+    """A report of something else, in the folder where results are now written."""
+    fill(tmp_path, {"report.html", "cells.csv"})
+    written = write_results(shape, tmp_path)
+    assert names(tmp_path) == set(written) | {"report.html", "cells.csv"}

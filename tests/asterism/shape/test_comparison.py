@@ -1,0 +1,234 @@
+"""Distances of shapes that are known."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from asterism.exact.simulation import simulate
+from asterism.shape.cell_mean import CellMean
+from asterism.shape.comparison import Comparison, compare, image
+from asterism.shape.diameter import diameter
+from asterism.shape.surface_fields import triangle_areas
+from asterism.verification.numbers import alike
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from pattern.layout.symmetries import symmetries
+from tests.asterism.verification.printed import design, lumpy, rolled, shape
+
+UNIFORM = design()
+# nothing but the identity maps this one onto itself
+UNLIKE = design(stars={"length_mm": {"profile": "axis", "axis": "x", "from": 8.0, "to": 5.0, "over_mm": 40.0,
+                                     "centre_mm": [7.0, 3.0]}})  # fmt: skip
+
+
+def compared(of: Design, one, other) -> Comparison:
+    plan = layout(of)
+    return compare(one, other, plan, symmetries(of, plan))
+
+
+def test_a_shape_is_at_no_distance_from_itself():
+    one = shape(UNIFORM, lumpy)
+    found = compared(UNIFORM, one, one)
+    assert found.max_percent == pytest.approx(0.0, abs=1e-9)
+    assert found.max_stars_percent == pytest.approx(0.0, abs=1e-9)
+    assert found.normals_rms_deg == pytest.approx(0.0, abs=1e-6)
+    assert found.heights_mm[0] == pytest.approx(found.heights_mm[1])
+    assert found.relief_error_percent == pytest.approx(0.0, abs=1e-6)
+    assert not found.symmetry.mirrors
+
+
+def test_the_relief_is_what_repeats_from_star_to_star():
+    plan = layout(UNIFORM)
+    one = shape(UNIFORM, rolled(30.0))
+    waves = 2.0 * np.pi * one.printed @ np.linalg.inv(plan.lattice_vectors)
+    bumps = np.column_stack([np.zeros((len(waves), 2)), np.cos(waves).sum(axis=1)])
+    right = replace(one, positions=one.positions + bumps)
+    other = replace(one, positions=one.positions + 0.7 * bumps)
+    found = compared(UNIFORM, right, other)
+    assert found.relief_error_percent == pytest.approx(30.0, abs=4.0)
+    assert found.rms_percent < 0.2
+
+
+def test_images_have_their_stars_where_the_design_has_them():
+    plan = layout(UNIFORM)
+    one = shape(UNIFORM, lumpy)
+    for symmetry in symmetries(UNIFORM, plan):
+        found = image(one, symmetry)
+        np.testing.assert_allclose(found.printed[found.star_vertices], plan.centres, atol=1e-9)
+        np.testing.assert_array_equal(found.star[found.star_vertices], np.arange(len(plan.centres)))
+
+
+def test_images_number_stars_and_their_arms_as_the_design_does():
+    """Where a star was removed the numbers are not the places in a list."""
+    of = design(stars={"length_mm": 8.0, "override": [{"star": 0, "remove": True}]}, mesh={"edge_mm": 4.0})
+    plan, one = layout(of), simulate(of)
+    assert plan.star_number.min() == 1
+    centres = dict(zip(plan.star_number.tolist(), plan.centres, strict=True))
+    for symmetry in symmetries(of, plan):
+        found = image(one, symmetry)
+        for number, centre in centres.items():
+            assert found.printed[found.star == number] == pytest.approx(centre[None], abs=1e-6)
+        edge = 0
+        for path in found.rods:
+            numbers = found.rod_fields["star"][edge : edge + len(path) - 1]
+            edge += len(path) - 1
+            assert found.printed[path[0]] == pytest.approx(centres[int(numbers[0])], abs=1e-6)
+            assert (numbers == numbers[0]).all()
+
+
+def test_normals_differ_by_the_angle_of_the_slopes():
+    """A flat sheet and a shallow roof, whose sides go down by 10 degrees, but for the cells at the ridge."""
+    slope = np.tan(np.radians(10.0))
+    flat = shape(UNIFORM, lambda p: np.column_stack([p, np.zeros(len(p))]))
+    roof = shape(UNIFORM, lambda p: np.column_stack([p, -slope * np.abs(p[:, 0])]))
+    assert 8.0 < compared(UNIFORM, flat, roof).normals_rms_deg < 10.0
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.tuples(*4 * [st.floats(-1.0, 1.0)]).filter(lambda q: sum(x * x for x in q) > 0.01), st.floats(-500.0, 500.0))
+def test_distances_do_not_depend_on_where_the_other_shape_lies(quaternion, far):
+    one, other = shape(UNLIKE, lumpy), shape(UNLIKE, rolled(30.0))
+    turn = Rotation.from_quat(quaternion).as_matrix()
+    moved = replace(other, positions=other.positions @ turn.T + [far, 1.0, -far])
+    here, there = compared(UNLIKE, one, other), compared(UNLIKE, one, moved)
+    for name in ("rms_percent", "max_percent", "rms_stars_percent", "normals_rms_deg"):
+        assert getattr(there, name) == pytest.approx(getattr(here, name), abs=1e-6)
+    assert there.heights_mm[1] == pytest.approx(here.heights_mm[1], abs=1e-6)
+
+
+@pytest.mark.parametrize(("pins", "stands"), [([{"where": "border"}], True), ([{"edges": [0]}], False)])
+def test_heights_are_those_of_the_sheet_as_its_pins_hold_it(pins, stands):
+    """A sheet that is tilted against the other one is higher, though the best rigid motion takes the tilt away."""
+    held = design(pins=pins)
+    one = shape(held, lumpy)
+    tilted = replace(one, positions=one.positions @ Rotation.from_euler("x", 10, degrees=True).as_matrix().T)
+    found = compared(held, one, tilted)
+    assert found.rms_percent == pytest.approx(0.0, abs=1e-9)
+    height = np.ptp((tilted if stands else one).positions[:, 2])
+    assert found.heights_mm[1] == pytest.approx(height, abs=1e-9)
+    assert (found.heights_mm[1] > found.heights_mm[0] + 5.0) == stands
+    assert (found.mean_heights_mm[1] > found.mean_heights_mm[0] + 5.0) == stands
+
+
+def test_weight_says_how_a_sheet_hangs():
+    """Then it is higher as it hangs, whatever a rigid motion could do about that."""
+    held = design(pins=[{"points_mm": [[0.0, 0.0]]}])
+    one, plan = shape(held, lumpy), layout(held)
+    tilted = replace(one, positions=one.positions @ Rotation.from_euler("x", 10, degrees=True).as_matrix().T)
+    for weighs in (False, True):
+        found = compare(one, tilted, plan, symmetries(held, plan), weighs)
+        assert (found.heights_mm[1] > found.heights_mm[0] + 5.0) is weighs
+
+
+@pytest.mark.parametrize("number", range(6))
+def test_images_under_the_designs_symmetries_are_the_same_shape(number):
+    """A tube about one axis, and about an equivalent one; its mirror image on a mirrored print."""
+    plan = layout(UNIFORM)
+    same = symmetries(UNIFORM, plan)
+    assert len(same) == 6
+    one, symmetry = shape(UNIFORM, lumpy), same[number]
+    flip = [-1.0 if symmetry.mirrors else 1.0, 1.0, 1.0]
+    image = replace(one, positions=one.at(one.printed @ symmetry.turn.T + symmetry.shift) * flip)
+    found = compare(one, image, plan, same)
+    # the inverse of the symmetry brings it back
+    assert np.allclose(found.symmetry.turn, symmetry.turn.T, atol=1e-9)
+    assert found.max_percent < 1e-6 and found.max_stars_percent < 1e-6
+
+
+def test_a_reflected_shape_is_another_one():
+    one = shape(UNLIKE, lumpy)
+    found = compared(UNLIKE, one, replace(one, positions=one.positions * [-1.0, 1.0, 1.0]))
+    assert found.rms_percent > 1.0
+
+
+def test_a_known_distance():
+    """Two flat sheets, one a hundredth larger: every point is off by a hundredth of its radius."""
+    one, other = (shape(UNIFORM, lambda p, s=s: np.column_stack([s * p, 0.0 * p[:, 0]])) for s in (1.0, 1.01))
+    found = compared(UNIFORM, one, other)
+    stars = np.linalg.norm(layout(UNIFORM).centres, axis=1)
+    assert found.star_distance_mm == pytest.approx(0.01 * stars, abs=1e-9)
+    assert found.rms_stars_percent == pytest.approx(np.sqrt((stars**2).mean()) / diameter(one.positions), rel=1e-9)
+    assert found.volumes_mm3 == pytest.approx((0.0, 0.0), abs=1e-9)
+
+
+def test_meshes_may_differ():
+    found = compared(UNLIKE, shape(UNLIKE, rolled(30.0), 1.0), shape(UNLIKE, rolled(30.0), 3.0))
+    assert found.rms_percent < 0.2
+
+
+def test_tubes_are_recognised():
+    of = design(border={"rings": 2})
+    found = compared(of, shape(of, rolled(20.0)), shape(of, rolled(22.0, 60.0)))
+    assert found.roll_axes_deg == pytest.approx((0.0, 0.0), abs=1.0)  # 60 deg is the same by symmetry
+    assert found.roll_radii_mm == pytest.approx((20.0, 22.0), rel=0.03)
+    assert found.volumes_mm3 is None
+
+
+def test_where_rolls_begin_does_not_part_two_that_are_alike():
+    """Bowls half as curved along one direction as across it; one that is nearly round is another matter."""
+    of = design(border={"rings": 2})
+
+    def bowl(ratio):
+        return shape(of, lambda p: np.column_stack([p, -(p[:, 0] ** 2 + ratio * p[:, 1] ** 2) / 60.0]))
+
+    longer, rounder, round_ = bowl(0.45), bowl(0.6), bowl(0.9)
+    assert compared(of, rounder, rounder).roll_axes_deg == (None, None)
+    found = compared(of, longer, rounder)
+    assert found.roll_axes_deg == pytest.approx((90.0, 90.0), abs=1.0) and found.roll_radii_mm is not None
+    assert alike(found) and alike(compared(of, rounder, longer))
+    assert compared(of, longer, round_).roll_axes_deg[1] is None
+
+
+def test_volume_under_a_cap():
+    """A paraboloid over a disc-like sheet: half of base times height; twice as high, twice as much."""
+    of = design(border={"rings": 4})
+    caps = [shape(of, lambda p, s=s: np.column_stack([p, -s * (p**2).sum(axis=1) / 200.0]), 3.0) for s in (1.0, 2.0)]
+    one, other = compared(of, *caps).volumes_mm3
+    area = triangle_areas(caps[0].printed, caps[0].triangles).sum()
+    # the mean over cells takes a little off at the outline
+    assert one == pytest.approx(area**2 / np.pi / 200.0 / 2.0, rel=0.2)
+    assert other == pytest.approx(2.0 * one, rel=0.02)
+
+
+def test_cell_means_have_no_relief():
+    """A wave of the lattice vanishes inside; a plane stays, but for a part of the mesh's edge (2 mm)."""
+    of = design(border={"rings": 2})
+    sheet, plan = shape(of, lumpy), layout(of)
+    mean = CellMean(sheet.printed, sheet.weights, plan.lattice_vectors)
+    wave = np.cos(2 * np.pi * sheet.printed @ np.linalg.inv(plan.lattice_vectors)[:, 0])
+    inside = np.linalg.norm(sheet.printed, axis=1) < 20.0
+    assert np.abs(mean(wave[:, None])[inside]).max() < 1e-3
+    assert np.abs(mean(sheet.printed) - sheet.printed)[inside].max() < 0.6
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_rise_counts_from_what_is_held_whatever_hangs_below_or_beside_it(side):
+    """A vault on two sides, which lie 2 mm high, with a dent of 1 mm at a corner that is free."""
+    of = design(pins=[{"edges": [0, 3], "scale": 0.8, "offset_mm": [0.0, 0.0, 2.0]}])
+    border = layout(of).border
+    across = border[0] + border[1]
+    across /= across @ border[0]
+
+    def place(rise):
+        def at(points):
+            dent = np.maximum(1.0 - np.linalg.norm(points - border[2], axis=1) / 5.0, 0.0)
+            vault = rise * (1.0 - (points @ across) ** 2)
+            return np.column_stack([points, 2.0 + side * (vault - (rise + 1.0) * dent)])
+
+        return at
+
+    found = compared(of, shape(of, place(5.0)), shape(of, place(5.5)))
+    assert found.rises_mm == pytest.approx((5.0, 5.5), abs=0.06)
+    assert found.heights_mm == pytest.approx((6.0, 6.5), abs=0.06)
+
+
+@pytest.mark.parametrize("pins", [[], [{"points_mm": [[0.0, 0.0]], "scale": 0.8}]])
+def test_what_is_held_nowhere_or_at_one_point_has_no_rise(pins):
+    of = design(pins=pins)
+    assert compared(of, shape(of, lumpy), shape(of, lumpy)).rises_mm is None

@@ -1,0 +1,339 @@
+"""Contact: derivatives of the whole energy, a fold that stays open, a sheet that rolls up further than round."""
+
+from __future__ import annotations
+
+import builtins
+
+import numpy as np
+import pytest
+
+from asterism.shape.self_intersections import self_intersections
+from discrete.energies.contact import NEIGHBOURS, Contact, ipc_toolkit
+from discrete.energies.elements import Array
+from discrete.model.contact_model import ContactModel
+from discrete.model.model import Model
+from discrete.model.state import State, carried
+from discrete.release.levels import find_equilibrium
+from discrete.release.solve import relax
+from equilibrium.linear.extended_pattern import ExtendedPattern
+from equilibrium.linear.factor import BackendError
+from pattern.design.design import Design
+from pattern.design.errors import DesignError
+from pattern.layout.build import layout
+from pattern.mesh.meshing import mesh_layout
+
+ipctk = pytest.importorskip("ipctk")
+
+
+def design(rings: int = 1, thickness: float = 0.2, edge: float = 4.3, **more: object) -> Design:
+    data = {
+        "stars": {"length_mm": 10.0, "thickness_mm": thickness},
+        "border": {"rings": rings},
+        "mesh": {"edge_mm": edge},
+    }
+    return Design.from_dict(data | more)
+
+
+def model(kind: type[Model], *args: object, **more: object) -> Model:
+    plan = design(*args, **more)  # type: ignore[arg-type]
+    printed = layout(plan)
+    return kind(plan, printed, mesh_layout(printed, plan.mesh.edge_mm, plan.mesh.kind, plan.mesh.seed))
+
+
+def folded(sheet: Model, gap: float, noise: float = 0.01) -> State:
+    """The released sheet folded over along x = 0 about a half circle of diameter `gap`, noise on top."""
+    x, y = sheet.mesh.points.T / sheet.design.fabric.stretch_xy[0]
+    radius = 0.5 * gap
+    half = 0.5 * np.pi * radius
+    angle = np.clip(x, -half, half) / radius
+    straight = x - np.clip(x, -half, half)
+    positions = np.column_stack([radius * np.cos(angle) - np.abs(straight), y, radius * np.sin(angle)])
+    positions += noise * np.random.default_rng(1).normal(size=positions.shape)
+    flat = sheet.flat_state()
+    return carried(flat, sheet.edges, positions, np.zeros(len(sheet.edges)))
+
+
+def folded_model(**more: object) -> tuple[ContactModel, State]:
+    sheet = model(ContactModel, edge=3.0, **more)
+    assert isinstance(sheet, ContactModel)
+    state = folded(sheet, 0.7)
+    pairs, least = sheet.contact.touching(state.positions)
+    assert pairs > 100 and 0.4 < least < 0.8
+    return sheet, state
+
+
+def dense(sheet: ContactModel, state: State, blend: float) -> Array:
+    data = sheet.hessian(state, blend)
+    low = sheet.pattern.lower(data).toarray()
+    return low + np.tril(low, -1).T
+
+
+@pytest.mark.parametrize("pins", [[], [{"where": "corners"}]], ids=["free", "pinned"])
+def test_derivatives_of_the_whole_energy(pins: list[object]) -> None:
+    """Central differences along random directions, rods and twists included."""
+    sheet, state = folded_model(pins=pins)
+    gradient, hessian = sheet.gradient(state), dense(sheet, state, 0.0)
+    assert isinstance(sheet.pattern, ExtendedPattern)
+    rng = np.random.default_rng(0)
+    for _ in range(3):
+        direction = rng.normal(size=len(sheet.free))
+        move, turn = sheet.spread(direction)
+
+        def at(a: float, move: Array = move, turn: Array = turn) -> State:
+            return carried(state, sheet.edges, state.positions + a * move, a * turn)
+
+        # short: the Hessian jumps where the nearest of two triangles passes from its edge to its inside
+        step = 1e-6
+        ahead, behind = at(step), at(-step)
+        slope = (sheet.contact.energy(ahead.positions) - sheet.contact.energy(behind.positions)) / (2 * step)
+        assert slope == pytest.approx(sheet.contact.gradient(state.positions) @ move.ravel(), rel=1e-5)
+        whole = (sheet.energy(ahead) - sheet.energy(behind)) / (2 * step)
+        assert whole == pytest.approx(gradient @ direction, rel=1e-5, abs=1e-5 * np.linalg.norm(gradient))
+        change = (sheet.full_gradient(ahead) - sheet.full_gradient(behind))[sheet.free] / (2 * step)
+        np.testing.assert_allclose(hessian @ direction @ direction, change @ direction, rtol=1e-5)
+
+
+def test_blend_takes_out_what_is_negative() -> None:
+    sheet, state = folded_model()
+    size = 3 * sheet.n_vertices
+    parts = []
+    for blend in (0.0, 0.25, 1.0):
+        rows, columns, values = sheet.contact.hessian(state.positions, blend)
+        full = np.zeros((size, size))
+        full[rows, columns] = values
+        parts.append(full)
+    exact, quarter, convex = parts
+    np.testing.assert_allclose(quarter, 0.75 * exact + 0.25 * convex, atol=1e-9 * np.abs(exact).max())
+    assert np.linalg.eigvalsh(convex)[0] > -1e-9 * np.abs(convex).max()
+    assert np.linalg.eigvalsh(exact)[0] < -1e-6 * np.abs(exact).max()
+
+
+def test_the_hessian_of_contact_goes_where_contact_is() -> None:
+    """Entries of the whole Hessian are those of the model without contact plus those of contact."""
+    sheet, state = folded_model()
+    plain = model(Model, edge=3.0)
+    low = plain.pattern.lower(plain.hessian(state, 0.0)).toarray()
+    rows, columns, values = sheet.contact.hessian(state.positions, 0.0)
+    expected = low + np.tril(low, -1).T
+    np.add.at(expected, (rows, columns), values)
+    np.testing.assert_allclose(dense(sheet, state, 0.0), expected, atol=1e-9 * np.abs(expected).max())
+
+
+def test_one_pattern_holds_all_hessians_of_a_state() -> None:
+    """Parallel layers have zeros, other ones in the convex Hessian than in the exact one."""
+    sheet = model(ContactModel, edge=4.0, thickness=0.3)
+    assert isinstance(sheet, ContactModel)
+    state = folded(sheet, 0.6, noise=0.0)
+    assert sheet.contact.touching(state.positions)[0] > 100
+    exact, half, convex = (sheet.hessian(state, blend) for blend in (0.0, 0.5, 1.0))
+    np.testing.assert_allclose(half, 0.5 * (exact + convex), rtol=1e-9, atol=1e-9 * np.abs(exact).max())
+
+
+def test_without_contact_nothing_changes() -> None:
+    sheet, plain = model(ContactModel), model(Model)
+    state = plain.flat_state()
+    assert sheet.energies(state) == plain.energies(state) | {"contact": 0.0}
+    np.testing.assert_array_equal(sheet.gradient(state), plain.gradient(state))
+    np.testing.assert_array_equal(sheet.hessian(state, 0.0), plain.hessian(state, 0.0))
+
+
+def test_steps_stop_before_they_pass_through() -> None:
+    """Each half of the fold moves 20 mm through the other: every state of the path is on its own side."""
+    sheet, state = folded_model()
+    move = np.zeros_like(state.positions)
+    move[:, 2] = -20.0 * np.sign(state.positions[:, 2])
+    direction = np.concatenate([move.ravel(), np.zeros(len(sheet.edges))])[sheet.free]
+    plain, _ = Model.path(sheet, state, direction, straight=True)
+    assert sheet.contact.clear(state.positions, plain(1.0).positions) < 0.1
+    for straight in (True, False):
+        path, longest = sheet.path(state, direction, straight)
+        for a in (longest, 0.3 * longest, 0.01 * longest):
+            assert sheet.towards(state, path(a)) is path(a)
+            assert sheet.contact.apart(path(a).positions)
+
+
+def test_moving_as_a_whole_is_free() -> None:
+    sheet, state = folded_model()
+    turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    there = State(state.positions @ turn.T + 100.0, state.directors @ turn.T)
+    assert sheet.towards(state, there) is there
+
+
+def test_two_flaps_stay_apart() -> None:
+    """Two square flaps of one mesh, pressed together from above: between half a thickness and a thickness apart."""
+    side = np.linspace(0.0, 10.0, 6)
+    square = np.array([(x, y) for y in side for x in side])
+    cells = np.array([i + 6 * j for j in range(5) for i in range(5)])
+    one = np.concatenate([cells[:, None] + [0, 1, 7], cells[:, None] + [0, 7, 6]])
+
+    class Flaps:
+        points = np.concatenate([square, square + np.array([30.0, 0.0])])
+        triangles = np.concatenate([one, one + 36])
+
+    contact = Contact(Flaps, 0.8, 1.35, 7.0)  # type: ignore[arg-type]
+    lower = np.column_stack([square, np.zeros(36)])
+
+    def over(gap: float) -> Array:
+        return np.concatenate([lower, lower + np.array([1.3, 0.7, gap])])
+
+    gaps, energies, forces = np.array([0.85, 0.79, 0.7, 0.6, 0.5, 0.42]), [], []
+    for gap in gaps:
+        positions = over(gap)
+        energies.append(contact.energy(positions))
+        forces.append(contact.gradient(positions)[3 * 36 + 2 :: 3].sum())
+    assert energies[0] == 0.0 and forces[0] == 0.0
+    assert (np.diff(energies) > 0.0).all() and (np.diff(forces) < 0.0).all()
+    assert np.isinf(contact.energy(over(0.39)))
+    above, below = over(2.0), over(-2.0)
+    assert contact.apart(above) and contact.apart(below)
+    # 1.6 mm of the way of 4 mm are free, and a tenth of them is left as it is
+    assert contact.clear(above, below) == pytest.approx(0.36, abs=0.02)
+
+
+def test_sheet_that_rolls_up_further_than_round() -> None:
+    """19 stars with thin arms: the sheet passes through itself without contact, and is a minimum apart with it."""
+    plain = relax(model(Model, 2))
+    sheet = model(ContactModel, 2)
+    assert isinstance(sheet, ContactModel)
+    found = relax(sheet)
+    triangles = sheet.mesh.triangles
+    assert plain.is_minimum and self_intersections(plain.state.positions, triangles) > 100
+    assert found.is_minimum and self_intersections(found.state.positions, triangles) == 0
+    pairs, least = sheet.contact.touching(found.state.positions)
+    assert pairs > 0 and sheet.contact.closest < least < sheet.contact.distance
+    assert found.energy > plain.energy
+    # the certificate is that of the whole Hessian
+    modes = sheet.rigid_modes(found.state)
+    full = dense(sheet, found.state, 0.0)
+    values = np.linalg.eigvalsh(full + 1e3 * modes @ modes.T)
+    assert found.smallest_eigenvalue == pytest.approx(values[0], abs=2 * found.eigenvalue_error + 1e-8)
+
+
+@pytest.mark.slow
+def test_a_tube_of_37_stars_closes_only_as_far_as_it_can() -> None:
+    """The paper's figure 3 with arms of 0.3 mm: the tube winds through itself without contact, and is wider with it."""
+    across = {}
+    for kind in (Model, ContactModel):
+        sheet = model(kind, 3, 0.3)
+        found = relax(sheet)
+        assert found.is_minimum and found.stars_up == 37
+        through = self_intersections(found.state.positions, sheet.mesh.triangles)
+        assert (through == 0) is (kind is ContactModel)
+        centred = found.state.positions - found.state.positions.mean(axis=0)
+        across[kind] = np.ptp(centred @ np.linalg.svd(centred, full_matrices=False)[2].T, axis=0)
+    # the axis is as long, and the roll thicker
+    assert across[ContactModel][0] == pytest.approx(across[Model][0], rel=0.03)
+    assert across[ContactModel][1:].max() > across[Model][1:].max() + 0.5
+
+
+def test_the_same_digits_on_the_second_run() -> None:
+    _, state = folded_model()
+    first, second = (folded_model()[0].gradient(state) for _ in range(2))
+    np.testing.assert_array_equal(first, second)
+
+
+@pytest.mark.slow
+def test_finer_meshes_stay_apart() -> None:
+    from discrete.release.levels import find_equilibrium
+
+    sheet = model(ContactModel, 2, edge=1.5)
+    assert isinstance(sheet, ContactModel)
+    found, levels = find_equilibrium(sheet)
+    assert len(levels) == 3 and found.is_minimum
+    assert self_intersections(found.state.positions, sheet.mesh.triangles) == 0
+
+
+def test_pins_that_push_the_sheet_through_itself_are_refused() -> None:
+    sheet, state = folded_model(pins=[{"where": "corners"}])
+    held = sheet.constraints.held[:, 2]
+    moved = np.array(state.positions)
+    moved[held, 2] = np.where(state.positions[held, 2] > 0.0, 30.0, -30.0)
+    there = carried(state, sheet.edges, moved, np.zeros(len(sheet.edges)))
+    with pytest.raises(DesignError, match="pins"):
+        _ = sheet.moved_pins(there)
+
+
+def test_a_missing_package_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    real = builtins.__import__
+
+    def without(name: str, *args: object, **more: object) -> object:
+        if name == "ipctk":
+            raise ImportError(name)
+        return real(name, *args, **more)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(builtins, "__import__", without)
+    with pytest.raises(DesignError, match=r"^solver\.contact: needs the package ipctk: pip install ipctk$"):
+        ipc_toolkit()
+
+
+def test_multigrid_is_refused() -> None:
+    sheet = model(ContactModel)
+    with pytest.raises(BackendError, match="amg"):
+        sheet.factor("amg")
+
+
+def test_contact_is_a_yes_or_a_no() -> None:
+    with pytest.raises(DesignError, match=r"solver\.contact"):
+        design(solver={"contact": "sometimes"})
+
+
+def test_intersections_are_counted() -> None:
+    """Two triangles through each other, side by side, and with an edge in common."""
+    flat = np.array([[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]])
+    upright = np.array([[1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [6.0, 6.0, 0.0]])
+    two = np.array([[0, 1, 2], [3, 4, 5]])
+    assert self_intersections(np.concatenate([flat, upright]), two) == 1
+    assert self_intersections(np.concatenate([flat, upright + np.array([0.0, 0.0, 1.5])]), two) == 0
+    assert self_intersections(np.concatenate([flat, upright]), np.array([[0, 1, 2], [0, 4, 5]])) == 0
+
+
+def test_intersections_agree_with_the_toolkit() -> None:
+    """Random soups of triangles: as many pairs as an edge of one through the other, seen by the toolkit."""
+    rng = np.random.default_rng(2)
+    triangles = np.arange(90).reshape(30, 3)
+    positions = np.repeat(rng.uniform(0, 4, (30, 3)), 3, axis=0) + rng.normal(size=(90, 3))
+    expected = sum(_through(positions[triangles[i]], positions[triangles[j]]) for i in range(30) for j in range(i))
+    assert expected > 10
+    assert self_intersections(positions, triangles) == expected
+
+
+def _through(first: Array, second: Array) -> bool:
+    pairs = ((a, b) for a, b in ((first, second), (second, first)))
+    return any(ipctk.is_edge_intersecting_triangle(a[k], a[(k + 1) % 3], *b) for a, b in pairs for k in range(3))
+
+
+def crossed(points: Array) -> Array:
+    """Printed points (n, 2) on a sheet folded over along x = 0, whose halves pass through each other."""
+    x, y = points.T
+    return np.column_stack([np.abs(x), y, np.sign(x) * np.sin(0.5 * y)])
+
+
+def test_a_start_that_passes_through_itself_is_not_taken() -> None:
+    sheet = model(ContactModel)
+    flat = sheet.flat_state()
+    with pytest.raises(ValueError, match="passes through itself"):
+        relax(sheet, carried(flat, sheet.edges, crossed(sheet.mesh.points), np.zeros(len(sheet.edges))))
+    near, alone = (find_equilibrium(sheet, near=start)[0] for start in (crossed, None))
+    assert near.is_minimum and near.energy == pytest.approx(alone.energy, rel=1e-9)
+
+
+def test_what_may_soon_touch_is_within_twice_the_distance() -> None:
+    sheet = model(ContactModel, edge=4.0, thickness=0.3)
+    assert isinstance(sheet, ContactModel)
+    contact = sheet.contact
+    found = []
+    for gap in (0.9, 1.5, 1.9, 2.2):
+        positions = folded(sheet, gap * contact.distance, noise=0.0).positions
+        found.append((len(contact.entries(positions)[0]) > 0, len(contact.soon(positions)[0]) > 0))
+    assert found == [(True, True), (False, True), (False, True), (False, False)]
+
+
+def test_neighbours_are_told_by_their_places_on_the_stretched_print() -> None:
+    """A contact distance of the released sheet is longer there."""
+    sheet = model(ContactModel, edge=4.0)
+    assert isinstance(sheet, ContactModel)
+    mesh, contact = sheet.mesh, sheet.contact
+    corners = mesh.points[mesh.triangles]
+    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max()
+    stretch = max(sheet.design.fabric.stretch_xy)
+    assert contact.neighbourhood == pytest.approx(NEIGHBOURS * (longest + stretch * contact.distance))

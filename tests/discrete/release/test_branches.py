@@ -1,0 +1,186 @@
+"""Minima of one design: prescribed sides, many starts, and when two shapes are the same."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
+
+from discrete.evidence.roll_axis import roll_axis_deg
+from discrete.model.model import Model
+from discrete.model.state import State
+from discrete.release.branches import Branch, distinct, find_minima
+from discrete.release.solve import relax
+from discrete.release.starts import Beginning, beginnings
+from pattern import gallery
+from pattern.design.design import Design
+from pattern.geometry.normals import vertex_normals
+from pattern.layout.build import layout
+from pattern.layout.likeness import distances
+from pattern.layout.symmetries import Symmetry, symmetries
+from pattern.mesh.meshing import mesh_layout
+
+MIRROR = np.diag([-1.0, 1.0, 1.0])
+
+
+def model(rings: int = 1, edge: float = 3.0, **changes: object) -> Model:
+    data = gallery.load("tube").to_dict()
+    data["border"] = {"rings": rings}
+    data["stars"] = {"length_mm": 10.0, "thickness_mm": 0.3}
+    design = Design.from_dict(data | changes)
+    plan = layout(design)
+    return Model(design, plan, mesh_layout(plan, edge))
+
+
+def image(m: Model, state: State, symmetry: Symmetry) -> State:
+    """The state `x'(p) = Q x(turn p + shift)`, vertex by vertex and director by director."""
+    moved = m.mesh.points @ symmetry.turn.T + symmetry.shift
+    distance, vertex = cKDTree(m.mesh.points).query(moved)
+    assert distance.max() < 1e-9
+    q = Rotation.from_rotvec([0.3, -0.5, 0.8]).as_matrix() @ (MIRROR if symmetry.mirrors else np.eye(3))
+    edge = {(int(a), int(b)): i for i, (a, b) in enumerate(m.edges)}
+    director = [edge[int(vertex[a]), int(vertex[b])] for a, b in m.edges]
+    return State(state.positions[vertex] @ q.T, state.directors[director] @ q.T)
+
+
+def test_images_of_a_shape_have_its_energy_and_are_no_distance_away() -> None:
+    m = model()
+    start = Beginning(bend="roll", axis_deg=20.0, sag_mm=12.0, noise_mm=0.5)
+    state = start.state(m)
+    m.set_release(1.0)
+    same = symmetries(m.design, m.layout)
+    assert len(same) == 6
+    centres = m.mesh.star_vertices
+    for symmetry in same:
+        other = image(m, state, symmetry)
+        assert m.energy(other) == pytest.approx(m.energy(state), rel=1e-10)
+        apart = distances(state.positions[centres], other.positions[centres], same)
+        assert apart.min() < 1e-9
+        assert np.sort(apart)[1] > 0.05
+    # reflected in space only, it is another shape: its stars are elsewhere on the sheet
+    kept = State(state.positions @ MIRROR, state.directors @ MIRROR)
+    assert distances(state.positions[centres], kept.positions[centres], same[:1])[0] > 0.05
+
+
+@pytest.mark.parametrize("bend", ["roll", "dome", "saddle"])
+def test_a_bend_is_the_same_wherever_the_sheet_is_drawn(bend: str) -> None:
+    def start(x: float) -> State:
+        border = {"polygon_mm": [[x, 0.0], [x + 60.0, 0.0], [x + 60.0, 60.0], [x, 60.0]]}
+        data = {"stars": {"length_mm": 6.0}, "lattice": {"origin_mm": [x, 0.0]}, "border": border}
+        plan = layout(design := Design.from_dict(data))
+        m = Model(design, plan, mesh_layout(plan, 6.0))
+        return Beginning(bumps=False, bend=bend, sag_mm=20.0, noise_mm=0.0).state(m)  # type: ignore[arg-type]
+
+    here, there = start(-30.0).positions, start(300.0).positions
+    np.testing.assert_allclose(there - [330.0, 0.0, 0.0], here, atol=1e-9)
+    assert np.ptp(here[:, 2]) > 9.0
+
+
+@pytest.mark.parametrize(("bend", "axis"), [("roll", 20.0), ("roll", 90.0), ("dome", 0.0), ("saddle", 0.0)])
+def test_roll_axis(bend: str, axis: float) -> None:
+    m = model(rings=2, edge=4.0)
+    state = Beginning(bumps=False, bend=bend, axis_deg=axis, sag_mm=25.0, noise_mm=0.0).state(m)  # type: ignore[arg-type]
+    turned = Rotation.from_rotvec([1.0, 2.0, -0.5]).as_matrix()
+    normals = vertex_normals(state.positions, m.mesh.triangles)[m.edges].mean(axis=1)
+    found = roll_axis_deg(m, State(state.positions @ turned.T, normals @ turned.T))
+    if bend == "roll":
+        assert found == pytest.approx(axis, abs=3.0)
+    else:
+        assert found is None
+
+
+def test_flat_sheets_and_single_stars_have_no_roll_axis() -> None:
+    m = model()
+    assert roll_axis_deg(m, m.flat_state()) is None
+    assert roll_axis_deg(model(rings=0), model(rings=0).flat_state()) is None
+
+
+def test_a_star_prescribed_down_stays_down() -> None:
+    override = [{"star": 0, "branch": "down"}, {"star": 3, "branch": "free"}]
+    m = model(stars={"length_mm": 10.0, "thickness_mm": 0.3, "override": override})
+    assert m.layout.star_branch.tolist() == [-1, 1, 1, 0, 1, 1, 1]
+    down, up = relax(m), relax(model())
+    assert down.is_minimum and np.flatnonzero(down.bumps < 0.0).tolist() == [0]
+    assert up.is_minimum and up.stars_up == 7
+    assert down.energy > up.energy
+
+
+def test_all_stars_down() -> None:
+    m = model(rings=0, stars={"length_mm": 10.0, "thickness_mm": 0.3, "branch": "down"})
+    assert relax(m).stars_up == 0
+    assert relax(m, "flat").stars_up == 1  # flat: what is prescribed is not looked at
+
+
+def test_the_first_start_is_the_default_and_all_are_fixed() -> None:
+    once, again = beginnings(7, 30, seed=3), beginnings(7, 12, seed=3)
+    assert once[:12] == again
+    assert once[0] == Beginning(seed=3)
+    assert len({(b.bend, b.axis_deg, b.sag_mm, b.releases, b.seed, b.branch) for b in once}) == 30
+
+
+def test_rolls_and_saddles_begin_about_a_fan_of_axes() -> None:
+    """Across each other in every cycle of nine starts, and halfway between those before."""
+    starts = beginnings(7, 1 + 4 * 9)
+    rolls = [b.axis_deg for b in starts if b.bend == "roll" and not b.name.startswith("tight")]
+    assert rolls == [0.0, 90.0, 45.0, 135.0, 22.5, 112.5, 67.5, 157.5]
+    tight = [b.axis_deg for b in starts if b.name.startswith("tight")]
+    assert tight == rolls[::2] and [b.axis_deg for b in starts if b.bend == "saddle"] == rolls[1::2]
+
+
+def test_at_least_one_start_is_needed() -> None:
+    with pytest.raises(ValueError, match="at least 1"):
+        find_minima(model(rings=0), 0)
+
+
+def test_many_starts_find_the_default_minimum_and_others() -> None:
+    m = model(rings=0)
+    minima = find_minima(m, 9)
+    assert minima.fine == sorted(minima.fine, key=lambda b: b.found.energy)
+    assert all(b.found.is_minimum for b in minima.fine)
+    assert sum(len(b.starts) for b in minima.fine) + minima.lost == 9
+    default = next(b for b in minima.fine if b.default)
+    assert default.found.energy == pytest.approx(relax(m).energy, rel=1e-9)
+    assert minima.distance_percent(default, default) < 1e-6
+
+
+def test_mirrored_minima_are_one_minimum() -> None:
+    m = model()
+    found = relax(m, Beginning(bend="roll", axis_deg=20.0, sag_mm=12.0, releases=(1.0,)))
+    same = symmetries(m.design, m.layout)
+    images = [replace(found, state=image(m, found.state, one), bumps=found.bumps[one.star]) for one in same]
+    branches = [Branch(one, m, (str(k),), k == 0) for k, one in enumerate(images)]
+    assert len(distinct(branches, same)) == 1
+    assert distinct(branches, same)[0].starts == tuple("012345")
+
+
+def test_prescribed_stars_decide_which_minimum_is_reported() -> None:
+    """Up is lower, but a star that is prescribed down is not reported up while a minimum keeps it down."""
+    m = model(rings=0, stars={"length_mm": 10.0, "thickness_mm": 0.3, "branch": "down"})
+    minima = find_minima(m, 8)
+    assert minima.fine[0].found.stars_up == 0
+    assert minima.fine[0].found.energy > min(b.found.energy for b in minima.fine[1:])
+
+
+def test_of_images_the_one_with_its_own_stars_down_is_kept() -> None:
+    """A design that sends one star down has images that send another one down; rounding must not choose."""
+    override = [{"star": 1, "branch": "down"}]
+    m = model(stars={"length_mm": 10.0, "thickness_mm": 0.25, "override": override})
+    same = symmetries(m.design, m.layout)
+    mine, other = relax(m), relax(m, Beginning("other", branch=(1, 1, 1, -1, 1, 1, 1)))
+    lower = replace(other, energies={"all": mine.energy - 1e-6})
+    assert mine.sides.tolist() == [1, -1, 1, 1, 1, 1, 1] and other.sides.tolist() == [1, 1, 1, -1, 1, 1, 1]
+    kept = distinct([Branch(mine, m, ("mine",), True), Branch(lower, m, ("other",), False)], same)
+    assert len(kept) == 1 and kept[0].found is mine and kept[0].starts == ("mine", "other")
+
+
+def test_flat_stars_are_on_no_side() -> None:
+    """Bumps of rounding do not make one flat state several minima."""
+    m = model()
+    flat = replace(relax(m), bumps=np.array([1e-15, -1e-15, 0.0, 2e-16, -3e-16, 1e-15, 1e-15]))
+    other = replace(flat, bumps=-flat.bumps)
+    assert (flat.sides == 0).all() and flat.stars_up == 0
+    branches = [Branch(one, m, (name,), False) for name, one in (("a", flat), ("b", other))]
+    assert len(distinct(branches, symmetries(m.design, m.layout))) == 1

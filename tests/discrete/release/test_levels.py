@@ -1,0 +1,67 @@
+"""Coarse to fine finds the same minimum as one mesh alone, and says what it spent."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from discrete.model.model import Model
+from discrete.release.levels import find_equilibrium
+from discrete.release.prolongation import prolonged
+from discrete.release.solve import relax
+from pattern import gallery
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from pattern.mesh.meshing import mesh_layout
+
+
+def model(edge: float, **changes: object) -> Model:
+    data = gallery.load("tube").to_dict()
+    data["border"] = {"rings": 1}
+    data["mesh"] = {"edge_mm": edge}
+    design = Design.from_dict(data | changes)
+    plan = layout(design)
+    return Model(design, plan, mesh_layout(plan, edge))
+
+
+# a saw cut
+SLIT = {"polygon_mm": [[-25, -25], [25, -25], [25, -0.05], [3, 0], [25, 0.05], [25, 25], [-25, 25]]}
+
+
+@pytest.mark.parametrize("border", [{"rings": 1}, SLIT])
+def test_levels_agree_with_one_mesh(border: dict[str, object]) -> None:
+    fine = model(1.0, border=border)
+    found, levels = find_equilibrium(fine)
+    assert [level.vertices for level in levels][-1] == fine.n_vertices
+    assert len(levels) == 2 and levels[0].vertices < fine.n_vertices / 2
+    assert found.iterations == sum(level.iterations for level in levels)
+    alone = relax(fine)
+    assert found.is_minimum and alone.is_minimum
+    assert found.energy == pytest.approx(alone.energy, rel=1e-9)
+
+
+def test_small_models_have_one_level() -> None:
+    _, levels = find_equilibrium(model(3.0))
+    assert len(levels) == 1
+
+
+def test_prolongation_keeps_the_length_of_the_arms_and_the_shape() -> None:
+    coarse, fine = model(3.4), model(1.7)
+    found = relax(coarse)
+    state = prolonged(coarse, found.state, fine)
+    edges = state.positions[fine.edges[:, 1]] - state.positions[fine.edges[:, 0]]
+    printed = fine.parts["rod_stretch"].params[:, 1]
+    np.testing.assert_allclose(np.linalg.norm(edges, axis=1), printed, rtol=2e-3)
+    centres = [m.mesh.star_vertices for m in (coarse, fine)]
+    between = [
+        np.linalg.norm(s.positions[c][:, None] - s.positions[c][None], axis=2)
+        for s, c in zip((found.state, state), centres, strict=True)
+    ]
+    np.testing.assert_allclose(between[0], between[1], atol=0.5)
+    normal = (state.directors * edges).sum(axis=1)
+    np.testing.assert_allclose(normal, 0.0, atol=1e-12)
+
+
+def test_the_same_answer_on_the_second_run() -> None:
+    first, second = (find_equilibrium(model(1.0))[0] for _ in range(2))
+    np.testing.assert_allclose(first.state.positions, second.state.positions, atol=1e-7)

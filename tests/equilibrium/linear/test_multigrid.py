@@ -1,0 +1,212 @@
+"""Multigrid: the solution and the verdict of a factorisation, never a proof of what is not so."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from asterism.exact.simulation import simulate
+from discrete.model.model import Model
+from discrete.release.solve import relax
+from equilibrium.linear import factor as factor_module
+from equilibrium.linear import multigrid
+from equilibrium.linear.conjugate_gradients import ConjugateGradients, NotPositiveDefinite, proves_definite, solved
+from equilibrium.linear.factor import BackendError, Iterative, available, make_factor, make_solver
+from equilibrium.linear.following_factor import FollowingFactor
+from equilibrium.linear.multigrid import MultigridFactor
+from equilibrium.linear.sparse_pattern import Floats, SparsePattern
+from equilibrium.newton.certificate import smallest_eigenvalue
+from equilibrium.newton import certificate
+from pattern import gallery
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from pattern.mesh.meshing import mesh_layout
+
+SIDE = 30
+
+
+def grid() -> tuple[SparsePattern, Floats]:
+    """Laplacian of a square of quadrilaterals; constants are its kernel."""
+    n = SIDE + 1
+    corner = (np.arange(SIDE)[:, None] * n + np.arange(SIDE)).ravel()
+    pattern = SparsePattern(
+        [np.column_stack([corner, corner + 1, corner + n, corner + n + 1])], n * n, np.arange(n * n)
+    )
+    i, j = np.tril_indices(4)
+    element = (4.0 * np.eye(4) - np.ones((4, 4)))[i, j]
+    return pattern, pattern.assemble([np.tile(element, (SIDE * SIDE, 1))])
+
+
+PATTERN, LAPLACIAN = grid()
+
+
+def shifted(amount: float) -> Floats:
+    data = LAPLACIAN.copy()
+    data[PATTERN.diagonal] += amount
+    return data
+
+
+def dense(pattern: SparsePattern, data: Floats) -> Floats:
+    low = pattern.lower(data).toarray()
+    return low + np.tril(low, -1).T
+
+
+@pytest.fixture(scope="module")
+def sheet() -> tuple[Model, object]:
+    """Seven stars, and their equilibrium."""
+    design = Design.from_dict(gallery.load("tube").to_dict() | {"border": {"rings": 1}})
+    plan = layout(design)
+    model = Model(design, plan, mesh_layout(plan, 2.5, design.mesh.kind, design.mesh.seed))
+    return model, relax(model)
+
+
+def test_is_what_it_says():
+    assert isinstance(make_factor(PATTERN, "amg"), Iterative)
+    assert not isinstance(make_factor(PATTERN, "superlu"), Iterative)
+
+
+def test_solves_a_laplacian_in_few_iterations():
+    factor = MultigridFactor(PATTERN, smallest=0)
+    data, b = shifted(1e-3), np.random.default_rng(0).standard_normal((PATTERN.size, 2))
+    assert factor.factorise(data)
+    np.testing.assert_allclose(factor.solve(b), np.linalg.solve(dense(PATTERN, data), b), atol=1e-7)
+    assert factor.proves_definite()
+    run = ConjugateGradients(factor.product, factor.precondition, b[:, 0])
+    for _ in range(25):
+        run.step()
+    assert np.linalg.norm(run.residual) < 1e-6 * np.linalg.norm(b[:, 0])
+
+
+def test_tolerance_is_kept():
+    factor = MultigridFactor(PATTERN, smallest=0)
+    data, b = shifted(1e-3), np.random.default_rng(0).standard_normal(PATTERN.size)
+    factor.factorise(data)
+    for tolerance in (1e-1, 1e-4, 1e-9):
+        rest = np.linalg.norm(b - PATTERN.product(data, factor.solve(b, tolerance))) / np.linalg.norm(b)
+        assert rest <= 1.01 * tolerance
+    np.testing.assert_array_equal(factor.solve(np.zeros(PATTERN.size)), 0.0)
+
+
+def test_preconditioner_is_positive_definite_whatever_the_matrix():
+    """The spectrum's lower half is negative but no diagonal entry is: only the coarse matrix is made definite."""
+    factor = MultigridFactor(PATTERN, smallest=0)
+    assert factor.factorise(shifted(1.0))
+    data = shifted(-2.0)
+    assert (data[PATTERN.diagonal] > 0.0).all() and np.linalg.eigvalsh(dense(PATTERN, data))[0] < 0.0
+    low = PATTERN.lower(data)
+    factor._data, factor._upper, factor._lower, factor._diagonal = data, low, low.tocsr(), data[PATTERN.diagonal]
+    inverse = np.column_stack([factor.precondition(e) for e in np.eye(PATTERN.size)[:, ::1]])
+    np.testing.assert_allclose(inverse, inverse.T, atol=1e-12 * np.abs(inverse).max())
+    assert np.linalg.eigvalsh(inverse)[0] > 0.0
+
+
+@pytest.mark.parametrize("below", [1e-9, 1e-5, 1e-2, 1.0])
+def test_indefinite_matrices_are_never_proven(below):
+    """The kernel moved below zero; below 1e-9 it drowns in nothing yet."""
+    factor = MultigridFactor(PATTERN, smallest=0)
+    assert not (factor.factorise(shifted(-below)) and factor.proves_definite())
+    assert factor.factorise(shifted(below)) and factor.proves_definite()
+
+
+@settings(max_examples=60, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1), rank=st.integers(1, 3), push=st.floats(-2.0, 1.0))
+def test_proof_is_that_of_dense_eigenvalues(seed, rank, push):
+    """A few eigenvalues moved to either side of zero, along modes that the coarse level does not know."""
+    rng = np.random.default_rng(seed)
+    size = 60
+    pattern = SparsePattern([np.arange(size)[None]], size, np.arange(size))
+    q = np.linalg.qr(rng.normal(size=(size, size)))[0]
+    values = rng.uniform(0.5, 2.0, size)
+    values[:rank] = push
+    i, j = np.tril_indices(size)
+    data = pattern.assemble([((q * values) @ q.T)[i, j][None]])
+    factor = MultigridFactor(pattern, smallest=0)
+    proven = factor.factorise(data) and factor.proves_definite()
+    if push <= 0.0:
+        assert not proven
+    if push > 1e-3:
+        assert proven
+
+
+def test_negative_curvature_is_said():
+    diagonal = np.array([3.0, 1.0, -1e-3])
+    with pytest.raises(NotPositiveDefinite):
+        solved(lambda v: diagonal * v, lambda v: v.copy(), np.ones(3), 1e-12, 100)
+    assert not proves_definite(lambda v: diagonal * v, lambda v: v.copy(), 3, 1.0)
+    assert proves_definite(lambda v: abs(diagonal) * v, lambda v: v.copy(), 3, 1.0)
+
+
+@pytest.mark.parametrize("size", [5, 10, 20])
+def test_a_chain_that_floats_is_never_proven_definite(size):
+    """Singular: rounding takes the drift out of the residual in the end, by steps without measure."""
+    chain = 2.0 * np.eye(size) - np.eye(size, k=1) - np.eye(size, k=-1)
+    chain[0, 0] = chain[-1, -1] = 1.0
+    held = chain + np.diag(np.r_[1.0, np.zeros(size - 1)])
+    for seed in range(10):
+        assert not proves_definite(lambda v: chain @ v, lambda v: v.copy(), size, 1.0, seed)
+        assert proves_definite(lambda v: held @ v, lambda v: v.copy(), size, 1.0, seed)
+
+
+def test_a_residual_that_has_grown_a_million_times_proves_nothing():
+    """A preconditioner that misses the soft direction by nine orders: what falls afterwards is mostly rounding."""
+    stiff = np.array([1e8, 1.0])
+    assert not proves_definite(lambda v: stiff * [1.0, 1e-9] * v, lambda v: v / stiff, 2, 1e8)
+    assert proves_definite(lambda v: stiff * [1.0, 0.1] * v, lambda v: v / stiff, 2, 1e8)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -1.0])
+def test_bad_entries_are_refused(bad):
+    factor = MultigridFactor(PATTERN, smallest=0)
+    data = shifted(1.0)
+    data[PATTERN.diagonal[3]] = bad
+    assert not factor.factorise(data)
+
+
+@pytest.mark.skipif("pardiso" not in available(), reason="only PARDISO knows its memory in advance")
+def test_small_memory_takes_multigrid(monkeypatch):
+    assert make_solver(PATTERN).name == "pardiso"
+    monkeypatch.setattr(factor_module, "physical_memory_mb", lambda: 0.1)
+    assert make_solver(PATTERN).name == "amg"
+    assert make_solver(PATTERN, "pardiso").name == "pardiso"
+
+
+def test_contact_is_refused_in_one_line():
+    class Problem:
+        pattern = PATTERN
+
+    with pytest.raises(BackendError, match=r"amg.*contact"):
+        FollowingFactor(Problem(), "amg")
+
+
+def test_eigenvalue_without_a_factorisation(sheet, monkeypatch):
+    monkeypatch.setattr(certificate, "MANY", 0)
+    model, found = sheet
+    data = model.hessian(found.state, 0.0)
+    factor = MultigridFactor(model.pattern, smallest=0)
+    factor.near_nullspace(*model.near_nullspace(found.state))
+    pair = smallest_eigenvalue(model.pattern, data, factor, model.rigid_modes(found.state))
+    assert pair.value == pytest.approx(found.smallest_eigenvalue, rel=1e-5)
+    assert pair.error < 0.1 * pair.value
+
+
+def test_same_minimum_as_a_factorisation(sheet, monkeypatch):
+    """From where the arms start to bend to the certificate."""
+    monkeypatch.setattr(certificate, "MANY", 0)
+    monkeypatch.setattr(multigrid, "SMALLEST", 0)
+    monkeypatch.setattr(MultigridFactor.__init__, "__defaults__", (0,))
+    model, _ = sheet
+    start = relax(model, releases=(0.5, 1.0), max_iterations=6).state
+    one, other = relax(model, start), relax(model, start, backend="amg")
+    assert other.is_minimum and other.backend == "amg"
+    assert other.energy == pytest.approx(one.energy, rel=1e-9)
+    assert other.smallest_eigenvalue == pytest.approx(one.smallest_eigenvalue, rel=1e-4)
+
+
+def test_whole_simulation():
+    """Small sheets are factorised by this backend too, so that it can be asked for always."""
+    design = gallery.load("star")
+    shape, direct = simulate(design, "amg"), simulate(design)
+    assert shape.summary["is_minimum"] and shape.summary["backend"] == "amg"
+    assert shape.summary["energy_n_mm"] == pytest.approx(direct.summary["energy_n_mm"], rel=1e-8)

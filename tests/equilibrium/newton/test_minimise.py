@@ -1,0 +1,326 @@
+"""Newton on small problems whose minima are known."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+
+from equilibrium.linear.factor import Factor, make_factor
+from equilibrium.linear.multigrid import MultigridFactor
+from equilibrium.linear.sparse_pattern import Floats, Ints, SparsePattern
+from equilibrium.newton.minimise import FORCING, Iteration, Minimum, minimise
+
+METHODS = pytest.mark.parametrize("method", ["blended", "shifted"])
+
+
+@dataclass
+class Analytic:
+    """An energy over R^n with its derivatives written out; all steps are straight."""
+
+    value: Callable[[Floats], float]
+    slope: Callable[[Floats], Floats]
+    bow: Callable[[Floats], Floats]
+    size: int
+    longest: float = np.inf
+    held: tuple[int, ...] = ()
+    visited: list[Floats] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.pattern = SparsePattern([np.arange(self.size)[None]], self.size, np.arange(self.size))
+
+    def energy(self, state: Floats) -> float:
+        self.visited.append(state)
+        with np.errstate(all="ignore"):
+            return float(self.value(state))
+
+    def gradient(self, state: Floats) -> Floats:
+        return np.asarray(self.slope(state), dtype=float)
+
+    def hessian(self, state: Floats, blend: float) -> Floats:
+        h = np.asarray(self.bow(state), dtype=float)
+        values, vectors = np.linalg.eigh(h)
+        convex = (vectors * np.maximum(values, 0.0)) @ vectors.T
+        i, j = np.tril_indices(self.size)
+        return self.pattern.assemble([((1.0 - blend) * h + blend * convex)[i, j][None]])
+
+    def support(self, state: Floats) -> Ints:
+        return np.array(self.held, dtype=np.int64)
+
+    def path(self, state: Floats, direction: Floats, straight: bool) -> tuple[Callable[[float], Floats], float]:
+        return (lambda a: state + a * direction), self.longest
+
+
+class Patient:
+    """A factorisation that fails the test where Newton would try matrices for ever."""
+
+    def __init__(self, factor: Factor) -> None:
+        self.name, self.solve, self._factor = factor.name, factor.solve, factor
+        self.verdicts: list[bool] = []
+
+    def factorise(self, data: Floats) -> bool:
+        assert len(self.verdicts) < 2000, "no end in sight"
+        self.verdicts.append(self._factor.factorise(data))
+        return self.verdicts[-1]
+
+    def close(self) -> None:
+        self._factor.close()
+
+
+def run(problem: Analytic, start: list[float] | Floats, tolerance: float = 1e-10, **options: object) -> Minimum:
+    factor = Patient(make_factor(problem.pattern))
+    found = minimise(problem, np.asarray(start, dtype=float), factor, tolerance, **options)  # type: ignore[arg-type]
+    factor.close()
+    return found
+
+
+def assert_downhill(found: Minimum) -> None:
+    energies = np.array([entry.energy for entry in found.history])
+    assert (np.diff(energies) <= 1e-10 * np.abs(energies[:-1])).all()
+
+
+def rosenbrock() -> Analytic:
+    return Analytic(
+        lambda x: 100.0 * (x[1] - x[0] ** 2) ** 2 + (1.0 - x[0]) ** 2,
+        lambda x: [-400.0 * x[0] * (x[1] - x[0] ** 2) - 2.0 * (1.0 - x[0]), 200.0 * (x[1] - x[0] ** 2)],
+        lambda x: [[1200.0 * x[0] ** 2 - 400.0 * x[1] + 2.0, -400.0 * x[0]], [-400.0 * x[0], 200.0]],
+        2,
+    )
+
+
+def double_well() -> Analytic:
+    """Minima at (+-1, 0) of energy -1, a saddle between them."""
+    return Analytic(
+        lambda x: x[0] ** 4 - 2.0 * x[0] ** 2 + x[1] ** 2,
+        lambda x: [4.0 * x[0] ** 3 - 4.0 * x[0], 2.0 * x[1]],
+        lambda x: [[12.0 * x[0] ** 2 - 4.0, 0.0], [0.0, 2.0]],
+        2,
+    )
+
+
+@METHODS
+def test_quadratic_takes_one_step(method):
+    h = np.array([[4.0, 1.0, 0.0], [1.0, 3.0, -1.0], [0.0, -1.0, 2.0]])
+    b = np.array([1.0, -2.0, 3.0])
+    problem = Analytic(lambda x: 0.5 * x @ h @ x - b @ x, lambda x: h @ x - b, lambda x: h, 3)
+    found = run(problem, [5.0, -7.0, 2.0], tolerance=1e-6, method=method)
+    assert found.converged and found.definite and found.iterations == 1
+    np.testing.assert_allclose(found.state, np.linalg.solve(h, b), atol=1e-7)
+
+
+@METHODS
+@pytest.mark.parametrize("start", [[-1.2, 1.0], [0.0, 0.0], [3.0, -5.0], [-1.0, 4.0], [0.0, 2.0]])
+def test_rosenbrock(method, start):
+    found = run(rosenbrock(), start, method=method, shift=0.0)
+    assert found.converged and found.definite
+    np.testing.assert_allclose(found.state, [1.0, 1.0], atol=1e-9)
+    assert_downhill(found)
+    assert found.iterations < 40
+
+
+@METHODS
+def test_quadratic_convergence_at_the_end(method):
+    """The regularisation is off near a minimum: each gradient is of the order of the square of the last."""
+    found = run(rosenbrock(), [-1.2, 1.0], method=method, shift=0.0)
+    norms = [entry.gradient_norm for entry in found.history]
+    assert found.history[-1].blend == 0.0
+    assert norms[-1] < 1e-4 * norms[-2] and norms[-2] < 0.1 * norms[-3]
+
+
+@METHODS
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize("away", [1e-6, 1e-2, 0.5])
+def test_double_well_from_near_its_saddle(method, side, away):
+    """Negative curvature at the start: down to the well on that side."""
+    found = run(double_well(), [side * away, 1.0], method=method)
+    assert found.converged and found.definite
+    assert found.energy == pytest.approx(-1.0)
+    assert abs(found.state[0]) == pytest.approx(1.0)
+    if away > 1e-3:
+        assert np.sign(found.state[0]) == side
+    assert_downhill(found)
+
+
+@METHODS
+@pytest.mark.parametrize("start", [[0.0, 0.0], [0.0, 1.0]])
+def test_double_well_from_its_saddle_is_not_called_a_minimum(method, start):
+    """No force leads away from the ridge: Newton ends on the saddle and says that the Hessian there is indefinite."""
+    found = run(double_well(), start, method=method)
+    assert found.converged
+    assert not found.definite
+    np.testing.assert_allclose(found.state, 0.0, atol=1e-9)
+
+
+@METHODS
+def test_maximum_is_left(method):
+    """sin has negative curvature all over the first half of its way down."""
+    problem = Analytic(lambda x: np.sin(x[0]), lambda x: np.cos(x), lambda x: [[-np.sin(x[0])]], 1)
+    found = run(problem, [0.5 * np.pi + 0.1], method=method)
+    assert found.converged and found.definite
+    assert found.energy == pytest.approx(-1.0)
+
+
+@METHODS
+def test_barrier_is_not_crossed(method):
+    """x - ln x: full steps from far away land where there is no energy."""
+    problem = Analytic(lambda x: (x - np.log(x)).sum(), lambda x: 1.0 - 1.0 / x, lambda x: np.diag(1.0 / x**2), 2)
+    found = run(problem, [1e-3, 30.0], method=method)
+    assert found.converged
+    np.testing.assert_allclose(found.state, 1.0, atol=1e-9)
+    assert min(x.min() for x in problem.visited) < 0.0, "the line search was put to the test"
+    assert all(np.isfinite(entry.energy) for entry in found.history)
+
+
+@METHODS
+def test_steps_are_no_longer_than_the_path_allows(method):
+    problem = double_well()
+    problem.longest = 0.1
+    found = run(problem, [0.9, 5.0], method=method)
+    assert found.converged
+    assert max(entry.step for entry in found.history) <= 0.1
+    assert found.iterations > 100
+
+
+@METHODS
+def test_stops_when_told(method):
+    seen: list[Iteration] = []
+    found = run(rosenbrock(), [-1.2, 1.0], method=method, max_iterations=4, report=seen.append)
+    assert not found.converged
+    assert found.iterations == 4
+    assert [entry.number for entry in seen] == [0, 1, 2, 3, 4]
+    assert seen == found.history
+    assert found.factorisations >= 5
+
+
+@METHODS
+def test_starts_at_the_minimum(method):
+    found = run(rosenbrock(), [1.0, 1.0], method=method)
+    assert found.converged and found.definite and found.iterations == 0
+    assert found.factorisations == 1
+
+
+def test_stops_at_a_gradient_that_is_not_a_number():
+    problem = Analytic(lambda x: 0.0, lambda x: [np.nan], lambda x: [[1.0]], 1)
+    found = run(problem, [1.0])
+    assert not found.converged and found.iterations == 0
+
+
+@METHODS
+@pytest.mark.parametrize("held", [(), (0,)])
+def test_drift_that_costs_nothing(method, held):
+    """A spring between two free masses: any shift of both is a minimum, with a support or without."""
+
+    def stretch(x: Floats) -> float:
+        return x[1] - x[0] - 2.0
+
+    problem = Analytic(
+        lambda x: 0.5 * stretch(x) ** 2 + 0.25 * stretch(x) ** 4,
+        lambda x: (stretch(x) + stretch(x) ** 3) * np.array([-1.0, 1.0]),
+        lambda x: (1.0 + 3.0 * stretch(x) ** 2) * np.array([[1.0, -1.0], [-1.0, 1.0]]),
+        2,
+        held=held,
+    )
+    found = run(problem, [3.0, 9.0], method=method)
+    assert found.converged and found.definite
+    assert found.state[1] - found.state[0] == pytest.approx(2.0)
+    assert found.iterations < 12
+
+
+@METHODS
+def test_noise_of_a_large_energy_does_not_stop_the_last_steps(method):
+    """Near its minimum the energy is -1e8 and all digits of a step's gain are lost; the gradient still decides."""
+    problem = Analytic(
+        lambda x: -1e8 + (np.cosh(x) - 1.0).sum(), lambda x: np.sinh(x), lambda x: np.diag(np.cosh(x)), 3
+    )
+    found = run(problem, [1e-3, -2e-3, 0.7], tolerance=1e-12, method=method)
+    assert found.converged and found.iterations < 12
+
+
+@METHODS
+def test_noise_of_terms_that_cancel_does_not_stop_the_last_steps(method):
+    """The same where the energy itself is zero: its terms cancel, and their rounding stays."""
+    problem = Analytic(
+        lambda x: (100.0 * np.cosh(x)).sum() - 300.0,
+        lambda x: 100.0 * np.sinh(x),
+        lambda x: 100.0 * np.diag(np.cosh(x)),
+        3,
+    )
+    found = run(problem, [1.0, -2.0, 0.7], tolerance=1e-9, method=method)
+    assert found.converged and found.iterations < 12
+    found = run(problem, [1e-8, -2e-8, 3e-8], tolerance=1e-9, method=method)
+    assert found.converged and found.iterations < 12
+
+
+@METHODS
+def test_gradients_that_are_only_noise_end_it(method):
+    """Energy and gradient are as low as rounding lets them: going on would change nothing, and it has not converged."""
+    problem = Analytic(
+        lambda x: 1586.0 + 0.5 * (x @ x), lambda x: x + 2e-7 * np.sin(1e12 * x + 1.0), lambda x: np.eye(3), 3
+    )
+    found = run(problem, [1.0, -2.0, 0.7], tolerance=1e-9, method=method)
+    assert found.idle and not found.converged and found.iterations < 60
+    assert np.abs(found.state).max() < 1e-6
+    assert not run(problem, [1.0, -2.0, 0.7], tolerance=1e-5, method=method).idle
+
+
+class Sloppy(MultigridFactor):
+    """An iterative solver that is never more exact than it is asked to be."""
+
+    def __init__(self, pattern: SparsePattern) -> None:
+        super().__init__(pattern)
+        self.asked: list[float] = []
+
+    def solve(self, b: Floats, tolerance: float = 0.0) -> Floats:
+        self.asked.append(tolerance)
+        rest = np.where(np.arange(len(b)) % 2, -1.0, 1.0) / np.sqrt(len(b))
+        return super().solve(b + tolerance * np.linalg.norm(b) * rest)
+
+
+def test_an_iterative_solver_is_asked_for_no_more_than_quadratic_convergence_takes():
+    """Little far away, and near the minimum so much that each gradient is of the order of the square of the last."""
+    problem = Analytic(
+        lambda x: (np.cosh(x) + x**3 / 6.0).sum(),
+        lambda x: np.sinh(x) + x**2 / 2.0,
+        lambda x: np.diag(np.cosh(x) + x),
+        3,
+    )
+    factor = Sloppy(problem.pattern)
+    found = minimise(problem, np.array([0.5, 1.0, 2.0]), factor, 1e-9, shift=0.0)
+    assert found.converged and found.iterations < 9
+    norms = np.array([entry.gradient_norm for entry in found.history])
+    close = norms[:-1] < 0.1
+    assert close.sum() >= 2 and (norms[1:] < 5.0 * norms[:-1] ** 2)[close].all()
+    assert factor.asked[0] == FORCING and min(factor.asked) < 1e-3
+    assert (np.array(factor.asked[1:]) >= 0.1 * (norms[1:-1] / norms[:-2]) ** 2).all()
+
+
+@METHODS
+def test_what_was_refused_is_not_tried_again_at_once(method):
+    """Curvature that stays negative: the amount just found serves the next step too, and only then is less tried."""
+    problem = Analytic(
+        lambda x: x[1] ** 2 - x[0] ** 2, lambda x: [-2.0, 2.0] * x, lambda x: np.diag([-2.0, 2.0]), 2, 0.1
+    )
+    factor = Patient(make_factor(problem.pattern))
+    found = minimise(problem, np.array([1.0, 1.0]), factor, 1e-10, 12, method, verdict=False)
+    factor.close()
+    tried = "".join("+" if accepted else "-" for accepted in factor.verdicts)
+    assert found.iterations == 12 and tried.count("+") == 12
+    assert tried.startswith("-") and "++-" in tried and "-+-" not in tried
+
+
+def test_a_convex_model_that_is_not_quite_convex_is_stiffened_until_it_serves():
+    """Rounding of large entries leaves it negative by more than what is added first."""
+
+    class Rounded(Analytic):
+        def hessian(self, state: Floats, blend: float) -> Floats:
+            data = super().hessian(state, blend)
+            data[self.pattern.diagonal] -= 0.05 * blend
+            return data
+
+    problem = Rounded(lambda x: np.sin(x).sum(), lambda x: np.cos(x), lambda x: np.diag(-np.sin(x)), 2)
+    found = run(problem, [0.5 * np.pi + 0.1, 0.5 * np.pi - 0.2])
+    assert found.converged and found.definite
+    assert found.energy == pytest.approx(-2.0)
+    assert max(entry.blend for entry in found.history) > 1.0

@@ -1,0 +1,125 @@
+"""From a start to a certified equilibrium, on small energies whose minima and saddles are known."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from equilibrium.linear.factor import make_factor
+from equilibrium.linear.sparse_pattern import Floats
+from equilibrium.newton.minimise import Minimum
+from equilibrium.newton.saddle import left
+from equilibrium.newton.solve import Settled, held_definite, settle
+from tests.equilibrium.newton.test_minimise import Analytic
+
+TOLERANCE = 1e-10
+
+
+class Pinned(Analytic):
+    """Without rigid motions."""
+
+    def rigid_modes(self, state: Floats) -> Floats:
+        return np.zeros((self.size, 0))
+
+
+def tilted(slope: float) -> Pinned:
+    """Minima near (+-1, 0), the lower one against the slope, and a saddle near (slope / 4, 0)."""
+    return Pinned(
+        lambda x: x[0] ** 4 - 2.0 * x[0] ** 2 + slope * x[0] + x[1] ** 2,
+        lambda x: [4.0 * x[0] ** 3 - 4.0 * x[0] + slope, 2.0 * x[1]],
+        lambda x: [[12.0 * x[0] ** 2 - 4.0, 0.0], [0.0, 2.0]],
+        2,
+    )
+
+
+def settled(problem: Pinned, start: list[float], iterate: Callable[[Floats], Minimum]) -> Settled:
+    factor = make_factor(problem.pattern)
+    found = settle(problem, np.array(start), factor, TOLERANCE, iterate, longest=0.5)
+    factor.close()
+    return found
+
+
+def stopped_at(problem: Pinned, place: list[float]) -> Minimum:
+    state = np.array(place)
+    norm = float(np.linalg.norm(problem.gradient(state)))
+    return Minimum(state, problem.energy(state), norm, norm <= TOLERANCE, False, 1, 1)
+
+
+@pytest.mark.parametrize("mode", [[1.0, 0.0], [-1.0, 0.0]])
+@pytest.mark.parametrize("slope", [-0.3, 0.3])
+def test_a_saddle_is_left_to_its_lower_side(slope, mode):
+    """Whichever way the eigenvector points, and whichever side the fixed pseudo-random vector lies on."""
+    problem = tilted(slope)
+    saddle = np.array([min(np.roots([4.0, 0.0, -4.0, slope]).real, key=abs), 0.0])
+    moved = left(problem, saddle, np.array(mode), 0.5)
+    np.testing.assert_allclose(moved, saddle - [0.5 * np.sign(slope), 0.0], atol=1e-15)
+    assert problem.energy(moved) < problem.energy(2.0 * saddle - moved) < problem.energy(saddle)
+
+
+def test_a_symmetric_saddle_is_always_left_to_the_same_side():
+    one, other = (left(tilted(0.0), np.zeros(2), mode, 0.5) for mode in np.array([[1.0, 0.0], [-1.0, 0.0]]))
+    np.testing.assert_array_equal(one, other)
+    assert abs(one[0]) == 0.5
+
+
+@pytest.mark.parametrize(("stop", "well"), [([-0.8, 0.1], -1.0), ([-3.0, 0.0], 1.0)])
+def test_where_an_iteration_fails_the_lower_of_its_ends_is_followed(stop, well):
+    """It began near the right well: what it reached counts if that is lower, else the beginning."""
+    problem = tilted(0.0)
+    found = settled(problem, [0.5, 0.5], lambda state: stopped_at(problem, stop))
+    assert found.fallbacks == 1 and found.is_minimum and found.saddles_left == 0
+    np.testing.assert_allclose(found.state, [well, 0.0], atol=1e-9)
+
+
+def test_an_eigenvalue_of_zero_is_no_saddle_to_leave():
+    """A minimum of fourth order: the Hessian proves nothing, and there is no way down to look for."""
+    stiffness = np.arange(5.0)
+    problem = Pinned(
+        lambda x: x[0] ** 4 + 0.5 * stiffness @ x**2,
+        lambda x: np.r_[4.0 * x[0] ** 3, (stiffness * x)[1:]],
+        lambda x: np.diag(np.r_[12.0 * x[0] ** 2, stiffness[1:]]),
+        5,
+    )
+    starts = []
+
+    def stay(state: Floats) -> Minimum:
+        starts.append(state)
+        assert len(starts) == 1, "nothing was left"
+        return stopped_at(problem, [0.0] * 5)
+
+    found = settled(problem, [0.1] * 5, stay)
+    assert found.converged and not found.definite and not found.is_minimum
+    assert found.saddles_left == 0 and found.lowest is not None
+    assert abs(found.lowest.value) <= found.lowest.error < 1e-8
+
+
+def test_what_is_not_proven_is_no_minimum() -> None:
+    """A solver that iterates accepts what it has not refuted."""
+
+    class Lenient:
+        name = "lenient"
+
+        def __init__(self, proof: bool) -> None:
+            self._proof = proof
+
+        def factorise(self, data: Floats) -> bool:
+            return True
+
+        def proves_definite(self) -> bool:
+            return self._proof
+
+        def solve(self, b: Floats, tolerance: float = 0.0) -> Floats:
+            return b
+
+        product = precondition = solve
+
+        def near_nullspace(self, nodes: object, modes: object) -> None: ...
+
+        def close(self) -> None: ...
+
+    problem, place = tilted(0.0), np.zeros(2)
+    data = problem.hessian(place, 0.0)
+    assert held_definite(problem, place, data, Lenient(True))
+    assert not held_definite(problem, place, data, Lenient(False))

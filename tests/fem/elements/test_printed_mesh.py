@@ -1,0 +1,69 @@
+"""Which meshes a sheet may have."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from skfem import MeshTri, MeshTri2
+
+from fem.elements.printed_mesh import usable
+from fem.search.relax import relax
+from fem.shell.density import Density, isotropic
+from fem.shell.fields import FieldError, Fields, of_stretch
+from fem.shell.shell import Shell
+from tests.fem.meshes import rectangle
+from tests.fem.spaces import SPACES
+
+SQUARE = rectangle(2, 2, amount=0.2)
+FAR = np.array([[5.0], [5.0]])
+
+
+def with_nan() -> MeshTri:
+    points = SQUARE.p.copy()
+    points[0, 4] = np.nan
+    return MeshTri(points, SQUARE.t)
+
+
+@pytest.mark.parametrize(
+    ("mesh", "word"),
+    [
+        (lambda: MeshTri2.from_mesh(SQUARE), "straight"),
+        (lambda: MeshTri(SQUARE.p, np.empty((3, 0), dtype=int)), "no triangles"),
+        (with_nan, "not finite"),
+        (lambda: MeshTri(np.hstack([SQUARE.p, FAR]), SQUARE.t), "vertex 9 is of no triangle"),
+        (lambda: MeshTri(np.array([[0, 1, 2, 0.0], [0, 0, 0, 1.0]]), np.array([[0, 1, 2], [0, 2, 3]]).T), "no area"),
+        (lambda: MeshTri(SQUARE.p, np.hstack([SQUARE.t, SQUARE.t[:, :1]])), "more than two"),
+        (lambda: MeshTri(np.hstack([SQUARE.p, SQUARE.p + FAR]), np.hstack([SQUARE.t, SQUARE.t + 9])), "2 pieces"),
+    ],
+    ids=["curved", "empty", "nan", "unused", "flat", "crowded", "pieces"],
+)
+def test_meshes_that_are_no_sheet_are_refused(mesh, word: str) -> None:
+    with pytest.raises(ValueError, match=f"^mesh: .*{word}"):
+        usable(mesh())
+
+
+@pytest.mark.parametrize("name", SPACES)
+def test_the_order_of_corners_does_not_matter(name: str) -> None:
+    """Functions on edges count from the lower vertex number: scikit-fem's meshes may be unsorted."""
+    fields = of_stretch(Density(isotropic(20.0, 10.0, 0.3)), lambda p: 0.9 + 0.2 * p[..., 0], 0.8)
+    mesh, unsorted = SQUARE, SQUARE.oriented()
+    assert not (np.diff(unsorted.t, axis=0) > 0).all()
+    one, other = (relax(Shell(SPACES[name](each), fields)) for each in (mesh, unsorted))
+    assert one.is_minimum and other.is_minimum
+    assert other.energy == pytest.approx(one.energy, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("density", "words"),
+    [
+        (Density(np.full((6, 6), np.nan)), r"stiffness at .* \(nan\) is not finite"),
+        (Density(isotropic(2.0, 1.0, 0.3) + 0.1 * np.eye(6, k=1)), "stiffness at .* is not symmetric"),
+        (Density(isotropic(2.0, 1.0, 0.3), sixfold=np.nan), "sixfold at .* is not finite"),
+        (Density(isotropic(2.0, 1.0, 0.3), sixfold=1.0, saturation=0.0), "saturation at .* is not positive"),
+    ],
+    ids=["nan", "unsymmetric", "sixfold", "saturation"],
+)
+def test_densities_that_no_sheet_has_are_refused(density: Density, words: str) -> None:
+    with pytest.raises(FieldError, match=words) as caught:
+        Shell(SPACES["argyris"](SQUARE), Fields(density))
+    assert "\n" not in str(caught.value) and len(str(caught.value)) < 120

@@ -1,0 +1,126 @@
+"""Which guesses are compared, and which cannot win."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from fem.elements.argyris import Argyris
+from fem.search.in_plane_relaxation import Frame, Start
+from fem.search.initial_guesses import HELD_DEAR, _best_held, _Ranking, starts
+from fem.search.mean_fields import shapes, trends
+from fem.search.relax import relax
+from fem.search.simple_shapes import Shape
+from fem.shell.density import Density, isotropic
+from fem.shell.fields import of_stretch
+from fem.shell.shell import Shell
+from fem.supports.conditions import HeldEdge
+from fem.supports.placement import affine, flat
+from tests.fem.hexagons import FIELDS, RADIUS, hexagon
+from tests.fem.meshes import facets_where, rectangle
+
+
+@pytest.fixture
+def slid(monkeypatch: pytest.MonkeyPatch) -> list[tuple[float, float]]:
+    """Energies of all guesses that were moved within themselves, and the least one known by then."""
+    seen: list[tuple[float, float]] = []
+    before = Frame.slid
+
+    def noted(self: Frame, start, least=np.inf):  # type: ignore[no-untyped-def]
+        seen.append((start.energy, least))
+        return before(self, start, least)
+
+    monkeypatch.setattr(Frame, "slid", noted)
+    return seen
+
+
+def test_an_arc_alone_is_compared_with_nothing(slid: list[tuple[float, float]]) -> None:
+    shell = Shell(Argyris(hexagon(1)), FIELDS["rolled"])
+    arcs = [shape for shape in shapes(trends(shell), 2.0 * RADIUS) if shape.name in ("arc", "flat")]
+    turns = [np.array([[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]]) for a in np.arange(6) * np.pi / 3.0]
+    kinds, turned = starts(shell, shell.factor(), candidates=arcs, turns=turns)
+    assert [start.shape.name for start in kinds] == ["arc"] and not turned and not slid
+    # without symmetry the other axes are guesses too
+    kinds, turned = starts(shell, shell.factor(), candidates=arcs)
+    assert kinds[0].shape.name == "arc" and len(turned) == 2 and slid
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("degrees", [90.0, 180.0])
+def test_a_sheet_follows_what_holds_it_wherever_that_was_turned(axis: int, degrees: float) -> None:
+    """By a single clamped edge: its places alone say nothing of the turn about it."""
+    mesh = rectangle(2, 2, 50.0, 50.0)
+    turn = Rotation.from_rotvec(np.radians(degrees) * np.eye(3)[axis]).as_matrix()
+    edge = HeldEdge(facets_where(mesh, lambda x, y: x < 1e-9), affine(turn[:, :2], [5.0, 6.0, 7.0]), clamped=True)
+    found = relax(Shell(Argyris(mesh), of_stretch(Density(isotropic(20.0, 10.0, 0.3)), 1.0), [edge]))
+    assert found.is_minimum and found.energy < 1e-9
+
+
+def test_held_guesses_that_are_far_too_dear_are_left_out(slid: list[tuple[float, float]]) -> None:
+    mesh = hexagon(1)
+    shell = Shell(Argyris(mesh), FIELDS["dome"], [HeldEdge(mesh.boundary_facets(), flat(0.8))])
+    angles = np.pi * np.arange(12) / 12
+    gentle, tight = ([Shape("arc", curvature, angle) for angle in angles] for curvature in (1e-3, 0.03))
+    caps = [Shape("flat"), Shape("cap", 2e-3)]
+    kinds, _ = starts(shell, shell.factor(), candidates=[*caps, *gentle])
+    assert {start.shape.name for start in kinds} == {"flat", "cap", "arc"}
+    assert kinds == sorted(kinds, key=lambda start: start.energy)
+    kinds, _ = starts(shell, shell.factor(), candidates=[*caps, *tight])
+    assert {start.shape.name for start in kinds} == {"flat", "cap"}
+    assert all(energy <= HELD_DEAR * least for energy, least in slid)
+
+
+class _Known:
+    """Stands for a frame and its shell: energies of shapes are given, and sliding lowers some of them."""
+
+    def __init__(self, energies: dict[Shape, float], slid: dict[Shape, float] | None = None, free: bool = True) -> None:
+        self.energies, self.after, self.tried, self.moved = energies, slid or {}, [], []
+        self.shell = SimpleNamespace(is_free=free, flat=None, held=lambda x: x, energies=lambda x: {"sheet": 1.0})
+
+    def bent(self, shape: Shape) -> Start:
+        self.tried.append(shape)
+        return Start(shape, np.zeros((1, 3)), self.energies[shape])
+
+    def slid(self, start: Start, least: float) -> Start:
+        self.moved.append(start.shape)
+        return Start(start.shape, start.x, self.after.get(start.shape, start.energy))
+
+
+def test_the_best_direction_of_a_held_guess_is_found_wherever_it_is() -> None:
+    family = [Shape("arc", 1e-3, np.pi * k / 12) for k in range(12)]
+    for best in np.concatenate([np.arange(12) - 0.3, np.arange(12) + 0.3]):
+        away = np.abs((np.arange(12) - best + 6.0) % 12.0 - 6.0)
+        frame = _Known(dict(zip(family, away, strict=True)))
+        assert _best_held(frame, family, np.inf) == away.argmin()  # type: ignore[arg-type]
+        assert len(frame.tried) == 8
+        # the first few say that the others need not be looked at
+        hopeless = _Known(frame.energies)
+        assert _best_held(hopeless, family, -1.0) % 4 == 0 and len(hopeless.tried) == 3  # type: ignore[arg-type]
+
+
+def test_guesses_without_an_energy_never_win() -> None:
+    family = [Shape("arc", 1e-3, np.pi * k / 12) for k in range(12)]
+    frame = _Known({shape: np.nan if k % 2 == 0 and k != 6 else 1.0 for k, shape in enumerate(family)})
+    assert _best_held(frame, family, np.inf) == 6  # type: ignore[arg-type]
+
+
+def test_guesses_are_moved_within_themselves_while_they_may_win() -> None:
+    """By energies that are twenty times those of a flat sheet apart; of a kind that with the lowest one in the end."""
+    shapes = [Shape("cap", 1e-3 * k) for k in range(1, 6)]
+    frame = _Known(dict(zip(shapes, (0.0, 1.0, 2.0, 18.0, 20.0), strict=True)), {shapes[2]: -1.0})
+    ranking = _Ranking(frame.shell, frame)  # type: ignore[arg-type]
+    ranking.take([frame.bent(shape) for shape in shapes[::-1]])
+    assert frame.moved == shapes[:4]
+    assert [start.shape for start in ranking.kinds] == [shapes[2]] and ranking.least == -1.0
+
+
+@pytest.mark.parametrize("least", [2.0, -2.0])
+def test_held_guesses_are_dear_by_the_size_of_the_least_energy(least: float) -> None:
+    frame = _Known({}, free=False)
+    ranking = _Ranking(frame.shell, frame)  # type: ignore[arg-type]
+    assert ranking.dear == np.inf
+    ranking.least = least
+    assert ranking.dear == least + (HELD_DEAR - 1.0) * 2.0

@@ -1,0 +1,171 @@
+"""Fields become certified equilibria; saddles and unfinished states are never called so."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import fem.search.relax
+from equilibrium.newton.solve import settle
+from fem.elements.argyris import Argyris
+from fem.elements.bell import Bell
+from fem.search.mixed_newton import mixed_newton
+from fem.search.relax import by_load_steps, follow, relax
+from fem.search.simple_shapes import Shape
+from fem.shell.fields import FieldError, Fields, of_stretch
+from fem.shell.shell import Shell
+from fem.supports.conditions import HeldEdge
+from tests.fem.hexagons import FIELDS, RADIUS, density, hexagon
+from tests.fem.meshes import facets_where, rectangle
+
+
+def height(shell: Shell, x: np.ndarray) -> float:
+    """mm between the lowest and the highest vertex, after turning the sheet flat."""
+    places = shell.space.locate(shell.space.mesh.p.T).value @ x
+    return float(np.linalg.svd(places - places.mean(axis=0))[1][2])
+
+
+@pytest.mark.parametrize("name", FIELDS)
+def test_fields_become_minima_without_help(name: str) -> None:
+    shell = Shell(Argyris(hexagon(1)), FIELDS[name])
+    found = relax(shell)
+    assert found.is_minimum
+    assert found.fallbacks == found.load_steps == 0
+    assert found.iterations <= 12
+    assert found.gradient_norm <= found.tolerance
+    assert (found.soft_modes > 0.0).all() and (np.diff(found.soft_modes) >= 0.0).all()
+    # the whole spectrum, from the dense Hessian: nothing negative but what rounding makes of six rigid motions
+    low = shell.pattern.lower(shell.hessian(found.x)).toarray()
+    full = low + np.tril(low, -1).T
+    values = np.linalg.eigvalsh(full)
+    assert (np.abs(values[:6]) < 1e-7 * values[-1]).all() and values[6] > 1e-12 * values[-1]
+    modes = shell.rigid_modes(found.x)
+    assert modes.shape[1] == 6
+    assert np.abs(full @ modes).max() < 1e-9 * values[-1]
+
+
+def test_bell_finds_the_same_shapes() -> None:
+    for name in ("rolled", "dome", "saddle"):
+        energies = [relax(Shell(space(hexagon(2)), FIELDS[name]), soft_modes=0).energy for space in (Argyris, Bell)]
+        assert energies[1] == pytest.approx(energies[0], rel=2e-3)
+
+
+def test_soft_modes_do_not_depend_on_the_mesh_or_the_place() -> None:
+    coarse, fine = (relax(Shell(Argyris(hexagon(n)), FIELDS["dome"])).soft_modes for n in (1, 2))
+    assert np.allclose(coarse, fine, rtol=2e-3)
+    shell = Shell(Argyris(hexagon(1)), FIELDS["dome"])
+    mesh = hexagon(1)
+    moved = Shell(Argyris(mesh.translated((1e3, -2e3))), Fields(shell.density, *_shifted(FIELDS["dome"])))
+    assert np.allclose(relax(moved).soft_modes, coarse, rtol=1e-4)
+
+
+def _shifted(fields: Fields):  # type: ignore[no-untyped-def]
+    shift = np.array([1e3, -2e3])
+    return (lambda p: fields.metric(p - shift)), (lambda p: fields.curvature(p - shift))
+
+
+def test_the_axis_that_the_lattice_prefers() -> None:
+    """The cubic term alone chooses: its sign turns the axis by 30 degrees."""
+    for c3, allowed in ((100.0, 30.0), (-100.0, 0.0)):
+        shell = Shell(Argyris(hexagon(1)), of_stretch(density(c3), 0.8, 0.015))
+        found = relax(shell)
+        places = shell.space.locate(shell.points.reshape(-1, 2)).hessian @ found.x
+        # the printed direction that is curved: largest mean square of the second derivatives
+        second = places.reshape(-1, 3, 3)
+        tensor = np.einsum("nkc,nlc->kl", second, second)[:2, :2].copy()
+        tensor[0, 1] = tensor[1, 0] = np.einsum("nc,nc->", second[:, 2], second[:, 0] + second[:, 1])
+        angle = 0.5 * np.degrees(np.arctan2(2.0 * tensor[0, 1], tensor[0, 0] - tensor[1, 1]))
+        assert abs((angle - allowed + 30.0) % 60.0 - 30.0) < 1.0
+        assert found.is_minimum
+
+
+def test_a_flat_sheet_that_wants_to_roll_is_a_saddle_and_is_left() -> None:
+    """Compressed between clamps: the straight state is stationary, and not an equilibrium."""
+    mesh = rectangle(8, 2, 10.0, 2.0)
+    clamps = [
+        HeldEdge(facets_where(mesh, lambda x, y, at=at: np.abs(x - at) < 1e-9), clamped=True) for at in (0.0, 10.0)
+    ]
+    plate = density().stiffness * np.repeat([[1.0], [1e-3]], 3, axis=0).reshape(6, 1)
+    shell = Shell(Argyris(mesh), of_stretch(type(density())(plate), 1.0004), clamps)
+    factor = shell.factor()
+    flat = mixed_newton(shell, shell.flat, factor, 1e-11 * shell.force_scale)
+    assert flat.converged and height(shell, flat.x) < 1e-9
+    left_alone = settle(
+        shell,
+        flat.x,
+        factor,
+        1e-11 * shell.force_scale,
+        lambda x: mixed_newton(shell, x, factor, 1.0),
+        0.1,
+        max_saddles=0,
+    )
+    assert left_alone.converged and not left_alone.definite and not left_alone.is_minimum
+    assert left_alone.lowest is not None and left_alone.lowest.value < 0.0
+    found = follow(shell, flat.x, factor)
+    assert found.is_minimum and found.saddles_left >= 1
+    assert height(shell, found.x) > 0.05
+    assert found.energy < left_alone.energy
+
+
+def test_a_start_that_comes_below_a_minimum_is_followed_to_its_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    shell = Shell(Argyris(hexagon(1)), FIELDS["dome"])
+    guesses = [Shape("cap", -2e-3), Shape("flat")]  # the cap is on the wrong side, and stays there
+    lowest = relax(shell).energy
+    monkeypatch.setattr(fem.search.relax, "CLOSE", 10.0)
+    for enough in (fem.search.relax.SHORT, 3):
+        monkeypatch.setattr(fem.search.relax, "SHORT", enough)
+        found = relax(shell, shapes=guesses)
+        assert found.is_minimum and found.start == "flat"
+        assert found.energy == pytest.approx(lowest)
+        assert found.trials[0].is_minimum and found.trials[0].energy > 2.0 * lowest
+    assert [trial.is_minimum for trial in found.trials] == [True, False, True]
+    # one that is above the minimum is left where it is
+    monkeypatch.setattr(fem.search.relax, "SHORT", 0)
+    assert [trial.is_minimum for trial in relax(shell, shapes=guesses).trials] == [True, False]
+
+
+def test_what_did_not_converge_says_so() -> None:
+    shell = Shell(Argyris(hexagon(1)), FIELDS["rolled"])
+    run = mixed_newton(shell, shell.flat, shell.factor(), 1e-11 * shell.force_scale, max_iterations=2)
+    assert not run.converged and run.residual > 1e-11 * shell.force_scale
+
+
+def test_load_steps_reach_the_same_bowl() -> None:
+    shell = Shell(Argyris(hexagon(1)), FIELDS["bowl"])
+    stepped = by_load_steps(shell, shell.factor(), 4)
+    assert stepped is not None and stepped.is_minimum and shell.progress == 1.0
+    assert stepped.energy == pytest.approx(relax(shell).energy, rel=1e-9)
+
+
+@pytest.mark.parametrize("side, sign", [("up", 1.0), ("down", -1.0)])
+def test_the_side_can_be_chosen(side, sign) -> None:  # type: ignore[no-untyped-def]
+    """A sheet without rest curvature domes to either side at the same energy."""
+    fields = of_stretch(density(), lambda p: 0.85 - 0.1 * (np.linalg.norm(p, axis=-1) / RADIUS) ** 2)
+    shell = Shell(Argyris(hexagon(1)), fields)
+    found = relax(shell, side=side)
+    edge = np.array([[0.0, 0.0], *(0.99 * shell.space.mesh.p.T[[1, 3, 5]])])
+    z = (shell.space.locate(edge).value @ found.x)[:, 2]
+    assert found.is_minimum and sign * (z[1:].mean() - z[0]) > 5.0
+    assert found.energy == pytest.approx(relax(shell, shapes=[Shape("cap", 0.004)]).energy, rel=1e-8)
+
+
+def test_impossible_arguments_are_refused() -> None:
+    shell = Shell(Argyris(hexagon(0)), FIELDS["rolled"])
+    with pytest.raises(ValueError, match=r"shapes = \[\]: at least one"):
+        relax(shell, shapes=[])
+    with pytest.raises(ValueError, match=r"followed = 0: must be at least 1"):
+        relax(shell, followed=0)
+    for loads in (np.ones((3, 3)), np.full(shell.flat.shape, np.nan)):
+        with pytest.raises(ValueError, match=r"loads must be finite, shape \(\d+, 3\)"):
+            Shell(Argyris(hexagon(0)), FIELDS["rolled"], loads=loads)
+
+
+def test_impossible_fields_are_refused_with_place_and_value() -> None:
+    with pytest.raises(FieldError, match=r"rest metric at .* is not positive definite"):
+        Shell(Argyris(hexagon(0)), of_stretch(density(), -0.8))
+    with pytest.raises(FieldError, match=r"rest metric at \(.*\) mm: \(-1, 1, 0\) is not positive definite"):
+        Shell(Argyris(hexagon(0)), Fields(density(), (-1.0, 1.0, 0.0)))
+    with pytest.raises(FieldError, match=r"rest curvature at .* is not finite"):
+        Shell(Argyris(hexagon(0)), Fields(density(), curvature=(np.nan, 0.0, 0.0)))
+    with pytest.raises(FieldError, match=r"modulus of Gaussian curvature at .* mm: \(nan\) is not finite"):
+        Shell(Argyris(hexagon(0)), Fields(density(), gaussian=np.nan))

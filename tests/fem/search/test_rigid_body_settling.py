@@ -1,0 +1,73 @@
+"""Sheets that hang are turned to where they hang."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from fem.elements.argyris import Argyris
+from fem.search.relax import relax
+from fem.search.rigid_body_settling import swung
+from fem.shell.shell import Shell
+from fem.supports.conditions import Condition, HeldEdge, HeldPoints, vertices_at
+from fem.supports.loads import area_load, point_load
+from tests.fem.hexagons import FIELDS
+from tests.fem.maps import arc
+from tests.fem.meshes import facets_where, rectangle
+
+SIZE = 60.0
+DOWN = (0.0, 0.0, -1e-6)  # N/mm^2
+CORNER, SIDE = np.zeros((1, 2)), np.array([[0.0, 0.0], [0.0, 0.5 * SIZE], [0.0, SIZE]])
+
+
+def hanging(points: np.ndarray, loads: object = None, more: tuple[Condition, ...] = ()) -> Shell:
+    space = Argyris(rectangle(4, 4, SIZE, SIZE))
+    places = np.array([1.0, 2.0, 3.0]) + np.column_stack([points, np.zeros(len(points))])
+    held = (HeldPoints(vertices_at(space.mesh, points), places), *more) if len(points) else more
+    return Shell(space, FIELDS["bowl"], held, area_load(space, DOWN) if loads is None else loads(space))  # type: ignore[operator]
+
+
+def work(shell: Shell, x: np.ndarray) -> float:
+    return float((shell.loads * x).sum())
+
+
+@pytest.mark.parametrize("points", [CORNER, SIDE], ids=["point", "line"])
+@pytest.mark.parametrize("several", [0.0, 1.0, -1.0], ids=["weight", "loads", "opposite loads"])
+def test_no_turn_lets_loads_do_more_work(points: np.ndarray, several: float) -> None:
+    """What is held stays, lengths stay, and all other turns that it allows are worse."""
+    across = several * np.array([[1.0, 0.2, -0.5], [0.3, -1.0, 0.4], [0.0, 0.2, 0.1]])
+    loads = (lambda space: point_load(space, [[40.0, 10.0], [20.0, 50.0], [59.0, 59.0]], across)) if several else None
+    shell = hanging(points, loads)
+    start = shell.held(shell.space.interpolate(arc(1.0 / (2.2 * SIZE)).jets))
+    x = swung(shell, start)
+    held = shell.held_points
+    assert x[held] == pytest.approx(start[held], abs=1e-9)
+    assert shell.held(x) == pytest.approx(x, abs=1e-9)
+    assert shell.energies(x)["sheet"] == pytest.approx(shell.energies(start)["sheet"], rel=1e-9)
+    random, pivot = np.random.default_rng(0), x[held].mean(axis=0)
+    for size in np.repeat([1.0, 1e-3], 50):
+        turn = random.normal(size=3) if len(points) == 1 else random.normal() * np.array([0.0, 1.0, 0.0])
+        turn *= size
+        other = shell.shifted(shell.shifted(x, -pivot) @ Rotation.from_rotvec(turn).as_matrix().T, pivot)
+        assert work(shell, other) <= work(shell, x) * (1 + 1e-12) + 1e-15
+
+
+def test_what_cannot_swing_stays_as_it_is() -> None:
+    edge = HeldEdge(facets_where(rectangle(4, 4, SIZE, SIZE), lambda x, y: x < 1e-9), clamped=True)
+    slid = HeldPoints(np.array([24]), np.array([[SIZE, SIZE, 3.0]]), np.eye(3)[2:], "slides")
+    corners = np.array([[0.0, 0.0], [SIZE, 0.0], [0.0, SIZE]])
+    for shell in (
+        hanging(corners),
+        hanging(np.empty((0, 2)), more=(edge,)),
+        hanging(CORNER, more=(slid,)),
+        hanging(CORNER, lambda space: np.zeros((space.size, 3))),
+    ):
+        x = shell.held(shell.flat)
+        assert swung(shell, x) is x
+
+
+@pytest.mark.parametrize("points", [CORNER, SIDE], ids=["point", "line"])
+def test_light_sheets_find_to_where_they_hang(points: np.ndarray) -> None:
+    found = relax(hanging(points))
+    assert found.is_minimum and found.iterations < 60

@@ -1,0 +1,71 @@
+"""The fixed pattern and its restriction to what is free, against matrices put together the slow way."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from fem.elements.argyris import Argyris
+from fem.elements.lifted import Lifted
+from fem.shell.assembly import Assembly
+from fem.shell.reduced import Reduced
+from tests.fem.meshes import rectangle
+
+
+def full(pattern, data) -> np.ndarray:  # type: ignore[no-untyped-def]
+    low = pattern.lower(data).toarray()
+    return low + np.tril(low, -1).T
+
+
+@pytest.mark.parametrize("space", [Argyris, Lifted])
+def test_matrices_over_components_and_scalars(space: type) -> None:
+    element = space(rectangle(2, 2))
+    assembly = Assembly(element.tabulate(4), element.size)
+    random = np.random.default_rng(0)
+    blocks = random.standard_normal((*assembly.dofs.shape, assembly.dofs.shape[1]))
+    blocks = blocks + np.swapaxes(blocks, 1, 2)
+    # dofs of a padded stencil come twice
+    rows, columns = np.broadcast_arrays(assembly.dofs[:, :, None], assembly.dofs[:, None])
+    scalar = sp.csr_matrix((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(element.size,) * 2)
+    assert np.allclose(full(assembly.pattern, assembly.spread(scalar)), np.kron(scalar.toarray(), np.eye(3)))
+    turn = random.standard_normal((3, 3))
+    whole = sp.csr_matrix(sp.kron(scalar, turn + turn.T))
+    assert np.allclose(full(assembly.pattern, assembly.gather(whole)), whole.toarray())
+
+
+def test_what_is_not_in_the_pattern_is_refused() -> None:
+    element = Argyris(rectangle(4, 1))
+    assembly = Assembly(element.tabulate(4), element.size)
+    corners = element.vertex_dofs[[0, -1], 0]
+    far = sp.csr_matrix(([1.0, 1.0], (corners, corners[::-1])), shape=(element.size,) * 2)
+    with pytest.raises(ValueError, match="share no stencil"):
+        assembly.spread(far)
+
+
+def test_restriction_is_the_triple_product() -> None:
+    element = Argyris(rectangle(2, 2))
+    assembly = Assembly(element.tabulate(4), element.size)
+    random = np.random.default_rng(1)
+    size = 3 * element.size
+    free = np.sort(random.choice(size, size - 40, replace=False))
+    columns = sp.lil_matrix((size, len(free)))
+    columns[free, np.arange(len(free))] = 1.0
+    for row in np.setdiff1d(np.arange(size), free)[:30]:  # some depend on others, some are held
+        columns[row, random.choice(len(free), 3, replace=False)] = random.standard_normal(3)
+    columns = columns.tocsr()
+    reduced = Reduced(assembly.pattern, columns)
+    data = random.standard_normal(assembly.pattern.nnz)
+    exact = columns.T @ full(assembly.pattern, data) @ columns
+    assert np.allclose(full(reduced.pattern, reduced(data)), exact)
+    assert (np.diff(reduced.pattern.indptr) > 0).all()
+    assert (reduced.pattern.indices[reduced.pattern.diagonal] == np.arange(len(free))).all()
+
+
+def test_nothing_held_costs_nothing() -> None:
+    element = Argyris(rectangle(2, 2))
+    assembly = Assembly(element.tabulate(4), element.size)
+    reduced = Reduced(assembly.pattern, sp.identity(3 * element.size, format="csr"))
+    assert reduced.pattern is assembly.pattern
+    data = np.ones(assembly.pattern.nnz)
+    assert reduced(data) is data

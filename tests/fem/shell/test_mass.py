@@ -1,0 +1,28 @@
+"""The mass of a held sheet: by one component, in the Hessian's pattern, and in full, it is the same."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+
+from fem.elements.argyris import Argyris
+from fem.shell.shell import Shell
+from fem.supports.conditions import HeldEdge
+from tests.fem.hexagons import FIELDS, hexagon
+
+
+def test_the_mass_of_a_held_sheet() -> None:
+    mesh = hexagon(1)
+    shell = Shell(Argyris(mesh), FIELDS["dome"], [HeldEdge(mesh.boundary_facets()[:3])])
+    table = shell.space.tabulate(shell.order)
+    functions = sp.csr_matrix((table.values.size // table.values.shape[2], shell.space.size)).tolil()
+    for row, (dofs, values) in enumerate(
+        zip(table.dofs.repeat(table.values.shape[1], axis=0), table.values.reshape(-1, 21), strict=True)
+    ):
+        functions[row, dofs] = values
+    scalar = functions.T @ sp.diags_array(table.weights.ravel()) @ functions
+    full = shell.reduction.map.T @ sp.kron(scalar, sp.identity(3)) @ shell.reduction.map
+    vectors = np.random.default_rng(0).standard_normal((shell.pattern.size, 2))
+    right = full @ vectors
+    assert np.allclose(shell.mass @ vectors, right, rtol=1e-12, atol=1e-12 * np.abs(right).max())
+    assert np.allclose(shell.pattern.product(shell.inertia, vectors), right, atol=1e-12 * np.abs(right).max())

@@ -1,0 +1,106 @@
+"""The shell as Newton's method sees it: energy, forces and Hessian over what the conditions leave free."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from skfem import MeshTri
+
+from equilibrium.linear.factor import BackendError
+from fem.elements.argyris import Argyris
+from fem.elements.tabulation import Floats
+from fem.shell.density import Density, isotropic
+from fem.shell.fields import of_stretch
+from fem.shell.shell import Shell
+from fem.supports.conditions import HeldEdge, HeldPoints, vertices_at
+from fem.supports.end_moment import EndMoment
+from fem.supports.loads import area_load
+from tests.fem.hexagons import FIELDS, hexagon
+from tests.fem.maps import arc
+from tests.fem.meshes import facets_where, rectangle
+from tests.fem.spaces import SPACES
+
+
+def _rolled(name: str, progress: float) -> tuple[Shell, Floats]:
+    """A clamped strip with a pinned corner, weight, a moment and fields of its own; rolled up by 250 degrees."""
+    mesh = rectangle(3, 2, 2.0, 1.0, amount=0.15)
+    space = SPACES[name](mesh)
+    ends = [facets_where(mesh, lambda x, y, e=e: abs(x - e) < 1e-9) for e in (0.0, 2.0)]
+    corner = HeldPoints(vertices_at(mesh, np.array([[2.0, 1.0]])), np.array([[0.3, 0.9, 0.8]]))
+    density = Density(isotropic(3.0, 0.2, 0.3), 0.1, np.radians(20.0), 1.5)
+    shell = Shell(
+        space,
+        of_stretch(density, lambda p: 0.9 + 0.1 * p[..., 0], 0.4),
+        [HeldEdge(ends[0], clamped=True), corner],
+        area_load(space, (0.1, 0.0, -0.3)),
+        [EndMoment(space, ends[1], 0.2, (0, -1, 0), near=np.pi)],
+    )
+    shell.progress = progress
+    x = space.interpolate(arc(2.2).jets)
+    return shell, shell.held(x + 0.02 * np.random.default_rng(0).standard_normal(x.shape))
+
+
+@pytest.mark.parametrize("progress", [1.0, 0.4], ids=["whole", "load step"])
+@pytest.mark.parametrize("name", SPACES)
+def test_forces_and_hessian_are_derivatives(name: str, progress: float) -> None:
+    """VALIDATION V1 for all parts together, also while fields and loads are brought up."""
+    shell, x = _rolled(name, progress)
+    assert set(shell.energies(x)) == {"sheet", "loads", "moments"} | ({"jumps"} if name == "lifted" else set())
+    random, step = np.random.default_rng(1), 1e-6
+    hessian = shell.hessian(x)
+    for _ in range(3):
+        direction = random.standard_normal(shell.pattern.size)
+        ahead, behind = shell.move(x, step * direction), shell.move(x, -step * direction)
+        slope = (shell.energy(ahead) - shell.energy(behind)) / (2.0 * step)
+        assert shell.gradient(x) @ direction == pytest.approx(slope, rel=1e-6)
+        change = (shell.gradient(ahead) - shell.gradient(behind)) / (2.0 * step)
+        exact = shell.pattern.product(hessian, direction)
+        assert np.linalg.norm(change - exact) < 1e-6 * np.linalg.norm(exact)
+
+
+@pytest.mark.parametrize("name", SPACES)
+def test_a_free_sheet_may_be_moved_and_turned(name: str) -> None:
+    """VALIDATION V2: no force and no moment on the whole, whatever the state."""
+    mesh = rectangle(3, 2, 2.0, 1.0, amount=0.15)
+    shell = Shell(SPACES[name](mesh), of_stretch(Density(isotropic(3.0, 0.2, 0.3)), 0.9, 0.4))
+    x = shell.space.interpolate(arc(2.2).jets) + 0.02 * np.random.default_rng(0).standard_normal(shell.flat.shape)
+    modes, forces = shell.rigid_modes(x), shell.gradient(x)
+    assert modes.shape[1] == 6
+    assert np.abs(modes.T @ forces).max() < 1e-11 * np.linalg.norm(forces)
+    axis = np.array([2.0, -1.0, 0.5]) / np.sqrt(5.25)
+    cross = np.cross(axis, np.eye(3)).T
+    turn = np.eye(3) + np.sin(2.0) * cross + (1.0 - np.cos(2.0)) * cross @ cross
+    moved = shell.shifted(x @ turn.T, np.array([30.0, -20.0, 5.0]))
+    assert shell.energy(moved) == pytest.approx(shell.energy(x), rel=1e-9)
+
+
+def test_the_part_of_gaussian_curvature_is_what_its_modulus_adds() -> None:
+    """On a twisted sheet too, where `b12` is all of it."""
+    space = Argyris(hexagon(1))
+    plain, more = (Shell(space, replace(FIELDS["rolled"], gaussian=g)) for g in (0.0, 0.3))
+
+    def twist(points: np.ndarray) -> np.ndarray:
+        """`z = rate x y` with its derivatives."""
+        out, (one, two), rate = np.zeros((len(points), 6, 3)), points.T, 5e-3
+        out[:, 0, 2], out[:, 1, 2], out[:, 2, 2], out[:, 5, 2] = rate * one * two, rate * two, rate * one, rate
+        return out
+
+    x = plain.flat + space.interpolate(twist)
+    assert more.gaussian_energy(x) == pytest.approx(more.energy(x) - plain.energy(x), rel=1e-6)
+    assert more.gaussian_energy(x) < -1e-3
+
+
+def test_multigrid_is_refused() -> None:
+    """It proves less than a factorisation: a saddle could pass for a minimum."""
+    with pytest.raises(BackendError, match="'amg' does not work with a shell"):
+        Shell(Argyris(rectangle(1, 1)), FIELDS["bowl"]).factor("amg")
+
+
+def test_sizes_do_not_depend_on_where_the_print_lies() -> None:
+    """Steps, kicks and shifts are parts of it."""
+    mesh = rectangle(3, 2, 60.0, 40.0)
+    for place in (0.0, 1000.0):
+        moved = MeshTri(mesh.p + place, mesh.t)
+        assert Shell(Argyris(moved), FIELDS["bowl"]).size == pytest.approx(60.0)

@@ -1,0 +1,214 @@
+"""Conditions are met exactly, plates that meet them bend as their closed forms say, and nonsense is named."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fem.supports.conditions import ConditionError, HeldEdge, HeldPoints, reduce, vertices_at
+from fem.supports.placement import Placement, affine, flat
+from tests.fem.meshes import annulus, disc, facets_where, rectangle, turned
+from tests.fem.plates import deflection, height, uniform_load
+from tests.fem.spaces import SPACES
+
+spaces = pytest.mark.parametrize("space_of", SPACES.values(), ids=SPACES.keys())
+NU = 0.3
+# Timoshenko and Woinowsky-Krieger, q L^4/D and q R^4/D, nu = .3
+SQUARE = {False: 0.00406235, True: 0.00126532}
+DISC = {False: (5 + NU) / (1 + NU) / 64, True: 1 / 64}
+# least observed order from 2 to 4 cells a side; quintics lose some to the corners, whose fields are no polynomials
+RATES = {"argyris": 4.0, "bell": 3.0, "lifted": 2.5}
+
+
+@pytest.mark.parametrize("clamped", [False, True], ids=["pinned", "clamped"])
+@pytest.mark.parametrize("name", SPACES)
+def test_square_plate(name: str, clamped: bool) -> None:
+    """On a square turned by 25 degrees and far from the origin: straight, oblique edges and corners."""
+    errors = []
+    for cells in (2, 4, 8):
+        space = SPACES[name](turned(rectangle(cells, cells, amount=0.15), 25.0, (70.0, -30.0)))
+        rim = HeldEdge(space.mesh.boundary_facets(), clamped=clamped)
+        x, y = turned(rectangle(2, 2), 25.0, (70.0, -30.0)).p.mean(axis=1)
+        errors.append(abs(height(space, deflection(space, [rim], uniform_load(space)), x, y) / SQUARE[clamped] - 1))
+    assert np.log2(errors[0] / errors[1]) > RATES[name]
+    assert errors[2] < (0.005 if name == "lifted" else 2e-5)
+
+
+@pytest.mark.parametrize("clamped", [False, True], ids=["pinned", "clamped"])
+@spaces
+def test_round_plate(space_of, clamped: bool) -> None:
+    """The rim is a curve, not a polygon: held along its edges a pinned disc would converge to a wrong deflection."""
+    errors = []
+    for refinements in (2, 3):
+        space = space_of(disc(refinements))
+        rim = HeldEdge(space.mesh.boundary_facets(), clamped=clamped, corner_deg=60.0)
+        errors.append(height(space, deflection(space, [rim], uniform_load(space)), 0.0, 0.0) / DISC[clamped] - 1)
+    assert np.log2(abs(errors[0] / errors[1])) > 1.7
+    assert abs(errors[1]) < 0.04
+
+
+def _ring_rise(inner: float, r: float) -> float:
+    """Of a plate under q = D with a free rim r = 1, clamped along its hole: no moment and no shear at the rim.
+
+    `w = r^4/64 + a + b r^2 + c ln r + d r^2 ln r`.
+    """
+    log = np.log(inner)
+    rows = [
+        [1.0, inner**2, log, inner**2 * log],  # w at the hole
+        [0.0, 2 * inner, 1 / inner, 2 * inner * log + inner],  # its slope
+        [0.0, 2 * (1 + NU), NU - 1, 3 + NU],  # w'' + nu w'/r at the rim
+        [0.0, 0.0, 0.0, 4.0],  # slope of the Laplacian there
+    ]
+    factors = np.linalg.solve(rows, [-(inner**4) / 64, -(inner**3) / 16, -(3 + NU) / 16, -0.5])
+    return float(r**4 / 64 + factors @ [1.0, r**2, np.log(r), r**2 * np.log(r)])
+
+
+@spaces
+def test_plate_clamped_along_its_hole(space_of) -> None:
+    """A curved edge inside of the outline; the polygons of both circles cost second order."""
+    errors = []
+    for sectors, rings in ((16, [0.4, 0.6, 0.8, 1.0]), (32, [0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0])):
+        mesh = annulus(sectors, rings)
+        space = space_of(mesh)
+        hole = facets_where(mesh, lambda x, y: np.hypot(x, y) < 0.6)
+        heights = deflection(space, [HeldEdge(hole, clamped=True)], uniform_load(space), NU)
+        angles = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)
+        circle = 0.9 * np.column_stack([np.cos(angles), np.sin(angles)])
+        errors.append((space.locate(circle).value @ heights).mean() / _ring_rise(0.4, 0.9) - 1)
+    assert np.log2(abs(errors[0] / errors[1])) > 1.7
+    assert abs(errors[1]) < 0.02
+
+
+@spaces
+def test_three_corners_pinned_and_a_force_on_the_fourth(space_of) -> None:
+    """Pure twist: w = P x y / (2 D (1 - nu)), exact on any mesh."""
+    space = space_of(rectangle(3, 3, amount=0.2))
+    corners = vertices_at(space.mesh, np.array([[0, 0], [1, 0], [0, 1]]))
+    places = np.column_stack([space.mesh.p.T[corners], np.zeros(3)])
+    load = space.locate(np.array([[1.0, 1.0]])).value.toarray()[0]
+    heights = deflection(space, [HeldPoints(corners, places)], load, NU)
+    points = np.random.default_rng(0).uniform(0, 1, (20, 2))
+    expected = points.prod(axis=1) / (2 * (1 - NU))
+    assert np.allclose(space.locate(points).value @ heights, expected, rtol=0, atol=1e-8)
+
+
+@pytest.mark.parametrize("clamped", [False, True], ids=["pinned", "clamped"])
+@spaces
+def test_rim_held_at_a_saddle(space_of, clamped: bool) -> None:
+    """w = x^2 - y^2 is biharmonic: clamped at it everywhere along the rim, the plate takes it; pinned, with nu = 1."""
+    saddle = Placement(
+        lambda p: np.column_stack([p, p[:, 0] ** 2 - p[:, 1] ** 2]),
+        lambda p: np.stack([np.tile([1.0, 0], (len(p), 1)), np.tile([0, 1.0], (len(p), 1)), p * [2, -2]], axis=1),
+        lambda p: np.tile([[0.0, 0, 0], [0, 0, 0], [2, -2, 0]], (len(p), 1, 1)),
+    )
+    space = space_of(turned(rectangle(3, 3, amount=0.2), 20.0, (0.0, 0.0)))
+    rim = HeldEdge(space.mesh.boundary_facets(), saddle, clamped=clamped)
+    heights = deflection(space, [rim], np.zeros(space.size), NU if clamped else 1.0)
+    points = turned(rectangle(5, 5), 20.0, (0.0, 0.0)).p.T
+    expected = points[:, 0] ** 2 - points[:, 1] ** 2
+    assert np.allclose(space.locate(points).value @ heights, expected, rtol=0, atol=2e-5)
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.sampled_from(sorted(SPACES)), st.floats(-180, 180), st.integers(0, 10**6), st.booleans())
+def test_whatever_is_free_the_edges_are_held(name: str, degrees: float, seed: int, clamped: bool) -> None:
+    """Place, and tangent plane of a clamp, at random points of oblique edges for random free unknowns."""
+    rng = np.random.default_rng(seed)
+    space = SPACES[name](turned(rectangle(2, 2, amount=0.2), degrees, (5.0, 3.0)))
+    place = affine(rng.normal(size=(3, 2)), rng.normal(size=3))
+    held = HeldEdge(space.mesh.boundary_facets(), place, clamped=clamped)
+    reduction = reduce(space, [held])
+    positions = reduction.positions(rng.normal(size=reduction.map.shape[1]))
+    facets = np.repeat(held.facets, 4)
+    a, b = space.mesh.p.T[space.mesh.facets[:, facets]]
+    points = a + rng.uniform(0, 1, (len(facets), 1)) * (b - a)
+    dofs, jets = space.jets(space.mesh.f2t[0, facets], points)
+    found = np.einsum("nma,nmr->nar", jets, positions[dofs])
+    assert np.allclose(found[:, 0], place.position(points), atol=1e-7)
+    if clamped:
+        across = np.einsum("nar,nr->na", found[:, 1:3], place.normal(points))
+        assert np.allclose(across, 0.0, atol=1e-6)
+
+
+@spaces
+def test_sliding_on_an_oblique_plane(space_of) -> None:
+    space = space_of(rectangle(2, 2))
+    normal = np.array([[0.6, 0.0, 0.8]])
+    edge = HeldEdge(facets_where(space.mesh, lambda x, y: x < 1e-9), flat(), normal)
+    point = HeldPoints(vertices_at(space.mesh, np.array([[1.0, 1.0]])), np.array([[1.0, 1.0, 0.5]]), normal)
+    reduction = reduce(space, [edge, point])
+    rng = np.random.default_rng(0)
+    positions = reduction.positions(rng.normal(size=reduction.map.shape[1]))
+    along = np.column_stack([np.zeros(9), np.linspace(0, 1, 9)])
+    assert np.allclose(space.locate(along).value @ positions @ normal[0], 0.0, atol=1e-9)
+    assert np.allclose(space.locate(np.array([[1.0, 1.0]])).value @ positions @ normal[0], 1.0)
+    assert np.ptp(space.locate(along).value @ positions @ [0.8, 0.0, -0.6]) > 0.1
+    # a quintic, or a cubic over two edges, in one component; and the point
+    assert space.size * 3 - reduction.map.shape[1] == (10 if space.smooth else 2 * space.degree + 2)
+
+
+@spaces
+def test_held_parts_move_straight_to_their_target(space_of) -> None:
+    space = space_of(rectangle(2, 2))
+    rim = HeldEdge(space.mesh.boundary_facets(), flat(0.8, (0.5, 0.5)))
+    reduction = reduce(space, [rim])
+    corner = space.locate(np.array([[1.0, 0.0]])).value
+    for progress, expected in [(0.0, [1.0, 0.0, 0.0]), (0.5, [0.95, 0.05, 0.0]), (1.0, [0.9, 0.1, 0.0])]:
+        assert np.allclose(corner @ reduction.positions(np.zeros(reduction.map.shape[1]), progress), expected)
+    sheet = rectangle(2, 2).p.T
+    q = reduction.project(space.interpolate(flat(0.8, (0.5, 0.5)).jets))
+    assert np.allclose(space.locate(sheet).value @ reduction.positions(q), flat(0.8, (0.5, 0.5)).position(sheet))
+
+
+@spaces
+def test_what_is_said_twice_is_dropped_and_what_contradicts_is_named(space_of) -> None:
+    space = space_of(rectangle(2, 2))
+    rim = HeldEdge(space.mesh.boundary_facets(), name="rim")
+    corner = vertices_at(space.mesh, np.array([[1.0, 0.0]]))
+    once, twice = reduce(space, [rim]), reduce(space, [rim, HeldPoints(corner, np.array([[1.0, 0.0, 0.0]]))])
+    assert once.map.shape == twice.map.shape
+    assert twice.redundant == once.redundant + 3
+    with pytest.raises(
+        ConditionError, match=r"contradicts other conditions \((corner|rim)\) at \(1, 0\) mm by"
+    ) as error:
+        reduce(space, [rim, HeldPoints(corner, np.array([[1.0, 0.0, 0.2]]), name="corner")])
+    assert "\n" not in str(error.value)
+
+
+def test_bad_conditions_are_named() -> None:
+    space = SPACES["lifted"](rectangle(2, 2))
+    with pytest.raises(ConditionError, match=r"held point \(0.3, 0.2\) mm: no mesh vertex there, the nearest is 0.283"):
+        vertices_at(space.mesh, np.array([[0.3, 0.2]]))
+    with pytest.raises(ConditionError, match=r"held point \(nan, 0\) mm: no mesh vertex there"):
+        vertices_at(space.mesh, np.array([[np.nan, 0.0]]))
+    edge = space.mesh.boundary_facets()
+    for condition, message in [
+        (
+            HeldEdge(edge, directions=np.array([[1.0, 1.0, 0.0]]), name="left"),
+            "left: directions are not independent unit",
+        ),
+        (HeldEdge(edge, directions=np.ones(3), name="left"), r"left: directions \(3,\) are not up to three rows"),
+        (HeldEdge(np.array([999]), name="left"), r"left: facets are not in 0 .. \d+"),
+        (HeldPoints(np.empty(0, dtype=int), np.empty((0, 3))), "points: vertices are not in 0 .. 8, or there are none"),
+        (HeldPoints(np.array([0]), np.zeros((2, 3))), r"points: places \(2, 3\) are not \(1, 3\)"),
+        (HeldPoints(np.array([0]), np.full((1, 3), np.nan)), "points: places must be finite"),
+    ]:
+        with pytest.raises(ConditionError, match=message):
+            reduce(space, [condition])
+
+
+@spaces
+def test_an_edge_held_in_no_direction_is_free(space_of) -> None:
+    space = space_of(rectangle(2, 2))
+    found = reduce(space, [HeldEdge(space.mesh.boundary_facets(), directions=np.empty((0, 3)))])
+    assert len(found.free) == 3 * space.size
+
+
+def test_what_has_no_direction_is_refused() -> None:
+    """A placement that shrinks the edge's surface to a line or a point has no normal to clamp to."""
+    mesh = rectangle(2, 2)
+    edge = facets_where(mesh, lambda x, y: x < 1e-9)
+    with pytest.raises(ConditionError, match="clamped along a line where its placement has no normal"):
+        reduce(SPACES["argyris"](mesh), [HeldEdge(edge, affine(np.zeros((3, 2))), clamped=True)])
+    with pytest.raises(ConditionError, match="directions must be finite"):
+        reduce(SPACES["argyris"](mesh), [HeldEdge(edge, directions=np.array([[np.nan, 0.0, 1.0]]))])

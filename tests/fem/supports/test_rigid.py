@@ -1,0 +1,79 @@
+"""Rigid motions: left out of the certificate where they cost nothing, and only there."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from equilibrium.newton.solve import settle
+from fem.elements.argyris import Argyris
+from fem.elements.tabulation import Floats
+from fem.search.mixed_newton import mixed_newton
+from fem.search.relax import follow
+from fem.shell.density import Density, isotropic
+from fem.shell.fields import Fields
+from fem.shell.shell import Shell
+from fem.supports.conditions import HeldPoints, vertices_at
+from fem.supports.loads import area_load
+from fem.supports.rigid import spread
+from tests.fem.meshes import rectangle
+
+WEIGHT = 1e-4  # N/mm^2
+
+
+def pendulum() -> Shell:
+    """A stiff strip, pinned at the middle of its end, in gravity along -z."""
+    space = Argyris(rectangle(4, 2, 10.0, 2.0))
+    pin = HeldPoints(vertices_at(space.mesh, np.array([[0.0, 1.0]])), np.zeros((1, 3)))
+    loads = area_load(space, (0.0, 0.0, -WEIGHT))
+    return Shell(space, Fields(Density(isotropic(100.0, 50.0, 0.3))), [pin], loads)
+
+
+def upright(shell: Shell, sign: float) -> Floats:
+    """The strip in the vertical plane, above its pin or below it."""
+    turn = np.array([[0.0, 0.0, sign], [0.0, 1.0, 0.0], [-sign, 0.0, 0.0]])
+    return shell.held(shell.shifted(shell.flat, np.array([0.0, -1.0, 0.0])) @ turn.T)
+
+
+def test_a_hanging_strip_turns_about_the_vertical_only() -> None:
+    shell = pendulum()
+    found = follow(shell, upright(shell, 1.0), shell.factor())
+    assert found.is_minimum and found.saddles_left == 0
+    assert shell.rigid_modes(found.x).shape[1] == 1
+    tip = shell.space.locate(np.array([[10.0, 1.0]])).value @ found.x
+    assert np.allclose(tip, [[0.0, 0.0, -10.0]], atol=1e-2)
+
+
+def test_a_standing_strip_is_a_saddle() -> None:
+    """Both swings have a negative stiffness, and nothing but gravity gives them one."""
+    shell = pendulum()
+    factor, tolerance = shell.factor(), 1e-11 * shell.force_scale
+    start = upright(shell, -1.0)
+    standing = settle(
+        shell, start, factor, tolerance, lambda x: mixed_newton(shell, x, factor, tolerance), 0.1, max_saddles=0
+    )
+    assert standing.converged and not standing.definite and not standing.is_minimum
+    assert standing.lowest is not None and standing.lowest.value < 0.0
+
+
+@pytest.mark.parametrize("pins, left", [(0, 6), (1, 3), (2, 1), (3, 0)])
+def test_pins_stop_motions_one_by_one(pins: int, left: int) -> None:
+    space = Argyris(rectangle(4, 2, 10.0, 2.0))
+    corners = np.array([[0.0, 0.0], [10.0, 0.0], [0.0, 2.0]])[:pins]
+    held = [HeldPoints(vertices_at(space.mesh, corners), np.column_stack([corners, np.zeros(pins)]))] if pins else []
+    shell = Shell(space, Fields(Density(isotropic(100.0, 50.0, 0.3))), held)
+    modes = shell.rigid_modes(shell.flat)
+    assert modes.shape[1] == left
+    assert len(shell.support(shell.flat)) == left
+    assert np.allclose(modes.T @ modes, np.eye(left))
+
+
+def test_points_beside_a_line_stop_every_motion() -> None:
+    """On one line they leave the turn about it."""
+    mesh = rectangle(4, 2, 10.0, 2.0)
+    for places, free in (([[0.0, 0.0], [5.0, 0.0], [10.0, 0.0]], 1), ([[0.0, 0.0], [5.0, 2.0], [10.0, 0.0]], 0)):
+        at = np.array(places)
+        pins = HeldPoints(vertices_at(mesh, at), np.column_stack([at, np.zeros(3)]))
+        shell = Shell(Argyris(mesh), Fields(Density(isotropic(100.0, 50.0, 0.3))), [pins])
+        assert spread(shell.flat[shell.held_points]) == (free == 0)
+        assert shell.rigid_modes(shell.flat).shape == (shell.pattern.size, free)

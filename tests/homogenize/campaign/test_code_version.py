@@ -1,0 +1,39 @@
+"""The name of the code stands for all of it."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+from homogenize.campaign.code_version import SOURCES
+
+# of pattern: what solves a cell imports these too, and takes no number from them
+ASIDE = (
+    # designs and their files: what they say is among the inputs that a sample is named by
+    *("design.arguments", "design.design", "design.errors", "design.files", "design.section", "design.stars"),
+    # sizes that vary, outlines and pins: a cell has none
+    *("design.border", "design.formula", "design.image", "design.pins", "design.sizing_fields"),
+    *("layout.build", "layout.pin_agreement"),
+)
+
+
+def test_every_module_that_decides_answers_is_in_it() -> None:
+    script = (
+        "import sys, homogenize.cell.sample;"
+        "print(*(name for name, module in sys.modules.items() if not hasattr(module, '__path__')))"
+    )
+    loaded = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout.split()
+    ours = {path.name for path in Path(__file__).parents[3].iterdir() if (path / "__init__.py").exists()}
+    needed = {name for name in loaded if "." in name and name.split(".")[0] in ours}
+    listed = {
+        ".".join([package.__name__, *file.relative_to(package.__path__[0]).with_suffix("").parts]).removesuffix(
+            ".__init__"
+        )
+        for package, names in SOURCES.items()
+        for pattern in names
+        for file in Path(package.__path__[0]).glob(pattern)
+    }
+    aside = {f"pattern.{name}" for name in ASIDE}
+    assert needed - aside <= listed
+    assert aside <= needed and not aside & listed

@@ -1,0 +1,87 @@
+"""The plan of a law for one design's stars: they lie between its cells, whatever their sizes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from homogenize.campaign.own_plan import own_plan
+from homogenize.law.fit import fit
+from pattern.design.design import Design
+from pattern.design.errors import DesignError
+from pattern.layout.build import layout
+from tests.homogenize import fake
+from tests.homogenize.law.test_law import answers, design
+
+SPACING = 17.320508
+size = st.tuples(st.floats(1.0, SPACING), st.floats(0.2, 0.6), st.floats(0.8, 1.6))
+
+
+@given(st.lists(size, min_size=1, max_size=20))
+@settings(max_examples=60, deadline=None)
+def test_all_stars_lie_within_the_law(rows: list[tuple[float, float, float]]) -> None:
+    sizes = np.array(rows)
+    plan = own_plan(design(), sizes).plan
+    for name, nodes, values in zip(
+        ("length", "thickness", "width"),
+        (plan.lengths_mm, plan.thicknesses_mm, plan.widths_mm),
+        sizes.T,
+        strict=True,
+    ):
+        room = 1e-9 * (1.0 + values.max())
+        assert nodes[0] <= values.min() + room and values.max() - room <= nodes[-1], name
+    assert np.diff(plan.lengths_mm).max(initial=0.0) <= 1.6 * SPACING / 15
+    for nodes, factor in ((plan.thicknesses_mm, 1.2), (plan.widths_mm, 1.3)):
+        assert (np.divide(nodes[1:], nodes[:-1]) < factor + 0.01).all()
+
+
+def test_equal_stars_take_one_cell_and_the_bare_fabric() -> None:
+    material = own_plan(design(stars__length_mm=10.0, stars__thickness_mm=0.4), np.tile([10 + 2e-15, 0.4, 1.2], (7, 1)))
+    assert [(t.length_mm, t.held_out) for t in material.tasks()] == [(0.0, False), (10.0, False)]
+    assert material.plan.edge_mm == pytest.approx(SPACING / 15, abs=1e-4)
+    law = fit(material, answers(material, fake.respond))
+    assert law.at(1.35)(10 + 2e-15, 0.4, 1.2).inside.all()
+    assert law.check(design(stars__thickness_mm=0.4)) is law.at(1.35)
+
+
+def test_the_law_is_for_the_designs_material_and_lattice() -> None:
+    own = design(
+        fabric__stretch=1.5, fabric__thickness_mm=1.0, plastic__rest_curvature="none",
+        lattice__spacing_mm=12.0, lattice__origin_mm=[3.0, 1.0], lattice__arms=4,
+    )  # fmt: skip
+    material = own_plan(own, np.array([[4.0, 0.3, 1.2], [5.0, 0.3, 1.2]]))
+    assert material.stretches == (1.5,) and material.plan.held_out > 0 and material.plan.edge_mm == 0.8
+    fit(material, answers(material, fake.respond)).check(own)
+
+
+@pytest.mark.parametrize("spacing", [1.0, 2.9, 500.0])
+def test_every_spacing_has_a_plan(spacing: float) -> None:
+    plan = own_plan(design(lattice__spacing_mm=spacing), np.array([[1.0, 0.3, 0.3]])).plan
+    assert plan.edge_mm == pytest.approx(max(spacing / 15, 0.2), abs=1e-4)
+
+
+def test_sizes_at_their_limit_but_for_rounding_are_so() -> None:
+    """On the sheet, too: its law answers for them."""
+    own = design(stars__width_mm=10.000005, stars__thickness_mm=5.000002)
+    plan = own_plan(own, np.array([[5.0, 5.000002, 10.000005]])).plan
+    assert (plan.thicknesses_mm, plan.widths_mm) == ((5.0,), (10.0,))
+    sheet = layout(own)
+    assert sheet.arm_thickness.max() == 5.0 and sheet.arm_width.max() == 10.0
+
+
+@pytest.mark.parametrize(
+    ("changes", "sizes", "said"),
+    [
+        ({}, np.zeros((0, 3)), "at least one"),
+        ({"fabric__stretch": [1.3, 1.4]}, np.array([[5.0, 0.3, 1.2]]), "fabric.stretch"),
+        ({"fabric__bending": "none"}, np.array([[5.0, 0.3, 1.2]]), "fabric.bending"),
+        ({}, np.array([[np.nan, 0.3, 1.2]]), "finite"),
+    ],
+)
+def test_what_has_no_law(changes: dict[str, Any], sizes: np.ndarray, said: str) -> None:
+    with pytest.raises(DesignError, match=said):
+        own_plan(Design.from_dict(design(**changes).to_dict()), sizes)

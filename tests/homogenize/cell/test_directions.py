@@ -1,0 +1,76 @@
+"""Which directions a law needs, and what it leaves out."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from homogenize.cell.directions import AROUND, THREEFOLD, averaged, directions, left_out, spread
+from homogenize.cell.sample import respond
+from homogenize.law.anisotropy import followed
+from homogenize.law.fit import row
+from homogenize.law.table import NAMES
+from pattern.design.lattice import Lattice
+from tests.homogenize.cells import EDGE, design
+
+TURNED = [[17.0 * np.cos(a), 17.0 * np.sin(a)] for a in np.radians((10.0, 70.0))]
+
+
+@pytest.mark.parametrize(
+    ("lattice", "threefold", "said"),
+    [
+        ({}, True, None),
+        ({"arms": 6}, True, None),
+        ({"orientation_deg": 30}, True, None),
+        ({"orientation_deg": 20}, True, "turned"),
+        ({"kind": "custom", "vectors_mm": TURNED}, True, "turned"),
+        ({"arms": 5}, False, "follow most of that"),
+        ({"arms": 4, "kind": "square"}, False, "follow most of that"),
+        ({"arms": 3, "kind": "square"}, False, "follow most of that"),
+    ],
+)
+def test_what_a_lattice_needs(lattice: dict[str, Any], threefold: bool, said: str | None) -> None:
+    found = Lattice(**lattice)
+    assert directions(found) == (THREEFOLD if threefold else AROUND)
+    missing = left_out(found)
+    assert missing is None if said is None else said in str(missing)
+
+
+def test_six_directions_have_the_mean_of_all() -> None:
+    def curl(angle: np.ndarray) -> np.ndarray:
+        return 0.05 + 0.01 * np.cos(2 * angle - 1.0) + 0.004 * np.sin(4 * angle) + 0.003 * np.cos(6 * angle)
+
+    values = curl(np.array(AROUND))
+    assert values[averaged(values)].mean() == pytest.approx(0.05, rel=1e-12)
+    three = 0.05 + 0.003 * np.cos(6 * np.array(THREEFOLD))
+    assert averaged(three) == [0, -1]
+    assert spread(three) == pytest.approx(0.0, abs=1e-12)
+    assert spread(three + 0.002 * np.sin(6 * np.array(THREEFOLD))) == pytest.approx(0.04, rel=1e-9)
+
+
+def test_a_law_of_five_arms_follows_its_directions() -> None:
+    """The same star seen from the next direction, turned with its lattice, has the same row, the mean over directions.
+
+    Star and lattice are their own mirror images, the state of the cell is not: which of the two it comes to is a matter
+    of rounding.
+    """
+    lattice = np.asarray(Lattice(kind="square").vectors)
+    cos, sin = np.cos(np.pi / 6), np.sin(np.pi / 6)
+    turned = lattice @ np.array([[cos, sin], [-sin, cos]])
+    custom = {"kind": "custom", "arms": 5}
+    stars = [{"vectors_mm": lattice.tolist()}, {"vectors_mm": turned.tolist(), "orientation_deg": 30.0}]
+    rows = [respond(design(6.0, 0.5, lattice={**custom, **star}), EDGE).to_dict() for star in stars]
+    assert [len(one["angles_rad"]) for one in rows] == [6, 6]
+    curvature = [np.array(one["natural_curvature"]) for one in rows]
+    same = np.roll(curvature[0], 1)
+    images = [same, same[(2 - np.arange(6)) % 6]]
+    assert any(np.allclose(image, curvature[1], rtol=1e-4) for image in images)
+    assert np.ptp(curvature[0]) > 1e-3 * abs(curvature[0].mean())
+    for found in rows:
+        kappa = np.array(found["natural_curvature"])
+        assert np.abs(followed(found) - kappa).max() < 0.5 * np.ptp(kappa)
+    one, other = (row(found, 1.35) for found in rows)
+    assert one[NAMES.index("c3")] == other[NAMES.index("c3")] == 0.0
+    np.testing.assert_allclose(other, one, rtol=1e-3)

@@ -1,0 +1,259 @@
+"""What a cell says about the sheet: closed forms without stars, symmetry with them, and each number by another way."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from homogenize.cell.cell import Cell
+from homogenize.cell.objective import linear_response, mean_height
+from homogenize.cell.relax import relax
+from homogenize.cell.rolling import roll, unrolled_flat
+from homogenize.cell.sample import Sample, respond
+from homogenize.law.residuals import mesh_differences
+from pattern.design.design import Design
+from pattern.design.errors import DesignError
+from tests.homogenize.cells import EDGE, design, relaxed, sample
+
+SPACING = 10.0 * np.sqrt(3.0)
+WHOLE = 40.0 / np.sqrt(12.0)  # mm, four edges of the cells' mesh: one mesh says it all
+
+MODULUS, POISSON, THICK, STRETCH = 7.1875, 0.3, 0.8, 1.35
+
+
+@pytest.mark.parametrize("edge", [5.8, 2.9, 1.92])
+def test_bare_fabric(edge):
+    """lambda = 1/s, no curvature, the neo-Hookean tangent at rest, and the paper's hinges: three times the plate."""
+    bare = sample(0.0, 0.4, edge)
+    assert bare.failed is None
+    assert bare.lam == pytest.approx(1.0 / STRETCH, abs=1e-8)
+    np.testing.assert_allclose(bare.rest_metric, np.eye(2) / STRETCH**2, atol=1e-8)
+    np.testing.assert_array_equal(bare.natural_curvature, 0.0)
+    plane = MODULUS * THICK / (1.0 - POISSON**2) * np.array([[1, POISSON, 0], [POISSON, 1, 0], [0, 0, 0.35]])
+    # strains of the print are s^2 times smaller than those of the released sheet, whose area is s^2 times smaller
+    np.testing.assert_allclose(bare.membrane, plane * STRETCH**2, rtol=1e-7, atol=1e-7)
+    cylinder = 3.0 * MODULUS * THICK**3 / (12.0 * (1.0 - POISSON**2))
+    bending = bare.stiffness[3:, 3:]
+    for angle in (0.0, 0.4, 1.1):
+        t = np.array([-np.sin(angle), np.cos(angle)])
+        form = np.array([t[0] ** 2, t[1] ** 2, 2.0 * t[0] * t[1]])
+        assert form @ bending @ form == pytest.approx(cylinder * STRETCH**2, rel=1e-6)
+    np.testing.assert_allclose(bare.stiffness[:3, 3:], 0.0, atol=1e-6)
+    np.testing.assert_allclose(bare.moment, 0.0, atol=1e-7)
+    np.testing.assert_allclose(bare.bending, cylinder / STRETCH**2, rtol=1e-3)  # of a slightly curved tube
+    assert bare.sixfold == 0.0
+
+
+def test_bare_fabric_that_bends_as_a_plate():
+    """Both constants of the plate, which the paper's hinges do not have."""
+    bare = respond(design(0.0, fabric={"bending": "consistent"}), EDGE, (0.2,))
+    assert bare.lam == pytest.approx(1.0 / STRETCH, abs=1e-8)
+    plate = (
+        MODULUS * THICK**3 / (12.0 * (1.0 - POISSON**2)) * np.array([[1, POISSON, 0], [POISSON, 1, 0], [0, 0, 0.35]])
+    )
+    np.testing.assert_allclose(bare.stiffness[3:, 3:], plate * STRETCH**2, atol=2e-5 * plate.max())
+    np.testing.assert_allclose(bare.bending, plate[0, 0] / STRETCH**2, rtol=1e-3)
+
+
+@pytest.mark.parametrize(("length", "thickness"), [(10.0, 0.4), (10.0, 0.6), (7.0, 0.3)])
+def test_three_arms_make_isotropic_linear_responses(length, thickness):
+    found = sample(length, thickness)
+    metric = found.rest_metric
+    np.testing.assert_allclose(metric, metric[0, 0] * np.eye(2), atol=1e-6 * metric[0, 0])
+    for rows in (slice(0, 3), slice(3, 6)):
+        for columns in (slice(0, 3), slice(3, 6)):
+            part = found.stiffness[rows, columns]
+            isotropic = np.array(
+                [[part[0, 0], part[0, 1], 0], [part[0, 1], part[0, 0], 0], [0, 0, 0.5 * (part[0, 0] - part[0, 1])]]
+            )
+            np.testing.assert_allclose(part, isotropic, atol=1e-6 * np.abs(part).max())
+    np.testing.assert_allclose(found.moment, found.moment[0] * np.array([1, 1, 0]), atol=1e-6 * abs(found.moment[0]))
+
+
+def test_tubes_have_the_symmetry_of_the_star():
+    """Three turns by 60 degrees and the mirror, beyond the linear response."""
+    cell, flat = relaxed(10.0, 0.4)
+    energies = [roll(cell, unrolled_flat(flat, angle), 0.04, angle).energy for angle in (0.2, 0.2 + np.pi / 3, -0.2)]
+    rise = energies[0] - flat.energy
+    np.testing.assert_allclose(energies, energies[0], atol=1e-6 * abs(rise))
+
+
+@pytest.mark.parametrize(("length", "thickness", "turn"), [(10.0, 0.4, 0.0), (7.0, 0.3, 0.0), (10.0, 0.4, 10.0)])
+def test_linear_objective_cell_against_tubes(length, thickness, turn):
+    """Second differences of the tube's energy at no curvature, in three directions.
+
+    A tube of given k relaxes its hoop stretch at given k, not at given `K = k hoop`: its stiffness is that at given K
+    without force, and what the force `-M k/hoop` costs.
+    """
+    cell, flat = relaxed(length, thickness, turn=turn)
+    linear = linear_response(cell, flat)
+    a, b, d = linear.stiffness[:3, :3], linear.stiffness[:3, 3:], linear.stiffness[3:, 3:]
+    free = d - b.T @ np.linalg.solve(a, b)
+    for angle in (0.0, 0.3, np.pi / 6):
+        t = np.array([-np.sin(angle), np.cos(angle)])
+        form = np.array([t[0] ** 2, t[1] ** 2, 2.0 * t[0] * t[1]])
+        moment = form @ linear.moment
+        pairs = []
+        for k in (1e-4, -1e-4):
+            tube = roll(cell, unrolled_flat(flat, angle), k, angle)
+            bent = k * tube.hoop
+            pairs.append(([bent, 0.5 * bent**2], tube.energy - flat.energy))
+        slope, stiffness = np.linalg.solve([pair[0] for pair in pairs], [pair[1] for pair in pairs])
+        assert slope == pytest.approx(moment, rel=1e-3)
+        force = moment / flat.stretch**2
+        pull = form * [1.0, 1.0, 0.5]  # stresses have no factor 2 in Voigt's third place
+        expected = form @ free @ form + pull @ np.linalg.solve(a, pull) * force**2
+        assert stiffness == pytest.approx(expected, rel=1e-5)
+
+
+def test_membrane_against_tubes_of_hardly_any_curvature():
+    """Poisson's ratio of the tangent, by the axial stretch that follows the hoop stretch; and no force at rest."""
+    cell, flat = relaxed(10.0, 0.6)
+    linear = linear_response(cell, flat)
+    cell.flat()
+    macro = cell.full_gradient(flat.state)[3 * cell.torus.n_base : 3 * cell.torus.n_base + 6]
+    assert np.abs(macro).max() < 1e-5
+    # a rim that is pulled by the moment: E = A^-1 (n - B K), n = -M k/hoop in the hoop direction only
+    k = 1e-4
+    tubes = [roll(cell, unrolled_flat(flat, 0.0), side * k, 0.0) for side in (1.0, -1.0)]
+    slopes = [(tubes[0].axial - tubes[1].axial) / (2 * k), (tubes[0].hoop - tubes[1].hoop) / (2 * k)]
+    bent = np.array([0.0, flat.stretch, 0.0])
+    force = np.array([0.0, -linear.moment[1] / flat.stretch, 0.0])
+    strain = np.linalg.solve(linear.stiffness[:3, :3], force - linear.stiffness[:3, 3:] @ bent)
+    np.testing.assert_allclose(slopes, strain[:2] / flat.stretch, rtol=2e-3)
+
+
+def test_natural_tube_has_no_moment_and_the_least_energy():
+    found = sample(WHOLE, 0.4)
+    for curvature, energy, moment, natural in zip(
+        found.curve_curvature, found.curve_energy, found.curve_moment, found.natural_print_curvature, strict=True
+    ):
+        assert (np.diff(curvature) > 0.0).all()
+        at = int(np.flatnonzero(curvature == natural)[0])
+        assert energy[at] == energy.min()
+        assert abs(moment[at]) < 1e-4 * np.abs(moment).max()
+    np.testing.assert_allclose(found.natural_curvature * found.natural_hoop, found.natural_print_curvature)
+    np.testing.assert_allclose(found.bending, -2.0 * found.natural_energy / found.natural_curvature**2, rtol=1e-12)
+    assert found.natural_energy[-1] < found.natural_energy[0]  # tubes roll at 30 degrees
+    assert (found.natural_supercell_eigenvalue > 0.0).all()
+
+
+def test_rest_curvature_of_the_linear_cell_is_that_of_slightly_curled_tubes():
+    """A cylinder takes `(1 + nu)` times the isotropic rest curvature, nu of the bending at free membrane."""
+    found = respond(design(SPACING / 3.0, 0.55), 1.92, (0.0, np.pi / 6))
+    assert 0.05 < SPACING * found.natural_curvature[0] < 0.15
+    np.testing.assert_allclose(found.rest_curvature, found.rest_curvature[0] * np.array([1, 1, 0]), atol=1e-9)
+    a, b, d = found.stiffness[:3, :3], found.stiffness[:3, 3:], found.stiffness[3:, 3:]
+    free = d - b.T @ np.linalg.solve(a, b)
+    cylinder = found.rest_curvature[0] * (1.0 + free[0, 1] / free[0, 0])
+    np.testing.assert_allclose(found.natural_print_curvature * found.natural_hoop, cylinder, rtol=0.01)
+
+
+@pytest.mark.parametrize("length", [SPACING * 2.0 / 9.0, 4.0])
+def test_slight_curvatures_continue_those_that_are_looked_for(length, monkeypatch):
+    """The parabola of the energy against the tube without a moment, for a star that both can treat."""
+    found = {}
+    for slight in (0.5, 1e-3):
+        monkeypatch.setattr("homogenize.cell.natural.SLIGHT", slight)
+        found[slight] = respond(design(length, 0.6), 1.92, (0.0, np.pi / 6))
+    rough, exact = found[0.5], found[1e-3]
+    assert 0.01 < SPACING * exact.natural_curvature[0] < 0.1
+    for name, tolerance in (("natural_curvature", 2e-3), ("bending", 5e-3), ("natural_centre_offset_mm", 0.02)):
+        np.testing.assert_allclose(getattr(rough, name), getattr(exact, name), rtol=tolerance, err_msg=name)
+    np.testing.assert_allclose(rough.natural_hoop, exact.natural_hoop, atol=1e-4)
+
+
+def test_offsets():
+    cell, flat = relaxed(WHOLE, 0.4)
+    found = sample(WHOLE, 0.4)
+    assert found.centre_offset_mm == pytest.approx(-mean_height(cell, flat.state), rel=1e-9)
+    assert 0.0 < found.centre_offset_mm < found.bump_mm
+    assert (found.natural_bump_mm > found.natural_centre_offset_mm).all()
+    assert (found.natural_centre_offset_mm > 0.0).all()
+
+
+def test_a_bistable_star_is_followed_up():
+    found = sample(10.0, 0.2)
+    assert found.failed is None
+    assert found.bump_mm > 1.0
+    assert found.down_energy is not None
+    assert (found.natural_bump_mm > 1.0).all()
+
+
+def test_hardly_buckled_stars_find_the_up_branch_at_finite_curvature():
+    found = sample(13.0, 0.3)
+    assert found.failed is None
+    assert found.down_energy is None
+    assert (found.natural_bump_mm > 1.0).all()
+
+
+def test_other_stars():
+    """Six arms are as isotropic as three; four on the square lattice as symmetric as the mesh's diagonals let them."""
+    six = respond(design(6.0, 0.4, lattice={"arms": 6}), 1.92, (0.0,))
+    np.testing.assert_allclose(six.rest_metric, six.rest_metric[0, 0] * np.eye(2), atol=1e-6)
+    four = relax(Cell(design(6.0, 0.5, lattice={"arms": 4, "kind": "square"}), EDGE))[0]
+    metric = four.deformation @ four.deformation
+    assert metric[0, 0] == pytest.approx(metric[1, 1], rel=1e-6)
+
+
+@pytest.mark.parametrize("edge, angles", [(0.0, None), (-1.0, None), (np.nan, None), (EDGE, ()), (EDGE, (np.inf,))])
+def test_edges_and_angles_that_are_none(edge, angles):
+    with pytest.raises(ValueError, match="must be"):
+        respond(design(7.0, 0.4), edge, angles)
+
+
+def test_sixfold_compares_the_first_direction_with_the_last():
+    """However many lie between, and for stars with threefold symmetry only."""
+    angles = tuple(np.linspace(0.0, np.pi / 6, 6))
+    six, three = respond(design(7.0, 0.4), EDGE, angles), sample(7.0, 0.4)
+    assert three.sixfold != 0.0
+    assert six.sixfold == pytest.approx(three.sixfold, rel=1e-3)
+    square = {"kind": "square", "arms": 4}
+    assert respond(design(5.0, 0.5, lattice=square), EDGE, (0.0, np.pi / 4)).sixfold == 0.0
+
+
+def test_uneven_stretch():
+    bare = respond(design(0.0, fabric={"stretch": [1.2, 1.5]}), EDGE, (0.0,))
+    np.testing.assert_allclose(bare.rest_metric, np.diag([1.2**-2, 1.5**-2]), atol=1e-8)
+    with pytest.raises(DesignError, match=r"^fabric.stretch = \[1.2, 1.5\]: must be one number"):
+        respond(design(0.0, fabric={"stretch": [1.2, 1.5]}), EDGE)
+
+
+def test_sample_goes_through_json():
+    found = sample(10.0, 0.4)
+    again = Sample.from_dict(json.loads(json.dumps(found.to_dict())))
+    for name, value in found.to_dict().items():
+        assert again.to_dict()[name] == value
+    np.testing.assert_array_equal(again.curve_energy[1], found.curve_energy[1])
+
+
+def test_failed_samples_have_a_reason_and_no_numbers(monkeypatch):
+    def fails(*args):
+        raise ArithmeticError("flat cell: no equilibrium at 50 % release")
+
+    monkeypatch.setattr("homogenize.cell.sample.curl", fails)
+    found = respond(design(), EDGE)
+    assert found.failed == "flat cell: no equilibrium at 50 % release"
+    assert found.lam is None
+    assert found.natural_curvature is None
+
+
+@pytest.mark.parametrize(
+    ("arms", "length", "width", "apart"), [(6, 7.2746, 1.2, (1.0, 2.0)), (3, 7.3, 1.0, (0.0, 0.2))]
+)
+def test_cells_say_how_far_their_two_meshes_are_apart(arms, length, width, apart):
+    """Six arms whose tips nearly meet curl to opposite sides on them; three arms hardly differ."""
+    stars = {"length_mm": length, "thickness_mm": 0.4, "width_mm": width}
+    data = design(length, 0.4).to_dict() | {"lattice": {"arms": arms}, "stars": stars}
+    found = respond(Design.from_dict(data), SPACING / 15, (0.0,))
+    assert found.failed is None and len(found.segments) == 2
+    assert apart[0] < found.meshes_apart < apart[1]
+    again = mesh_differences(
+        [{"problem": None, "sample": found.to_dict(), **stars}, {"problem": "none", "sample": None}]
+    )
+    assert again == {"count": 1, "largest_percent": pytest.approx(100 * found.meshes_apart), **stars}
+    if arms == 3:
+        whole = Design.from_dict(data | {"stars": stars | {"length_mm": WHOLE}})
+        assert respond(whole, EDGE, (0.0,)).meshes_apart is None

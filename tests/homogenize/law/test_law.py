@@ -1,0 +1,514 @@
+"""The law: exact where it must be, smooth, never silent out of its range, refused where it does not belong."""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from homogenize.campaign.campaign import Record
+from homogenize.campaign.plan import Material, Task
+from homogenize.errors import CampaignError, ForeignLaw, LawError
+from homogenize.law.file import digest, load_law, to_bytes
+from homogenize.law.fit import filled, fit, row
+from homogenize.law.interpolation import Grid
+from homogenize.law.law import Law
+from homogenize.law.residuals import residuals
+from homogenize.law.table import NAMES
+from pattern.design.design import Design
+from tests.homogenize import fake
+
+PLAN = {
+    "stretches": [1.35, 1.75],
+    "lengths_mm": [1.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0],
+    "thicknesses_mm": [0.2, 0.3, 0.4, 0.6],
+    "widths_mm": [0.8, 1.2, 1.6],
+    "held_out": 10,
+}
+
+
+def law(respond: Any = fake.respond, **plan: Any) -> Law:
+    material = Material.from_dict({"name": "test", "plan": {**PLAN, **plan}})
+    return fit(material, answers(material, respond), {"command": "none"})
+
+
+def answers(material: Material, respond: Any) -> list[Record]:
+    records = []
+    for task in material.tasks():
+        answer = respond(material.design(task), 2.0)
+        sample = None if answer.failed else answer.to_dict()
+        records.append(Record(task, sample, answer.failed, False, 0.1))
+    return records
+
+
+LAW = law()
+SPREAD = {
+    "kind": "sobol", "count": 256, "stretches": [1.35], "length_range_mm": [1.5, 12.0], "held_out": 10,
+}  # fmt: skip
+
+
+def design(**changes: Any) -> Design:
+    data: dict[str, Any] = {"stars": {"length_mm": 5.0}, "border": {"rings": 1}}
+    for place, value in changes.items():
+        section, key = place.split("__")
+        data.setdefault(section, {})[key] = value
+    return Design.from_dict(data)
+
+
+@pytest.mark.parametrize("stretch", [1.35, 1.75])
+def test_bare_fabric_is_exact(stretch: float) -> None:
+    values = LAW.at(stretch)(np.zeros(5), np.array([0.2, 0.31, 0.6, 5.0, 0.01]), 1.1)
+    assert np.abs(values.value["lam"] * stretch - 1).max() < 1e-14 and values.inside.all()
+    assert (values.value["kappa"] == 0).all() and np.abs(values.value["bending"] - 0.5).max() < 1e-14
+
+
+def test_cells_of_the_plan_are_met_exactly() -> None:
+    table = LAW.at(1.35)
+    sizes = np.stack(np.meshgrid(*table.axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    values = table(*sizes.T)
+    for q, name in enumerate(NAMES):
+        nodes = table.nodes[..., q].ravel()
+        assert np.abs(values.value[name] - nodes).max() <= 1e-13 * np.abs(nodes).max(), name
+
+
+@given(st.floats(0.1, 11.9), st.floats(0.21, 0.59), st.floats(0.81, 1.59))
+@settings(max_examples=60, deadline=None)
+def test_slopes_are_derivatives(length: float, thickness: float, width: float) -> None:
+    sizes = np.array([length, thickness, width])
+    table, step = LAW.at(1.35), 1e-5
+    nearest = min(np.abs(axis - x).min() for axis, x in zip(table.axes, sizes, strict=True))
+    if nearest < 2 * step:  # second derivatives jump there
+        return
+    found = table(*sizes)
+    for axis in range(3):
+        more, less = (table(*(sizes + sign * step * np.eye(3)[axis])) for sign in (1, -1))
+        for name in NAMES:
+            slope = (more.value[name] - less.value[name]) / (2 * step)
+            scale = 1e-4 * (1 + np.abs(found.value[name]) + np.abs(found.slope[name]).max())
+            assert np.abs(slope - found.slope[name][:, axis]) < scale, name
+
+
+@given(st.lists(st.floats(0, 1), min_size=4, max_size=9), st.floats(0, 1), st.floats(0, 1))
+@settings(max_examples=60, deadline=None)
+def test_monotone_along_lines_of_the_grid(steps: list[float], a: float, b: float) -> None:
+    """Data that rise along the first axis give functions that do, whatever they do along the others."""
+    rise = np.cumsum(steps)
+    scale = 1 + a * np.arange(3)[:, None] + b * np.arange(2)
+    values = rise[:, None, None] * scale + np.array([0.0, 3.0, 1.0])[:, None]
+    grid = Grid([np.arange(float(len(steps))), np.arange(3.0), np.arange(2.0)], values[..., None], ["monotone"])
+    along = np.linspace(0, len(steps) - 1, 101)
+    for j in range(3):
+        found, slope = grid(np.column_stack([along, np.full(101, float(j)), np.zeros(101)]))
+        assert np.diff(found[:, 0]).min() >= -1e-12 and slope[:, 0, 0].min() >= -1e-12
+        assert values[:, j, 0].min() - 1e-12 <= found.min() and found.max() <= values[:, j, 0].max() + 1e-12
+
+
+def test_neighbouring_boxes_join_smoothly() -> None:
+    rng = np.random.default_rng(1)
+    axes = [np.array([0.0, 1, 3, 4]), np.array([0.0, 2, 3]), np.array([0.0, 1, 4])]
+    grid = Grid(axes, rng.random((4, 3, 3, 2)), ["monotone", "smooth"])
+    for axis, node in ((0, 1.0), (0, 3.0), (1, 2.0), (2, 1.0)):
+        points = rng.random((20, 3)) * [4, 3, 4]
+        sides = []
+        for nudge in (-1e-9, 1e-9):
+            points[:, axis] = node + nudge
+            sides.append(grid(points))
+        assert np.abs(sides[0][0] - sides[1][0]).max() < 1e-7
+        assert np.abs(sides[0][1] - sides[1][1]).max() < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("sizes", "word"),
+    [
+        ((12.1, 0.3, 1.0), "length_mm = 12.1 is outside the law's 0 to 12"),
+        ((5, 0.19, 1.0), "thickness_mm = 0.19 is outside the law's 0.2 to 0.6"),
+        ((5, 0.3, 1.7), "width_mm = 1.7 is outside the law's 0.8 to 1.6"),
+        ((float("nan"), 0.3, 1.0), "length_mm = nan"),
+        ((-1, 0.3, 1.0), "length_mm = -1"),
+    ],
+)
+def test_out_of_range_is_said_and_clamped(sizes: tuple[float, float, float], word: str) -> None:
+    good = (5.0, 0.3, 1.0)
+    values = LAW.at(1.35)(*np.transpose([good, sizes, good]))
+    assert values.inside.tolist() == [True, False, True]
+    assert len(values.outside) == 1 and values.outside[0].startswith("star 1: ") and word in values.outside[0]
+    assert all(np.isfinite(v).all() for v in values.value.values())
+    axis = ["length", "thickness", "width"].index(word.split("_")[0])
+    assert (values.slope["kappa"][1, axis] == 0).all()
+
+
+@pytest.mark.parametrize("lengths", [[9.0], [9.0, 10.0]])
+def test_one_length_answers_for_itself_and_not_for_shorter_arms(lengths: list[float], tmp_path: Path) -> None:
+    own = law(stretches=[1.35], lengths_mm=lengths, thicknesses_mm=[0.3], widths_mm=[1.2], held_out=0)
+    values = own.at(1.35)([0.0, 9.0, 5.0, 9.0, 9.0], [0.3, 0.3, 0.3, 0.31, 0.3], [1.2, 1.2, 1.2, 1.2, 1.3])
+    assert values.inside.tolist() == [True, True, False, False, False]
+    its = "9" if len(lengths) == 1 else "9 to 10"
+    assert values.outside[0].endswith(f"length_mm = 5 is outside the law's {its}")
+    assert values.outside[1].endswith("thickness_mm = 0.31 is outside the law's 0.3")
+    cell = fake.respond(design(stars__length_mm=9.0, stars__thickness_mm=0.3, stars__width_mm=1.2), 2.0).data
+    assert values.value["lam"][1] == pytest.approx(cell["lam"], rel=1e-12)
+    assert values.value["kappa"][1] == pytest.approx(cell["natural_curvature"][0], rel=1e-12)
+    (tmp_path / "own.npz").write_bytes(to_bytes(own))
+    assert load_law(tmp_path / "own.npz").at(1.35)(9.0, 0.3, 1.2).inside.all()
+
+
+def test_cells_that_begin_far_from_bare_fabric_are_tested_where_they_are() -> None:
+    """A fifth of the spacing of 17.3 mm is near."""
+    far, near = (law(lengths_mm=[first, 6.0, 8.0, 10.0]) for first in (3.6, 3.4))
+    assert (far.at(1.35).least_length_mm, near.at(1.35).least_length_mm) == (3.6, 0.0)
+    tested = [cell["length_mm"] for cell in far.residuals["1.35"]["held_out"]["cells"]]
+    assert len(tested) == 10 and min(tested) >= 3.6 and far.residuals["1.35"]["held_out"]["outside"] == 0
+    assert far.residuals["1.35"]["leave_one_out"]["count"] == 2 * 4 * 3
+
+
+def test_cells_without_an_answer_are_marked_with_their_surroundings() -> None:
+    holed = law(fake.fails_when_thin)
+    table = holed.at(1.35)
+    assert (~table.good).sum() == 6
+    values = table(np.array([9.0, 11.0, 7.9, 9.0]), np.array([0.25, 0.25, 0.25, 0.31]), 1.0)
+    assert values.inside.tolist() == [False, False, True, True]
+    assert "no cell was solved near length_mm = 9" in values.outside[0]
+    assert sum(s["problem"] is not None for s in holed.samples) >= 12
+
+
+def test_the_contraction_of_a_tube_is_that_of_its_area() -> None:
+    """The geometric mean of the stretches around and along it."""
+    sample = fake.respond(Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rings": 1}}), 2.0).data
+    sample |= {"natural_hoop": [0.9, 0.9, 0.8], "natural_axial": [0.8, 0.8, 0.9]}
+    assert row(sample, 1.35)[NAMES.index("lam_n")] == pytest.approx(np.sqrt(0.72), rel=1e-12)
+
+
+@pytest.mark.parametrize("fails", [lambda h: h < 0.3, lambda h: h > 0.3])
+def test_a_cell_with_an_answer_is_inside_whichever_side_has_none(fails: Any) -> None:
+    def beside(design: Design, edge_mm: float) -> fake.Answer:
+        lost = fails(design.stars.thickness_mm - 1e-9) and fails(design.stars.thickness_mm + 1e-9)
+        return fake.Answer({}, "no") if lost and design.stars.length_mm >= 8.0 else fake.respond(design, edge_mm)
+
+    table = law(beside, thicknesses_mm=[0.2, 0.3, 0.4]).at(1.35)
+    assert table(10.0, 0.3, 1.0).inside.all()
+    assert not table(10.0, 0.25 if fails(0.2) else 0.35, 1.0).inside.any()
+
+
+def test_a_single_cell_without_an_answer_is_bridged_along_its_line() -> None:
+    def one_gap(design: Design, edge_mm: float) -> fake.Answer:
+        gap = design.stars.length_mm == 6.0 and design.stars.thickness_mm == 0.3
+        return fake.Answer({}, "no") if gap else fake.respond(design, edge_mm)
+
+    table = law(one_gap).at(1.35)
+    assert (~table.good).sum() == 3
+    values, known = (t(5.5, 0.32, 1.0) for t in (table, LAW.at(1.35)))
+    assert values.inside.all()
+    assert values.value["kappa"] == pytest.approx(known.value["kappa"], rel=0.02)
+
+
+def test_beyond_the_last_answer_that_answer_stands() -> None:
+    """Shorter arms that have none lie between two that do; nothing is told from the slope at the end."""
+    lengths = np.array([0.0, 1.0, 2.0, 4.0, 5.0, 6.0])
+    stored = np.stack([lengths**2, -3.0 * lengths], axis=-1)[:, None, None]
+    good = np.array([True, True, False, True, False, False])[:, None, None]
+    whole = filled(lengths, np.where(good[..., None], stored, np.nan), good)[:, 0, 0]
+    np.testing.assert_array_equal(whole[[0, 1, 3]], stored[[0, 1, 3], 0, 0])
+    np.testing.assert_allclose(whole[4:], [whole[3], whole[3]], rtol=1e-13)
+    assert 1.0 < whole[2, 0] < 16.0 and whole[2, 1] == pytest.approx(-6.0)
+
+
+def test_sheets_that_hardly_curl_have_no_sixfold_part() -> None:
+    """The energies of two directions differ by rounding there, and a cubic makes much of it."""
+    cell = fake.respond(design(), 2.0).data
+    for curl, sixfold in ((0.029, 0.0), (0.031, 7.0), (-0.031, 7.0)):
+        rolled = {"natural_curvature": [curl / cell["spacing_mm"]] * 3, "sixfold": 7.0}
+        assert row(cell | rolled, 1.35)[NAMES.index("c3")] == sixfold
+
+
+def test_tight_sheets_are_marked_and_keep_their_values() -> None:
+    values = LAW.at(1.35)(np.array([2.0, 12.0]), 0.2, 1.2)
+    curls = 17.320508 * values.value["kappa"]
+    assert values.tight.tolist() == [False, False] and curls.max() < 1.5
+    tighter = law(fake.curls_more).at(1.35)(np.array([2.0, 12.0]), 0.2, 1.2)
+    assert tighter.tight.tolist() == [False, True] and tighter.inside.all()
+    np.testing.assert_allclose(tighter.value["kappa"], 4 * values.value["kappa"], rtol=1e-3)
+    held = law(fake.curls_more).residuals["1.35"]["held_out"]
+    assert held["tight"]["count"] > 0 and held["count"] + held["tight"]["count"] == 10
+
+
+def test_reliefs_are_those_of_the_cells_and_flat_without_arms() -> None:
+    table = LAW.at(1.35)
+    found = table.relief(np.array([0.0, 4.0, 5.0]), 0.3, 1.2)
+    assert found.shape == (3, 2, len(LAW.waves)) and (found[0] == 0.0).all()
+    expected = 0.02 * np.outer([4.0, 5.0], np.arange(24.0)).reshape(2, 2, 12)
+    np.testing.assert_allclose(found[1:], expected, atol=2e-3)
+    np.testing.assert_array_equal(table.relief(99.0, 0.3, 1.2), table.relief(12.0, 0.3, 1.2))
+
+
+def test_held_out_cells_and_cells_left_out() -> None:
+    for entry in LAW.residuals.values():
+        held, loo = entry["held_out"], entry["leave_one_out"]
+        assert held["count"] == 10 and loo["count"] == 6 * 4 * 3
+        assert held["errors"]["lam"]["largest_percent"] < 0.2
+        assert held["errors"]["kappa"]["largest_percent"] < 3 and held["errors"]["bending"]["largest_percent"] < 3
+        assert loo["errors"]["kappa"]["rms_percent"] < 20
+
+
+def test_errors_are_of_the_cell_or_of_a_part_of_the_largest() -> None:
+    """Of a tenth for what changes its sign, of three hundredths else: a cell near zero does not count for all."""
+    table = LAW.at(1.35)
+    values = {name: float(value[0]) for name, value in table(7.0, 0.35, 1.0).value.items()}
+    cell = values | {"lam": values["lam"] / 1.01, "a12": 0.0, "c3": 0.0, "offset_mm": 0.0}
+    task = Task(1.35, True, 7.0, 0.35, 1.0)
+    found = residuals([table], [[(task, np.array([cell[name] for name in NAMES]))]], "grid")["1.35"]["held_out"]
+    percent = found["cells"][0]["error_percent"]
+    assert percent["lam"] == pytest.approx(1.0) and percent["kappa"] == 0.0
+    for name, part in (("a12", 0.1), ("c3", 0.1), ("offset_mm", 0.03)):
+        largest = table.nodes[..., NAMES.index(name)].max()
+        assert percent[name] == pytest.approx(100.0 * values[name] / (part * largest)), name
+    assert found["errors"]["c3"]["largest_percent"] == percent["c3"]
+
+
+def test_scattered_cells_make_a_law_too() -> None:
+    material = Material.from_dict({"plan": SPREAD})
+    spread = fit(material, answers(material, fake.respond))
+    errors = spread.residuals["1.35"]["held_out"]["errors"]
+    assert errors["lam"]["largest_percent"] < 1 and errors["kappa"]["rms_percent"] < 5
+    values = spread.at(1.35)(0.0, 0.4, 1.0)
+    assert values.value["lam"][0] == pytest.approx(1 / 1.35, abs=1e-14)
+
+
+def test_scattered_cells_answer_for_their_own_lengths_only() -> None:
+    """As a grid's: lengths that begin far from bare fabric are not joined to it, nor tested there."""
+    far, near = (
+        fit(material, answers(material, fake.respond))
+        for first in (9.0, 3.4)
+        for material in [Material.from_dict({"plan": {**SPREAD, "length_range_mm": [first, 12.0]}})]
+    )
+    table = far.at(1.35)
+    assert (table.least_length_mm, near.at(1.35).least_length_mm) == (9.0, 0.0)
+    assert table([0.0, 3.0, 8.9, 9.0, 12.0], 0.3, 1.2).inside.tolist() == [True, False, False, True, True]
+    held = far.residuals["1.35"]["held_out"]
+    assert held["count"] == 10 and min(cell["length_mm"] for cell in held["cells"]) >= 9.0
+
+
+def test_scattered_cells_without_an_answer_are_marked_with_their_surroundings() -> None:
+    def fails_when_long(design: Design, edge_mm: float) -> fake.Answer:
+        return fake.Answer({}, "no") if float(design.stars.length_mm) > 8.0 else fake.respond(design, edge_mm)  # type: ignore[arg-type]
+
+    material = Material.from_dict({"plan": SPREAD})
+    table = fit(material, answers(material, fails_when_long)).at(1.35)
+    thin, wide = (column.ravel() for column in np.meshgrid(np.linspace(0.2, 0.6, 9), np.linspace(0.8, 1.6, 5)))
+    for length, inside in ((0.0, True), (3.0, True), (5.0, True), (9.5, False), (12.0, False)):
+        assert (table(length, thin, wide).inside == inside).all(), length
+    assert "no cell was solved near length_mm = 9.5" in table(9.5, 0.3, 1.2).outside[0]
+
+
+def test_a_file_holds_all_of_it(tmp_path: Path) -> None:
+    path = tmp_path / "law.npz"
+    path.write_bytes(to_bytes(LAW))
+    again = load_law(path)
+    assert to_bytes(again) == to_bytes(LAW) and digest(again) == digest(LAW)
+    assert again.made == {"command": "none"} and len(again.samples) == len(LAW.material.tasks())
+    found, known = (one.at(1.75)(7.3, 0.33, 1.1).value for one in (again, LAW))
+    assert found == known
+
+
+def test_files_that_are_no_laws(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "law.npz"
+    for content, word in ((b"", "not a law"), (b"PK nonsense", "not a law"), (to_bytes(LAW)[:900], "damaged")):
+        path.write_bytes(content)
+        with pytest.raises(LawError, match=word) as caught:
+            load_law(path)
+        assert str(path) in str(caught.value) and "\n" not in str(caught.value)
+    np.savez(path, a=np.zeros(3))
+    with pytest.raises(LawError, match="not a law"):
+        load_law(path)
+    with pytest.raises(LawError, match="cannot be read: No such file"):
+        load_law(tmp_path / "none.npz")
+    with np.load(io.BytesIO(to_bytes(LAW))) as archive:
+        gaps = {name: archive[name] for name in archive.files}
+    gaps["0/nodes"][3, 2, 1, 0] = np.nan
+    np.savez(path, **gaps)
+    with pytest.raises(LawError, match="damaged"):
+        load_law(path)
+    np.savez(path, format=np.array({"a": 1}, dtype=object))
+    with pytest.raises(LawError):
+        load_law(path)
+    path.write_bytes(to_bytes(LAW))
+    monkeypatch.setattr("homogenize.law.file.FORMAT", 99)
+    with pytest.raises(LawError, match="has format 4, this version reads 99; make it again"):
+        load_law(path)
+
+
+def test_a_byte_that_changed_is_told_in_one_line(tmp_path: Path) -> None:
+    """Wherever it is: in the archive's own tables, or in what it packs."""
+    path, whole = tmp_path / "law.npz", to_bytes(LAW)
+    rng = np.random.default_rng(3)
+    told = 0
+    for place in [*rng.integers(0, 3000, 60), *rng.integers(len(whole) - 3000, len(whole), 60)]:
+        path.write_bytes(whole[:place] + bytes([whole[place] ^ int(rng.integers(1, 256))]) + whole[place + 1 :])
+        try:
+            load_law(path)
+        except LawError as error:
+            assert str(path) in str(error) and "\n" not in str(error)
+            told += 1
+    assert told > 60
+
+
+def test_an_array_whose_header_is_cut_is_told_in_one_line(tmp_path: Path) -> None:
+    header = b"{'descr': '<i8', 'fortran_order': False, 'shape': (L,"
+    header += b" " * (118 - len(header) - 1) + b"\n"
+    with zipfile.ZipFile(tmp_path / "law.npz", "w") as archive:
+        archive.writestr("format.npy", b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header + bytes(8))
+    with pytest.raises(LawError, match="is not a law, or damaged"):
+        load_law(tmp_path / "law.npz")
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+@pytest.mark.parametrize("name", ["length_mm", "thickness_mm", "width_mm", "nodes", "units", "stretch", "spacing_mm"])
+def test_laws_of_impossible_numbers_are_damaged(name: str, tmp_path: Path) -> None:
+    with np.load(io.BytesIO(to_bytes(LAW))) as archive:
+        arrays = {key: archive[key] for key in archive.files}
+    np.savez(tmp_path / "law.npz", **arrays | {f"0/{name}": 0.0 * arrays[f"0/{name}"]})
+    with pytest.raises(LawError, match="damaged"):
+        load_law(tmp_path / "law.npz")
+
+
+@pytest.mark.parametrize(
+    ("name", "changed"),
+    [
+        ("made", json.dumps([])),
+        ("residuals", json.dumps({"1.35": {"held_out": {}}})),
+        ("0/good", lambda good: good.astype(float)),
+        ("0/reliefs", lambda reliefs: reliefs[..., :-1]),
+        ("0/stretch", lambda stretch: stretch + 0.1),
+    ],
+)
+def test_laws_whose_parts_are_of_different_laws_are_damaged(name: str, changed: Any, tmp_path: Path) -> None:
+    (tmp_path / "law.npz").write_bytes(to_bytes(LAW))
+    with np.load(tmp_path / "law.npz") as archive:
+        arrays = dict(archive)
+    arrays[name] = changed(arrays[name]) if callable(changed) else np.frombuffer(changed.encode(), np.uint8)
+    np.savez(tmp_path / "law.npz", **arrays)
+    with pytest.raises(LawError, match="is not a law, or damaged"):
+        load_law(tmp_path / "law.npz")
+
+
+def test_stars_turned_by_half_a_turn_have_their_relief_turned() -> None:
+    """In print a star's bump turns with it; 120 degrees change nothing."""
+    sizes = ([8.0, 5.0], 0.3, 1.2)
+    offsets = np.random.default_rng(1).uniform(-9.0, 9.0, (20, 2))
+    reliefs = {turn: LAW.relief(design(lattice__orientation_deg=turn), *sizes) for turn in (0.0, 60.0, 120.0, 180.0)}
+    heights = {turn: relief @ LAW.waves(offsets).T for turn, relief in reliefs.items()}
+    np.testing.assert_array_equal(reliefs[0.0], LAW.at(1.35).relief(*sizes))
+    np.testing.assert_array_equal(reliefs[120.0], reliefs[0.0])
+    for turn in (60.0, 180.0):
+        np.testing.assert_allclose(reliefs[turn] @ LAW.waves(-offsets).T, heights[0.0], atol=1e-12)
+        assert np.abs(heights[turn] - heights[0.0]).max() > 0.1
+
+
+def test_a_measured_material_may_be_typed_as_it_was_printed() -> None:
+    """In four digits; a fifth of a percent of E1/E2 is a fifth of a percent of the curvature."""
+    LAW.check(design(plastic__modulus_ratio=3203.0))
+    for change in ({"plastic__modulus_ratio": 3210.0}, {"plastic__kappa_bar_per_mm": 1e-4}):
+        with pytest.raises(ForeignLaw, match="another material"):
+            LAW.check(design(**change))
+
+
+def test_a_law_says_for_which_designs_it_is() -> None:
+    assert LAW.check(design()).stretch == 1.35 and LAW.check(design(fabric__stretch=1.75)).stretch == 1.75
+    # what does not change the shape of a sheet without weight, or is the same star after a turn
+    LAW.check(design(fabric__modulus_mpa=1.0, fabric__density_kg_m3=100.0))
+    for turn in (-180.0, 60.0, 120.0):
+        LAW.check(design(lattice__orientation_deg=turn))
+    # the same lattice in another basis, but not one of every other star
+    a, b = (np.array([[15.0, 5 * 3**0.5], [0.0, 10 * 3**0.5]])).tolist()
+    rectangle = {"rectangle_mm": [60, 60]}
+    for basis in ([b, a], [a, [-15.0, 5 * 3**0.5]]):
+        custom = {"kind": "custom", "vectors_mm": basis}
+        LAW.check(Design.from_dict({"stars": {"length_mm": 5.0}, "lattice": custom, "border": rectangle}))
+    custom = {"kind": "custom", "vectors_mm": [a, [0.0, 20 * 3**0.5]]}
+    with pytest.raises(LawError, match=r"lattice.kind = custom"):
+        LAW.check(Design.from_dict({"stars": {"length_mm": 5.0}, "lattice": custom, "border": rectangle}))
+
+
+@pytest.mark.parametrize(
+    ("change", "word"),
+    [
+        ({"fabric__stretch": 1.5}, "fabric.stretch = 1.5: the law was made for 1.35, 1.75"),
+        ({"fabric__stretch": [1.35, 1.3]}, "fabric.stretch = [1.35, 1.3]: a law is for equal stretch"),
+        ({"fabric__thickness_mm": 0.7}, "fabric.thickness_mm = 0.7: the law is for another material, of 0.8"),
+        ({"fabric__bending": "consistent"}, "fabric.bending = consistent: the law is for another material, of paper"),
+        ({"plastic__modulus_ratio": 3000.0}, "plastic.modulus_ratio = 3000.0: the law is for another"),
+        ({"plastic__kappa_bar_per_mm": 0.001}, "plastic.kappa_bar_per_mm"),
+        ({"lattice__spacing_mm": 18.0}, "lattice.spacing_mm"),
+        ({"lattice__arms": 6}, "lattice.arms"),
+        ({"lattice__orientation_deg": 30.0}, "lattice.orientation_deg = 30.0: the law is for another lattice, of 0.0"),
+    ],
+)
+def test_foreign_designs_are_refused_with_what_differs(change: dict[str, Any], word: str) -> None:
+    with pytest.raises(LawError) as caught:
+        LAW.check(design(**change))
+    assert word in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_stiffness_follows_the_modulus() -> None:
+    soft, hard = (LAW.evaluate(design(fabric__modulus_mpa=e), 7.0, 0.3, 1.0) for e in (7.1875, 14.375))
+    assert hard.value["bending"] == pytest.approx(2 * soft.value["bending"])
+    assert hard.slope["a11"] == pytest.approx(2 * soft.slope["a11"])
+    assert hard.value["kappa"] == soft.value["kappa"] and hard.value["lam"] == soft.value["lam"]
+
+
+def test_cells_that_are_held_out_do_not_make_the_law() -> None:
+    def else_elsewhere(design: Design, edge_mm: float) -> fake.Answer:
+        answer = fake.respond(design, edge_mm)
+        sizes = tuple(getattr(design.stars, f"{name}_mm") for name in ("length", "thickness", "width"))
+        answer.data["lam"] *= 2.0 if sizes in held_out else 1.0
+        return answer
+
+    material = Material.from_dict({"plan": SPREAD})
+    tasks = [task for task in material.tasks() if task.held_out]
+    held_out = {(task.length_mm, task.thickness_mm, task.width_mm) for task in tasks}
+    cells = fit(material, answers(material, else_elsewhere)).at(1.35)
+    assert len(tasks) == 10
+    sizes = np.array(sorted(held_out)).T
+    known = fit(material, answers(material, fake.respond)).at(1.35)(*sizes).value["lam"]
+    assert cells(*sizes).value["lam"] == pytest.approx(known, abs=1e-14)
+
+
+def test_a_law_needs_an_answer_of_half_of_its_cells() -> None:
+    def below(longest: float) -> Any:
+        def some(design: Design, edge_mm: float) -> fake.Answer:
+            short = float(design.stars.length_mm) <= longest  # type: ignore[arg-type]
+            return fake.respond(design, edge_mm) if short else fake.Answer({}, "no")
+
+        return some
+
+    lengths = [2.0, 4.0, 6.0, 8.0]
+    assert law(below(4.0), lengths_mm=lengths).at(1.35).good.sum() == 3 * 4 * 3
+    with pytest.raises(CampaignError, match="fewer than half"):
+        law(below(2.0), lengths_mm=lengths)
+
+
+def test_bare_fabric_has_an_answer_where_short_arms_have_none() -> None:
+    def fails_when_short(design: Design, edge_mm: float) -> fake.Answer:
+        short = 0.0 < float(design.stars.length_mm) < 3.0  # type: ignore[arg-type]
+        return fake.Answer({}, "no") if short else fake.respond(design, edge_mm)
+
+    table = law(fails_when_short).at(1.35)
+    assert table([0.0, 0.5, 5.0], 0.3, 1.2).inside.tolist() == [True, False, True]
+
+
+def test_sheets_that_curl_tightly_to_the_other_side_are_marked_too() -> None:
+    def other_side(design: Design, edge_mm: float) -> fake.Answer:
+        answer = fake.curls_more(design, edge_mm)
+        answer.data["natural_curvature"] = [-kappa for kappa in answer.data["natural_curvature"]]
+        return answer
+
+    sizes = [2.0, 5.0, 9.0, 11.0], 0.2, 1.2
+    found = law(other_side).at(1.35)(*sizes).tight
+    assert found.any() and not found.all()
+    assert found.tolist() == law(fake.curls_more).at(1.35)(*sizes).tight.tolist()

@@ -1,0 +1,355 @@
+"""From designs to layouts: lattice, border, stars and arms."""
+
+import numpy as np
+import pytest
+from shapely import LineString, Point, Polygon
+
+from pattern.design.design import Design
+from pattern.design.errors import DesignError
+from pattern.layout.build import check_carried, layout
+
+D = 10 * np.sqrt(3)
+
+
+def lay(**tables):
+    stars = {"length_mm": 10, "thickness_mm": 0.4, **tables.pop("stars", {})}
+    if "length_fraction" in stars:
+        del stars["length_mm"]
+    return layout(Design.from_dict({"stars": stars, "border": {"rings": 3}, **tables}))
+
+
+@pytest.mark.parametrize("rings", [0, 1, 2, 3, 7])
+def test_rings(rings):
+    sheet = lay(border={"rings": rings})
+    assert len(sheet.centres) == 1 + 3 * rings * (rings + 1)
+    assert len(sheet.arm_tip) == 3 * len(sheet.centres)
+    radius = np.linalg.norm(sheet.border, axis=1)
+    np.testing.assert_allclose(radius, (rings * np.sqrt(3) + 1.5) * 10)
+    assert np.degrees(np.arctan2(*sheet.border[0][::-1])) == pytest.approx(30)
+    # 3 n (3 n + 1) nearest pairs on a hexagon of n rings
+    assert len(sheet.neighbours) == 3 * rings * (3 * rings + 1)
+    np.testing.assert_allclose(np.linalg.norm(np.diff(sheet.centres[sheet.neighbours], axis=1), axis=2), D)
+
+
+def test_arms_point_at_neighbours():
+    sheet = lay()
+    np.testing.assert_allclose(sheet.centres[0], 0, atol=1e-12)
+    arms = sheet.arm_tip[sheet.arm_star == 0]
+    np.testing.assert_allclose(np.degrees(np.arctan2(arms[:, 1], arms[:, 0])), [-90, 30, 150])
+    np.testing.assert_allclose(sheet.arm_length, 10)
+    gap = np.linalg.norm(sheet.centres[:, None] - D / 10 * arms, axis=2)
+    np.testing.assert_allclose(gap.min(axis=0), 0, atol=1e-12)
+
+
+def test_stars_touch_neighbours_at_full_length():
+    sheet = lay(stars={"length_fraction": 1.0}, border={"rings": 2})
+    inner = np.abs(sheet.arm_length - D) < 1e-9
+    gap = np.linalg.norm(sheet.arm_tip[inner][:, None] - sheet.centres, axis=2).min(axis=1)
+    np.testing.assert_allclose(gap, 0, atol=1e-9)
+    assert 0 < (~inner).sum() < len(inner)  # outer arms are cut
+
+
+def test_fraction_is_of_the_spacing():
+    for lattice in ({}, {"spacing_mm": 20}):
+        sheet = lay(lattice=lattice, stars={"length_fraction": 0.5})
+        np.testing.assert_allclose(sheet.arm_length, lattice.get("spacing_mm", D) / 2)
+
+
+@pytest.mark.parametrize("arms", range(3, 9))
+@pytest.mark.parametrize("kind", ["triangular", "square"])
+def test_arm_counts_and_lattices(arms, kind):
+    sheet = lay(
+        lattice={"kind": kind, "arms": arms, "orientation_deg": 10, "spacing_mm": 20},
+        stars={"length_mm": 7},
+        border={"rectangle_mm": [100, 100]},
+    )
+    assert len(sheet.arm_tip) == arms * len(sheet.centres)
+    first = sheet.arm_tip[0] - sheet.centres[sheet.arm_star[0]]
+    assert np.degrees(np.arctan2(first[1], first[0])) == pytest.approx(-80)
+    assert len(sheet.centres) == (25 if kind == "square" else 23)
+
+
+def test_custom_lattice_is_reduced():
+    # the triangular lattice in a clumsy basis
+    a, b = np.array([[0.75**0.5, 0.5], [0, 1]]) * D
+    clumsy = {"kind": "custom", "vectors_mm": [(a + 3 * b).tolist(), (2 * a + 7 * b).tolist()]}
+    ours, theirs = lay(border={"rectangle_mm": [120, 90]}, lattice=clumsy), lay(border={"rectangle_mm": [120, 90]})
+    np.testing.assert_allclose(ours.centres, theirs.centres, atol=1e-9)
+    np.testing.assert_array_equal(ours.neighbours, theirs.neighbours)
+
+
+def test_layout_lies_on_its_lattice():
+    sheet = lay(border={"rectangle_mm": [120, 90]}, lattice={"origin_mm": [3, 4]})
+    cells = (sheet.centres - sheet.lattice_origin) @ np.linalg.inv(sheet.lattice_vectors)
+    np.testing.assert_allclose(cells, np.round(cells), atol=1e-9)
+
+
+def test_margin_of_a_rectangle():
+    sheet = lay(
+        border={"rectangle_mm": [100, 100], "star_margin_mm": 20},
+        lattice={"kind": "square", "spacing_mm": 15},
+        stars={"length_mm": 6},
+    )
+    assert np.abs(sheet.centres).max() == 30 and len(sheet.centres) == 25
+
+
+def test_polygon_either_way_round():
+    corners = [[-50, -40], [50, -40], [60, 30], [0, 5], [-60, 30]]
+    one, two = (lay(border={"polygon_mm": c}) for c in (corners, corners[::-1]))
+    np.testing.assert_allclose(one.centres, two.centres)
+    x, y = one.border.T
+    assert np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) > 0
+    assert {tuple(c) for c in one.border} == {tuple(c) for c in two.border}
+
+
+def test_cut_keeps_the_margin():
+    sheet = lay(border={"rectangle_mm": [110, 110], "tip_margin_mm": 0.7}, stars={"length_mm": 14})
+    cut = sheet.arm_length < 14 - 1e-9
+    assert cut.any()
+    np.testing.assert_allclose(np.abs(sheet.arm_tip[cut]).max(axis=1), 55 - 0.7)
+    # along the arm as it was: at 30, 150 or 270 deg
+    way = sheet.arm_tip - sheet.centres[sheet.arm_star]
+    np.testing.assert_allclose(np.degrees(np.arctan2(way[:, 1], way[:, 0])) % 120, 30)
+
+
+def test_arm_stops_where_it_first_leaves_the_sheet():
+    notch = [[-40, -40], [40, -40], [40, 40], [-40, 40], [-40, 20], [10, 14], [-40, 8]]
+    sheet = lay(border={"polygon_mm": notch, "star_margin_mm": 1}, stars={"length_mm": 16, "width_mm": 0.2})
+    for centre, tip in zip(sheet.centres[sheet.arm_star], sheet.arm_tip, strict=True):
+        assert Polygon(notch).contains(LineString([centre, tip]))
+
+
+def test_overhang_refused():
+    with pytest.raises(DesignError, match=r"border\.overhang.*star \d+ at"):
+        lay(border={"rings": 1, "overhang": "refuse"}, stars={"length_mm": 16})
+    lay(border={"rings": 1, "overhang": "refuse"}, stars={"length_mm": 10})
+
+
+def test_short_stars_are_not_printed():
+    table = {"profile": "table", "distance_mm": [0, 20, 29], "values": [10, 10, 0.5]}
+    sheet = lay(stars={"length_mm": table})
+    assert len(sheet.centres) == 7  # the second ring starts at 30 mm
+    sheet = lay(stars={"length_mm": {**table, "values": [0, 0, 10]}})
+    assert len(sheet.centres) == 37 - 7
+
+
+def test_overrides():
+    override = [
+        {"star": 0, "length_mm": 5, "thickness_mm": 0.8},
+        {"at_mm": [0, 17.3], "remove": True},
+        {"star": 36, "width_mm": 2},
+    ]
+    sheet = lay(stars={"override": override})
+    assert len(sheet.centres) == 36
+    np.testing.assert_allclose(sheet.arm_length[:3], 5)
+    np.testing.assert_allclose(sheet.arm_thickness[:3], 0.8)
+    np.testing.assert_allclose(sheet.arm_thickness[3:], 0.4)
+    np.testing.assert_allclose(sheet.arm_width[-3:], 2)
+    assert np.linalg.norm(sheet.centres - [0, D], axis=1).min() > 1
+
+
+def test_stars_keep_the_numbers_of_the_design():
+    sheet = lay(stars={"override": [{"star": 0, "remove": True}, {"star": 3, "branch": "down"}]}, border={"rings": 1})
+    assert sheet.star_number.tolist() == [1, 2, 3, 4, 5, 6]
+    assert sheet.star_number[sheet.star_branch < 0].tolist() == [3]
+
+
+def test_a_star_on_the_axis_is_first_of_its_ring_whatever_its_rounding():
+    lattice = {"kind": "square", "spacing_mm": 17.3, "arms": 4, "origin_mm": [0, 51.9]}
+    sheet = lay(lattice=lattice, stars={"length_mm": 6}, border={"rectangle_mm": [80, 80]})
+    np.testing.assert_allclose(sheet.centres[1], [17.3, 0.0], atol=1e-9)
+
+
+def test_sizes_along_arms():
+    radial = {"profile": "radial", "from": 0.6, "to": 0.2, "over_mm": 80}
+    flat = lay(stars={"thickness_mm": radial})
+    np.testing.assert_allclose(flat.arm_thickness[:, 0], flat.arm_thickness[:, 1])
+    along = lay(stars={"thickness_mm": radial, "vary_along_arms": True})
+    expected = 0.6 - 0.4 * np.linalg.norm(along.arm_tip, axis=1) / 80
+    np.testing.assert_allclose(along.arm_thickness[:, 1], expected)
+    np.testing.assert_allclose(along.arm_thickness[:, 0], flat.arm_thickness[:, 0])
+
+
+def test_sizes_along_arms_of_a_star_changed_by_hand():
+    """The field counts where the tips of the changed star are."""
+    field = {"formula": "0.6 + 0.004*y"}
+    plan = {"thickness_mm": field, "vary_along_arms": True}
+    changed = lay(stars={"length_mm": 4.0, "override": [{"star": 0, "length_mm": 9.0}], **plan})
+    np.testing.assert_allclose(changed.arm_thickness[:3, 1], 0.6 + 0.004 * changed.arm_tip[:3, 1])
+    np.testing.assert_allclose(changed.arm_length[:3], 9.0)
+
+
+def test_cut_arm_keeps_the_taper_of_the_full_one():
+    # star centres at x = 0 and 20; the right arm of the right star is cut from 12 to 9.5 mm
+    sheet = lay(
+        lattice={"kind": "square", "spacing_mm": 20, "arms": 4},
+        border={"rectangle_mm": [60, 30], "star_margin_mm": 10},
+        stars={
+            "length_mm": {"formula": "where(x > 10, 12, 4)"},
+            "thickness_mm": {"formula": "0.1 + 0.01*abs(x)"},
+            "vary_along_arms": True,
+        },
+    )
+    arm = int(sheet.arm_tip[:, 0].argmax())
+    assert sheet.arm_tip[arm] == pytest.approx([29.5, 0], abs=1e-9)
+    assert sheet.arm_thickness[arm] == pytest.approx([0.3, 0.395])
+
+
+def test_cut_arms_are_rounded_too():
+    rule = {"first_layer_mm": 0.3, "layer_mm": 0.2, "line_mm": 0.4}
+    sheet = lay(
+        stars={"thickness_mm": {"formula": "0.3 + 0.01*r"}, "vary_along_arms": True, "rounding": rule},
+        border={"rectangle_mm": [80, 60], "star_margin_mm": 5.0},
+    )
+    layers = (sheet.arm_thickness - 0.3) / 0.2
+    np.testing.assert_allclose(layers, np.round(layers), atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "tables",
+    [
+        {"lattice": {"arms": 6}, "stars": {"length_mm": 10}},  # arms that face each other overlap beyond d/2
+        {"lattice": {"arms": 6}, "stars": {"length_mm": 8.5}},  # .32 mm between tips 1.2 mm wide
+        {"lattice": {"arms": 4, "orientation_deg": 13}, "stars": {"length_mm": 12}},
+        {"stars": {"length_mm": 17}},  # .32 mm short of the neighbour
+        {"lattice": {"arms": 6}, "stars": {"length_fraction": 1.0}},
+    ],
+)
+def test_arms_that_touch_are_refused(tables):
+    with pytest.raises(DesignError, match=r"stars: arms of the stars at \[.*\] and \[.*\]"):
+        lay(**tables)
+
+
+@pytest.mark.parametrize("angle", range(0, 360, 30))
+def test_arms_that_lie_on_each_other_are_refused_however_they_are_turned(angle: int) -> None:
+    x, y = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    lattice = {"kind": "custom", "vectors_mm": [[17 * x, 17 * y], [-17 * y, 17 * x]], "arms": 4}
+    corners = 40.0 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) @ np.array([[x, y], [-y, x]])
+    with pytest.raises(DesignError, match=r"stars: arms of the stars .* overlap"):
+        lay(
+            lattice=lattice | {"orientation_deg": angle},
+            stars={"length_fraction": 1.0},
+            border={"polygon_mm": corners.tolist()},
+        )
+
+
+def test_tips_that_meet_are_fine():
+    sheet = lay(lattice={"arms": 6}, stars={"length_fraction": 0.5}, border={"rings": 1})
+    tips = sheet.arm_tip[:, None] - sheet.arm_tip
+    assert ((np.linalg.norm(tips, axis=2) < 1e-9).sum() - len(tips)) // 2 == len(sheet.neighbours)
+
+
+@pytest.mark.parametrize("border", [{"rings": 2}, {"rectangle_mm": [100, 80]}])
+def test_a_margin_that_takes_whole_stars_is_refused(border: dict) -> None:
+    with pytest.raises(DesignError, match=r"border\.tip_margin_mm = 20\.0: must be below .* mm"):
+        lay(border=border | {"tip_margin_mm": 20.0})
+
+
+def test_thousands_of_stars_take_a_fraction_of_a_second():
+    sheet = lay(border={"rectangle_mm": [1100, 1100]}, mesh={"edge_mm": 3})
+    assert 4000 < len(sheet.centres) < 5000
+
+
+@pytest.mark.parametrize(
+    ("pins", "direction", "along"),
+    [
+        ([{"corners": [0, 2], "slide": "z"}], [0.0, 0.0, -1.0], "z"),
+        ([{"corners": [0, 2], "slide": "plane"}], [1.0, 0.0, 0.0], "x"),
+        ([{"corners": [0, 2], "slide": "plane"}, {"corners": [1], "step": 1}], [1.0, 1.0, 0.0], "x and y"),
+    ],
+)
+def test_weight_along_which_all_pins_slide_is_refused(
+    pins: list[dict[str, object]], direction: list[float], along: str
+) -> None:
+    asked = {"stars": {"length_mm": 8.0}, "border": {"rings": 1}, "fabric": {"modulus_mpa": 1.0}}
+    asked |= {"gravity": {"on": True, "direction": direction}}
+    design = Design.from_dict(asked | {"pins": pins})
+    with pytest.raises(DesignError, match=rf"^gravity\.on = True: .* slide along {along}, among the first"):
+        check_carried(design, layout(design))
+    held = Design.from_dict(asked | {"pins": [*pins, {"corners": [3]}]})
+    check_carried(held, layout(held))
+
+
+def test_whole_numbers_of_arrays_are_whole_numbers() -> None:
+    for rings in np.arange(2):
+        one = Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rings": rings}})
+        assert one.border.rings == rings and type(one.to_dict()["border"]["rings"]) is int
+    for wrong in (True, 1.0, "1", np.True_, np.float64(1.0)):
+        with pytest.raises(DesignError, match="whole number"):
+            Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rings": wrong}})
+
+
+def test_arrays_mean_what_lists_mean() -> None:
+    corners = [[-40.0, -40.0], [40.0, -40.0], [40.0, 40.0], [-40.0, 40.0]]
+    place = {"points_mm": np.zeros((1, 2)), "target_mm": np.zeros(3)}
+
+    def made(of: type) -> Design:
+        pins = [{"corners": of([0, 2]), "offset_mm": of([0.0, 0.0, 5.0])}]
+        return Design.from_dict(
+            {
+                "fabric": {"stretch": of([1.3, 1.4])},
+                "stars": {"length_mm": 8.0},
+                "border": {"polygon_mm": of(corners)},
+                "pins": [*pins, {key: of(value) for key, value in place.items()}],
+                "solver": {"contact": np.bool_(True) if of is np.array else True},
+            }
+        )
+
+    assert made(np.array).to_dict() == made(list_of).to_dict()
+
+
+def list_of(value: np.ndarray | list) -> list:
+    return np.asarray(value).tolist()
+
+
+NOTCH = [[-40, -40], [-1, -40], [0, -8.7], [1, -40], [40, -40], [40, 40], [-40, 40]]
+
+
+def test_corners_that_point_inwards_cut_no_arm_behind_them():
+    """A mitre there would reach ten margins into the sheet, and take whole stars away."""
+    for margin in (0.5, 3.0):
+        sheet = lay(border={"polygon_mm": NOTCH, "tip_margin_mm": margin}, stars={"length_mm": 7})
+        assert len(sheet.centres) == 16
+        outline = Polygon(NOTCH).exterior
+        for star, tip in zip(sheet.arm_star, sheet.arm_tip, strict=True):
+            arm, away = LineString([sheet.centres[star], tip]), outline.distance(Point(tip))
+            assert outline.distance(arm) > margin * (1 - 2e-3)
+            assert away < margin * (1 + 2e-3) or arm.length == pytest.approx(7)
+
+
+@pytest.mark.parametrize("corner", [0.5, 0.5001, 0.51])
+def test_an_arm_along_a_corner_goes_on_behind_it(corner):
+    """The corner of what is .5 mm inside: half a millimetre above the arm, to a hair or to the last digit."""
+    border = {"polygon_mm": [[-30, -30], [12, -30], [12, corner], [5, corner], [5, 30], [-30, 30]], "star_margin_mm": 4}
+    stars = {"length_mm": 4, "width_mm": 0.5, "override": [{"star": 0, "length_mm": 15}]}
+    sheet = lay(border=border, stars=stars, lattice={"kind": "square", "spacing_mm": 20, "arms": 4})
+    (right,) = [tip for tip in sheet.arm_tip[sheet.arm_star == 0] if tip[0] > 1]
+    assert right[0] == pytest.approx(11.5, abs=1e-6)
+
+
+def test_a_long_sheet_across_is_no_larger_than_it_is():
+    strip = [[-2400, -2400], [-2370, -2400], [2400, 2370], [2400, 2400], [2370, 2400], [-2400, -2370]]
+    sheet = lay(border={"polygon_mm": strip}, stars={"length_mm": 5}, lattice={"spacing_mm": 10}, mesh={"edge_mm": 5})
+    assert 2000 < len(sheet.centres) < 3300
+
+
+def test_sizes_of_what_is_not_printed_may_be_anything():
+    radial = {"profile": "radial", "over_mm": 30}
+    stars = {"length_mm": radial | {"from": 8, "to": 0.5}, "thickness_mm": radial | {"from": 0.3, "to": 0.0}}
+    assert len(lay(border={"rings": 2}, stars=stars).centres) == 7
+
+
+def test_the_spacing_is_the_shorter_of_the_steps():
+    for steps in ([[14, 0], [0, 20]], [[20, 0], [0, 14]]):
+        sheet = lay(
+            stars={"length_mm": 5}, lattice={"kind": "custom", "vectors_mm": steps}, border={"rectangle_mm": [70, 70]}
+        )
+        assert sheet.spacing_mm == pytest.approx(14.0)
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_borders_run_counterclockwise_whichever_way_they_are_drawn(way):
+    corners = [[-40, -30], [45, -35], [30, 40]]
+    sheet = lay(border={"polygon_mm": corners[::way]})
+    assert Polygon(sheet.border).exterior.is_ccw
+    assert {*map(tuple, sheet.border)} == {*map(tuple, corners)}

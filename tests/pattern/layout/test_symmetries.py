@@ -1,0 +1,122 @@
+"""Symmetries of layouts: how many there are, and what breaks them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pattern import gallery
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from pattern.layout.symmetries import symmetries
+
+HEXAGON = {"stars": {"length_mm": 8.0}, "border": {"rings": 1}}
+
+
+def count(**changes: object) -> tuple[int, int]:
+    """All symmetries, and mirrors among them."""
+    design = Design.from_dict(HEXAGON | changes)
+    found = symmetries(design, layout(design))
+    return len(found), sum(one.mirrors for one in found)
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({}, (6, 3)),
+        ({"lattice": {"arms": 6, "orientation_deg": 0.0}}, (12, 6)),
+        ({"lattice": {"orientation_deg": 10.0}}, (3, 0)),
+        ({"stars": {"length_mm": 8.0, "override": [{"at_mm": [0.0, 17.3205], "length_mm": 7.0}]}}, (2, 1)),
+        ({"stars": {"length_mm": 8.0, "thickness_mm": {"formula": "0.3 + 0.001*x + 0.0003*y"}}}, (1, 0)),
+        ({"fabric": {"stretch": [1.35, 1.3]}}, (2, 1)),
+        ({"pins": [{"where": "border", "scale": 0.8}]}, (6, 3)),
+        ({"pins": [{"where": "border", "scale": 0.8, "offset_mm": [5.0, 0.0, 2.0]}]}, (6, 3)),
+        ({"pins": [{"edges": [0]}]}, (1, 0)),
+        ({"pins": [{"edges": [0, 3]}]}, (2, 1)),
+        ({"pins": [{"edges": [0, 1]}]}, (2, 1)),
+        ({"pins": [{"edges": [0, 2, 4]}]}, (3, 0)),
+        ({"pins": [{"corners": [1], "scale": 0.9}]}, (2, 1)),
+        ({"pins": [{"corners": [0, 2, 4], "scale": 0.9}, {"corners": [1, 3, 5], "scale": 0.8}]}, (6, 3)),
+        ({"pins": [{"corners": [0, 2], "scale": 0.9}, {"corners": [4], "scale": 0.9, "step": 1}]}, (2, 1)),
+        ({"pins": [{"corners": [0, 2, 4], "target_mm": [[40, 0, 0], [0, 40, 0], [0, 0, 40]]}]}, (1, 0)),
+        ({"border": {"rectangle_mm": [100.0, 60.0]}}, (2, 1)),
+        ({"border": {"rectangle_mm": [100.0, 60.0]}, "lattice": {"kind": "square", "arms": 4}}, (4, 2)),
+        ({"border": {"rectangle_mm": [60.0, 60.0]}, "lattice": {"kind": "square", "arms": 4}}, (8, 4)),
+    ],
+)
+def test_count(changes: dict, expected: tuple[int, int]) -> None:
+    assert count(**changes) == expected
+
+
+def test_corners_on_a_straight_side_change_nothing() -> None:
+    """A hexagon as a polygon, one side of it in two pieces."""
+    angle = np.radians(30.0 + 60.0 * np.arange(6))
+    corners = 57.0 * np.column_stack([np.cos(angle), np.sin(angle)])
+    pieces = np.insert(corners, 1, 0.3 * corners[0] + 0.7 * corners[1], axis=0)
+    free: dict = {"pins": []}
+    assert count(border={"polygon_mm": pieces.tolist()}, **free) == count(
+        border={"polygon_mm": corners.tolist()}, **free
+    )
+    assert count(border={"polygon_mm": pieces.tolist()}, **free)[0] == 6
+    # but a piece that is held does
+    assert count(border={"polygon_mm": pieces.tolist()}, pins=[{"edges": [0], "scale": 0.8}])[0] < 6
+
+
+def test_weight_must_keep_its_direction() -> None:
+    fabric = {"modulus_mpa": 1.0}
+    assert count(fabric=fabric, gravity={"on": True}) == (6, 3)
+    assert count(fabric=fabric, gravity={"on": True, "direction": [0.0, 1.0, 0.0]}) == (2, 1)
+    assert count(fabric=fabric, gravity={"on": True, "direction": [1.0, 0.0, 0.0]}) == (1, 0)
+
+
+@pytest.mark.parametrize("name", gallery.names())
+def test_they_are_a_group_that_maps_stars_to_equal_ones(name: str) -> None:
+    design = gallery.load(name)
+    plan = layout(design)
+    found = symmetries(design, plan)
+    np.testing.assert_allclose(found[0].turn, np.eye(2), atol=1e-12)
+    turns = np.array([one.turn for one in found])
+    for one in found:
+        np.testing.assert_allclose(plan.centres @ one.turn.T + one.shift, plan.centres[one.star], atol=1e-6)
+        product = turns @ one.turn
+        gap = np.abs(product[:, None] - turns[None]).max(axis=(2, 3))
+        assert (gap.min(axis=1) < 1e-9).all()
+
+
+def test_outlines_of_the_same_corners_joined_otherwise_are_not_the_same() -> None:
+    """The upper side zigzags: mirrored, the corners fall on each other and the sides do not."""
+    zigzag = [[-60, -60], [60, -60], [60, 40], [10, 15], [10, 35], [-10, 15], [-10, 35], [-60, 40]]
+    design = Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"polygon_mm": zigzag, "star_margin_mm": 20.0}})
+    assert not any(one.mirrors for one in symmetries(design, layout(design)))
+    even = [[-60, -60], [60, -60], [60, 40], [10, 35], [10, 15], [-10, 15], [-10, 35], [-60, 40]]
+    design = Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"polygon_mm": even, "star_margin_mm": 20.0}})
+    assert any(one.mirrors for one in symmetries(design, layout(design)))
+
+
+@pytest.mark.parametrize("pins", [{"where": "border", "scale": 0.7}, {"edges": [0, 1]}, {"edges": [0], "step": 1}])
+def test_a_corner_on_a_held_side_changes_nothing(pins: dict[str, object]) -> None:
+    square = [[-45, -45], [45, -45], [45, 45], [-45, 45]]
+    lattice = {"kind": "square", "arms": 4, "spacing_mm": 15}
+    whole = {"stars": {"length_mm": 5.0}, "lattice": lattice, "border": {"polygon_mm": square}}
+    more = whole | {"border": {"polygon_mm": [square[0], [10, -45], *square[1:]]}}
+    if "edges" in pins:
+        # both halves of the side, or the first alone, which is not a side of the square
+        one = count(**whole, pins=[pins | {"edges": [0]}])
+        assert (count(**more, pins=[pins]) == one) is (pins["edges"] == [0, 1])
+    else:
+        assert count(**more, pins=[pins]) == count(**whole, pins=[pins]) == (8, 4)
+
+
+def test_tips_that_meet_are_told_apart() -> None:
+    changes: dict = {"stars": {"length_fraction": 0.5}, "lattice": {"arms": 6, "orientation_deg": 0.0}}
+    tips = layout(Design.from_dict(HEXAGON | changes)).arm_tip
+    assert len(np.unique(tips.round(6), axis=0)) == len(tips) - 12
+    assert count(**changes) == (12, 6)
+
+
+def test_arms_must_be_equally_wide() -> None:
+    assert count(stars={"length_mm": 8.0, "width_mm": {"formula": "1.2 + 0.001*x + 0.0003*y"}}) == (1, 0)
+
+
+def test_no_weight_pulls_to_no_side() -> None:
+    assert count(gravity={"on": False, "direction": [1.0, 0.0, 0.0]}) == (6, 3)

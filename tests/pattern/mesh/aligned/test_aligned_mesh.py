@@ -1,0 +1,262 @@
+"""The lattice-aligned mesh."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pattern import gallery
+from pattern.design.errors import MeshError
+from pattern.geometry.planar import triangle_angles
+from pattern.layout import build
+from pattern.mesh.aligned.aligned_mesh import SMALLEST_ANGLE, aligned_mesh
+from tests.pattern.layouts import (
+    L_SHAPE,
+    RECTANGLE,
+    ROUND,
+    SIX,
+    SLANTED,
+    THREE,
+    D,
+    hexagon,
+    lattice_points,
+    layout,
+    pin,
+    rings,
+    stars_on,
+    unit,
+)
+from tests.pattern.mesh_rules import even_rods, obey, same_after, smallest_angle
+
+
+@pytest.mark.parametrize("n", [0, 1, 2, 3])
+@pytest.mark.parametrize("edge", [3.2, 2.0, 1.1])
+def test_hexagon_of_rings(n, edge):
+    sheet = rings(n, 10.0)
+    mesh = aligned_mesh(sheet, edge)
+    obey(sheet, mesh)
+    assert mesh.kind == "aligned"
+    assert even_rods(mesh)
+    assert smallest_angle(mesh) > 43
+
+
+@pytest.mark.parametrize("k", range(5, 17))
+@pytest.mark.parametrize("length", [3.0, 4.5, 6.0, 8.0, 9.0, 11.0, 12.0])
+def test_any_length_and_edge(k, length):
+    sheet = rings(1, length)
+    mesh = aligned_mesh(sheet, D / k)
+    obey(sheet, mesh)
+    assert even_rods(mesh)
+    assert smallest_angle(mesh) > 36
+
+
+@pytest.mark.parametrize("length", [4.0, 10.0, 13.0])
+def test_symmetric(length):
+    mesh = aligned_mesh(rings(3, length), 2.0)
+    turn = np.array([unit(120.0), unit(210.0)])
+    assert same_after(mesh, mesh.points @ turn)
+    assert same_after(mesh, mesh.points * [-1, 1])
+
+
+def test_equilateral_without_reason_to_differ():
+    """Stars whose arms end on grid points, far from the border: every triangle there is equilateral."""
+    mesh = aligned_mesh(rings(2, D / 2), D / 8)
+    inner = np.linalg.norm(mesh.points[mesh.triangles].mean(axis=1), axis=1) < 15
+    assert np.allclose(triangle_angles(mesh.points, mesh.triangles[inner]), 60, atol=0.2)
+
+
+def test_deterministic():
+    one, two = (aligned_mesh(stars_on(SLANTED, 9.0), 2.0) for _ in range(2))
+    assert np.array_equal(one.points, two.points)
+    assert np.array_equal(one.triangles, two.triangles)
+
+
+def test_varying_lengths():
+    sheet = rings(2)
+    lengths = np.interp(np.linalg.norm(sheet.centres, axis=1), [0, 35], [11.0, 4.0])
+    sheet = rings(2, lengths)
+    mesh = aligned_mesh(sheet, 1.6)
+    obey(sheet, mesh)
+    assert smallest_angle(mesh) > 40
+
+
+def test_tips_at_the_border():
+    """15 mm from the outermost stars, the border."""
+    sheet = rings(1, 15.0)
+    mesh = aligned_mesh(sheet, 2.0)
+    obey(sheet, mesh)
+    assert np.isin([rod[-1] for rod in mesh.rods], mesh.border_vertices).sum() == 9
+    assert smallest_angle(mesh) > 40
+
+
+@pytest.mark.parametrize("edge", [3.0, 2.0, 1.5])
+def test_tips_just_inside_the_border(edge):
+    sheet = rings(1, 14.5)
+    mesh = aligned_mesh(sheet, edge)
+    obey(sheet, mesh)
+    assert even_rods(mesh)
+    assert smallest_angle(mesh) > 20
+
+
+def test_arms_that_reach_the_next_star():
+    """Arms as long as the lattice distance end in the vertex of the next star."""
+    sheet = layout(hexagon(3), lattice_points(1, D * unit([30.0, 90.0])), D)
+    mesh = aligned_mesh(sheet, 2.0)
+    obey(sheet, mesh)
+    assert len({int(rod[-1]) for rod in mesh.rods} & {*mesh.star_vertices.tolist()}) > 3
+    assert smallest_angle(mesh) > 49
+
+
+@pytest.mark.parametrize("length", [D / 2, 0.3 * D, 5.0, 6.0])
+def test_six_arms(length):
+    """Arms from both ends of every link; they meet at half the distance."""
+    sheet = rings(1, length, SIX)
+    mesh = aligned_mesh(sheet, 1.6)
+    obey(sheet, mesh)
+    assert even_rods(mesh)
+    tips = {int(rod[-1]) for rod in mesh.rods}
+    assert len(tips) == (42 - 12 if length == D / 2 else 42)
+    assert smallest_angle(mesh) > 35
+
+
+def test_unequal_arms_share_a_link():
+    sheet = layout(hexagon(1), [[0, 0], D * unit(90.0)], np.array([12.0, D - 12.0]), [90.0, 270.0])
+    mesh = aligned_mesh(sheet, 2.0)
+    obey(sheet, mesh)
+    assert mesh.rods[0][-1] == mesh.rods[3][-1]
+
+
+@pytest.mark.parametrize("directions", [[30.0], [30.0, 210.0], [30.0, 90.0, 210.0], [30.0, 150.0, 210.0, 270.0]])
+def test_other_arms(directions):
+    sheet = rings(1, 8.0, directions)
+    obey(sheet, aligned_mesh(sheet, 2.0))
+
+
+@pytest.mark.parametrize("vectors", [D * np.eye(2), [[20.0, 0.0], [0.0, 15.0]], [[0.0, 16.0], [-16.0, 0.0]]])
+def test_square_and_rectangular_lattices(vectors):
+    border = np.array([[-50, -40], [50, -40], [50, 40], [-50, 40]], dtype=float)
+    centres = lattice_points(1, np.asarray(vectors))
+    sheet = layout(border, centres, 6.0, [0.0, 90.0, 180.0, 270.0], vectors=vectors)
+    mesh = aligned_mesh(sheet, 2.0)
+    obey(sheet, mesh)
+    assert smallest_angle(mesh) > 30
+
+
+@pytest.mark.parametrize("border", [L_SHAPE, SLANTED, RECTANGLE, ROUND, 0.97 * hexagon(2)])
+@pytest.mark.parametrize("length", [4.0, 10.0, 13.0])
+@pytest.mark.parametrize("edge", [1.5, 2.3])
+def test_any_border(border, length, edge):
+    sheet = stars_on(border, length, margin=0.5)
+    mesh = aligned_mesh(sheet, edge)
+    obey(sheet, mesh)
+    assert mesh.kind == "aligned"
+    assert even_rods(mesh)
+    assert smallest_angle(mesh) > 20
+
+
+@pytest.mark.parametrize("name", ["u-shape", "roof", "tunnel"])
+def test_a_draft_will_do(name):
+    sheet = build.layout(gallery.load(name))
+    draft, whole = (aligned_mesh(sheet, 2.5, draft=draft) for draft in (True, False))
+    obey(sheet, draft)
+    assert SMALLEST_ANGLE <= smallest_angle(draft) <= smallest_angle(whole)
+    assert len(draft.points) == len(whole.points)
+
+
+def test_border_is_even():
+    sheet = stars_on(RECTANGLE, 10.0, margin=3.0)
+    mesh = aligned_mesh(sheet, 2.0)
+    along = mesh.points[mesh.border_vertices]
+    steps = np.linalg.norm(np.roll(along, -1, axis=0) - along, axis=1)
+    assert np.all(np.abs(steps - 1.92) < 0.08)
+
+
+def test_pins():
+    corner = hexagon(2)[2]
+    beside = 0.3 * hexagon(2)[0] + 0.7 * hexagon(2)[1]
+    pins = (pin([[3.3, 6.1], corner, [-20.0, 15.2], beside, [0.0, 0.0]]), pin(edges=(0, 3)))
+    sheet = rings(2, 8.0, pins=pins)
+    mesh = aligned_mesh(sheet, 2.0)
+    obey(sheet, mesh)
+    assert smallest_angle(mesh) > 30
+    assert len(mesh.pin_vertices[0]) == 5
+    sheet = stars_on(RECTANGLE, 8.0, pins=(pin([[3.3, 6.1], [40, 32], [40, 3.1], [-12, 14]]), pin(edges=(1, 2))))
+    mesh = aligned_mesh(sheet, 2.0)
+    obey(sheet, mesh)
+    assert smallest_angle(mesh) > 25
+
+
+def test_points_come_before_edges_in_a_pin_set():
+    """Targets are given by point: those vertices come first, and twice if they are named twice."""
+    corner = hexagon(1)[1]
+    sheet = rings(1, pins=(pin([corner, [0, 0], corner], edges=(1,)),))
+    mesh = aligned_mesh(sheet, 3.0)
+    obey(sheet, mesh)
+    first, second, third, *rest = mesh.pin_vertices[0].tolist()
+    assert first == third and second == mesh.star_vertices[np.argmin(np.linalg.norm(sheet.centres, axis=1))]
+    assert first not in rest and len(rest) == len(set(rest))
+
+
+@pytest.mark.parametrize(
+    ("sheet", "edge"),
+    [
+        (rings(1, 10.0, [0.0, 120.0, 240.0]), 2.0),  # arms between the lattice's directions
+        (layout(hexagon(1), [[1.0, 0.0]]), 2.0),  # a star beside the lattice
+        (rings(1, 12.0, SIX), 2.0),  # overlapping arms
+        (rings(1, 0.0), 2.0),
+        (rings(1, 0.1), 2.0),  # far shorter than an edge
+        (rings(1, 17.0), 2.0),  # over the border
+        (rings(1, 8.5, SIX), D / 2),  # no edge left for the gap
+        (rings(1), 0.0),
+        (rings(1), -1.0),
+        (rings(1), np.nan),
+        (rings(1), np.inf),
+        (rings(1), 1e-9),
+        (rings(1, pins=(pin([[100.0, 0.0]]),)), 2.0),
+        (layout(RECTANGLE, [[0.0, 0.0]], pins=(pin([[1.0, 40.0]]),)), 2.0),
+        (rings(1, 10.0, pins=(pin([[0.0, -5.1]]),)), 2.0),  # on an arm, between its vertices
+    ],
+)
+def test_refused(sheet, edge):
+    with pytest.raises(MeshError) as caught:
+        aligned_mesh(sheet, edge)
+    assert "\n" not in str(caught.value)
+
+
+def test_eight_arms_do_not_fit_a_square_grid():
+    border = np.array([[-50, -40], [50, -40], [50, 40], [-50, 40]], dtype=float)
+    sheet = layout(border, [[0.0, 0.0]], 6.0, list(45.0 * np.arange(8)), vectors=D * np.eye(2))
+    with pytest.raises(MeshError, match="does not lie on a line"):
+        aligned_mesh(sheet, 2.0)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.integers(0, 2),
+    st.floats(0.5, D),
+    st.floats(0.9, 6.0),
+    st.sampled_from([THREE, SIX, (30.0, 150.0, 210.0, 330.0), (90.0,)]),
+)
+def test_sound_or_refused(n, length, edge, directions):
+    sheet = rings(n, length, directions)
+    try:
+        mesh = aligned_mesh(sheet, edge)
+    except MeshError:
+        return
+    obey(sheet, mesh)
+    assert even_rods(mesh)
+    assert smallest_angle(mesh) >= SMALLEST_ANGLE
+
+
+def test_fast():
+    sheet = rings(9)
+    aligned_mesh(sheet, 5.0)
+    start = time.perf_counter()
+    mesh = aligned_mesh(sheet, 1.2)
+    assert len(mesh.points) > 50_000
+    # .6 s on an idle machine
+    assert time.perf_counter() - start < 4

@@ -1,0 +1,181 @@
+"""The constrained Delaunay mesh."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from pattern.design.errors import MeshError
+from pattern.geometry.planar import polygon_area
+from pattern.mesh.free.delaunay_mesh import delaunay_mesh
+from tests.pattern.layouts import (
+    L_SHAPE,
+    RECTANGLE,
+    ROUND,
+    SIX,
+    SLANTED,
+    D,
+    hexagon,
+    lattice_points,
+    layout,
+    pin,
+    rings,
+    stars_on,
+    unit,
+)
+from tests.pattern.mesh_rules import even_rods, obey, smallest_angle
+
+
+@pytest.mark.parametrize("n", [0, 1, 3])
+@pytest.mark.parametrize("length", [2.0, 5.5, 10.0, 13.0, 15.0])
+@pytest.mark.parametrize("edge", [3.0, 1.5])
+def test_hexagon_of_rings(n, length, edge):
+    sheet = rings(n, length)
+    mesh = delaunay_mesh(sheet, edge)
+    obey(sheet, mesh)
+    assert mesh.kind == "delaunay"
+    assert even_rods(mesh)
+    assert min(len(rod) for rod in mesh.rods) >= 3
+    assert smallest_angle(mesh) > 25
+
+
+@pytest.mark.parametrize("edge", [3.0, 2.0, 1.0])
+def test_edges_are_as_long_as_wished(edge):
+    """As many triangles as equilateral ones of that edge would fill the sheet, within a quarter."""
+    sheet = rings(2, 10.0)
+    mesh = delaunay_mesh(sheet, edge)
+    assert len(mesh.triangles) == pytest.approx(polygon_area(sheet.border) / (np.sqrt(3) / 4 * edge**2), rel=0.25)
+
+
+@pytest.mark.parametrize("border", [L_SHAPE, SLANTED, RECTANGLE, ROUND])
+@pytest.mark.parametrize("length", [4.0, 10.0])
+def test_any_border(border, length):
+    sheet = stars_on(border, length, margin=0.5)
+    mesh = delaunay_mesh(sheet, 2.0)
+    obey(sheet, mesh)
+    assert even_rods(mesh)
+    assert smallest_angle(mesh) > 20
+
+
+def test_border_is_even():
+    mesh = delaunay_mesh(stars_on(RECTANGLE, 10.0, margin=3.0), 2.0)
+    along = mesh.points[mesh.border_vertices]
+    assert np.allclose(np.linalg.norm(np.roll(along, -1, axis=0) - along, axis=1), 2.0)
+
+
+@pytest.mark.parametrize("directions", [(0.0, 120.0, 240.0), (45.0 * np.arange(8)).tolist(), (10.0, 80.0)])
+def test_any_arms(directions):
+    sheet = rings(1, 7.0, directions)
+    mesh = delaunay_mesh(sheet, 2.0)
+    obey(sheet, mesh)
+    assert even_rods(mesh)
+    assert smallest_angle(mesh) > 24
+
+
+def test_tips_that_meet_share_a_vertex():
+    sheet = rings(1, D / 2, SIX)
+    mesh = delaunay_mesh(sheet, 2.0)
+    obey(sheet, mesh)
+    assert len({int(rod[-1]) for rod in mesh.rods}) == 30
+    nearly = rings(1, D / 2 - 2e-7, SIX)
+    assert len({int(rod[-1]) for rod in delaunay_mesh(nearly, 2.0).rods}) == 30
+
+
+def test_tip_on_a_star_shares_its_vertex():
+    sheet = layout(hexagon(3), lattice_points(1, D * unit([30.0, 90.0])), D)
+    mesh = delaunay_mesh(sheet, 2.0)
+    obey(sheet, mesh)
+    assert len({int(rod[-1]) for rod in mesh.rods} & {*mesh.star_vertices.tolist()}) > 3
+
+
+@pytest.mark.parametrize("gap", [0.05, 0.2, 0.6])
+def test_small_gaps_are_refined(gap):
+    """Between a tip and the next star, and between two tips."""
+    for sheet in (rings(1, D - gap, [30.0]), rings(1, (D - gap) / 2, SIX)):
+        sheet = layout(hexagon(3), sheet.centres, sheet.arm_length[0], [30.0] if len(sheet.arm_star) == 7 else SIX)
+        mesh = delaunay_mesh(sheet, 2.0)
+        obey(sheet, mesh)
+        assert even_rods(mesh)
+        # a gap of a fortieth of an edge cannot have both even arms and round triangles
+        assert smallest_angle(mesh) > (20 if gap >= 0.2 else 5)
+
+
+def test_seeds():
+    sheet = rings(2, 10.0)
+    one, again, two = (delaunay_mesh(sheet, 2.0, seed) for seed in (0, 0, 1))
+    assert np.array_equal(one.points, again.points)
+    assert np.array_equal(one.triangles, again.triangles)
+    obey(sheet, two)
+    shorter = min(len(one.points), len(two.points))
+    assert not np.allclose(one.points[:shorter], two.points[:shorter])
+
+
+def test_pins():
+    on_arm = -3.3 * unit(90.0)
+    corner = hexagon(1)[1]
+    beside = 0.3 * hexagon(1)[0] + 0.7 * hexagon(1)[1]
+    pins = (
+        pin([[3.3, 6.1], corner, on_arm, beside, [0, 0], corner]),
+        pin(edges=(0, 3)),
+        pin([[4.0, -1.0]], edges=(1,)),
+    )
+    sheet = rings(1, 10.0, pins=pins)
+    mesh = delaunay_mesh(sheet, 2.0)
+    obey(sheet, mesh)
+    assert mesh.pin_vertices[0][2] in np.concatenate(mesh.rods)
+    assert smallest_angle(mesh) > 20
+
+
+@pytest.mark.parametrize(
+    ("sheet", "edge"),
+    [
+        (rings(1, 0.0), 2.0),
+        (rings(1, 17.0), 2.0),  # over the border
+        (rings(1, 12.0, SIX), 2.0),  # overlapping arms
+        (layout(hexagon(1), [[0, 0], [5, 0]], 10.0, [0.0, 120.0, 240.0]), 2.0),  # through another star
+        (layout(hexagon(1), [[0, 0], [5, 5]], 10.0, [0.0, -90.0]), 2.0),  # crossing arms
+        (layout(hexagon(1), [[300, 0]]), 2.0),
+        (rings(1), 0.0),
+        (rings(1), np.nan),
+        (rings(1), 1e-4),
+        (rings(1, pins=(pin([[100.0, 0.0]]),)), 2.0),
+        (layout([[0, 0], [10, 10], [10, 0], [0, 10]], [[5, 8]], 1.0), 2.0),  # a border that crosses itself
+        (layout([[0, 0], [10, 0], [20, 0]], [[5, 0]], 1.0), 2.0),  # and one without an inside
+    ],
+)
+def test_refused(sheet, edge):
+    with pytest.raises(MeshError) as caught:
+        delaunay_mesh(sheet, edge)
+    assert "\n" not in str(caught.value)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.data())
+def test_any_polygon(data):
+    """Star-shaped outlines with stars of any length and direction: a sound mesh, or one line that says why not."""
+    radii = data.draw(st.lists(st.floats(20, 60), min_size=3, max_size=12))
+    border = np.array(radii)[:, None] * unit([360.0 * q / len(radii) for q in range(len(radii))])
+    length = data.draw(st.floats(0.5, 16))
+    directions = data.draw(st.sampled_from([(0.0, 120.0, 240.0), (-90.0, 30.0, 150.0), (5.0, 95.0, 185.0, 275.0)]))
+    sheet = stars_on(border, length, directions)
+    assume(len(sheet.centres))
+    try:
+        mesh = delaunay_mesh(sheet, data.draw(st.floats(1.0, 8.0)))
+    except MeshError:
+        return
+    obey(sheet, mesh)
+    assert even_rods(mesh)
+
+
+def test_fast():
+    sheet = rings(9)
+    delaunay_mesh(sheet, 5.0)
+    start = time.perf_counter()
+    mesh = delaunay_mesh(sheet, 1.2)
+    assert len(mesh.points) > 50_000
+    # .6 s on an idle machine
+    assert time.perf_counter() - start < 4
