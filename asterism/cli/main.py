@@ -51,7 +51,7 @@ def _run() -> int:
     from asterism.measure.strips.errors import NoMaterial
     from asterism.results.csv_cells import TableError
     from asterism.results.files import OutputError
-    from equilibrium.linear.factor import BackendError
+    from equilibrium.errors import BackendError
     from homogenize.errors import AddressError, CampaignError, LawError
     from pattern.design.errors import DesignError, MeshError
 

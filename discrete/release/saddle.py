@@ -6,8 +6,8 @@ from discrete.model.model import Model
 from discrete.model.state import State
 from discrete.release.starts import unit
 from equilibrium.linear.factor import Factor, Iterative
-from equilibrium.newton.certificate import Eigenpair, smallest_eigenvalue
 from equilibrium.newton import saddle
+from equilibrium.newton.certificate import Eigenpair, smallest_eigenvalue
 
 LARGEST_MOVE_MM = 2.0  # at the paper's spacing of the stars, and in proportion at others
 

@@ -15,14 +15,11 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from scipy.sparse.linalg import splu
 
+from equilibrium.errors import BackendError
 from equilibrium.linear.pardiso import PardisoFactor
 from equilibrium.linear.sparse_pattern import Floats, Ints, SparsePattern
 
 SHARE = 0.5  # of the machine's memory that a factorisation may take
-
-
-class BackendError(ValueError):
-    """The factorisation asked for is not installed; one line."""
 
 
 class Factor(Protocol):

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from equilibrium.linear.factor import BackendError, make_factor
+from equilibrium.errors import BackendError
+from equilibrium.linear.factor import make_factor
 from equilibrium.linear.sparse_pattern import Floats, SparsePattern
 
 

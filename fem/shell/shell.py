@@ -10,7 +10,8 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from equilibrium.linear.factor import BackendError, Factor, make_factor
+from equilibrium.errors import BackendError
+from equilibrium.linear.factor import Factor, make_factor
 from equilibrium.linear.rigid_support import independent_dofs
 from equilibrium.linear.sparse_pattern import SparsePattern
 from fem.elements.plain_maps import constant, flat_positions

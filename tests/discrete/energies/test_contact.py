@@ -15,8 +15,8 @@ from discrete.model.model import Model
 from discrete.model.state import State, carried
 from discrete.release.levels import find_equilibrium
 from discrete.release.solve import relax
+from equilibrium.errors import BackendError
 from equilibrium.linear.extended_pattern import ExtendedPattern
-from equilibrium.linear.factor import BackendError
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
 from pattern.layout.build import layout

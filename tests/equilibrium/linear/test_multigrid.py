@@ -10,15 +10,16 @@ from hypothesis import strategies as st
 from asterism.exact.simulation import simulate
 from discrete.model.model import Model
 from discrete.release.solve import relax
+from equilibrium.errors import BackendError
 from equilibrium.linear import factor as factor_module
 from equilibrium.linear import multigrid
 from equilibrium.linear.conjugate_gradients import ConjugateGradients, NotPositiveDefinite, proves_definite, solved
-from equilibrium.linear.factor import BackendError, Iterative, available, make_factor, make_solver
+from equilibrium.linear.factor import Iterative, available, make_factor, make_solver
 from equilibrium.linear.following_factor import FollowingFactor
 from equilibrium.linear.multigrid import MultigridFactor
 from equilibrium.linear.sparse_pattern import Floats, SparsePattern
-from equilibrium.newton.certificate import smallest_eigenvalue
 from equilibrium.newton import certificate
+from equilibrium.newton.certificate import smallest_eigenvalue
 from pattern import gallery
 from pattern.design.design import Design
 from pattern.layout.build import layout

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from skfem import MeshTri
 
-from equilibrium.linear.factor import BackendError
+from equilibrium.errors import BackendError
 from fem.elements.argyris import Argyris
 from fem.elements.tabulation import Floats
 from fem.shell.density import Density, isotropic
