@@ -131,15 +131,12 @@ def by_load_steps(shell: Shell, factor: Factor, steps: int) -> ShellEquilibrium 
     """From the printed sheet, with fields, loads and moved conditions brought up in equal steps; None if one fails."""
     x = shell.flat
     found = None
-    try:
-        for step in range(1, steps + 1):
-            shell.progress = step / steps
-            found = follow(shell, shell.held(x), factor, f"{steps} load steps")
-            if not found.converged:
-                return None
-            x = found.x
-    finally:
-        shell.progress = 1.0
+    for step in range(1, steps + 1):
+        part = shell.at_progress(step / steps)
+        found = follow(part, part.held(x), factor, f"{steps} load steps")
+        if not found.converged:
+            return None
+        x = found.x
     return None if found is None else replace(found, load_steps=steps)
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from copy import copy
+from dataclasses import replace
 from functools import cached_property
 from typing import Protocol
 
@@ -84,16 +86,49 @@ class Shell:
         self.points = self.assembly.points
         self.flat = flat_positions(space)
         self._shifts = constant(space)
-        self.loads = np.zeros((space.size, 3)) if loads is None else np.asarray(loads, dtype=float)
-        if self.loads.shape != (space.size, 3) or not np.isfinite(self.loads).all():
-            raise ValueError(
-                f"loads must be finite, shape ({space.size}, 3), as of fem.supports.loads: got {self.loads.shape}"
-            )
+        self.loads = self._checked_loads(np.zeros((space.size, 3)) if loads is None else loads)
         self.reduction = reduce(space, conditions)
         self._reduced = Reduced(self.assembly.pattern, self.reduction.map)
         self.pattern: SparsePattern = self._reduced.pattern
         self.progress = 1.0
         self.set_fields(fields)
+
+    def with_fields(self, fields: Fields, loads: Floats | None = None) -> Shell:
+        """The same shell with other fields, and other loads if they are given; this shell stays as it is.
+
+        Space, assembly, supports and the pattern of the Hessian are shared: a factor of this shell serves the new one.
+
+        Raises
+        ------
+        fem.shell.fields.FieldError
+        ValueError
+            Loads of another shape, or not finite.
+        """
+        new = copy(self)
+        if loads is not None:
+            new.loads = self._checked_loads(loads)
+        new.set_fields(fields)
+        return new
+
+    def at_progress(self, progress: float) -> Shell:
+        """The same shell with this part of its fields, loads and moved supports; this shell stays as it is."""
+        new = copy(self)
+        new.progress = progress
+        return new
+
+    def with_target(self, target: Floats) -> Shell:
+        """The same shell with supports that end at other places: (3N,) mm, `Reduction.target`; this one stays."""
+        new = copy(self)
+        new.reduction = replace(self.reduction, target=target)
+        return new
+
+    def _checked_loads(self, loads: Floats) -> Floats:
+        loads = np.asarray(loads, dtype=float)
+        if loads.shape != (self.space.size, 3) or not np.isfinite(loads).all():
+            raise ValueError(
+                f"loads must be finite, shape ({self.space.size}, 3), as of fem.supports.loads: got {loads.shape}"
+            )
+        return loads
 
     def set_fields(self, fields: Fields) -> None:
         """Change what the sheet wants to be; everything else, factorisation patterns included, stays."""

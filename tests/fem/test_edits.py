@@ -39,11 +39,10 @@ def test_the_response_is_the_derivative() -> None:
     start = relax(shell, factor)
     errors, moves = [], []
     for amount in (0.01, 0.005):
-        shell.set_fields(dome(0.0))
         follow(shell, start.x, factor)  # the factor belongs to the start again
-        shell.set_fields(dome(amount))
-        guess = linear_response(shell, start.x, factor)
-        found = follow(shell, guess.x, factor, strains=guess.strains)
+        edited = shell.with_fields(dome(amount))
+        guess = linear_response(edited, start.x, factor)
+        found = follow(edited, guess.x, factor, strains=guess.strains)
         assert found.is_minimum and found.factorisations <= 3  # that of the certificate among them
         errors.append(distance(shell, guess.x, found.x))
         moves.append(distance(shell, start.x, found.x))
@@ -60,8 +59,7 @@ def test_how_far_other_fields_take_it() -> None:
     told = far_off(shell, start.x, factor, dome(0.002))
     assert far_off(shell, start.x, factor, dome(-0.001)) == pytest.approx(0.5 * told, rel=0.01)
     assert far_off(shell, start.x, factor, dome(0.0)) < 1e-6 * told
-    shell.set_fields(dome(0.002))
-    found = follow(shell, start.x, factor)
+    found = follow(shell.with_fields(dome(0.002)), start.x, factor)
     at = shell.space.locate(shell.points.reshape(-1, 2)).value
     before, after = at @ start.x, at @ found.x
     turn, shift = rigid_fit(after, before)
@@ -76,7 +74,7 @@ def test_an_edit_and_back() -> None:
     start = relax(shell, factor)
     state = start
     for amount in (0.02, 0.0):
-        shell.set_fields(dome(amount))
+        shell = shell.with_fields(dome(amount))
         guess = linear_response(shell, state.x, factor)
         state = follow(shell, guess.x, factor, strains=guess.strains)
         assert state.is_minimum and state.fallbacks == 0
@@ -94,7 +92,7 @@ def test_a_held_sheet_responds_too() -> None:
     assert start.is_minimum and shell.rigid_modes(start.x).shape[1] == 0
     at = shell.space.locate(mesh.p.T[corners]).value
     assert np.abs(at @ start.x - places).max() < 1e-9
-    shell.set_fields(dome(0.005))
+    shell = shell.with_fields(dome(0.005))
     guess = linear_response(shell, start.x, factor)
     found = follow(shell, guess.x, factor, strains=guess.strains)
     assert found.is_minimum and np.abs(at @ found.x - places).max() < 1e-9
@@ -106,15 +104,33 @@ def test_fields_that_are_refused_change_nothing() -> None:
     x = shell.flat + 0.1 * np.random.default_rng(0).normal(size=shell.flat.shape)
     before = shell.energy(x)
     with pytest.raises(FieldError):
-        shell.set_fields(Fields(dome(0.01).density, dome(0.01).metric, dome(0.01).curvature, np.nan))
+        shell.with_fields(Fields(dome(0.01).density, dome(0.01).metric, dome(0.01).curvature, np.nan))
     assert shell.energy(x) == before
+
+
+def test_a_shell_with_other_fields_shares_its_pattern_and_leaves_the_first_as_it_was() -> None:
+    """Bit for bit the shell that is made from nothing, also of loads and of what was computed before."""
+    loads = point_load(Argyris(hexagon(1)), np.zeros(2), np.array([0.0, 0.0, 1e-3]))
+    shell = Shell(Argyris(hexagon(1)), dome(0.0))
+    x = shell.flat + 0.1 * np.random.default_rng(0).normal(size=shell.flat.shape)
+    before, stiffness = shell.energies(x), shell.flat_stiffness.copy()
+    edited, fresh = shell.with_fields(dome(0.01), loads), Shell(shell.space, dome(0.01), loads=loads)
+    assert edited.pattern is shell.pattern
+    assert edited.energies(x) == fresh.energies(x) != before
+    for array in ("gradient", "hessian", "flat_forces"):
+        assert np.array_equal(getattr(edited, array)(x), getattr(fresh, array)(x))
+    assert np.array_equal(edited.flat_stiffness, fresh.flat_stiffness)
+    assert shell.energies(x) == before and np.array_equal(shell.flat_stiffness, stiffness)
+    assert not shell.loads.any()
+    with pytest.raises(ValueError, match="loads"):
+        shell.with_fields(dome(0.0), loads[:-1])
 
 
 def test_a_free_sheet_does_not_move_as_a_whole() -> None:
     shell = Shell(Argyris(hexagon(1)), dome(0.0))
     factor = shell.factor()
     start = relax(shell, factor)
-    shell.set_fields(dome(0.005))
+    shell = shell.with_fields(dome(0.005))
     moved = shell.restricted(linear_response(shell, start.x, factor).x - start.x)
     assert np.linalg.norm(shell.rigid_modes(start.x).T @ moved) < 1e-9 * np.linalg.norm(moved)
 

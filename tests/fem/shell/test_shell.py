@@ -37,7 +37,7 @@ def _rolled(name: str, progress: float) -> tuple[Shell, Floats]:
         area_load(space, (0.1, 0.0, -0.3)),
         [EndMoment(space, ends[1], 0.2, (0, -1, 0), near=np.pi)],
     )
-    shell.progress = progress
+    shell = shell.at_progress(progress)
     x = space.interpolate(arc(2.2).jets)
     return shell, shell.held(x + 0.02 * np.random.default_rng(0).standard_normal(x.shape))
 
