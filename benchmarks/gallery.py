@@ -21,15 +21,15 @@ from benchmarks.report import markdown, write_report
 from pattern import gallery
 
 DOCS = Path(__file__).parent.parent / "docs"
-PICTURES, PAGE = DOCS / "pictures", DOCS / "gallery.md"
+PICTURES, PAGE = DOCS / "pictures", DOCS / "reference" / "gallery.md"
 INTRODUCTION = """# The gallery
 
-Designs of the paper's figures, each a file to start from: `asterism new NAME`. The paper prints few tables; what it
-says and what was chosen stands with each design, and at the top of its file.
+Designs of the paper's figures. `asterism new NAME` writes one of them as a file to start from. The paper prints few of
+their sizes: each design states which of its values come from the paper and which are chosen.
 
-All of them at edges of 2 mm, on two cores, compiled loops warm. A design without an eigenvalue is not certified; the
-others are minima of the [exact model](exact-model.md). Printed by `python -m benchmarks.gallery`, which also makes this
-page.
+The table has the shapes of the [exact model](../explanation/exact-model.md) on a mesh with edges of 2 mm. A design with
+an eigenvalue is a certified minimum. The seconds are from two cores, with compiled loops.
+`python -m benchmarks.gallery` prints the table and writes this page.
 """
 HEADER = [
     "design", "stars up", "vertices", "energy N mm", "height mm", "extent mm", "contraction",
@@ -71,13 +71,13 @@ def row(r: dict[str, Any]) -> list[str]:
 
 
 def page(table: str) -> str:
-    """docs/gallery.md: the table, then each design with the comment of its file."""
+    """docs/reference/gallery.md: the table, then each design with the comment of its file."""
     parts = [INTRODUCTION, table, ""]
     for name in gallery.names():
         lines = gallery.path(name).read_text(encoding="utf-8").splitlines()
         comment = takewhile(lambda line: line.startswith("#"), lines)
         parts += [f"## {name}", "", *(line.removeprefix("#").strip() for line in comment), ""]
-        parts += [f"![{name}: perspective, from above, from the front](pictures/{name}.png)", ""]
+        parts += [f"![{name}: perspective, from above, from the front](../pictures/{name}.png)", ""]
     return "\n".join(parts)
 
 

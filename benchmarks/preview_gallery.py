@@ -19,22 +19,22 @@ from homogenize.errors import LawError
 from homogenize.law.file import load_law
 from pattern import gallery
 
-PAGE = Path(__file__).parent.parent / "docs" / "preview-gallery.md"
+PAGE = Path(__file__).parent.parent / "docs" / "reference" / "preview-gallery.md"
 INTRODUCTION = """# Previews of the gallery
 
-Every design of the [gallery](gallery.md) as the [preview](preview.md) shows it, on the left, beside the
-[exact model](exact-model.md). Printed by `python -m benchmarks.preview_gallery`, which also makes this page; heights of
-the exact model are those of `python -m benchmarks.gallery`. How far the two are apart is measured in
-[verification](verification.md).
+Every design of the [gallery](gallery.md): the [preview](../explanation/preview.md) on the left, the
+[exact shape](../explanation/exact-model.md) on the right. `python -m benchmarks.preview_gallery` prints the table and
+writes this page; heights of the exact shapes are those of `python -m benchmarks.gallery`. The page on
+[accuracy](../explanation/accuracy.md) has the distances between the two.
 
-Designs of another material than the paper's take a [law of their own stars](calibration.md#for-one-design), as
-`asterism calibrate NAME.toml` makes it; their lines say so.
+A design of another material than the paper's uses a [law of its own stars](../how-to/calibrate.md#for-one-design), which
+`asterism calibrate NAME.toml` computes. Its line in the table is marked "own law".
 
-`doubly-curved` and `fig8-l-uniform` show another form than the exact model that is released from the flat print.
-Started from the preview, the exact model comes to that form, with less energy ([accuracy](accuracy.md)).
+The previews of `doubly-curved` and `fig8-l-uniform` show another form than the exact model finds when it releases the
+flat print. Started from the preview, the exact model reaches the form of the preview, with less energy.
 """
 HEADER = [
-    "design", "stars", "tightly curled", "triangles", "iterations", "start", "height mm", "exact height mm",
+    "design", "stars", "not scale-separated", "triangles", "iterations", "start", "height mm", "exact height mm",
     "extent mm", "contraction", "exact contraction", "softest mode N/mm3",
 ]  # fmt: skip
 
@@ -86,7 +86,7 @@ def _ratio(value: float | None) -> str:
 
 
 def page(table: str, rows: list[dict[str, Any]]) -> str:
-    """docs/preview-gallery.md."""
+    """docs/reference/preview-gallery.md."""
     parts = [INTRODUCTION, table, ""]
     for r in rows:
         name = r["name"]
@@ -94,7 +94,8 @@ def page(table: str, rows: list[dict[str, Any]]) -> str:
         if "refused" in r:
             parts += [f"No preview: {r['refused']}.", ""]
         else:
-            parts += [f"![{name}, preview](pictures/preview-{name}.png) ![{name}, exact](pictures/{name}.png)", ""]
+            both = (f"![{name}, preview](../pictures/preview-{name}.png)", f"![{name}, exact](../pictures/{name}.png)")
+            parts += [" ".join(both), ""]
     return "\n".join(parts)
 
 

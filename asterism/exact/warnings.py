@@ -27,7 +27,7 @@ def exact_warnings(summary: Mapping[str, Any], layout: Layout) -> list[str]:
     rolls = not layout.is_pulled and summary["roll_axis_deg"] is not None
     if rolls and summary["edge_mm"] > FINE * layout.spacing_mm:
         depends = "the radius of a free roll depends on the mesh"
-        lines.append(f"{depends}: that of the gallery's tube by a quarter between edges of 2 and .5 mm (docs/mesh.md)")
+        lines.append(f"{depends}: that of the gallery's tube by a quarter between edges of 2 and 0.5 mm (docs: mesh)")
     return [*lines, *off_branch(summary), *pin_warnings(layout, summary["design"]["gravity"]["on"])]
 
 

@@ -15,7 +15,7 @@ from pattern.geometry.rigid_fit import rms_distance
 from pattern.layout.layout import Floats
 
 # Order of the distance by the edge length where it cannot be observed: that of a stress which is singular at the arms'
-# tips, and what aligned meshes show in docs/mesh.md
+# tips, and what aligned meshes show in docs/explanation/mesh.md
 ORDER = 1.0
 # observed orders in between are believed
 LOWEST, HIGHEST = 0.5, 2.5

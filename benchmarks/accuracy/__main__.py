@@ -2,11 +2,11 @@
 
 python -m benchmarks.accuracy FOLDER [--starts] [--kept] [--law LAW.npz] [NAME ...]
 
-FOLDER keeps the exact shapes, and finished comparisons for as long as the law and the code of the preview stay the
-same. The exact model starts from the released sheet and from the preview, and the lower of its shapes counts. (One that
-it has found from a preview stays one of the design's, whatever becomes of previews.) With `--starts` iterations and
-seconds of both starts are compared too. Given names, nothing is written to docs/accuracy.md. With `--kept` comparisons
-are taken as FOLDER has them, whatever has made them.
+FOLDER keeps the exact shapes. It keeps finished comparisons as long as the law and the code of the preview stay the
+same. The exact model starts from the released sheet and from the preview, and the shape of lower energy counts. A shape
+that was found from a preview stays a candidate of its design when the preview changes. With `--starts`, iterations and
+seconds of both starts are compared too. With names, docs/explanation/accuracy.md stays as it is. With `--kept`,
+comparisons in FOLDER are used even if other code has made them.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def main() -> None:
     print(text)
     if not options.names:
         report.plot(rows, report.DOCS / "pictures" / "accuracy.png")
-        write_report("accuracy", rows, text.replace("](pictures/", "](../../docs/pictures/"))
+        write_report("accuracy", rows, text.replace("](../pictures/", "](../../docs/pictures/"))
         report.put_into_docs(text)
 
 

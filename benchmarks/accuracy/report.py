@@ -1,4 +1,4 @@
-"""The study's tables and plots, and its section of docs/accuracy.md."""
+"""The study's tables and plots, and its section of docs/explanation/accuracy.md."""
 
 from __future__ import annotations
 
@@ -178,7 +178,7 @@ def section(rows: list[dict[str, Any]], left_out: dict[str, str]) -> str:
     return "\n\n".join(
         [
             totals(rows),
-            "![Distance against its possible causes](pictures/accuracy.png)",
+            "![Distance against its possible causes](../pictures/accuracy.png)",
             f"Further off than 2.5 %, or another form:\n\n{misses(rows)}",
             *([f"Without a preview:\n\n{left}"] if left else []),
             markdown(HEADER, [row(r) for r in rows]),
@@ -187,8 +187,8 @@ def section(rows: list[dict[str, Any]], left_out: dict[str, str]) -> str:
 
 
 def put_into_docs(text: str, begin: str = BEGIN, end: str = END) -> None:
-    """Replaces what stands between two comments in docs/accuracy.md."""
-    path = DOCS / "accuracy.md"
+    """Replaces what stands between two comments in docs/explanation/accuracy.md."""
+    path = DOCS / "explanation" / "accuracy.md"
     before, rest = path.read_text(encoding="utf-8").split(begin)
     write_file(path, f"{before}{begin}\n\n{text}\n\n{end}{rest.split(end)[1]}")
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-PAGE = Path(__file__).parents[2] / "docs" / "shell.md"
+PAGE = Path(__file__).parents[2] / "docs" / "explanation" / "shell.md"
 
 
 def test_the_example_runs() -> None:

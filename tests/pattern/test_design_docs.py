@@ -8,13 +8,13 @@ from typing import get_args
 import pytest
 from pydantic import BaseModel
 
-from pattern.design.design import Design
 from pattern.design import sizing_fields as fields
+from pattern.design.design import Design
 from pattern.design.image import Picture
 from pattern.design.stars import Override
 from pattern.layout.build import layout
 
-TEXT = (Path(__file__).parents[2] / "docs" / "design-file.md").read_text(encoding="utf-8")
+TEXT = (Path(__file__).parents[2] / "docs" / "reference" / "design-file.md").read_text(encoding="utf-8")
 WHOLE, OVERRIDE, FIELDS = re.findall(r"```toml\n(.*?)```", TEXT, re.DOTALL)
 
 

@@ -116,7 +116,7 @@ def instructions(specimen: Specimen, start: Start, layers_mm: Pair, stretch: flo
         "7. Draw a box around the line between plastic and fabric, one side through its two ends (below).",
         "    Write down its width and height in mm. If the box holds the strip's thickness, too: fit with --outside.",
         "    A strip that looks straight has the height flat.",
-        "8. Peel the fabric off, measure once more. If a peeled strip bends to the other side, see docs/strips.md.",
+        "8. Peel the fabric off, measure once more. If a peeled strip bends to the other side, see the page on strips.",
         "9. asterism strips fit strips.csv",
     ]
 

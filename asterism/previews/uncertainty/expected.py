@@ -27,7 +27,7 @@ uncertain by a part UNSURE of E, taken as normally distributed; so a form that i
 the lower one with the probability `P = erfc(g/(sqrt(2) UNSURE))/2`. To the square of the distance the largest is added
 of all `P d^2` and of what two soft ways are worth.
 
-docs/accuracy.md shows how good this is.
+docs/explanation/accuracy.md shows how good this is.
 """
 
 from __future__ import annotations

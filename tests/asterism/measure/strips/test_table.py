@@ -170,5 +170,5 @@ def test_files_that_are_not_there(tmp_path: Path) -> None:
 
 
 def test_the_documentation_names_every_column() -> None:
-    text = (Path(__file__).parents[4] / "docs" / "strips.md").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[4] / "docs" / "how-to" / "strips.md").read_text(encoding="utf-8")
     assert [name for name in COLUMNS if f"`{name}`" not in text] == []
