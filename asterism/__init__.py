@@ -25,8 +25,9 @@ if TYPE_CHECKING:
     from asterism.shape.shape import Shape
     from asterism.verification.run import Verification, verify
     from homogenize.law.file import load_law
-    from pattern.design.design import Design, load_design, save_design
+    from pattern.design.design import Design, save_design
     from pattern.gallery import load as new
+    from pattern.layout.load_design import load_design
 
 # the solver's imports take most of a second: only who asks for it waits
 _HOMES = {

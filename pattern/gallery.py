@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from pattern.design.design import Design, load_design
+from pattern.design.design import Design
+from pattern.layout.load_design import load_design
 
 _FOLDER = Path(__file__).parent / "gallery"
 

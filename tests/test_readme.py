@@ -14,7 +14,8 @@ from PIL import Image
 
 import asterism
 from pattern import gallery
-from pattern.design.design import Design, load_design, save_design
+from pattern.design.design import Design, save_design
+from pattern.layout.load_design import load_design
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").rglob("*.md"))]

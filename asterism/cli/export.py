@@ -57,8 +57,8 @@ def export(
     from asterism.print.write import ROUNDED, SUMMARY, write_export
     from asterism.results.files import check_kept, check_writable, holds_result
     from asterism.results.read_shape import folder_of, read_shape
-    from pattern.design.design import load_design
     from pattern.design.errors import DesignError
+    from pattern.layout.load_design import load_design
 
     asked = [
         name for name, it in (("--shape", shape is not None), ("--preview", preview), ("--simulate", simulate)) if it

@@ -16,7 +16,7 @@ from PIL import Image
 from asterism.draw.colours import INK, PALE
 from asterism.draw.render import OBLIQUE, VIEWS, Camera, Surface, camera, render, surface
 from asterism.shape.shape import Shape
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 
 WIDTH, HEIGHT, DPI = 2000, 1120, 200
 MARGIN, CAPTION = 60, 150

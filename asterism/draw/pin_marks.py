@@ -10,9 +10,10 @@ from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
+from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import turns
 from pattern.layout.build import layout
-from pattern.layout.layout import Floats, Ints, Layout
+from pattern.layout.layout import Layout
 
 # over the diameter of the sheet
 BALL, TUBE = 0.011, 0.0045

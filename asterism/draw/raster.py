@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pattern.layout.layout import Floats, Ints
+from pattern.geometry.arrays import Floats, Ints
 
 # large arrays that come and go cost more than what is done with them
 FRAGMENTS_AT_ONCE, PIXELS_AT_ONCE = 100_000, 20_000

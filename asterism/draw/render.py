@@ -11,8 +11,8 @@ from asterism.draw.pin_marks import pin_marks
 from asterism.draw.raster import Raster, rasterise
 from asterism.draw.ribbons import ribbons
 from asterism.shape.shape import Shape
+from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.normals import vertex_normals
-from pattern.layout.layout import Floats, Ints
 
 PLASTIC_SIDE = (0.985, 0.92, 0.80)
 FABRIC_SIDE = (0.63, 0.725, 0.845)

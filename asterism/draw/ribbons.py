@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from asterism.shape.shape import Shape
+from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.normals import vertex_normals
-from pattern.layout.layout import Floats, Ints
 
 # of arms whose width is not among the fields of their shape
 DEFAULT_WIDTH_MM = 1.2

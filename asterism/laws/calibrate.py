@@ -19,9 +19,9 @@ from equilibrium.compiled import HAVE_NUMBA
 from homogenize.campaign import campaign
 from homogenize.campaign.code_version import code_version
 from homogenize.campaign.plan import Material
+from homogenize.law import file as law_file
 from homogenize.law.fit import fit
 from homogenize.law.law import WITHOUT_BENDING, Law
-from homogenize.law import file as law_file
 from pattern.design.errors import DesignError
 
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from homogenize.campaign.plan import load_material
-from pattern.design.design import Design, load_design
+from pattern.design.design import Design
 from pattern.design.errors import DesignError
 from pattern.layout.build import check_carried, layout
+from pattern.layout.load_design import load_design
 
 
 def read_design(path: Path, material: Path | None) -> Design:

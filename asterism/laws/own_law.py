@@ -12,10 +12,11 @@ from homogenize.campaign.plan import PAPER, Material, load_material
 from homogenize.errors import ForeignLaw, LawError
 from homogenize.law.file import load_law
 from homogenize.law.law import Law
-from pattern.design.design import Design, load_design
+from pattern.design.design import Design
 from pattern.design.errors import DesignError
 from pattern.design.files import read_table
 from pattern.layout.build import layout
+from pattern.layout.load_design import load_design
 
 
 def law_path(file: Path | None, output: Path | None, other: Path | None = None) -> Path:

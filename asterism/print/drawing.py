@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 
 # widths of signs over the size of the font, none of them wider in common fonts
 _WIDE, _USUAL = 1.15, 0.85

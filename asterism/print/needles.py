@@ -9,8 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from asterism.shape.shape import Shape
+from pattern.geometry.arrays import Floats
 from pattern.geometry.planar import distance_to_outline, distance_to_segment
-from pattern.layout.layout import Floats, Layout, PinSet
+from pattern.layout.layout import Layout, PinSet
 
 # by which a sheet may hang below the base: it is as thick
 MUCH_MM = 0.5

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from asterism.print.drawing import Circle, Drawing, Layer, Line, Text, beside, size_within
 from asterism.print.layers import TEXT
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 
 MARGIN_MM = 18.5
 COLUMN_MM = 123.0

@@ -11,7 +11,8 @@ from shapely.geometry.base import BaseGeometry
 from asterism.print.printer import Printer
 from asterism.print.solid import Step
 from pattern.design.errors import DesignError
-from pattern.layout.layout import Floats, Layout
+from pattern.geometry.arrays import Floats
+from pattern.layout.layout import Layout
 
 
 @dataclass(frozen=True)

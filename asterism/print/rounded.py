@@ -10,8 +10,9 @@ from asterism.print.printer import Printer
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
 from pattern.design.rounding import Rounding
+from pattern.geometry.arrays import Floats
 from pattern.layout.build import layout
-from pattern.layout.layout import Floats, Layout
+from pattern.layout.layout import Layout
 
 # layers that common printers can do, the coarsest first, and first layers as parts of the nozzle
 _LAYERS = (0.2, 0.15, 0.1, 0.05)

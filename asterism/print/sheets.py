@@ -11,7 +11,7 @@ from asterism.print.job import Job
 from asterism.print.layers import AFTER, BED, BEFORE, CUT, FRAME, GUIDE, MARKS, NEEDLES, OPENING, OUTLINE, STARS, TEXT
 from asterism.print.page import Items, page
 from asterism.print.solid import Step
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 
 _HOLE_MM = 1.0
 _LONGEST_TABLE = 40

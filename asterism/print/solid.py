@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from pattern.layout.layout import Floats, Ints
+from pattern.geometry.arrays import Floats, Ints
 
 # corners lie on a grid of a thousandth of a millimetre: single precision, as in STL, keeps them apart
 GRID_MM = 1e-3

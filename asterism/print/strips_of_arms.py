@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pattern.design.rounding import Rounding
-from pattern.layout.layout import Floats, Layout
+from pattern.geometry.arrays import Floats
+from pattern.layout.layout import Layout
 
 
 @dataclass(frozen=True)

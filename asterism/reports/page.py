@@ -25,7 +25,7 @@ from asterism.draw.picture import draw
 from asterism.print.job import Job
 from asterism.reports.facts import Facts
 from asterism.shape.shape import Shape
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 
 A4_MM = np.array([210.0, 297.0])
 MARGIN_MM = 15.0

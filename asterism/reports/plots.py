@@ -11,8 +11,8 @@ from matplotlib.tri import Triangulation
 
 from asterism.reports.views import COLOURS, ORANGE
 from asterism.shape.comparison import Comparison
+from pattern.geometry.arrays import Floats
 from pattern.geometry.planar import inside
-from pattern.layout.layout import Floats
 
 BLUE = "#4f6d92"
 SAMPLES = 241

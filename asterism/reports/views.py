@@ -11,7 +11,7 @@ from matplotlib import colormaps
 from asterism.draw.render import FABRIC_SIDE, OBLIQUE, VIEWS, Camera, Surface, camera, render, surface
 from asterism.shape.comparison import Comparison
 from asterism.shape.shape import Shape
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 
 ORANGE = (0.93, 0.47, 0.16)
 TALL, WIDE = 440, 640  # pixels: no picture is larger

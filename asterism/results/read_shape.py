@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 from asterism.results.write_results import VERIFICATION
 from asterism.shape.shape import Shape
 from pattern.design.errors import DesignError
-from pattern.layout.layout import Floats, Ints
+from pattern.geometry.arrays import Floats, Ints
 
 SHAPE, EXACT = "shape.vtu", "exact.vtu"
 

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array, vstack
 from scipy.spatial import cKDTree
 
-from pattern.layout.layout import Floats, Ints
+from pattern.geometry.arrays import Floats, Ints
 
 TIE = 1e-6  # of the spacing: on the rim of a cell
 AT_ONCE = 2000  # points whose neighbourhoods are looked up together

@@ -15,9 +15,10 @@ from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import border_of
 from asterism.shape.tube import tube_radius
+from pattern.geometry.arrays import Floats
 from pattern.geometry.normals import triangle_normals, vertex_normals
 from pattern.geometry.rigid_fit import rigid_fit
-from pattern.layout.layout import Floats, Layout
+from pattern.layout.layout import Layout
 from pattern.layout.likeness import rolled_about
 from pattern.layout.pin_freedom import tilts
 from pattern.layout.symmetries import Symmetry

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 
 
 def diameter(positions: Floats) -> float:

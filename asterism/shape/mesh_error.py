@@ -11,8 +11,8 @@ from scipy.optimize import brentq
 
 from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
+from pattern.geometry.arrays import Floats
 from pattern.geometry.rigid_fit import rms_distance
-from pattern.layout.layout import Floats
 
 # Order of the distance by the edge length where it cannot be observed: that of a stress which is singular at the arms'
 # tips, and what aligned meshes show in docs/explanation/mesh.md

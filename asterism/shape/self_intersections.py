@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from pattern.layout.layout import Floats, Ints
+from pattern.geometry.arrays import Floats, Ints
 
 _SLIVER = 1e-12  # of a triangle's size: what only touches does not count
 _APART = 3.0  # edges in print: places further apart were not neighbours

@@ -11,9 +11,9 @@ import numpy as np
 
 from asterism.shape.pose import upright_rotation
 from asterism.shape.surface_fields import triangle_areas
+from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.normals import triangle_normals
 from pattern.geometry.point_location import locate
-from pattern.layout.layout import Floats, Ints
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ import numpy as np
 from scipy.sparse import coo_array
 
 from pattern.geometry import planar
+from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.normals import gather, triangle_normals, vertex_normals
-from pattern.layout.layout import Floats, Ints
 
 
 def triangle_areas(positions: Floats, triangles: Ints) -> Floats:

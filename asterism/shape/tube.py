@@ -10,8 +10,8 @@ from scipy.optimize import leastsq
 
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.shape import Shape
+from pattern.geometry.arrays import Floats
 from pattern.geometry.normals import vertex_normals
-from pattern.layout.layout import Floats
 
 # of the distance to a plane, in which a tube must be closer
 BENT = 0.9

@@ -9,7 +9,7 @@ import numpy as np
 from discrete.energies.elements import Array
 from discrete.evidence.effort import PathStep
 from discrete.model.state import State
-from pattern.layout.layout import Ints
+from pattern.geometry.arrays import Ints
 
 FLAT_MM = 1e-6  # a bump that is lower is on neither side
 

@@ -7,8 +7,8 @@ from scipy.interpolate import CloughTocher2DInterpolator, LinearNDInterpolator, 
 from scipy.spatial import ConvexHull
 
 from discrete.energies.elements import Array
+from pattern.geometry.arrays import Ints
 from pattern.geometry.planar import distance_to_segment, triangle_areas
-from pattern.layout.layout import Ints
 
 CONVEX = 1e-6  # part of the convex hull that a convex sheet may lack
 

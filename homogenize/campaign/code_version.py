@@ -17,7 +17,7 @@ SOURCES = {
     equilibrium: ("**/*.py",),
     pattern: (
         "rods/arms.py", "design/kept_curvature.py", "design/lattice.py", "layout/layout.py", "design/materials.py",
-        "mesh/mesh.py", "geometry/normals.py", "geometry/planar.py", "design/rounding.py",
+        "mesh/mesh.py", "geometry/arrays.py", "geometry/normals.py", "geometry/planar.py", "design/rounding.py",
     ),
     homogenize: ("cell/*.py",),
 }  # fmt: skip

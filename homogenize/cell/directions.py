@@ -14,7 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pattern.design.lattice import Lattice
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 
 # radians from y: a function of sixfold symmetry has its extremes at the first and the last
 THREEFOLD = (0.0, np.pi / 12, np.pi / 6)

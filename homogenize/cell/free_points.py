@@ -14,8 +14,8 @@ from scipy.spatial import cKDTree
 
 from homogenize.cell.periodic_delaunay import Triangles, periodic_delaunay
 from pattern.design.errors import MeshError
+from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import distance_to_segment
-from pattern.layout.layout import Floats, Ints
 
 Bools = NDArray[np.bool_]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 
 # Voigt stiffnesses as matrices of the orthonormal basis (11, 22, sqrt 2 x 12), in which turns keep their size
 KELVIN = np.array([1.0, 1.0, np.sqrt(2.0)])

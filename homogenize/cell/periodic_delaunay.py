@@ -9,8 +9,8 @@ import numpy as np
 from scipy.spatial import Delaunay
 
 from pattern.design.errors import MeshError
+from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import mean_circumcentres, triangle_angles, triangle_areas
-from pattern.layout.layout import Floats, Ints
 
 # of the edge, by which points are moved to decide between triangulations that are equally good
 TIE = 1e-6

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pattern.design.lattice import Lattice
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 
 # longest reciprocal vector, over the shortest
 LONGEST = 3.0

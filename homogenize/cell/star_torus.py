@@ -9,7 +9,7 @@ from homogenize.cell.torus_free import AROUND, free_torus
 from pattern.design.design import Design
 from pattern.design.errors import MeshError
 from pattern.design.lattice import DIRECTIONS, Lattice
-from pattern.layout.layout import Floats, Ints
+from pattern.geometry.arrays import Floats, Ints
 from pattern.rods.arms import check_clear
 
 # a star, and those around whose arms may touch its own, by lattice vectors

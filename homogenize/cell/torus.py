@@ -18,7 +18,7 @@ from scipy.sparse.linalg import spsolve
 from homogenize.cell.unfolding import Unfolding, others
 from pattern.design.errors import MeshError
 from pattern.design.lattice import DIRECTIONS
-from pattern.layout.layout import Floats, Ints
+from pattern.geometry.arrays import Floats, Ints
 
 # of the spacing, closer than which the ends of arms are one point
 SAME = 1e-6

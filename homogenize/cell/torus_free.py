@@ -12,8 +12,8 @@ from homogenize.cell.periodic_delaunay import Triangles
 from homogenize.cell.torus import SAME, Torus
 from homogenize.cell.unfolding import Unfolding, others
 from pattern.design.errors import MeshError
+from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import distance_to_segment
-from pattern.layout.layout import Floats, Ints
 
 # triangles flatter than this are refused
 LEAST_ANGLE_DEG = 20.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pattern.layout.layout import Ints
+from pattern.geometry.arrays import Ints
 
 
 class Unfolding:

@@ -23,7 +23,7 @@ from scipy.optimize import least_squares
 
 from homogenize.cell.directions import is_threefold
 from pattern.design.lattice import Lattice
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 
 # ratio of bending: it shapes no tube, but caps. Small free sheets are nearest to the exact model with 0 to .1
 POISSON = 0.05

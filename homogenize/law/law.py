@@ -20,7 +20,7 @@ from homogenize.errors import ForeignLaw, LawError
 from homogenize.law.table import QUANTITIES, Table, Values
 from pattern.design.design import Design
 from pattern.design.lattice import Lattice
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 
 # parts by which numbers of a design may differ from the law's: rounding of the machine's, and of what is printed of a
 # measured material, whose curvature a law knows less well

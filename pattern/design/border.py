@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 from pattern.design.errors import DesignError
 from pattern.design.lattice import Lattice
 from pattern.design.section import Number, Point, Section, Whole
-from pattern.layout.layout import Floats, Ints
+from pattern.geometry.arrays import Floats, Ints
 
 MOST_STARS, MOST_LISTED = 5000, 5_000_000
 LARGEST_MM = 5000.0

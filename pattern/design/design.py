@@ -12,13 +12,12 @@ from pydantic import Field, ValidationError, field_validator, model_validator
 from pattern.design.arguments import check_kind
 from pattern.design.border import Border
 from pattern.design.errors import DesignError, from_validation
-from pattern.design.files import read_table, write_table
+from pattern.design.files import write_table
 from pattern.design.lattice import Lattice
 from pattern.design.materials import Fabric, Plastic
 from pattern.design.pins import Pins
 from pattern.design.section import Flag, Line, Number, Place, Section, Text, Whole
 from pattern.design.stars import Stars
-from pattern.layout.build import layout
 
 
 class Gravity(Section):
@@ -127,17 +126,6 @@ class Design(Section):
 
 def _place(tables: list[str]) -> str:
     return " or ".join(f"in [{table}]" if table else "at the top, before all tables" for table in tables)
-
-
-def load_design(path: str | Path) -> Design:
-    """A design from a TOML or JSON file that `layout` accepts; `DesignError` names file and field otherwise."""
-    path = Path(path)
-    design = Design.from_dict(read_table(path), path.parent, path)
-    try:
-        layout(design)
-    except DesignError as error:
-        raise error.within(path) from None
-    return design
 
 
 def save_design(design: Design, path: str | Path) -> None:

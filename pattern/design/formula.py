@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 
 LONGEST = 500
 DEEPEST = 40

@@ -14,7 +14,7 @@ from pydantic import Field, ValidationInfo, model_validator
 from pydantic_core import PydanticCustomError
 
 from pattern.design.section import Number, Point, Section, Text, Whole
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 
 MOST_PIXELS = 256
 _LARGEST_FILE = 50_000_000

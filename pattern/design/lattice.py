@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 
 from pattern.design.errors import DesignError
 from pattern.design.section import Number, Point, Section, Whole
-from pattern.layout.layout import Floats, Ints
+from pattern.geometry.arrays import Floats, Ints
 
 DEFAULT_SPACING = 10 * np.sqrt(3.0)
 # along which a grid that refines the lattice has its lines, in its own coordinates, counterclockwise

@@ -11,7 +11,8 @@ from pydantic import Field, field_validator, model_validator
 
 from pattern.design.errors import DesignError
 from pattern.design.section import Number, Place, Point, Section, Whole
-from pattern.layout.layout import Floats, PinSet
+from pattern.geometry.arrays import Floats
+from pattern.layout.layout import PinSet
 
 
 class Pins(Section):

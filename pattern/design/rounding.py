@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import Field
 
 from pattern.design.section import Number, Section
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 
 
 class Rounding(Section):

@@ -12,7 +12,7 @@ from pattern.design.errors import DesignError
 from pattern.design.formula import FormulaError, check, evaluate
 from pattern.design.image import Picture
 from pattern.design.section import Flag, Number, Point, Section, Text
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 
 SHORTEST_MM = 1e-6  # from start to end of a gradient: what is nearer is one place
 _Distance = Annotated[Number, Field(gt=0, le=1e4)]

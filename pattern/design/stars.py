@@ -13,7 +13,7 @@ from pattern.design.errors import DesignError
 from pattern.design.rounding import Rounding
 from pattern.design.section import Flag, Number, Point, Section, Whole
 from pattern.design.sizing_fields import SizingField, sample
-from pattern.layout.layout import Floats, Ints
+from pattern.geometry.arrays import Floats, Ints
 
 THICKNESS_MM = (0.05, 5.0)
 WIDTH_MM = (0.1, 10.0)

@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from pattern.layout.layout import Floats, Ints
+from pattern.geometry.arrays import Floats, Ints
 
 TABLE = 2_000_000  # entries of a table of distances
 STRAIGHT = 1e-6  # rad: an outline that turns by less has no corner there

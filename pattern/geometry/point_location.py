@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
-from pattern.layout.layout import Floats, Ints
+from pattern.geometry.arrays import Floats, Ints
 
 
 def locate(printed: Floats, triangles: Ints, points: Floats) -> tuple[Ints, Floats]:

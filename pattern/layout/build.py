@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import shapely
 
 from pattern.design.arguments import check_kind
 from pattern.design.border import outline, star_cells, star_margin_mm
+from pattern.design.design import Design
 from pattern.design.errors import DesignError
 from pattern.design.pins import pin_set, taken_to_arms
 from pattern.design.stars import SHORTEST_ARM_MM, sizes
-from pattern.layout.layout import Floats, Layout
+from pattern.geometry.arrays import Floats
+from pattern.layout.layout import Layout
 from pattern.layout.pin_agreement import check_agreement
 from pattern.rods.arms import check_clear, cut
-
-if TYPE_CHECKING:
-    from pattern.design.design import Design
 
 MOST_VERTICES = 400_000
 _MEETING = 1e-6  # of the spacing: ends of arms that are the same point but for rounding
@@ -28,8 +25,6 @@ def layout(design: Design) -> Layout:
 
     Every model begins here, so that what is not a design is refused here: `TypeError`.
     """
-    from pattern.design.design import Design  # which imports this module
-
     check_kind(design, Design, "load_design reads one from a file, Design.from_dict makes one of a dict")
     lattice = design.lattice
     corners = outline(design.border, lattice)

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pattern.geometry.arrays import Floats
 from pattern.geometry.rigid_fit import rms_distance
-from pattern.layout.layout import Floats, Layout
+from pattern.layout.layout import Layout
 from pattern.layout.symmetries import Symmetry
 
 ROLLED_TURN = 1.0  # rad from one side of the sheet to the other

@@ -9,7 +9,8 @@ import shapely
 
 from pattern.design.errors import DesignError
 from pattern.design.pins import ON_MM, pair
-from pattern.layout.layout import Floats, PinSet
+from pattern.geometry.arrays import Floats
+from pattern.layout.layout import PinSet
 
 
 def check_agreement(sets: Sequence[PinSet], corners: Floats) -> None:

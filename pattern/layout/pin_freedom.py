@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from pattern.layout.layout import Floats, Layout
+from pattern.geometry.arrays import Floats
+from pattern.layout.layout import Layout
 from pattern.layout.pin_places import pin_places
 
 NOTHING = 1e-6  # of the size: a motion of what is held by less is none

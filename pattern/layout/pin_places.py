@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import STRAIGHT, turns
-from pattern.layout.layout import Floats, Ints, Layout
+from pattern.layout.layout import Layout
 
 
 def pin_places(layout: Layout) -> tuple[Floats, Floats, Ints]:

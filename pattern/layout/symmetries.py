@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.spatial import cKDTree
 
+from pattern.design.design import Design
+from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import STRAIGHT, turns
-from pattern.layout.layout import Floats, Ints, Layout
+from pattern.layout.layout import Layout
 from pattern.layout.pin_places import pin_places
-
-if TYPE_CHECKING:
-    from pattern.design.design import Design
 
 NEAR = 1e-6  # of the spacing, or of a size: equal but for rounding
 

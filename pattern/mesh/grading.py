@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from pattern.layout.layout import Floats, Layout
+from pattern.geometry.arrays import Floats
+from pattern.layout.layout import Layout
 from pattern.mesh.aligned.lattice_grid import GridPatch
 
 FINEST = 0.15  # edge at an arm, or at a tip, over the edge far from them

@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 from scipy.spatial import cKDTree
 
+from pattern.geometry.arrays import Floats
 from pattern.geometry.planar import distance_to_segment
-from pattern.layout.layout import Floats
 
 # the spacing shrinks towards points beside the border, to this part of the wished one at the least
 FINEST = 0.3

@@ -6,8 +6,9 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from pattern.design.errors import MeshError
+from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import distance_to_outline, distance_to_segment, inside
-from pattern.layout.layout import Floats, Ints, Layout
+from pattern.layout.layout import Layout
 
 # places this close, in mm, are one
 SAME_PLACE_MM = 1e-5

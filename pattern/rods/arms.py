@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 
 from pattern.design.errors import DesignError
-from pattern.layout.layout import Floats, Ints
+from pattern.geometry.arrays import Floats, Ints
 
 MEANT_MM = 0.02  # ends that are nearer were to meet, and their length was rounded
 

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from pattern.geometry.arrays import Floats
 from pattern.geometry.planar import distance_to_outline, inside
-from pattern.layout.layout import Floats, Layout, PinSet
+from pattern.layout.layout import Layout, PinSet
 
 D = 10 * np.sqrt(3)
 THREE = (-90.0, 30.0, 150.0)

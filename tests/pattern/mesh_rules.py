@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
+from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import (
     distance_to_outline,
     distance_to_segment,
@@ -12,7 +13,7 @@ from pattern.geometry.planar import (
     triangle_angles,
     triangle_areas,
 )
-from pattern.layout.layout import Floats, Ints, Layout
+from pattern.layout.layout import Layout
 from pattern.mesh.mesh import Mesh
 
 

@@ -7,9 +7,10 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from pattern.design.design import Design, load_design, save_design
+from pattern.design.design import Design, save_design
 from pattern.design.errors import DesignError
 from pattern.layout.build import layout
+from pattern.layout.load_design import load_design
 
 GOOD = {"stars": {"length_mm": 10.0}, "border": {"rings": 1}}
 

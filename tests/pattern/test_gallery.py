@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from pattern import gallery
-from pattern.design.design import load_design, save_design
+from pattern.design.design import save_design
 from pattern.layout.build import layout
+from pattern.layout.load_design import load_design
 
 FRAME_MM = 260
 

@@ -17,8 +17,8 @@ from homogenize.law.fit import fit
 from homogenize.law.law import Law
 from pattern import gallery
 from pattern.design.design import Design
+from pattern.geometry.arrays import Floats
 from pattern.layout.build import layout
-from pattern.layout.layout import Floats
 from pattern.layout.symmetries import symmetries
 
 EDGE = 3.5  # mm, of the exact model's meshes

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from asterism.shape.comparison import Comparison
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 from tests.validation.figures import both, middles
 
 pytestmark = pytest.mark.slow

@@ -15,7 +15,7 @@ from asterism.measure.compare.size import Size, fitted_size
 from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import triangle_areas
-from pattern.layout.layout import Floats, Ints
+from pattern.geometry.arrays import Floats, Ints
 
 # poses whose spread is larger than the best one's by less than this are as good
 _AS_GOOD = 1.1

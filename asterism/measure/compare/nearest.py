@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.normals import triangle_normals
-from pattern.layout.layout import Floats, Ints
 
 # the nearest triangle is among those of each size with the nearest centres; sizes within this factor are alike
 _CANDIDATES, _ALIKE = 12, 2.0

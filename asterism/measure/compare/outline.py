@@ -16,8 +16,8 @@ import shapely
 from asterism.measure.compare.errors import ScanError, check_file
 from asterism.measure.compare.units import MM
 from asterism.results.csv_cells import read_rows
+from pattern.geometry.arrays import Floats
 from pattern.geometry.planar import polygon_area
-from pattern.layout.layout import Floats
 
 FORMATS = (".svg", ".csv")
 _LARGEST = 1e6

@@ -21,7 +21,7 @@ from asterism.draw.render import OBLIQUE, camera, render
 from asterism.measure.compare.comparison import ScanComparison
 from asterism.measure.compare.silhouette import Fitted
 from asterism.reports.views import bare
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 
 SHAPE = INK
 COLOURS = colormaps["RdBu_r"]

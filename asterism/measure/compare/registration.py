@@ -14,8 +14,8 @@ from scipy.spatial.transform import Rotation
 
 from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.measure.compare.scan import sample
+from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.rigid_fit import rigid_fit
-from pattern.layout.layout import Floats, Ints
 
 _COARSE_POINTS, _MIDDLE_POINTS, _FINE_POINTS = 150, 600, 3000
 _RANDOM_STARTS, _PROMISING, _REFINED = 200, 50, 8

@@ -11,7 +11,7 @@ import numpy as np
 
 from asterism.measure.compare.errors import ScanError, check_file
 from asterism.measure.compare.units import MM
-from pattern.layout.layout import Floats, Ints
+from pattern.geometry.arrays import Floats, Ints
 
 FORMATS = (".obj", ".stl", ".ply")
 MOST_POINTS = 20_000

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 
 from asterism.draw.render import VIEWS, camera
 from asterism.shape.shape import Shape
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 
 _STEP_MM = 0.25
 _STARTS = 72

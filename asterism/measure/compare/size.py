@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.shape.shape import Shape
-from pattern.layout.layout import Floats, Ints
+from pattern.geometry.arrays import Floats, Ints
 
 _POINTS, _STEPS, _STAYS = 3000, 30, 1e-5
 # of random points in a half plane the nearest to a place on its rim lies inside by this part of the points' own gaps

@@ -9,7 +9,7 @@ from asterism.measure.strips import arc
 from asterism.measure.strips.estimate import Estimate
 from asterism.measure.strips.model import Data, KappaBarKind, Model
 from asterism.measure.strips.noise import finest, together
-from pattern.layout.layout import Floats, Ints
+from pattern.geometry.arrays import Floats, Ints
 
 # a model that is right is called wrong with this chance
 FALSE_ALARM = 0.01

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pattern.layout.layout import Floats, Ints
+from pattern.geometry.arrays import Floats, Ints
 
 
 @dataclass(frozen=True)

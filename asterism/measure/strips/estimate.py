@@ -13,7 +13,7 @@ from asterism.measure.strips.likelihood import solve
 from asterism.measure.strips.model import Data, Model
 from asterism.measure.strips.noise import FEW, Noise, noise, of_rounding, together
 from pattern.design.materials import bilayer_curvature
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 
 # so much larger count the means of kinds in the first turn: the scatter within kinds tells where to begin
 _AT_FIRST = 1e6

@@ -14,7 +14,7 @@ from asterism.print.drawing import Drawing, Layer, Line, Text, rectangle
 from asterism.print.instructions import homing
 from asterism.print.printer import Printer
 from pattern.design.materials import Fabric, Plastic, rest_curvature
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 
 A4_MM = np.array([210.0, 297.0])
 MAP_MM = (180.0, 115.0)

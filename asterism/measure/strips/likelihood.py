@@ -6,7 +6,7 @@ import numpy as np
 from scipy.special import log_ndtr
 
 from asterism.measure.strips.model import Data, Model
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 
 
 def flat_terms(mean: Floats, limit: Floats, spread: Floats) -> tuple[Floats, Floats]:

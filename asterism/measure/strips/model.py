@@ -10,7 +10,7 @@ import numpy as np
 from asterism.measure.strips.errors import NoMaterial
 from asterism.measure.strips.strip import Reading
 from pattern.design.materials import bilayer_curvature
-from pattern.layout.layout import Floats, Ints
+from pattern.geometry.arrays import Floats, Ints
 
 Formula = Literal["paper", "timoshenko"]
 KappaBarKind = Literal["constant", "per-thickness", "zero"]

@@ -16,7 +16,7 @@ from asterism.print.solid import Solid, Step, stack
 from asterism.results.files import OutputError, staged
 from pattern.design.errors import DesignError
 from pattern.design.stars import THICKNESS_MM
-from pattern.layout.layout import Floats, Ints
+from pattern.geometry.arrays import Floats, Ints
 
 FILES = ("start.gcode", "strips.3mf", "strips.csv", "strips.pdf", "strips.stl")
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from pattern.layout.layout import Floats, Ints
+from pattern.geometry.arrays import Floats, Ints
 
 # a strip that should be straight has some error of reading, whatever the others say
 _MOST_MIX = 0.99

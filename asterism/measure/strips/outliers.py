@@ -12,7 +12,7 @@ from asterism.measure.strips.errors import NoMaterial
 from asterism.measure.strips.estimate import estimate, first_guess
 from asterism.measure.strips.model import Data, Model
 from asterism.measure.strips.noise import finest, of_rounding
-from pattern.layout.layout import Floats, Ints
+from pattern.geometry.arrays import Floats, Ints
 
 # the chance that one of all good readings is called an outlier
 FALSE_ALARM = 0.01

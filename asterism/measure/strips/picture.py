@@ -16,7 +16,7 @@ from asterism.measure.strips.fit import StripFit
 from asterism.measure.strips.strip import Reading
 from pattern.design.kept_curvature import kept_curvature
 from pattern.design.materials import Fabric, Plastic, bilayer_curvature, rest_curvature
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 
 WITH, PEELED, WRONG = "#2a6f97", "#c8553d", "#9d1f1f"
 # so stiff that the curvature is proportional to E2/E1 in both conventions

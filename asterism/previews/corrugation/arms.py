@@ -27,7 +27,8 @@ from asterism.previews.supports.conditions import distance_to_held
 from asterism.previews.surface.smooth_surface import smooth_surface
 from equilibrium.compiled import loop
 from fem.elements.argyris import Argyris
-from pattern.layout.layout import Floats, Layout
+from pattern.geometry.arrays import Floats
+from pattern.layout.layout import Layout
 
 # part of the bending along an arm that is that of all directions: .13 to .41 in rolled cells
 RIGID = 0.3

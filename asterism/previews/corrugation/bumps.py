@@ -28,7 +28,7 @@ import scipy.sparse as sp
 
 from asterism.previews.edges.free_rim import beside, rim_fall, stars_share
 from asterism.previews.fields.star_values import StarValues
-from pattern.layout.layout import Floats, Ints
+from pattern.geometry.arrays import Floats, Ints
 
 # turn over a star's spacing, rad, that takes its relief most of the way to the natural one
 TURN = 0.55

@@ -29,8 +29,9 @@ from asterism.previews.fields.holes import in_holes
 from asterism.previews.fields.star_cells import long_arms
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.supports.conditions import held_edges, pinned_points
+from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import STRAIGHT, distance_to_segment, nearest_segment, turns
-from pattern.layout.layout import Floats, Ints, Layout
+from pattern.layout.layout import Layout
 
 # curvature of bare fabric over that of the bumps beside it. Shares are smoothed, and less than half of the outline is
 # bare: more than 1 it must be. With 2 previews are nearest to the exact model

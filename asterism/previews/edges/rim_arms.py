@@ -25,8 +25,9 @@ import scipy.sparse as sp
 from asterism.previews.edges.free_rim import ALONE, beside, stars_share
 from asterism.previews.fields.star_arms import lead_nowhere, rosette
 from asterism.previews.fields.star_values import StarValues
+from pattern.geometry.arrays import Floats
 from pattern.geometry.planar import distance_along
-from pattern.layout.layout import Floats, Layout
+from pattern.layout.layout import Layout
 
 # distances to the border, over the spacing, at which an arm carries nothing and all of its curvature on; the part of
 # one that leads to another star. Fitted to 42 free sheets: hexagons have .87 everywhere, rectangles anything up to 1.5.

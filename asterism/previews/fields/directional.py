@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from homogenize.law.anisotropy import BENDING, MOMENT, PLATE, ROUND, matrices, natural
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 
 # chosen on free sheets that are not among those of `benchmarks.other_stars`
 SHARE = 0.7

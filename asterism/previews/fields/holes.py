@@ -7,8 +7,9 @@ import shapely
 from scipy.ndimage import label
 from scipy.spatial import cKDTree
 
+from pattern.geometry.arrays import Floats
 from pattern.geometry.planar import distance_to_outline
-from pattern.layout.layout import Floats, Layout
+from pattern.layout.layout import Layout
 
 # steps to neighbours in the coordinates of the lattice, and how much longer than its longer vector they may be
 STEPS = np.array([[(i, j) for j in (-1, 0, 1)] for i in (-1, 0, 1)])

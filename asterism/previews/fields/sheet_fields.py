@@ -59,7 +59,7 @@ from fem.shell.density import Density, isotropic
 from fem.shell.fields import Fields
 from homogenize.law.anisotropy import POISSON, least
 from pattern.design.lattice import DEFAULT_SPACING
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 
 # sixfold term over that of the cells: in exact strips of long thin stars directions differ by up to twice as much
 SIXFOLD = 1.4

@@ -21,7 +21,8 @@ import scipy.sparse as sp
 from asterism.previews.fields.cell_grid import OFF, CellGrid
 from equilibrium.compiled import formula, loop
 from pattern.design.lattice import Lattice
-from pattern.layout.layout import Floats, Layout
+from pattern.geometry.arrays import Floats
+from pattern.layout.layout import Layout
 
 # widths of the Gaussian over the spacing of the stars: a cell's own standard deviation is .26 of it
 WIDTH, NARROW = 0.2, 0.08

@@ -13,7 +13,8 @@ from homogenize.law.interpolation import Bools
 from homogenize.law.law import Law
 from homogenize.law.table import NAMES, TIGHT
 from pattern.design.design import Design
-from pattern.layout.layout import Floats, Layout
+from pattern.geometry.arrays import Floats
+from pattern.layout.layout import Layout
 
 # a star's cell ends there, over the spacing; and arms below which a bump is no cap
 REACH, SHORTEST = 0.6, 0.17

@@ -9,8 +9,9 @@ from skfem import MeshTri
 from fem.supports.conditions import Condition, HeldEdge, HeldPoints, vertices_at
 from fem.supports.placement import affine
 from pattern.design.design import Design
+from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import distance_to_segment, pieces
-from pattern.layout.layout import Floats, Ints, Layout
+from pattern.layout.layout import Layout
 from pattern.mesh.coarse.sheet_mesh import SheetMesh
 
 

@@ -38,7 +38,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from asterism.previews.uncertainty.other_forms import OtherForm
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 from pattern.layout.symmetries import Symmetry
 
 # the distance in % for an amplitude a in %: FLOOR and a share of a; for free sheets without symmetry, those that have a

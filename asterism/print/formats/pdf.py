@@ -19,7 +19,7 @@ from matplotlib.transforms import Affine2D, Transform
 
 from asterism.print.drawing import Circle, Drawing, Line, Text
 from asterism.print.layers import NEEDLES
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 
 _INCH = 25.4
 _HALO_MM = 1.0  # width of the white line around a number

@@ -7,7 +7,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-from pattern.layout.layout import Floats, Ints
+from pattern.geometry.arrays import Floats, Ints
 
 
 def write(path: Path, points: Floats, triangles: Ints) -> None:

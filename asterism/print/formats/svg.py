@@ -11,7 +11,7 @@ from xml.etree import ElementTree as xml
 import numpy as np
 
 from asterism.print.drawing import Circle, Drawing, Layer, Line, Text
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 
 _SVG = "http://www.w3.org/2000/svg"
 _INKSCAPE = "http://www.inkscape.org/namespaces/inkscape"

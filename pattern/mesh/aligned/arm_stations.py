@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pattern.design.errors import MeshError
-from pattern.layout.layout import Floats, Ints, Layout
+from pattern.geometry.arrays import Floats, Ints
+from pattern.layout.layout import Layout
 from pattern.mesh.aligned.lattice_grid import ON_LINE, LatticeGrid
 from pattern.mesh.grading import Grading
 

@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from pattern.design.errors import MeshError
+from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import distance_to_outline, inside, mean_circumcentres, triangle_angles
-from pattern.layout.layout import Floats, Ints, Layout
+from pattern.layout.layout import Layout
 from pattern.mesh.aligned.arm_stations import Border, arm_stations
 from pattern.mesh.aligned.grid_motion import moved, prescribed
 from pattern.mesh.aligned.lattice_grid import ON_LINE, GridPatch, LatticeGrid

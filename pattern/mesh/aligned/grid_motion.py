@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from pattern.design.errors import MeshError
-from pattern.layout.layout import Floats, Ints
+from pattern.geometry.arrays import Floats, Ints
 from pattern.mesh.aligned.arm_stations import Stations
 from pattern.mesh.aligned.lattice_grid import ON_LINE, GridPatch
 from pattern.mesh.grading import Grading

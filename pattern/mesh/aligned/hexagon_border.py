@@ -8,8 +8,9 @@ import numpy as np
 
 from pattern.design.errors import MeshError
 from pattern.design.lattice import DIRECTIONS
+from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import distance_to_outline
-from pattern.layout.layout import Floats, Ints, Layout
+from pattern.layout.layout import Layout
 from pattern.mesh.aligned.lattice_grid import ON_LINE, GridPatch, LatticeGrid
 
 

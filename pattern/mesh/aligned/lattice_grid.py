@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from pattern.design.errors import MeshError
 from pattern.design.lattice import DIRECTIONS
+from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import cross
-from pattern.layout.layout import Floats, Ints, Layout
+from pattern.layout.layout import Layout
 from pattern.mesh.aligned.springs import means_of_neighbours
 
 # how far from a grid line counts as on it, in lattice distances

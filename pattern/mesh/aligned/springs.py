@@ -8,7 +8,7 @@ from scipy.sparse import csc_array
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
-from pattern.layout.layout import Floats, Ints
+from pattern.geometry.arrays import Floats, Ints
 
 # weight that keeps what is connected to no known point where it is; too small to matter elsewhere
 HOLD = 1e-9

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
+from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import polygon_area, turns
-from pattern.layout.layout import Floats, Ints
 
 # a line that turns by more has a corner there
 CORNER_DEG = 35.0

@@ -12,8 +12,9 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from pattern.design.errors import MeshError
+from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import distance_to_outline, distance_to_segment, inside, triangle_angles
-from pattern.layout.layout import Floats, Ints, Layout
+from pattern.layout.layout import Layout
 from pattern.mesh.check import check_edge, checked
 from pattern.mesh.free.triangulate import triangulate
 from pattern.mesh.mesh import Mesh

@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
 from pattern.design.errors import MeshError
+from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import among, distance_to_segment, triangle_areas
-from pattern.layout.layout import Floats, Ints
 
 # closer than this, relative to the extent of the input, points count as one and segments as touching
 TOLERANCE = 1e-8

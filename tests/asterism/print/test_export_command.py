@@ -12,8 +12,9 @@ import pytest
 import asterism
 from asterism.print.shape_change import shape_change
 from homogenize.law.file import PAPER
-from pattern.design.design import load_design, save_design
+from pattern.design.design import save_design
 from pattern.layout.build import layout
+from pattern.layout.load_design import load_design
 from tests.asterism.commands import Outcome, command
 from tests.asterism.print.jobs import design
 

@@ -13,7 +13,7 @@ from asterism.previews.run import preview
 from asterism.reports.page import LAYOUT_AT, LAYOUT_MM
 from asterism.results.write_results import write_results
 from homogenize.law.file import PAPER, load_law
-from pattern.design.design import load_design
+from pattern.layout.load_design import load_design
 from tests.asterism.commands import command
 
 DESIGN = """

@@ -9,8 +9,8 @@ import numpy as np
 
 from asterism.shape.shape import Shape
 from pattern.design.design import Design
+from pattern.geometry.arrays import Floats
 from pattern.layout.build import layout
-from pattern.layout.layout import Floats
 from pattern.mesh.meshing import mesh_layout
 
 

@@ -12,8 +12,8 @@ import pytest
 from asterism.shape.comparison import compare
 from asterism.verification.run import Verification
 from asterism.verification.warnings import warnings
+from pattern.geometry.arrays import Floats
 from pattern.layout.build import layout
-from pattern.layout.layout import Floats
 from pattern.layout.symmetries import symmetries
 from tests.asterism.verification.printed import design, shape
 

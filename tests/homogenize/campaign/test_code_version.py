@@ -14,7 +14,6 @@ ASIDE = (
     *("design.arguments", "design.design", "design.errors", "design.files", "design.section", "design.stars"),
     # sizes that vary, outlines and pins: a cell has none
     *("design.border", "design.formula", "design.image", "design.pins", "design.sizing_fields"),
-    *("layout.build", "layout.pin_agreement"),
 )
 
 

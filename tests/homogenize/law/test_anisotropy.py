@@ -25,7 +25,7 @@ from homogenize.law.anisotropy import (
     natural,
 )
 from pattern.design.lattice import Lattice
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 
 FROM_X = np.array(AROUND) + 0.5 * np.pi
 LAM = 0.75

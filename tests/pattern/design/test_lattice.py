@@ -8,7 +8,7 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from pattern.design.lattice import Lattice
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 
 steps = st.floats(-40.0, 40.0)
 

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from asterism.measure.compare.scan import sample
 from asterism.shape.shape import Shape
-from pattern.layout.layout import Floats
+from pattern.geometry.arrays import Floats
 from tests.asterism.sheets import sheet
 
 

@@ -14,8 +14,8 @@ from asterism.measure.compare.size import _fit, _rim
 from asterism.previews.run import preview
 from asterism.shape.shape import Shape
 from pattern import gallery
+from pattern.geometry.arrays import Floats
 from pattern.geometry.normals import vertex_normals
-from pattern.layout.layout import Floats
 from tests.asterism.measure.compare.scans import bent_sheet, motion, scanned
 from tests.asterism.sheets import dome, sheet
 

@@ -22,8 +22,8 @@ from homogenize.law.law import Law
 from homogenize.law.table import TIGHT
 from pattern import gallery
 from pattern.design.design import Design
+from pattern.geometry.arrays import Floats
 from pattern.layout.build import layout
-from pattern.layout.layout import Floats
 from tests.asterism.previews.laws import plain_law
 
 PLAN = layout(gallery.load("tube"))
