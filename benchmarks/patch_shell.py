@@ -10,8 +10,8 @@ from asterism.previews.fields.star_cells import StarCells
 from asterism.previews.fields.star_values import StarValues
 from fem.elements.argyris import Argyris
 from fem.search.relax import relax
-from fem.search.simple_shapes import Shape
-from fem.shell.shell import ORDER, Shell
+from fem.search.simple_shapes import SimpleShape
+from fem.shell.shell import QUADRATURE_ORDER, Shell
 from homogenize.cell.sample import Sample
 from homogenize.law.fit import row
 from homogenize.law.table import NAMES
@@ -38,11 +38,11 @@ def shell_stars(design: Design, stars: Sample, bare: Sample) -> tuple[np.ndarray
     values = StarValues(of_stars, none, none, (), (), (), none, none, of_stars["kappa"], alike)
     outline = sheet_mesh(plan.border, EDGE)
     space = Argyris(MeshTri(outline.points.T.copy(), outline.triangles.T.copy()))
-    points = space.tabulate(ORDER).points
+    points = space.tabulate(QUADRATURE_ORDER).points
     weights = StarCells(plan, design.lattice).shares(points.reshape(-1, 2))(np.full(count, stars.length_mm))
     shell = Shell(space, sheet_fields(weights, values, points.shape[:2]))
     kappa = float(stars.natural_curvature.mean())
-    found = relax(shell, shapes=[Shape("arc", -kappa, angle) for angle in AXES], soft_modes=0)
+    found = relax(shell, shapes=[SimpleShape("arc", -kappa, angle) for angle in AXES], soft_modes=0)
     at = space.locate(plan.centres)
     slope = (at.gradient @ found.x).reshape(count, 2, 3)
     normal = np.cross(slope[:, 0], slope[:, 1])

@@ -23,7 +23,7 @@ from discrete.energies.membrane import Membrane
 from fem.elements.argyris import Argyris
 from fem.shell.density import Density, isotropic
 from fem.shell.fields import Fields
-from fem.shell.shell import ORDER, Shell
+from fem.shell.shell import QUADRATURE_ORDER, Shell
 from fem.supports.conditions import vertices_at
 from pattern.design.design import Design
 from pattern.layout.build import layout
@@ -113,7 +113,7 @@ def shell_stiffness(angle: float, edge_mm: float, amount: float) -> tuple[float,
     mesh = sheet_mesh(plan.border, edge_mm, point, held_sides(plan))
     edge = float(around(mesh, point)[0][0])
     space = Argyris(MeshTri(np.ascontiguousarray(mesh.points.T), np.ascontiguousarray(mesh.triangles.T)))
-    at = space.tabulate(ORDER).points
+    at = space.tabulate(QUADRATURE_ORDER).points
     plain = isotropic(FABRIC.modulus_mpa * FABRIC.thickness_mm / (1.0 - FABRIC.poisson**2), 1.0, FABRIC.poisson)
     soft = softened(np.broadcast_to(plain, (*at.shape[:2], 6, 6)), 1.0 / (1.0 + amount * spot(point[0], edge, at)))
     arc = conditions(replace(plan, pins=plan.pins[:1]), mesh, space.mesh, 0)

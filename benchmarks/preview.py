@@ -23,12 +23,12 @@ from skfem import Basis, BilinearForm, ElementTriArgyris, ElementVector, MeshTri
 from asterism.exact.simulation import simulate
 from asterism.previews.session import Preview, paper_law
 from benchmarks.report import markdown, write_report
-from fem.search.initial_guesses import starts
+from fem.search.initial_guesses import initial_guesses
 from fem.search.linear_response import linear_response
 from fem.search.mixed_newton import mixed_newton
-from fem.search.relax import TOLERANCE, follow
+from fem.search.relax import GRADIENT_TOLERANCE, follow
 from fem.shell.density import isotropic
-from fem.shell.shell import ORDER, Shell
+from fem.shell.shell import QUADRATURE_ORDER, Shell
 from pattern import gallery
 from pattern.design.design import Design
 
@@ -69,7 +69,7 @@ def shell_row(triangles: int) -> dict[str, Any]:
     data = shell.hessian(found.x)
     data[shell.pattern.diagonal] += 1e-6 * data.max()
     start = _rolled(preview)
-    tolerance = TOLERANCE * shell.force_scale
+    tolerance = GRADIENT_TOLERANCE * shell.force_scale
     run = mixed_newton(shell, start, factor, tolerance)
     wall, processor = timed(lambda: mixed_newton(shell, start, factor, tolerance))
     follow(shell, found.x, factor)
@@ -92,7 +92,7 @@ def shell_row(triangles: int) -> dict[str, Any]:
 
 def _rolled(preview: Preview) -> np.ndarray:
     """The guess that the preview of a tube starts from."""
-    kinds, _ = starts(preview.shell, preview.shell.factor())
+    kinds, _ = initial_guesses(preview.shell, preview.shell.factor())
     return next(start.x for start in kinds if start.shape.name == "arc")
 
 
@@ -103,7 +103,7 @@ def scikit_fem_ms(shell: Shell) -> float:
     """
     size = float(np.ptp(shell.space.mesh.p))
     mesh = MeshTri(shell.space.mesh.p / size, shell.space.mesh.t)
-    basis = Basis(mesh, ElementVector(ElementTriArgyris(), 3), intorder=ORDER)
+    basis = Basis(mesh, ElementVector(ElementTriArgyris(), 3), intorder=QUADRATURE_ORDER)
     assert 3 * shell.space.size == basis.N
     stiffness = isotropic(11.5, 0.5, 0.3)
 

@@ -27,7 +27,7 @@ from discrete.model.system import System
 from equilibrium.newton.minimise import minimise
 from equilibrium.threads import one_blas_thread
 from fem.search.mixed_newton import mixed_newton
-from fem.search.relax import TOLERANCE
+from fem.search.relax import GRADIENT_TOLERANCE
 from fem.shell.density import Density
 from fem.shell.fields import Fields
 from pattern.design.design import Design
@@ -130,7 +130,7 @@ def shell_integral(design: Design) -> tuple[float, float, StarValues, float]:
     shell = sheet.shell(design, membrane, 0)
     factor = shell.factor()
     start = shell.flat * np.sqrt(np.asarray(fields.metric)[..., 0].mean())
-    found = mixed_newton(shell, start, factor, TOLERANCE * shell.force_scale)
+    found = mixed_newton(shell, start, factor, GRADIENT_TOLERANCE * shell.force_scale)
     factor.close()
     assert found.converged
     stress = shell.density(found.strains)[1]

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from asterism.previews.session import Preview, Say
 from asterism.shape.shape import Shape
-from fem.search.mean_fields import Side
+from fem.search.sides import Side
 from homogenize.law.law import Law
 from pattern.design.design import Design
 

@@ -24,9 +24,9 @@ from equilibrium.threads import one_blas_thread
 from fem.elements.tabulation import Floats
 from fem.search.evidence import ShellEquilibrium
 from fem.search.linear_response import Response, linear_response
-from fem.search.mean_fields import Side, check_side, trends
-from fem.search.relax import energies_of, follow, hold, modes_of
-from fem.search.sides import side_of
+from fem.search.mean_fields import mean_fields
+from fem.search.relax import energies_by_part, factorise, follow, softest_modes
+from fem.search.sides import Side, check_side, side_of
 from fem.shell.shell import Shell
 from homogenize.law.file import load_law
 from homogenize.law.law import Law
@@ -159,14 +159,14 @@ class Preview:
                 )
             else:
                 found = self._clock("pins", taken, shell, factor, found.x, free)
-            free = len(shell.held_points) == 0
+            free = len(shell.fixed_points) == 0
         # all at once: who interrupts the steps keeps the sheet that was there
         vars(self).update(shell=shell, _factor=factor)
         self._rest(found)
 
     def _rest(self, found: ShellEquilibrium) -> None:
         """Where the sheet is now, its Hessian in the factor: later edits go on from there."""
-        found = replace(found, x=self.shell.grounded(found.x))
+        found = replace(found, x=self.shell.shifted_to_ground(found.x))
         vars(self).update(equilibrium=found, _rested=found, _is_factor_rested=True)
 
     def edit(self, design: Design) -> Iterator[Stage]:
@@ -247,7 +247,7 @@ class Preview:
         """
         old = self._rested
         if not self._is_factor_rested:
-            self._is_factor_rested = hold(self.shell, old.x, self._factor)
+            self._is_factor_rested = factorise(self.shell, old.x, self._factor)
         if not self._is_factor_rested:
             self._settle()
             return None
@@ -255,9 +255,9 @@ class Preview:
         gradient = float(np.linalg.norm(self.shell.gradient(linear.x)))
         self.equilibrium = replace(
             old,
-            x=self.shell.grounded(linear.x),
+            x=self.shell.shifted_to_ground(linear.x),
             strains=linear.strains,
-            energies=energies_of(self.shell, linear.x),
+            energies=energies_by_part(self.shell, linear.x),
             gradient_norm=gradient,
             definite=old.definite and gradient <= old.tolerance,
             soft_modes=np.empty(0),
@@ -274,7 +274,7 @@ class Preview:
         self._clock = Clock()
         self._edits += 1
         now = side_of(self.shell, self.equilibrium.x)
-        now = trends(self.shell).side if now == "auto" else now
+        now = mean_fields(self.shell).side if now == "auto" else now
         before = dict(vars(self))
         with all_or_nothing(self):
             self.side = FLIPPED[now]
@@ -345,7 +345,7 @@ class Preview:
         """What the error to be expected follows from; an edit does not wait for it. The factor is the equilibrium's."""
         found = self.equilibrium
         if found.is_minimum and not self._is_factor_rested:  # an edit that changes nothing was broken off
-            self._is_factor_rested = hold(self.shell, found.x, self._factor)
+            self._is_factor_rested = factorise(self.shell, found.x, self._factor)
         if found.is_minimum and not len(found.soft_modes):
-            values, _ = self._clock("soft modes", modes_of, self.shell, found.x, self._factor)
+            values, _ = self._clock("soft modes", softest_modes, self.shell, found.x, self._factor)
             self.equilibrium = replace(found, soft_modes=values)

@@ -20,7 +20,7 @@ from asterism.previews.supports.point_pins import giving_way, softness
 from fem.elements.argyris import Argyris
 from fem.elements.tabulation import Floats
 from fem.shell.fields import FieldError, Fields
-from fem.shell.shell import ORDER, Shell
+from fem.shell.shell import QUADRATURE_ORDER, Shell
 from fem.supports.conditions import ConditionError
 from fem.supports.loads import area_load
 from homogenize.errors import LawError
@@ -59,7 +59,7 @@ class Sheet:
         self._mesh = sheet_mesh(self.layout.border, edge, self.layout.pin_points, held_sides(self.layout))
         mesh = MeshTri(np.ascontiguousarray(self._mesh.points.T), np.ascontiguousarray(self._mesh.triangles.T))
         self.space = Argyris(mesh)
-        self._table = self.space.tabulate(ORDER)
+        self._table = self.space.tabulate(QUADRATURE_ORDER)
         self._spread(design, self.layout)
         self._pin(design, self.layout)
 

@@ -29,7 +29,7 @@ from asterism.shape.pin_warnings import pin_warnings
 from asterism.shape.self_intersections import meets_itself, passing, self_intersections
 from asterism.shape.shape import Shape
 from asterism.shape.tube import roll_radius
-from fem.search.mean_fields import trends
+from fem.search.mean_fields import mean_fields
 from fem.search.sides import side_of
 from homogenize.cell.directions import is_threefold, left_out
 from pattern.geometry.planar import polygon_area
@@ -64,10 +64,10 @@ def summary(
     through = self_intersections(*sheet) if meets_itself(shape.printed, *sheet) else 0
     size = polygon_area(layout.border), diameter(shape.positions)
     others = other_forms(preview, size[1])
-    amplitudes = amplitudes_percent(found.soft_modes, found.at_stake, *size)
+    amplitudes = amplitudes_percent(found.soft_modes, found.absolute_energy, *size)
     unequal = 100.0 * depends / size[1]
     held = layout.is_pulled
-    wants = trends(preview.shell) if held else None
+    wants = mean_fields(preview.shell) if held else None
     width = wants.chord / wants.stretch if wants else np.inf
     # held sheets are not asked for their symmetries
     share = share_of(held, () if held else preview.symmetries)
@@ -94,7 +94,7 @@ def summary(
         "equivalent_axes_deg": _equivalent_axes(preview, axis),
         "roll_radius_mm": None if axis is None else roll_radius(shape, layout.lattice_vectors),
         "side": preview.side,
-        "start": found.start,
+        "start": found.guess,
         "starts": [
             {name: getattr(trial, name) for name in ("name", "energy", "is_minimum", "iterations")}
             for trial in found.trials
@@ -177,11 +177,11 @@ def warnings(
         lines.append(f"the edges were asked to go {preview.side}, but no such form was reached: they go {side}")
     if width < NARROW and not soft_in_two_ways:
         buckles = "held narrower than it would be, the sheet may buckle in several ways"
-        if found.start == EDIT:
+        if found.guess == EDIT:
             lines.append(f"{buckles}: a new preview looks for lower ones")
         elif buckling(width) == 1.0 or any(form.gap < BUCKLES for form in others):
             lines.append(f"{buckles}, and the law cannot tell which is lowest: the exact model may take another form")
-    elif found.start == EDIT and not layout.is_pulled:
+    elif found.guess == EDIT and not layout.is_pulled:
         lines.append("the edit went on from the form before it: a new preview looks for lower ones")
     if not found.converged:
         lines.append(f"not an equilibrium: gradient {found.gradient_norm:.1e} N, above {found.tolerance:.1e} N")

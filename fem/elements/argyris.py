@@ -16,7 +16,7 @@ from skfem.quadrature import get_quadrature
 
 from fem.elements.location import triangles_at
 from fem.elements.monomials import monomials, polynomials, powers
-from fem.elements.printed_mesh import usable
+from fem.elements.printed_mesh import checked_mesh
 from fem.elements.tabulation import Evaluation, Floats, Ints, Tabulation
 
 Map = Callable[[Floats], Floats]
@@ -30,7 +30,7 @@ class Argyris:
 
     Parameters
     ----------
-    mesh : scikit-fem's, in printed mm; see `fem.elements.printed_mesh.usable`.
+    mesh : scikit-fem's, in printed mm; see `fem.elements.printed_mesh.checked_mesh`.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class Argyris:
     degree = 5
 
     def __init__(self, mesh: MeshTri) -> None:
-        self.mesh = mesh = usable(mesh)
+        self.mesh = mesh = checked_mesh(mesh)
         numbers = Dofs(mesh, ElementTriArgyris())
         self.size: int = numbers.N
         self.dofs: Ints = numbers.element_dofs.T.copy()

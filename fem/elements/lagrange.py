@@ -10,7 +10,7 @@ from skfem import Basis, ElementTriP2, ElementTriP3, MeshTri
 from skfem.quadrature import get_quadrature
 
 from fem.elements.monomials import monomials, powers
-from fem.elements.printed_mesh import usable
+from fem.elements.printed_mesh import checked_mesh
 from fem.elements.tabulation import Floats, Ints
 
 ELEMENTS = {2: ElementTriP2, 3: ElementTriP3}
@@ -21,7 +21,7 @@ class Lagrange:
 
     Parameters
     ----------
-    mesh : scikit-fem's, in printed mm; see `fem.elements.printed_mesh.usable`.
+    mesh : scikit-fem's, in printed mm; see `fem.elements.printed_mesh.checked_mesh`.
     degree : 2 or 3.
 
     Attributes
@@ -33,7 +33,7 @@ class Lagrange:
     def __init__(self, mesh: MeshTri, degree: int) -> None:
         if degree not in ELEMENTS:
             raise ValueError(f"degree: {degree} is not one of 2, 3")
-        mesh = usable(mesh)
+        mesh = checked_mesh(mesh)
         element = ELEMENTS[degree]()
         basis = Basis(mesh, element, intorder=1)
         self.mesh, self.degree = mesh, degree

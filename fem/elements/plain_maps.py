@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from fem.elements.deformation import affine, flat
 from fem.elements.space import Space
 from fem.elements.tabulation import Floats
-from fem.supports.placement import affine, flat
 
 
 def flat_positions(space: Space) -> Floats:

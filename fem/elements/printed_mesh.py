@@ -10,7 +10,7 @@ from scipy.sparse.csgraph import connected_components
 from skfem import ElementTriP1, MeshTri
 
 
-def usable(mesh: MeshTri) -> MeshTri:
+def checked_mesh(mesh: MeshTri) -> MeshTri:
     """The mesh with the corners of every triangle in the order of their numbers, as edges count on.
 
     Vertices, triangles and edges keep their numbers, and named boundaries their edges.

@@ -8,12 +8,12 @@ from typing import Protocol
 import scipy.sparse as sp
 
 from fem.elements.tabulation import Floats
-from fem.supports import edge_rows
+from fem.supports import edge_equations
 
 Map = Callable[[Floats], Floats]
 
 
-class Space(edge_rows.Space, Protocol):
+class Space(edge_equations.Space, Protocol):
     """Beyond what conditions and loads need."""
 
     def penalty(self, modulus: Floats | float = 1.0) -> sp.csr_matrix | None:

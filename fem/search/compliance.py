@@ -14,6 +14,6 @@ def compliance(shell: Shell, x: Floats, factor: Factor, forces: Floats) -> float
     measured along f. The factor holds the Hessian H at x (N, 3). What of the loads would move the sheet as a whole,
     where nothing stops that, is left out.
     """
-    load, rigid = shell.restricted(forces), shell.rigid_modes(x)
+    load, rigid = shell.restrict(forces), shell.rigid_modes(x)
     load = load - rigid @ (rigid.T @ load)
     return float(load @ factor.solve(load))

@@ -13,15 +13,15 @@ from dataclasses import replace
 import numpy as np
 
 from fem.elements.tabulation import Floats
-from fem.search.simple_shapes import Shape
+from fem.search.simple_shapes import SimpleShape
 from fem.shell.shell import Shell
 
 TIE = 1e-3  # energies that differ less, relatively, are equal
-ASKEW = np.radians(8.0)
+SYMMETRY_BREAKING_ANGLE = np.radians(8.0)
 SAME = np.radians(1.0)
 
 
-def hollows(shell: Shell, stretch: float, family: Sequence[Shape]) -> list[Shape]:
+def energy_minima(shell: Shell, stretch: float, family: Sequence[SimpleShape]) -> list[SimpleShape]:
     """Shapes of lower energy than their neighbours, the lowest first; one off all axes if all are equal.
 
     Parameters
@@ -32,26 +32,28 @@ def hollows(shell: Shell, stretch: float, family: Sequence[Shape]) -> list[Shape
     energies = np.array([_uniform(shell, stretch, shape) for shape in family])
     if np.ptp(energies) <= TIE * abs(energies.min()):
         # axes of symmetry of sheet and lattice may be saddles: from beside them there is a way down
-        return [replace(family[int(energies.argmin())], angle=ASKEW)]
+        return [replace(family[int(energies.argmin())], angle=SYMMETRY_BREAKING_ANGLE)]
     low = (energies <= np.roll(energies, 1)) & (energies < np.roll(energies, -1))
     low[energies.argmin()] = True
     return [family[number] for number in np.argsort(energies) if low[number]]
 
 
-def apart(first: Shape, others: Sequence[Shape], turns: Sequence[Floats]) -> list[Shape]:
+def distinct_shapes(
+    first: SimpleShape, others: Sequence[SimpleShape], symmetries: Sequence[Floats]
+) -> list[SimpleShape]:
     """Those of the others that no turn carries into the first one or into an earlier other.
 
-    `turns` (2, 2): rotations and mirrors of the print that map the sheet and all that it wants onto itself.
+    `symmetries` (2, 2): rotations and mirrors of the print that map the sheet and all that it wants onto itself.
     """
     kept = [first]
     for shape in others:
-        images = [_turned(shape.angle, turn) for turn in (np.eye(2), *turns)]
+        images = [_turned(shape.angle, turn) for turn in (np.eye(2), *symmetries)]
         if all(_between(image, known.angle) > SAME for image in images for known in kept):
             kept.append(shape)
     return kept[1:]
 
 
-def _uniform(shell: Shell, stretch: float, shape: Shape) -> float:
+def _uniform(shell: Shell, stretch: float, shape: SimpleShape) -> float:
     """N mm of a sheet with the shape's curvatures everywhere."""
     c, s = np.cos(shape.angle), np.sin(shape.angle)
     k, m = shape.curvature, shape.across

@@ -32,7 +32,7 @@ class ShellEquilibrium:
     soft_modes : (k,) N/mm^3, smallest eigenvalues of the Hessian against the printed area: the energy of a mode of one
         mm mean square is half of that times the area. Empty if they were not asked for. One far below the others
         belongs to a neutral motion, such as the axis about which an even sheet rolls.
-    start : name of the start that led here.
+    guess : name of the start that led here.
     trials : all starts that were followed.
     load_steps : 0, or the steps in which the fields and loads had to be brought up.
     saddles_left : on the way.
@@ -47,7 +47,7 @@ class ShellEquilibrium:
     tolerance: float
     definite: bool
     soft_modes: Floats
-    start: str
+    guess: str
     trials: tuple[Trial, ...] = ()
     load_steps: int = 0
     iterations: int = 0
@@ -62,7 +62,7 @@ class ShellEquilibrium:
         return sum(self.energies.values())
 
     @property
-    def at_stake(self) -> float:
+    def absolute_energy(self) -> float:
         """N mm, the energy, what a part saves counted as spent: errors are a part of it."""
         return sum(map(abs, self.energies.values()))
 

@@ -46,17 +46,17 @@ def linear_response(shell: Shell, x: Floats, factor: Factor) -> Response:
     move than Newton's method makes is shortened to that. Rigid motions that nothing stops are taken out: of all
     answers that differ by one this is the one that moves the least.
     """
-    start = shell.held(x)
+    start = shell.constrain(x)
     strains = shell.strains(start)
     _, stress, _ = shell.density(strains)
-    gradient = shell.restricted(shell.assembly.forces(start, stress) + shell.outer_forces(start))
+    gradient = shell.restrict(shell.assembly.forces(start, stress) + shell.external_gradient(start))
     move = shell.move(np.zeros_like(start), _answer(shell, start, factor, gradient))
     farthest = float(np.abs(move).max())
-    most = FAR * shell.size
+    most = FAR * shell.extent
     return Response(start + (move if farthest <= most else most / farthest * move), shell, start, strains)
 
 
-def far_off(shell: Shell, x: Floats, factor: Factor, fields: Fields) -> float:
+def rms_response(shell: Shell, x: Floats, factor: Factor, fields: Fields) -> float:
     """mm, rms over the printed sheet: how far the equilibrium x goes, to first order, if its fields are others.
 
     The shell stays as it is. Of answers that differ by a rigid motion which nothing stops, the smallest counts. The
@@ -69,7 +69,7 @@ def far_off(shell: Shell, x: Floats, factor: Factor, fields: Fields) -> float:
     """
     strains = shell.assembly.strains(x, fields.rest(shell.points))
     _, stress, _ = fields.densities(shell.points)(strains)
-    move = _answer(shell, x, factor, shell.restricted(shell.assembly.forces(x, stress) + shell.outer_forces(x)))
+    move = _answer(shell, x, factor, shell.restrict(shell.assembly.forces(x, stress) + shell.external_gradient(x)))
     rigid = shell.rigid_modes(x)
     if rigid.shape[1]:
         image = shell.mass @ rigid

@@ -79,17 +79,17 @@ def mixed_newton(
     clock = Clock()
     eps = np.zeros((*shell.assembly.weights.shape, 6)) if strains is None else strains
     found = Mixed(x, eps, np.inf, False, 0, 0, 0, seconds=clock.seconds)
-    size = shell.size
+    size = shell.extent
     matrix = Regularised(shell, factor, clock)
     moved, reach = 0.0, np.inf
     for number in range(max_iterations + 1):
         e = clock("strains", shell.strains, found.x)
         _, stress, stiffness = clock("law", shell.density, found.strains)
-        outer = shell.outer_forces(found.x)
+        outer = shell.external_gradient(found.x)
         ahead = stress + np.matmul(stiffness, (e - found.strains)[..., None])[..., 0]
         own = ahead if shell.density.quadratic else shell.density(e)[1]
-        gradient = shell.restricted(clock("forces", shell.assembly.forces, found.x, ahead) + outer)
-        exact = gradient if own is ahead else shell.restricted(shell.assembly.forces(found.x, own) + outer)
+        gradient = shell.restrict(clock("forces", shell.assembly.forces, found.x, ahead) + outer)
+        exact = gradient if own is ahead else shell.restrict(shell.assembly.forces(found.x, own) + outer)
         before, found.residual = found.residual, float(np.linalg.norm(exact))
         found.history.append(found.residual)
         found.iterations = number
@@ -97,7 +97,7 @@ def mixed_newton(
         if found.converged or number == max_iterations or not np.isfinite(found.residual):
             break
         if matrix.changed or found.residual > min(AGAIN * before, NEARLY * tolerance) or reach > NEAR * size:
-            if number == 0 or moved > TURNED * size or not shell.floats:
+            if number == 0 or moved > TURNED * size or not shell.is_rigid_invariant:
                 support, moved = clock("support", shell.support, found.x), 0.0
             accepted = matrix.factorise(found.x, stiffness, stress, support, found.residual < FALLS * before)
             found.factorisations, found.blended = matrix.factorisations, matrix.blended

@@ -19,7 +19,7 @@ from equilibrium.linear.rigid_support import stiffen
 from equilibrium.newton.minimise import Clock
 from fem.elements.tabulation import Floats, Ints
 from fem.shell.shell import Shell
-from fem.shell.tension import pulling
+from fem.shell.tension import tensile_part
 
 # parts of the pushing stress: the first one left out, how many times more the next ones are, what stays left out for
 # the next step, and the part that is too small to be left out
@@ -41,7 +41,7 @@ class Regularised:
 
     def __init__(self, shell: Shell, factor: Factor, clock: Clock) -> None:
         self._shell, self._factor, self._clock = shell, factor, clock
-        size = shell.size
+        size = shell.extent
         self._unit = float(shell.density.stiffness[..., 3, 3].mean()) * (np.pi / size) ** 4
         self._blend = self._shift = 0.0
         self._soft = False
@@ -67,7 +67,7 @@ class Regularised:
             if len(known) == 2:  # it is linear in the stress, so two tell all others
                 (first, one), (second, two) = known
                 return one + (blend - first) / (second - first) * (two - one)
-            kept = (1.0 - blend) * stress + blend * pulling(stress) if blend else stress
+            kept = (1.0 - blend) * stress + blend * tensile_part(stress) if blend else stress
             known.append((blend, self._clock("tangent", self._shell.tangent, x, stiffness, kept)))
             return known[-1][1]
 
@@ -89,7 +89,7 @@ class Regularised:
         return True
 
     def _accepts(self, data: Floats, support: Ints) -> bool:
-        held = data + self._shift * self._shell.inertia if self._shift else data.copy()
+        held = data + self._shift * self._shell.mass_entries if self._shift else data.copy()
         stiffen(self._shell.pattern, held, support)
         self.factorisations += 1
         return bool(self._clock("factorisation", self._factor.factorise, held))

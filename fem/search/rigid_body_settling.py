@@ -10,30 +10,30 @@ from scipy.spatial.transform import Rotation
 
 from fem.elements.tabulation import Floats
 from fem.shell.shell import Shell
-from fem.supports.rigid import spread
+from fem.supports.rigid import span_a_plane
 
 ALIKE = 1e-9  # of the largest: what is left of loads, or of a line, in other directions
 
 
-def swung(shell: Shell, x: Floats) -> Floats:
+def settle_rigid_body(shell: Shell, x: Floats) -> Floats:
     """(N, 3) a state x that meets the conditions, as a rigid body where dead loads do no more work; else itself.
 
     Of all such places the one that the smallest turn leads to.
     """
-    places = x[shell.held_points]
-    if not shell.loads.any() or not len(places) or spread(places):
+    places = x[shell.fixed_points]
+    if not shell.loads.any() or not len(places) or span_a_plane(places):
         return x
-    free = shell.motions(x).shape[1]
+    free = shell.rigid_motions(x).shape[1]
     pivot = places.mean(axis=0)
-    arms = shell.shifted(x, -pivot)
+    arms = shell.translated(x, -pivot)
     _, sizes, axes = np.linalg.svd(places - pivot)
-    if free == 1 and sizes[0] > ALIKE * shell.size:
+    if free == 1 and sizes[0] > ALIKE * shell.extent:
         turn = _about_line(arms, shell.loads, axes[0])
-    elif free == 3 and sizes[0] <= ALIKE * shell.size:
+    elif free == 3 and sizes[0] <= ALIKE * shell.extent:
         turn = _about_point(arms, shell.loads)
     else:
         return x  # something else is held, along some directions
-    return shell.shifted(arms @ turn.T, pivot)
+    return shell.translated(arms @ turn.T, pivot)
 
 
 def _about_line(arms: Floats, loads: Floats, axis: Floats) -> Floats:

@@ -1,12 +1,21 @@
-"""The side of the printed plane that a sheet's edges are on."""
+"""The side of the printed plane that the edges of a sheet are on."""
 
 from __future__ import annotations
 
+from typing import Literal, get_args
+
 from fem.elements.tabulation import Floats
-from fem.search.mean_fields import Side
 from fem.shell.shell import Shell
 
-FLAT_MM = 1e-6
+Side = Literal["auto", "up", "down"]
+
+FLAT_SAG_MM = 1e-6  # a sheet whose area integral of the mean curvature is smaller is flat
+
+
+def check_side(side: str) -> None:
+    """Raise ValueError for what is no side."""
+    if side not in get_args(Side):
+        raise ValueError(f"side = {side!r}: must be {', '.join(get_args(Side))}")
 
 
 def side_of(shell: Shell, x: Floats) -> Side:
@@ -14,4 +23,4 @@ def side_of(shell: Shell, x: Floats) -> Side:
     weights, forms = shell.assembly.weights, shell.strains(x) + shell.rest
     # mm; b = n . hess x is negative where edges go down
     sag = float((weights[..., None] * forms[..., 3:5]).sum())
-    return "auto" if abs(sag) < FLAT_MM else "down" if sag < 0.0 else "up"
+    return "auto" if abs(sag) < FLAT_SAG_MM else "down" if sag < 0.0 else "up"

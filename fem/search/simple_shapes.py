@@ -22,7 +22,7 @@ SERIES = np.stack(
 
 
 @dataclass(frozen=True)
-class Shape:
+class SimpleShape:
     """A guess.
 
     Attributes

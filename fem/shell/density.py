@@ -18,7 +18,7 @@ import numpy as np
 from equilibrium.compiled import formula, loop
 from fem.elements.tabulation import Floats
 
-Law = Callable[[Floats], tuple[Floats, Floats, Floats]]
+EnergyTerm = Callable[[Floats], tuple[Floats, Floats, Floats]]
 
 
 @dataclass(frozen=True)
@@ -32,17 +32,17 @@ class Density:
     orientation : phi in radians, that of a lattice line; a cylinder whose curvature lies along it has the energy
         `+ c3 (kappa/2)^3` as long as kappa is far below 2 z_s.
     saturation : z_s per mm, (T, Q) or a number; the term has half of its cubic's value at |z| = z_s.
-    law : takes e (P, 6) of all points, P = T Q, to w (P,), its gradient (P, 6) and its Hessian (P, 6, 6).
-    stress : s, (T, Q, 6) or (6,), N/mm and N, and `ground`, w_0, (T, Q) or a number, N/mm, at no strain.
+    term : takes e (P, 6) of all points, P = T Q, to w (P,), its gradient (P, 6) and its Hessian (P, 6, 6).
+    prestress : s, (T, Q, 6) or (6,), N/mm and N, and `constant`, w_0, (T, Q) or a number, N/mm, at no strain.
     """
 
     stiffness: Floats
     sixfold: Floats | float = 0.0
     orientation: Floats | float = 0.0
     saturation: Floats | float = np.inf
-    law: Law | None = None
-    stress: Floats | float = 0.0
-    ground: Floats | float = 0.0
+    term: EnergyTerm | None = None
+    prestress: Floats | float = 0.0
+    constant: Floats | float = 0.0
 
     def at(self, shape: tuple[int, int]) -> Density:
         """The same, everything spelled out for (T, Q) points."""
@@ -55,9 +55,9 @@ class Density:
             spread(self.sixfold),
             spread(self.orientation),
             spread(self.saturation),
-            self.law,
-            spread(self.stress, (6,)),
-            spread(self.ground),
+            self.term,
+            spread(self.prestress, (6,)),
+            spread(self.constant),
         )
 
     def with_gaussian(self, modulus: Floats, curvature: Floats) -> Density:
@@ -70,51 +70,51 @@ class Density:
         full.stiffness[..., 3, 4] += modulus
         full.stiffness[..., 4, 3] += modulus
         full.stiffness[..., 5, 5] -= 0.5 * modulus
-        full.stress[..., 3:] += modulus[..., None] * np.stack([b22, b11, -b12], axis=-1)  # type: ignore[index]
-        return replace(full, ground=full.ground + modulus * (b11 * b22 - b12**2))
+        full.prestress[..., 3:] += modulus[..., None] * np.stack([b22, b11, -b12], axis=-1)  # type: ignore[index]
+        return replace(full, constant=full.constant + modulus * (b11 * b22 - b12**2))
 
     def __call__(self, e: Floats) -> tuple[Floats, Floats, Floats]:
         """Energies (T, Q), stresses (T, Q, 6) and stiffnesses (T, Q, 6, 6) at strains e (T, Q, 6)."""
-        scalars = (self.sixfold, self.orientation, self.saturation, self.ground)
-        spelled_out = (np.shape(self.stiffness), np.shape(self.stress)) == ((*e.shape, 6), e.shape)
+        scalars = (self.sixfold, self.orientation, self.saturation, self.constant)
+        spelled_out = (np.shape(self.stiffness), np.shape(self.prestress)) == ((*e.shape, 6), e.shape)
         spelled_out = spelled_out and all(np.shape(each) == e.shape[:2] for each in scalars)
         full = self if spelled_out else self.at(e.shape[:2])
         energy, stress, tangent = np.empty(e.shape[:2]), np.empty(e.shape), np.empty((*e.shape, 6))
-        parts = (full.stiffness, full.sixfold, full.orientation, full.saturation, full.stress, full.ground)
+        parts = (full.stiffness, full.sixfold, full.orientation, full.saturation, full.prestress, full.constant)
         _evaluate(*parts, e, energy, stress, tangent)
-        if self.law is not None:
-            for total, part in zip((energy, stress, tangent), self.law(e.reshape(-1, 6)), strict=True):
+        if self.term is not None:
+            for total, part in zip((energy, stress, tangent), self.term(e.reshape(-1, 6)), strict=True):
                 total += part.reshape(total.shape)
         return energy, stress, tangent
 
     def energies(self, e: Floats) -> Floats:
         """(T, Q) at strains e (T, Q, 6), without their derivatives; `self` is spelled out, see `at`."""
         energy = np.empty(e.shape[:2])
-        parts = (self.stiffness, self.sixfold, self.orientation, self.saturation, self.stress, self.ground)
+        parts = (self.stiffness, self.sixfold, self.orientation, self.saturation, self.prestress, self.constant)
         _energies(*parts, e, energy)
-        return energy if self.law is None else energy + self.law(e.reshape(-1, 6))[0].reshape(energy.shape)
+        return energy if self.term is None else energy + self.term(e.reshape(-1, 6))[0].reshape(energy.shape)
 
     @property
     def quadratic(self) -> bool:
         """The stiffness is the same for all strains."""
-        return self.law is None and not np.any(self.sixfold)
+        return self.term is None and not np.any(self.sixfold)
 
 
 @loop
 def _evaluate(  # type: ignore[no-untyped-def]
-    stiffness, sixfold, orientation, saturation, start, ground, e, energy, stress, tangent
+    stiffness, sixfold, orientation, saturation, prestress, constant, e, energy, stress, tangent
 ):
     h = np.empty((2, 2))
     for t in range(e.shape[0]):
         for q in range(e.shape[1]):
-            energy[t, q] = ground[t, q]
+            energy[t, q] = constant[t, q]
             for a in range(6):
                 value = 0.0
                 for b in range(6):
                     value += stiffness[t, q, a, b] * e[t, q, b]
                     tangent[t, q, a, b] = stiffness[t, q, a, b]
-                stress[t, q, a] = start[t, q, a] + value
-                energy[t, q] += (start[t, q, a] + 0.5 * value) * e[t, q, a]
+                stress[t, q, a] = prestress[t, q, a] + value
+                energy[t, q] += (prestress[t, q, a] + 0.5 * value) * e[t, q, a]
             if sixfold[t, q] != 0.0:
                 u, v = 0.5 * (e[t, q, 3] - e[t, q, 4]), 0.5 * e[t, q, 5]
                 w, gu, gv = _roll(sixfold[t, q], orientation[t, q], saturation[t, q], u, v, h)
@@ -128,13 +128,13 @@ def _evaluate(  # type: ignore[no-untyped-def]
 
 
 @loop
-def _energies(stiffness, sixfold, orientation, saturation, start, ground, e, energy):  # type: ignore[no-untyped-def]
+def _energies(stiffness, sixfold, orientation, saturation, prestress, constant, e, energy):  # type: ignore[no-untyped-def]
     h = np.empty((2, 2))
     for t in range(e.shape[0]):
         for q in range(e.shape[1]):
-            total = ground[t, q]
+            total = constant[t, q]
             for a in range(6):
-                value = start[t, q, a] + 0.5 * stiffness[t, q, a, a] * e[t, q, a]
+                value = prestress[t, q, a] + 0.5 * stiffness[t, q, a, a] * e[t, q, a]
                 for b in range(a):
                     value += stiffness[t, q, a, b] * e[t, q, b]
                 total += value * e[t, q, a]
@@ -178,10 +178,10 @@ def isotropic(
     second = poisson if bending_poisson is None else bending_poisson
     parts = np.broadcast_arrays(membrane, poisson, bending, second)
     out = np.zeros((*parts[0].shape, 6, 6))
-    for start, modulus, nu in ((0, parts[0], parts[1]), (3, parts[2], parts[3])):
-        out[..., start, start] = out[..., start + 1, start + 1] = modulus
-        out[..., start, start + 1] = out[..., start + 1, start] = nu * modulus
-        out[..., start + 2, start + 2] = 0.5 * (1.0 - nu) * modulus
+    for prestress, modulus, nu in ((0, parts[0], parts[1]), (3, parts[2], parts[3])):
+        out[..., prestress, prestress] = out[..., prestress + 1, prestress + 1] = modulus
+        out[..., prestress, prestress + 1] = out[..., prestress + 1, prestress] = nu * modulus
+        out[..., prestress + 2, prestress + 2] = 0.5 * (1.0 - nu) * modulus
     return out
 
 

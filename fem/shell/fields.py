@@ -128,7 +128,7 @@ def _check_finite(values: Floats, points: Floats, name: str) -> None:
 
 def _check_density(density: Density, points: Floats) -> None:
     """Raise FieldError where a sheet of this density has no energy, or one that is not its stress's."""
-    for name in ("stiffness", "stress", "sixfold", "orientation", "ground"):
+    for name in ("stiffness", "prestress", "sixfold", "orientation", "constant"):
         values = np.reshape(getattr(density, name), (*points.shape[:2], -1))
         if not np.isfinite(values).all():
             where = tuple(np.argwhere(~np.isfinite(values))[0])

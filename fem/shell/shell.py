@@ -22,16 +22,16 @@ from fem.elements.tabulation import Floats, Ints
 from fem.shell.assembly import Assembly
 from fem.shell.density import Density
 from fem.shell.fields import Fields
-from fem.shell.mass import Mass
-from fem.shell.reduced import Reduced
-from fem.shell.tension import pulling
-from fem.supports.conditions import Condition, reduce
-from fem.supports.rigid import admissible_motions, costless, spread
+from fem.shell.matrix_reduction import MatrixReduction
+from fem.shell.reduced_mass import ReducedMass
+from fem.shell.tension import tensile_part
+from fem.supports.conditions import Condition, impose_conditions
+from fem.supports.rigid import admissible_motions, neutral_motions, span_a_plane
 
 # over the sum of absolute values, a sum that should be nothing: 1e-13, and up to 1e-10 on flat triangles. The weight
 # of a sheet that swings is 1e-6 of it
 ROUNDING = 3e-10
-ORDER = 6  # of the quadrature: exact for the bending of quintic triangles, and frees thin ones from locking
+QUADRATURE_ORDER = 6  # of the quadrature: exact for the bending of quintic triangles, and frees thin ones from locking
 
 
 class Potential(Protocol):
@@ -77,9 +77,9 @@ class Shell:
         conditions: Sequence[Condition] = (),
         loads: Floats | None = None,
         moments: Sequence[Potential] = (),
-        order: int = ORDER,
+        order: int = QUADRATURE_ORDER,
     ) -> None:
-        self.space, self.moments, self.order = space, tuple(moments), order
+        self.space, self.potentials, self.order = space, tuple(moments), order
         tabulation = space.tabulate(order)
         self.assembly = Assembly(tabulation, space.size)
         self._values = tabulation.values
@@ -87,8 +87,8 @@ class Shell:
         self.flat = flat_positions(space)
         self._shifts = constant(space)
         self.loads = self._checked_loads(np.zeros((space.size, 3)) if loads is None else loads)
-        self.reduction = reduce(space, conditions)
-        self._reduced = Reduced(self.assembly.pattern, self.reduction.map)
+        self.reduction = impose_conditions(space, conditions)
+        self._reduced = MatrixReduction(self.assembly.pattern, self.reduction.map)
         self.pattern: SparsePattern = self._reduced.pattern
         self.progress = 1.0
         self.set_fields(fields)
@@ -158,9 +158,9 @@ class Shell:
         `jumps` of the discretisation."""
         out = {"sheet": float((self.assembly.weights * self.density.energies(self.strains(x))).sum())}
         if self.loads.any():
-            out["loads"] = -self.progress * float((self.loads * self.shifted(x, -self.level)).sum())
-        if self.moments:
-            out["moments"] = self.progress * sum(moment.energy(x) for moment in self.moments)
+            out["loads"] = -self.progress * float((self.loads * self.translated(x, -self.support_level)).sum())
+        if self.potentials:
+            out["moments"] = self.progress * sum(moment.energy(x) for moment in self.potentials)
         if self._penalty is not None:
             out["jumps"] = 0.5 * float((x * (self._penalty[0] @ x)).sum())
         return out
@@ -176,7 +176,7 @@ class Shell:
         """N mm; not finite where the sheet has collapsed."""
         return sum(self.energies(x).values())
 
-    def outer_forces(self, x: Floats) -> Floats:
+    def external_gradient(self, x: Floats) -> Floats:
         """(N, 3) gradient of everything but the sheet's own energy."""
         out = self._push(x)
         return out if self._penalty is None else out + self._penalty[0] @ x
@@ -184,23 +184,23 @@ class Shell:
     def _push(self, x: Floats) -> Floats:
         """(N, 3) gradient of loads and moments."""
         out = -self.progress * self.loads
-        for moment in self.moments:
+        for moment in self.potentials:
             out = out + self.progress * moment.gradient(x)
         return out
 
-    def restricted(self, forces: Floats) -> Floats:
+    def restrict(self, forces: Floats) -> Floats:
         """(n,) over the free unknowns, from (N, 3)."""
         return self.reduction.transposed @ forces.ravel()
 
     def gradient(self, x: Floats) -> Floats:
         """(n,) N over the free unknowns."""
         _, stress, _ = self.density(self.strains(x))
-        return self.restricted(self.assembly.forces(x, stress) + self.outer_forces(x))
+        return self.restrict(self.assembly.forces(x, stress) + self.external_gradient(x))
 
     def tangent(self, x: Floats, stiffness: Floats, stress: Floats) -> Floats:
         """(nnz,) over the free unknowns, for any stiffness (T, Q, 6, 6) and stress (T, Q, 6)."""
         data = self.assembly.tangent(x, stiffness, stress)
-        for moment in self.moments:
+        for moment in self.potentials:
             data += self.progress * self.assembly.gather(moment.hessian(x))
         if self._penalty is not None:
             data += self._penalty[1]
@@ -210,20 +210,20 @@ class Shell:
         """(nnz,) exact for blend 0; for 1 positive semidefinite: of the stress only what pulls is kept."""
         _, stress, stiffness = self.density(self.strains(x))
         if blend > 0.0:
-            stress = (1.0 - blend) * stress + blend * pulling(stress)
+            stress = (1.0 - blend) * stress + blend * tensile_part(stress)
         return self.tangent(x, stiffness, stress)
 
     @cached_property
-    def mass(self) -> Mass:
+    def mass(self) -> ReducedMass:
         """mm^2, the printed area as the free unknowns see it."""
-        return Mass(self._scalar_mass, self.reduction)
+        return ReducedMass(self._scalar_mass, self.reduction)
 
     @cached_property
     def _scalar_mass(self) -> sp.csr_matrix:
         return self.assembly.mass(self._values)
 
     @cached_property
-    def inertia(self) -> Floats:
+    def mass_entries(self) -> Floats:
         """(nnz,) mm^2, the mass in the pattern of the Hessian."""
         return self._reduced(self.assembly.spread(self._scalar_mass))
 
@@ -245,7 +245,7 @@ class Shell:
     def flat_forces(self, moves: Floats) -> Floats:
         """(n,) forces over the free unknowns by which the printed sheet resists small moves (N, 3)."""
         low, x = self._flat_lower, moves.ravel()
-        return self.restricted(low @ x + low.T @ x - self._flat_tangent[self.assembly.pattern.diagonal] * x)
+        return self.restrict(low @ x + low.T @ x - self._flat_tangent[self.assembly.pattern.diagonal] * x)
 
     def move(self, x: Floats, direction: Floats) -> Floats:
         """(N, 3) x moved by a direction (n,) of the free unknowns."""
@@ -256,25 +256,25 @@ class Shell:
         step = (self.reduction.map @ direction).reshape(-1, 3)
         return (lambda a: x + a * step), 1.0
 
-    def held(self, x: Floats) -> Floats:
+    def constrain(self, x: Floats) -> Floats:
         """(N, 3) the state with the free unknowns of x that meets the conditions at this progress."""
         return self.reduction.positions(self.reduction.project(x), self.progress)
 
-    def shifted(self, x: Floats, by: Floats) -> Floats:
+    def translated(self, x: Floats, by: Floats) -> Floats:
         """(N, 3) x moved by (3,) mm."""
         return x + self._shifts[:, None] * by
 
     def linear_stress(self, strains: Floats) -> Floats:
         """(T, Q, 6) by the quadratic part of the density."""
-        return self.density.stress + np.matmul(self.density.stiffness, strains[..., None])[..., 0]
+        return self.density.prestress + np.matmul(self.density.stiffness, strains[..., None])[..., 0]
 
     @cached_property
-    def size(self) -> float:
+    def extent(self) -> float:
         """mm, the larger side of the print."""
-        return float(np.ptp(self.places(self.flat), axis=0).max())
+        return float(np.ptp(self.node_positions(self.flat), axis=0).max())
 
     @cached_property
-    def held_points(self) -> Ints:
+    def fixed_points(self) -> Ints:
         """(k,) dofs that are positions and do not move."""
         return np.flatnonzero(self._fixed.all(axis=1))
 
@@ -284,25 +284,25 @@ class Shell:
         free = np.diff(self.reduction.map.indptr).reshape(-1, 3) > 0
         return np.asarray(~free & (self._shifts != 0.0)[:, None])
 
-    def grounded(self, x: Floats) -> Floats:
+    def shifted_to_ground(self, x: Floats) -> Floats:
         """(N, 3) the state x, where conditions leave heights open with the lowest place that they hold at z = 0."""
         held = self._fixed.any(axis=1)
-        if self.holds_heights or not held.any():
+        if self._supports_height or not held.any():
             return x
-        return self.shifted(x, np.array([0.0, 0.0, -x[held, 2].min()]))
+        return self.translated(x, np.array([0.0, 0.0, -x[held, 2].min()]))
 
-    def places(self, x: Floats) -> Floats:
+    def node_positions(self, x: Floats) -> Floats:
         """(k, 3) mm, of the dofs that are positions."""
         return np.asarray(x[self._shifts != 0.0])
 
     @property
-    def level(self) -> Floats:
+    def support_level(self) -> Floats:
         """(3,) mm, where positions are held, in the mean; 0 for components that nothing holds."""
         held = self._fixed * self.reduction.target.reshape(-1, 3)
         return np.asarray(held.sum(axis=0) / np.maximum(self._fixed.sum(axis=0), 1))
 
     @property
-    def holds_heights(self) -> bool:
+    def _supports_height(self) -> bool:
         """Something is held along z."""
         return bool(self._fixed[:, 2].any())
 
@@ -312,27 +312,27 @@ class Shell:
         return self.reduction.map.shape[1] == self.flat.size
 
     @property
-    def floats(self) -> bool:
+    def is_rigid_invariant(self) -> bool:
         """Nothing holds or pulls the sheet: wherever it is, all rigid motions are free."""
-        return self.is_free and not self.loads.any() and not self.moments
+        return self.is_free and not self.loads.any() and not self.potentials
 
-    def motions(self, x: Floats) -> Floats:
+    def rigid_motions(self, x: Floats) -> Floats:
         """(n, k) orthonormal rigid motions that the conditions leave free."""
-        if spread(x[self.held_points]):
+        if span_a_plane(x[self.fixed_points]):
             return np.empty((self.pattern.size, 0))
         return np.linalg.qr(admissible_motions(x, self._shifts, self.reduction.map, self.reduction.free))[0]
 
     def rigid_modes(self, x: Floats) -> Floats:
         """(n, k) of `motions`, those that cost nothing."""
-        motions = self.motions(x)
-        if motions.shape[1] == 0 or self.floats:
+        motions = self.rigid_motions(x)
+        if motions.shape[1] == 0 or self.is_rigid_invariant:
             return motions
         data = self.hessian(x)
         # stiffness that is the gradient's own, or rounding: flat triangles have stiff dofs
         least = 10.0 * float(np.linalg.norm(self.gradient(x)))
         least += 1e-10 * float(np.median(np.abs(data[self.pattern.diagonal])))
         least += ROUNDING * float(np.linalg.norm(self.pattern.product(np.abs(data), np.abs(motions)), axis=0).max())
-        return costless(motions, self.pattern.product(data, motions), self.restricted(self._push(x)), least)
+        return neutral_motions(motions, self.pattern.product(data, motions), self.restrict(self._push(x)), least)
 
     def support(self, x: Floats) -> Ints:
         """(k,) free unknowns that, held, stop the rigid motions and cause no forces."""

@@ -7,7 +7,7 @@ import numpy as np
 from fem.elements.tabulation import Floats
 
 
-def pulling(stress: Floats) -> Floats:
+def tensile_part(stress: Floats) -> Floats:
     """(..., 6) positive part of the membrane stress, no bending."""
     middle = 0.5 * (stress[..., 0] + stress[..., 1])
     radius = np.hypot(0.5 * (stress[..., 0] - stress[..., 1]), stress[..., 2])

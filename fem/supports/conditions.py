@@ -1,10 +1,10 @@
 """Conditions on the sheet, met exactly: X = T q + c.
 
-`HeldPoints` pins mesh vertices, `HeldEdge` pins or clamps mesh edges. Both hold all three components or only those
+`PointSupport` pins mesh vertices, `EdgeSupport` pins or clamps mesh edges. Both hold all three components or only those
 along given directions: one direction is a plane to slide on. Everything that is not held is free.
 
 Every condition becomes linear equations on value and derivatives of the position at some printed points
-(`fem.supports.edge_rows`), and the equations are solved for the dofs they determine (`fem.supports.elimination`).
+(`fem.supports.edge_equations`), and the equations are solved for the dofs they determine (`fem.supports.elimination`).
 Equations that others imply are dropped, those that contradict others are an error.
 """
 
@@ -18,10 +18,10 @@ import numpy as np
 import scipy.sparse as sp
 from skfem import MeshTri
 
+from fem.elements.deformation import Deformation, flat
 from fem.elements.tabulation import Floats, Ints
-from fem.supports.edge_rows import Rows, Space, edge_rows
+from fem.supports.edge_equations import Rows, Space, edge_equations
 from fem.supports.elimination import Contradiction, eliminate
-from fem.supports.placement import Placement, flat
 
 NEAR_MM = 1e-6  # so near a mesh vertex is at a point
 
@@ -31,7 +31,7 @@ class ConditionError(ValueError):
 
 
 @dataclass(frozen=True)
-class HeldPoints:
+class PointSupport:
     """Vertices held in place.
 
     Attributes
@@ -49,7 +49,7 @@ class HeldPoints:
 
 
 @dataclass(frozen=True)
-class HeldEdge:
+class EdgeSupport:
     """Mesh edges held along a line, straight, oblique or curved (`fem.supports.edge_curve`).
 
     Attributes
@@ -63,14 +63,14 @@ class HeldEdge:
     """
 
     facets: Ints
-    placement: Placement = field(default_factory=flat)
+    placement: Deformation = field(default_factory=flat)
     directions: Floats = field(default_factory=lambda: np.eye(3))
     clamped: bool = False
     corner_deg: float = 30.0
     name: str = "edge"
 
 
-Condition = HeldPoints | HeldEdge
+Condition = PointSupport | EdgeSupport
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ class Reduction:
         return positions.ravel()[self.free]
 
 
-def reduce(space: Space, conditions: Sequence[Condition]) -> Reduction:
+def impose_conditions(space: Space, conditions: Sequence[Condition]) -> Reduction:
     """The linear map from what stays free to the positions of a space's dofs.
 
     Raises
@@ -123,10 +123,10 @@ def reduce(space: Space, conditions: Sequence[Condition]) -> Reduction:
     names: list[str] = []
     for condition in conditions:
         _check(condition, space.mesh)
-        if isinstance(condition, HeldPoints):
+        if isinstance(condition, PointSupport):
             rows = _point_rows(space.mesh, condition)
         else:
-            rows = edge_rows(
+            rows = edge_equations(
                 space,
                 condition.facets,
                 condition.placement,
@@ -186,8 +186,8 @@ def _check(condition: Condition, mesh: MeshTri) -> None:
         (directions**2).sum(axis=1), 1.0
     ):
         raise ConditionError(f"{condition.name}: directions are not independent unit vectors")
-    points = isinstance(condition, HeldPoints)
-    numbers = condition.vertices if isinstance(condition, HeldPoints) else condition.facets
+    points = isinstance(condition, PointSupport)
+    numbers = condition.vertices if isinstance(condition, PointSupport) else condition.facets
     allowed = mesh.nvertices if points else mesh.nfacets
     if len(numbers) == 0 or np.min(numbers) < 0 or np.max(numbers) >= allowed:
         raise ConditionError(
@@ -195,21 +195,21 @@ def _check(condition: Condition, mesh: MeshTri) -> None:
         )
     if not np.isfinite(_normals(condition, mesh)).all():
         raise ConditionError(f"{condition.name}: clamped along a line where its placement has no normal")
-    if isinstance(condition, HeldPoints) and np.shape(condition.places) != (len(numbers), 3):
+    if isinstance(condition, PointSupport) and np.shape(condition.places) != (len(numbers), 3):
         raise ConditionError(f"{condition.name}: places {np.shape(condition.places)} are not ({len(numbers)}, 3)")
-    if isinstance(condition, HeldPoints) and not np.isfinite(condition.places).all():
+    if isinstance(condition, PointSupport) and not np.isfinite(condition.places).all():
         raise ConditionError(f"{condition.name}: places must be finite")
 
 
 def _normals(condition: Condition, mesh: MeshTri) -> Floats:
     """(k, 3) of the placement at the vertices of a clamped edge; none of others."""
-    if isinstance(condition, HeldPoints) or not condition.clamped:
+    if isinstance(condition, PointSupport) or not condition.clamped:
         return np.empty((0, 3))
     with np.errstate(divide="ignore", invalid="ignore"):
         return condition.placement.normal(mesh.p.T[np.unique(mesh.facets[:, condition.facets])])
 
 
-def _point_rows(mesh: MeshTri, held: HeldPoints) -> Rows:
+def _point_rows(mesh: MeshTri, held: PointSupport) -> Rows:
     # any triangle of the vertex will do
     owner = np.empty(mesh.nvertices, dtype=int)
     owner[mesh.t] = np.arange(mesh.nelements)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from fem.elements.tabulation import Floats, Ints
 from fem.supports.edge_curve import left
-from fem.supports.edge_rows import Space
+from fem.supports.edge_equations import Space
 from fem.supports.loads import edge_points
 
 

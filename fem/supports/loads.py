@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fem.elements.tabulation import Floats, Ints
-from fem.supports.edge_rows import Space
+from fem.supports.edge_equations import Space
 
 Force = ArrayLike | Callable[[Floats], Floats]
 

@@ -33,7 +33,7 @@ def admissible_motions(x: Floats, shifts: Floats, columns: sp.csr_matrix, free: 
     return reduced @ rows[blocked < 1e-9 * np.sqrt(x.size)].T
 
 
-def spread(points: Floats) -> bool:
+def span_a_plane(points: Floats) -> bool:
     """Whether points (n, 3) are not all on one line: holding them stops every rigid motion."""
     if len(points) < 3:
         return False
@@ -41,7 +41,7 @@ def spread(points: Floats) -> bool:
     return bool(sizes[1] > 1e-3 * sizes[0])
 
 
-def costless(motions: Floats, stiffness: Floats, push: Floats, least: float) -> Floats:
+def neutral_motions(motions: Floats, stiffness: Floats, push: Floats, least: float) -> Floats:
     """(n, k) orthonormal motions among orthonormal ones (n, j) that nothing pushes along and nothing resists.
 
     A sheet that hangs from a point swings: to first order that is a rigid motion without work, but its weight gives it

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from fem.elements.deformation import Deformation
 from fem.elements.tabulation import Floats
-from fem.supports.placement import Placement
 
 
 def stacked(rows: list[list[Floats | float]], points: Floats) -> Floats:
@@ -14,7 +14,7 @@ def stacked(rows: list[list[Floats | float]], points: Floats) -> Floats:
     return np.stack(parts, axis=2)
 
 
-def arc(curvature: float) -> Placement:
+def arc(curvature: float) -> Deformation:
     """Cylinder about the second axis, concave towards its normal for a positive curvature per mm."""
     k = curvature
 
@@ -28,4 +28,4 @@ def arc(curvature: float) -> Placement:
         flat = [0.0, 0.0, 0.0]
         return stacked([[-k * np.sin(k * p[:, 0]), 0.0, k * np.cos(k * p[:, 0])], flat, flat], p)
 
-    return Placement(position, gradient, hessian)
+    return Deformation(position, gradient, hessian)

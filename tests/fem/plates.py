@@ -4,8 +4,8 @@ import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 
-from fem.supports.conditions import Condition, reduce
-from fem.supports.placement import flat
+from fem.elements.deformation import flat
+from fem.supports.conditions import Condition, impose_conditions
 
 STIFF = 1e7
 
@@ -35,7 +35,7 @@ def deflection(space, conditions: list[Condition], load: np.ndarray, poisson: fl
 
     In its plane it stays as printed, but for what the conditions say: a stiff spring at every dof sees to it.
     """
-    reduction = reduce(space, conditions)
+    reduction = impose_conditions(space, conditions)
     out, inplane = np.diag([0.0, 0.0, 1.0]), np.diag([STIFF, STIFF, 0.0])
     matrix = sp.kron(plate_matrix(space, poisson), out) + sp.kron(sp.identity(space.size), inplane)
     forces = STIFF * space.interpolate(flat().jets)

@@ -6,7 +6,7 @@ from typing import Any
 from skfem import MeshTri
 
 from fem.elements.argyris import Argyris
-from fem.elements.bell import Bell
 from fem.elements.lifted import Lifted
+from tests.fem.bell import Bell
 
 SPACES: dict[str, Callable[[MeshTri], Any]] = {"argyris": Argyris, "bell": Bell, "lifted": Lifted}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fem.elements.tabulation import Floats
-from fem.supports.conditions import HeldEdge
+from fem.supports.conditions import EdgeSupport
 from fem.supports.loads import area_load
 from tests.fem.meshes import rectangle
 from tests.fem.plates import deflection
@@ -30,7 +30,7 @@ def _load(points: Floats) -> Floats:
 
 def _errors(space) -> list[float]:  # type: ignore[no-untyped-def]
     """Root mean squares of the errors of deflection and second derivatives."""
-    rim = HeldEdge(space.mesh.boundary_facets(), clamped=True)
+    rim = EdgeSupport(space.mesh.boundary_facets(), clamped=True)
     heights = deflection(space, [rim], area_load(space, _load)[:, 2])
     table = space.tabulate(12)
     (x, x1, x2, _), (y, y1, y2, _) = (_bump(table.points[..., i]) for i in (0, 1))

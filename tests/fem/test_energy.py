@@ -9,12 +9,12 @@ from hypothesis import strategies as st
 from skfem import MeshTri
 
 from fem.elements.argyris import Argyris
-from fem.elements.bell import Bell
 from fem.elements.lifted import Lifted
 from fem.elements.plain_maps import constant, flat_positions
 from fem.elements.tabulation import Floats
 from fem.shell.assembly import Assembly
 from fem.shell.density import Density, isotropic, on_metric
+from tests.fem.bell import Bell
 from tests.fem.maps import arc
 from tests.fem.meshes import rectangle
 

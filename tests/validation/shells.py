@@ -5,14 +5,14 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from equilibrium.newton.solve import held_definite
+from fem.elements.deformation import Deformation
 from fem.elements.space import Space
 from fem.elements.tabulation import Floats
 from fem.search.mixed_newton import mixed_newton
-from fem.search.relax import TOLERANCE
+from fem.search.relax import GRADIENT_TOLERANCE
 from fem.shell.density import Density, isotropic, on_metric
 from fem.shell.fields import Fields
 from fem.shell.shell import Shell
-from fem.supports.placement import Placement
 
 
 def material(modulus: float, thickness: float, poisson: float) -> Floats:
@@ -31,13 +31,13 @@ def stepped(shell: Shell, start: Floats, shares: Sequence[float], exact: bool = 
 
     `exact` : each Hessian is positive definite.
     """
-    loads, moments = shell.loads, [(moment, moment.moment) for moment in shell.moments]
+    loads, moments = shell.loads, [(moment, moment.moment) for moment in shell.potentials]
     factor, x, strains = shell.factor(), start, None
     for share in shares:
         shell.loads = share * loads
         for moment, full in moments:
             moment.moment = share * full
-        found = mixed_newton(shell, x, factor, TOLERANCE * shell.force_scale, strains)
+        found = mixed_newton(shell, x, factor, GRADIENT_TOLERANCE * shell.force_scale, strains)
         assert found.converged
         x, strains = found.x, found.strains
         if exact:
@@ -67,7 +67,7 @@ def guess(space: Space, place: Callable[[Floats], Floats], step: float) -> Float
         mixed = place(p + one + two) + place(p - one - two) - place(p + one - two) - place(p - one + two)
         return np.stack([*straight, 0.25 * mixed], axis=2) / step**2
 
-    return space.interpolate(Placement(place, gradient, hessian).jets)
+    return space.interpolate(Deformation(place, gradient, hessian).jets)
 
 
 def parts(shell: Shell, x: Floats) -> list[float]:

@@ -5,12 +5,12 @@ from functools import cache
 import numpy as np
 import pytest
 
+from fem.elements.deformation import flat
 from fem.search.evidence import ShellEquilibrium
 from fem.search.relax import follow, relax
 from fem.shell.fields import Fields, of_stretch
 from fem.shell.shell import Shell
-from fem.supports.conditions import Condition, HeldEdge, HeldPoints, vertices_at
-from fem.supports.placement import flat
+from fem.supports.conditions import Condition, EdgeSupport, PointSupport, vertices_at
 from tests.fem.hexagons import FIELDS, RADIUS, density, hexagon
 from tests.fem.spaces import SPACES
 
@@ -40,9 +40,9 @@ def _shell(name: str, case: str, refinements: int = 2) -> Shell:
     conditions: list[Condition] = []
     if held == "corners":
         places = np.column_stack([0.75 * CORNERS, np.zeros(3)])
-        conditions = [HeldPoints(vertices_at(mesh, CORNERS), places)]
+        conditions = [PointSupport(vertices_at(mesh, CORNERS), places)]
     elif held == "border":
-        conditions = [HeldEdge(mesh.boundary_facets(), flat(0.76))]
+        conditions = [EdgeSupport(mesh.boundary_facets(), flat(0.76))]
     return Shell(SPACES[name](mesh), fields, conditions)
 
 

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from skfem import MeshTri
 
+from fem.elements.deformation import Deformation
 from fem.search.relax import follow, relax
-from fem.search.simple_shapes import Shape
+from fem.search.simple_shapes import SimpleShape
 from fem.shell.density import Density
 from fem.shell.fields import Fields
 from fem.shell.shell import Shell
-from fem.supports.conditions import HeldEdge
+from fem.supports.conditions import EdgeSupport
 from fem.supports.loads import edge_load
-from fem.supports.placement import Placement
 from tests.fem.meshes import annulus, facets_where, rectangle
 from tests.fem.spaces import SPACES
 from tests.validation.shells import at, material, of_metric, parts, rate, stepped
@@ -39,7 +39,7 @@ def _arc_hessian(p: np.ndarray) -> np.ndarray:
     return np.stack([np.column_stack(part) for part in parts], axis=2)
 
 
-ANNULUS = Placement(_arc, _arc_gradient, _arc_hessian)
+ANNULUS = Deformation(_arc, _arc_gradient, _arc_hessian)
 
 
 def _slit_annulus(name: str, around: int, across: int, polar: bool) -> dict[float, np.ndarray]:
@@ -52,12 +52,12 @@ def _slit_annulus(name: str, around: int, across: int, polar: bool) -> dict[floa
     if polar:
         space = SPACES[name](mesh)
         fields = of_metric(SLIT, lambda p: np.stack([p[..., 1] ** 2, 1.0 + 0 * p[..., 0], 0 * p[..., 0]], axis=-1))
-        held = HeldEdge(start, ANNULUS, clamped=True)
+        held = EdgeSupport(start, ANNULUS, clamped=True)
     else:
         # both sides of the slit are at angle 0: look a little before it
         corners = _arc(corners - [1e-7, 0.0])[:, :2]
         mesh = MeshTri(_arc(mesh.p.T)[:, :2].T, mesh.t)
-        space, fields, held = SPACES[name](mesh), Fields(Density(SLIT)), HeldEdge(start, clamped=True)
+        space, fields, held = SPACES[name](mesh), Fields(Density(SLIT)), EdgeSupport(start, clamped=True)
     shell = Shell(space, fields, [held], edge_load(space, end, (0.0, 0.0, 0.8)), order=8)
     x = space.interpolate(ANNULUS.jets) if polar else shell.flat
     states = zip(SHARES, stepped(shell, x, SHARES), strict=True)
@@ -111,7 +111,7 @@ def _spherical(name: str, thickness: float, sectors: int = 24, rings: list[float
 
 
 def _cap(shell: Shell) -> np.ndarray:
-    return Shape("cap", 1.0).positions(shell.space, np.zeros(2), 1.0)
+    return SimpleShape("cap", 1.0).positions(shell.space, np.zeros(2), 1.0)
 
 
 def _rise(shell: Shell, x: np.ndarray) -> float:

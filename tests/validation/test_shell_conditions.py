@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from scipy.special import ellipe, ellipk
 
+from fem.elements.deformation import affine, flat
 from fem.search.relax import follow, relax
 from fem.shell.density import Density, isotropic
 from fem.shell.fields import Fields, of_stretch
 from fem.shell.shell import Shell
-from fem.supports.conditions import HeldEdge, HeldPoints, vertices_at
+from fem.supports.conditions import EdgeSupport, PointSupport, vertices_at
 from fem.supports.loads import area_load, point_load
-from fem.supports.placement import affine, flat
 from tests.fem.meshes import disc, facets_where, rectangle, turned
 from tests.fem.spaces import SPACES
 from tests.validation.shells import at, guess, material, stepped
@@ -29,18 +29,18 @@ def test_homothety(name: str, held: str) -> None:
     rows = np.eye(3)
     conditions = {
         "free": [],
-        "sliding edges": [HeldEdge(left, directions=rows[[0, 2]]), HeldEdge(low, directions=rows[[1, 2]])],
+        "sliding edges": [EdgeSupport(left, directions=rows[[0, 2]]), EdgeSupport(low, directions=rows[[1, 2]])],
         "sliding corner points": [
-            HeldPoints(ends[[0]], places[[0]]),
-            HeldPoints(ends[[1]], places[[1]], rows[[1, 2]]),
-            HeldPoints(ends[[2]], places[[2]], rows[[2]]),
+            PointSupport(ends[[0]], places[[0]]),
+            PointSupport(ends[[1]], places[[1]], rows[[1, 2]]),
+            PointSupport(ends[[2]], places[[2]], rows[[2]]),
         ],
-        "border held at the rest length": [HeldEdge(mesh.boundary_facets(), flat(0.8))],
+        "border held at the rest length": [EdgeSupport(mesh.boundary_facets(), flat(0.8))],
     }[held]
     shell = Shell(SPACES[name](mesh), of_stretch(Density(material(1.0, 0.8, 0.3)), 0.8), conditions)
     found = relax(shell)
     assert found.is_minimum
-    assert found.energy < 1e-12 * shell.energy(shell.held(shell.flat)) + 1e-14
+    assert found.energy < 1e-12 * shell.energy(shell.constrain(shell.flat)) + 1e-14
     corners = at(shell, found.x, (0.0, 0.0), (30.0, 0.0), (30.0, 30.0), (0.0, 30.0))
     sides = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1)
     assert np.allclose(sides, 24.0, rtol=1e-7)
@@ -53,7 +53,7 @@ def test_border_held_short_of_its_rest_length_is_under_tension(name: str) -> Non
     """Biaxial: `E = (s^2 - lambda^2)/2 I`, the energy `(1 + nu) M E^2` per area; a square turned by 40 degrees."""
     mesh = turned(rectangle(2, 2, 20.0, 20.0, amount=0.2), 40.0, (3.0, -2.0))
     density = Density(isotropic(5.0, 0.4, 0.3))
-    shell = Shell(SPACES[name](mesh), of_stretch(density, 0.8), [HeldEdge(mesh.boundary_facets(), flat(0.9))])
+    shell = Shell(SPACES[name](mesh), of_stretch(density, 0.8), [EdgeSupport(mesh.boundary_facets(), flat(0.9))])
     found = relax(shell)
     assert found.is_minimum
     assert found.energies["sheet"] == pytest.approx(400.0 * 1.3 * 5.0 * (0.5 * (0.81 - 0.64)) ** 2, rel=1e-9)
@@ -67,7 +67,7 @@ def test_square_plate_under_a_small_load(name: str, clamped: bool, expected: flo
     mesh = turned(rectangle(8, 8, 100.0, 100.0), 30.0, (50.0, 20.0))
     space, plate = SPACES[name](mesh), material(2.0, 1.0, 0.3)
     load = 1e-3 * plate[3, 3] / (expected * 100.0**4)
-    rim = HeldEdge(mesh.boundary_facets(), clamped=clamped)
+    rim = EdgeSupport(mesh.boundary_facets(), clamped=clamped)
     shell = Shell(space, Fields(Density(plate)), [rim], area_load(space, (0.0, 0.0, load)))
     *_, x = stepped(shell, shell.flat, [1.0])
     middle = at(shell, x, tuple(mesh.p.mean(axis=1)))[0, 2]
@@ -81,7 +81,7 @@ def test_round_plate_under_a_small_load(name: str, clamped: bool, factor: float)
     mesh = disc(3)
     space, plate = SPACES[name](mesh), material(2.0, 0.01, 0.3)
     load = 1e-5 * plate[3, 3] / factor
-    rim = HeldEdge(mesh.boundary_facets(), clamped=clamped)
+    rim = EdgeSupport(mesh.boundary_facets(), clamped=clamped)
     shell = Shell(space, Fields(Density(plate)), [rim], area_load(space, (0.0, 0.0, load)))
     *_, x = stepped(shell, shell.flat, [1.0])
     assert at(shell, x, (0.0, 0.0))[0, 2] == pytest.approx(1e-5, rel=0.035)
@@ -108,13 +108,13 @@ def test_buckled_strip(name: str, ends: str, modulus: float) -> None:
     left, right = (facets_where(mesh, lambda x, y, e=e: abs(along @ [x, y] - e) < 1e-6) for e in (0.0, length))
     pushed = affine(np.eye(3)[:, :2], [*((chord - 1.0) * length * along), 0.0])
     clamp = ends == "clamped"
-    first = HeldEdge(left, clamped=clamp)
+    first = EdgeSupport(left, clamped=clamp)
     if ends == "guided and pinned":
-        first = HeldEdge(left, directions=np.array([[*along, 0.0], [-along[1], along[0], 0.0]]), clamped=True)
+        first = EdgeSupport(left, directions=np.array([[*along, 0.0], [-along[1], along[0], 0.0]]), clamped=True)
     shell = Shell(
         SPACES[name](mesh),
         Fields(Density(material(1.0, 0.02, 0.0))),
-        [first, HeldEdge(right, pushed, clamped=clamp)],
+        [first, EdgeSupport(right, pushed, clamped=clamp)],
     )
     share = 2.0 if ends == "guided and pinned" else 1.0
     start = _wave(shell, along, length, chord, height, ends)
@@ -137,7 +137,7 @@ def _wave(shell: Shell, along: np.ndarray, length: float, chord: float, height: 
     def place(p: np.ndarray) -> np.ndarray:
         return np.column_stack([p - (1.0 - chord) * np.outer(p @ along, along), rise(p)])
 
-    return shell.held(guess(shell.space, place, 1e-3 * length))
+    return shell.constrain(guess(shell.space, place, 1e-3 * length))
 
 
 @pytest.mark.parametrize(("weight", "width", "drop"), [(1.0, 0.991246, 0.123471), (10.0, 0.656354, 0.700200)])
@@ -148,7 +148,7 @@ def test_heavy_cantilever(name: str, weight: float, width: float, drop: float) -
     mesh = rectangle(8 if name != "lifted" else 16, 1, length, 1.0)
     space = SPACES[name](mesh)
     gravity = area_load(space, (0.0, 0.0, -weight * plate[3, 3] / length**3))
-    held = HeldEdge(facets_where(mesh, lambda x, y: x < 1e-9), clamped=True)
+    held = EdgeSupport(facets_where(mesh, lambda x, y: x < 1e-9), clamped=True)
     shell = Shell(space, Fields(Density(plate)), [held], gravity)
     *_, x = stepped(shell, shell.flat, [0.5, 1.0])
     tip = at(shell, x, (length, 0.5))[0] / length
@@ -161,7 +161,7 @@ def test_three_corners_pinned_and_a_small_force_on_the_fourth(name: str) -> None
     mesh, plate = rectangle(3, 3, 10.0, 10.0, amount=0.2), material(1.0, 1.0, 0.3)
     space = SPACES[name](mesh)
     corners = vertices_at(mesh, np.array([[0.0, 0], [10, 0], [0, 10]]))
-    pins = HeldPoints(corners, np.column_stack([mesh.p.T[corners], np.zeros(3)]))
+    pins = PointSupport(corners, np.column_stack([mesh.p.T[corners], np.zeros(3)]))
     force = 1e-3 * 2.0 * plate[3, 3] * 0.7 / 100.0
     shell = Shell(space, Fields(Density(plate)), [pins], point_load(space, [10.0, 10.0], [0.0, 0.0, force]))
     *_, x = stepped(shell, shell.flat, [1.0])

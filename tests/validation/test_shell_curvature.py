@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fem.search.relax import follow
-from fem.search.simple_shapes import Shape
+from fem.search.simple_shapes import SimpleShape
 from fem.shell.density import Density
 from fem.shell.fields import Fields
 from fem.shell.shell import Shell
@@ -24,7 +24,7 @@ def _shell(name: str, thickness: float, cells: tuple[int, int], length: float) -
 
 
 def _rolled(shell: Shell) -> np.ndarray:
-    found = follow(shell, Shape("arc", ROLLED).positions(shell.space, np.zeros(2), 1.0), shell.factor())
+    found = follow(shell, SimpleShape("arc", ROLLED).positions(shell.space, np.zeros(2), 1.0), shell.factor())
     assert found.is_minimum
     return found.x
 

@@ -7,7 +7,7 @@ from fem.search.relax import relax
 from fem.shell.density import Density
 from fem.shell.fields import Fields
 from fem.shell.shell import Shell
-from fem.supports.conditions import HeldEdge
+from fem.supports.conditions import EdgeSupport
 from fem.supports.end_moment import EndMoment
 from fem.supports.loads import edge_load
 from tests.fem.meshes import facets_where, rectangle
@@ -28,9 +28,9 @@ def _strip(name: str, cells: int, length: float, **of_shell) -> Shell:
     fields = Fields(Density(PLATE), curvature=(of_shell.get("curvature", 0.0), 0.0, 0.0))
     force = edge_load(space, right, (0.0, 0.0, of_shell.get("force", 0.0)))
     moments = [EndMoment(space, right, of_shell["moment"], (0, -1, 0), near=np.pi)] if "moment" in of_shell else []
-    held = [HeldEdge(left, clamped=True)]
+    held = [EdgeSupport(left, clamped=True)]
     if "sides" in of_shell:  # slide in their planes
-        held.append(HeldEdge(facets_where(mesh, of_shell["sides"]), directions=np.array([[0.0, 1.0, 0.0]])))
+        held.append(EdgeSupport(facets_where(mesh, of_shell["sides"]), directions=np.array([[0.0, 1.0, 0.0]])))
     return Shell(space, fields, held, force, moments)
 
 

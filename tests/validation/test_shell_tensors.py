@@ -5,14 +5,14 @@ import pytest
 from scipy.linalg import sqrtm
 from scipy.optimize import minimize
 
+from fem.elements.deformation import affine
 from fem.elements.tabulation import Floats
 from fem.search.relax import relax
 from fem.shell.density import Density
 from fem.shell.fields import Fields
 from fem.shell.shell import Shell
-from fem.supports.conditions import HeldEdge
+from fem.supports.conditions import EdgeSupport
 from fem.supports.loads import edge_load
-from fem.supports.placement import affine
 from tests.fem.meshes import facets_where, rectangle
 from tests.fem.spaces import SPACES
 from tests.validation.shells import at, material, stepped
@@ -63,15 +63,15 @@ def _stiffening(e: Floats) -> tuple[Floats, Floats, Floats]:
     return square[:, 0, 0] ** 2, gradient, 4.0 * square * eye + 8.0 * part[:, :, None] * part[:, None]
 
 
-@pytest.mark.parametrize("law", [None, _stiffening], ids=["linear", "stiffening"])
+@pytest.mark.parametrize("term", [None, _stiffening], ids=["linear", "stiffening"])
 @spaces
-def test_an_anisotropic_sheet_pulled_at_two_sides(name: str, law) -> None:
+def test_an_anisotropic_sheet_pulled_at_two_sides(name: str, term) -> None:
     """Free but for dead loads on two sides: `x = F X` of least `W(F) - P F_11`, narrowed and sheared."""
     mesh, pull = rectangle(2, 2, 3.0, 2.0, amount=0.2), 0.8
     stiffness = np.zeros((6, 6))
     stiffness[:3, :3] = [[5.0, 1.2, 0.9], [1.2, 3.0, -0.4], [0.9, -0.4, 1.5]]
     stiffness[3:, 3:] = material(1.0, 1.0, 0.3)[3:, 3:]
-    density, space = Density(stiffness, law=law), SPACES[name](mesh)
+    density, space = Density(stiffness, term=term), SPACES[name](mesh)
     left, right = (facets_where(mesh, lambda x, y, e=e: abs(x - e) < 1e-9) for e in (0.0, 3.0))
     loads = edge_load(space, right, (pull, 0.0, 0.0)) + edge_load(space, left, (-pull, 0.0, 0.0))
     shell = Shell(space, Fields(density), loads=loads)
@@ -104,8 +104,8 @@ def test_a_coupled_sheet_lifts_when_it_is_pulled(name: str) -> None:
     mesh = rectangle(8 if name != "lifted" else 20, 1, length, 1.0)
     left, right = (facets_where(mesh, lambda x, y, e=e: abs(x - e) < 1e-9) for e in (0.0, length))
     pull = affine([[stretch, 0.0], [0.0, 1.0], [0.0, 0.0]])
-    shell = Shell(SPACES[name](mesh), Fields(Density(stiffness)), [HeldEdge(left, pull), HeldEdge(right, pull)])
-    *_, x = stepped(shell, shell.held(shell.flat), [1.0])
+    shell = Shell(SPACES[name](mesh), Fields(Density(stiffness)), [EdgeSupport(left, pull), EdgeSupport(right, pull)])
+    *_, x = stepped(shell, shell.constrain(shell.flat), [1.0])
     force = stiffness[0, 0] * 0.5 * (stretch**2 - 1.0)
     rise = coupling / stiffness[0, 0] * (1.0 - 1.0 / np.cosh(0.5 * length * np.sqrt(force / stiffness[3, 3])))
     assert at(shell, x, (0.5 * length, 0.5))[0, 2] == pytest.approx(rise, rel=5e-3)

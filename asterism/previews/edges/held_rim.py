@@ -12,7 +12,7 @@ import numpy as np
 from asterism.previews.sheet import Sheet
 from asterism.previews.supports.conditions import held_edges
 from fem.elements.tabulation import Floats
-from fem.supports.conditions import HeldEdge
+from fem.supports.conditions import EdgeSupport
 from pattern.geometry.planar import STRAIGHT, distance_to_outline, nearest_segment, turns
 
 REACH = 0.5  # of the spacing: how far from the outline the sheet is moved
@@ -52,7 +52,7 @@ class HeldRim:
 def _is_round(sheet: Sheet, start: Floats) -> bool:
     """Whether the shell is held elsewhere than along sides that begin at some points (s, 2)."""
     turn = np.abs(turns(sheet.outline))
-    if ((turn > STRAIGHT) & (turn <= np.radians(HeldEdge.corner_deg))).any():
+    if ((turn > STRAIGHT) & (turn <= np.radians(EdgeSupport.corner_deg))).any():
         return True
     return bool((distance_to_outline(start, sheet.outline) > NEAR * sheet.layout.spacing_mm).any())
 

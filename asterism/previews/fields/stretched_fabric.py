@@ -17,14 +17,14 @@ import numpy as np
 
 from equilibrium.compiled import loop
 from fem.elements.tabulation import Floats
-from fem.shell.density import Law
+from fem.shell.density import EnergyTerm
 from fem.shell.fields import Fields
 
 # det C below which ln J goes on as a parabola: strains on their way to an equilibrium may be no strains of a surface
 LEAST = 0.1
 
 
-def stretched_fabric(fields: Fields, stiffness: Floats, bare: Floats) -> Law:
+def stretched_fabric(fields: Fields, stiffness: Floats, bare: Floats) -> EnergyTerm:
     """The further law of a density with a stiffness (T, Q, 6, 6), bare (T, Q) of it being fabric.
 
     Young's modulus and Poisson's ratio are those of the stiffness, so that it stays what it is for small strains.

@@ -10,12 +10,13 @@ import numpy as np
 from asterism.previews.uncertainty.expected import amplitudes_percent, another_form_is_near
 from equilibrium.linear.factor import Factor
 from fem.elements.tabulation import Floats
+from fem.search.candidate_shapes import candidate_shapes
 from fem.search.evidence import ShellEquilibrium, Trial
-from fem.search.in_plane_relaxation import Frame
-from fem.search.mean_fields import Side, Trends, shapes, trends
-from fem.search.relax import follow, hold, modes_of, relax
-from fem.search.sides import FLAT_MM, side_of
-from fem.search.simple_shapes import Shape
+from fem.search.guess_builder import GuessBuilder
+from fem.search.mean_fields import MeanFields, mean_fields
+from fem.search.relax import factorise, follow, relax, softest_modes
+from fem.search.sides import FLAT_SAG_MM, Side, side_of
+from fem.search.simple_shapes import SimpleShape
 from fem.shell.shell import Shell
 from pattern.geometry.rigid_fit import rigid_fit
 
@@ -55,16 +56,18 @@ def _on_side(
     def fitting() -> list[Trial]:
         return [trial for trial in found.trials if trial.is_minimum and side_of(shell, trial.x) == side]
 
-    wants, size = trends(shell), shell.size
-    bent = [shape for shape in shapes(wants, size, side) if shape.name != "flat"]
+    wants, size = mean_fields(shell), shell.extent
+    bent = [shape for shape in candidate_shapes(wants, size, side) if shape.name != "flat"]
     if not fitting() and bent:
-        found = replace(found, trials=found.trials + relax(shell, factor, side, bent, len(KINDS), turns=turns).trials)
+        found = replace(
+            found, trials=found.trials + relax(shell, factor, side, bent, len(KINDS), symmetries=turns).trials
+        )
     best = min(fitting(), key=lambda trial: trial.energy, default=None)
     if best is None:
-        hold(shell, found.x, factor)
+        factorise(shell, found.x, factor)
         return found
     there = follow(shell, best.x, factor, best.name)  # for the evidence and the factor: it is there already
-    soft = modes_of(shell, there.x, factor)[0]
+    soft = softest_modes(shell, there.x, factor)[0]
     return replace(there, trials=found.trials, soft_modes=soft, iterations=best.iterations)
 
 
@@ -78,20 +81,20 @@ def _lowest_of_all(
     without symmetry is soft in two ways, starts of other kinds are followed too; a held one is pushed, or if it is
     stiff but narrow started anew.
     """
-    free = len(shell.held_points) == 0
-    wants, size = trends(shell), shell.size
+    free = len(shell.fixed_points) == 0
+    wants, size = mean_fields(shell), shell.extent
     if free and uniform and abs(wants.curvature) * wants.stretch * size > TUBE_TURN:
-        tubes = [shape for shape in shapes(wants, size, side) if shape.name in ("arc", "flat")]
-        found = relax(shell, factor, side, tubes, followed=1, turns=turns, tie=TIE)
+        tubes = [shape for shape in candidate_shapes(wants, size, side) if shape.name in ("arc", "flat")]
+        found = relax(shell, factor, side, tubes, max_guesses=1, symmetries=turns, energy_tie=TIE)
         if found.is_minimum:
             return found
-    found = relax(shell, factor, side, turns=turns, tie=TIE)
+    found = relax(shell, factor, side, symmetries=turns, energy_tie=TIE)
     wanted = wants.side if side == "auto" else side
-    if not free and found.is_minimum and found.start != "flat" and turned_over(shell, found.x, wanted):
-        flat = [shape for shape in shapes(wants, size, side) if shape.name == "flat"]
-        found = _lowest(shell, factor, found, [relax(shell, factor, side, flat, followed=1)])
+    if not free and found.is_minimum and found.guess != "flat" and turned_over(shell, found.x, wanted):
+        flat = [shape for shape in candidate_shapes(wants, size, side) if shape.name == "flat"]
+        found = _lowest(shell, factor, found, [relax(shell, factor, side, flat, max_guesses=1)])
     soft = soft_in_two_ways(shell, found, wants.stretch * size)
-    guesses = shapes(wants, size, side)
+    guesses = candidate_shapes(wants, size, side)
     if not free:
         if soft and found.is_minimum:
             return pushed(shell, factor, found, PUSH * size)
@@ -99,7 +102,7 @@ def _lowest_of_all(
     tried = {trial.name for trial in found.trials} - ROLLED | {"flat"}
     if sum(trial.name in ROLLED for trial in found.trials) > 1:
         tried |= ROLLED  # in several directions
-    offers: list[list[Shape]] = []
+    offers: list[list[SimpleShape]] = []
     caps = [shape for shape in guesses if shape.name == "cap"]
     if curls and caps and "cap" not in tried:
         offers = [[replace(caps[-1], curvature=share * caps[-1].curvature)] for share in CAPS]
@@ -107,58 +110,58 @@ def _lowest_of_all(
         offers = _by_direction([shape for shape in guesses if shape.name not in tried])
     best, trials = found, found.trials
     for offer in filter(None, offers):
-        other = relax(shell, factor, side, offer, followed=1, turns=turns)
+        other = relax(shell, factor, side, offer, max_guesses=1, symmetries=turns)
         known = [trial.energy for trial in trials if trial.is_minimum]
         trials += other.trials
         margin = EQUAL * abs(other.energy)
         if other.is_minimum and all(other.energy < energy - margin for energy in known):
             best = other
     if len(trials) > len(found.trials):
-        hold(shell, best.x, factor)
+        factorise(shell, best.x, factor)
     return replace(best, trials=trials)
 
 
-def _by_direction(guesses: Sequence[Shape]) -> list[list[Shape]]:
+def _by_direction(guesses: Sequence[SimpleShape]) -> list[list[SimpleShape]]:
     """Those that are bent about axes in each third of a half turn; others are with the first ones."""
     return [[shape for shape in guesses if int(3.0 * shape.angle / np.pi) == third] for third in range(3)]
 
 
 def pushed(shell: Shell, factor: Factor, found: ShellEquilibrium, far: float) -> ShellEquilibrium:
     """The lowest of a minimum and of those that its softest motion leads to; `far`: how far a dof is pushed, mm."""
-    mode = modes_of(shell, found.x, factor, 1)[1][:, 0]
+    mode = softest_modes(shell, found.x, factor, 1)[1][:, 0]
     step = far / np.abs(shell.move(np.zeros_like(found.x), mode)).max() * mode
     others = [follow(shell, shell.move(found.x, sign * step), factor, "pushed") for sign in (1.0, -1.0)]
     return _lowest(shell, factor, found, others)
 
 
-def narrow(wants: Trends) -> bool:
+def narrow(wants: MeanFields) -> bool:
     """Whether a sheet is held narrower than it would be by itself."""
     return wants.chord < NARROW * wants.stretch
 
 
 def buckled(
-    shell: Shell, factor: Factor, found: ShellEquilibrium, wants: Trends, guesses: Sequence[Shape]
+    shell: Shell, factor: Factor, found: ShellEquilibrium, wants: MeanFields, guesses: Sequence[SimpleShape]
 ) -> ShellEquilibrium:
     """The lowest of a minimum and of those that caps and a few arcs lead to.
 
     A sheet that is held narrow buckles, and into which of its forms depends on the start; each is stiff, so that no
     softness tells of the others.
     """
-    frame = Frame(shell, factor, wants.centre, wants.stretch)
+    frame = GuessBuilder(shell, factor, wants.centre, wants.stretch)
     arcs = [shape for shape in guesses if shape.name in ("arc", "bent")]
     tried = [shape for shape in guesses if shape.name == "cap"] + arcs[:: max(len(arcs) // ARCS, 1)]
-    starts = [frame.slid(frame.bent(shape)) for shape in tried]  # all of them while the factor is the frame's
+    starts = [frame.relax_in_plane(frame.bend(shape)) for shape in tried]  # all of them while the factor is the frame's
     others = [follow(shell, start.x, factor, start.shape.name, patient=False) for start in starts]
     low = min(others, key=lambda other: other.energy)
     if not low.is_minimum and low.energy < found.energy:
-        others.append(follow(shell, low.x, factor, low.start))
+        others.append(follow(shell, low.x, factor, low.guess))
     return _lowest(shell, factor, found, others)
 
 
 def turned_over(shell: Shell, x: Floats, side: Side) -> bool:
     """Whether a held sheet is altogether on the other side of what holds it than where its edges' `side` puts it."""
-    heights = (shell.places(x)[:, 2] - shell.level[2]) * (1.0 if side == "down" else -1.0)
-    return bool(heights.min() < -FLAT_MM and heights.max() < OVER * -heights.min())
+    heights = (shell.node_positions(x)[:, 2] - shell.support_level[2]) * (1.0 if side == "down" else -1.0)
+    return bool(heights.min() < -FLAT_SAG_MM and heights.max() < OVER * -heights.min())
 
 
 def _lowest(
@@ -169,17 +172,17 @@ def _lowest(
     for other in others:
         if other.is_minimum and other.energy < best.energy - EQUAL * abs(best.energy):
             best = other
-    hold(shell, best.x, factor)
+    factorise(shell, best.x, factor)
     if best is not found:
-        best = replace(best, soft_modes=modes_of(shell, best.x, factor)[0])
+        best = replace(best, soft_modes=softest_modes(shell, best.x, factor)[0])
     return replace(best, trials=found.trials + tuple(trial for other in others for trial in other.trials))
 
 
 def soft_in_two_ways(shell: Shell, found: ShellEquilibrium, size: float) -> bool:
     """Whether another form is likely to be near a minimum of a sheet that is about `size` mm large."""
     area = float(shell.assembly.weights.sum())
-    held = len(shell.held_points) > 0
-    return another_form_is_near(amplitudes_percent(found.soft_modes, found.at_stake, area, size), held)
+    held = len(shell.fixed_points) > 0
+    return another_form_is_near(amplitudes_percent(found.soft_modes, found.absolute_energy, area, size), held)
 
 
 def taken(shell: Shell, factor: Factor, x: Floats, was_free: bool) -> ShellEquilibrium:
@@ -197,7 +200,7 @@ def taken(shell: Shell, factor: Factor, x: Floats, was_free: bool) -> ShellEquil
         for stride in range(1, STRIDES + 1):
             share = stride / STRIDES
             shell.reduction = replace(whole, target=(1.0 - share) * start + share * target)
-            found = follow(shell, shell.held(x), factor, "pins take hold")
+            found = follow(shell, shell.constrain(x), factor, "pins take hold")
             x = found.x
     finally:
         shell.reduction = whole
@@ -207,6 +210,6 @@ def taken(shell: Shell, factor: Factor, x: Floats, was_free: bool) -> ShellEquil
 
 def _laid(shell: Shell, x: Floats, places: Floats) -> Floats:
     """The rigid motion that brings held points closest to their places."""
-    held = shell.held_points
+    held = shell.fixed_points
     rotation, shift = rigid_fit(x[held], places[held])
-    return shell.shifted(x @ rotation.T, shift)
+    return shell.translated(x @ rotation.T, shift)

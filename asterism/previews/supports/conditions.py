@@ -6,8 +6,8 @@ import numpy as np
 import scipy.sparse as sp
 from skfem import MeshTri
 
-from fem.supports.conditions import Condition, HeldEdge, HeldPoints, vertices_at
-from fem.supports.placement import affine
+from fem.elements.deformation import affine
+from fem.supports.conditions import Condition, EdgeSupport, PointSupport, vertices_at
 from pattern.design.design import Design
 from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import distance_to_segment, pieces
@@ -51,10 +51,10 @@ def conditions(layout: Layout, sheet: SheetMesh, mesh: MeshTri, step: int) -> li
             continue
         directions, name = np.eye(3)[list(pin.fixed)], f"pins[{number}]"
         if len(pin.points):
-            found.append(HeldPoints(vertices_at(mesh, pin.points), pin.places(pin.points), directions, name))
+            found.append(PointSupport(vertices_at(mesh, pin.points), pin.places(pin.points), directions, name))
         if pin.edges:
             placement = affine(pin.scale * np.eye(3)[:, :2], pin.offset_mm)
-            found.append(HeldEdge(facets[np.isin(sheet.side, pin.edges)], placement, directions, name=name))
+            found.append(EdgeSupport(facets[np.isin(sheet.side, pin.edges)], placement, directions, name=name))
     return found
 
 

@@ -83,7 +83,9 @@ def giving_way(fields: Fields, soft: Floats, bare: Floats) -> Fields:
     density = fields.density
     assert isinstance(density, Density)
     stiffness = softened(density.stiffness, 1.0 / (1.0 + soft))
-    return replace(fields, density=replace(density, stiffness=stiffness, law=stretched_fabric(fields, stiffness, bare)))
+    return replace(
+        fields, density=replace(density, stiffness=stiffness, term=stretched_fabric(fields, stiffness, bare))
+    )
 
 
 def softened(stiffness: Floats, part: Floats) -> Floats:

@@ -15,7 +15,7 @@ import numpy as np
 
 from equilibrium.linear.factor import Factor
 from fem.elements.tabulation import Floats
-from fem.search.linear_response import far_off
+from fem.search.linear_response import rms_response
 
 if TYPE_CHECKING:
     from asterism.previews.session import Preview
@@ -41,4 +41,4 @@ def _answer(preview: Preview, factor: Factor, errors: Floats) -> float:
     shell, value = preview.shell, preview.values.value
     wrong = np.append(1.0 + WRONG * errors, 1.0)
     others = replace(preview.values, value=value | {name: wrong * value[name] for name in ("lam", "lam_n")})
-    return far_off(shell, preview.equilibrium.x, factor, preview.sheet.fields(others)) / WRONG
+    return rms_response(shell, preview.equilibrium.x, factor, preview.sheet.fields(others)) / WRONG

@@ -97,7 +97,7 @@ def height_doubts(preview: Preview, shape: Shape, up: Floats, factor: Factor) ->
     return HeightDoubts(
         height=shape.height_mm,
         lowest=abs(float(shape.point_fields["bump_mm"][ends[1], 2])),
-        softness=math.sqrt(2.0 * max(found.at_stake, 0.0) * max(apart, 0.0)),
+        softness=math.sqrt(2.0 * max(found.absolute_energy, 0.0) * max(apart, 0.0)),
         turning=turning(preview.values, sheet.layout, 2.0 * surface.mean_curvature, surface.area),
     )
 

@@ -45,7 +45,7 @@ def other_forms(preview: Preview, diameter_mm: float) -> list[OtherForm]:
         centres = stars @ trial.x
         apart = [100.0 / diameter_mm * distances(form, centres, preview.symmetries).min() for form in known]
         if min(apart) > EQUAL:
-            gap = (trial.energy - shown.energy) / shown.at_stake
+            gap = (trial.energy - shown.energy) / shown.absolute_energy
             found.append(OtherForm(trial.name, trial.energy, gap, float(apart[0])))
             known.append(centres)
     return found

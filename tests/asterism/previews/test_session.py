@@ -127,8 +127,8 @@ def test_an_edit_gives_the_shape_of_a_new_preview() -> None:
 def test_softness_is_known_after_edits_and_pins_too(step: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """No edit waits for it; it is found once, when a summary is asked for."""
     asked: list[None] = []
-    find = preview_module.modes_of
-    monkeypatch.setattr(preview_module, "modes_of", lambda *given: asked.append(None) or find(*given))
+    find = preview_module.softest_modes
+    monkeypatch.setattr(preview_module, "softest_modes", lambda *given: asked.append(None) or find(*given))
     pins = [{"edges": [0]}, {"points_mm": [[0.0, -60.0]], "target_mm": [[0.0, -45.0, 5.0]], "step": step}]
     one, other = (design(stars={"thickness_mm": t}, pins=pins, mesh={"edge_mm": 4.0}) for t in (0.3, 0.303))
     preview, fresh = Preview(one, plain_law()), Preview(other, plain_law())
@@ -274,7 +274,7 @@ def test_pins_hold_what_they_say(slide: str | None, held: list[int]) -> None:
 def test_targets_and_later_steps() -> None:
     points, target = [[0.0, -60.0], [0.0, 60.0]], [[0.0, -40.0, 0.0], [0.0, 40.0, 5.0]]
     preview = Preview(design(pins=[{"points_mm": points, "target_mm": target, "step": 1}]), plain_law())
-    assert preview.equilibrium.start == "pins take hold"
+    assert preview.equilibrium.guess == "pins take hold"
     assert preview.equilibrium.is_minimum
     assert preview.at(np.array(points)).smooth == pytest.approx(np.array(target), abs=1e-9)
 

@@ -7,9 +7,9 @@ import pytest
 from skfem import MeshTri
 
 from fem.elements.argyris import Argyris
-from fem.elements.bell import Bell
 from fem.elements.monomials import monomials, powers
 from fem.elements.tabulation import Floats
+from tests.fem.bell import Bell
 
 ORDERS = np.array([0, 1, 1, 2, 2, 2])
 FAR = np.array([1.0e4, -2.0e4])  # mm

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fem.elements.lifted import Lifted
-from fem.supports.conditions import HeldEdge
+from fem.supports.conditions import EdgeSupport
 from tests.fem.meshes import rectangle
 from tests.fem.plates import deflection, height, uniform_load
 
@@ -64,7 +64,7 @@ def test_supported_plate_converges(degree: int, cells: tuple[int, ...], rate: fl
     errors = []
     for n in cells:
         space = Lifted(rectangle(n, n), degree)
-        heights = deflection(space, [HeldEdge(space.mesh.boundary_facets())], uniform_load(space))
+        heights = deflection(space, [EdgeSupport(space.mesh.boundary_facets())], uniform_load(space))
         errors.append(abs(height(space, heights, 0.5, 0.5) / 0.00406235 - 1.0))
     assert np.log2(errors[-2] / errors[-1]) > rate
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from skfem import MeshTri, MeshTri2
 
-from fem.elements.printed_mesh import usable
+from fem.elements.printed_mesh import checked_mesh
 from fem.search.relax import relax
 from fem.shell.density import Density, isotropic
 from fem.shell.fields import FieldError, Fields, of_stretch
@@ -39,7 +39,7 @@ def with_nan() -> MeshTri:
 )
 def test_meshes_that_are_no_sheet_are_refused(mesh, word: str) -> None:
     with pytest.raises(ValueError, match=f"^mesh: .*{word}"):
-        usable(mesh())
+        checked_mesh(mesh())
 
 
 @pytest.mark.parametrize("name", SPACES)

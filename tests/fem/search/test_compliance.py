@@ -9,7 +9,7 @@ from fem.elements.argyris import Argyris
 from fem.search.compliance import compliance
 from fem.search.relax import follow, relax
 from fem.shell.shell import Shell
-from fem.supports.conditions import HeldPoints
+from fem.supports.conditions import PointSupport
 from fem.supports.loads import point_load
 from tests.fem.hexagons import FIELDS, RADIUS, hexagon
 
@@ -19,7 +19,7 @@ UP = np.array([0.0, 0.0, 1.0])
 def test_it_is_what_a_small_load_moves_its_place_by() -> None:
     mesh = hexagon(1)
     corners = np.arange(1, 7)
-    held = [HeldPoints(corners, np.column_stack([0.8 * mesh.p.T[corners], np.zeros(6)]))]
+    held = [PointSupport(corners, np.column_stack([0.8 * mesh.p.T[corners], np.zeros(6)]))]
     shell = Shell(Argyris(mesh), FIELDS["dome"], held)
     factor = shell.factor()
     start = relax(shell, factor)

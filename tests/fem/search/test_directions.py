@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from fem.elements.argyris import Argyris
-from fem.search.directions import ASKEW, apart, hollows
+from fem.search.directions import SYMMETRY_BREAKING_ANGLE, distinct_shapes, energy_minima
 from fem.search.relax import relax
-from fem.search.simple_shapes import Shape
+from fem.search.simple_shapes import SimpleShape
 from fem.shell.fields import of_stretch
 from fem.shell.shell import Shell
 from tests.fem.hexagons import RADIUS, density, hexagon
 
-FAMILY = [Shape("arc", 0.015, np.pi * number / 12) for number in range(12)]
+FAMILY = [SimpleShape("arc", 0.015, np.pi * number / 12) for number in range(12)]
 THIRD = 2.0 * np.pi / 3.0
 TURN = np.array([[np.cos(THIRD), -np.sin(THIRD)], [np.sin(THIRD), np.cos(THIRD)]])
 
@@ -21,29 +21,29 @@ TURN = np.array([[np.cos(THIRD), -np.sin(THIRD)], [np.sin(THIRD), np.cos(THIRD)]
 @pytest.mark.parametrize(("sixfold", "angles"), [(100.0, (30.0, 90.0, 150.0)), (-100.0, (0.0, 60.0, 120.0))])
 def test_every_axis_of_the_lattice_is_a_hollow(sixfold: float, angles: tuple[float, ...]) -> None:
     shell = Shell(Argyris(hexagon(1)), of_stretch(density(sixfold), 0.8, 0.015))
-    found = [np.degrees(shape.angle) for shape in hollows(shell, 0.8, FAMILY)]
+    found = [np.degrees(shape.angle) for shape in energy_minima(shell, 0.8, FAMILY)]
     assert sorted(found) == pytest.approx(angles)
 
 
 def test_a_sheet_without_preference_is_bent_off_all_axes() -> None:
     shell = Shell(Argyris(hexagon(1)), of_stretch(density(), 0.8, 0.015))
-    (only,) = hollows(shell, 0.8, FAMILY)
-    assert only.angle == ASKEW
+    (only,) = energy_minima(shell, 0.8, FAMILY)
+    assert only.angle == SYMMETRY_BREAKING_ANGLE
 
 
 def test_equal_axes_count_once() -> None:
-    first, *others = (Shape("arc", 0.015, np.radians(angle)) for angle in (30.0, 90.0, 150.0))
-    assert apart(first, others, []) == others
-    assert apart(first, others, [TURN, TURN.T]) == []
+    first, *others = (SimpleShape("arc", 0.015, np.radians(angle)) for angle in (30.0, 90.0, 150.0))
+    assert distinct_shapes(first, others, []) == others
+    assert distinct_shapes(first, others, [TURN, TURN.T]) == []
     # the mirror y -> -y carries 30 to 150 degrees, and 90 to itself
-    assert apart(first, others, [np.diag([1.0, -1.0])]) == [others[0]]
+    assert distinct_shapes(first, others, [np.diag([1.0, -1.0])]) == [others[0]]
 
 
 def test_other_axes_are_other_forms() -> None:
     """A sheet that curls along a line may roll about three axes; a tie goes to the cheapest start."""
     fields = of_stretch(density(100.0), 0.8, lambda p: 0.015 + 0.004 * (p @ np.array([0.8, 0.6])) / RADIUS)
     shell = Shell(Argyris(hexagon(1)), fields)
-    lowest, tied = relax(shell), relax(shell, tie=0.5)
+    lowest, tied = relax(shell), relax(shell, energy_tie=0.5)
     for found in (lowest, tied):
         energies = [trial.energy for trial in found.trials if trial.is_minimum]
         assert len(energies) == 3

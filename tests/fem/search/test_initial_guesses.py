@@ -9,43 +9,44 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from fem.elements.argyris import Argyris
-from fem.search.in_plane_relaxation import Frame, Start
-from fem.search.initial_guesses import HELD_DEAR, _best_held, _Ranking, starts
-from fem.search.mean_fields import shapes, trends
+from fem.elements.deformation import affine, flat
+from fem.search.candidate_shapes import candidate_shapes
+from fem.search.guess_builder import GuessBuilder, InitialGuess
+from fem.search.initial_guesses import HELD_DEAR, _best_held, _Ranking, initial_guesses
+from fem.search.mean_fields import mean_fields
 from fem.search.relax import relax
-from fem.search.simple_shapes import Shape
+from fem.search.simple_shapes import SimpleShape
 from fem.shell.density import Density, isotropic
 from fem.shell.fields import of_stretch
 from fem.shell.shell import Shell
-from fem.supports.conditions import HeldEdge
-from fem.supports.placement import affine, flat
+from fem.supports.conditions import EdgeSupport
 from tests.fem.hexagons import FIELDS, RADIUS, hexagon
 from tests.fem.meshes import facets_where, rectangle
 
 
 @pytest.fixture
-def slid(monkeypatch: pytest.MonkeyPatch) -> list[tuple[float, float]]:
+def relaxed(monkeypatch: pytest.MonkeyPatch) -> list[tuple[float, float]]:
     """Energies of all guesses that were moved within themselves, and the least one known by then."""
     seen: list[tuple[float, float]] = []
-    before = Frame.slid
+    before = GuessBuilder.relax_in_plane
 
-    def noted(self: Frame, start, least=np.inf):  # type: ignore[no-untyped-def]
+    def noted(self: GuessBuilder, start, least=np.inf):  # type: ignore[no-untyped-def]
         seen.append((start.energy, least))
         return before(self, start, least)
 
-    monkeypatch.setattr(Frame, "slid", noted)
+    monkeypatch.setattr(GuessBuilder, "relax_in_plane", noted)
     return seen
 
 
-def test_an_arc_alone_is_compared_with_nothing(slid: list[tuple[float, float]]) -> None:
+def test_an_arc_alone_is_compared_with_nothing(relaxed: list[tuple[float, float]]) -> None:
     shell = Shell(Argyris(hexagon(1)), FIELDS["rolled"])
-    arcs = [shape for shape in shapes(trends(shell), 2.0 * RADIUS) if shape.name in ("arc", "flat")]
+    arcs = [shape for shape in candidate_shapes(mean_fields(shell), 2.0 * RADIUS) if shape.name in ("arc", "flat")]
     turns = [np.array([[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]]) for a in np.arange(6) * np.pi / 3.0]
-    kinds, turned = starts(shell, shell.factor(), candidates=arcs, turns=turns)
-    assert [start.shape.name for start in kinds] == ["arc"] and not turned and not slid
+    kinds, turned = initial_guesses(shell, shell.factor(), candidates=arcs, symmetries=turns)
+    assert [start.shape.name for start in kinds] == ["arc"] and not turned and not relaxed
     # without symmetry the other axes are guesses too
-    kinds, turned = starts(shell, shell.factor(), candidates=arcs)
-    assert kinds[0].shape.name == "arc" and len(turned) == 2 and slid
+    kinds, turned = initial_guesses(shell, shell.factor(), candidates=arcs)
+    assert kinds[0].shape.name == "arc" and len(turned) == 2 and relaxed
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
@@ -54,43 +55,45 @@ def test_a_sheet_follows_what_holds_it_wherever_that_was_turned(axis: int, degre
     """By a single clamped edge: its places alone say nothing of the turn about it."""
     mesh = rectangle(2, 2, 50.0, 50.0)
     turn = Rotation.from_rotvec(np.radians(degrees) * np.eye(3)[axis]).as_matrix()
-    edge = HeldEdge(facets_where(mesh, lambda x, y: x < 1e-9), affine(turn[:, :2], [5.0, 6.0, 7.0]), clamped=True)
+    edge = EdgeSupport(facets_where(mesh, lambda x, y: x < 1e-9), affine(turn[:, :2], [5.0, 6.0, 7.0]), clamped=True)
     found = relax(Shell(Argyris(mesh), of_stretch(Density(isotropic(20.0, 10.0, 0.3)), 1.0), [edge]))
     assert found.is_minimum and found.energy < 1e-9
 
 
-def test_held_guesses_that_are_far_too_dear_are_left_out(slid: list[tuple[float, float]]) -> None:
+def test_held_guesses_that_are_far_too_dear_are_left_out(relaxed: list[tuple[float, float]]) -> None:
     mesh = hexagon(1)
-    shell = Shell(Argyris(mesh), FIELDS["dome"], [HeldEdge(mesh.boundary_facets(), flat(0.8))])
+    shell = Shell(Argyris(mesh), FIELDS["dome"], [EdgeSupport(mesh.boundary_facets(), flat(0.8))])
     angles = np.pi * np.arange(12) / 12
-    gentle, tight = ([Shape("arc", curvature, angle) for angle in angles] for curvature in (1e-3, 0.03))
-    caps = [Shape("flat"), Shape("cap", 2e-3)]
-    kinds, _ = starts(shell, shell.factor(), candidates=[*caps, *gentle])
+    gentle, tight = ([SimpleShape("arc", curvature, angle) for angle in angles] for curvature in (1e-3, 0.03))
+    caps = [SimpleShape("flat"), SimpleShape("cap", 2e-3)]
+    kinds, _ = initial_guesses(shell, shell.factor(), candidates=[*caps, *gentle])
     assert {start.shape.name for start in kinds} == {"flat", "cap", "arc"}
     assert kinds == sorted(kinds, key=lambda start: start.energy)
-    kinds, _ = starts(shell, shell.factor(), candidates=[*caps, *tight])
+    kinds, _ = initial_guesses(shell, shell.factor(), candidates=[*caps, *tight])
     assert {start.shape.name for start in kinds} == {"flat", "cap"}
-    assert all(energy <= HELD_DEAR * least for energy, least in slid)
+    assert all(energy <= HELD_DEAR * least for energy, least in relaxed)
 
 
 class _Known:
     """Stands for a frame and its shell: energies of shapes are given, and sliding lowers some of them."""
 
-    def __init__(self, energies: dict[Shape, float], slid: dict[Shape, float] | None = None, free: bool = True) -> None:
-        self.energies, self.after, self.tried, self.moved = energies, slid or {}, [], []
-        self.shell = SimpleNamespace(is_free=free, flat=None, held=lambda x: x, energies=lambda x: {"sheet": 1.0})
+    def __init__(
+        self, energies: dict[SimpleShape, float], after: dict[SimpleShape, float] | None = None, free: bool = True
+    ) -> None:
+        self.energies, self.after, self.tried, self.moved = energies, after or {}, [], []
+        self.shell = SimpleNamespace(is_free=free, flat=None, constrain=lambda x: x, energies=lambda x: {"sheet": 1.0})
 
-    def bent(self, shape: Shape) -> Start:
+    def bend(self, shape: SimpleShape) -> InitialGuess:
         self.tried.append(shape)
-        return Start(shape, np.zeros((1, 3)), self.energies[shape])
+        return InitialGuess(shape, np.zeros((1, 3)), self.energies[shape])
 
-    def slid(self, start: Start, least: float) -> Start:
+    def relax_in_plane(self, start: InitialGuess, least: float) -> InitialGuess:
         self.moved.append(start.shape)
-        return Start(start.shape, start.x, self.after.get(start.shape, start.energy))
+        return InitialGuess(start.shape, start.x, self.after.get(start.shape, start.energy))
 
 
 def test_the_best_direction_of_a_held_guess_is_found_wherever_it_is() -> None:
-    family = [Shape("arc", 1e-3, np.pi * k / 12) for k in range(12)]
+    family = [SimpleShape("arc", 1e-3, np.pi * k / 12) for k in range(12)]
     for best in np.concatenate([np.arange(12) - 0.3, np.arange(12) + 0.3]):
         away = np.abs((np.arange(12) - best + 6.0) % 12.0 - 6.0)
         frame = _Known(dict(zip(family, away, strict=True)))
@@ -102,17 +105,17 @@ def test_the_best_direction_of_a_held_guess_is_found_wherever_it_is() -> None:
 
 
 def test_guesses_without_an_energy_never_win() -> None:
-    family = [Shape("arc", 1e-3, np.pi * k / 12) for k in range(12)]
+    family = [SimpleShape("arc", 1e-3, np.pi * k / 12) for k in range(12)]
     frame = _Known({shape: np.nan if k % 2 == 0 and k != 6 else 1.0 for k, shape in enumerate(family)})
     assert _best_held(frame, family, np.inf) == 6  # type: ignore[arg-type]
 
 
 def test_guesses_are_moved_within_themselves_while_they_may_win() -> None:
     """By energies that are twenty times those of a flat sheet apart; of a kind that with the lowest one in the end."""
-    shapes = [Shape("cap", 1e-3 * k) for k in range(1, 6)]
+    shapes = [SimpleShape("cap", 1e-3 * k) for k in range(1, 6)]
     frame = _Known(dict(zip(shapes, (0.0, 1.0, 2.0, 18.0, 20.0), strict=True)), {shapes[2]: -1.0})
     ranking = _Ranking(frame.shell, frame)  # type: ignore[arg-type]
-    ranking.take([frame.bent(shape) for shape in shapes[::-1]])
+    ranking.take([frame.bend(shape) for shape in shapes[::-1]])
     assert frame.moved == shapes[:4]
     assert [start.shape for start in ranking.kinds] == [shapes[2]] and ranking.least == -1.0
 

@@ -8,13 +8,13 @@ import pytest
 import fem.search.relax
 from equilibrium.newton.solve import settle
 from fem.elements.argyris import Argyris
-from fem.elements.bell import Bell
 from fem.search.mixed_newton import mixed_newton
-from fem.search.relax import by_load_steps, follow, relax
-from fem.search.simple_shapes import Shape
+from fem.search.relax import follow, follow_load_steps, relax
+from fem.search.simple_shapes import SimpleShape
 from fem.shell.fields import FieldError, Fields, of_stretch
 from fem.shell.shell import Shell
-from fem.supports.conditions import HeldEdge
+from fem.supports.conditions import EdgeSupport
+from tests.fem.bell import Bell
 from tests.fem.hexagons import FIELDS, RADIUS, density, hexagon
 from tests.fem.meshes import facets_where, rectangle
 
@@ -83,7 +83,7 @@ def test_a_flat_sheet_that_wants_to_roll_is_a_saddle_and_is_left() -> None:
     """Compressed between clamps: the straight state is stationary, and not an equilibrium."""
     mesh = rectangle(8, 2, 10.0, 2.0)
     clamps = [
-        HeldEdge(facets_where(mesh, lambda x, y, at=at: np.abs(x - at) < 1e-9), clamped=True) for at in (0.0, 10.0)
+        EdgeSupport(facets_where(mesh, lambda x, y, at=at: np.abs(x - at) < 1e-9), clamped=True) for at in (0.0, 10.0)
     ]
     plate = density().stiffness * np.repeat([[1.0], [1e-3]], 3, axis=0).reshape(6, 1)
     shell = Shell(Argyris(mesh), of_stretch(type(density())(plate), 1.0004), clamps)
@@ -109,13 +109,13 @@ def test_a_flat_sheet_that_wants_to_roll_is_a_saddle_and_is_left() -> None:
 
 def test_a_start_that_comes_below_a_minimum_is_followed_to_its_end(monkeypatch: pytest.MonkeyPatch) -> None:
     shell = Shell(Argyris(hexagon(1)), FIELDS["dome"])
-    guesses = [Shape("cap", -2e-3), Shape("flat")]  # the cap is on the wrong side, and stays there
+    guesses = [SimpleShape("cap", -2e-3), SimpleShape("flat")]  # the cap is on the wrong side, and stays there
     lowest = relax(shell).energy
     monkeypatch.setattr(fem.search.relax, "CLOSE", 10.0)
     for enough in (fem.search.relax.SHORT, 3):
         monkeypatch.setattr(fem.search.relax, "SHORT", enough)
         found = relax(shell, shapes=guesses)
-        assert found.is_minimum and found.start == "flat"
+        assert found.is_minimum and found.guess == "flat"
         assert found.energy == pytest.approx(lowest)
         assert found.trials[0].is_minimum and found.trials[0].energy > 2.0 * lowest
     assert [trial.is_minimum for trial in found.trials] == [True, False, True]
@@ -132,7 +132,7 @@ def test_what_did_not_converge_says_so() -> None:
 
 def test_load_steps_reach_the_same_bowl() -> None:
     shell = Shell(Argyris(hexagon(1)), FIELDS["bowl"])
-    stepped = by_load_steps(shell, shell.factor(), 4)
+    stepped = follow_load_steps(shell, shell.factor(), 4)
     assert stepped is not None and stepped.is_minimum and shell.progress == 1.0
     assert stepped.energy == pytest.approx(relax(shell).energy, rel=1e-9)
 
@@ -146,15 +146,15 @@ def test_the_side_can_be_chosen(side, sign) -> None:  # type: ignore[no-untyped-
     edge = np.array([[0.0, 0.0], *(0.99 * shell.space.mesh.p.T[[1, 3, 5]])])
     z = (shell.space.locate(edge).value @ found.x)[:, 2]
     assert found.is_minimum and sign * (z[1:].mean() - z[0]) > 5.0
-    assert found.energy == pytest.approx(relax(shell, shapes=[Shape("cap", 0.004)]).energy, rel=1e-8)
+    assert found.energy == pytest.approx(relax(shell, shapes=[SimpleShape("cap", 0.004)]).energy, rel=1e-8)
 
 
 def test_impossible_arguments_are_refused() -> None:
     shell = Shell(Argyris(hexagon(0)), FIELDS["rolled"])
     with pytest.raises(ValueError, match=r"shapes = \[\]: at least one"):
         relax(shell, shapes=[])
-    with pytest.raises(ValueError, match=r"followed = 0: must be at least 1"):
-        relax(shell, followed=0)
+    with pytest.raises(ValueError, match="max_guesses = 0"):
+        relax(shell, max_guesses=0)
     for loads in (np.ones((3, 3)), np.full(shell.flat.shape, np.nan)):
         with pytest.raises(ValueError, match=r"loads must be finite, shape \(\d+, 3\)"):
             Shell(Argyris(hexagon(0)), FIELDS["rolled"], loads=loads)

@@ -8,9 +8,9 @@ from scipy.spatial.transform import Rotation
 
 from fem.elements.argyris import Argyris
 from fem.search.relax import relax
-from fem.search.rigid_body_settling import swung
+from fem.search.rigid_body_settling import settle_rigid_body
 from fem.shell.shell import Shell
-from fem.supports.conditions import Condition, HeldEdge, HeldPoints, vertices_at
+from fem.supports.conditions import Condition, EdgeSupport, PointSupport, vertices_at
 from fem.supports.loads import area_load, point_load
 from tests.fem.hexagons import FIELDS
 from tests.fem.maps import arc
@@ -24,7 +24,7 @@ CORNER, SIDE = np.zeros((1, 2)), np.array([[0.0, 0.0], [0.0, 0.5 * SIZE], [0.0, 
 def hanging(points: np.ndarray, loads: object = None, more: tuple[Condition, ...] = ()) -> Shell:
     space = Argyris(rectangle(4, 4, SIZE, SIZE))
     places = np.array([1.0, 2.0, 3.0]) + np.column_stack([points, np.zeros(len(points))])
-    held = (HeldPoints(vertices_at(space.mesh, points), places), *more) if len(points) else more
+    held = (PointSupport(vertices_at(space.mesh, points), places), *more) if len(points) else more
     return Shell(space, FIELDS["bowl"], held, area_load(space, DOWN) if loads is None else loads(space))  # type: ignore[operator]
 
 
@@ -39,23 +39,23 @@ def test_no_turn_lets_loads_do_more_work(points: np.ndarray, several: float) -> 
     across = several * np.array([[1.0, 0.2, -0.5], [0.3, -1.0, 0.4], [0.0, 0.2, 0.1]])
     loads = (lambda space: point_load(space, [[40.0, 10.0], [20.0, 50.0], [59.0, 59.0]], across)) if several else None
     shell = hanging(points, loads)
-    start = shell.held(shell.space.interpolate(arc(1.0 / (2.2 * SIZE)).jets))
-    x = swung(shell, start)
-    held = shell.held_points
+    start = shell.constrain(shell.space.interpolate(arc(1.0 / (2.2 * SIZE)).jets))
+    x = settle_rigid_body(shell, start)
+    held = shell.fixed_points
     assert x[held] == pytest.approx(start[held], abs=1e-9)
-    assert shell.held(x) == pytest.approx(x, abs=1e-9)
+    assert shell.constrain(x) == pytest.approx(x, abs=1e-9)
     assert shell.energies(x)["sheet"] == pytest.approx(shell.energies(start)["sheet"], rel=1e-9)
     random, pivot = np.random.default_rng(0), x[held].mean(axis=0)
     for size in np.repeat([1.0, 1e-3], 50):
         turn = random.normal(size=3) if len(points) == 1 else random.normal() * np.array([0.0, 1.0, 0.0])
         turn *= size
-        other = shell.shifted(shell.shifted(x, -pivot) @ Rotation.from_rotvec(turn).as_matrix().T, pivot)
+        other = shell.translated(shell.translated(x, -pivot) @ Rotation.from_rotvec(turn).as_matrix().T, pivot)
         assert work(shell, other) <= work(shell, x) * (1 + 1e-12) + 1e-15
 
 
 def test_what_cannot_swing_stays_as_it_is() -> None:
-    edge = HeldEdge(facets_where(rectangle(4, 4, SIZE, SIZE), lambda x, y: x < 1e-9), clamped=True)
-    slid = HeldPoints(np.array([24]), np.array([[SIZE, SIZE, 3.0]]), np.eye(3)[2:], "slides")
+    edge = EdgeSupport(facets_where(rectangle(4, 4, SIZE, SIZE), lambda x, y: x < 1e-9), clamped=True)
+    slid = PointSupport(np.array([24]), np.array([[SIZE, SIZE, 3.0]]), np.eye(3)[2:], "slides")
     corners = np.array([[0.0, 0.0], [SIZE, 0.0], [0.0, SIZE]])
     for shell in (
         hanging(corners),
@@ -63,8 +63,8 @@ def test_what_cannot_swing_stays_as_it_is() -> None:
         hanging(CORNER, more=(slid,)),
         hanging(CORNER, lambda space: np.zeros((space.size, 3))),
     ):
-        x = shell.held(shell.flat)
-        assert swung(shell, x) is x
+        x = shell.constrain(shell.flat)
+        assert settle_rigid_body(shell, x) is x
 
 
 @pytest.mark.parametrize("points", [CORNER, SIDE], ids=["point", "line"])

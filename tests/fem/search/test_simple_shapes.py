@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from fem.elements.tabulation import Floats
-from fem.search.simple_shapes import Shape, similar
+from fem.search.simple_shapes import SimpleShape, similar
 
 SHAPES = [
-    Shape("flat"),
-    Shape("cap", -0.9),
-    Shape("arc", 1.1, 0.4),
-    Shape("saddle", 0.8, -0.7, -0.5),
-    Shape("bent", -1.2, 2.0, -0.4),
+    SimpleShape("flat"),
+    SimpleShape("cap", -0.9),
+    SimpleShape("arc", 1.1, 0.4),
+    SimpleShape("saddle", 0.8, -0.7, -0.5),
+    SimpleShape("bent", -1.2, 2.0, -0.4),
 ]
 POINTS = np.random.default_rng(0).uniform(-1.2, 1.2, (40, 2))
 STEP = 1e-4
@@ -45,13 +45,13 @@ def moved(points: Floats) -> Floats:
     ).transpose(2, 0, 1)
 
 
-def places(shape: Shape, points: Floats) -> Floats:
+def places(shape: SimpleShape, points: Floats) -> Floats:
     """(n, 3) of points (n, 2)."""
     return shape.over(Points(points), moved)[:, 0]  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: shape.name)
-def test_derivatives(shape: Shape) -> None:
+def test_derivatives(shape: SimpleShape) -> None:
     jets = shape.over(Points(POINTS), moved)  # type: ignore[arg-type]
     one, two = STEP * np.eye(2)
     middle = places(shape, POINTS)
@@ -64,7 +64,7 @@ def test_derivatives(shape: Shape) -> None:
 
 
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: shape.name)
-def test_curvatures_in_the_middle(shape: Shape) -> None:
+def test_curvatures_in_the_middle(shape: SimpleShape) -> None:
     """There the sheet keeps its lengths and has both curvatures; positive ones lift the edges."""
     at = shape.over(Points(np.zeros((1, 2))), similar(np.zeros(2), 1.0))[0]  # type: ignore[arg-type]
     cos, sin = np.cos(shape.angle), np.sin(shape.angle)
@@ -78,6 +78,6 @@ def test_curvatures_in_the_middle(shape: Shape) -> None:
 
 def test_an_arc_lies_on_its_cylinder_and_a_cap_on_its_sphere() -> None:
     flat = similar(np.zeros(2), 1.0)
-    arc, cap = (Shape(name, 0.7).over(Points(POINTS), flat)[:, 0] for name in ("arc", "cap"))  # type: ignore[arg-type]
+    arc, cap = (SimpleShape(name, 0.7).over(Points(POINTS), flat)[:, 0] for name in ("arc", "cap"))  # type: ignore[arg-type]
     assert np.allclose(np.hypot(arc[:, 0], arc[:, 2] - 1 / 0.7), 1 / 0.7)
     assert np.allclose(np.linalg.norm(cap - [0.0, 0.0, 1 / 0.7], axis=1), 1 / 0.7)

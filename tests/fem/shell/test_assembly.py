@@ -9,7 +9,7 @@ import scipy.sparse as sp
 from fem.elements.argyris import Argyris
 from fem.elements.lifted import Lifted
 from fem.shell.assembly import Assembly
-from fem.shell.reduced import Reduced
+from fem.shell.matrix_reduction import MatrixReduction
 from tests.fem.meshes import rectangle
 
 
@@ -54,7 +54,7 @@ def test_restriction_is_the_triple_product() -> None:
     for row in np.setdiff1d(np.arange(size), free)[:30]:  # some depend on others, some are held
         columns[row, random.choice(len(free), 3, replace=False)] = random.standard_normal(3)
     columns = columns.tocsr()
-    reduced = Reduced(assembly.pattern, columns)
+    reduced = MatrixReduction(assembly.pattern, columns)
     data = random.standard_normal(assembly.pattern.nnz)
     exact = columns.T @ full(assembly.pattern, data) @ columns
     assert np.allclose(full(reduced.pattern, reduced(data)), exact)
@@ -65,7 +65,7 @@ def test_restriction_is_the_triple_product() -> None:
 def test_nothing_held_costs_nothing() -> None:
     element = Argyris(rectangle(2, 2))
     assembly = Assembly(element.tabulate(4), element.size)
-    reduced = Reduced(assembly.pattern, sp.identity(3 * element.size, format="csr"))
+    reduced = MatrixReduction(assembly.pattern, sp.identity(3 * element.size, format="csr"))
     assert reduced.pattern is assembly.pattern
     data = np.ones(assembly.pattern.nnz)
     assert reduced(data) is data

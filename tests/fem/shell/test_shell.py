@@ -14,7 +14,7 @@ from fem.elements.tabulation import Floats
 from fem.shell.density import Density, isotropic
 from fem.shell.fields import of_stretch
 from fem.shell.shell import Shell
-from fem.supports.conditions import HeldEdge, HeldPoints, vertices_at
+from fem.supports.conditions import EdgeSupport, PointSupport, vertices_at
 from fem.supports.end_moment import EndMoment
 from fem.supports.loads import area_load
 from tests.fem.hexagons import FIELDS, hexagon
@@ -28,18 +28,18 @@ def _rolled(name: str, progress: float) -> tuple[Shell, Floats]:
     mesh = rectangle(3, 2, 2.0, 1.0, amount=0.15)
     space = SPACES[name](mesh)
     ends = [facets_where(mesh, lambda x, y, e=e: abs(x - e) < 1e-9) for e in (0.0, 2.0)]
-    corner = HeldPoints(vertices_at(mesh, np.array([[2.0, 1.0]])), np.array([[0.3, 0.9, 0.8]]))
+    corner = PointSupport(vertices_at(mesh, np.array([[2.0, 1.0]])), np.array([[0.3, 0.9, 0.8]]))
     density = Density(isotropic(3.0, 0.2, 0.3), 0.1, np.radians(20.0), 1.5)
     shell = Shell(
         space,
         of_stretch(density, lambda p: 0.9 + 0.1 * p[..., 0], 0.4),
-        [HeldEdge(ends[0], clamped=True), corner],
+        [EdgeSupport(ends[0], clamped=True), corner],
         area_load(space, (0.1, 0.0, -0.3)),
         [EndMoment(space, ends[1], 0.2, (0, -1, 0), near=np.pi)],
     )
     shell = shell.at_progress(progress)
     x = space.interpolate(arc(2.2).jets)
-    return shell, shell.held(x + 0.02 * np.random.default_rng(0).standard_normal(x.shape))
+    return shell, shell.constrain(x + 0.02 * np.random.default_rng(0).standard_normal(x.shape))
 
 
 @pytest.mark.parametrize("progress", [1.0, 0.4], ids=["whole", "load step"])
@@ -72,7 +72,7 @@ def test_a_free_sheet_may_be_moved_and_turned(name: str) -> None:
     axis = np.array([2.0, -1.0, 0.5]) / np.sqrt(5.25)
     cross = np.cross(axis, np.eye(3)).T
     turn = np.eye(3) + np.sin(2.0) * cross + (1.0 - np.cos(2.0)) * cross @ cross
-    moved = shell.shifted(x @ turn.T, np.array([30.0, -20.0, 5.0]))
+    moved = shell.translated(x @ turn.T, np.array([30.0, -20.0, 5.0]))
     assert shell.energy(moved) == pytest.approx(shell.energy(x), rel=1e-9)
 
 

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fem.supports.conditions import ConditionError, HeldEdge, HeldPoints, reduce, vertices_at
-from fem.supports.placement import Placement, affine, flat
+from fem.elements.deformation import Deformation, affine, flat
+from fem.supports.conditions import ConditionError, EdgeSupport, PointSupport, impose_conditions, vertices_at
 from tests.fem.meshes import annulus, disc, facets_where, rectangle, turned
 from tests.fem.plates import deflection, height, uniform_load
 from tests.fem.spaces import SPACES
@@ -27,7 +27,7 @@ def test_square_plate(name: str, clamped: bool) -> None:
     errors = []
     for cells in (2, 4, 8):
         space = SPACES[name](turned(rectangle(cells, cells, amount=0.15), 25.0, (70.0, -30.0)))
-        rim = HeldEdge(space.mesh.boundary_facets(), clamped=clamped)
+        rim = EdgeSupport(space.mesh.boundary_facets(), clamped=clamped)
         x, y = turned(rectangle(2, 2), 25.0, (70.0, -30.0)).p.mean(axis=1)
         errors.append(abs(height(space, deflection(space, [rim], uniform_load(space)), x, y) / SQUARE[clamped] - 1))
     assert np.log2(errors[0] / errors[1]) > RATES[name]
@@ -41,7 +41,7 @@ def test_round_plate(space_of, clamped: bool) -> None:
     errors = []
     for refinements in (2, 3):
         space = space_of(disc(refinements))
-        rim = HeldEdge(space.mesh.boundary_facets(), clamped=clamped, corner_deg=60.0)
+        rim = EdgeSupport(space.mesh.boundary_facets(), clamped=clamped, corner_deg=60.0)
         errors.append(height(space, deflection(space, [rim], uniform_load(space)), 0.0, 0.0) / DISC[clamped] - 1)
     assert np.log2(abs(errors[0] / errors[1])) > 1.7
     assert abs(errors[1]) < 0.04
@@ -71,7 +71,7 @@ def test_plate_clamped_along_its_hole(space_of) -> None:
         mesh = annulus(sectors, rings)
         space = space_of(mesh)
         hole = facets_where(mesh, lambda x, y: np.hypot(x, y) < 0.6)
-        heights = deflection(space, [HeldEdge(hole, clamped=True)], uniform_load(space), NU)
+        heights = deflection(space, [EdgeSupport(hole, clamped=True)], uniform_load(space), NU)
         angles = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)
         circle = 0.9 * np.column_stack([np.cos(angles), np.sin(angles)])
         errors.append((space.locate(circle).value @ heights).mean() / _ring_rise(0.4, 0.9) - 1)
@@ -86,7 +86,7 @@ def test_three_corners_pinned_and_a_force_on_the_fourth(space_of) -> None:
     corners = vertices_at(space.mesh, np.array([[0, 0], [1, 0], [0, 1]]))
     places = np.column_stack([space.mesh.p.T[corners], np.zeros(3)])
     load = space.locate(np.array([[1.0, 1.0]])).value.toarray()[0]
-    heights = deflection(space, [HeldPoints(corners, places)], load, NU)
+    heights = deflection(space, [PointSupport(corners, places)], load, NU)
     points = np.random.default_rng(0).uniform(0, 1, (20, 2))
     expected = points.prod(axis=1) / (2 * (1 - NU))
     assert np.allclose(space.locate(points).value @ heights, expected, rtol=0, atol=1e-8)
@@ -96,13 +96,13 @@ def test_three_corners_pinned_and_a_force_on_the_fourth(space_of) -> None:
 @spaces
 def test_rim_held_at_a_saddle(space_of, clamped: bool) -> None:
     """w = x^2 - y^2 is biharmonic: clamped at it everywhere along the rim, the plate takes it; pinned, with nu = 1."""
-    saddle = Placement(
+    saddle = Deformation(
         lambda p: np.column_stack([p, p[:, 0] ** 2 - p[:, 1] ** 2]),
         lambda p: np.stack([np.tile([1.0, 0], (len(p), 1)), np.tile([0, 1.0], (len(p), 1)), p * [2, -2]], axis=1),
         lambda p: np.tile([[0.0, 0, 0], [0, 0, 0], [2, -2, 0]], (len(p), 1, 1)),
     )
     space = space_of(turned(rectangle(3, 3, amount=0.2), 20.0, (0.0, 0.0)))
-    rim = HeldEdge(space.mesh.boundary_facets(), saddle, clamped=clamped)
+    rim = EdgeSupport(space.mesh.boundary_facets(), saddle, clamped=clamped)
     heights = deflection(space, [rim], np.zeros(space.size), NU if clamped else 1.0)
     points = turned(rectangle(5, 5), 20.0, (0.0, 0.0)).p.T
     expected = points[:, 0] ** 2 - points[:, 1] ** 2
@@ -116,8 +116,8 @@ def test_whatever_is_free_the_edges_are_held(name: str, degrees: float, seed: in
     rng = np.random.default_rng(seed)
     space = SPACES[name](turned(rectangle(2, 2, amount=0.2), degrees, (5.0, 3.0)))
     place = affine(rng.normal(size=(3, 2)), rng.normal(size=3))
-    held = HeldEdge(space.mesh.boundary_facets(), place, clamped=clamped)
-    reduction = reduce(space, [held])
+    held = EdgeSupport(space.mesh.boundary_facets(), place, clamped=clamped)
+    reduction = impose_conditions(space, [held])
     positions = reduction.positions(rng.normal(size=reduction.map.shape[1]))
     facets = np.repeat(held.facets, 4)
     a, b = space.mesh.p.T[space.mesh.facets[:, facets]]
@@ -134,9 +134,9 @@ def test_whatever_is_free_the_edges_are_held(name: str, degrees: float, seed: in
 def test_sliding_on_an_oblique_plane(space_of) -> None:
     space = space_of(rectangle(2, 2))
     normal = np.array([[0.6, 0.0, 0.8]])
-    edge = HeldEdge(facets_where(space.mesh, lambda x, y: x < 1e-9), flat(), normal)
-    point = HeldPoints(vertices_at(space.mesh, np.array([[1.0, 1.0]])), np.array([[1.0, 1.0, 0.5]]), normal)
-    reduction = reduce(space, [edge, point])
+    edge = EdgeSupport(facets_where(space.mesh, lambda x, y: x < 1e-9), flat(), normal)
+    point = PointSupport(vertices_at(space.mesh, np.array([[1.0, 1.0]])), np.array([[1.0, 1.0, 0.5]]), normal)
+    reduction = impose_conditions(space, [edge, point])
     rng = np.random.default_rng(0)
     positions = reduction.positions(rng.normal(size=reduction.map.shape[1]))
     along = np.column_stack([np.zeros(9), np.linspace(0, 1, 9)])
@@ -150,8 +150,8 @@ def test_sliding_on_an_oblique_plane(space_of) -> None:
 @spaces
 def test_held_parts_move_straight_to_their_target(space_of) -> None:
     space = space_of(rectangle(2, 2))
-    rim = HeldEdge(space.mesh.boundary_facets(), flat(0.8, (0.5, 0.5)))
-    reduction = reduce(space, [rim])
+    rim = EdgeSupport(space.mesh.boundary_facets(), flat(0.8, (0.5, 0.5)))
+    reduction = impose_conditions(space, [rim])
     corner = space.locate(np.array([[1.0, 0.0]])).value
     for progress, expected in [(0.0, [1.0, 0.0, 0.0]), (0.5, [0.95, 0.05, 0.0]), (1.0, [0.9, 0.1, 0.0])]:
         assert np.allclose(corner @ reduction.positions(np.zeros(reduction.map.shape[1]), progress), expected)
@@ -163,15 +163,18 @@ def test_held_parts_move_straight_to_their_target(space_of) -> None:
 @spaces
 def test_what_is_said_twice_is_dropped_and_what_contradicts_is_named(space_of) -> None:
     space = space_of(rectangle(2, 2))
-    rim = HeldEdge(space.mesh.boundary_facets(), name="rim")
+    rim = EdgeSupport(space.mesh.boundary_facets(), name="rim")
     corner = vertices_at(space.mesh, np.array([[1.0, 0.0]]))
-    once, twice = reduce(space, [rim]), reduce(space, [rim, HeldPoints(corner, np.array([[1.0, 0.0, 0.0]]))])
+    once, twice = (
+        impose_conditions(space, [rim]),
+        impose_conditions(space, [rim, PointSupport(corner, np.array([[1.0, 0.0, 0.0]]))]),
+    )
     assert once.map.shape == twice.map.shape
     assert twice.redundant == once.redundant + 3
     with pytest.raises(
         ConditionError, match=r"contradicts other conditions \((corner|rim)\) at \(1, 0\) mm by"
     ) as error:
-        reduce(space, [rim, HeldPoints(corner, np.array([[1.0, 0.0, 0.2]]), name="corner")])
+        impose_conditions(space, [rim, PointSupport(corner, np.array([[1.0, 0.0, 0.2]]), name="corner")])
     assert "\n" not in str(error.value)
 
 
@@ -184,23 +187,26 @@ def test_bad_conditions_are_named() -> None:
     edge = space.mesh.boundary_facets()
     for condition, message in [
         (
-            HeldEdge(edge, directions=np.array([[1.0, 1.0, 0.0]]), name="left"),
+            EdgeSupport(edge, directions=np.array([[1.0, 1.0, 0.0]]), name="left"),
             "left: directions are not independent unit",
         ),
-        (HeldEdge(edge, directions=np.ones(3), name="left"), r"left: directions \(3,\) are not up to three rows"),
-        (HeldEdge(np.array([999]), name="left"), r"left: facets are not in 0 .. \d+"),
-        (HeldPoints(np.empty(0, dtype=int), np.empty((0, 3))), "points: vertices are not in 0 .. 8, or there are none"),
-        (HeldPoints(np.array([0]), np.zeros((2, 3))), r"points: places \(2, 3\) are not \(1, 3\)"),
-        (HeldPoints(np.array([0]), np.full((1, 3), np.nan)), "points: places must be finite"),
+        (EdgeSupport(edge, directions=np.ones(3), name="left"), r"left: directions \(3,\) are not up to three rows"),
+        (EdgeSupport(np.array([999]), name="left"), r"left: facets are not in 0 .. \d+"),
+        (
+            PointSupport(np.empty(0, dtype=int), np.empty((0, 3))),
+            "points: vertices are not in 0 .. 8, or there are none",
+        ),
+        (PointSupport(np.array([0]), np.zeros((2, 3))), r"points: places \(2, 3\) are not \(1, 3\)"),
+        (PointSupport(np.array([0]), np.full((1, 3), np.nan)), "points: places must be finite"),
     ]:
         with pytest.raises(ConditionError, match=message):
-            reduce(space, [condition])
+            impose_conditions(space, [condition])
 
 
 @spaces
 def test_an_edge_held_in_no_direction_is_free(space_of) -> None:
     space = space_of(rectangle(2, 2))
-    found = reduce(space, [HeldEdge(space.mesh.boundary_facets(), directions=np.empty((0, 3)))])
+    found = impose_conditions(space, [EdgeSupport(space.mesh.boundary_facets(), directions=np.empty((0, 3)))])
     assert len(found.free) == 3 * space.size
 
 
@@ -209,6 +215,6 @@ def test_what_has_no_direction_is_refused() -> None:
     mesh = rectangle(2, 2)
     edge = facets_where(mesh, lambda x, y: x < 1e-9)
     with pytest.raises(ConditionError, match="clamped along a line where its placement has no normal"):
-        reduce(SPACES["argyris"](mesh), [HeldEdge(edge, affine(np.zeros((3, 2))), clamped=True)])
+        impose_conditions(SPACES["argyris"](mesh), [EdgeSupport(edge, affine(np.zeros((3, 2))), clamped=True)])
     with pytest.raises(ConditionError, match="directions must be finite"):
-        reduce(SPACES["argyris"](mesh), [HeldEdge(edge, directions=np.array([[np.nan, 0.0, 1.0]]))])
+        impose_conditions(SPACES["argyris"](mesh), [EdgeSupport(edge, directions=np.array([[np.nan, 0.0, 1.0]]))])

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from fem.elements.deformation import affine
 from fem.supports.end_moment import EndMoment
 from fem.supports.loads import area_load, edge_load, point_load
-from fem.supports.placement import affine
 from tests.fem.meshes import facets_where, rectangle, turned
 from tests.fem.spaces import SPACES
 

@@ -13,9 +13,9 @@ from fem.search.relax import follow
 from fem.shell.density import Density, isotropic
 from fem.shell.fields import Fields
 from fem.shell.shell import Shell
-from fem.supports.conditions import HeldPoints, vertices_at
+from fem.supports.conditions import PointSupport, vertices_at
 from fem.supports.loads import area_load
-from fem.supports.rigid import spread
+from fem.supports.rigid import span_a_plane
 from tests.fem.meshes import rectangle
 
 WEIGHT = 1e-4  # N/mm^2
@@ -24,7 +24,7 @@ WEIGHT = 1e-4  # N/mm^2
 def pendulum() -> Shell:
     """A stiff strip, pinned at the middle of its end, in gravity along -z."""
     space = Argyris(rectangle(4, 2, 10.0, 2.0))
-    pin = HeldPoints(vertices_at(space.mesh, np.array([[0.0, 1.0]])), np.zeros((1, 3)))
+    pin = PointSupport(vertices_at(space.mesh, np.array([[0.0, 1.0]])), np.zeros((1, 3)))
     loads = area_load(space, (0.0, 0.0, -WEIGHT))
     return Shell(space, Fields(Density(isotropic(100.0, 50.0, 0.3))), [pin], loads)
 
@@ -32,7 +32,7 @@ def pendulum() -> Shell:
 def upright(shell: Shell, sign: float) -> Floats:
     """The strip in the vertical plane, above its pin or below it."""
     turn = np.array([[0.0, 0.0, sign], [0.0, 1.0, 0.0], [-sign, 0.0, 0.0]])
-    return shell.held(shell.shifted(shell.flat, np.array([0.0, -1.0, 0.0])) @ turn.T)
+    return shell.constrain(shell.translated(shell.flat, np.array([0.0, -1.0, 0.0])) @ turn.T)
 
 
 def test_a_hanging_strip_turns_about_the_vertical_only() -> None:
@@ -60,7 +60,7 @@ def test_a_standing_strip_is_a_saddle() -> None:
 def test_pins_stop_motions_one_by_one(pins: int, left: int) -> None:
     space = Argyris(rectangle(4, 2, 10.0, 2.0))
     corners = np.array([[0.0, 0.0], [10.0, 0.0], [0.0, 2.0]])[:pins]
-    held = [HeldPoints(vertices_at(space.mesh, corners), np.column_stack([corners, np.zeros(pins)]))] if pins else []
+    held = [PointSupport(vertices_at(space.mesh, corners), np.column_stack([corners, np.zeros(pins)]))] if pins else []
     shell = Shell(space, Fields(Density(isotropic(100.0, 50.0, 0.3))), held)
     modes = shell.rigid_modes(shell.flat)
     assert modes.shape[1] == left
@@ -73,7 +73,7 @@ def test_points_beside_a_line_stop_every_motion() -> None:
     mesh = rectangle(4, 2, 10.0, 2.0)
     for places, free in (([[0.0, 0.0], [5.0, 0.0], [10.0, 0.0]], 1), ([[0.0, 0.0], [5.0, 2.0], [10.0, 0.0]], 0)):
         at = np.array(places)
-        pins = HeldPoints(vertices_at(mesh, at), np.column_stack([at, np.zeros(3)]))
+        pins = PointSupport(vertices_at(mesh, at), np.column_stack([at, np.zeros(3)]))
         shell = Shell(Argyris(mesh), Fields(Density(isotropic(100.0, 50.0, 0.3))), [pins])
-        assert spread(shell.flat[shell.held_points]) == (free == 0)
+        assert span_a_plane(shell.flat[shell.fixed_points]) == (free == 0)
         assert shell.rigid_modes(shell.flat).shape == (shell.pattern.size, free)

@@ -9,7 +9,7 @@ from asterism.exact.simulation import simulate
 from asterism.previews.corrugation import arms as arm_relief
 from asterism.previews.corrugation.arms import KEPT, RIGID, Arms
 from asterism.previews.session import Preview
-from fem.search.simple_shapes import Shape
+from fem.search.simple_shapes import SimpleShape
 from homogenize.cell.cell import Cell
 from homogenize.cell.natural import curl
 from homogenize.cell.rolling import heights
@@ -127,7 +127,7 @@ def test_tips_lie_further_out_by_what_the_sheet_shrinks_and_no_further_where_it_
     """Along the print they move by more: that shrinks too."""
     preview = sheet([])
     plan, arms, kappa = preview.sheet.layout, preview.sheet.arms, np.full(len(preview.sheet.layout.centres), 0.01)
-    narrow, wide = (_laid(preview, Shape("flat"), stretch) for stretch in (0.8, 1.1))
+    narrow, wide = (_laid(preview, SimpleShape("flat"), stretch) for stretch in (0.8, 1.1))
     assert arms.moves(narrow, kappa)[0] == pytest.approx(0.25 * plan.arm_length[:, None] * arms.direction)
     assert not arms.moves(wide, kappa)[0].any()
 
@@ -137,7 +137,7 @@ def test_arms_on_a_tube_lift_by_a_part_of_what_they_bend_more_than_the_mean(stre
     """As long as they are, and not as short as the sheet beneath them."""
     preview, curvature = sheet([]), 2e-3
     plan, arms = preview.sheet.layout, preview.sheet.arms
-    _, lift = arms.moves(_laid(preview, Shape("arc", curvature), stretch), np.zeros(len(plan.centres)))
+    _, lift = arms.moves(_laid(preview, SimpleShape("arc", curvature), stretch), np.zeros(len(plan.centres)))
     expected = 0.5 * RIGID * curvature * plan.arm_length**2 * (0.5 - arms.direction[:, 0] ** 2)
     among = ~arms.last
     assert lift[among] == pytest.approx(expected[among], abs=0.01 * np.abs(expected).max())
@@ -147,7 +147,7 @@ def test_arms_on_a_tube_lift_by_a_part_of_what_they_bend_more_than_the_mean(stre
 def test_last_arms_of_a_flat_sheet_poke_to_the_side_that_stars_curl_to(side: float) -> None:
     preview, kappa = sheet([]), 0.01
     plan, arms = preview.sheet.layout, preview.sheet.arms
-    _, lift = arms.moves(_laid(preview, Shape("flat"), 0.8), np.full(len(plan.centres), side * kappa))
+    _, lift = arms.moves(_laid(preview, SimpleShape("flat"), 0.8), np.full(len(plan.centres), side * kappa))
     kept = 0.25 * KEPT * kappa * plan.arm_length**2
     assert lift == pytest.approx(np.where(arms.last, -side * kept, 0.0))
 
@@ -161,5 +161,5 @@ def test_the_lift_of_an_arm_grows_with_the_square_of_the_way_to_its_tip() -> Non
     assert lifted[:, [0]].toarray().ravel() == pytest.approx(parts**2)
 
 
-def _laid(preview: Preview, shape: Shape, stretch: float) -> np.ndarray:
+def _laid(preview: Preview, shape: SimpleShape, stretch: float) -> np.ndarray:
     return shape.positions(preview.sheet.space, np.zeros(2), stretch)

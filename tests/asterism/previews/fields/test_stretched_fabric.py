@@ -24,7 +24,7 @@ FOLLOWS[:2, 3:5] = -0.6
 def density(bare: float = 1.0, count: int = 1, follows: np.ndarray = np.eye(6)) -> Density:  # noqa: B008
     stiffness = np.broadcast_to(follows.T @ STIFFNESS @ follows, (1, count, 6, 6))
     fields = Fields(FIELDS.density, np.broadcast_to([LAM**2, LAM**2, 0.0], (1, count, 3)))
-    return Density(stiffness, law=stretched_fabric(fields, stiffness, np.full((1, count), bare)))
+    return Density(stiffness, term=stretched_fabric(fields, stiffness, np.full((1, count), bare)))
 
 
 def strain_of(shape: np.ndarray) -> np.ndarray:

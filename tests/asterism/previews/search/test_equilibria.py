@@ -9,7 +9,7 @@ from asterism.previews.search import equilibria
 from asterism.previews.search.equilibria import narrow, settled, soft_in_two_ways, turned_over
 from asterism.previews.session import Preview
 from fem.elements.argyris import Argyris
-from fem.search.mean_fields import trends
+from fem.search.mean_fields import mean_fields
 from fem.search.relax import follow, relax
 from fem.search.sides import side_of
 from fem.shell.fields import Fields, of_stretch
@@ -69,18 +69,18 @@ def test_a_narrow_sheet_is_looked_at_for_other_buckles() -> None:
     (other,) = shape.summary["other_forms"]
     assert any("the exact model may take another" in line for line in shape.summary["warnings"])
     assert shape.summary["is_minimum"] and other["energy_n_mm"] > 1.1 * shape.summary["energy_n_mm"]
-    assert narrow(trends(preview.shell)) and not soft_in_two_ways(preview.shell, preview.equilibrium, 60.0)
+    assert narrow(mean_fields(preview.shell)) and not soft_in_two_ways(preview.shell, preview.equilibrium, 60.0)
     *_, last = preview.edit(
         Design.from_dict({"stars": stars | {"length_mm": 7.1}, "border": {"rings": 2}, "pins": pins})
     )
     assert last.name == "equilibrium" and any("buckle" in line for line in preview.shape().summary["warnings"])
-    assert not narrow(trends(Preview(gallery.load("dome")).shell))
+    assert not narrow(mean_fields(Preview(gallery.load("dome")).shell))
 
 
 def test_sides_of_free_and_held_states() -> None:
     shell = Shell(Argyris(hexagon(1)), FIELDS["dome"])
     found = relax(shell)
-    side = trends(shell).side
+    side = mean_fields(shell).side
     assert side_of(shell, found.x) == side and side_of(shell, shell.flat) == "auto"
     turned = found.x * [1.0, -1.0, -1.0]  # half a turn is no other side
     assert side_of(shell, turned) == side
@@ -105,7 +105,7 @@ def test_a_held_sheet_that_is_soft_in_two_ways_is_pushed_to_a_lower_form() -> No
     preview = Preview(gallery.load("doubly-curved"))
     found = preview.equilibrium
     cap, *others = found.trials
-    assert found.is_minimum and found.start == "pushed" and cap.name == "cap"
+    assert found.is_minimum and found.guess == "pushed" and cap.name == "cap"
     assert found.energy < 0.97 * cap.energy
     assert {trial.name for trial in others} == {"pushed"}
     corners = preview.at(0.999 * preview.sheet.layout.border).smooth[:, 2]
@@ -117,7 +117,7 @@ def test_what_gaussian_curvature_saves_is_a_part_of_the_energy() -> None:
     found, shell = preview.equilibrium, preview.shell
     assert found.energies["gaussian"] < 0.0
     assert sum(found.energies.values()) == pytest.approx(shell.energy(found.x))
-    assert found.at_stake == pytest.approx(found.energies["sheet"] - found.energies["gaussian"])
+    assert found.absolute_energy == pytest.approx(found.energies["sheet"] - found.energies["gaussian"])
 
 
 @pytest.mark.parametrize("thickness", [0.415, 0.42])
@@ -138,7 +138,7 @@ def test_a_held_sheet_on_the_wrong_side_is_tried_from_flat(monkeypatch: pytest.M
     shell, right = preview.shell, preview.equilibrium
     over = right.x * [1.0, 1.0, -1.0]
     assert turned_over(shell, over, "down") and turned_over(shell, right.x, "up")
-    assert not turned_over(shell, right.x, "down") and not turned_over(shell, shell.held(shell.flat), "down")
+    assert not turned_over(shell, right.x, "down") and not turned_over(shell, shell.constrain(shell.flat), "down")
     wrong = follow(shell, over, shell.factor(), "cap")
     assert wrong.is_minimum and wrong.energy > 1.1 * right.energy
     first = iter([wrong])

@@ -103,5 +103,5 @@ def test_only_points_that_are_held_along_the_print_count() -> None:
 
 def test_a_sheet_without_them_has_the_fields_of_its_law() -> None:
     for name in ("dome", "tube"):
-        assert Preview(gallery.load(name)).shell.density.law is None
-    assert Preview(pinned()).shell.density.law is not None
+        assert Preview(gallery.load(name)).shell.density.term is None
+    assert Preview(pinned()).shell.density.term is not None

@@ -76,8 +76,8 @@ def test_doubts_of_a_preview_are_those_of_its_shape(name: str) -> None:
     along = places @ up
     pull, push = (point_load(preview.sheet.space, shape.printed[i], up) for i in (along.argmax(), along.argmin()))
     apart = compliance(preview.shell, preview.equilibrium.x, preview._factor, pull - push)
-    at_stake = sum(map(abs, summary["energy_parts_n_mm"].values()))
-    assert doubts["softness"] == pytest.approx(np.sqrt(2.0 * at_stake * apart), rel=1e-6)
+    absolute_energy = sum(map(abs, summary["energy_parts_n_mm"].values()))
+    assert doubts["softness"] == pytest.approx(np.sqrt(2.0 * absolute_energy * apart), rel=1e-6)
     assert doubts["softness"] > 0.1 * doubts["height"]
 
 

@@ -32,7 +32,7 @@ def test_a_sheet_that_changes_along_a_line_has_several_forms() -> None:
     assert others
     for other in others:
         assert other["distance_percent"] > 2.0
-        more = other["gap"] * preview.equilibrium.at_stake
+        more = other["gap"] * preview.equilibrium.absolute_energy
         assert other["energy_n_mm"] == pytest.approx(summary["energy_n_mm"] + more)
         assert any(trial["energy"] == other["energy_n_mm"] for trial in summary["starts"])
     assert others[0]["gap"] < UNSURE
@@ -74,7 +74,7 @@ def test_forms_are_told_from_each_other_and_measured_from_the_one_that_is_shown(
     plan = SimpleNamespace(centres=np.column_stack([x, y]))
     space = SimpleNamespace(locate=lambda points: SimpleNamespace(value=np.eye(9)))
     same = [Symmetry(np.eye(2), np.zeros(2), np.arange(9))]
-    shown = SimpleNamespace(x=rolls[0], energy=10.0, at_stake=20.0, trials=[lost, *trials[::-1]])
+    shown = SimpleNamespace(x=rolls[0], energy=10.0, absolute_energy=20.0, trials=[lost, *trials[::-1]])
     preview = SimpleNamespace(equilibrium=shown, sheet=SimpleNamespace(layout=plan, space=space), symmetries=same)
     (found,) = other_forms(preview, 100.0)  # type: ignore[arg-type]
     assert (found.start, found.energy_n_mm, found.gap) == ("arc 1", 11.0, 1.0 / 20.0)

@@ -14,7 +14,7 @@ Map = Callable[[Floats], Floats]
 
 
 @dataclass(frozen=True)
-class Placement:
+class Deformation:
     """Place of every printed point (n, 2) mm.
 
     Attributes
@@ -51,17 +51,17 @@ class Placement:
         return (change - np.sum(change * normal, axis=1, keepdims=True) * normal) / length
 
 
-def affine(matrix: ArrayLike, offset: ArrayLike = (0.0, 0.0, 0.0)) -> Placement:
+def affine(matrix: ArrayLike, offset: ArrayLike = (0.0, 0.0, 0.0)) -> Deformation:
     """`matrix` (3, 2) times the printed point, plus `offset` (3,) mm."""
     slope, start = np.asarray(matrix, dtype=float), np.asarray(offset, dtype=float)
-    return Placement(
+    return Deformation(
         lambda p: p @ slope.T + start,
         lambda p: np.broadcast_to(slope, (len(p), 3, 2)),
         lambda p: np.zeros((len(p), 3, 3)),
     )
 
 
-def flat(scale: float = 1.0, centre: ArrayLike = (0.0, 0.0)) -> Placement:
+def flat(scale: float = 1.0, centre: ArrayLike = (0.0, 0.0)) -> Deformation:
     """In the printed plane, `scale` times as far from `centre` (2,) mm as printed."""
     middle = np.asarray(centre, dtype=float)
     return affine(scale * np.eye(3)[:, :2], np.r_[(1.0 - scale) * middle, 0.0])

@@ -7,13 +7,13 @@ import scipy.sparse as sp
 
 from fem.elements.argyris import Argyris
 from fem.shell.shell import Shell
-from fem.supports.conditions import HeldEdge
+from fem.supports.conditions import EdgeSupport
 from tests.fem.hexagons import FIELDS, hexagon
 
 
 def test_the_mass_of_a_held_sheet() -> None:
     mesh = hexagon(1)
-    shell = Shell(Argyris(mesh), FIELDS["dome"], [HeldEdge(mesh.boundary_facets()[:3])])
+    shell = Shell(Argyris(mesh), FIELDS["dome"], [EdgeSupport(mesh.boundary_facets()[:3])])
     table = shell.space.tabulate(shell.order)
     functions = sp.csr_matrix((table.values.size // table.values.shape[2], shell.space.size)).tolil()
     for row, (dofs, values) in enumerate(
@@ -25,4 +25,4 @@ def test_the_mass_of_a_held_sheet() -> None:
     vectors = np.random.default_rng(0).standard_normal((shell.pattern.size, 2))
     right = full @ vectors
     assert np.allclose(shell.mass @ vectors, right, rtol=1e-12, atol=1e-12 * np.abs(right).max())
-    assert np.allclose(shell.pattern.product(shell.inertia, vectors), right, atol=1e-12 * np.abs(right).max())
+    assert np.allclose(shell.pattern.product(shell.mass_entries, vectors), right, atol=1e-12 * np.abs(right).max())

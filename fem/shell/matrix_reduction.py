@@ -10,7 +10,7 @@ from equilibrium.linear.sparse_pattern import SparsePattern
 from fem.elements.tabulation import Floats
 
 
-class Reduced:
+class MatrixReduction:
     """Restricts symmetric matrices in a pattern to the columns of a map.
 
     Parameters

@@ -20,9 +20,9 @@ import numpy as np
 import scipy.sparse as sp
 from skfem import MeshTri
 
+from fem.elements.deformation import Deformation, flat
 from fem.elements.tabulation import Evaluation, Floats, Ints, Tabulation
 from fem.supports.edge_curve import EdgeCurve, edge_curve, left
-from fem.supports.placement import Placement, flat
 
 ROUNDING = 1e-10  # over the largest coefficient of an equation: what should be nothing, on flat triangles too
 
@@ -61,7 +61,7 @@ class Rows:
     right: Floats
 
     @classmethod
-    def at(cls, triangles: Ints, points: Floats, weights: Floats, placement: Placement) -> Rows:
+    def at(cls, triangles: Ints, points: Floats, weights: Floats, placement: Deformation) -> Rows:
         """Right-hand sides from the printed plane and the placement themselves."""
         right = [np.einsum("nar,nar->n", weights, place.jets(points)) for place in (flat(), placement)]
         return cls(triangles, points, weights, np.column_stack(right))
@@ -84,10 +84,10 @@ class Rows:
         return sp.csr_matrix((table[row, dof, component], (row, columns)), shape=(len(dofs), 3 * space.size))
 
 
-def edge_rows(
-    space: Space, facets: Ints, placement: Placement, directions: Floats, clamped: bool, corner_deg: float
+def edge_equations(
+    space: Space, facets: Ints, placement: Deformation, directions: Floats, clamped: bool, corner_deg: float
 ) -> Rows:
-    """Equations that hold mesh edges (see `fem.supports.conditions.HeldEdge` for the arguments)."""
+    """Equations that hold mesh edges (see `fem.supports.conditions.EdgeSupport` for the arguments)."""
     curve = edge_curve(space.mesh, facets, corner_deg)
     triangles = space.mesh.f2t[0, facets]
     rows = _vertex_rows if space.smooth else _node_rows
@@ -95,7 +95,7 @@ def edge_rows(
 
 
 def _vertex_rows(
-    space: Space, curve: EdgeCurve, triangles: Ints, placement: Placement, directions: Floats, clamped: bool
+    space: Space, curve: EdgeCurve, triangles: Ints, placement: Deformation, directions: Floats, clamped: bool
 ) -> list[Rows]:
     found = []
     for end in (0, 1):
@@ -115,7 +115,7 @@ def _vertex_rows(
 
 
 def _node_rows(
-    space: Space, curve: EdgeCurve, triangles: Ints, placement: Placement, directions: Floats, clamped: bool
+    space: Space, curve: EdgeCurve, triangles: Ints, placement: Deformation, directions: Floats, clamped: bool
 ) -> list[Rows]:
     found = []
     for share in np.linspace(0.0, 1.0, space.degree + 1):
@@ -129,7 +129,7 @@ def _node_rows(
     return found
 
 
-def _slope_rows(curve: EdgeCurve, share: float, triangles: Ints, placement: Placement) -> Rows:
+def _slope_rows(curve: EdgeCurve, share: float, triangles: Ints, placement: Deformation) -> Rows:
     # across the chord: closer to the curve it costs more than it gains, on the plates with a closed form
     chord = curve.ends[:, 1] - curve.ends[:, 0]
     points = curve.ends[:, 0] + share * chord

@@ -11,10 +11,10 @@ from scipy.spatial.transform import Rotation
 from equilibrium.linear.factor import Factor
 from equilibrium.linear.rigid_support import stiffen
 from fem.elements.tabulation import Evaluation, Floats
-from fem.search.rigid_body_settling import swung
-from fem.search.simple_shapes import Plane, Shape, similar
+from fem.search.rigid_body_settling import settle_rigid_body
+from fem.search.simple_shapes import Plane, SimpleShape, similar
 from fem.shell.shell import Shell
-from fem.supports.rigid import spread
+from fem.supports.rigid import span_a_plane
 
 SLIDES = 3
 SLIGHT = 0.1  # of the energy: corrections that gain less are the last
@@ -23,15 +23,15 @@ AS_PRINTED = 1e-6  # largest entry of a turn that is none
 
 
 @dataclass(frozen=True)
-class Start:
+class InitialGuess:
     """A state to start from: the shape it was made of, and its energy in N mm."""
 
-    shape: Shape
+    shape: SimpleShape
     x: Floats
     energy: float
 
 
-class Frame:
+class GuessBuilder:
     """A shell's conditions, and the plane that its guesses are bent from.
 
     Parameters
@@ -44,7 +44,7 @@ class Frame:
         self._shell, self._factor = shell, factor
         self._plane = similar(centre, stretch)
         self._located: dict[bytes, Evaluation] = {}
-        self._bent: dict[Shape, Start] = {}
+        self._bent: dict[SimpleShape, InitialGuess] = {}
 
     @cached_property
     def _ready(self) -> bool:
@@ -60,14 +60,14 @@ class Frame:
 
         A line of places that is not clamped says nothing of the turn about it: of all the smallest is taken.
         """
-        held, reduction = self._shell.held_points, self._shell.reduction
+        held, reduction = self._shell.fixed_points, self._shell.reduction
         places = reduction.offset(self._shell.progress).reshape(-1, 3)[held]
         printed, places = (at - at.mean(axis=0) for at in (self._shell.flat[held], places))
         if len(reduction.normals):
-            up = np.full(reduction.normals.shape, self._shell.size) * [0.0, 0.0, 1.0]
+            up = np.full(reduction.normals.shape, self._shell.extent) * [0.0, 0.0, 1.0]
             printed = np.concatenate([printed, up])
-            places = np.concatenate([places, self._shell.size * reduction.normals])
-        elif not spread(places):
+            places = np.concatenate([places, self._shell.extent * reduction.normals])
+        elif not span_a_plane(places):
             farthest = np.linalg.norm(printed, axis=1).argmax()
             printed, places = printed[farthest], places[farthest]
             if not (printed.any() and places.any()):
@@ -75,14 +75,14 @@ class Frame:
         turn = Rotation.align_vectors(places, printed)[0].as_matrix()
         return None if np.abs(turn - np.eye(3)).max() < AS_PRINTED else np.asarray(turn)
 
-    def bent(self, shape: Shape) -> Start:
+    def bend(self, shape: SimpleShape) -> InitialGuess:
         """A shape as the conditions hold it."""
         if shape not in self._bent:
             x = self._held(shape.over(self._shell.space, self._plane))
-            self._bent[shape] = Start(shape, x, self._shell.energy(x))
+            self._bent[shape] = InitialGuess(shape, x, self._shell.energy(x))
         return self._bent[shape]
 
-    def slid(self, start: Start, least: float = np.inf) -> Start:
+    def relax_in_plane(self, start: InitialGuess, least: float = np.inf) -> InitialGuess:
         """A bent shape, its plane moved as its membrane stresses ask for, while it may still come below `least` N mm.
 
         The moves solve the flat sheet's linear membrane problem for the strains that the bent one has.
@@ -94,10 +94,10 @@ class Frame:
             strains[..., 3:] = 0.0
             stress = shell.linear_stress(strains)
             stress[..., 3:] = 0.0
-            pull = shell.restricted(shell.assembly.forces(shell.flat, stress))
+            pull = shell.restrict(shell.assembly.forces(shell.flat, stress))
             moves = shell.move(moves, -self._factor.solve(pull))
             x = self._held(shape.over(shell.space, self._moved(moves)))
-            trial = Start(shape, x, shell.energy(x))
+            trial = InitialGuess(shape, x, shell.energy(x))
             if not trial.energy < start.energy:
                 break
             gained = start.energy - trial.energy
@@ -123,12 +123,12 @@ class Frame:
         shell = self._shell
         if shell.is_free:
             return x
-        held = shell.held_points
+        held = shell.fixed_points
         if len(held):
-            x = x if self._turn is None else shell.shifted(x @ self._turn.T, np.zeros(3))
+            x = x if self._turn is None else shell.translated(x @ self._turn.T, np.zeros(3))
             places = shell.reduction.offset(shell.progress).reshape(-1, 3)
-            x = shell.shifted(x, places[held].mean(axis=0) - x[held].mean(axis=0))
-        stepped = shell.held(x)
+            x = shell.translated(x, places[held].mean(axis=0) - x[held].mean(axis=0))
+        stepped = shell.constrain(x)
         if not self._ready:
-            return swung(shell, stepped)
-        return swung(shell, shell.move(stepped, -self._factor.solve(shell.flat_forces(stepped - x))))
+            return settle_rigid_body(shell, stepped)
+        return settle_rigid_body(shell, shell.move(stepped, -self._factor.solve(shell.flat_forces(stepped - x))))

@@ -9,7 +9,7 @@ from fem.elements.tabulation import Floats
 from fem.supports.conditions import Reduction
 
 
-class Mass:
+class ReducedMass:
     """`T' (M x I) T`, never made: M is three times smaller both ways.
 
     Parameters
