@@ -27,8 +27,8 @@ Every design of the [gallery](gallery.md): the [preview](../explanation/preview.
 writes this page; heights of the exact shapes are those of `python -m benchmarks.gallery`. The page on
 [accuracy](../explanation/accuracy.md) has the distances between the two.
 
-A design of another material than the paper's uses a [law of its own stars](../how-to/calibrate.md#for-one-design), which
-`asterism calibrate NAME.toml` computes. Its line in the table is marked "own law".
+A design of another material than the paper's uses a [law of its own stars](../how-to/calibrate.md#for-one-design).
+`asterism calibrate NAME.toml` computes it. Its line in the table is marked "own law".
 
 The previews of `doubly-curved` and `fig8-l-uniform` show another form than the exact model finds when it releases the
 flat print. Started from the preview, the exact model reaches the form of the preview, with less energy.

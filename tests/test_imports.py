@@ -17,8 +17,8 @@ import pytest
 ROOT = Path(__file__).parents[1]
 
 MAY_IMPORT = {
-    "pattern": set(),
     "equilibrium": set(),
+    "pattern": {"equilibrium"},
     "discrete": {"equilibrium", "pattern"},
     "fem": {"equilibrium"},
     "homogenize": {"discrete", "equilibrium", "pattern"},
@@ -75,6 +75,9 @@ def test_imports_go_down_only(file: Path) -> None:
     ours = roots(file) & set(MAY_IMPORT) - {package}
     assert ours <= MAY_IMPORT[package], f"{package} may not import {sorted(ours - MAY_IMPORT[package])}"
     assert "tests" not in roots(file)
+    if package == "pattern":
+        solver = {module for module in imports(file) if module.split(".")[0] == "equilibrium"}
+        assert solver <= {"equilibrium.errors"}, "pattern takes the base class of errors from equilibrium, and no more"
 
 
 @cache

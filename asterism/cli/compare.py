@@ -1,4 +1,4 @@
-"""The command `asterism compare`."""
+"""`asterism compare`: a printed sheet compared with its shape."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from typing import Annotated
 
 import typer
 
-from asterism.cli.options import output_option
+from asterism.cli.common.options import output_option
+from asterism.cli.common.run import Run, command
 
 
 class _Unit(StrEnum):
@@ -25,20 +26,22 @@ class _View(StrEnum):
     side = "side"
 
 
+@command
 def compare(
+    run: Run,
     shape: Annotated[Path, typer.Argument(help="Results of simulate, preview or verify, or a shape.vtu.")],
     scan: Annotated[Path, typer.Argument(help="A scan (.obj, .stl, .ply) or a photographed outline (.svg, .csv).")],
     output: Annotated[Path | None, output_option("Directory (SCAN-compared).")] = None,
-    units: Annotated[_Unit | None, typer.Option(help="Of the scan's numbers (mm).")] = None,
-    view: Annotated[_View | None, typer.Option(help="From where an outline was photographed (above).")] = None,
+    units: Annotated[_Unit | None, typer.Option(help="Unit of the scan's numbers (mm).")] = None,
+    view: Annotated[_View | None, typer.Option(help="Direction of an outline's photograph (above).")] = None,
     trim: Annotated[
-        float, typer.Option(min=0.0, max=0.8, help="The part of the scan that may not belong to the sheet.")
+        float, typer.Option(min=0.0, max=0.8, help="Largest part of the scan that does not belong to the sheet.")
     ] = 0.2,
 ) -> None:
-    """How far a printed sheet is from its computed shape: the distance, with a picture.
+    """Measure how far a printed sheet is from its computed shape, and draw the distance.
 
-    The scan is turned and shifted onto the shape, never mirrored or scaled. It may be of a part only.
+    The scan is turned and shifted onto the shape, never mirrored or scaled. It may cover a part of the sheet.
     """
-    from asterism.measure.compare.run import compare as run
+    from asterism.measure.compare.run import compare as compute
 
-    typer.echo("\n".join(run(shape, scan, output, units and units.value, view and view.value, trim)))
+    run.lines(compute(shape, scan, output, units and units.value, view and view.value, trim))

@@ -1,24 +1,24 @@
-"""`asterism export`: everything that is needed to print a design; `asterism printers`: on what."""
+"""`asterism export`: the files needed to print a design."""
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from asterism.cli.options import DesignFile, LawFile, MaterialFile, output_option
+from asterism.cli.common.options import DesignFile, LawFile, MaterialFile, output_option
+from asterism.cli.common.run import Run, command
 
 if TYPE_CHECKING:
     from asterism.print.job import Job
-    from asterism.print.printer import Printer
     from asterism.shape.shape import Shape
 
 
+@command
 def export(
+    run: Run,
     design: DesignFile,
     output: Annotated[Path | None, output_option("Directory (DESIGN-print).")] = None,
     printer: Annotated[str, typer.Option(help="A printer by name, or its file; see asterism printers.")] = "ultimaker2",
@@ -54,8 +54,8 @@ def export(
     from asterism.print.printed_shape import printed_shape
     from asterism.print.profiles import load_plastic, load_printer
     from asterism.print.table import table
-    from asterism.print.write import ROUNDED, SUMMARY, write_export
-    from asterism.results.files import check_kept, check_writable, holds_result
+    from asterism.print.write import ROUNDED, write_export
+    from asterism.results.files import EXPORT, check_kept, check_writable, holds_result
     from asterism.results.read_shape import folder_of, read_shape
     from pattern.design.errors import DesignError
     from pattern.layout.load_design import load_design
@@ -68,8 +68,8 @@ def export(
     plan = with_material(load_design(design), material)
     machine = changed(load_printer(printer), first_layer, layer, plate)
     directory = output or design.with_name(f"{design.stem}-print")
-    check_kept(design, directory, ROUNDED, SUMMARY)
-    check_writable(directory, SUMMARY)
+    check_kept(design, directory, ROUNDED, EXPORT)
+    check_writable(directory, EXPORT)
     elsewhere = shape is not None and directory.resolve() != folder_of(shape)
     if (preview or simulate or elsewhere) and holds_result(directory):
         raise DesignError("--output", "holds other results, whose shape.vtu would be replaced", str(directory))
@@ -91,51 +91,18 @@ def export(
     # before anything is computed: most mistakes are found here
     ready = job(known)
     if ready.is_certain is False:
-        print("asterism: the given shape is not certain to stay", file=sys.stderr)
+        run.warn("the given shape is not certain to stay")
     for line in ready.shape_warnings:
-        print(f"asterism: the given shape: {line}", file=sys.stderr)
-    computed, change = printed_shape(ready, preview, simulate, sheet)
+        run.warn(f"the given shape: {line}")
+    with run.computing():
+        computed, change = printed_shape(ready, preview, simulate, sheet, run.report, run.say)
     for certain, which in zip(change["are_minima"] if change else (), ("drawn", "printed"), strict=False):
         if not certain:
-            print(f"asterism: the {which} design's shape is not certain to stay", file=sys.stderr)
+            run.warn(f"the {which} design's shape is not certain to stay")
     for line in change.get("warnings", ()) if change else ():
-        print(f"asterism: the shape by the {'exact model' if simulate else 'preview'}: {line}", file=sys.stderr)
+        run.warn(f"the shape by the {'exact model' if simulate else 'preview'}: {line}")
     if computed is not None:
         ready = job(computed) if preview or simulate else replace(ready, glance=computed)
     summary = write_export(ready, directory, change)
-    for name, text in table(summary).items():
-        typer.echo(f"  {name:<20} {text}")
-    typer.echo(f"{directory}: {', '.join(summary['files'])}")
-
-
-def printers() -> None:
-    """List printers and plastics, and where your own are looked for.
-
-    Exit status 2 if a file of yours is wrong; the others are listed all the same.
-    """
-    from asterism.print.profiles import VARIABLE, folders, load_plastic, load_printer, names
-    from pattern.design.errors import DesignError
-
-    kinds: dict[str, Callable[[str], str]] = {
-        "printers": lambda name: _of_printer(load_printer(name)),
-        "plastics": lambda name: load_plastic(name).name,
-    }
-    wrong = []
-    for kind, described in kinds.items():
-        for name in names(kind):
-            try:
-                typer.echo(f"  {name:<14} {described(name)}")
-            except DesignError as error:
-                wrong.append(" ".join(str(error).split()))
-    *own, _ = folders()
-    typer.echo(f"yours: printers/NAME.toml and plastics/NAME.toml in {' or '.join(map(str, own))} ({VARIABLE})")
-    for line in wrong:
-        print(f"asterism: {line}", file=sys.stderr)
-    if wrong:
-        raise typer.Exit(2)
-
-
-def _of_printer(machine: Printer) -> str:
-    width, depth = machine.bed_mm
-    layers = " or ".join(f"{height:g}" for height in machine.first_layers_mm)
-    return f"{machine.name}: {width:g} x {depth:g} mm, layers {layers} + n {machine.layer_mm:g} mm"
+    run.table(table(summary))
+    run.files(directory, summary["files"])

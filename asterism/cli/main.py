@@ -9,8 +9,8 @@ import errno
 import os
 import sys
 
+from asterism.cli.common.stop import stop
 from asterism.process import interruption
-from asterism.process.stopping import stop
 
 # what printing fails with; files that cannot be written have their own error, or a name
 FULL_OR_GONE = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF, errno.EPIPE}
@@ -43,39 +43,23 @@ def _print_all_names() -> None:
 
 
 def _run() -> int:
-    """The exit status of the command that was typed."""
+    """Run the command that was typed, and return its exit status."""
     import typer
 
-    from asterism.cli.commands import Mistake, UsageError, app
-    from asterism.measure.compare.errors import ScanError
-    from asterism.measure.strips.errors import NoMaterial
-    from asterism.results.csv_cells import TableError
-    from asterism.results.files import OutputError
-    from equilibrium.errors import BackendError
-    from homogenize.errors import AddressError, CampaignError, LawError
-    from pattern.design.errors import DesignError, MeshError
+    from asterism.cli.app import app
+    from equilibrium.errors import Error
 
+    # what the option parser raises for a wrong command line; some versions of typer bring their own click
+    usage_error: type[Exception] = typer.BadParameter.__mro__[1]
     try:
         status = app(standalone_mode=False)
         if sys.stdout is not None:
             sys.stdout.flush()
         return status if isinstance(status, int) else 0
-    except UsageError as error:
+    except usage_error as error:
         stop(error.format_message().replace("Value error, ", ""), 2)  # type: ignore[attr-defined]
-    except (
-        DesignError,
-        MeshError,
-        OutputError,
-        BackendError,
-        LawError,
-        AddressError,
-        TableError,
-        ScanError,
-        Mistake,
-    ) as error:
-        stop(str(error), 2)
-    except (CampaignError, NoMaterial) as error:
-        stop(str(error), 1)
+    except Error as error:
+        stop(str(error), error.exit_status)
     except typer.Abort:
         return 130
     except MemoryError:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 from shlex import join
@@ -10,69 +9,63 @@ from typing import Annotated, Any, Literal
 
 import typer
 
-from asterism.cli.options import DesignFile, LawFile, MaterialFile, output_option
+from asterism.cli.common.options import DesignFile, LawFile, MaterialFile, output_option
+from asterism.cli.common.run import DONE, NO_ANSWER, Run, command
 
 
+@command
 def preview(
+    run: Run,
     design: DesignFile,
     output: Annotated[Path | None, output_option("Directory of the results (the design file's name).")] = None,
     law: LawFile = None,
     side: Annotated[
-        Literal["auto", "up", "down"], typer.Option(help="Side to which the edges go; auto: what the stars want.")
+        Literal["auto", "up", "down"],
+        typer.Option(help="Side to which the edges bend; auto: the side given by the stars."),
     ] = "auto",
     material: MaterialFile = None,
-) -> None:
-    """The fast preview: the shape of a design as a smooth sheet, with the stars' bumps laid on it.
+) -> int:
+    """Compute the fast preview of a design: a smooth sheet with the corrugation of the stars.
 
-    Writes summary.json, shape.vtu, rods.vtu and shape.png. Exit status 1 if what was found is not an equilibrium.
+    Writes summary.json, shape.vtu, rods.vtu and shape.png. The exit status is 1 if no minimum was found.
     """
-    from asterism.cli.progress import Progress
+    from asterism.cli.common.results_folder import results_folder
     from asterism.laws.material import read_design
     from asterism.laws.own_law import law_for
-    from asterism.previews.run import preview as run
-    from asterism.process.compiling import told_of_compiling
-    from asterism.results.files import LAST, check_kept, check_writable
+    from asterism.previews.run import preview as compute
     from asterism.results.write_results import write_results
 
-    plan = read_design(design, material)
-    directory = output or design.with_suffix("")
-    check_kept(design, directory, LAST)
-    check_writable(directory)
-    sheet = law_for(plan, law, design, material)
-    progress = Progress()
-    try:
-        with told_of_compiling(progress.say):
-            shape = run(plan, sheet, side, progress.say)
-    finally:
-        progress.close()
+    chosen = read_design(design, material)
+    directory = results_folder(design, output, design.with_suffix(""))
+    chosen_law = law_for(chosen, law, design, material)
+    with run.computing():
+        shape = compute(chosen, chosen_law, side, run.say)
     files = write_results(shape, directory)
-    typer.echo("\n".join(table_lines(shape.summary)))
-    typer.echo(f"{directory}: {', '.join(files)}")
-    for line in shape.summary["warnings"]:
-        print(f"asterism: {line}", file=sys.stderr)
-    if shape.summary["warnings"] and side != "auto":
-        print(
-            "asterism: asterism verify looks at the form of --side auto; of this one the exact model tells in Python: "
-            "asterism.simulate(design, near=shape)",
-            file=sys.stderr,
+    run.table(table_rows(shape.summary))
+    run.files(directory, files)
+    warnings = shape.summary["warnings"]
+    run.warn(*warnings)
+    if warnings and side != "auto":
+        run.warn(
+            "asterism verify checks the form of --side auto; check this one in Python: "
+            "asterism.simulate(design, near=shape)"
         )
-    elif shape.summary["warnings"]:
-        same = {"--law": law, "--material": material}
-        words = [str(design), *(word for option, file in same.items() if file for word in (option, str(file)))]
-        print(f"asterism: the exact model tells:  asterism verify {join(words)}", file=sys.stderr)
-    if not shape.summary["is_minimum"]:
-        raise typer.Exit(1)
+    elif warnings:
+        options = {"--law": law, "--material": material}
+        words = [str(design), *(word for option, file in options.items() if file for word in (option, str(file)))]
+        run.warn(f"check with the exact model:  asterism verify {join(words)}")
+    return DONE if shape.summary["is_minimum"] else NO_ANSWER
 
 
-def table_lines(s: Mapping[str, Any]) -> list[str]:
-    """The numbers of a summary, one a line."""
+def table_rows(s: Mapping[str, Any]) -> dict[str, str]:
+    """The numbers of a summary by name, as the command prints them."""
     from asterism.previews.uncertainty.expected_height import in_words
     from asterism.shape.tube import degrees, rolled
 
     outside, tight = len(s["stars_outside_law"]), len(s["stars_tight"])
     expected, height = s["expected_rms_percent"], s["expected_height_percent"]
     others = [degrees(axis) for axis in s["equivalent_axes_deg"] if 1.0 < abs(axis - s["roll_axis_deg"]) < 179.0]
-    rows = {
+    return {
         "stars": f"{s['stars']}, {outside} outside the law, {tight} curled tightly",
         "height": f"{s['height_mm']:.2f} mm"
         + ("" if height is None else f", give or take {in_words(height, s['height_mm'])}"),
@@ -87,4 +80,3 @@ def table_lines(s: Mapping[str, Any]) -> list[str]:
         "shell": f"{s['shell_triangles']} triangles, {s['dofs']} unknowns",
         "work": f"{s['iterations']} iterations, {s['wall_s']:.2f} s",
     }
-    return [f"  {name:<20} {value}" for name, value in rows.items()]

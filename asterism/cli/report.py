@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from asterism.cli.options import DesignFile, LawFile, MaterialFile, output_option
+from asterism.cli.common.options import DesignFile, LawFile, MaterialFile, output_option
+from asterism.cli.common.run import Run, command
 
 
+@command
 def report(
+    run: Run,
     design: DesignFile,
     output: Annotated[Path | None, output_option("The page (DESIGN-report.pdf).")] = None,
     results: Annotated[
@@ -22,7 +24,7 @@ def report(
     material: MaterialFile = None,
     law: LawFile = None,
 ) -> None:
-    """One page about a design as PDF: parameters, picture, layout, needles, accuracy, material."""
+    """Write one page about a design as PDF: parameters, picture, layout, needles, accuracy, material."""
     from asterism.laws.material import read_design
     from asterism.laws.own_law import law_for
     from asterism.print.job import prepare
@@ -43,13 +45,9 @@ def report(
     machine, profile = load_printer(printer), load_plastic(plastic)
     prepare(plan, machine, profile, any_size=True)  # before anything is computed: most mistakes are found here
     sheet = law_for(plan, law, design, material) if law else None
-    shape, source = shape_of(plan, results, design.with_suffix(""), _say, sheet)
+    shape, source = shape_of(plan, results, design.with_suffix(""), run.warn, sheet)
     job = prepare(plan, machine, profile, shape=shape, any_size=True)
     with staged(path.parent) as folder:
         summary = shape.summary if shape else {}
         parts = write_page(folder / path.name, job, facts(job, summary, source), summary.get("warnings", []), shape)
-    typer.echo(f"{path}: layout 1:{parts:g}; shape: {source}")
-
-
-def _say(line: str) -> None:
-    print(f"asterism: {line}", file=sys.stderr)
+    run.lines([f"{path}: layout 1:{parts:g}; shape: {source}"])

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import sys
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from asterism.cli.options import output_option
+from asterism.cli.common.options import output_option
+from asterism.cli.common.run import Run, command
 
 app = typer.Typer(help="Measure a plastic and a fabric with printed strips.", no_args_is_help=True)
 
@@ -26,7 +26,9 @@ class _KappaBar(StrEnum):
 
 
 @app.command()
+@command
 def new(
+    run: Run,
     output: Annotated[Path, output_option("Directory of the files.")] = Path("strips"),
     printer: Annotated[str, typer.Option(help="A printer's name or file; see asterism printers.")] = "ultimaker2",
     thickness: Annotated[
@@ -44,19 +46,21 @@ def new(
     ] = None,
 ) -> None:
     """The test print: strips as STL and 3MF, start code, a sheet that says what to do, and a table to fill in."""
-    from asterism.measure.strips import new_run as command
+    from asterism.measure.strips import new_run
     from asterism.measure.strips.specimen import THICKNESSES_MM
     from asterism.print.changed import changed
     from asterism.print.profiles import load_printer
 
     thicknesses = tuple(thickness or THICKNESSES_MM)
     machine = changed(load_printer(printer), plate=plate)
-    lines = command.new(output, machine, thicknesses, count, length, width, stretch, fabric_thickness, fabric)
-    typer.echo("\n".join(lines))
+    lines = new_run.new(output, machine, thicknesses, count, length, width, stretch, fabric_thickness, fabric)
+    run.lines(lines)
 
 
 @app.command()
+@command
 def fit(
+    run: Run,
     strips: Annotated[Path, typer.Argument(help="The table of measured strips (.csv).")],
     output: Annotated[Path | None, output_option("The material's file (material.toml beside the table).")] = None,
     rest_curvature: Annotated[_Formula, typer.Option(help="The material's convention.")] = _Formula.paper,
@@ -80,9 +84,9 @@ def fit(
 
     Exit status 1 if the strips do not determine them.
     """
-    from asterism.measure.strips import fit_run as command
+    from asterism.measure.strips import fit_run
 
-    lines, worries = command.fit(
+    lines, warnings = fit_run.fit(
         strips,
         output,
         rest_curvature.value,
@@ -94,6 +98,5 @@ def fit(
         confidence=confidence,
         keep_outliers=keep_outliers,
     )
-    typer.echo("\n".join(lines))
-    for worry in worries:
-        print(f"asterism: {worry}", file=sys.stderr)
+    run.lines(lines)
+    run.warn(*warnings)

@@ -1,4 +1,4 @@
-"""`asterism verify`: the preview held against the exact model."""
+"""`asterism verify`: the preview compared with the exact model."""
 
 from __future__ import annotations
 
@@ -10,63 +10,57 @@ from typing import Annotated, Any
 
 import typer
 
-from asterism.cli.options import Backend, Contact, DesignFile, LawFile, MaterialFile, output_option
+from asterism.cli.common.options import Backend, Contact, DesignFile, LawFile, MaterialFile, output_option
+from asterism.cli.common.run import DONE, NO_ANSWER, Run, command
 
 
+@command
 def verify(
+    run: Run,
     design: DesignFile,
     output: Annotated[Path | None, output_option("Directory of the report (DESIGN-verified).")] = None,
     law: LawFile = None,
     edge: Annotated[
-        float | None, typer.Option(help="Edge length of the exact model's mesh in mm, in place of the design's.")
+        float | None, typer.Option(help="Edge length of the exact model's mesh in mm, in place of the design's value.")
     ] = None,
     contact: Contact = None,
     material: MaterialFile = None,
     backend: Backend = "auto",
-) -> None:
-    """Preview and exact model of a design, compared.
+) -> int:
+    """Compare the preview of a design with its exact shape.
 
-    Writes report.html, summary.json, exact.vtu and preview.vtu. Exit status 1 if the exact model finds no minimum.
+    Writes report.html, summary.json, exact.vtu and preview.vtu. The exit status is 1 if the exact model finds no
+    minimum.
     """
-    from asterism.cli.overrides import changed
-    from asterism.cli.progress import Progress
+    from asterism.cli.common.overrides import with_overrides
+    from asterism.cli.common.results_folder import results_folder
     from asterism.laws.material import read_design
     from asterism.laws.own_law import law_for
-    from asterism.process.compiling import told_of_compiling
     from asterism.reports.verification_files import write_verification
-    from asterism.results.files import LAST, check_kept, check_writable
-    from asterism.verification.run import verify as run
+    from asterism.verification.run import verify as compute
     from equilibrium.linear.factor import check_backend
 
-    plan = changed(
+    chosen = with_overrides(
         read_design(design, material),
         {"--edge": ("mesh.edge_mm", edge), "--contact": ("solver.contact", contact)},
     )
     check_backend(backend)
     # simulate and preview write to the design's name, and a summary belongs to the files beside it
-    directory = output or design.with_name(f"{design.stem}-verified")
-    check_kept(design, directory, LAST)
-    check_writable(directory)
-    sheet = law_for(plan, law, design, material)  # before anything takes time
-    progress = Progress()
-    try:
-        with told_of_compiling(progress.say):
-            asked = shlex.join(["asterism", *sys.argv[1:]])
-            found = run(plan, sheet, backend, progress.report, progress.say, command=asked)
-    finally:
-        progress.close()
-    progress.say("writing the report")
-    files = write_verification(found, directory)
-    typer.echo("\n".join(table_lines(found.summary)))
-    typer.echo(f"{directory}: {', '.join(files)}")
-    for line in found.summary["warnings"]:
-        print(f"asterism: {line}", file=sys.stderr)
-    if not found.summary["exact"]["is_minimum"]:
-        raise typer.Exit(1)
+    directory = results_folder(design, output, design.with_name(f"{design.stem}-verified"))
+    chosen_law = law_for(chosen, law, design, material)  # before anything takes time
+    with run.computing():
+        line = shlex.join(["asterism", *sys.argv[1:]])
+        verification = compute(chosen, chosen_law, backend, run.report, run.say, command=line)
+        run.say("writing the report")
+    files = write_verification(verification, directory)
+    run.table(table_rows(verification.summary))
+    run.files(directory, files)
+    run.warn(*verification.summary["warnings"])
+    return DONE if verification.summary["exact"]["is_minimum"] else NO_ANSWER
 
 
-def table_lines(s: Mapping[str, Any]) -> list[str]:
-    """The numbers of a summary, one a line."""
+def table_rows(s: Mapping[str, Any]) -> dict[str, str]:
+    """The numbers of a summary by name, as the command prints them."""
     from asterism.shape.mesh_error import in_words
     from asterism.verification.numbers import times
 
@@ -80,7 +74,7 @@ def table_lines(s: Mapping[str, Any]) -> list[str]:
     agree = "both starts in one minimum" if s["starts_agree"] else apart
     if not s["exact"]["is_minimum"]:
         agree = "no minimum"
-    rows = {
+    return {
         "same form": {True: "yes", False: "no", None: "not known: no certified exact shape"}[s["same_branch"]],
         "distance": f"{s['rms_percent']:.2f} % of the diameter rms, {s['max_percent']:.1f} % at most",
         "expected": f"{_expected(rms)}, height {_height(height, s['heights_mm'][1])}",
@@ -93,7 +87,6 @@ def table_lines(s: Mapping[str, Any]) -> list[str]:
         "seconds": f"preview {s['preview_s']:.2f}, again {s['preview_again_s']:.3f}; exact {s['exact_s']:.1f}",
         "speed-up": times(s["speedup"]),
     }
-    return [f"  {name:<20} {value}" for name, value in rows.items()]
 
 
 def _expected(percent: float | None) -> str:

@@ -5,19 +5,26 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from asterism.cli.progress import Progress
 from asterism.print.job import Job
 from asterism.print.shape_change import shape_change
-from asterism.process.compiling import told_of_compiling
 from asterism.shape.shape import Shape
 from homogenize.errors import LawError
 from homogenize.law.law import Law
 from pattern.design.design import Design
 
+Say = Callable[[str], None]
+Report = Callable[[str, Any], None]
 Found = tuple[Shape | None, dict[str, Any] | None]
 
 
-def printed_shape(job: Job, preview: bool, simulate: bool, law: Law | None = None) -> Found:
+def printed_shape(
+    job: Job,
+    preview: bool,
+    simulate: bool,
+    law: Law | None = None,
+    report: Report | None = None,
+    say: Say | None = None,
+) -> Found:
     """The shape if it was asked for, and how far it is from that of the design before rounding.
 
     Parameters
@@ -25,6 +32,7 @@ def printed_shape(job: Job, preview: bool, simulate: bool, law: Law | None = Non
     preview, simulate : ask for the shape of the preview or of the exact model. Without either, the preview still says
         what rounding changes, if it changes anything, and whether the sheet hangs below its needles, if there are any.
     law : of the preview; that of the paper's material by default.
+    report, say : called with the progress of the exact model, as in `asterism.exact.simulation.simulate`.
 
     Returns
     -------
@@ -37,22 +45,16 @@ def printed_shape(job: Job, preview: bool, simulate: bool, law: Law | None = Non
         The preview was asked for and has no law for this fabric.
     """
     if simulate:
-        progress = Progress()
-        # the solver's imports take seconds: only who asks for it waits
+        # the exact model is imported where it is asked for: its imports take seconds
         from asterism.exact.simulation import simulate as solve
 
-        try:
-            with told_of_compiling(progress.say):
-                return _both(job, lambda plan: solve(plan, report=progress.report, say=progress.say), "exact")
-        finally:
-            progress.close()
+        return _both(job, lambda plan: solve(plan, report=report, say=say), "exact")
     if not (preview or job.is_rounded or (job.needles and job.shape is None)):
         return None, None
     from asterism.previews.run import preview as fast
 
     try:
-        with told_of_compiling(Progress().say):
-            return _both(job, lambda plan: fast(plan, law), "preview")
+        return _both(job, lambda plan: fast(plan, law), "preview")
     except LawError as error:
         if preview:
             raise

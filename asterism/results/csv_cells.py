@@ -8,12 +8,13 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
+from equilibrium.errors import Error
 from pattern.design.errors import one_line
 
 LARGEST_BYTES = 2_000_000
 
 
-class TableError(ValueError):
+class TableError(Error, ValueError):
     """A table that cannot be read or used; `str` is one line with the file, its row and its column.
 
     Parameters

@@ -16,6 +16,7 @@ from pathlib import Path
 from types import FrameType
 
 from asterism.process import interruption
+from equilibrium.errors import Error
 
 # Whoever finds this file in a directory finds all the others, from the same run.
 LAST = "summary.json"
@@ -45,7 +46,7 @@ REASONS = {
 }
 
 
-class OutputError(Exception):
+class OutputError(Error):
     """Results cannot be written; the message is one line that says where and why."""
 
 

@@ -30,7 +30,7 @@ class Creases:
 
     @property
     def resolved(self) -> bool:
-        """Beside an arm lies more than one triangle to a width: from there on tubes converge, see the page on the mesh."""
+        """A crease spans more than one triangle: from there on tubes converge (see the page on the mesh)."""
         return self.edge <= RESOLVED * self.width
 
 

@@ -59,7 +59,7 @@ class Triangles:
         return np.arange(3 * len(self.corner)).reshape(-1, 3)
 
     def smoothed(self) -> Floats:
-        """(N, 2) mm, mean circumcentre of the triangles at each point (`pattern.geometry.planar.mean_circumcentres`)."""
+        """(N, 2) mm, mean circumcentre at each point (see `pattern.geometry.planar.mean_circumcentres`)."""
         centre = np.repeat(self.circumcentres, 3, axis=0) - self.image.reshape(-1, 2) @ self.vectors
         at, weight = self.corner.ravel(), np.repeat(self.areas, 3)
         total = np.bincount(at, weight, len(self.points))

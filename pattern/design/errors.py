@@ -7,12 +7,14 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from equilibrium.errors import Error
+
 _NOTHING: Any = object()
 _LONGEST_VALUE = 60
 A_LIST = "must be a list"
 
 
-class DesignError(ValueError):
+class DesignError(Error, ValueError):
     """A design that cannot be printed or read; `str` is one line.
 
     Parameters
@@ -113,5 +115,5 @@ def one_line(text: str) -> str:
     return "".join(c if c.isprintable() else " " for c in text)
 
 
-class MeshError(ValueError):
+class MeshError(Error, ValueError):
     """The layout cannot be meshed as asked; the message is one line."""

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from equilibrium.errors import Error
 from pattern.design.errors import one_line
 
 
-class ScanError(ValueError):
+class ScanError(Error, ValueError):
     """A scan that cannot be read or compared; `str` is one line that begins with the file."""
 
     def __init__(self, file: str | Path, problem: str):

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from equilibrium.errors import Error
 
-class NoMaterial(Exception):
+
+class NoMaterial(Error):
     """The strips do not determine a material; the message is one line."""
+
+    exit_status = 1

@@ -168,7 +168,7 @@ CHANGED = f"""try:
 
 @pytest.mark.parametrize(
     ("package", "how"),
-    [("typer", RAISED), ("homogenize.errors", RAISED), ("numpy", IN_TEXT), ("scipy", CHANGED), ("numba", SWALLOWED)],
+    [("typer", RAISED), ("equilibrium.errors", RAISED), ("numpy", IN_TEXT), ("scipy", CHANGED), ("numba", SWALLOWED)],
 )
 def test_interrupt_while_packages_are_loaded(package: str, how: str, tmp_path: Path) -> None:
     """Some packages swallow it, others make an error of it."""

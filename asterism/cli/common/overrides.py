@@ -1,4 +1,4 @@
-"""Options of a command that take the place of entries of the design."""
+"""Options that replace entries of the design."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from pattern.design.errors import DesignError
 from pattern.layout.build import layout
 
 
-def changed(design: Design, options: dict[str, tuple[str, Any]]) -> Design:
-    """The design with other entries.
+def with_overrides(design: Design, options: dict[str, tuple[str, Any]]) -> Design:
+    """The design with the entries given on the command line.
 
     Parameters
     ----------

@@ -6,7 +6,7 @@ import io
 
 import pytest
 
-from asterism.cli.progress import Progress
+from asterism.cli.common.progress import Progress
 from equilibrium.newton.minimise import Iteration
 
 

@@ -1,4 +1,4 @@
-"""What a person sees while the energy is being minimised."""
+"""Progress on standard error while the energy is being minimised."""
 
 from __future__ import annotations
 
@@ -54,3 +54,18 @@ class Progress:
         if self._last:
             self._stream.write("\n" if self._live else self._last + "\n")
             self._last = ""
+
+
+class SilentProgress:
+    """Shows nothing, but stops where an interruption has arrived."""
+
+    def say(self, text: str) -> None:
+        """Check for an interruption."""
+        interruption.check()
+
+    def report(self, stage: str, iteration: Iteration) -> None:
+        """Check for an interruption."""
+        interruption.check()
+
+    def close(self) -> None:
+        """There is nothing to close."""

@@ -1,0 +1,62 @@
+"""`asterism calibrate`: the law of a material, or of a design's own stars."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from shlex import quote
+from typing import Annotated
+
+import typer
+
+from asterism.cli.common.options import MaterialFile, output_option
+from asterism.cli.common.run import Run, command
+
+
+@command
+def calibrate(
+    run: Run,
+    file: Annotated[
+        Path | None,
+        typer.Argument(help="A material with its plan, or a design. Without a file: the paper's material."),
+    ] = None,
+    output: Annotated[
+        Path | None, output_option("The law's file (MATERIAL.npz, DESIGN-law.npz, DESIGN-law-MATERIAL.npz).")
+    ] = None,
+    material: MaterialFile = None,
+    jobs: Annotated[int | None, typer.Option(min=1, max=1000, help="Number of processes (one per core).")] = None,
+    dask: Annotated[
+        str | None, typer.Option(help="Address of a Dask scheduler, in place of processes of this machine.")
+    ] = None,
+) -> None:
+    """Compute the law of a material from many unit cells, or of one design's stars from a few.
+
+    The command continues an interrupted run: finished cells stay beside the law, in LAW.samples. The exit status is 1
+    if too many cells have no equilibrium.
+    """
+    from asterism.cli.common.mistake import Mistake
+    from asterism.cli.common.stop import stop
+    from asterism.laws import calibrate as calibration
+    from asterism.laws.own_law import is_design, law_path, material_of
+    from pattern.design.errors import DesignError
+
+    path = law_path(file, output, material)
+    if path.suffix != ".npz":
+        raise Mistake(f"--output: {str(path)!r} must end with .npz")
+    if jobs is not None and dask is not None:
+        raise Mistake("--jobs: applies to processes of this machine, not to --dask")
+    chosen = material_of(file, material)
+    line = " ".join(["asterism calibrate", *([file.name] if file else [])])
+    line += f" --material {material.name}" if material else ""
+    try:
+        law = calibration.calibrate(chosen, path, jobs or calibration.default_jobs(), dask, line)
+    except KeyboardInterrupt:
+        folder = calibration.samples_folder(path)
+        if not folder.exists():
+            raise
+        stop(f"interrupted; finished cells are in {folder}, and the same command continues from there", 130)
+    except DesignError as error:
+        raise error.within(material or file or "") from None
+    run.lines(calibration.report_lines(law, path))
+    if is_design(file):
+        other = f" --material {quote(str(material))}" if material else ""
+        run.lines([f"now run  asterism preview {quote(str(file))}{other} --law {quote(str(path))}"])

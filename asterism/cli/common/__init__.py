@@ -1,0 +1,1 @@
+"""What all commands share: options, run skeleton, progress, the last line."""

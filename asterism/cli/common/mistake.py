@@ -1,0 +1,9 @@
+"""A wrong command line, in one line."""
+
+from __future__ import annotations
+
+from equilibrium.errors import Error
+
+
+class Mistake(Error):
+    """An option or argument is wrong; the message names it and what is allowed."""

@@ -1,0 +1,102 @@
+"""The skeleton of every command: common options, progress, table, warnings, exit status."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from equilibrium.newton.minimise import Iteration
+
+DONE = 0
+NO_ANSWER = 1
+WRONG_INPUT = 2
+
+# options that every command has; the values arrive in the attributes of `Run` that have the same names
+COMMON_OPTIONS: dict[str, tuple[Any, Any]] = {
+    "quiet": (Annotated[bool, typer.Option("--quiet", "-q", help="Print no progress.")], False),
+}
+
+
+class Run:
+    """One run of a command: what it shows while it works and at its end.
+
+    Attributes
+    ----------
+    quiet : print no progress; results, warnings and errors are printed all the same.
+    """
+
+    def __init__(self, quiet: bool = False) -> None:
+        self.quiet = quiet
+        self._say: Callable[[str], None] = lambda text: None
+        self._report: Callable[[str, Iteration], None] = lambda stage, iteration: None
+
+    @contextmanager
+    def computing(self) -> Iterator[None]:
+        """Show progress on standard error within the block, and announce the compilation of a first run."""
+        from asterism.cli.common.progress import Progress, SilentProgress
+        from asterism.process.compiling import told_of_compiling
+
+        progress = SilentProgress() if self.quiet else Progress()
+        self._say, self._report = progress.say, progress.report
+        try:
+            with told_of_compiling(progress.say):
+                yield
+        finally:
+            progress.close()
+
+    def say(self, text: str) -> None:
+        """Print a line of progress."""
+        self._say(text)
+
+    def report(self, stage: str, iteration: Iteration) -> None:
+        """Show an iteration of a stage."""
+        self._report(stage, iteration)
+
+    def table(self, rows: Mapping[str, str], width: int = 20) -> None:
+        """Print named values, one a line."""
+        self.lines(f"  {name:<{width}} {value}" for name, value in rows.items())
+
+    def lines(self, lines: Iterable[str]) -> None:
+        """Print lines of a result on standard output."""
+        for line in lines:
+            typer.echo(line)
+
+    def files(self, directory: Path, names: Iterable[str]) -> None:
+        """Print which files were written where."""
+        typer.echo(f"{directory}: {', '.join(names)}")
+
+    def warn(self, *lines: str) -> None:
+        """Print warnings on standard error, one a line."""
+        for line in lines:
+            print(f"asterism: {line}", file=sys.stderr)
+
+
+def command(function: Callable[..., int | None]) -> Callable[..., int]:
+    """A command for typer from a function whose first parameter is a `Run`.
+
+    The command has the function's other parameters and the common options. Its value is the exit status, 0 for None.
+    """
+    signature = inspect.signature(function, eval_str=True)
+    own = list(signature.parameters.values())[1:]
+    common = [
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
+        for name, (annotation, default) in COMMON_OPTIONS.items()
+    ]
+
+    @functools.wraps(function)
+    def run_command(**arguments: Any) -> int:
+        run = Run(**{name: arguments.pop(name) for name in COMMON_OPTIONS})
+        return function(run, **arguments) or DONE
+
+    parameters = [*own, *common]
+    run_command.__signature__ = signature.replace(parameters=parameters, return_annotation=int)  # type: ignore[attr-defined]
+    run_command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters} | {"return": int}
+    return run_command

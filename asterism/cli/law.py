@@ -1,0 +1,30 @@
+"""`asterism law`: what a law contains."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from asterism.cli.common.options import output_option
+from asterism.cli.common.run import Run, command
+
+app = typer.Typer(help="Show what a law contains.", no_args_is_help=True)
+
+
+@command
+def show(
+    run: Run,
+    path: Annotated[
+        Path | None, typer.Argument(help="The law's file (.npz). Without a file: the law of the paper's material.")
+    ] = None,
+    output: Annotated[Path | None, output_option("Directory (the law's name).")] = None,
+) -> None:
+    """Print a law as a table, and draw it with its errors in law.png."""
+    from asterism.laws.show import show as show_law
+
+    run.lines(show_law(path, output))
+
+
+app.command()(show)

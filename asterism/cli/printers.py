@@ -1,0 +1,40 @@
+"""`asterism printers`: the printers and plastics that are known."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from asterism.cli.common.run import DONE, WRONG_INPUT, Run, command
+
+
+@command
+def printers(run: Run) -> int:
+    """List printers and plastics, and the folders of your own profiles.
+
+    The exit status is 2 if one of your files is wrong; the others are listed all the same.
+    """
+    from asterism.print.profiles import VARIABLE, folders, load_plastic, load_printer, names
+    from pattern.design.errors import DesignError
+
+    kinds: dict[str, Callable[[str], str]] = {
+        "printers": lambda name: _of_printer(load_printer(name)),
+        "plastics": lambda name: load_plastic(name).name,
+    }
+    wrong = []
+    for kind, describe in kinds.items():
+        for name in names(kind):
+            try:
+                run.table({name: describe(name)}, width=14)
+            except DesignError as error:
+                wrong.append(" ".join(str(error).split()))
+    *own, _ = folders()
+    run.lines([f"yours: printers/NAME.toml and plastics/NAME.toml in {' or '.join(map(str, own))} ({VARIABLE})"])
+    run.warn(*wrong)
+    return WRONG_INPUT if wrong else DONE
+
+
+def _of_printer(machine: Any) -> str:
+    width, depth = machine.bed_mm
+    layers = " or ".join(f"{height:g}" for height in machine.first_layers_mm)
+    return f"{machine.name}: {width:g} x {depth:g} mm, layers {layers} + n {machine.layer_mm:g} mm"
