@@ -387,7 +387,7 @@ def test_an_interrupted_edit_is_not_gone_on_from(monkeypatch: pytest.MonkeyPatch
         patch.setattr(preview_module, "taken", stop)
         patch.setattr(preview_module, "follow", lost)
         list(preview.edit(other))
-    assert not preview.equilibrium.is_minimum and len(preview.shell.held_points)
+    assert not preview.equilibrium.is_minimum and len(preview.shell.fixed_points)
     list(preview.edit(other))
     assert preview.equilibrium.energy == pytest.approx(Preview(other, plain_law()).equilibrium.energy, rel=1e-6)
 
@@ -535,7 +535,7 @@ def test_flat_triangles_do_not_hide_what_holds_the_sheet() -> None:
     stars, pins = {"length_mm": 6.6, "thickness_mm": 0.5}, [{"edges": [0], "scale": 0.82}]
     preview = Preview(Design.from_dict({"stars": stars, "border": {"polygon_mm": HINGED}, "pins": pins}))
     x = preview.equilibrium.x
-    assert preview.equilibrium.is_minimum and len(preview.shell.held_points) == 2
+    assert preview.equilibrium.is_minimum and len(preview.shell.fixed_points) == 2
     assert preview.shell.rigid_modes(x).shape[1] == 1
     preview.shape()
     assert preview.equilibrium.soft_modes[0] > 1e-3 * preview.equilibrium.soft_modes[2]
