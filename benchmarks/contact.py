@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from asterism.draw.picture import small_png
-from asterism.draw.render import camera, render, surface
+from asterism.draw.render import camera, render, scene
 from asterism.exact.simulation import simulate
 from asterism.results.files import write_file
 from asterism.shape.shape import Shape
@@ -77,7 +77,7 @@ def picture(shapes: list[Shape]) -> None:
         turned = shape.aligned()
         middle = (turned.positions.min(axis=0) + turned.positions.max(axis=0)) / 2
         eye = camera(-28.0, 22.0, middle, 300.0)
-        column[0].imshow(render(surface(turned), eye, 6.0), origin="lower")
+        column[0].imshow(render(scene(turned), eye, 6.0), origin="lower")
         column[0].set_title(title, fontsize=14)
         lower = column[1]
         lower.set_xlim(-reach, reach)

@@ -13,7 +13,7 @@ from typing import Any
 
 from PIL import Image
 
-from asterism.draw.picture import draw, small_png
+from asterism.draw.picture import draw_shape, small_png
 from asterism.exact.simulation import simulate
 from asterism.results.files import write_file
 from asterism.shape.shape import Shape
@@ -84,7 +84,7 @@ def page(table: str) -> str:
 def picture(shape: Shape, name: str, title: str | None = None) -> None:
     """docs/pictures/NAME.png, small enough for a page."""
     large = BytesIO()
-    draw(shape, title or name, large)
+    draw_shape(shape, title or name, large)
     image = Image.open(large).convert("RGB")
     image.thumbnail((1000, 1000))
     write_file(PICTURES / f"{name}.png", small_png(image))

@@ -17,7 +17,7 @@ from asterism.draw.picture import small_png
 from asterism.exact.simulation import simulate
 from asterism.print.job import prepare
 from asterism.print.profiles import load_plastic, load_printer
-from asterism.print.rounded import exact
+from asterism.print.rounded import without_rounding
 from asterism.print.shape_change import shape_change
 from asterism.print.write import write_export
 from asterism.results.files import write_file
@@ -54,7 +54,7 @@ def exported(name: str, folder: Path) -> dict[str, Any]:
     seconds = time.perf_counter() - start
     change = None
     if summary["rounding"]["thickness"]["stars_changed"] or summary["rounding"]["width"]["stars_changed"]:
-        change = shape_change(simulate(exact(design)), simulate(job.design), job.design, job.plan)
+        change = shape_change(simulate(without_rounding(design)), simulate(job.design), job.design, job.plan)
     mesh = trimesh.load_mesh(folder / "stars.stl")
     return {
         "name": name,

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from asterism.measure.strips.errors import NoMaterial
-from asterism.measure.strips.fit import fit_strips
-from asterism.measure.strips.synthetic import readings
+from asterism.measure.strips.errors import UndeterminedMaterialError
+from asterism.measure.strips.strip_fit import fit_readings
+from asterism.measure.strips.synthetic import synthetic_readings
 from benchmarks.report import markdown, write_report
 from pattern.design.materials import Plastic
 
@@ -56,11 +56,11 @@ def main() -> None:
         values = {"count": 10, "reading_mm": 0.3, "scatter": 0.03, "flat_mm": 0.0, "step_mm": 0.0, "off_mm": 0.0} | case
         inside, kept, half, named, flat = [], [], [], [], []
         for seed in range(TABLES):
-            strips = readings(seed, Plastic(modulus_ratio=RATIO, kappa_bar_per_mm=KAPPA_BAR), **values)
+            strips = synthetic_readings(seed, Plastic(modulus_ratio=RATIO, kappa_bar_per_mm=KAPPA_BAR), **values)
             flat.append(np.mean([r.curvature_per_mm is None for r in strips]))
             try:
-                fit = fit_strips(strips, flat_height_mm=values["flat_mm"] or 0.5)
-            except NoMaterial:
+                fit = fit_readings(strips, flat_height_mm=values["flat_mm"] or 0.5)
+            except UndeterminedMaterialError:
                 continue
             ratio, kappa_bar = fit.ratio["paper"], fit.kappa_bar[None]
             inside.append(ratio.low <= RATIO <= ratio.high)

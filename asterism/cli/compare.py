@@ -42,6 +42,6 @@ def compare(
 
     The scan is turned and shifted onto the shape, never mirrored or scaled. It may cover a part of the sheet.
     """
-    from asterism.measure.compare.run import compare as compute
+    from asterism.measure.compare.compare import compare as compute
 
     run.lines(compute(shape, scan, output, units and units.value, view and view.value, trim))

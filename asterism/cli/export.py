@@ -49,11 +49,11 @@ def export(
     """
     from asterism.laws.material import with_material
     from asterism.laws.own_law import law_for
-    from asterism.print.changed import changed
+    from asterism.print.adjusted_printer import adjusted_printer
+    from asterism.print.export_table import export_rows
     from asterism.print.job import prepare
     from asterism.print.printed_shape import printed_shape
     from asterism.print.profiles import load_plastic, load_printer
-    from asterism.print.table import table
     from asterism.print.write import ROUNDED, write_export
     from asterism.results.files import EXPORT, check_kept, check_writable, holds_result
     from asterism.results.read_shape import folder_of, read_shape
@@ -66,7 +66,7 @@ def export(
     if len(asked) > 1:
         raise DesignError(asked[0], "must be the only one of --shape, --preview and --simulate")
     plan = with_material(load_design(design), material)
-    machine = changed(load_printer(printer), first_layer, layer, plate)
+    machine = adjusted_printer(load_printer(printer), first_layer, layer, plate)
     directory = output or design.with_name(f"{design.stem}-print")
     check_kept(design, directory, ROUNDED, EXPORT)
     check_writable(directory, EXPORT)
@@ -104,5 +104,5 @@ def export(
     if computed is not None:
         ready = job(computed) if preview or simulate else replace(ready, glance=computed)
     summary = write_export(ready, directory, change)
-    run.table(table(summary))
+    run.table(export_rows(summary))
     run.files(directory, summary["files"])

@@ -14,7 +14,7 @@ def printers(run: Run) -> int:
 
     The exit status is 2 if one of your files is wrong; the others are listed all the same.
     """
-    from asterism.print.profiles import VARIABLE, folders, load_plastic, load_printer, names
+    from asterism.print.profiles import PROFILES_VARIABLE, load_plastic, load_printer, profile_folders, profile_names
     from pattern.design.errors import DesignError
 
     kinds: dict[str, Callable[[str], str]] = {
@@ -23,13 +23,15 @@ def printers(run: Run) -> int:
     }
     wrong = []
     for kind, describe in kinds.items():
-        for name in names(kind):
+        for name in profile_names(kind):
             try:
                 run.table({name: describe(name)}, width=14)
             except DesignError as error:
                 wrong.append(" ".join(str(error).split()))
-    *own, _ = folders()
-    run.lines([f"yours: printers/NAME.toml and plastics/NAME.toml in {' or '.join(map(str, own))} ({VARIABLE})"])
+    *own, _ = profile_folders()
+    run.lines(
+        [f"yours: printers/NAME.toml and plastics/NAME.toml in {' or '.join(map(str, own))} ({PROFILES_VARIABLE})"]
+    )
     run.warn(*wrong)
     return WRONG_INPUT if wrong else DONE
 

@@ -29,9 +29,9 @@ def report(
     from asterism.laws.own_law import law_for
     from asterism.print.job import prepare
     from asterism.print.profiles import load_plastic, load_printer
-    from asterism.reports.facts import facts
-    from asterism.reports.page import write_page
-    from asterism.reports.shape import shape_of
+    from asterism.reports.design_page import write_design_page
+    from asterism.reports.design_shape import shape_for_report
+    from asterism.reports.facts import design_facts
     from asterism.results.files import OutputError, check_writable, staged
     from homogenize.errors import LawError
 
@@ -45,9 +45,11 @@ def report(
     machine, profile = load_printer(printer), load_plastic(plastic)
     prepare(plan, machine, profile, any_size=True)  # before anything is computed: most mistakes are found here
     sheet = law_for(plan, law, design, material) if law else None
-    shape, source = shape_of(plan, results, design.with_suffix(""), run.warn, sheet)
+    shape, source = shape_for_report(plan, results, design.with_suffix(""), run.warn, sheet)
     job = prepare(plan, machine, profile, shape=shape, any_size=True)
     with staged(path.parent) as folder:
         summary = shape.summary if shape else {}
-        parts = write_page(folder / path.name, job, facts(job, summary, source), summary.get("warnings", []), shape)
+        parts = write_design_page(
+            folder / path.name, job, design_facts(job, summary, source), summary.get("warnings", []), shape
+        )
     run.lines([f"{path}: layout 1:{parts:g}; shape: {source}"])

@@ -46,14 +46,14 @@ def new(
     ] = None,
 ) -> None:
     """The test print: strips as STL and 3MF, start code, a sheet that says what to do, and a table to fill in."""
-    from asterism.measure.strips import new_run
+    from asterism.measure.strips.new_strips import new_strips
     from asterism.measure.strips.specimen import THICKNESSES_MM
-    from asterism.print.changed import changed
+    from asterism.print.adjusted_printer import adjusted_printer
     from asterism.print.profiles import load_printer
 
     thicknesses = tuple(thickness or THICKNESSES_MM)
-    machine = changed(load_printer(printer), plate=plate)
-    lines = new_run.new(output, machine, thicknesses, count, length, width, stretch, fabric_thickness, fabric)
+    machine = adjusted_printer(load_printer(printer), plate=plate)
+    lines = new_strips(output, machine, thicknesses, count, length, width, stretch, fabric_thickness, fabric)
     run.lines(lines)
 
 
@@ -84,9 +84,9 @@ def fit(
 
     Exit status 1 if the strips do not determine them.
     """
-    from asterism.measure.strips import fit_run
+    from asterism.measure.strips.fit_strips import fit_strips
 
-    lines, warnings = fit_run.fit(
+    lines, warnings = fit_strips(
         strips,
         output,
         rest_curvature.value,

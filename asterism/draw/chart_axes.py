@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from asterism.draw.colours import INK, PALE
 
 
-def tidy(axes: Axes, title: str, below: str, size: int = 10, side: Literal["left", "right"] = "left") -> None:
+def style_axes(axes: Axes, title: str, below: str, size: int = 10, side: Literal["left", "right"] = "left") -> None:
     """Title and label in the house's colours, and no lines above and to the right."""
     axes.set_title(title, fontsize=size, color=INK, loc=side)
     axes.set_xlabel(below, fontsize=size - 1, color=PALE)
@@ -18,7 +18,7 @@ def tidy(axes: Axes, title: str, below: str, size: int = 10, side: Literal["left
         axes.spines[edge].set_visible(False)
 
 
-def with_grid(axes: Axes) -> None:
+def add_grid(axes: Axes) -> None:
     """Pale lines behind the curves."""
     axes.grid(color="#e8e8ec", linewidth=0.6)
     axes.set_axisbelow(True)

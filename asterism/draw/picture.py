@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from PIL import Image
 
 from asterism.draw.colours import INK, PALE
-from asterism.draw.render import OBLIQUE, VIEWS, Camera, Surface, camera, render, surface
+from asterism.draw.render import OBLIQUE, VIEWS, Camera, Scene, camera, render, scene
 from asterism.shape.shape import Shape
 from pattern.geometry.arrays import Floats
 
@@ -25,7 +25,7 @@ DIVISION = 1240
 LEAST = 1e-4  # N mm: less is rounding
 
 
-def draw(shape: Shape, title: str, path_or_file: str | Path | IO[bytes]) -> None:
+def draw_shape(shape: Shape, title: str, path_or_file: str | Path | IO[bytes]) -> None:
     """Draw a shape as PNG: a held sheet as it stands, a free one turned to its principal axes.
 
     Parameters
@@ -39,7 +39,7 @@ def draw(shape: Shape, title: str, path_or_file: str | Path | IO[bytes]) -> None
     figure = Figure(figsize=(WIDTH / DPI, HEIGHT / DPI), dpi=DPI, facecolor="none")
     words = FigureCanvasAgg(figure)
     canvas = np.ones((HEIGHT, WIDTH, 3))
-    thing = surface(shape)
+    thing = scene(shape)
     low, high = shape.positions.min(axis=0), shape.positions.max(axis=0)
     _perspective(canvas, thing, (low + high) / 2, float(np.linalg.norm(high - low)))
     _to_scale(figure, canvas, thing, (low + high) / 2)
@@ -52,10 +52,10 @@ def draw(shape: Shape, title: str, path_or_file: str | Path | IO[bytes]) -> None
     picture.convert("RGB").save(path_or_file, format="png", dpi=(DPI, DPI))
 
 
-def image(shape: Shape, title: str) -> Image.Image:
+def shape_image(shape: Shape, title: str) -> Image.Image:
     """The same picture as an image, which a notebook shows."""
     stream = BytesIO()
-    draw(shape, title, stream)
+    draw_shape(shape, title, stream)
     return Image.open(stream)
 
 
@@ -97,7 +97,7 @@ def _of_preview(summary: Mapping[str, Any], certified: bool) -> str:
     return f"preview, expected {expected:.1f} % of the diameter from the exact model"
 
 
-def _perspective(canvas: Floats, thing: Surface, centre: Floats, diameter: float) -> None:
+def _perspective(canvas: Floats, thing: Scene, centre: Floats, diameter: float) -> None:
     """The large view on the left."""
     view = camera(*OBLIQUE, centre, distance_mm=2.6 * diameter)
     room = np.array([DIVISION - 2 * MARGIN, HEIGHT - CAPTION - MARGIN])
@@ -105,7 +105,7 @@ def _perspective(canvas: Floats, thing: Surface, centre: Floats, diameter: float
     _paste(canvas, render(thing, view, scale), DIVISION / 2, MARGIN + room[1] / 2)
 
 
-def _to_scale(figure: Figure, canvas: Floats, thing: Surface, centre: Floats) -> None:
+def _to_scale(figure: Figure, canvas: Floats, thing: Scene, centre: Floats) -> None:
     """From above, and below it from the front, both to the same scale, with its bar."""
     above, front = (camera(*VIEWS[name], centre) for name in ("above", "front"))
     (x, y), (_, z) = _size(thing, above), _size(thing, front)
@@ -141,7 +141,7 @@ def _bar(figure: Figure, middle: float, bottom: float, scale: float, width_mm: f
     _text(figure, middle, bottom, f"{length:g} mm", size=8, color=INK, ha="center")
 
 
-def _size(thing: Surface, view: Camera) -> Floats:
+def _size(thing: Scene, view: Camera) -> Floats:
     """(2,) mm, width and height of what is seen; never zero, so that a flat sheet has a side view."""
     return np.maximum(np.ptp(view.project(thing.points)[:, :2], axis=0), 1e-3)
 

@@ -59,7 +59,7 @@ def camera(azimuth_deg: float, elevation_deg: float, centre: Floats, distance_mm
 
 
 @dataclass(frozen=True)
-class Surface:
+class Scene:
     """Sheet, ribbons and marks as triangles ready to be drawn.
 
     Attributes
@@ -81,12 +81,12 @@ class Surface:
     mark_triangles: int = 0
 
 
-def surface(shape: Shape) -> Surface:
+def scene(shape: Shape) -> Scene:
     """The triangles of a shape: the sheet, the ribbons on its plastic side, and marks where it is held."""
     points, normals, strips = ribbons(shape)
     mark_points, mark_normals, marks = pin_marks(shape)
     count = len(shape.positions)
-    return Surface(
+    return Scene(
         np.concatenate([shape.positions, points, mark_points]),
         np.concatenate([vertex_normals(shape.positions, shape.triangles), normals, mark_normals]),
         np.concatenate([shape.triangles, strips + count, marks + count + len(points)]),
@@ -95,7 +95,7 @@ def surface(shape: Shape) -> Surface:
     )
 
 
-def render(thing: Surface, view: Camera, pixels_per_mm: float) -> Floats:
+def render(thing: Scene, view: Camera, pixels_per_mm: float) -> Floats:
     """(height, width, 4) colour and opacity, row 0 the lowest; the image is as large as what is seen."""
     seen = view.project(thing.points)
     fine = FINER * pixels_per_mm
@@ -135,7 +135,7 @@ def _coarser(image: Floats) -> Floats:
 
 
 def _shaded(
-    thing: Surface, view: Camera, raster: Raster, triangles: Ints, marks: int, plastic_side: np.ndarray
+    thing: Scene, view: Camera, raster: Raster, triangles: Ints, marks: int, plastic_side: np.ndarray
 ) -> Floats:
     """(P, 3) colours: a key light from the upper left, a soft sky, a trace of gloss.
 

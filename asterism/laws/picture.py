@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from asterism.draw.chart_axes import tidy, with_grid
+from asterism.draw.chart_axes import add_grid, style_axes
 from asterism.draw.colours import INK, PALE
 from homogenize.law.law import Law
 from homogenize.law.table import NAMES, Table
@@ -97,7 +97,7 @@ def _errors(axes: Axes, residuals: dict[str, Any]) -> None:
 
 
 def _tidy(axes: Axes, title: str, below: str) -> None:
-    tidy(axes, title, below, size=9, side="right")
-    with_grid(axes)
+    style_axes(axes, title, below, size=9, side="right")
+    add_grid(axes)
     for side in ("left", "bottom"):
         axes.spines[side].set_color("#c4c4cc")

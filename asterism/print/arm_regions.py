@@ -7,15 +7,15 @@ from collections.abc import Sequence
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from asterism.print.solid import GRID_MM, Step, terraces
-from asterism.print.strips_of_arms import Strip
+from asterism.print.arm_pieces import ArmPiece
+from asterism.print.solid import GRID_MM, Terrace, nested_terraces
 from pattern.design.rounding import Rounding
 from pattern.layout.layout import Layout
 
 THIN = 0.1  # of a line's width, half of what is too narrow for a piece of the cut line
 
 
-def star_terraces(plan: Layout, arms: Sequence[Strip]) -> tuple[Step, ...]:
+def star_terraces(plan: Layout, arms: Sequence[ArmPiece]) -> tuple[Terrace, ...]:
     """Terraces of all stars in print coordinates; arms that overlap are one."""
     regions: list[tuple[float, BaseGeometry]] = []
     for strip in arms:
@@ -25,10 +25,10 @@ def star_terraces(plan: Layout, arms: Sequence[Strip]) -> tuple[Step, ...]:
             # where arms were cut away at the border, the remaining ones meet in a round corner
             disc = shapely.Point(centre).buffer(strip.begin_width_mm / 2, quad_segs=8)
             regions.append((strip.height_mm, disc))
-    return terraces(regions)
+    return nested_terraces(regions)
 
 
-def border_terrace(plan: Layout, stars: Sequence[Step], rounding: Rounding) -> Step:
+def border_terrace(plan: Layout, stars: Sequence[Terrace], rounding: Rounding) -> Terrace:
     """A line to cut along: one line wide, one layer high, its inner edge on the border; it goes with the waste."""
     sheet = shapely.polygons(plan.border)
     around = sheet.buffer(rounding.line_mm, join_style="mitre", mitre_limit=5).difference(sheet)
@@ -37,4 +37,4 @@ def border_terrace(plan: Layout, stars: Sequence[Step], rounding: Rounding) -> S
     # slivers cannot be printed, and would hang on the rest by a point
     thin = THIN * rounding.line_mm
     wide = clear.buffer(-thin, join_style="mitre").buffer(thin, join_style="mitre", mitre_limit=5)
-    return Step(rounding.first_layer_mm, shapely.set_precision(wide, GRID_MM))
+    return Terrace(rounding.first_layer_mm, shapely.set_precision(wide, GRID_MM))

@@ -14,7 +14,7 @@ _WIDE, _USUAL = 1.15, 0.85
 
 
 @dataclass(frozen=True)
-class Layer:
+class DrawingLayer:
     """How things are drawn.
 
     Attributes
@@ -36,10 +36,10 @@ class Layer:
 
 
 @dataclass(frozen=True)
-class Line:
+class Polyline:
     """Straight pieces through points (n, 2) mm; `holes` are further closed lines that a filled one leaves out."""
 
-    layer: Layer
+    layer: DrawingLayer
     points: Floats
     closed: bool = False
     holes: tuple[Floats, ...] = ()
@@ -49,16 +49,16 @@ class Line:
 class Circle:
     """A circle about `centre` (2,) mm."""
 
-    layer: Layer
+    layer: DrawingLayer
     centre: Floats
     radius_mm: float
 
 
 @dataclass(frozen=True)
-class Text:
+class Label:
     """One line of text; `at` (2,) mm is on its baseline, at the given end of it."""
 
-    layer: Layer
+    layer: DrawingLayer
     at: Floats
     text: str
     size_mm: float = 3.5
@@ -74,7 +74,7 @@ class Drawing:
     title: str
     low: Floats
     high: Floats
-    items: tuple[Line | Circle | Text, ...]
+    items: tuple[Polyline | Circle | Label, ...]
 
     @property
     def size_mm(self) -> Floats:
@@ -82,31 +82,32 @@ class Drawing:
         return self.high - self.low
 
     @property
-    def layers(self) -> tuple[Layer, ...]:
+    def layers(self) -> tuple[DrawingLayer, ...]:
         """The layers that are used, in the order of their first use."""
         return tuple(dict.fromkeys(item.layer for item in self.items))
 
 
-def rectangle(layer: Layer, size_mm: tuple[float, float], centre: tuple[float, float] = (0.0, 0.0)) -> Line:
+def rectangle(layer: DrawingLayer, size_mm: tuple[float, float], centre: tuple[float, float] = (0.0, 0.0)) -> Polyline:
     """A closed rectangle about a centre."""
     half = np.asarray(size_mm) / 2
-    return Line(layer, np.asarray(centre) + half * [[-1, -1], [1, -1], [1, 1], [-1, 1]], closed=True)
+    return Polyline(layer, np.asarray(centre) + half * [[-1, -1], [1, -1], [1, 1], [-1, 1]], closed=True)
 
 
-def cross(layer: Layer, centre: Floats, arm_mm: float) -> list[Line]:
+def cross_mark(layer: DrawingLayer, centre: Floats, arm_mm: float) -> list[Polyline]:
     """Two lines that cross at a point."""
     return [
-        Line(layer, np.array([centre - arm, centre + arm])) for arm in (np.array([arm_mm, 0.0]), np.array([0, arm_mm]))
+        Polyline(layer, np.array([centre - arm, centre + arm]))
+        for arm in (np.array([arm_mm, 0.0]), np.array([0, arm_mm]))
     ]
 
 
-def beside(at: Floats, *offsets: tuple[float, float]) -> Floats:
+def offset_points(at: Floats, *offsets: tuple[float, float]) -> Floats:
     """Points (n, 2) at offsets in mm from a point, or (2,) for a single one."""
     points = np.asarray(at) + np.array(offsets)
     return points if len(offsets) > 1 else points[0]
 
 
-def size_within(text: str, largest_mm: float, room_mm: float) -> float:
+def font_size_within(text: str, largest_mm: float, room_mm: float) -> float:
     """A size of bold text at which it is at most `room_mm` wide, whatever font: a long name is set small, not cut."""
     ems = sum(_WIDE if sign in "WMmw@%" or sign > "\u2e80" else _USUAL for sign in text)
     return min(largest_mm, room_mm / max(ems, 1.0))

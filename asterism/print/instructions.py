@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from asterism.print.drawing import Circle, Drawing, Line, Text, size_within
+from asterism.print.drawing import Circle, Drawing, Label, Polyline, font_size_within
 from asterism.print.job import Job
 from asterism.print.layers import TEXT
-from asterism.print.needles import MUCH_MM, Needle, at_the_edge, hanging, named
+from asterism.print.needles import VISIBLE_SAG_MM, Needle, needle_names, needles_near_edge, sag_in_words
 from asterism.print.printer import Printer
 
 _A4_MM = (210.0, 297.0)
@@ -53,13 +53,13 @@ def _mount(job: Job) -> Chapter:
         (
             f"Fix the frame of {width:g} x {depth:g} mm with its plate on the bed, its middle over the bed's middle: "
             "page 1 of layout.pdf shows frame, printable area and alignment marks.",
-            homing(job.printer),
+            homing_advice(job.printer),
             "Check that the head and its fans pass over the frame's bars, or keep away from them.",
         ),
     )
 
 
-def homing(printer: Printer) -> str:
+def homing_advice(printer: Printer) -> str:
     """What to do about a nozzle that would hit the frame."""
     if printer.homes == "onto":
         return (
@@ -127,10 +127,10 @@ def _print(job: Job, cost: dict[str, float]) -> Chapter:
 def _finish(job: Job) -> Chapter:
     line = "along the inner edge of the printed line" if job.border is not None else "along the cut line of layout.pdf"
     lines = [f"Let the plastic cool, open the frame, cut the fabric {line}."]
-    if edge := at_the_edge(job.plan, job.needles):
-        lines.append(f"Leave a tab of fabric outside the line, 5 mm or more, at {named(edge)}, on the line.")
+    if edge := needles_near_edge(job.plan, job.needles):
+        lines.append(f"Leave a tab of fabric outside the line, 5 mm or more, at {needle_names(edge)}, on the line.")
     if arms := job.needles_in_plastic:
-        lines.append(f"The plastic is in the way of {named(arms)}: drill a hole through the arm there first.")
+        lines.append(f"The plastic is in the way of {needle_names(arms)}: drill a hole through the arm there first.")
     known = [needle for needle in job.needles if needle.place is not None]
     if known:
         lines.append(
@@ -139,16 +139,18 @@ def _finish(job: Job) -> Chapter:
         )
         if heights := _heights(known):
             lines.append(heights)
-        if job.hangs_mm is not None and job.hangs_mm > MUCH_MM:
+        if job.hangs_mm is not None and job.hangs_mm > VISIBLE_SAG_MM:
             lines.append(
-                f"The sheet hangs {hanging(job.hangs_mm, job.hangs_doubt_mm)}: set all needles so much higher, on "
+                f"The sheet hangs {sag_in_words(job.hangs_mm, job.hangs_doubt_mm)}: set all needles so much higher, on "
                 "posts, or cut the base out under it."
             )
         if len(known) < len(job.needles):
             sliding = len(job.needles) - len(known)
             lines.append(f"{sliding} more go through the sheet where it slides; the template has no holes for them.")
         if rising := [needle.number for needle in known if needle.height_mm is None]:
-            lines.append(f"The sheet slides up and down along {named(rising)}: leave it free there, at its own height.")
+            lines.append(
+                f"The sheet slides up and down along {needle_names(rising)}: leave it free there, at its own height."
+            )
         if job.hangs_mm is None:
             lines.append("Whether the sheet hangs below the base is not known; asterism export --simulate says it.")
     elif job.needles:
@@ -156,7 +158,7 @@ def _finish(job: Job) -> Chapter:
     else:
         lines.append("The design has no pins: the sheet takes its shape by itself.")
     if len(steps := sorted({needle.step for needle in job.needles})) > 1:
-        turns = [named([needle.number for needle in job.needles if needle.step == step]) for step in steps]
+        turns = [needle_names([needle.number for needle in job.needles if needle.step == step]) for step in steps]
         lines.append(f"Set them in the design's order: first {', then '.join(turns)}.")
     if job.is_certain is False:
         lines.append("The computed shape is not certain to stay: the sheet may take another one. See export.json.")
@@ -173,7 +175,7 @@ def _heights(needles: Sequence[Needle]) -> str:
         return ""
     if len(at) > _MOST_NAMED:
         return "They hold the sheet at heights over the base that are written beside their holes, and in needles.csv."
-    each = "; ".join(f"{height} mm at {named(numbers)}" for height, numbers in at.items())
+    each = "; ".join(f"{height} mm at {needle_names(numbers)}" for height, numbers in at.items())
     known = [needle for needle in needles if needle.height_mm is not None]
     rest = "" if all(needle.is_raised for needle in known) else "; on the base at the others"
     return f"They hold the sheet at these heights over the base: {each}{rest}."
@@ -192,12 +194,12 @@ def as_text(job: Job, parts: tuple[Chapter, ...]) -> str:
 def as_pages(job: Job, parts: tuple[Chapter, ...]) -> list[Drawing]:
     """The instruction as A4 pages."""
     name = job.design.name
-    pages: list[list[Line | Circle | Text]] = []
+    pages: list[list[Polyline | Circle | Label]] = []
     top, bottom = _A4_MM[1] - _MARGIN_MM, _MARGIN_MM
-    size = size_within(name, 6.5, _A4_MM[0] - 2 * _MARGIN_MM)
-    items: list[Line | Circle | Text] = [
-        Text(TEXT, np.array([_MARGIN_MM, top - 6.0]), name, size, bold=True),
-        Text(TEXT, np.array([_MARGIN_MM, top - 14.0]), f"How to print it on the {job.printer.name}", 4.2),
+    size = font_size_within(name, 6.5, _A4_MM[0] - 2 * _MARGIN_MM)
+    items: list[Polyline | Circle | Label] = [
+        Label(TEXT, np.array([_MARGIN_MM, top - 6.0]), name, size, bold=True),
+        Label(TEXT, np.array([_MARGIN_MM, top - 14.0]), f"How to print it on the {job.printer.name}", 4.2),
     ]
     y = top - 24.0
     for part in parts:
@@ -212,7 +214,7 @@ def as_pages(job: Job, parts: tuple[Chapter, ...]) -> list[Drawing]:
             items, y = [], top - 6.0
         for line, bold, code, step in lines:
             at = np.array([_MARGIN_MM + (6.0 if code else 0.0), y])
-            items.append(Text(TEXT, at, line, 4.1 if bold else 3.1 if code else 3.35, bold=bold, fixed_pitch=code))
+            items.append(Label(TEXT, at, line, 4.1 if bold else 3.1 if code else 3.35, bold=bold, fixed_pitch=code))
             y -= step
         y -= 3.4
     pages.append(items)

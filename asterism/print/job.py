@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 import shapely
 
+from asterism.print.arm_pieces import ArmPiece, arm_pieces
 from asterism.print.arm_regions import border_terrace, star_terraces
-from asterism.print.estimate import estimate
-from asterism.print.needles import Needle, in_plastic, needles
-from asterism.print.placement import Placement, place, room_mm
-from asterism.print.plastic import PlasticProfile
+from asterism.print.bed_placement import BedPlacement, place_on_bed, room_mm
+from asterism.print.needles import Needle, needles, needles_through_arms
+from asterism.print.plastic_profile import PlasticProfile
+from asterism.print.print_cost import print_cost
 from asterism.print.printer import Printer
-from asterism.print.rounded import changes, choose, exact, rounded_layout, with_rounding
-from asterism.print.solid import Solid, Step, stack
-from asterism.print.strips_of_arms import Strip, strips
+from asterism.print.rounded import choose_rounding, rounded_layout, size_changes, with_rounding, without_rounding
+from asterism.print.solid import Solid, Terrace, terraced_solid
 from asterism.shape.shape import Shape
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
@@ -57,10 +57,10 @@ class Job:
     rounding: Rounding
     drawn_plan: Layout
     plan: Layout
-    arms: tuple[Strip, ...]
-    placement: Placement
-    stars: tuple[Step, ...]
-    border: Step | None
+    arms: tuple[ArmPiece, ...]
+    placement: BedPlacement
+    stars: tuple[Terrace, ...]
+    border: Terrace | None
     fabric_mm: float
     fabric_given: bool
     needles: tuple[Needle, ...]
@@ -94,7 +94,7 @@ class Job:
     @cached_property
     def size_changes(self) -> dict[str, Any]:
         """What rounding does to the sizes, see `asterism.print.rounded.changes`."""
-        return changes(self.drawn_plan, self.plan)
+        return size_changes(self.drawn_plan, self.plan)
 
     @property
     def is_rounded(self) -> bool:
@@ -104,7 +104,7 @@ class Job:
     @cached_property
     def needles_in_plastic(self) -> list[int]:
         """Numbers of the needles that would have to go through an arm."""
-        return in_plastic(self.plan, self.needles)
+        return needles_through_arms(self.plan, self.needles)
 
     @property
     def seen(self) -> Shape | None:
@@ -148,17 +148,17 @@ class Job:
     @cached_property
     def solids(self) -> tuple[Solid, ...]:
         """Stars and border line in the printer's coordinates, standing on z = 0."""
-        on_bed = Placement(0.0, np.asarray(self.printer.bed_centre_mm))
-        solids = [stack("stars", [on_bed.step(step) for step in self.stars])]
+        on_bed = BedPlacement(0.0, np.asarray(self.printer.bed_centre_mm))
+        solids = [terraced_solid("stars", [on_bed.step(step) for step in self.stars])]
         if self.border is not None:
-            solids.append(stack("border", [on_bed.step(self.border)]))
+            solids.append(terraced_solid("border", [on_bed.step(self.border)]))
         return tuple(solids)
 
     @cached_property
     def cost(self) -> dict[str, float]:
-        """What stars and border line take to print, see `asterism.print.estimate`."""
+        """What stars and border line take to print, see `asterism.print.print_cost`."""
         prints = [self.stars, *([(self.border,)] if self.border is not None else [])]
-        return estimate(prints, self.printer, self.rounding, self.plastic)
+        return print_cost(prints, self.printer, self.rounding, self.plastic)
 
 
 def prepare(
@@ -197,21 +197,21 @@ def prepare(
         if value is not None and not limits[0] <= value <= limits[1]:
             raise DesignError(option, f"must be from {limits[0]:g} to {limits[1]:g}", value)
     drawn_plan = layout(design)
-    rounding = choose(drawn_plan, printer)
+    rounding = choose_rounding(drawn_plan, printer)
     rounded = with_rounding(design, rounding)
     plan = rounded_layout(rounded, printer)
-    arms = tuple(strips(plan, rounding))
+    arms = tuple(arm_pieces(plan, rounding))
     here = star_terraces(plan, arms)
     x, y = design.fabric.stretch_xy
     if x != y and turn_deg % 360:
         raise DesignError("--turn", "must be 0 on a fabric that is stretched differently along x and y", turn_deg)
     too_large = ""
     try:
-        placement = place(plan, here, printer, turn_deg, may_turn=x == y)
+        placement = place_on_bed(plan, here, printer, turn_deg, may_turn=x == y)
     except DesignError as error:
         if not any_size:
             raise
-        placement, too_large = Placement(turn_deg, np.zeros(2)), str(error)
+        placement, too_large = BedPlacement(turn_deg, np.zeros(2)), str(error)
     line = placement.step(border_terrace(plan, here, rounding)) if border else None
     if line is not None and not _has_room(line, printer):
         line = None
@@ -237,7 +237,7 @@ def prepare(
     )
 
 
-def _has_room(step: Step, printer: Printer) -> bool:
+def _has_room(step: Terrace, printer: Printer) -> bool:
     low, high = np.reshape(shapely.bounds(step.region), (2, 2))
     half = room_mm(printer) / 2
     return bool((high <= half).all() and (low >= -half).all())
@@ -254,9 +254,9 @@ def _check_same_sheet(design: Design, plan: Layout, shape: Shape) -> None:
         stars = f"{len(shape.star_vertices)} stars"
         raise DesignError("--shape", f"must be of this design with its {len(plan.centres)} stars", stars)
     if "design" in shape.summary:
-        made_from = exact(Design.from_dict(shape.summary["design"]))
+        made_from = without_rounding(Design.from_dict(shape.summary["design"]))
         for section in ("lattice", "stars", "border", "pins", "gravity"):
-            if getattr(made_from, section) != getattr(exact(design), section):
+            if getattr(made_from, section) != getattr(without_rounding(design), section):
                 raise DesignError("--shape", f"must be of this design, but its {section} are others")
         if made_from.fabric.stretch_xy != design.fabric.stretch_xy:
             raise DesignError("--shape", "must be of this design, but its fabric was stretched otherwise")

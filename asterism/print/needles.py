@@ -14,10 +14,10 @@ from pattern.geometry.planar import distance_to_outline, distance_to_segment
 from pattern.layout.layout import Layout, PinSet
 
 # by which a sheet may hang below the base: it is as thick
-MUCH_MM = 0.5
+VISIBLE_SAG_MM = 0.5
 # fabric that a needle needs around it
-EDGE_MM = 2.0
-FLAT_MM = 0.05  # lower places are on the base
+MIN_EDGE_DISTANCE_MM = 2.0
+BASE_TOLERANCE_MM = 0.05  # lower places are on the base
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Needle:
     @property
     def is_raised(self) -> bool:
         """It holds the sheet above or below the base."""
-        return self.height_mm is not None and abs(self.height_mm) > FLAT_MM
+        return self.height_mm is not None and abs(self.height_mm) > BASE_TOLERANCE_MM
 
 
 def needles(plan: Layout, spacing_mm: float, shape: Shape | None = None) -> tuple[Needle, ...]:
@@ -97,15 +97,15 @@ def _slides(pins: PinSet) -> str:
     return "z" if pins.fixed[0] else "plane"
 
 
-def at_the_edge(plan: Layout, some: Sequence[Needle]) -> list[int]:
+def needles_near_edge(plan: Layout, some: Sequence[Needle]) -> list[int]:
     """Numbers of those that stand so near to the cut line that the fabric would tear there."""
     if not some:
         return []
     away = distance_to_outline(np.array([needle.printed for needle in some]), plan.border)
-    return [needle.number for needle, far in zip(some, away, strict=True) if far < EDGE_MM]
+    return [needle.number for needle, far in zip(some, away, strict=True) if far < MIN_EDGE_DISTANCE_MM]
 
 
-def in_plastic(plan: Layout, some: Sequence[Needle]) -> list[int]:
+def needles_through_arms(plan: Layout, some: Sequence[Needle]) -> list[int]:
     """Numbers of those that would have to go through an arm."""
     if not some:
         return []
@@ -115,7 +115,7 @@ def in_plastic(plan: Layout, some: Sequence[Needle]) -> list[int]:
     return [needle.number for needle, hit in zip(some, through, strict=True) if hit]
 
 
-def named(numbers: Sequence[int]) -> str:
+def needle_names(numbers: Sequence[int]) -> str:
     """Such as `needle 3` or `needles 1, 4 to 9`."""
     runs: list[list[int]] = []
     for number in sorted(numbers):
@@ -127,7 +127,7 @@ def named(numbers: Sequence[int]) -> str:
     return f"needle{'s' if len(numbers) > 1 else ''} {', '.join(texts)}"
 
 
-def hanging(below_mm: float, doubt_mm: float | None) -> str:
+def sag_in_words(below_mm: float, doubt_mm: float | None) -> str:
     """How far a sheet hangs; `doubt_mm`: how far off a preview expects its height to be."""
     doubt = "" if doubt_mm is None else f", give or take {doubt_mm:.1f} mm"
     return f"{below_mm:.1f} mm below the base{doubt}"

@@ -19,7 +19,7 @@ ABOVE_FABRIC_MM = 10.0
 _LEAST_OPENING_MM = 5.0
 
 
-class Speed(Section):
+class PrintSpeed(Section):
     """For the time estimate.
 
     Attributes
@@ -36,7 +36,7 @@ class Speed(Section):
     heating_min: Number = Field(ge=0, le=60)
 
 
-class Frame(Section):
+class FabricFrame(Section):
     """What holds the fabric, centred on the bed.
 
     Attributes
@@ -94,8 +94,8 @@ class Printer(Section):
     layer_mm: Number = Field(ge=0.01, le=2)
     filament_mm: Number = Field(1.75, ge=1, le=5)
     homes: Literal["away", "onto"]
-    speed: Speed
-    frame: Frame = Frame()
+    speed: PrintSpeed
+    frame: FabricFrame = FabricFrame()
     start_code: Text = Field(max_length=10_000)
 
     @model_validator(mode="after")

@@ -10,25 +10,25 @@ from typing import TypeVar
 import typer
 from pydantic import ValidationError
 
-from asterism.print.plastic import PlasticProfile
+from asterism.print.plastic_profile import PlasticProfile
 from asterism.print.printer import Printer
 from pattern.design.errors import DesignError, from_validation
 from pattern.design.files import read_table
 from pattern.design.section import Section
 
 # a folder of the user's with printers/ and plastics/ in it
-VARIABLE = "ASTERISM_PROFILES"
+PROFILES_VARIABLE = "ASTERISM_PROFILES"
 _OURS = Path(__file__).parent / "data"
 _Kind = TypeVar("_Kind", bound=Section)
 
 
-def folders() -> list[Path]:
+def profile_folders() -> list[Path]:
     """Where profiles are looked for; the first that has a name wins."""
-    own = [Path(os.environ[VARIABLE])] if os.environ.get(VARIABLE) else []
+    own = [Path(os.environ[PROFILES_VARIABLE])] if os.environ.get(PROFILES_VARIABLE) else []
     return [*own, Path(typer.get_app_dir("asterism")), _OURS]
 
 
-def names(kind: str) -> list[str]:
+def profile_names(kind: str) -> list[str]:
     """Names of the `printers` or `plastics` that are found."""
     return sorted({path.stem for path in _files(kind)})
 
@@ -49,7 +49,9 @@ def _load(kind: str, name_or_file: str, section: type[_Kind]) -> _Kind:
         found = [file for file in _files(kind) if file.stem == name_or_file]
         if not found:
             option = f"--{kind[:-1]}"
-            raise DesignError(option, f"must be a file (.toml), or one of {', '.join(names(kind))}", name_or_file)
+            raise DesignError(
+                option, f"must be a file (.toml), or one of {', '.join(profile_names(kind))}", name_or_file
+            )
         path = found[0]
     try:
         return section.model_validate(read_table(path))
@@ -58,5 +60,5 @@ def _load(kind: str, name_or_file: str, section: type[_Kind]) -> _Kind:
 
 
 def _files(kind: str) -> Iterator[Path]:
-    for folder in folders():
+    for folder in profile_folders():
         yield from sorted((folder / kind).glob("*.toml"))

@@ -22,7 +22,7 @@ THICKEST_LAYER = 0.75
 _WORTH_IT = 0.02
 
 
-def exact(design: Design) -> Design:
+def without_rounding(design: Design) -> Design:
     """The design without rounding."""
     return with_rounding(design, None)
 
@@ -32,7 +32,7 @@ def with_rounding(design: Design, rounding: Rounding | None) -> Design:
     return design.model_copy(update={"stars": design.stars.model_copy(update={"rounding": rounding})})
 
 
-def choose(plan: Layout, printer: Printer) -> Rounding:
+def choose_rounding(plan: Layout, printer: Printer) -> Rounding:
     """With the first layer that changes the thicknesses of an exact layout least; the usual one among equals."""
     return min(printer.roundings(), key=lambda rounding: round(_thickness_change(plan, rounding), 6))
 
@@ -45,7 +45,7 @@ def rounded_layout(design: Design, printer: Printer) -> Layout:
         raise DesignError(error.field, f"{error.allowed} (sizes rounded for the {printer.name})", error.value) from None
 
 
-def changes(before: Layout, after: Layout) -> dict[str, Any]:
+def size_changes(before: Layout, after: Layout) -> dict[str, Any]:
     """What rounding does to the sizes, in mm and as numbers of stars."""
     result: dict[str, Any] = {}
     for name in ("thickness", "width"):

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from asterism.print.drawing import Circle, Drawing, Layer, Line, Text, beside, cross, rectangle
-from asterism.print.formats.needle_table import fixed
+from asterism.print.drawing import Circle, Drawing, DrawingLayer, Label, Polyline, cross_mark, offset_points, rectangle
+from asterism.print.formats.needle_table import fixed_point
 from asterism.print.job import Job
 from asterism.print.layers import AFTER, BED, BEFORE, CUT, FRAME, GUIDE, MARKS, NEEDLES, OPENING, OUTLINE, STARS, TEXT
-from asterism.print.page import Items, page
-from asterism.print.solid import Step
+from asterism.print.sheet_page import DrawingItems, sheet_page
+from asterism.print.solid import Terrace
 from pattern.geometry.arrays import Floats
 
 _HOLE_MM = 1.0
@@ -21,17 +21,17 @@ _WORDS_MM = 50.0  # as wide as what is written into a check square
 def layout_sheet(job: Job) -> Drawing:
     """What lies on the printer: frame, printable area, stars, cut line, needles, marks, check squares."""
     frame, bed = job.printer.frame.size_mm, job.printer.bed_mm
-    items: Items = [*_areas(job.stars[0], STARS)]
+    items: DrawingItems = [*_areas(job.stars[0], STARS)]
     if job.border is not None:
         items += _areas(job.border, GUIDE)
-    items += [Line(CUT, job.placement.points(job.plan.border), closed=True)]
+    items += [Polyline(CUT, job.placement.points(job.plan.border), closed=True)]
     items += [rectangle(FRAME, frame), rectangle(OPENING, job.printer.frame.opening_mm), rectangle(BED, bed)]
     items += _marks(frame, bed)
     items += check_squares(job)
     for needle in job.needles:
         items += _needle(job.placement.points(needle.printed), str(needle.number))
     field = np.max([frame, bed, job.check_after_mm], axis=0)
-    items.append(Text(TEXT, np.array([-frame[0] / 4, -field[1] / 2 - 8.0]), "front of the printer", 4.0, "middle"))
+    items.append(Label(TEXT, np.array([-frame[0] / 4, -field[1] / 2 - 8.0]), "front of the printer", 4.0, "middle"))
     x, y = job.design.fabric.stretch_xy
     count = len(job.plan.centres)
     sizes = ", ".join(f"{height:g}" for height in sorted({step.height_mm for step in job.stars}))
@@ -48,17 +48,17 @@ def layout_sheet(job: Job) -> Drawing:
         paragraphs.append(f"Turned by {job.placement.turn_deg:g} deg from the design.")
     if job.border is None:
         paragraphs.append("No printed border: mark the cut line by hand.")
-    return page(f"{job.design.name}: layout", field, (0.0, 0.0), items, job.design.name, "Layout 1:1", paragraphs)
+    return sheet_page(f"{job.design.name}: layout", field, (0.0, 0.0), items, job.design.name, "Layout 1:1", paragraphs)
 
 
 def stretch_sheet(job: Job) -> Drawing:
     """The square to draw on the relaxed fabric, and how large it has to become."""
     before, (x, y) = job.check_before_mm, job.check_after_mm
-    items = [*check_squares(job), *cross(MARKS, np.zeros(2), 5.0)]
+    items = [*check_squares(job), *cross_mark(MARKS, np.zeros(2), 5.0)]
     # within its square, or below both where the words are wider than it
     at = before / 2 - 7.0 if before > _WORDS_MM else -y / 2 - 7.0
-    items.append(Text(TEXT, np.array([0.0, at]), f"before: {before:g} x {before:g} mm", 4.0, "middle"))
-    items.append(Text(TEXT, np.array([0.0, y / 2 + 3.0]), f"after: {x:.1f} x {y:.1f} mm", 4.0, "middle"))
+    items.append(Label(TEXT, np.array([0.0, at]), f"before: {before:g} x {before:g} mm", 4.0, "middle"))
+    items.append(Label(TEXT, np.array([0.0, y / 2 + 3.0]), f"after: {x:.1f} x {y:.1f} mm", 4.0, "middle"))
     field = np.maximum(job.printer.frame.size_mm, [x + 20.0, y + 20.0])
     paragraphs = [
         "1. Lay the relaxed fabric on this page and draw the dashed square on it, its sides along the threads that "
@@ -67,12 +67,12 @@ def stretch_sheet(job: Job) -> Drawing:
         f"3. A millimetre off is a stretch that is off by {1 / before:.2g}. If you cannot do better, write the "
         "stretch that you measured into fabric.stretch of the design, as [x, y], and look at its shape again.",
     ]
-    return page(
+    return sheet_page(
         f"{job.design.name}: stretch check", field, (0.0, 0.0), items, job.design.name, "Stretch check 1:1", paragraphs
     )
 
 
-def check_squares(job: Job) -> Items:
+def check_squares(job: Job) -> DrawingItems:
     """The check square about the middle of the frame, before and after stretching."""
     return [rectangle(BEFORE, (job.check_before_mm, job.check_before_mm)), rectangle(AFTER, job.check_after_mm)]
 
@@ -82,22 +82,22 @@ def needle_sheet(job: Job) -> Drawing | None:
     known = [(needle, needle.place) for needle in job.needles if needle.place is not None]
     if not known:
         return None
-    items: Items = []
+    items: DrawingItems = []
     points = np.array([place[:2] for _, place in known])
     if job.shape is not None:
         outline = job.shape.at(_dense(job.plan.border))[:, :2]
-        items.append(Line(OUTLINE, outline, closed=True))
+        items.append(Polyline(OUTLINE, outline, closed=True))
         points = np.concatenate([points, outline])
     low, high = np.minimum(points.min(axis=0), 0.0), np.maximum(points.max(axis=0), 0.0)
-    items += cross(MARKS, np.zeros(2), 8.0)
-    items.append(Text(TEXT, _clear_of(points), "origin", 3.0, "middle"))
+    items += cross_mark(MARKS, np.zeros(2), 8.0)
+    items.append(Label(TEXT, _clear_of(points), "origin", 3.0, "middle"))
     table = [" no       x        y        z  mm"]
     for needle, (x, y, z) in known:
         items += _needle(np.array([x, y]), str(needle.number) + (f"  z {z:.1f}" if needle.is_raised else ""))
         marks = [f"  slides: {needle.slides}"] * bool(needle.slides) + [f"  step {needle.step}"] * bool(needle.step)
         table.append(
             f"{needle.number:3d} "
-            + " ".join(f"{'-' if np.isnan(c) else fixed(c, 2):>8}" for c in (x, y, z))
+            + " ".join(f"{'-' if np.isnan(c) else fixed_point(c, 2):>8}" for c in (x, y, z))
             + "".join(marks)
         )
     if len(table) > _LONGEST_TABLE:
@@ -116,7 +116,9 @@ def needle_sheet(job: Job) -> Drawing | None:
         paragraphs.append("Where the sheet slides (along z, or in the plane) the place is that of its computed shape.")
     field = np.maximum(job.printer.frame.size_mm, high - low + 40.0)
     title = f"{job.design.name}: needles"
-    return page(title, field, (low + high) / 2, items, job.design.name, "Drilling template 1:1", paragraphs, table)
+    return sheet_page(
+        title, field, (low + high) / 2, items, job.design.name, "Drilling template 1:1", paragraphs, table
+    )
 
 
 def _clear_of(needles: Floats) -> Floats:
@@ -127,34 +129,34 @@ def _clear_of(needles: Floats) -> Floats:
     return np.asarray(places[np.minimum(distance, 20.0).argmax()])
 
 
-def _areas(step: Step, layer: Layer) -> Items:
-    lines: Items = []
+def _areas(step: Terrace, layer: DrawingLayer) -> DrawingItems:
+    lines: DrawingItems = []
     for polygon in shapely.get_parts(step.region):
         rings = [np.asarray(ring.coords)[:-1] for ring in (polygon.exterior, *polygon.interiors)]
-        lines.append(Line(layer, rings[0], closed=True, holes=tuple(rings[1:])))
+        lines.append(Polyline(layer, rings[0], closed=True, holes=tuple(rings[1:])))
     return lines
 
 
-def _marks(frame: tuple[float, float], bed: tuple[float, float]) -> Items:
+def _marks(frame: tuple[float, float], bed: tuple[float, float]) -> DrawingItems:
     """A cross in the middle and at the corners of the bed, ticks in the middle of the frame's sides."""
-    items: Items = [*cross(MARKS, np.zeros(2), 5.0)]
+    items: DrawingItems = [*cross_mark(MARKS, np.zeros(2), 5.0)]
     for corner in np.asarray(bed) / 2 * [[-1, -1], [1, -1], [1, 1], [-1, 1]]:
-        items += cross(MARKS, corner, 3.0)
+        items += cross_mark(MARKS, corner, 3.0)
     for axis in (0, 1):
         for sign in (-1, 1):
             side = np.zeros(2)
             side[axis] = sign * frame[axis] / 2
             out = np.zeros(2)
             out[axis] = sign * 6.0
-            items.append(Line(MARKS, np.array([side - out, side + out])))
+            items.append(Polyline(MARKS, np.array([side - out, side + out])))
     return items
 
 
-def _needle(at: Floats, label: str) -> Items:
+def _needle(at: Floats, label: str) -> DrawingItems:
     return [
         Circle(NEEDLES, at, _HOLE_MM / 2),
-        *cross(NEEDLES, at, 2.5),
-        Text(NEEDLES, beside(at, (1.6, 1.6)), label, 3.2),
+        *cross_mark(NEEDLES, at, 2.5),
+        Label(NEEDLES, offset_points(at, (1.6, 1.6)), label, 3.2),
     ]
 
 

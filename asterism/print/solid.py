@@ -45,7 +45,7 @@ class Solid:
 
 
 @dataclass(frozen=True)
-class Step:
+class Terrace:
     """A region of the plane that is filled from the ground to a height.
 
     Attributes
@@ -58,7 +58,7 @@ class Step:
     region: BaseGeometry
 
 
-def terraces(regions: Sequence[tuple[float, BaseGeometry]]) -> tuple[Step, ...]:
+def nested_terraces(regions: Sequence[tuple[float, BaseGeometry]]) -> tuple[Terrace, ...]:
     """Regions (height, polygon) that may overlap, as one terrace for each height, the lowest and widest first.
 
     A terrace covers all that is at least as high, so that each lies within the one before it. All are unions of the
@@ -79,10 +79,10 @@ def terraces(regions: Sequence[tuple[float, BaseGeometry]]) -> tuple[Step, ...]:
     return steps
 
 
-def _subdivided(heights: Floats, shapes: np.ndarray) -> tuple[Step, ...]:
+def _subdivided(heights: Floats, shapes: np.ndarray) -> tuple[Terrace, ...]:
     faces, top = _faces(shapely.union_all(shapely.boundary(shapes), grid_size=GRID_MM), heights, shapes)
     levels = np.unique(top)
-    return tuple(Step(float(level), shapely.coverage_union_all(faces[top >= level])) for level in levels)
+    return tuple(Terrace(float(level), shapely.coverage_union_all(faces[top >= level])) for level in levels)
 
 
 def _faces(lines: BaseGeometry, heights: Floats, shapes: np.ndarray) -> tuple[np.ndarray, Floats]:
@@ -102,7 +102,7 @@ def _touching_points(region: BaseGeometry) -> Floats:
     return np.asarray(points[count > 1])
 
 
-def stack(name: str, steps: Sequence[Step]) -> Solid:
+def terraced_solid(name: str, steps: Sequence[Terrace]) -> Solid:
     """The solid under nested terraces.
 
     Over every corner of the plane lie points at the heights of all faces that meet there. Walls and roofs have no other

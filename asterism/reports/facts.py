@@ -9,7 +9,7 @@ import numpy as np
 
 from asterism.previews.uncertainty.expected_height import in_words
 from asterism.print.job import Job
-from asterism.print.needles import MUCH_MM
+from asterism.print.needles import VISIBLE_SAG_MM
 from pattern.design.design import Design
 from pattern.design.kept_curvature import KeptCurvature
 from pattern.layout.layout import Layout
@@ -17,7 +17,7 @@ from pattern.layout.layout import Layout
 Facts = dict[str, list[str]]
 
 
-def facts(job: Job, summary: Mapping[str, Any], source: str) -> Facts:
+def design_facts(job: Job, summary: Mapping[str, Any], source: str) -> Facts:
     """Parameters, shape, accuracy and material; what is not known is left out.
 
     Parameters
@@ -90,7 +90,7 @@ def _shape(summary: Mapping[str, Any]) -> list[str]:
 
 
 def _hanging(job: Job) -> list[str]:
-    if job.hangs_mm is None or job.hangs_mm <= MUCH_MM:
+    if job.hangs_mm is None or job.hangs_mm <= VISIBLE_SAG_MM:
         return []
     doubt = job.hangs_doubt_mm
     below = f"hangs {job.hangs_mm:.1f} mm below its base"

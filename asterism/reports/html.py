@@ -38,7 +38,7 @@ td { overflow-wrap: anywhere; } td.n, td:first-child { overflow-wrap: normal; }
 """
 
 
-def page(title: str, parts: Sequence[str]) -> str:
+def html_page(title: str, parts: Sequence[str]) -> str:
     """A whole document that needs no other file and no network."""
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
@@ -49,7 +49,7 @@ def page(title: str, parts: Sequence[str]) -> str:
     )
 
 
-def table(header: Sequence[str], rows: Sequence[Sequence[str]], numbers: bool = True) -> str:
+def html_table(header: Sequence[str], rows: Sequence[Sequence[str]], numbers: bool = True) -> str:
     """Text in the first column; numbers, to the right, in the others, or text there too."""
 
     def line(cells: Sequence[str], tag: str) -> str:

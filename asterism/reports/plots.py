@@ -42,7 +42,7 @@ def distance_map(comparison: Comparison) -> bytes:
 
 def profiles(comparison: Comparison) -> bytes:
     """PNG: two cuts through the middle of the print, along it and across, each seen in its own plane."""
-    curves = {name: _in_plane(*cut(comparison, way)) for name, way in directions(comparison).items()}
+    curves = {name: _in_plane(*profile_cut(comparison, way)) for name, way in profile_directions(comparison).items()}
     tallest = max(float(np.divide(*np.ptp(np.concatenate(pair), axis=0)[::-1])) for pair in curves.values())
     # flat cuts leave no empty paper
     figure = Figure(figsize=(10.0, float(np.clip(1.3 + 4.4 * tallest, 2.0, 4.6))), dpi=130, layout="constrained")
@@ -56,7 +56,7 @@ def profiles(comparison: Comparison) -> bytes:
     return _png(figure)
 
 
-def directions(comparison: Comparison) -> dict[str, Floats]:
+def profile_directions(comparison: Comparison) -> dict[str, Floats]:
     """Two directions on the print: across the axis and along it for a rolled sheet, else x and y."""
     axis = comparison.roll_axes_deg[0]
     a = np.radians(axis if axis is not None else 90.0)
@@ -66,7 +66,7 @@ def directions(comparison: Comparison) -> dict[str, Floats]:
     return {"across the axis of the roll": across, "along the axis": along}
 
 
-def cut(comparison: Comparison, direction: Floats) -> tuple[Floats, Floats]:
+def profile_cut(comparison: Comparison, direction: Floats) -> tuple[Floats, Floats]:
     """(n, 3) mm of both shapes along a straight line of the print through the middle of its stars.
 
     Where that is off the sheet, as in an L, through the star nearest to it.

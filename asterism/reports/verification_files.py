@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from asterism.reports.verification import report
+from asterism.reports.verification_page import verification_page
 from asterism.results.files import LAST
 from asterism.results.vtu import write_shape_vtu
 from asterism.results.write_results import staged_result
@@ -29,7 +29,7 @@ def write_verification(found: Verification, directory: str | Path) -> list[str]:
     check_kind(found, Verification, "verify makes them")
     with staged_result(directory) as folder:
         # the command holds names of files, which may be no text
-        (folder / "report.html").write_text(report(found), encoding="utf-8", errors="backslashreplace")
+        (folder / "report.html").write_text(verification_page(found), encoding="utf-8", errors="backslashreplace")
         write_shape_vtu(found.comparison.reference, folder / "exact.vtu")
         write_shape_vtu(found.comparison.other, folder / "preview.vtu")
         (folder / LAST).write_text(json.dumps(plain(found.summary), indent=2, allow_nan=False) + "\n")

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from matplotlib import colormaps
 
-from asterism.draw.render import FABRIC_SIDE, OBLIQUE, VIEWS, Camera, Surface, camera, render, surface
+from asterism.draw.render import FABRIC_SIDE, OBLIQUE, VIEWS, Camera, Scene, camera, render, scene
 from asterism.shape.comparison import Comparison
 from asterism.shape.shape import Shape
 from pattern.geometry.arrays import Floats
@@ -18,13 +18,13 @@ TALL, WIDE = 440, 640  # pixels: no picture is larger
 COLOURS = colormaps["magma_r"]
 
 
-def views(comparison: Comparison) -> dict[str, list[Floats]]:
+def comparison_views(comparison: Comparison) -> dict[str, list[Floats]]:
     """Images (height, width, 4) by name, in perspective, and `overlaid` from the front and from the side too.
 
     `exact` and `preview` with their arms; `overlaid`: the exact sheet blue, the preview orange; `distance`: the exact
     sheet, the darker the further the preview is away.
     """
-    exact, preview = surface(comparison.reference), surface(comparison.other)
+    exact, preview = scene(comparison.reference), scene(comparison.other)
     things = {
         "exact": exact,
         "preview": preview,
@@ -47,15 +47,15 @@ def colours_of(comparison: Comparison) -> Floats:
     return np.asarray(COLOURS(comparison.distance_mm / far))[:, :3]
 
 
-def bare(shape: Shape, colour: Floats | Sequence[float]) -> Surface:
+def bare(shape: Shape, colour: Floats | Sequence[float]) -> Scene:
     """The sheet without its arms and pins, in one colour or in one at each vertex."""
-    thing = surface(replace(shape, rods=(), rod_fields={}, held=False))
+    thing = scene(replace(shape, rods=(), rod_fields={}, held=False))
     return replace(thing, colours=np.broadcast_to(np.asarray(colour, dtype=float), (len(shape.positions), 3)))
 
 
-def _together(one: Surface, other: Surface) -> Surface:
+def _together(one: Scene, other: Scene) -> Scene:
     assert one.colours is not None and other.colours is not None
-    return Surface(
+    return Scene(
         np.concatenate([one.points, other.points]),
         np.concatenate([one.normals, other.normals]),
         np.concatenate([one.triangles, other.triangles + len(one.points)]),
@@ -64,7 +64,7 @@ def _together(one: Surface, other: Surface) -> Surface:
     )
 
 
-def _framed(thing: Surface, view: Camera, frame: Floats) -> Floats:
+def _framed(thing: Scene, view: Camera, frame: Floats) -> Floats:
     """The view of a thing in the picture that shows all points of `frame`; row 0 the lowest."""
     seen, own = view.project(frame)[:, :2], view.project(thing.points)[:, :2]
     low, high = seen.min(axis=0), seen.max(axis=0)

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from asterism.draw.picture import draw
+from asterism.draw.picture import draw_shape
 from asterism.results.files import BESIDE_SUMMARY, LAST, holds_result, staged
 from asterism.results.vtu import write_rods_vtu, write_shape_vtu
 from asterism.shape.shape import Shape
@@ -47,9 +47,9 @@ def write_results(shape: Shape, directory: str | Path) -> list[str]:
     with staged_result(directory) as folder:
         write_shape_vtu(shape, folder / "shape.vtu")
         write_rods_vtu(shape, folder / "rods.vtu")
-        draw(shape, shape.summary["design"]["name"], folder / "shape.png")
+        draw_shape(shape, shape.summary["design"]["name"], folder / "shape.png")
         for number, other in enumerate(shape.others, 2):
             write_shape_vtu(other, folder / f"minimum-{number}.vtu")
-            draw(other, f"{shape.summary['design']['name']}, minimum {number}", folder / f"minimum-{number}.png")
+            draw_shape(other, f"{shape.summary['design']['name']}, minimum {number}", folder / f"minimum-{number}.png")
         (folder / LAST).write_text(json.dumps(plain(dict(shape.summary)), indent=2, allow_nan=False) + "\n")
         return sorted(file.name for file in folder.iterdir())

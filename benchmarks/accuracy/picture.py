@@ -15,7 +15,7 @@ from PIL import Image
 from asterism.draw.picture import small_png
 from asterism.previews.run import preview
 from asterism.reports.html import png
-from asterism.reports.views import views
+from asterism.reports.views import comparison_views
 from asterism.results.files import write_file
 from asterism.shape.comparison import compare
 from benchmarks.accuracy.designs import EDGE_MM, meshed
@@ -36,7 +36,7 @@ def draw(folder: Path, law: Law) -> None:
     design = meshed(gallery.load(DESIGN), EDGE_MM)
     plan = layout(design)
     found = compare(exact(design, folder), preview(design, law), plan, symmetries(design, plan))
-    seen = views(found)
+    seen = comparison_views(found)
     images = [Image.open(BytesIO(png(seen[name][0]))).convert("RGB") for name in ("exact", "preview", "overlaid")]
     width, height = sum(image.width + GAP for image in images), max(image.height for image in images)
     sheet = Image.fromarray(np.full((height, width - GAP, 3), 255, dtype=np.uint8))

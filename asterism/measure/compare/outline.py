@@ -31,7 +31,7 @@ _SIZE = re.compile(rf"([+]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?\s*({'|'.join(_MEASURES)
 # pieces of a curve
 _PIECES = 100
 # width over length of corners that are on a line but for rounding
-THIN = 1e-12
+MIN_OUTLINE_ASPECT = 1e-12
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def read_outline(path: str | Path, unit: str | None = None) -> Outline:
     outline = (_from_csv if path.suffix.lower() == ".csv" else _from_svg)(path, unit)
     corners = outline.corners
     length, width = np.linalg.svd(corners - corners.mean(axis=0), compute_uv=False) if len(corners) > 2 else (0.0, 0.0)
-    if width <= THIN * length:
+    if width <= MIN_OUTLINE_ASPECT * length:
         raise ScanError(path, "holds no outline: at least three corners, not on a line")
     if not shapely.Polygon(corners).is_valid:
         raise ScanError(path, "the outline crosses itself")

@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from asterism.measure.compare.nearest import NearestOnSurface
-from asterism.measure.compare.scan import sample
+from asterism.measure.compare.scan import surface_samples
 from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.rigid_fit import rigid_fit
 
@@ -83,14 +83,14 @@ def register(
     starts = _starts(points, coarse_target, effort * _RANDOM_STARTS, rng)
     first = sorted((_coarse(few, start, coarse_target, trim, 4) for start in starts), key=SPREAD)
     coarse = sorted((_coarse(few, pose, coarse_target, trim, 12) for pose in first[: effort * _PROMISING]), key=SPREAD)
-    coarse = distinct(coarse)[: effort * _REFINED]
+    coarse = distinct_poses(coarse)[: effort * _REFINED]
     middle = sorted((_refine(some, pose, target, trim, 25) for pose in coarse), key=SPREAD)
-    fine = [_refine(many, pose, target, trim, 60) for pose in distinct(middle)[:4]]
+    fine = [_refine(many, pose, target, trim, 60) for pose in distinct_poses(middle)[:4]]
     exact = [replace(pose, spread_mm=_trimmed(np.abs(surface(pose(many)).distance), trim)) for pose in fine]
-    return distinct(sorted(exact, key=SPREAD))
+    return distinct_poses(sorted(exact, key=SPREAD))
 
 
-def distinct(poses: list[Pose], degrees: float = 15.0) -> list[Pose]:
+def distinct_poses(poses: list[Pose], degrees: float = 15.0) -> list[Pose]:
     """Those that differ from all better ones before them by a turn of so many degrees."""
     found: list[Pose] = []
     for pose in poses:
@@ -103,7 +103,7 @@ def distinct(poses: list[Pose], degrees: float = 15.0) -> list[Pose]:
 def _target(
     vertices: Floats, triangles: Ints, surface: NearestOnSurface, count: int, rng: np.random.Generator
 ) -> _Target:
-    places, which = sample(vertices, triangles, count, rng)
+    places, which = surface_samples(vertices, triangles, count, rng)
     tree = cKDTree(places)
     spacing = float(np.median(tree.query(places[:500], k=2)[0][:, 1]))
     return _Target(places, surface.normals[which], tree, spacing)

@@ -74,7 +74,7 @@ def read_scan(path: str | Path, unit: str = "mm", seed: int = 0) -> Scan:
         some = rng.choice(len(vertices), min(len(vertices), MOST_POINTS), replace=False)
         points = vertices[np.sort(some)]
     else:
-        points = sample(vertices, triangles, MOST_POINTS, rng)[0]
+        points = surface_samples(vertices, triangles, MOST_POINTS, rng)[0]
     if len(np.unique(points, axis=0)) < 10:
         raise ScanError(path, "holds too few points or triangles to be a surface")
     long, wide, _ = _extents(points)
@@ -83,7 +83,7 @@ def read_scan(path: str | Path, unit: str = "mm", seed: int = 0) -> Scan:
     return Scan(points, len(triangles), len(vertices))
 
 
-def sample(vertices: Floats, triangles: Ints, count: int, rng: np.random.Generator) -> tuple[Floats, Ints]:
+def surface_samples(vertices: Floats, triangles: Ints, count: int, rng: np.random.Generator) -> tuple[Floats, Ints]:
     """Points (count, 3) spread evenly over triangles, and the triangle (count,) of each; none if they have no area."""
     corners = vertices[triangles]
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)

@@ -20,7 +20,7 @@ _HALF_WIDTH_MM = 0.02
 
 
 @dataclass(frozen=True)
-class Fitted:
+class OutlineFit:
     """An outline laid on a silhouette.
 
     Attributes
@@ -52,7 +52,7 @@ def silhouette(shape: Shape, view: str) -> Floats:
     return np.asarray(largest.exterior.coords)[:-1]
 
 
-def fit_outline(outline: Floats, target: Floats, trim: float = 0.1) -> Fitted:
+def fit_outline(outline: Floats, target: Floats, trim: float = 0.1) -> OutlineFit:
     """Lay an outline (n, 2) on a silhouette (m, 2), both in mm; turned and shifted, never mirrored.
 
     From many turns, iterated closest points with the farthest part `trim` left out. The best of them settles where the
@@ -71,7 +71,7 @@ def fit_outline(outline: Floats, target: Floats, trim: float = 0.1) -> Fitted:
     places = along(placed)
     distance = _outwards(places, target)
     missed = shapely.distance(shapely.points(theirs), shapely.LinearRing(placed))
-    return Fitted(target, placed, distance, places, missed, float(np.rad2deg(angle)), shift)
+    return OutlineFit(target, placed, distance, places, missed, float(np.rad2deg(angle)), shift)
 
 
 def along(corners: Floats) -> Floats:

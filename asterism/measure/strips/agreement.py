@@ -6,16 +6,16 @@ import numpy as np
 from scipy.stats import f as fisher
 
 from asterism.measure.strips import arc
-from asterism.measure.strips.estimate import Estimate
-from asterism.measure.strips.model import Data, KappaBarKind, Model
-from asterism.measure.strips.noise import finest, together
+from asterism.measure.strips.curvature_model import CurvatureModel, KappaBarKind, StripData
+from asterism.measure.strips.noise import finest_deviation, shared_rounding
+from asterism.measure.strips.parameter_estimate import ParameterEstimate
 from pattern.geometry.arrays import Floats, Ints
 
 # a model that is right is called wrong with this chance
 FALSE_ALARM = 0.01
 
 
-def lack_of_fit(model: Model, found: Estimate, data: Data) -> float | None:
+def lack_of_fit(model: CurvatureModel, found: ParameterEstimate, data: StripData) -> float | None:
     """Chance of such a scatter between kinds if the model holds, by the F test of the means of kinds against it."""
     bent = data.take(~data.flat)
     mean = model.mean(found.parameters, bent)
@@ -30,7 +30,7 @@ def lack_of_fit(model: Model, found: Estimate, data: Data) -> float | None:
     centre = np.bincount(group, weight * residual) / np.bincount(group, weight)
     inside = float(np.sum(weight * (residual - centre[group]) ** 2))
     total = float(np.sum(weight * residual**2))
-    alike = together(bent.curvature, group, sensitivity, bent.step)
+    alike = shared_rounding(bent.curvature, group, sensitivity, bent.step)
     if inside <= 1e-12 * total and not alike.any():
         return None
     ratio = _apart(centre, weight, alike, group, inside / within) / between
@@ -47,7 +47,7 @@ def _apart(centre: Floats, weight: Floats, alike: Floats, group: Ints, scale: fl
     return float(np.sum(centre**2 / (scale / np.bincount(group, weight) + as_one)))
 
 
-def contradicted(kind: KappaBarKind, found: Estimate, data: Data) -> bool:
+def contradicted(kind: KappaBarKind, found: ParameterEstimate, data: StripData) -> bool:
     """Peeled strips of different thickness differ, or from 0 if that was said, by more than their scatter explains."""
     peeled = data.take(data.peeled & ~data.flat)
     groups, group = np.unique(peeled.thickness, return_inverse=True)
@@ -62,9 +62,9 @@ def contradicted(kind: KappaBarKind, found: Estimate, data: Data) -> bool:
         off = centre[group] - np.sum(weight * peeled.curvature) / np.sum(weight)
     else:  # boxes are never less than nothing high: what looks flat leaves the others with a mean of their own
         off = np.maximum(np.abs(centre[group]) - peeled.limit, 0.0)
-    alike = together(peeled.curvature, group, sensitivity, peeled.step)
+    alike = shared_rounding(peeled.curvature, group, sensitivity, peeled.step)
     if inside <= 1e-12 * np.sum(weight * peeled.curvature**2) and not alike.any():
-        return bool((np.abs(off) > finest(sensitivity, peeled.curvature)).any())
+        return bool((np.abs(off) > finest_deviation(sensitivity, peeled.curvature)).any())
     middle = np.bincount(group, weight * off) / np.bincount(group, weight)
     apart = _apart(middle, weight, alike, group, inside / within)
     return bool(fisher.sf(apart / between, between, within) < FALSE_ALARM)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from equilibrium.errors import Error
 
 
-class NoMaterial(Error):
+class UndeterminedMaterialError(Error):
     """The strips do not determine a material; the message is one line."""
 
     exit_status = 1

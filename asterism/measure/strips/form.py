@@ -9,27 +9,27 @@ import numpy as np
 
 from asterism.measure.strips import arc
 from asterism.measure.strips.specimen import Specimen
-from asterism.measure.strips.table import BOXES, GIVEN
-from asterism.print.drawing import Drawing, Layer, Line, Text, rectangle
-from asterism.print.instructions import homing
+from asterism.measure.strips.strip_table import BOXES, GIVEN
+from asterism.print.drawing import Drawing, DrawingLayer, Label, Polyline, rectangle
+from asterism.print.instructions import homing_advice
 from asterism.print.printer import Printer
 from pattern.design.materials import Fabric, Plastic, rest_curvature
 from pattern.geometry.arrays import Floats
 
 A4_MM = np.array([210.0, 297.0])
 MAP_MM = (180.0, 115.0)
-INK = Layer("text", "#26262b", 0.2)
-PALE = Layer("help", "#7a7a82", 0.15)
-STRIP = Layer("strips", "#26262b", 0.2, filled=True)
-BOX = Layer("boxes", "#c8553d", 0.25, dash_mm=(1.5, 1.0))
-ARC = Layer("arcs", "#2a6f97", 0.8)
+INK = DrawingLayer("text", "#26262b", 0.2)
+PALE = DrawingLayer("help", "#7a7a82", 0.15)
+STRIP = DrawingLayer("strips", "#26262b", 0.2, filled=True)
+BOX = DrawingLayer("boxes", "#c8553d", 0.25, dash_mm=(1.5, 1.0))
+ARC = DrawingLayer("arcs", "#2a6f97", 0.8)
 
 Pair = tuple[float, float]
 _LETTERS = 108
 
 
 @dataclass(frozen=True)
-class Start:
+class PrintStart:
     """A printer, and the thickness of the fabric that lies on its plate."""
 
     printer: Printer
@@ -41,7 +41,9 @@ class Start:
         return self.printer.frame.plate_mm + self.fabric_mm
 
 
-def form(specimen: Specimen, start: Start, layers_mm: Pair, stretch: float, fabric_mm: float) -> tuple[Drawing, ...]:
+def strip_form(
+    specimen: Specimen, start: PrintStart, layers_mm: Pair, stretch: float, fabric_mm: float
+) -> tuple[Drawing, ...]:
     """Pages of A4: the map with the instruction, and the table, 40 strips a page.
 
     `layers_mm`: heights of the first layer and of the others.
@@ -60,28 +62,28 @@ def csv_text(specimen: Specimen, stretch: float, fabric_mm: float) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _first_page(specimen: Specimen, start: Start, layers_mm: Pair, stretch: float, fabric_mm: float) -> Drawing:
-    items: list[Line | Text] = [
-        Text(INK, np.array([15.0, 278.0]), "Strips to measure a plastic and a fabric", 6.0, bold=True)
+def _first_page(specimen: Specimen, start: PrintStart, layers_mm: Pair, stretch: float, fabric_mm: float) -> Drawing:
+    items: list[Polyline | Label] = [
+        Label(INK, np.array([15.0, 278.0]), "Strips to measure a plastic and a fabric", 6.0, bold=True)
     ]
     y = 268.0
     for line in instructions(specimen, start, layers_mm, stretch, fabric_mm):
-        items.append(Text(INK, np.array([15.0, y]), line, 3.0))
+        items.append(Label(INK, np.array([15.0, y]), line, 3.0))
         y -= 5.0
     items += _boxes(np.array([15.0, y - 34.0]))
     items += _map(specimen, start.printer.bed_mm)
     return Drawing("Strips", np.zeros(2), A4_MM, tuple(items))
 
 
-def _map(specimen: Specimen, bed_mm: tuple[float, float]) -> list[Line | Text]:
+def _map(specimen: Specimen, bed_mm: tuple[float, float]) -> list[Polyline | Label]:
     """The print on the bed, to a round scale, at the foot of the page."""
     scales = (1, 2, 2.5, 3, 4, 5, 10, 20, 50)
     parts = next(n for n in scales if all(bed <= n * room for bed, room in zip(bed_mm, MAP_MM, strict=True)))
     width, depth = bed_mm[0] / parts, bed_mm[1] / parts
     centre = (float(A4_MM[0]) / 2, 12.0 + depth / 2)
     head = f"The print, 1:{parts:g}, seen from above: number and thickness"
-    items: list[Line | Text] = [
-        Text(PALE, np.array([15.0, 14.5 + depth]), head, 3.0),
+    items: list[Polyline | Label] = [
+        Label(PALE, np.array([15.0, 14.5 + depth]), head, 3.0),
         rectangle(PALE, (width, depth), centre),
     ]
     size = (specimen.length_mm / parts, specimen.width_mm / parts)
@@ -89,11 +91,11 @@ def _map(specimen: Specimen, bed_mm: tuple[float, float]) -> list[Line | Text]:
         x, y = centre[0] + strip.centre_mm[0] / parts, centre[1] + strip.centre_mm[1] / parts
         items.append(rectangle(STRIP, size, (x, y)))
         label = f"{strip.number}: {strip.thickness_mm:g}"
-        items.append(Text(INK, np.array([x, y + size[1] / 2 + 0.6]), label, 2.3, end="middle"))
+        items.append(Label(INK, np.array([x, y + size[1] / 2 + 0.6]), label, 2.3, end="middle"))
     return items
 
 
-def instructions(specimen: Specimen, start: Start, layers_mm: Pair, stretch: float, fabric_mm: float) -> list[str]:
+def instructions(specimen: Specimen, start: PrintStart, layers_mm: Pair, stretch: float, fabric_mm: float) -> list[str]:
     """What to do, line by line."""
     first, others = layers_mm
     heights = [float(arc.box(_expected(h, stretch, fabric_mm), specimen.length_mm)[1]) for h in specimen.thicknesses_mm]
@@ -102,7 +104,7 @@ def instructions(specimen: Specimen, start: Start, layers_mm: Pair, stretch: flo
         f"1. Stretch the fabric: a square of 10 cm drawn on it must then measure {10 * stretch:g} cm. If it does not,",
         "    write your own stretch into the table. Measure the fabric's thickness before it is stretched:",
         f"    the table says {fabric_mm:g} mm.",
-        *_indented(f"2. Put the frame with its plate on the bed. {homing(start.printer)}"),
+        *_indented(f"2. Put the frame with its plate on the bed. {homing_advice(start.printer)}"),
         *_indented(
             "3. Add start.gcode to the end of the printer's start code and leave the slicer's z offset at 0: the "
             f"nozzle starts {start.z_offset_mm:.2f} mm above the bed, plate {start.printer.frame.plate_mm:.2f} mm and "
@@ -130,9 +132,9 @@ def _expected(thickness_mm: float, stretch: float, fabric_mm: float) -> float:
     return float(rest_curvature(thickness_mm, Fabric(stretch=stretch, thickness_mm=fabric_mm), Plastic()))
 
 
-def _boxes(corner: Floats) -> list[Line | Text]:
+def _boxes(corner: Floats) -> list[Polyline | Label]:
     """Three arcs in their boxes."""
-    items: list[Line | Text] = []
+    items: list[Polyline | Label] = []
     for column, (angle, name) in enumerate(((1.6, "up to half a circle"), (np.pi, "half a circle"), (4.4, "beyond"))):
         length = 42.0
         radius = length / angle
@@ -140,10 +142,10 @@ def _boxes(corner: Floats) -> list[Line | Text]:
         line = radius * np.column_stack([np.sin(turn), np.cos(turn) - np.cos(angle / 2)])
         width, height = (float(side) for side in arc.box(1 / radius, length))
         middle = corner + np.array([30.0 + 60.0 * column, 6.0])
-        items.append(Line(ARC, middle + line))
+        items.append(Polyline(ARC, middle + line))
         items.append(rectangle(BOX, (width, height), (float(middle[0]), float(middle[1] + height / 2))))
-        items.append(Text(PALE, middle - [0.0, 3.2], f"width {width:.0f}, height {height:.0f}", 2.6, end="middle"))
-        items.append(Text(PALE, middle - [0.0, 6.6], name, 2.6, end="middle"))
+        items.append(Label(PALE, middle - [0.0, 3.2], f"width {width:.0f}, height {height:.0f}", 2.6, end="middle"))
+        items.append(Label(PALE, middle - [0.0, 6.6], name, 2.6, end="middle"))
     return items
 
 
@@ -158,21 +160,21 @@ def _table_page(specimen: Specimen, strips: tuple) -> Drawing:
         ("height", "peeled"),
     ]
     top, pitch = 280.0, 6.3
-    items: list[Line | Text] = []
+    items: list[Polyline | Label] = []
     for (name, below), left, right in zip(heads, edges[:-1], edges[1:], strict=True):
-        items.append(Text(INK, np.array([(left + right) / 2, top - 4.0]), name, 3.0, end="middle", bold=True))
-        items.append(Text(PALE, np.array([(left + right) / 2, top - 7.6]), below, 2.6, end="middle"))
+        items.append(Label(INK, np.array([(left + right) / 2, top - 4.0]), name, 3.0, end="middle", bold=True))
+        items.append(Label(PALE, np.array([(left + right) / 2, top - 7.6]), below, 2.6, end="middle"))
     for row in range(len(strips) + 1):
         y = top - 10.0 - pitch * row
-        items.append(Line(PALE, np.array([[edges[0], y], [edges[-1], y]])))
+        items.append(Polyline(PALE, np.array([[edges[0], y], [edges[-1], y]])))
         if row < len(strips):
             for text, left, right in (
                 (str(strips[row].number), 15.0, 30.0),
                 (f"{strips[row].thickness_mm:g}", 30.0, 50.0),
             ):
-                items.append(Text(INK, np.array([(left + right) / 2, y - pitch + 1.9]), text, 3.0, end="middle"))
+                items.append(Label(INK, np.array([(left + right) / 2, y - pitch + 1.9]), text, 3.0, end="middle"))
     bottom = top - 10.0 - pitch * len(strips)
-    items += [Line(PALE, np.array([[x, top], [x, bottom]])) for x in edges]
+    items += [Polyline(PALE, np.array([[x, top], [x, bottom]])) for x in edges]
     note = f"Boxes in mm; strips {specimen.length_mm:g} mm long. Type them into strips.csv."
-    items.append(Text(PALE, np.array([15.0, 285.0]), note, 3.0))
+    items.append(Label(PALE, np.array([15.0, 285.0]), note, 3.0))
     return Drawing("Strips", np.zeros(2), A4_MM, tuple(items))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import log_ndtr
 
-from asterism.measure.strips.model import Data, Model
+from asterism.measure.strips.curvature_model import CurvatureModel, StripData
 from pattern.geometry.arrays import Floats
 
 
@@ -25,7 +25,7 @@ def flat_terms(mean: Floats, limit: Floats, spread: Floats) -> tuple[Floats, Flo
     return side * first, np.maximum(second, 0.0)
 
 
-def solve(model: Model, data: Data, variance: Floats, start: Floats) -> tuple[Floats, Floats]:
+def solve(model: CurvatureModel, data: StripData, variance: Floats, start: Floats) -> tuple[Floats, Floats]:
     """The most likely parameters for known variances (n,) of the readings, and their covariance.
 
     Gauss and Newton's steps; the covariance is the inverse of the information.

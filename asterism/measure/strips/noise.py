@@ -20,11 +20,11 @@ _MOST_MIX = 0.99
 # scatters less was rounded, copied or computed
 _FINEST_PART, _FINEST_MM = 1e-3, 0.01
 # readings of a kind that tell its own scatter
-FEW = 4
+MIN_REPEATS = 4
 
 
 @dataclass(frozen=True)
-class Noise:
+class ReadingNoise:
     """Attributes: `reading_mm` is sigma, `scatter` is tau, a part of one."""
 
     reading_mm: float
@@ -35,17 +35,17 @@ class Noise:
         return np.maximum((self.reading_mm * sensitivity) ** 2 + (self.scatter * mean) ** 2, 1e-24)
 
 
-def finest(sensitivity: Floats, mean: Floats) -> Floats:
+def finest_deviation(sensitivity: Floats, mean: Floats) -> Floats:
     """(n,) 1/mm, the least standard deviation by which readings are called too far from others."""
     return np.hypot(_FINEST_PART * mean, _FINEST_MM * sensitivity)
 
 
-def of_rounding(step_mm: Floats) -> Floats:
+def rounding_deviation(step_mm: Floats) -> Floats:
     """(n,) mm, standard deviation of what was rounded to steps: errors up to half a step are all as likely."""
     return step_mm / np.sqrt(12.0)
 
 
-def together(curvature: Floats, kind: Ints, sensitivity: Floats, step_mm: Floats) -> Floats:
+def shared_rounding(curvature: Floats, kind: Ints, sensitivity: Floats, step_mm: Floats) -> Floats:
     """(n,) 1/mm, standard deviation of what rounding does alike to all readings of a kind, which should be equal.
 
     No mean takes it away. It is much where they scatter by less than a mark of the ruler: for a normal scatter s and
@@ -57,13 +57,13 @@ def together(curvature: Floats, kind: Ints, sensitivity: Floats, step_mm: Floats
     middle = np.bincount(kind, curvature) / np.maximum(count, 1)
     squares = np.bincount(kind, ((curvature - middle[kind]) / sensitivity) ** 2)
     pooled = squares.sum() / max(int(np.maximum(count - 1, 0).sum()), 1)
-    own = np.where(count >= FEW, squares / np.maximum(count - 1, 1), pooled)[kind]
-    scatter = np.maximum(own - of_rounding(step_mm) ** 2, 0.0)
+    own = np.where(count >= MIN_REPEATS, squares / np.maximum(count - 1, 1), pooled)[kind]
+    scatter = np.maximum(own - rounding_deviation(step_mm) ** 2, 0.0)
     off = step_mm / np.pi * np.exp(-2.0 * np.pi**2 * scatter / np.maximum(step_mm, 1e-12) ** 2)
     return np.asarray(off / np.sqrt(2.0) * sensitivity)
 
 
-def noise(
+def fit_noise(
     residual: Floats,
     jacobian: Floats,
     sensitivity: Floats,
@@ -72,7 +72,7 @@ def noise(
     *,
     kind: Ints | None = None,
     times: Floats | None = None,
-) -> Noise:
+) -> ReadingNoise:
     """The most likely noise for the residuals (n,) of a fit of jacobian (n, p), n > p; sigma at least `least_mm`.
 
     Restricted maximum likelihood (Patterson and Thompson, Biometrika 58, 1971), which allows for the fitted parameters.
@@ -80,7 +80,7 @@ def noise(
     Parameters
     ----------
     kind, times : (n,) readings of a kind, and how much larger their variance counts in the mean of their kind for what
-        they have in common (`asterism.measure.strips.common`).
+        they have in common (`asterism.measure.strips.kind_effects`).
     """
     kind = np.arange(len(residual)) if kind is None else kind
     times = np.ones(len(residual)) if times is None else times
@@ -98,7 +98,7 @@ def noise(
     mix = min((0.0, float(found.x), _MOST_MIX), key=minus_log)
     share = (1 - mix) * reading + mix * relative
     scale = _squares(residual, share, kind, times) / free
-    return Noise(
+    return ReadingNoise(
         max(float(np.sqrt(scale * (1 - mix) / np.mean(sensitivity**2))), least_mm),
         float(np.sqrt(scale * mix / max(float(np.mean(mean**2)), 1e-30))),
     )

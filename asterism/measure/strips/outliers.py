@@ -8,10 +8,10 @@ import numpy as np
 from scipy.stats import t as student
 
 from asterism.measure.strips import arc
-from asterism.measure.strips.errors import NoMaterial
-from asterism.measure.strips.estimate import estimate, first_guess
-from asterism.measure.strips.model import Data, Model
-from asterism.measure.strips.noise import finest, of_rounding
+from asterism.measure.strips.curvature_model import CurvatureModel, StripData
+from asterism.measure.strips.errors import UndeterminedMaterialError
+from asterism.measure.strips.noise import finest_deviation, rounding_deviation
+from asterism.measure.strips.parameter_estimate import estimate_parameters, first_guess
 from pattern.geometry.arrays import Floats, Ints
 
 # the chance that one of all good readings is called an outlier
@@ -23,7 +23,7 @@ _MARKS = 1.5
 _FEW = 24
 
 
-def outliers(model: Model, data: Data) -> tuple[np.ndarray, Floats, np.ndarray]:
+def outliers(model: CurvatureModel, data: StripData) -> tuple[np.ndarray, Floats, np.ndarray]:
     """Which readings lie too far from the fit of the others, how many standard deviations away, and which lie apart.
 
     Where most readings of a kind are too far off, on the same side, none of them is wrong but what they have in common,
@@ -37,7 +37,7 @@ def outliers(model: Model, data: Data) -> tuple[np.ndarray, Floats, np.ndarray]:
 
     Raises
     ------
-    NoMaterial
+    UndeterminedMaterialError
         Too few readings, or more than a third contradict the others.
     """
     apart, own = np.zeros(len(data.curvature), dtype=bool), data
@@ -48,7 +48,7 @@ def outliers(model: Model, data: Data) -> tuple[np.ndarray, Floats, np.ndarray]:
             # a flat strip has no place within its kind
             odd &= ~(apart & data.flat)
             if np.sum(odd) > len(odd) / 3:
-                raise NoMaterial(
+                raise UndeterminedMaterialError(
                     f"{np.sum(odd)} of {len(odd)} readings contradict the others: measure again, "
                     "or give --keep-outliers to use them all"
                 )
@@ -73,7 +73,7 @@ def _to_middle(kind: Ints, curvature: Floats, mean: Floats) -> Floats:
     return np.array(middle)[kind]
 
 
-def _outliers(model: Model, data: Data) -> tuple[np.ndarray, Floats, Floats]:
+def _outliers(model: CurvatureModel, data: StripData) -> tuple[np.ndarray, Floats, Floats]:
     """Which readings (n,) lie too far from the fit of the others; how many standard deviations away, negative below it;
     and the fit (1/mm).
 
@@ -84,14 +84,14 @@ def _outliers(model: Model, data: Data) -> tuple[np.ndarray, Floats, Floats]:
     if len(good) < _FEW:
         good[:] = True
     for _ in range(10):
-        found = estimate(model, data.take(good), alike=True)
+        found = estimate_parameters(model, data.take(good), alike=True)
         mean, jacobian = model.mean(found.parameters, data), model.jacobian(found.parameters, data)
         sensitivity = arc.reading_sensitivity(mean, data.length)
         variance = found.noise.variance(sensitivity, mean)
         of_fit = np.einsum("np,pq,nq->n", jacobian, found.covariance, jacobian)
         # a reading that took part pulls the fit towards itself
         spread = np.sqrt(np.maximum(variance + np.where(good, -1, 1) * of_fit, 1e-3 * variance))
-        spread = np.maximum(spread, finest(sensitivity, mean))
+        spread = np.maximum(spread, finest_deviation(sensitivity, mean))
         distance = np.abs(_beyond(data, mean)) / spread
         # scale without the reading itself, for those that took part
         free = max(found.free, 2)
@@ -108,12 +108,12 @@ def _outliers(model: Model, data: Data) -> tuple[np.ndarray, Floats, Floats]:
     return ~good, side * distance, mean
 
 
-def _beyond(data: Data, mean: Floats) -> Floats:
+def _beyond(data: StripData, mean: Floats) -> Floats:
     """(n,) deviation of each reading; a flat strip deviates by what the fit is beyond its limit."""
     return np.where(data.flat, np.maximum(np.abs(mean) - data.limit, 0.0), data.curvature - mean)
 
 
-def _robust_distance(model: Model, data: Data) -> Floats:
+def _robust_distance(model: CurvatureModel, data: StripData) -> Floats:
     """(n,) deviations from a robust fit over their robust scale."""
     bent = data.take(~data.flat)
     start = first_guess(model, bent, data)
@@ -139,13 +139,13 @@ def _robust_distance(model: Model, data: Data) -> Floats:
             mean = model.mean(parameters, data)
             # where most read the same mark, the next one is no further than rounding
             sensitivity = arc.reading_sensitivity(mean, data.length)
-            least = np.maximum(of_rounding(data.step) * sensitivity, finest(sensitivity, mean))
+            least = np.maximum(rounding_deviation(data.step) * sensitivity, finest_deviation(sensitivity, mean))
             spread = np.maximum(scale * _share(mix, mean, data), least)
             best, best_distance = likelihood, np.abs(_beyond(data, mean)) / spread
     return best_distance
 
 
-def _share(mix: float, mean: Floats, data: Data) -> Floats:
+def _share(mix: float, mean: Floats, data: StripData) -> Floats:
     """(n,) standard deviations up to a common factor."""
     reading = arc.reading_sensitivity(mean, data.length) ** 2
     return np.sqrt((1 - mix) * reading / reading.mean() + (mix + 0.01) * mean**2 / np.mean(mean**2) + 1e-3)

@@ -11,7 +11,7 @@ from pattern.design.errors import DesignError
 THICKNESSES_MM = (0.30, 0.35, 0.40, 0.45)
 # between a strip and the next: room for the scissors
 GAP_MM = 8.0
-EDGE_MM = 5.0
+BED_MARGIN_MM = 5.0
 _THINNEST_LAYER_UM = 40  # that common printers can do
 
 
@@ -44,7 +44,7 @@ class Specimen:
         return tuple(sorted({strip.thickness_mm for strip in self.strips}))
 
 
-def specimen(
+def lay_out_specimen(
     bed_mm: tuple[float, float],
     thicknesses_mm: tuple[float, ...] = THICKNESSES_MM,
     count: int = 10,
@@ -61,11 +61,11 @@ def specimen(
         They do not fit on the bed.
     """
     total = count * len(thicknesses_mm)
-    columns = min(math.floor((bed_mm[0] - 2 * EDGE_MM + GAP_MM) / (length_mm + GAP_MM)), total)
+    columns = min(math.floor((bed_mm[0] - 2 * BED_MARGIN_MM + GAP_MM) / (length_mm + GAP_MM)), total)
     rows = math.ceil(total / columns) if columns else 0
     pitch = (length_mm + GAP_MM, width_mm + GAP_MM)
-    if columns == 0 or rows * pitch[1] - GAP_MM > bed_mm[1] - 2 * EDGE_MM:
-        room = max(math.floor((bed_mm[1] - 2 * EDGE_MM + GAP_MM) / pitch[1]), 0) * columns
+    if columns == 0 or rows * pitch[1] - GAP_MM > bed_mm[1] - 2 * BED_MARGIN_MM:
+        room = max(math.floor((bed_mm[1] - 2 * BED_MARGIN_MM + GAP_MM) / pitch[1]), 0) * columns
         problem = f"must fit on the bed of {bed_mm[0]:g} x {bed_mm[1]:g} mm: it has room for {room}"
         raise DesignError("--count" if room else "--length", problem, f"{total} strips of {length_mm:g} mm")
     strips = []
@@ -79,7 +79,7 @@ def specimen(
     return Specimen(length_mm, width_mm, tuple(strips))
 
 
-def layers(thicknesses_mm: tuple[float, ...], nozzle_mm: float) -> tuple[float, float]:
+def layer_heights(thicknesses_mm: tuple[float, ...], nozzle_mm: float) -> tuple[float, float]:
     """Heights (mm) of the first layer and of the others, as high as can be, that make all thicknesses exactly.
 
     Raises

@@ -8,18 +8,18 @@ from typing import Any
 import numpy as np
 from scipy.stats import norm
 
-from asterism.measure.strips.fit import Interval, StripFit
-from asterism.measure.strips.model import FORMULAS, Data
+from asterism.measure.strips.curvature_model import FORMULAS, StripData
+from asterism.measure.strips.strip_fit import Interval, StripFit
 from asterism.measure.strips.systematic import FABRIC_MM, PLASTIC_MM, STRETCH_PERCENT, shared_errors
 from pattern.design.materials import bilayer_curvature
 
 
-def ratios(fit: StripFit) -> dict[str, str]:
+def ratio_rows(fit: StripFit) -> dict[str, str]:
     """E1/E2 for each convention, as text."""
     return {f"E1/E2, {name}": _ratio(fit.ratio[name]) for name in FORMULAS}
 
 
-def kappa_bars(fit: StripFit) -> dict[str, str]:
+def kappa_bar_rows(fit: StripFit) -> dict[str, str]:
     """kappa_bar as text."""
     if not fit.kappa_bar:
         return {"kappa_bar": "taken for 0"}
@@ -29,7 +29,7 @@ def kappa_bars(fit: StripFit) -> dict[str, str]:
     }
 
 
-def conventions(fit: StripFit) -> list[str]:
+def convention_sentences(fit: StripFit) -> list[str]:
     """What the convention of a ratio means, in sentences."""
     other = next(name for name in FORMULAS if name != fit.formula)
     mine, theirs = fit.ratio[fit.formula].value, fit.ratio[other].value
@@ -43,7 +43,7 @@ def conventions(fit: StripFit) -> list[str]:
     ]
 
 
-def warnings(fit: StripFit) -> list[str]:
+def fit_warnings(fit: StripFit) -> list[str]:
     """What the user should know before trusting the numbers."""
     lines = []
     apart = " and ".join(f"{h:g} mm" for h in fit.thicknesses_apart)
@@ -75,13 +75,13 @@ def warnings(fit: StripFit) -> list[str]:
     ]
 
 
-def table(fit: StripFit) -> dict[str, str]:
+def fit_rows(fit: StripFit) -> dict[str, str]:
     """Rows for the terminal."""
     flat = sum(r.curvature_per_mm is None for r in fit.used)
     total = len(fit.used) + len(fit.left_out)
     shared = shared_errors(fit)
     rows = {"readings": f"{total}, {len(fit.used)} used" + (f", {flat} of them flat: a bound only" if flat else "")}
-    rows |= ratios(fit) | kappa_bars(fit)
+    rows |= ratio_rows(fit) | kappa_bar_rows(fit)
     rows["intervals"] = f"{100 * fit.confidence:g} %"
     rows["scatter"] = (
         f"{fit.noise.reading_mm:.2f} mm a side of a box, {100 * fit.noise.scatter:.1f} % from strip to strip"
@@ -94,7 +94,7 @@ def table(fit: StripFit) -> dict[str, str]:
     return rows
 
 
-def summary(fit: StripFit) -> dict[str, Any]:
+def fit_summary(fit: StripFit) -> dict[str, Any]:
     """Plain data, units in the names."""
 
     def interval(value: Interval, unit: str = "") -> dict[str, float | None]:
@@ -143,7 +143,7 @@ def _ratio(found: Interval) -> str:
 
 def _mixed_up(fit: StripFit, other: str) -> float:
     """Curvature by the fabric if the ratio of one convention is used with the other, over the measured one."""
-    data = Data.of([r for r in fit.used if not r.peeled], fit.flat_height_mm)
+    data = StripData.of([r for r in fit.used if not r.peeled], fit.flat_height_mm)
     sizes = (data.thickness, data.fabric, fit.ratio[fit.formula].value, data.mismatch)
     wrong = bilayer_curvature(*sizes, "timoshenko" if other == "timoshenko" else "paper")
     return float(np.mean(wrong / bilayer_curvature(*sizes, fit.formula)))

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from asterism.measure.strips import arc
-from asterism.measure.strips.strip import Reading
+from asterism.measure.strips.reading import Reading
 from pattern.design.materials import Fabric, Plastic, rest_curvature
 
 THICKNESSES = (0.30, 0.35, 0.40, 0.45)
 
 
-def readings(
+def synthetic_readings(
     seed: int,
     plastic: Plastic | None = None,
     *,

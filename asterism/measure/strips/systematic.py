@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from asterism.measure.strips.estimate import estimate
-from asterism.measure.strips.fit import StripFit
-from asterism.measure.strips.model import Data
+from asterism.measure.strips.curvature_model import StripData
+from asterism.measure.strips.parameter_estimate import estimate_parameters
+from asterism.measure.strips.strip_fit import StripFit
 
 STRETCH_PERCENT, FABRIC_MM, PLASTIC_MM = 1.0, 0.05, 0.01
 
 
 def shared_errors(fit: StripFit) -> dict[str, float]:
     """Change of E1/E2 in percent if the stretch, the fabric's or the plastic's thickness were larger than stated."""
-    data = Data.of(list(fit.used), fit.flat_height_mm)
+    data = StripData.of(list(fit.used), fit.flat_height_mm)
     stretch = (1 - data.mismatch) ** -0.5 * (1 + STRETCH_PERCENT / 100)
     thicker = data.thickness + PLASTIC_MM
     changed = {
@@ -26,6 +26,6 @@ def shared_errors(fit: StripFit) -> dict[str, float]:
     }
     before = 1 / float(fit.estimate.parameters[0])
     return {
-        name: 100 * (1 / float(estimate(model, other).parameters[0]) / before - 1)
+        name: 100 * (1 / float(estimate_parameters(model, other).parameters[0]) / before - 1)
         for name, (other, model) in changed.items()
     }

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from asterism.print.drawing import Circle, Drawing, Line
+from asterism.print.drawing import Circle, Drawing, Polyline
 
 # DXF gives the height of capitals, other formats that of the font
 _CAPITALS = 0.72
@@ -63,7 +63,7 @@ def _write(path: Path, drawing: Drawing) -> None:
     space = document.modelspace()
     for item in drawing.items:
         on = {"layer": item.layer.name}
-        if isinstance(item, Line):
+        if isinstance(item, Polyline):
             for points in (item.points, *item.holes):
                 space.add_lwpolyline(np.round(points, 6).tolist(), close=item.closed, dxfattribs=on)
         elif isinstance(item, Circle):

@@ -8,25 +8,25 @@ from pathlib import Path
 
 from asterism.print.needles import Needle
 
-COLUMNS = ("number", "printed_x_mm", "printed_y_mm", "x_mm", "y_mm", "z_mm", "slides", "step")
+NEEDLE_COLUMNS = ("number", "printed_x_mm", "printed_y_mm", "x_mm", "y_mm", "z_mm", "slides", "step")
 
 
 def write(path: Path, needles: tuple[Needle, ...]) -> None:
     """Write needles, a line each; places in space that are not known are empty."""
     with path.open("w", encoding="utf-8", newline="") as stream:
         table = csv.writer(stream, lineterminator="\n")
-        table.writerow(COLUMNS)
+        table.writerow(NEEDLE_COLUMNS)
         for needle in needles:
             place = ("", "", "") if needle.place is None else tuple(_known(value) for value in needle.place)
-            printed = tuple(fixed(value, 3) for value in needle.printed)
+            printed = tuple(fixed_point(value, 3) for value in needle.printed)
             table.writerow((needle.number, *printed, *place, needle.slides, needle.step))
 
 
 def _known(value: float) -> str:
-    return "" if math.isnan(value) else fixed(value, 3)
+    return "" if math.isnan(value) else fixed_point(value, 3)
 
 
-def fixed(value: float, digits: int) -> str:
+def fixed_point(value: float, digits: int) -> str:
     """A number with so many digits after the point, and no minus before zeros."""
     text = f"{value:.{digits}f}"
     return text.removeprefix("-") if not text.strip("-0.") else text

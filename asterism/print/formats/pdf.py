@@ -17,7 +17,7 @@ from matplotlib.path import Path as Outline
 from matplotlib.patheffects import Stroke
 from matplotlib.transforms import Affine2D, Transform
 
-from asterism.print.drawing import Circle, Drawing, Line, Text
+from asterism.print.drawing import Circle, Drawing, Label, Polyline
 from asterism.print.layers import NEEDLES
 from pattern.geometry.arrays import Floats
 
@@ -45,17 +45,17 @@ def _page(drawing: Drawing) -> Figure:
     FigureCanvasAgg(figure)
     to_page = Affine2D().translate(*-drawing.low).scale(_POINTS)
     for item in drawing.items:
-        if isinstance(item, Text):
+        if isinstance(item, Label):
             _write_text(figure, item, to_page)
         else:
             figure.add_artist(_shape(item, to_page))
     return figure
 
 
-def _shape(item: Line | Circle, to_page: Transform) -> patches.Patch | Line2D:
+def _shape(item: Polyline | Circle, to_page: Transform) -> patches.Patch | Line2D:
     layer = item.layer
     drawn: patches.Patch | Line2D
-    if isinstance(item, Line) and not item.closed:
+    if isinstance(item, Polyline) and not item.closed:
         drawn = Line2D(*item.points.T, color=layer.colour, transform=to_page, solid_capstyle="butt")
     else:
         face, edge = (layer.colour, "none") if layer.filled else ("none", layer.colour)
@@ -67,7 +67,7 @@ def _shape(item: Line | Circle, to_page: Transform) -> patches.Patch | Line2D:
     return drawn
 
 
-def _outline(item: Line | Circle) -> Outline:
+def _outline(item: Polyline | Circle) -> Outline:
     if isinstance(item, Circle):
         return Outline.circle((float(item.centre[0]), float(item.centre[1])), item.radius_mm)
     # a hole is a hole if it runs the other way round
@@ -83,7 +83,7 @@ def _ring(points: Floats, turn: int) -> Outline:
     return Outline(np.concatenate([ordered, ordered[:1]]), closed=True)
 
 
-def _write_text(figure: Figure, item: Text, to_page: Transform) -> None:
+def _write_text(figure: Figure, item: Label, to_page: Transform) -> None:
     # a number may stand on an arm: white around it first, as a drawing, and then the text, to be found as one
     halo = [Stroke(linewidth=_HALO_MM * _POINTS, foreground="white")]
     for effects in [halo, None] if item.layer is NEEDLES else [None]:

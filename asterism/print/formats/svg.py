@@ -10,7 +10,7 @@ from xml.etree import ElementTree as xml
 
 import numpy as np
 
-from asterism.print.drawing import Circle, Drawing, Layer, Line, Text
+from asterism.print.drawing import Circle, Drawing, DrawingLayer, Label, Polyline
 from pattern.geometry.arrays import Floats
 
 _SVG = "http://www.w3.org/2000/svg"
@@ -42,7 +42,7 @@ def write(path: Path, drawing: Drawing) -> None:
     path.write_bytes(xml.tostring(root, encoding="UTF-8", xml_declaration=True) + b"\n")
 
 
-def _layer(layer: Layer) -> dict[str, str]:
+def _layer(layer: DrawingLayer) -> dict[str, str]:
     style = {
         "id": layer.name,
         "inkscape:label": layer.name,
@@ -57,8 +57,8 @@ def _layer(layer: Layer) -> dict[str, str]:
     return style
 
 
-def _draw(group: xml.Element, item: Line | Circle | Text, corner: Floats) -> None:
-    if isinstance(item, Line):
+def _draw(group: xml.Element, item: Polyline | Circle | Label, corner: Floats) -> None:
+    if isinstance(item, Polyline):
         rings = [_path(points, corner, item.closed) for points in (item.points, *item.holes)]
         xml.SubElement(group, "path", d=" ".join(rings))
     elif isinstance(item, Circle):

@@ -13,15 +13,15 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from asterism.draw.picture import HEIGHT, WIDTH, caption, draw
-from asterism.draw.render import FABRIC_SIDE, PLASTIC_SIDE, camera, render, surface
+from asterism.draw.picture import HEIGHT, WIDTH, caption, draw_shape
+from asterism.draw.render import FABRIC_SIDE, PLASTIC_SIDE, camera, render, scene
 from asterism.shape.shape import Shape
 from tests.asterism import sheets
 
 
 def image_of(shape: Shape, title: str = "sheet") -> np.ndarray:
     stream = io.BytesIO()
-    draw(shape, title, stream)
+    draw_shape(shape, title, stream)
     return np.asarray(Image.open(io.BytesIO(stream.getvalue())).convert("RGB"), dtype=float) / 255
 
 
@@ -63,7 +63,7 @@ def test_pictures_do_not_change_from_run_to_run() -> None:
 
 def test_views_are_to_scale() -> None:
     shape = replace(sheets.sheet(sheets.flat, edge=5.0), rods=(), rod_fields={})
-    image = render(surface(shape), camera(-90, 90, np.zeros(3)), pixels_per_mm=4.0)
+    image = render(scene(shape), camera(-90, 90, np.zeros(3)), pixels_per_mm=4.0)
     opaque = image[..., 3] > 0.5
     assert opaque.any(axis=0).sum() == pytest.approx(400, abs=3)
     assert opaque.any(axis=1).sum() == pytest.approx(320, abs=3)
@@ -72,7 +72,7 @@ def test_views_are_to_scale() -> None:
 def test_each_side_has_its_colour() -> None:
     shape = replace(sheets.sheet(sheets.flat, edge=5.0), rods=(), rod_fields={})
     for elevation, colour in ((90.0, PLASTIC_SIDE), (-90.0, FABRIC_SIDE)):
-        image = render(surface(shape), camera(-90, elevation, np.zeros(3)), pixels_per_mm=2.0)
+        image = render(scene(shape), camera(-90, elevation, np.zeros(3)), pixels_per_mm=2.0)
         middle = image[image.shape[0] // 2, image.shape[1] // 2, :3]
         assert np.allclose(middle / middle.max(), np.array(colour) / max(colour), atol=0.03)
 
@@ -86,7 +86,7 @@ def test_arms_are_seen_from_the_plastic_side_only_at_their_width() -> None:
     length = np.ptp(shape.printed[arm, 0])
     dark = []
     for elevation in (90.0, -90.0):
-        image = render(surface(shape), camera(-90, elevation, np.zeros(3)), pixels_per_mm=6.0)
+        image = render(scene(shape), camera(-90, elevation, np.zeros(3)), pixels_per_mm=6.0)
         inside = image[20:-20, 20:-20]
         dark.append(float((inside[..., :3].max(axis=-1) < 0.35).sum()) / 36)
     assert dark[0] == pytest.approx(3.0 * length, rel=0.03)
@@ -147,9 +147,9 @@ def test_long_names_stay_on_the_picture() -> None:
 def test_no_display_and_no_shared_state() -> None:
     program = (
         "import io, sys\n"
-        "from asterism.draw.picture import draw\n"
+        "from asterism.draw.picture import draw_shape\n"
         "from tests.asterism import sheets\n"
-        "draw(sheets.sheet(sheets.dome, edge=10.0), 'dome', io.BytesIO())\n"
+        "draw_shape(sheets.sheet(sheets.dome, edge=10.0), 'dome', io.BytesIO())\n"
         "assert 'matplotlib.pyplot' not in sys.modules\n"
     )
     root = Path(__file__).parents[3]

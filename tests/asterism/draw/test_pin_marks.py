@@ -10,7 +10,7 @@ import pytest
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from asterism.draw.picture import image
+from asterism.draw.picture import shape_image
 from asterism.draw.pin_marks import BALL, TUBE, pin_marks
 from asterism.draw.render import PINS
 from asterism.shape.diameter import diameter
@@ -66,7 +66,7 @@ def test_sheets_without_known_pins_have_no_marks(shape: Shape) -> None:
 
 def test_pictures_show_them() -> None:
     def red(shape: Shape) -> float:
-        colours = np.asarray(image(shape, "dome").convert("RGB")).astype(float)
+        colours = np.asarray(shape_image(shape, "dome").convert("RGB")).astype(float)
         return float((np.ptp(colours, axis=2) > 255.0 * 0.6 * np.ptp(PINS)).mean())
 
     assert red(held()) < 1e-5 and red(held({"where": "border"})) > 1e-3

@@ -12,16 +12,16 @@ from matplotlib.textpath import TextPath
 
 from asterism.previews.run import preview
 from asterism.print import instructions, sheets
-from asterism.print.drawing import Circle, Drawing, Text
-from asterism.print.estimate import estimate
+from asterism.print.drawing import Circle, Drawing, Label
 from asterism.print.job import Job
-from asterism.print.needles import at_the_edge, in_plastic
+from asterism.print.needles import needles_near_edge, needles_through_arms
+from asterism.print.print_cost import print_cost
 from asterism.print.rounded import tiny_stars
 from tests.asterism.print.jobs import design, job
 
 
 def chapters(one: Job) -> tuple[instructions.Chapter, ...]:
-    cost = estimate([one.stars], one.printer, one.rounding, one.plastic)
+    cost = print_cost([one.stars], one.printer, one.rounding, one.plastic)
     return instructions.chapters(one, cost, tiny_stars(one.plan, one.plastic.tiny_arm_mm))
 
 
@@ -30,7 +30,7 @@ def said(one: Job) -> str:
     return " ".join(instructions.as_text(one, chapters(one)).split())
 
 
-def width_mm(item: Text) -> float:
+def width_mm(item: Label) -> float:
     """Of a text in the font of the PDF."""
     family = "DejaVu Sans Mono" if item.fixed_pitch else "DejaVu Sans"
     font = FontProperties(family=family, weight="bold" if item.bold else "normal")
@@ -41,7 +41,7 @@ def width_mm(item: Text) -> float:
 
 def check_texts(page: Drawing) -> None:
     for item in page.items:
-        if isinstance(item, Text):
+        if isinstance(item, Label):
             width = width_mm(item)
             left = item.at[0] - (width / 2 if item.end == "middle" else 0.0)
             assert page.low[0] <= left and left + width <= page.high[0] - 3.0, item.text
@@ -67,7 +67,7 @@ def test_a_height_with_released_fabric_is_told_wherever_it_stands() -> None:
         remark, *_ = one.start_code.splitlines()
         assert (remark.startswith(";") and "0.80 mm of fabric, released" in remark) == told
         assert one.start_code.endswith(one.printer.start_snippet(one.z_offset_mm))
-        column = " ".join(item.text for item in sheets.layout_sheet(one).items if isinstance(item, Text))
+        column = " ".join(item.text for item in sheets.layout_sheet(one).items if isinstance(item, Label))
         assert f"{one.z_offset_mm:.2f} mm above the bed" in column
         assert ("with the released fabric" in column) == told
         assert ("thinner when stretched" in said(one)) == told
@@ -128,7 +128,7 @@ def test_needles_along_which_the_sheet_slides_get_a_hole() -> None:
     assert "at these heights over the base: 5.0 mm at needles 1 to 3." in text and "nan" not in text
     template = sheets.needle_sheet(one)
     assert template is not None
-    words = " ".join(item.text for item in template.items if isinstance(item, Text))
+    words = " ".join(item.text for item in template.items if isinstance(item, Label))
     assert "it finds its own" in words and "computed shape" not in words and "nan" not in words
     # a hole and its cross, the middle's cross, and the number beside it
     assert sum(isinstance(item, Circle) for item in template.items) == 6
@@ -170,8 +170,8 @@ def test_needles_that_stand_on_the_cut_line_or_on_an_arm_are_told() -> None:
     """The first on the centre of a star, the second beside its arms, the third at a corner."""
     pins = [{"points_mm": [[0.0, 17.32], [5.0, 14.44]], "scale": 0.8}, {"corners": [0], "scale": 0.8}]
     made = job(design(pins=pins))
-    assert in_plastic(made.plan, made.needles) == [1] and at_the_edge(made.plan, made.needles) == [3]
+    assert needles_through_arms(made.plan, made.needles) == [1] and needles_near_edge(made.plan, made.needles) == [3]
     assert "The plastic is in the way of needle 1: drill" in said(made)
     assert "Leave a tab of fabric outside the line, 5 mm or more, at needle 3, on the line" in said(made)
     inside = job(design(pins=[{"points_mm": [[5.0, 14.44], [-5.0, 14.44]], "scale": 0.8}]))
-    assert not in_plastic(inside.plan, inside.needles) and not at_the_edge(inside.plan, inside.needles)
+    assert not needles_through_arms(inside.plan, inside.needles) and not needles_near_edge(inside.plan, inside.needles)

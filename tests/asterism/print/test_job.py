@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 import shapely
 
-from asterism.print.estimate import estimate
+from asterism.print.arm_pieces import _height_steps
 from asterism.print.formats.needle_table import write
+from asterism.print.print_cost import print_cost
 from asterism.print.profiles import load_printer
-from asterism.print.rounded import better_layers, changes, choose, tiny_stars
-from asterism.print.strips_of_arms import _height_steps
+from asterism.print.rounded import better_layers, choose_rounding, size_changes, tiny_stars
 from pattern import gallery
 from pattern.design.errors import DesignError
 from pattern.design.rounding import Rounding
@@ -31,17 +31,17 @@ def rectangle(width: float, depth: float, **stars: Any) -> Any:
 def test_the_first_layer_suits_the_design(thickness: float, first: float) -> None:
     """Equally good: the printer's usual one."""
     plan = layout(design(stars={"length_mm": 8.0, "thickness_mm": thickness}))
-    assert choose(plan, load_printer("ultimaker2")).first_layer_mm == first
+    assert choose_rounding(plan, load_printer("ultimaker2")).first_layer_mm == first
 
 
 def test_changes_are_counted_in_stars() -> None:
     one = job()
-    said = changes(one.drawn_plan, one.plan)["thickness"]
+    said = size_changes(one.drawn_plan, one.plan)["thickness"]
     exact, rounded = one.drawn_plan.arm_thickness[:, 0], one.plan.arm_thickness[:, 0]
     assert said["stars_changed"] == len(np.unique(one.plan.arm_star[np.abs(exact - rounded) > 1e-6]))
     assert abs(said["largest_change_mm"]) == pytest.approx(np.abs(exact - rounded).max())
     assert said["values_mm"] == pytest.approx(np.unique(rounded))
-    assert changes(one.plan, one.plan)["width"]["stars_changed"] == 0
+    assert size_changes(one.plan, one.plan)["width"]["stars_changed"] == 0
 
 
 def test_what_is_rounded_already_is_printed_as_drawn() -> None:
@@ -230,7 +230,7 @@ def test_a_shape_made_from_other_entries_is_refused(change: dict[str, Any], word
 
 def test_estimate_of_a_single_star_by_hand() -> None:
     one = job(design(stars={"length_mm": 8.0, "thickness_mm": 0.4}, border={"rings": 0}, pins=[]), border=False)
-    cost = estimate([one.stars], one.printer, one.rounding, one.plastic)
+    cost = print_cost([one.stars], one.printer, one.rounding, one.plastic)
     area = one.stars[0].region.area
     speed = one.printer.speed
     assert cost["volume_mm3"] == pytest.approx(0.4 * area)
@@ -245,7 +245,7 @@ def test_prints_of_the_papers_size_take_about_its_twenty_minutes() -> None:
     minutes = []
     for name in ("roof", "tunnel", "u-shape", "doubly-curved"):
         one = job(gallery.load(name))
-        minutes.append(estimate([one.stars], one.printer, one.rounding, one.plastic)["minutes"])
+        minutes.append(print_cost([one.stars], one.printer, one.rounding, one.plastic)["minutes"])
     assert 10 < np.mean(minutes) < 30
 
 

@@ -30,7 +30,7 @@ heating_min = 2.0
 @pytest.fixture(autouse=True)
 def nobodys_own(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """Whoever runs the tests may have printers too."""
-    monkeypatch.delenv(profiles.VARIABLE, raising=False)
+    monkeypatch.delenv(profiles.PROFILES_VARIABLE, raising=False)
     monkeypatch.setattr(profiles.typer, "get_app_dir", lambda name: str(tmp_path / "home" / name))
 
 
@@ -54,8 +54,8 @@ def test_the_papers_printer() -> None:
 
 
 def test_all_that_come_along_can_be_read() -> None:
-    assert {"ultimaker2", "prusa-mk4", "ender-3"} <= set(profiles.names("printers"))
-    for name in profiles.names("plastics"):
+    assert {"ultimaker2", "prusa-mk4", "ender-3"} <= set(profiles.profile_names("printers"))
+    for name in profiles.profile_names("plastics"):
         assert profiles.load_plastic(name).density_kg_m3 > 500
 
 
@@ -70,11 +70,11 @@ def test_own_files_by_path_by_folder_and_by_home(monkeypatch: pytest.MonkeyPatch
     other.mkdir(parents=True)
     (other / "mine.toml").write_text(OWN.replace("My machine", "The lab's"))
     (other / "ultimaker2.toml").write_text(OWN.replace("My machine", "Our Ultimaker"))
-    monkeypatch.setenv(profiles.VARIABLE, str(tmp_path / "lab"))
+    monkeypatch.setenv(profiles.PROFILES_VARIABLE, str(tmp_path / "lab"))
     # the folder of the variable comes first, also before what comes along
     assert profiles.load_printer("mine").name == "The lab's"
     assert profiles.load_printer("ultimaker2").name == "Our Ultimaker"
-    assert "mine" in profiles.names("printers")
+    assert "mine" in profiles.profile_names("printers")
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ import pytest
 import shapely
 
 from asterism.print import sheets
-from asterism.print.drawing import Drawing, Line, Text
+from asterism.print.drawing import Drawing, Label, Polyline
 from asterism.print.formats import dxf, pdf, svg
 from asterism.print.job import Job
 from tests.asterism.print import measure
@@ -190,7 +190,7 @@ def test_large_beds_and_small_frames(stretch: Any, printer: dict[str, Any], side
     words = " ".join(texts(check))
     x, y = made.check_after_mm
     assert f"before: {side:g} x {side:g} mm" in words and f"after: {x:.1f} x {y:.1f} mm" in words
-    front = next(item for item in layout.items if isinstance(item, Text) and item.text == "front of the printer")
+    front = next(item for item in layout.items if isinstance(item, Label) and item.text == "front of the printer")
     assert front.at[1] < -max(made.printer.bed_mm[1], made.printer.frame.size_mm[1]) / 2
 
 
@@ -204,7 +204,9 @@ def test_everything_is_on_its_page(one: Job) -> None:
 def check_page(drawing: Drawing) -> None:
     for item in drawing.items:
         points = (
-            item.points if isinstance(item, Line) else np.atleast_2d(getattr(item, "at", getattr(item, "centre", 0)))
+            item.points
+            if isinstance(item, Polyline)
+            else np.atleast_2d(getattr(item, "at", getattr(item, "centre", 0)))
         )
         assert (points >= drawing.low).all() and (points <= drawing.high).all()
 
@@ -215,22 +217,22 @@ def test_the_origin_is_not_written_over_a_needle(place: list[float]) -> None:
     mast = {"points_mm": [place], "target_mm": [*place, 25.0]}
     template = sheets.needle_sheet(job(design(pins=[mast, {"where": "corners", "scale": 0.8, "step": 1}])))
     assert template is not None
-    word = next(item for item in template.items if isinstance(item, Text) and item.text == "origin")
-    label = next(item for item in template.items if isinstance(item, Text) and item.text == "1  z 25.0")
+    word = next(item for item in template.items if isinstance(item, Label) and item.text == "origin")
+    label = next(item for item in template.items if isinstance(item, Label) and item.text == "1  z 25.0")
     apart = np.abs(word.at - label.at)
     assert apart[1] > 4.0 or word.at[0] + 6.0 < label.at[0] or word.at[0] - 6.0 > label.at[0] + 16.0
     assert any("Steps are set one after the other" in line for line in texts(template))
 
 
 def texts(page: Drawing) -> list[str]:
-    return [item.text for item in page.items if isinstance(item, Text)]
+    return [item.text for item in page.items if isinstance(item, Label)]
 
 
 def test_every_text_of_a_pdf_is_there_once(tmp_path: Path) -> None:
     """Numbers of needles have white around them, which is no text."""
     drawing = sheets.layout_sheet(job())
     pdf.write(tmp_path / "a.pdf", [drawing])
-    texts = [item.text for item in drawing.items if isinstance(item, Text)]
+    texts = [item.text for item in drawing.items if isinstance(item, Label)]
     assert Counter(measure.pdf_words(tmp_path / "a.pdf", 0)) == Counter(" ".join(texts).split())
 
 

@@ -12,10 +12,10 @@ import trimesh
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from asterism.print.arm_pieces import arm_pieces
 from asterism.print.arm_regions import border_terrace, star_terraces
 from asterism.print.formats import stl
-from asterism.print.solid import GRID_MM, Solid, Step, stack, terraces
-from asterism.print.strips_of_arms import strips
+from asterism.print.solid import GRID_MM, Solid, Terrace, nested_terraces, terraced_solid
 from pattern.design.design import Design
 from pattern.design.rounding import Rounding
 from pattern.layout.build import layout
@@ -27,7 +27,7 @@ RULE = Rounding(first_layer_mm=0.2, layer_mm=0.1, line_mm=0.4)
 BOXES = st.tuples(*[st.integers(-40, 40)] * 2, *[st.integers(1, 20)] * 2, st.integers(1, 5))
 
 
-def volume(steps: Sequence[Step]) -> float:
+def volume(steps: Sequence[Terrace]) -> float:
     """Under nested terraces."""
     below = [0.0, *(step.height_mm for step in steps)]
     return sum(step.region.area * (step.height_mm - under) for step, under in zip(steps, below, strict=False))
@@ -81,13 +81,13 @@ def test_a_tapered_arm_is_a_staircase_of_whole_layers() -> None:
     thickness = {"profile": "radial", "from": 0.7, "to": 0.2, "over_mm": 8.0}
     stars = {"length_mm": 8.0, "thickness_mm": thickness, "vary_along_arms": True, "rounding": RULE.model_dump()}
     plan = layout(design(stars=stars, border={"rings": 0}, pins=[]))
-    steps = star_terraces(plan, strips(plan, RULE))
+    steps = star_terraces(plan, arm_pieces(plan, RULE))
     assert [step.height_mm for step in steps] == pytest.approx([0.2, 0.3, 0.4, 0.5, 0.6, 0.7])
-    arm = [strip for strip in strips(plan, RULE) if np.allclose(strip.direction, [0.0, -1.0])]
+    arm = [strip for strip in arm_pieces(plan, RULE) if np.allclose(strip.direction, [0.0, -1.0])]
     # half a layer more than a step begins the next
     assert [strip.begin_mm for strip in arm] == pytest.approx([0.0, 0.8, 2.4, 4.0, 5.6, 7.2])
     assert arm[-1].end_mm == pytest.approx(8.0)
-    mesh = checked(stack("stars", steps))
+    mesh = checked(terraced_solid("stars", steps))
     assert mesh.volume == pytest.approx(sum(s.region.area * 0.1 for s in steps) + steps[0].region.area * 0.1, rel=1e-6)
 
 
@@ -104,7 +104,7 @@ def test_the_printed_border_stays_outside_the_sheet_and_clear_of_stars() -> None
 
 def test_the_border_gives_way_to_plastic_that_reaches_over_it() -> None:
     plan = layout(design(pins=[]))
-    over = Step(0.2, shapely.Point(plan.border[0]).buffer(2.0))
+    over = Terrace(0.2, shapely.Point(plan.border[0]).buffer(2.0))
     line = border_terrace(plan, [over], RULE)
     assert line.region.distance(over.region) >= RULE.line_mm - 0.002
 
@@ -117,7 +117,7 @@ def test_a_border_in_pieces_is_watertight(rings: int) -> None:
 
 def test_nothing_makes_no_solid() -> None:
     with pytest.raises(ValueError, match="has no area"):
-        stack("stars", [Step(0.2, shapely.Polygon())])
+        terraced_solid("stars", [Terrace(0.2, shapely.Polygon())])
 
 
 @example([(0, 0, 1, 1, 1), (1, 1, 1, 1, 1)])
@@ -127,8 +127,8 @@ def test_nothing_makes_no_solid() -> None:
 def test_any_pile_of_boxes_is_watertight(boxes: list[tuple[int, int, int, int, int]]) -> None:
     """Faces, edges and corners that coincide are the rule here."""
     regions = [(0.1 * h, shapely.box(x / 2, y / 2, (x + a) / 2, (y + b) / 2)) for x, y, a, b, h in boxes]
-    steps = terraces(regions)
-    solid = stack("boxes", steps)
+    steps = nested_terraces(regions)
+    solid = terraced_solid("boxes", steps)
     assert trimesh.Trimesh(solid.points, solid.triangles, process=False).is_watertight
     assert solid.volume_mm3 == pytest.approx(volume(steps), rel=1e-9)
     exact = sum(
@@ -140,8 +140,10 @@ def test_any_pile_of_boxes_is_watertight(boxes: list[tuple[int, int, int, int, i
 
 
 def test_boxes_that_touch_along_an_edge_become_one_piece() -> None:
-    steps = terraces([(0.2, shapely.box(0, 0, 1, 1)), (0.4, shapely.box(1, 1, 2, 2)), (0.4, shapely.box(2, 0, 3, 1))])
-    solid = stack("boxes", steps)
+    steps = nested_terraces(
+        [(0.2, shapely.box(0, 0, 1, 1)), (0.4, shapely.box(1, 1, 2, 2)), (0.4, shapely.box(2, 0, 3, 1))]
+    )
+    solid = terraced_solid("boxes", steps)
     mesh = checked(solid)
     assert mesh.body_count == 1
     assert mesh.volume == pytest.approx(1.0, abs=1e-4)

@@ -10,7 +10,7 @@ import pypdfium2
 import pytest
 
 from asterism.previews.run import preview
-from asterism.reports.page import LAYOUT_AT, LAYOUT_MM
+from asterism.reports.design_page import LAYOUT_AT, LAYOUT_MM
 from asterism.results.write_results import write_results
 from homogenize.law.file import PAPER, load_law
 from pattern.layout.load_design import load_design

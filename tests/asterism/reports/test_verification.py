@@ -17,8 +17,8 @@ from asterism import __version__
 from asterism.cli.verify import table_rows
 from asterism.exact.simulation import simulate
 from asterism.previews.run import preview
-from asterism.reports.verification import report
 from asterism.reports.verification_files import write_verification
+from asterism.reports.verification_page import verification_page
 from asterism.results.read_shape import read_shape
 from asterism.results.vtu import write_shape_vtu
 from asterism.results.write_results import write_results
@@ -124,7 +124,7 @@ def test_another_shape_in_its_folder_is_not_taken_for_a_verified_one(found, fold
 
 @pytest.mark.usefixtures("blank_pictures")
 def test_it_takes_the_place_of_another_result(found, tmp_path, monkeypatch):
-    monkeypatch.setattr("asterism.reports.verification._pictures", lambda _: [])  # they take seconds
+    monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
     write_results(found.exact["release"], tmp_path)
     files = write_verification(found, tmp_path)
     assert sorted(file.name for file in tmp_path.iterdir()) == files
@@ -133,7 +133,7 @@ def test_it_takes_the_place_of_another_result(found, tmp_path, monkeypatch):
 
 def test_names_of_files_that_are_no_text_do_not_stop_it(found, tmp_path, monkeypatch):
     """As Python gives them to commands."""
-    monkeypatch.setattr("asterism.reports.verification._pictures", lambda _: [])  # they take seconds
+    monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
     odd = replace(found, summary=found.summary | {"command": "asterism verify d\udce9.toml"})
     write_verification(odd, tmp_path)
     assert "asterism verify d\\udce9.toml" in (tmp_path / "report.html").read_text(encoding="utf-8")
@@ -172,18 +172,20 @@ def test_page_says_what_it_was_made_from(found, folder, monkeypatch):
     assert "asterism verify &lt;stars&gt;.toml --edge 2.5" in text and f"<td>{__version__}</td>" in text
     assert f"edges of 2.5 mm, {exact['triangles']} triangles" in text and f"solver {exact['backend']}" in text
     assert "<td>law</td>" not in text  # the stand-in has none
-    monkeypatch.setattr("asterism.reports.verification._pictures", lambda _: [])  # they take seconds
+    monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
     law = replace(plain_law(), made={"command": "asterism calibrate my.toml"})
     made = preview(OF, law).summary
-    text = report(replace(found, summary=found.summary | {"preview": made, "command": None})).split("Made from")[1]
+    text = verification_page(replace(found, summary=found.summary | {"preview": made, "command": None})).split(
+        "Made from"
+    )[1]
     edges = f"edges of {law.edge_mm:g} mm"
     assert f"<td>plain, fabric stretched 1.35, {edges}, made by asterism calibrate my.toml</td>" in text
     assert f"{made['shell_triangles']} triangles, side auto" in text and "<td>command</td>" not in text
 
 
 def test_page_says_that_the_form_is_another_one(found, monkeypatch):
-    monkeypatch.setattr("asterism.reports.verification._pictures", lambda _: [])  # they take seconds
-    text = report(replace(found, summary=found.summary | {"same_branch": False}))
+    monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
+    text = verification_page(replace(found, summary=found.summary | {"same_branch": False}))
     assert 'The preview shows <span class="bad">another form</span> than the exact model, ' in text
 
 
@@ -198,8 +200,8 @@ def test_a_start_without_a_minimum_is_no_other_form(found, monkeypatch):
     assert one.summary["same_branch"] and not one.summary["starts_agree"]
     lines = "\n".join(table_rows(one.summary | {"expected_height_percent": None}))
     assert "one start in a minimum" in lines and "two minima" not in lines
-    monkeypatch.setattr("asterism.reports.verification._pictures", lambda _: [])  # they take seconds
-    assert "has come to no minimum that is certain to stay; the other one counts" in report(one)
+    monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
+    assert "has come to no minimum that is certain to stay; the other one counts" in verification_page(one)
 
 
 def test_nothing_is_said_against_a_preview_where_the_exact_model_has_failed(found, monkeypatch):
@@ -212,15 +214,15 @@ def test_nothing_is_said_against_a_preview_where_the_exact_model_has_failed(foun
     assert lost.summary["warnings"] == [*bold.summary["warnings"], "the exact shape is not certified to be a minimum"]
     lines = "\n".join(table_rows(lost.summary | {"expected_height_percent": None}))
     assert "not known: no certified exact shape" in lines and "no minimum; " in lines
-    monkeypatch.setattr("asterism.reports.verification._pictures", lambda _: [])  # they take seconds
-    text = report(lost)
+    monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
+    text = verification_page(lost)
     assert "not found a shape that is certain to stay" in text and "The preview shows" not in text
     assert '<div class="tile">' not in text and "Neither start has come to a minimum" in text
 
 
 def test_page_says_that_another_minimum_is_nearer_and_as_low(found, monkeypatch):
     """Energies move by more from mesh to mesh."""
-    monkeypatch.setattr("asterism.reports.verification._pictures", lambda _: [])  # they take seconds
+    monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
     s = found.summary
     other = "preview" if s["result_from"] == "release" else "release"
     energy = s["exact"]["energy_n_mm"]
@@ -231,33 +233,35 @@ def test_page_says_that_another_minimum_is_nearer_and_as_low(found, monkeypatch)
         near = s["starts"][other] | {"energy_n_mm": (1.0 + part) * energy - saved, "rms_percent": distance}
         changed = s | {"same_branch": form, "rms_percent": 10.0, "exact": exact}
         changed |= {"starts": s["starts"] | {other: near}}
-        return "has another minimum, " in report(replace(found, summary=changed))
+        return "has another minimum, " in verification_page(replace(found, summary=changed))
 
     assert told(5e-5, 3.29, False) and told(5e-5, 3.29, False, saved=0.999 * energy)
     assert not told(0.02, 3.29, False) and not told(5e-5, 12.0, False) and not told(5e-5, 3.29, True)
 
 
 def test_a_long_entry_of_the_design_is_cut_on_the_page(found, monkeypatch):
-    monkeypatch.setattr("asterism.reports.verification._pictures", lambda _: [])  # they take seconds
+    monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
     corners = [[float(k), 0.25] for k in range(500)]
     design = found.summary["design"] | {"border": {"polygon_mm": corners}}
-    text = report(replace(found, summary=found.summary | {"design": design}))
+    text = verification_page(replace(found, summary=found.summary | {"design": design}))
     assert "[100.0, 0.25]" not in text and "[1.0, 0.25]" in text and "characters: summary.json)" in text
 
 
 def test_what_is_slower_is_not_called_faster(found, monkeypatch):
-    monkeypatch.setattr("asterism.reports.verification._pictures", lambda _: [])  # they take seconds
-    quick, slow = (report(replace(found, summary=found.summary | {"speedup": ratio})) for ratio in (27.3, 0.42))
+    monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
+    quick, slow = (
+        verification_page(replace(found, summary=found.summary | {"speedup": ratio})) for ratio in (27.3, 0.42)
+    )
     assert "<b>27 ×</b><span>faster than the exact model</span>" in quick
     assert "<b>0.42 ×</b><span>as fast as the exact model</span>" in slow
 
 
 def test_heights_of_nothing_are_no_percent(found, monkeypatch):
     """A preview of .001 mm that expects to be .4 mm off."""
-    monkeypatch.setattr("asterism.reports.verification._pictures", lambda _: [])  # they take seconds
+    monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
     flat = {"heights_mm": [0.03, 0.001], "height_error_percent": -96.7, "expected_height_percent": 40000.0}
     s = found.summary | flat
-    text = report(replace(found, summary=s))
+    text = verification_page(replace(found, summary=s))
     assert "height of the preview, against" not in text and "-96.7" not in text
     assert "40000" not in text and "0.4 mm" in text
     assert "height 0.4 mm" in "\n".join(table_rows(s | {"expected_rms_percent": 0.6}))
@@ -265,11 +269,11 @@ def test_heights_of_nothing_are_no_percent(found, monkeypatch):
 
 def test_an_axis_that_was_taken_to_an_equivalent_one_is_told(found, monkeypatch):
     """The warning of the preview names its own."""
-    monkeypatch.setattr("asterism.reports.verification._pictures", lambda _: [])  # they take seconds
+    monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
     preview = found.summary["preview"] | {"roll_axis_deg": 90.0}
     for axis, told in ((30.0, True), (90.0, False)):
         s = found.summary | {"preview": preview, "roll_axes_deg": [axis, axis]}
-        assert ("before it was laid: 90)" in report(replace(found, summary=s))) is told
+        assert ("before it was laid: 90)" in verification_page(replace(found, summary=s))) is told
 
 
 @pytest.mark.parametrize(
@@ -281,9 +285,9 @@ def test_an_axis_that_was_taken_to_an_equivalent_one_is_told(found, monkeypatch)
     ],
 )
 def test_page_says_what_is_known_of_the_mesh(found, error, change, tile, monkeypatch):
-    monkeypatch.setattr("asterism.reports.verification._pictures", lambda _: [])  # they take seconds
+    monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
     known = {"mesh_error_percent": error, "mesh_change_percent": change}
-    assert tile in report(replace(found, summary=found.summary | known))
+    assert tile in verification_page(replace(found, summary=found.summary | known))
 
 
 @pytest.mark.skipif(browser() is None, reason="no Chromium, Chrome or Edge on this machine")

@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 from scipy.spatial.transform import Rotation
 
-from asterism.draw.picture import draw
+from asterism.draw.picture import draw_shape
 from asterism.results.files import OutputError
 from asterism.results.write_results import staged_result, write_results
 from asterism.shape.shape import Shape
@@ -52,7 +52,7 @@ def test_a_held_sheet_is_drawn_as_it_stands(shape: Shape, tmp_path: Path) -> Non
         write_results(one, tmp_path / name)
         files = sorted((tmp_path / name).glob("*.png"))
         pictures[name] = [np.asarray(Image.open(file))[200:] for file in files]  # below the caption
-    draw(held, "dome", tmp_path / "dome.png")
+    draw_shape(held, "dome", tmp_path / "dome.png")
     assert np.array_equal(pictures["held"][0], pictures["held"][1])
     assert np.array_equal(pictures["held"][0], np.asarray(Image.open(tmp_path / "dome.png"))[200:])
     assert not np.array_equal(pictures["held"][0], pictures["free"][0])

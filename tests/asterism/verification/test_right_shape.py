@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from asterism.reports.plots import cut
+from asterism.reports.plots import profile_cut
 from asterism.verification.right_shape import right_shape, same_energy
 from asterism.verification.run import _same_stars_down
 from pattern.design.design import Design
@@ -67,6 +67,6 @@ def test_profiles_of_an_l_stay_on_the_sheet() -> None:
     seen: list[np.ndarray] = []
     sheet = SimpleNamespace(at=seen.append)
     for direction in np.eye(2):
-        cut(SimpleNamespace(layout=plan, reference=sheet, other=sheet), direction)  # type: ignore[arg-type]
+        profile_cut(SimpleNamespace(layout=plan, reference=sheet, other=sheet), direction)  # type: ignore[arg-type]
     assert len(seen) == 4 and all(inside(points, plan.border).all() for points in seen)
     assert all(np.ptp(points, axis=0).max() > 25.0 for points in seen)

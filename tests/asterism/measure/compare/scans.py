@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from asterism.measure.compare.scan import sample
+from asterism.measure.compare.scan import surface_samples
 from asterism.shape.shape import Shape
 from pattern.geometry.arrays import Floats
 from tests.asterism.sheets import sheet
@@ -39,7 +39,7 @@ def scanned(
     of_sheet : (n,) bool.
     """
     rng = np.random.default_rng(seed)
-    points = sample(shape.positions, shape.triangles, 6000, rng)[0]
+    points = surface_samples(shape.positions, shape.triangles, 6000, rng)[0]
     points = points[points[:, 0] < np.quantile(points[:, 0], part)]
     points = points + noise_mm * rng.normal(size=points.shape)
     things = rng.uniform(-60, 60, (int(other * len(points)), 3))

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from asterism.measure.compare.comparison import compare_scan
 from asterism.measure.compare.registration import register
-from asterism.measure.compare.scan import Scan, sample
+from asterism.measure.compare.scan import Scan, surface_samples
+from asterism.measure.compare.scan_comparison import compare_scan
 from asterism.previews.run import preview
 from pattern import gallery
 from tests.asterism.measure.compare.scans import bent_sheet, motion, scanned
@@ -99,7 +99,7 @@ def test_a_scan_of_a_part_is_laid_where_it_belongs(seed: int, part: float) -> No
     rng = np.random.default_rng(seed)
     angle = rng.uniform(0.0, 6.28)
     along = shape.printed[shape.triangles].mean(axis=1) @ [np.cos(angle), np.sin(angle)]
-    points = sample(shape.positions, shape.triangles[along > np.quantile(along, 1.0 - part)], 5000, rng)[0]
+    points = surface_samples(shape.positions, shape.triangles[along > np.quantile(along, 1.0 - part)], 5000, rng)[0]
     turn = Rotation.random(random_state=seed).as_matrix()
     s = compare_scan(shape, Scan(points @ turn.T + [10.0, 20.0, 30.0], 0, len(points))).summary()
     assert s["rms_mm"] < 0.01 and s["poses_as_good"] == 1

@@ -9,7 +9,7 @@ import pytest
 import trimesh
 
 from asterism.measure.compare.errors import ScanError
-from asterism.measure.compare.scan import extent, read_scan, sample
+from asterism.measure.compare.scan import extent, read_scan, surface_samples
 from asterism.measure.compare.units import check_size
 from tests.asterism.measure.compare.scans import bent_sheet
 
@@ -61,7 +61,7 @@ def test_several_parts_and_polygons(tmp_path: Path) -> None:
 
 
 def test_samples_are_spread_by_area() -> None:
-    points, which = sample(SHAPE.positions, SHAPE.triangles, 50_000, np.random.default_rng(0))
+    points, which = surface_samples(SHAPE.positions, SHAPE.triangles, 50_000, np.random.default_rng(0))
     share = np.bincount(which, minlength=len(SHAPE.triangles)) / len(points)
     np.testing.assert_allclose(share, MESH.area_faces / MESH.area, atol=4.1e-5)
     assert (

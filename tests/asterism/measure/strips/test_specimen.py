@@ -12,8 +12,8 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from asterism.measure.strips.specimen import EDGE_MM, GAP_MM, THICKNESSES_MM, layers, specimen
-from asterism.measure.strips.table import read_strips
+from asterism.measure.strips.specimen import BED_MARGIN_MM, GAP_MM, THICKNESSES_MM, lay_out_specimen, layer_heights
+from asterism.measure.strips.strip_table import read_strips
 from pattern.design.errors import DesignError
 from tests.asterism.commands import command
 
@@ -21,7 +21,7 @@ BED = (223.0, 223.0)
 
 
 def test_four_times_ten_strips_mixed_over_the_bed() -> None:
-    strips = specimen(BED).strips
+    strips = lay_out_specimen(BED).strips
     assert Counter(s.thickness_mm for s in strips) == dict.fromkeys(THICKNESSES_MM, 10)
     for h in THICKNESSES_MM:
         middle = np.mean([s.centre_mm for s in strips if s.thickness_mm == h], axis=0)
@@ -37,14 +37,14 @@ def test_four_times_ten_strips_mixed_over_the_bed() -> None:
 def test_strips_keep_apart_and_on_the_bed(count: int, length: float, kinds: int, bed: tuple[float, float]) -> None:
     thicknesses = tuple(0.3 + 0.05 * k for k in range(kinds))
     try:
-        found = specimen(bed, thicknesses, count, length, 3.0)
+        found = lay_out_specimen(bed, thicknesses, count, length, 3.0)
     except DesignError as error:
         assert error.field == "--count"
         return
     assert Counter(s.thickness_mm for s in found.strips) == dict.fromkeys(thicknesses, count)
     centres = np.array([s.centre_mm for s in found.strips])
     reach = np.abs(centres) + np.array([length / 2, 1.5])
-    assert (reach <= np.array(bed) / 2 - EDGE_MM + 1e-9).all()
+    assert (reach <= np.array(bed) / 2 - BED_MARGIN_MM + 1e-9).all()
     apart = np.abs(centres[:, None] - centres[None])
     clear = (apart[..., 0] >= length + GAP_MM - 1e-9) | (apart[..., 1] >= 3.0 + GAP_MM - 1e-9)
     assert (clear | np.eye(len(centres), dtype=bool)).all()
@@ -63,7 +63,7 @@ def test_strips_keep_apart_and_on_the_bed(count: int, length: float, kinds: int,
     ],
 )
 def test_layers_make_every_thickness(thicknesses: tuple[float, ...], expected: tuple[float, float]) -> None:
-    first, others = layers(thicknesses, 0.4)
+    first, others = layer_heights(thicknesses, 0.4)
     assert (first, others) == expected
     for h in thicknesses:
         assert (h - first) / others == pytest.approx(round((h - first) / others), abs=1e-9)
@@ -72,16 +72,16 @@ def test_layers_make_every_thickness(thicknesses: tuple[float, ...], expected: t
 @pytest.mark.parametrize("thicknesses", [(0.3, 0.37, 0.4512), (0.02,), (0.61, 0.9)])
 def test_thicknesses_without_layers_are_refused(thicknesses: tuple[float, ...]) -> None:
     with pytest.raises(DesignError, match=r"of 0.04 to 0.3 mm \(nozzle 0.4 mm\)"):
-        layers(thicknesses, 0.4)
+        layer_heights(thicknesses, 0.4)
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    from asterism.measure.strips.new_run import new
+    from asterism.measure.strips.new_strips import new_strips
     from asterism.print.profiles import load_printer
 
     folder = tmp_path_factory.mktemp("print") / "strips"
-    new(folder, load_printer("ultimaker2"), THICKNESSES_MM, 10, 60.0, 4.0, 1.35, 0.8)
+    new_strips(folder, load_printer("ultimaker2"), THICKNESSES_MM, 10, 60.0, 4.0, 1.35, 0.8)
     return folder
 
 
@@ -118,7 +118,7 @@ def test_the_sheet_says_what_to_do_and_has_every_strip(folder: Path) -> None:
     assert [tuple(np.round(np.array(page.get_size()) / 72 * 25.4, 1)) for page in document] == [(210.0, 297.0)] * 2
     first, second = (page.get_textpage().get_text_range() for page in document)
     assert "13.5 cm" in first and "first layer of 0.3 mm and others of 0.05 mm" in first and "1:2" in first
-    for strip in specimen(BED).strips:
+    for strip in lay_out_specimen(BED).strips:
         assert f"{strip.number}: {strip.thickness_mm:g}" in first
     words = second.split()
     assert all(str(number) in words for number in range(1, 41)) and "peeled" in words

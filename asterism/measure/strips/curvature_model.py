@@ -7,19 +7,19 @@ from typing import Literal, Self, get_args
 
 import numpy as np
 
-from asterism.measure.strips.errors import NoMaterial
-from asterism.measure.strips.strip import Reading
+from asterism.measure.strips.errors import UndeterminedMaterialError
+from asterism.measure.strips.reading import Reading
 from pattern.design.materials import bilayer_curvature
 from pattern.geometry.arrays import Floats, Ints
 
-Formula = Literal["paper", "timoshenko"]
+StripFormula = Literal["paper", "timoshenko"]
 KappaBarKind = Literal["constant", "per-thickness", "zero"]
-FORMULAS: tuple[Formula, ...] = get_args(Formula)
+FORMULAS: tuple[StripFormula, ...] = get_args(StripFormula)
 KAPPA_BAR_KINDS: tuple[KappaBarKind, ...] = get_args(KappaBarKind)
 
 
 @dataclass(frozen=True)
-class Data:
+class StripData:
     """Readings as arrays (n,).
 
     Attributes
@@ -69,13 +69,13 @@ class Data:
         kinds = np.column_stack([self.thickness, self.fabric, self.mismatch, self.peeled])
         return np.unique(kinds, axis=0, return_inverse=True)[1].reshape(-1)
 
-    def take(self, which: np.ndarray) -> Data:
+    def take(self, which: np.ndarray) -> StripData:
         """Some of the readings."""
-        return Data(**{name: values[which] for name, values in vars(self).items()})
+        return StripData(**{name: values[which] for name, values in vars(self).items()})
 
 
 @dataclass(frozen=True)
-class Model:
+class CurvatureModel:
     """Curvatures as a function of the parameters (E2/E1, kappa_bar...).
 
     Attributes
@@ -83,31 +83,33 @@ class Model:
     thicknesses : of the entries of kappa_bar if there is one for each, otherwise empty.
     """
 
-    formula: Formula
+    formula: StripFormula
     kappa_bar: KappaBarKind
     thicknesses: Floats
 
     @classmethod
-    def of(cls, data: Data, formula: Formula, kappa_bar: KappaBarKind) -> Self:
+    def of(cls, data: StripData, formula: StripFormula, kappa_bar: KappaBarKind) -> Self:
         """The model for some readings.
 
         Raises
         ------
-        NoMaterial
+        UndeterminedMaterialError
             The readings cannot tell E1/E2 from kappa_bar.
         """
         thicknesses = np.unique(data.thickness)
         if not np.any(~data.peeled):
-            raise NoMaterial("no strip was measured with its fabric: E1/E2 cannot be told")
+            raise UndeterminedMaterialError("no strip was measured with its fabric: E1/E2 cannot be told")
         if kappa_bar == "constant" and not data.peeled.any() and len(thicknesses) < 2:
-            raise NoMaterial(
+            raise UndeterminedMaterialError(
                 "strips of one thickness and none peeled cannot tell E1/E2 from kappa_bar: "
                 "peel some, or give --kappa-bar zero"
             )
         if kappa_bar == "per-thickness":
             missing = np.setdiff1d(thicknesses, data.thickness[data.peeled])
             if len(missing):
-                raise NoMaterial(f"--kappa-bar per-thickness: no strip of {missing[0]:g} mm was measured peeled")
+                raise UndeterminedMaterialError(
+                    f"--kappa-bar per-thickness: no strip of {missing[0]:g} mm was measured peeled"
+                )
             return cls(formula, kappa_bar, thicknesses)
         return cls(formula, kappa_bar, np.empty(0))
 
@@ -116,28 +118,28 @@ class Model:
         """Number of parameters."""
         return 1 + {"constant": 1, "zero": 0, "per-thickness": len(self.thicknesses)}[self.kappa_bar]
 
-    def mean(self, parameters: Floats, data: Data) -> Floats:
+    def mean(self, parameters: Floats, data: StripData) -> Floats:
         """(n,) 1/mm."""
         return self.by_fabric(parameters, data) + self._membership(data) @ parameters[1:]
 
-    def jacobian(self, parameters: Floats, data: Data) -> Floats:
+    def jacobian(self, parameters: Floats, data: StripData) -> Floats:
         """(n, size)."""
         step = 1e-6 * max(abs(float(parameters[0])), 1e-9)
         ends = (self._bilayer(parameters[0] + sign * step, data) for sign in (1, -1))
         slope = np.subtract(*ends) / (2 * step)
         return np.column_stack([slope, self._membership(data)])
 
-    def by_fabric(self, parameters: Floats, data: Data) -> Floats:
+    def by_fabric(self, parameters: Floats, data: StripData) -> Floats:
         """(n,) 1/mm, the part of the mean without kappa_bar."""
         return self._bilayer(parameters[0], data)
 
-    def _bilayer(self, inverse_ratio: float, data: Data) -> Floats:
+    def _bilayer(self, inverse_ratio: float, data: StripData) -> Floats:
         # a ratio without limit, E2/E1 = 0, is a strip that stays straight
         ratio = 1 / inverse_ratio if inverse_ratio else np.inf
         found = bilayer_curvature(data.thickness, data.fabric, ratio, data.mismatch, self.formula)
         return np.where(data.peeled, 0.0, found)
 
-    def _membership(self, data: Data) -> Floats:
+    def _membership(self, data: StripData) -> Floats:
         """(n, size - 1) which entry of kappa_bar belongs to which reading."""
         if self.kappa_bar == "per-thickness":
             return (data.thickness[:, None] == self.thicknesses).astype(float)

@@ -9,14 +9,14 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from asterism.print.printer import Printer
-from asterism.print.solid import Step
+from asterism.print.solid import Terrace
 from pattern.design.errors import DesignError
 from pattern.geometry.arrays import Floats
 from pattern.layout.layout import Layout
 
 
 @dataclass(frozen=True)
-class Placement:
+class BedPlacement:
     """From print coordinates to those of the sheets, whose origin is the middle of frame and bed.
 
     Attributes
@@ -36,15 +36,15 @@ class Placement:
         cos, sin = np.cos(a), np.sin(a)
         return np.asarray(printed @ np.array([[cos, sin], [-sin, cos]]) + self.shift)
 
-    def step(self, step: Step) -> Step:
+    def step(self, step: Terrace) -> Terrace:
         """A terrace in sheet coordinates."""
         region: BaseGeometry = shapely.transform(step.region, self.points)
-        return Step(step.height_mm, region)
+        return Terrace(step.height_mm, region)
 
 
-def place(
-    plan: Layout, steps: tuple[Step, ...], printer: Printer, turn_deg: float = 0.0, may_turn: bool = True
-) -> Placement:
+def place_on_bed(
+    plan: Layout, steps: tuple[Terrace, ...], printer: Printer, turn_deg: float = 0.0, may_turn: bool = True
+) -> BedPlacement:
     """The design's origin in the middle of the bed, or else the sheet's own middle, or as near to it as may be.
 
     Parameters
@@ -60,7 +60,7 @@ def place(
     corners = shapely.get_coordinates(shapely.convex_hull(steps[0].region))
     bed, frame = np.asarray(printer.bed_mm), np.asarray(printer.frame.size_mm)
     opening, room = np.asarray(printer.frame.opening_mm), room_mm(printer)
-    turned = Placement(turn_deg, np.zeros(2))
+    turned = BedPlacement(turn_deg, np.zeros(2))
     plastic, sheet = turned.points(corners), turned.points(plan.border)
     least, most = _shifts(plastic, sheet, room, frame)
     size, fabric = np.ptp(plastic, axis=0), np.ptp(sheet, axis=0)
@@ -79,7 +79,7 @@ def place(
         raise DesignError("border", problem + advice, f"{_times(fabric)} mm of fabric")
     stays = (least <= 0.0) & (most >= 0.0)
     middle = np.round(-(sheet.min(axis=0) + sheet.max(axis=0)) / 2, 3)
-    return Placement(turn_deg, np.where(stays, 0.0, np.clip(middle, least, most)))
+    return BedPlacement(turn_deg, np.where(stays, 0.0, np.clip(middle, least, most)))
 
 
 def room_mm(printer: Printer) -> Floats:
@@ -96,7 +96,7 @@ def _shifts(plastic: Floats, sheet: Floats, room: Floats, frame: Floats) -> tupl
 def _advice(plastic: Floats, sheet: Floats, room: Floats, frame: Floats) -> str:
     """The least turn in degrees that makes plastic (n, 2) and sheet (m, 2) fit, in words; empty if there is none."""
     for turn in range(180):
-        turned = Placement(turn, np.zeros(2))
+        turned = BedPlacement(turn, np.zeros(2))
         least, most = _shifts(turned.points(plastic), turned.points(sheet), room, frame)
         if (least <= most).all():
             return f"; --turn {turn} makes it fit"

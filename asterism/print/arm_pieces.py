@@ -12,7 +12,7 @@ from pattern.layout.layout import Layout
 
 
 @dataclass(frozen=True)
-class Strip:
+class ArmPiece:
     """Part of an arm, or all of it.
 
     Attributes
@@ -40,20 +40,20 @@ class Strip:
         return np.array([begin - a, end - b, end + b, begin + a])
 
 
-def strips(plan: Layout, rounding: Rounding) -> list[Strip]:
+def arm_pieces(plan: Layout, rounding: Rounding) -> list[ArmPiece]:
     """The strips of all arms, arm by arm from the centre outwards.
 
     An arm is the strip that the model computes with, from the star's centre to the tip, cut off straight. An arm
     whose thickness varies along it is printed in steps of a layer.
     """
-    result: list[Strip] = []
+    result: list[ArmPiece] = []
     along = plan.arm_tip - plan.centres[plan.arm_star]
     for arm, (star, length) in enumerate(zip(plan.arm_star, plan.arm_length, strict=True)):
         heights, ends = _height_steps(plan.arm_thickness[arm], rounding)
         widths = np.interp(ends, [0.0, 1.0], plan.arm_width[arm])
         for k, height in enumerate(heights):
             begin, end = ends[k] * length, ends[k + 1] * length
-            result.append(Strip(int(star), along[arm] / length, begin, end, widths[k], widths[k + 1], float(height)))
+            result.append(ArmPiece(int(star), along[arm] / length, begin, end, widths[k], widths[k + 1], float(height)))
     return result
 
 

@@ -21,7 +21,7 @@ from PIL import Image
 from shapely.geometry.base import BaseGeometry
 
 from asterism.draw.colours import INK, PALE
-from asterism.draw.picture import draw
+from asterism.draw.picture import draw_shape
 from asterism.print.job import Job
 from asterism.reports.facts import Facts
 from asterism.shape.shape import Shape
@@ -39,7 +39,7 @@ SCALES = (1, 1.5, 2, 2.5, 3, 4, 5, 10, 20, 50)
 _POINTS = 72 / 25.4
 
 
-def write_page(path: Path, job: Job, found: Facts, doubts: Sequence[str], shape: Shape | None) -> float:
+def write_design_page(path: Path, job: Job, found: Facts, doubts: Sequence[str], shape: Shape | None) -> float:
     """Write the page as PDF, with doubts about the shape; returns n of the layout's scale 1:n."""
     figure = Figure(figsize=tuple(A4_MM / 25.4), dpi=72.0, facecolor="white")
     FigureCanvasAgg(figure)
@@ -61,7 +61,7 @@ def write_page(path: Path, job: Job, found: Facts, doubts: Sequence[str], shape:
 
 def _picture(figure: Figure, shape: Shape) -> None:
     stream = BytesIO()
-    draw(shape, "", stream)
+    draw_shape(shape, "", stream)
     with Image.open(stream) as image:
         # its head is said by the page
         pixels = np.asarray(image.convert("RGB"))[140:]

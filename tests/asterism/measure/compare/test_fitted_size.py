@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from asterism.measure.compare.comparison import ScanComparison, compare_scan
+from asterism.measure.compare.fitted_size import _fit, _rim
 from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.measure.compare.scan import Scan
-from asterism.measure.compare.size import _fit, _rim
+from asterism.measure.compare.scan_comparison import ScanComparison, compare_scan
 from asterism.previews.run import preview
 from asterism.shape.shape import Shape
 from pattern import gallery

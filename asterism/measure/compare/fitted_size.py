@@ -22,7 +22,7 @@ _FEWEST = 10  # points that fix a motion
 
 
 @dataclass(frozen=True)
-class Size:
+class FittedSize:
     """Of a scan, over that of the shape that it fits best.
 
     Attributes
@@ -37,7 +37,7 @@ class Size:
     lifted_rms_mm: float
 
 
-def fitted_size(shape: Shape, points: Floats, cut_mm: float) -> Size | None:
+def fitted_size(shape: Shape, points: Floats, cut_mm: float) -> FittedSize | None:
     """The size of a scan whose points (n, 3) mm are laid on a shape; None if it is of a part of it.
 
     Gauss and Newton's steps on turn, shift and scale, or lift. Distances count from the scan to the shape, and outwards
@@ -54,7 +54,7 @@ def fitted_size(shape: Shape, points: Floats, cut_mm: float) -> Size | None:
     if scaled is None:
         return None
     # who lies nowhere in its own size is far off
-    return Size(1.0 / scaled[0], scaled[1], cut_mm if lifted is None else lifted[1])
+    return FittedSize(1.0 / scaled[0], scaled[1], cut_mm if lifted is None else lifted[1])
 
 
 def _fit(

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
+from asterism.measure.compare.fitted_size import FittedSize, fitted_size
 from asterism.measure.compare.nearest import NearestOnSurface
-from asterism.measure.compare.registration import SPREAD, Pose, distinct, register
+from asterism.measure.compare.registration import SPREAD, Pose, distinct_poses, register
 from asterism.measure.compare.scan import Scan
-from asterism.measure.compare.size import Size, fitted_size
 from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import triangle_areas
@@ -51,7 +51,7 @@ class ScanComparison:
     cut_mm: float
     covered: np.ndarray
     poses: tuple[Pose, ...]
-    size: Size | None
+    size: FittedSize | None
 
     @property
     def vertex_distance(self) -> Floats:
@@ -125,7 +125,7 @@ def _laid(shape: Shape, scan: Scan, trim: float, seed: int) -> list[Pose]:
     poses = register(scan.points, *surface, trim, seed, _EFFORT if much_else else 1)
     if much_else or poses[0].spread_mm < _UNSURE * diameter(shape.positions):
         return poses
-    return distinct(sorted([*poses, *register(scan.points, *surface, trim, seed + 1, _EFFORT)], key=SPREAD))
+    return distinct_poses(sorted([*poses, *register(scan.points, *surface, trim, seed + 1, _EFFORT)], key=SPREAD))
 
 
 def _covered(shape: Shape, points: Floats, off_mm: float) -> np.ndarray:

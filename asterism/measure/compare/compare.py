@@ -11,12 +11,12 @@ import shapely
 
 from asterism import __version__
 from asterism.measure.compare import outline
-from asterism.measure.compare.comparison import compare_scan
+from asterism.measure.compare.comparison_picture import draw_outline, draw_scan
 from asterism.measure.compare.errors import ScanError, check_file
 from asterism.measure.compare.outline import Outline, read_outline
-from asterism.measure.compare.picture import draw_outline, draw_scan
 from asterism.measure.compare.scan import extent, read_scan
-from asterism.measure.compare.silhouette import Fitted, fit_outline, silhouette
+from asterism.measure.compare.scan_comparison import compare_scan
+from asterism.measure.compare.silhouette import OutlineFit, fit_outline, silhouette
 from asterism.measure.compare.units import check_size
 from asterism.results.files import LAST, OutputError, check_writable, holds_result
 from asterism.results.read_shape import folder_of, read_shape
@@ -98,7 +98,7 @@ def compare(shape: Path, scan: Path, output: Path | None, unit: str | None, view
     return [*(f"  {name:<22} {value}" for name, value in rows.items()), f"{directory}: compare.png, {LAST}"]
 
 
-def _fitted(shape: Shape, file: Path, outlined: Outline, view: str, trim: float) -> Fitted:
+def _fitted(shape: Shape, file: Path, outlined: Outline, view: str, trim: float) -> OutlineFit:
     """A file's outline on the shape's."""
     target = silhouette(shape, view)
     sizes = [float(np.linalg.norm(np.ptp(points, axis=0))) for points in (outlined.corners, target)]
@@ -106,7 +106,7 @@ def _fitted(shape: Shape, file: Path, outlined: Outline, view: str, trim: float)
     return fit_outline(outlined.corners, target, trim)
 
 
-def outline_numbers(fitted: Fitted, diameter_mm: float) -> dict[str, Any]:
+def outline_numbers(fitted: OutlineFit, diameter_mm: float) -> dict[str, Any]:
     """Numbers of a fitted outline; lengths in percent are of the shape's diameter, as those of scans."""
     distance = np.abs(fitted.distance)
     areas = [shapely.Polygon(points).area for points in (fitted.silhouette, fitted.outline)]

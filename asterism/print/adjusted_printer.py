@@ -8,7 +8,7 @@ from asterism.print.printer import Printer
 from pattern.design.errors import DesignError, from_validation
 
 
-def changed(
+def adjusted_printer(
     machine: Printer, first_layer: float | None = None, layer: float | None = None, plate: float | None = None
 ) -> Printer:
     """The printer with other heights of layers (mm), and with another plate under the fabric.

@@ -16,7 +16,7 @@ from pattern.geometry.arrays import Floats, Ints
 
 
 @dataclass(frozen=True)
-class Common:
+class KindEffects:
     """Standard deviations of what kinds have in common.
 
     Attributes
@@ -33,19 +33,19 @@ class Common:
         return np.asarray((self.with_fabric * sizes[0]) ** 2 + (self.peeled * sizes[1]) ** 2)
 
 
-def effects(by_fabric: Floats, peeled: np.ndarray) -> Floats:
+def effect_sizes(by_fabric: Floats, peeled: np.ndarray) -> Floats:
     """(2, n) what the two effects do to a reading: 1/mm by the fabric (n,), and one."""
     return np.array([np.where(peeled, 0.0, by_fabric), np.where(peeled, 1.0, 0.0)])
 
 
-def times(kind: Ints, variance: Floats, shared: Floats) -> Floats:
+def variance_factor(kind: Ints, variance: Floats, shared: Floats) -> Floats:
     """(n,) factor `c` by which variances (n,) stand for a shared error of variance `shared` (n,), too."""
     return 1.0 + shared * np.bincount(kind, 1.0 / variance)[kind]
 
 
-def common(
-    kind: Ints, residual: Floats, jacobian: Floats, variance: Floats, alike: Floats, sizes: Floats, start: Common
-) -> Common:
+def fit_kind_effects(
+    kind: Ints, residual: Floats, jacobian: Floats, variance: Floats, alike: Floats, sizes: Floats, start: KindEffects
+) -> KindEffects:
     """The most likely effects for readings (n,) about a fit of jacobian (n, p).
 
     Restricted maximum likelihood, as for the noise. An effect that the others' kinds do not tell from the parameters is
@@ -71,7 +71,7 @@ def common(
             continue
         others = known + (found[1 - which] * size[1 - which]) ** 2
         found[which] = _most_likely(middle, of_kind, others, size[which])
-    return Common(*found)
+    return KindEffects(*found)
 
 
 def _most_likely(middle: Floats, jacobian: Floats, variance: Floats, size: Floats) -> float:

@@ -10,10 +10,10 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from asterism.draw.chart_axes import tidy, with_grid
+from asterism.draw.chart_axes import add_grid, style_axes
 from asterism.draw.colours import INK, PALE
-from asterism.measure.strips.fit import StripFit
-from asterism.measure.strips.strip import Reading
+from asterism.measure.strips.reading import Reading
+from asterism.measure.strips.strip_fit import StripFit
 from pattern.design.kept_curvature import kept_curvature
 from pattern.design.materials import Fabric, Plastic, bilayer_curvature, rest_curvature
 from pattern.geometry.arrays import Floats
@@ -67,8 +67,8 @@ def _over_thickness(axes: Axes, fit: StripFit) -> None:
         axes.plot(*place, "x", color=WRONG, markersize=8)
         axes.annotate(f"  {out.reading.strip}", place, fontsize=8, color=WRONG, va="center")
     axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
-    tidy(axes, "curvature of the strips, 1/mm", "thickness of the plastic, mm")
-    with_grid(axes)
+    style_axes(axes, "curvature of the strips, 1/mm", "thickness of the plastic, mm")
+    add_grid(axes)
     axes.legend(fontsize=8, frameon=False)
 
 
@@ -88,8 +88,8 @@ def _line(axes: Axes, fit: StripFit) -> None:
     axes.set_xlim(left=0)
     axes.set_ylim(bottom=0)
     share = "6" if fit.formula == "paper" else "3"
-    tidy(axes, "curvature by the fabric, κ − κ_bar, 1/mm", f"{share} h2 (h1 + h2) / h1³ (1 − 1/s²), 1/mm")
-    with_grid(axes)
+    style_axes(axes, "curvature by the fabric, κ − κ_bar, 1/mm", f"{share} h2 (h1 + h2) / h1³ (1 − 1/s²), 1/mm")
+    add_grid(axes)
 
 
 def _plastics(fit: StripFit) -> list[Plastic]:

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from asterism.measure.strips import arc
-from asterism.measure.strips.common import Common, common, effects, times
-from asterism.measure.strips.errors import NoMaterial
+from asterism.measure.strips.curvature_model import CurvatureModel, StripData
+from asterism.measure.strips.errors import UndeterminedMaterialError
+from asterism.measure.strips.kind_effects import KindEffects, effect_sizes, fit_kind_effects, variance_factor
 from asterism.measure.strips.likelihood import solve
-from asterism.measure.strips.model import Data, Model
-from asterism.measure.strips.noise import FEW, Noise, noise, of_rounding, together
+from asterism.measure.strips.noise import MIN_REPEATS, ReadingNoise, fit_noise, rounding_deviation, shared_rounding
 from pattern.design.materials import bilayer_curvature
 from pattern.geometry.arrays import Floats
 
@@ -21,7 +21,7 @@ _TURNS = 40
 
 
 @dataclass(frozen=True)
-class Estimate:
+class ParameterEstimate:
     """What readings say.
 
     Attributes
@@ -38,9 +38,9 @@ class Estimate:
     parameters: Floats
     covariance: Floats
     rounding: Floats
-    noise: Noise
+    noise: ReadingNoise
     free: int
-    common: Common
+    common: KindEffects
     of_common: Floats
     free_common: Floats
 
@@ -58,7 +58,7 @@ class Estimate:
         return float(1 / np.sum(share**2 / free))
 
 
-def estimate(model: Model, data: Data, *, alike: bool = False) -> Estimate:
+def estimate_parameters(model: CurvatureModel, data: StripData, *, alike: bool = False) -> ParameterEstimate:
     """Fit a model to readings.
 
     Parameters
@@ -67,24 +67,24 @@ def estimate(model: Model, data: Data, *, alike: bool = False) -> Estimate:
 
     Raises
     ------
-    NoMaterial
+    UndeterminedMaterialError
         They are too few, or all flat.
     """
     bent = data.take(~data.flat)
     parameters = first_guess(model, bent, data)
     free = len(bent.curvature) - model.size
     if free < 1:
-        raise NoMaterial(
+        raise UndeterminedMaterialError(
             f"{len(bent.curvature)} bent strips are too few; at least {model.size + 1} readings are needed"
         )
     if np.linalg.matrix_rank(_equal_columns(model.jacobian(parameters, bent))) < model.size:
-        raise NoMaterial(
+        raise UndeterminedMaterialError(
             "the strips that are bent cannot tell E1/E2 from kappa_bar: measure more thicknesses, or peel some"
         )
     kind = bent.kind
-    alone = alike or len(kind) - int(kind.max() + 1) < FEW
-    least = float(of_rounding(bent.step).max())
-    found, shared = Noise(1.0, 0.0), Common()
+    alone = alike or len(kind) - int(kind.max() + 1) < MIN_REPEATS
+    least = float(rounding_deviation(bent.step).max())
+    found, shared = ReadingNoise(1.0, 0.0), KindEffects()
     larger = np.full(len(kind), 1.0 if alone else _AT_FIRST)
     for _ in range(_TURNS):
         before, variance = (parameters, found, shared), _variance(model, data, parameters, found, shared)
@@ -92,13 +92,13 @@ def estimate(model: Model, data: Data, *, alike: bool = False) -> Estimate:
         mean, jacobian = model.mean(parameters, bent), model.jacobian(parameters, bent)
         sensitivity = arc.reading_sensitivity(mean, bent.length)
         residual = bent.curvature - mean
-        found = noise(residual, jacobian, sensitivity, mean, least, kind=kind, times=larger)
+        found = fit_noise(residual, jacobian, sensitivity, mean, least, kind=kind, times=larger)
         if not alone:
             plain = found.variance(sensitivity, mean)
-            off = together(bent.curvature, kind, sensitivity, bent.step)
-            sizes = effects(model.by_fabric(parameters, bent), bent.peeled)
-            shared = common(kind, residual, jacobian, plain, off, sizes, shared)
-            larger = times(kind, plain, shared.variance(sizes))
+            off = shared_rounding(bent.curvature, kind, sensitivity, bent.step)
+            sizes = effect_sizes(model.by_fabric(parameters, bent), bent.peeled)
+            shared = fit_kind_effects(kind, residual, jacobian, plain, off, sizes, shared)
+            larger = variance_factor(kind, plain, shared.variance(sizes))
         if np.all(np.abs(parameters - before[0]) <= 1e-4 * np.sqrt(np.diag(covariance))) and (
             alone or _stays(before[1:], (found, shared))
         ):
@@ -108,29 +108,36 @@ def estimate(model: Model, data: Data, *, alike: bool = False) -> Estimate:
     of_bent = _variance(model, bent, parameters, found, shared)
     rounding = _of_rounding(model, bent, parameters, covariance, of_bent)
     by_common = _of_common(model, bent, parameters, covariance, of_bent, shared)
-    return Estimate(parameters, covariance, rounding, found, free, shared, *by_common)
+    return ParameterEstimate(parameters, covariance, rounding, found, free, shared, *by_common)
 
 
-def _stays(before: tuple[Noise, Common], now: tuple[Noise, Common]) -> bool:
+def _stays(before: tuple[ReadingNoise, KindEffects], now: tuple[ReadingNoise, KindEffects]) -> bool:
     """Whether noise and effects are what they were in the turn before."""
     old, new = (np.array([*vars(one).values(), *vars(other).values()]) for one, other in (before, now))
     return bool(np.all(np.abs(new - old) <= 1e-3 * np.abs(new)))
 
 
-def _variance(model: Model, data: Data, parameters: Floats, found: Noise, shared: Common) -> Floats:
+def _variance(
+    model: CurvatureModel, data: StripData, parameters: Floats, found: ReadingNoise, shared: KindEffects
+) -> Floats:
     """(n,) 1/mm^2, with which the readings count."""
     mean = model.mean(parameters, data)
     variance = found.variance(arc.reading_sensitivity(mean, data.length), mean)
-    sizes = effects(model.by_fabric(parameters, data), data.peeled)
-    return variance * times(data.kind, variance, shared.variance(sizes))
+    sizes = effect_sizes(model.by_fabric(parameters, data), data.peeled)
+    return variance * variance_factor(data.kind, variance, shared.variance(sizes))
 
 
 def _of_common(
-    model: Model, bent: Data, parameters: Floats, covariance: Floats, variance: Floats, shared: Common
+    model: CurvatureModel,
+    bent: StripData,
+    parameters: Floats,
+    covariance: Floats,
+    variance: Floats,
+    shared: KindEffects,
 ) -> tuple[Floats, Floats]:
     """(2, p, p) what each effect is of the covariance, and (2,) by how many kinds, less parameters, it is told."""
     jacobian = model.jacobian(parameters, bent)
-    sizes = effects(model.by_fabric(parameters, bent), bent.peeled)
+    sizes = effect_sizes(model.by_fabric(parameters, bent), bent.peeled)
     kind = bent.kind
     count = int(kind.max()) + 1
     pull = np.zeros((count, model.size))
@@ -145,11 +152,13 @@ def _of_common(
     return np.array(parts), np.array(free)
 
 
-def _of_rounding(model: Model, bent: Data, parameters: Floats, covariance: Floats, variance: Floats) -> Floats:
+def _of_rounding(
+    model: CurvatureModel, bent: StripData, parameters: Floats, covariance: Floats, variance: Floats
+) -> Floats:
     """(p, p) what is added to the covariance, as rounding moves all readings together that should be equal."""
     mean = model.mean(parameters, bent)
     sensitivity = arc.reading_sensitivity(mean, bent.length)
-    alike = together(bent.curvature, bent.kind, sensitivity, bent.step)
+    alike = shared_rounding(bent.curvature, bent.kind, sensitivity, bent.step)
     off = alike / variance
     equal = np.column_stack([np.round(mean / np.abs(mean).max(), 9), bent.length])
     _, group = np.unique(equal, axis=0, return_inverse=True)
@@ -158,21 +167,21 @@ def _of_rounding(model: Model, bent: Data, parameters: Floats, covariance: Float
     return np.asarray(covariance @ of_group.T @ of_group @ covariance)
 
 
-def first_guess(model: Model, bent: Data, data: Data) -> Floats:
+def first_guess(model: CurvatureModel, bent: StripData, data: StripData) -> Floats:
     """(p,) parameters of the right size.
 
     Raises
     ------
-    NoMaterial
+    UndeterminedMaterialError
         Every strip with its fabric is flat, and the message gives the bound that is left; or there is none.
     """
     with_fabric = bent.take(~bent.peeled)
     if len(with_fabric.curvature) == 0:
         flat = data.take(~data.peeled)
         if len(flat.curvature) == 0:  # they were outliers of each other
-            raise NoMaterial("the strips with their fabric contradict each other: measure again")
+            raise UndeterminedMaterialError("the strips with their fabric contradict each other: measure again")
         bound = np.max(_of_ratio_one(model, flat) / flat.limit)
-        raise NoMaterial(
+        raise UndeterminedMaterialError(
             f"every strip with its fabric looks flat: E1/E2 is above {bound:.0f} ({model.formula}) if kappa_bar is 0, "
             "and no more can be said; print thinner or longer strips"
         )
@@ -182,7 +191,7 @@ def first_guess(model: Model, bent: Data, data: Data) -> Floats:
     return np.concatenate([[max(float(np.median(per_ratio)), 1e-7)], np.full(model.size - 1, kept)])
 
 
-def _of_ratio_one(model: Model, data: Data) -> Floats:
+def _of_ratio_one(model: CurvatureModel, data: StripData) -> Floats:
     """(n,) curvature for E1/E2 = 1 in the limit of stiff plastic, 1/mm."""
     stiff = 1e9
     return stiff * bilayer_curvature(data.thickness, data.fabric, stiff, data.mismatch, model.formula)

@@ -10,12 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import norm
 
-from asterism.measure.strips.errors import NoMaterial
-from asterism.measure.strips.fit import StripFit, fit_strips
+from asterism.measure.strips.curvature_model import FORMULAS, StripFormula
+from asterism.measure.strips.errors import UndeterminedMaterialError
 from asterism.measure.strips.likelihood import flat_terms
-from asterism.measure.strips.model import FORMULAS, Formula
-from asterism.measure.strips.statement import warnings
-from asterism.measure.strips.synthetic import THICKNESSES, readings
+from asterism.measure.strips.statement import fit_warnings
+from asterism.measure.strips.strip_fit import StripFit, fit_readings
+from asterism.measure.strips.synthetic import THICKNESSES, synthetic_readings
 from asterism.measure.strips.systematic import shared_errors
 from pattern.design.materials import Fabric, Plastic, rest_curvature
 
@@ -29,7 +29,7 @@ def inside(fit: StripFit, ratio: float = PAPER) -> bool:
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_the_papers_strips_give_3200(seed: int) -> None:
-    fit = fit_strips(readings(seed))
+    fit = fit_readings(synthetic_readings(seed))
     found = fit.ratio["paper"]
     assert inside(fit)
     assert (found.high - found.low) / found.value < 0.08
@@ -45,8 +45,9 @@ def test_the_papers_strips_give_3200(seed: int) -> None:
 def test_intervals_hold_the_truth_as_often_as_they_say(reading_mm: float, scatter: float, flat_mm: float) -> None:
     """Of 60 tables: 95 % are 57; fewer than 52 (more than 60 is impossible) has a chance of 1 in 100."""
     fits = [
-        fit_strips(
-            readings(seed, reading_mm=reading_mm, scatter=scatter, flat_mm=flat_mm), flat_height_mm=flat_mm or 0.5
+        fit_readings(
+            synthetic_readings(seed, reading_mm=reading_mm, scatter=scatter, flat_mm=flat_mm),
+            flat_height_mm=flat_mm or 0.5,
         )
         for seed in range(60)
     ]
@@ -62,7 +63,9 @@ def test_boxes_read_to_the_marks_of_a_ruler_are_good_tables(reading_mm: float, s
     fits, kept = [], rng.uniform(0.0021, 0.0045, 40)
     for seed, kappa in enumerate(kept):
         plastic = Plastic(kappa_bar_per_mm=float(kappa))
-        fits.append(fit_strips(readings(seed, plastic, count=count, reading_mm=reading_mm, step_mm=step_mm)))
+        fits.append(
+            fit_readings(synthetic_readings(seed, plastic, count=count, reading_mm=reading_mm, step_mm=step_mm))
+        )
     # of 40 tables 95 % are 38; fewer than 33 has a chance of 1 in 1000
     assert sum(inside(fit) for fit in fits) >= 33
     intervals = [fit.kappa_bar[None] for fit in fits]
@@ -74,9 +77,9 @@ def test_boxes_read_to_the_marks_of_a_ruler_are_good_tables(reading_mm: float, s
 @pytest.mark.parametrize("off_mm", [0.0, 0.01, 0.02])
 def test_equal_readings_of_a_ruler_do_not_widen_intervals_without_end(off_mm: float) -> None:
     """All strips of a kind read the same marks, and one thickness is not what the table says."""
-    strips = readings(0, count=3, reading_mm=0.0, scatter=0.0, step_mm=0.5)
+    strips = synthetic_readings(0, count=3, reading_mm=0.0, scatter=0.0, step_mm=0.5)
     off = [replace(one, thickness_mm=one.thickness_mm + off_mm * (one.thickness_mm == 0.35)) for one in strips]
-    fit = fit_strips(off)
+    fit = fit_readings(off)
     found = fit.ratio["paper"]
     assert fit.widened < 5.0 and 2500.0 < found.low < PAPER < found.high < 4000.0
 
@@ -85,19 +88,19 @@ def test_good_strips_read_to_whole_millimetres_lose_no_reading() -> None:
     """A kappa_bar for each thickness: ten strips of which most read the same mark."""
     lost = 0
     for seed in range(30):
-        strips = readings(seed, reading_mm=0.3, step_mm=1.0)
-        lost += bool(fit_strips(strips, kappa_bar="per-thickness").left_out)
+        strips = synthetic_readings(seed, reading_mm=0.3, step_mm=1.0)
+        lost += bool(fit_readings(strips, kappa_bar="per-thickness").left_out)
     assert lost <= 2  # of 30 tables .3 are to lose one
 
 
 def test_half_of_the_narrow_intervals_miss_and_good_strips_are_rarely_called_outliers() -> None:
     """An interval that always holds the truth says nothing."""
-    narrow = [fit_strips(readings(seed, count=5), confidence=0.5) for seed in range(40)]
+    narrow = [fit_readings(synthetic_readings(seed, count=5), confidence=0.5) for seed in range(40)]
     assert 10 <= sum(inside(fit) for fit in narrow) <= 30
     # whatever the confidence of the intervals
     assert sum(len(fit.left_out) for fit in narrow) <= 4
     for fit, seed in zip(narrow[:3], range(3), strict=True):
-        assert fit_strips(readings(seed, count=5)).left_out == fit.left_out
+        assert fit_readings(synthetic_readings(seed, count=5)).left_out == fit.left_out
 
 
 @settings(max_examples=25, deadline=None)
@@ -107,12 +110,14 @@ def test_half_of_the_narrow_intervals_miss_and_good_strips_are_rarely_called_out
     stretch=st.floats(1.1, 1.9),
     formula=st.sampled_from(FORMULAS),
 )
-def test_strips_without_errors_give_their_material(ratio: float, kept: float, stretch: float, formula: Formula) -> None:
+def test_strips_without_errors_give_their_material(
+    ratio: float, kept: float, stretch: float, formula: StripFormula
+) -> None:
     plastic = Plastic(modulus_ratio=ratio, kappa_bar_per_mm=kept, rest_curvature=formula)
     # short enough that no arc closes
-    exact = readings(0, plastic, reading_mm=0.0, scatter=0.0, length=20.0, stretch=stretch, count=3)
+    exact = synthetic_readings(0, plastic, reading_mm=0.0, scatter=0.0, length=20.0, stretch=stretch, count=3)
     exact = [replace(r, curvature_per_mm=_curvature(r, plastic)) for r in exact]
-    fit = fit_strips(exact, formula)
+    fit = fit_readings(exact, formula)
     assert fit.ratio[formula].value == pytest.approx(ratio, rel=1e-5)
     assert fit.kappa_bar[None].value == pytest.approx(kept, abs=1e-7)
 
@@ -127,21 +132,21 @@ def _curvature(reading: object, plastic: Plastic) -> float:
 @settings(max_examples=8, deadline=None)
 @given(order=st.permutations(range(40)))
 def test_the_order_of_the_strips_does_not_matter(order: list[int]) -> None:
-    strips = readings(5, count=5)
-    one, other = fit_strips(strips), fit_strips([strips[i] for i in order])
+    strips = synthetic_readings(5, count=5)
+    one, other = fit_readings(strips), fit_readings([strips[i] for i in order])
     assert other.ratio["paper"].value == pytest.approx(one.ratio["paper"].value, rel=1e-6)
     assert other.ratio["paper"].high == pytest.approx(one.ratio["paper"].high, rel=1e-6)
 
 
 def test_outliers_are_named_and_left_out() -> None:
-    strips = readings(2)
+    strips = synthetic_readings(2)
     wrong = {6: 0.045, 17: 0.009, 40: 0.035}
     strips = [replace(r, curvature_per_mm=wrong.get(i, r.curvature_per_mm)) for i, r in enumerate(strips)]
-    fit = fit_strips(strips)
+    fit = fit_readings(strips)
     assert {out.reading.name for out in fit.left_out} == {strips[i].name for i in wrong}
     assert all("standard deviations" in out.reason for out in fit.left_out)
     assert inside(fit)
-    kept = fit_strips(strips, keep_outliers=True)
+    kept = fit_readings(strips, keep_outliers=True)
     assert not kept.left_out and len(kept.used) == 80
     width = [found.high - found.low for found in (fit.ratio["paper"], kept.ratio["paper"])]
     assert width[1] > 2 * width[0]
@@ -149,20 +154,24 @@ def test_outliers_are_named_and_left_out() -> None:
 
 def test_readings_that_contradict_each_other_are_refused() -> None:
     wild = np.random.default_rng(0).uniform(0.05, 0.1, 80)
-    strips = [replace(r, curvature_per_mm=wild[i]) if i % 5 < 2 else r for i, r in enumerate(readings(2))]
-    with pytest.raises(NoMaterial, match="contradict the others: measure again, or give --keep-outliers"):
-        fit_strips(strips)
+    strips = [replace(r, curvature_per_mm=wild[i]) if i % 5 < 2 else r for i, r in enumerate(synthetic_readings(2))]
+    with pytest.raises(
+        UndeterminedMaterialError, match="contradict the others: measure again, or give --keep-outliers"
+    ):
+        fit_readings(strips)
 
 
 def test_a_kappa_bar_for_each_thickness() -> None:
     table = {"thickness_mm": THICKNESSES, "per_mm": (0.006, 0.004, 0.002, 0.001)}
-    strips = readings(4, Plastic(kappa_bar_per_mm=table))
-    fit = fit_strips(strips, kappa_bar="per-thickness")
+    strips = synthetic_readings(4, Plastic(kappa_bar_per_mm=table))
+    fit = fit_readings(strips, kappa_bar="per-thickness")
     assert inside(fit)
     assert list(fit.kappa_bar) == list(THICKNESSES)
     for value, interval in zip(table["per_mm"], fit.kappa_bar.values(), strict=True):
         assert interval.low - 1e-4 < value < interval.high + 1e-4
-    assert fit_strips(strips).kappa_bar_contradicted and not fit_strips(readings(4)).kappa_bar_contradicted
+    assert (
+        fit_readings(strips).kappa_bar_contradicted and not fit_readings(synthetic_readings(4)).kappa_bar_contradicted
+    )
     plastic = fit.plastic()
     assert float(rest_curvature(0.3, Fabric(), plastic)) == pytest.approx(
         float(rest_curvature(0.3, Fabric(), Plastic(kappa_bar_per_mm=0.006))), rel=0.03
@@ -170,9 +179,9 @@ def test_a_kappa_bar_for_each_thickness() -> None:
 
 
 def test_peeled_strips_that_curl_contradict_zero() -> None:
-    said = warnings(fit_strips(readings(4), kappa_bar="zero"))
+    said = fit_warnings(fit_readings(synthetic_readings(4), kappa_bar="zero"))
     assert any("try --kappa-bar constant" in line for line in said) and not any("thicknesses" in line for line in said)
-    assert not fit_strips(readings(4, Plastic()), kappa_bar="zero").kappa_bar_contradicted
+    assert not fit_readings(synthetic_readings(4, Plastic()), kappa_bar="zero").kappa_bar_contradicted
 
 
 @pytest.mark.parametrize(
@@ -186,21 +195,23 @@ def test_peeled_strips_that_curl_contradict_zero() -> None:
     ],
 )
 @pytest.mark.filterwarnings("error::RuntimeWarning")
-def test_strips_that_no_plastic_makes_are_refused(strips: list[tuple[float, float, bool]], formula: Formula) -> None:
-    like = readings(0)[0]
+def test_strips_that_no_plastic_makes_are_refused(
+    strips: list[tuple[float, float, bool]], formula: StripFormula
+) -> None:
+    like = synthetic_readings(0)[0]
     given = [replace(like, thickness_mm=h, curvature_per_mm=k, peeled=bare) for h, k, bare in strips]
-    with pytest.raises(NoMaterial, match=r"no plastic on this fabric|contradict the others"):
-        fit_strips(given, formula, "zero")
+    with pytest.raises(UndeterminedMaterialError, match=r"no plastic on this fabric|contradict the others"):
+        fit_readings(given, formula, "zero")
 
 
 def test_without_peeled_strips_the_thicknesses_tell() -> None:
-    strips = [r for r in readings(6) if not r.peeled]
-    fit = fit_strips(strips)
+    strips = [r for r in synthetic_readings(6) if not r.peeled]
+    fit = fit_readings(strips)
     assert inside(fit)
-    both = fit_strips(readings(6)).ratio["paper"]
+    both = fit_readings(synthetic_readings(6)).ratio["paper"]
     assert fit.ratio["paper"].high - fit.ratio["paper"].low > 2 * (both.high - both.low)
-    bare = [r for r in readings(6, Plastic()) if not r.peeled]
-    assert inside(fit_strips(bare, kappa_bar="zero"))
+    bare = [r for r in synthetic_readings(6, Plastic()) if not r.peeled]
+    assert inside(fit_readings(bare, kappa_bar="zero"))
 
 
 def test_flat_strips_count_with_their_bound() -> None:
@@ -208,23 +219,23 @@ def test_flat_strips_count_with_their_bound() -> None:
     plastic = Plastic(modulus_ratio=20000.0, kappa_bar_per_mm=0.0)
     hits, straight = 0, 0
     for seed in range(12):
-        strips = readings(seed, plastic, reading_mm=0.15, length=45.0, flat_mm=0.5)
+        strips = synthetic_readings(seed, plastic, reading_mm=0.15, length=45.0, flat_mm=0.5)
         flat = [r for r in strips if r.curvature_per_mm is None]
         assert len(flat) > 15
-        hits += inside(fit_strips(strips, kappa_bar="zero"), 20000.0)
+        hits += inside(fit_readings(strips, kappa_bar="zero"), 20000.0)
         zeros = [replace(r, curvature_per_mm=r.curvature_per_mm or 0.0) for r in strips]
         try:
-            straight += inside(fit_strips(zeros, kappa_bar="zero", keep_outliers=True), 20000.0)
-        except NoMaterial as refused:  # so far from the formula that they tell nothing
+            straight += inside(fit_readings(zeros, kappa_bar="zero", keep_outliers=True), 20000.0)
+        except UndeterminedMaterialError as refused:  # so far from the formula that they tell nothing
             assert "contradict the formula" in str(refused)
     assert hits >= 10
     assert straight < hits
 
 
 def test_only_flat_strips_leave_a_bound() -> None:
-    strips = [replace(r, curvature_per_mm=None) for r in readings(0)]
-    with pytest.raises(NoMaterial, match="above") as caught:
-        fit_strips(strips)
+    strips = [replace(r, curvature_per_mm=None) for r in synthetic_readings(0)]
+    with pytest.raises(UndeterminedMaterialError, match="above") as caught:
+        fit_readings(strips)
     # the thinnest strip: 88.3/ratio < 8 * 0.5 / 60^2
     bound = float(rest_curvature(0.3, Fabric(), Plastic(modulus_ratio=1.0))) / (8 * 0.5 / 60**2)
     assert f"above {bound:.0f}" in str(caught.value)
@@ -240,8 +251,8 @@ def test_only_flat_strips_leave_a_bound() -> None:
     ],
 )
 def test_too_little(keep, kappa_bar, problem) -> None:
-    with pytest.raises(NoMaterial, match=problem):
-        fit_strips([r for r in readings(0) if keep(r)], kappa_bar=kappa_bar)
+    with pytest.raises(UndeterminedMaterialError, match=problem):
+        fit_readings([r for r in synthetic_readings(0) if keep(r)], kappa_bar=kappa_bar)
 
 
 @pytest.mark.parametrize(
@@ -249,34 +260,37 @@ def test_too_little(keep, kappa_bar, problem) -> None:
 )
 def test_impossible_choices_are_named(wrong) -> None:
     with pytest.raises(ValueError, match=next(iter(wrong))):
-        fit_strips(readings(0), **wrong)
+        fit_readings(synthetic_readings(0), **wrong)
 
 
 def test_a_wrong_thickness_widens_the_interval() -> None:
-    strips = [replace(r, thickness_mm=0.43) if r.thickness_mm == 0.45 else r for r in readings(1)]
-    fit = fit_strips(strips, keep_outliers=True)
+    strips = [replace(r, thickness_mm=0.43) if r.thickness_mm == 0.45 else r for r in synthetic_readings(1)]
+    fit = fit_readings(strips, keep_outliers=True)
     assert fit.lack_of_fit is not None and fit.lack_of_fit < 0.01 and fit.widened > 1.5
-    good = fit_strips(readings(1))
+    good = fit_readings(synthetic_readings(1))
     assert not good.disagrees and good.widened < 1.3
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_strips_of_a_wrong_thickness_are_no_outliers(seed: int) -> None:
     """They are used, named, and the wide interval holds the truth; a stray one among them still is an outlier."""
-    strips = [replace(r, thickness_mm=0.26) if r.thickness_mm == 0.3 else r for r in readings(seed)]
-    fit = fit_strips(strips)
+    strips = [replace(r, thickness_mm=0.26) if r.thickness_mm == 0.3 else r for r in synthetic_readings(seed)]
+    fit = fit_readings(strips)
     assert not fit.left_out and fit.thicknesses_apart == (0.26,) and fit.widened > 1.5 and inside(fit)
-    assert any("check the thicknesses, that of the strips of 0.26 mm first" in line for line in warnings(fit))
+    assert any("check the thicknesses, that of the strips of 0.26 mm first" in line for line in fit_warnings(fit))
     strips[4] = replace(strips[4], curvature_per_mm=0.05)
-    again = fit_strips(strips)
+    again = fit_readings(strips)
     assert [out.reading.name for out in again.left_out] == [strips[4].name] and inside(again)
-    assert not fit_strips(readings(seed)).thicknesses_apart
+    assert not fit_readings(synthetic_readings(seed)).thicknesses_apart
 
 
 @pytest.mark.parametrize(("reading_mm", "scatter"), [(0.3, 0.03), (0.1, 0.02), (0.02, 0.003)])
 def test_intervals_hold_the_truth_though_thicknesses_are_off(reading_mm: float, scatter: float) -> None:
     """Of 40 tables 95 % are 38; fewer than 33 has a chance of 1 in 1000."""
-    fits = [fit_strips(readings(seed, reading_mm=reading_mm, scatter=scatter, off_mm=0.01)) for seed in range(40)]
+    fits = [
+        fit_readings(synthetic_readings(seed, reading_mm=reading_mm, scatter=scatter, off_mm=0.01))
+        for seed in range(40)
+    ]
     assert sum(inside(fit) for fit in fits) >= 33
     kept = [fit.kappa_bar[None] for fit in fits]
     assert sum(interval.low <= 0.003 <= interval.high for interval in kept) >= 33
@@ -290,7 +304,7 @@ def test_better_measurements_never_widen_intervals_of_wrong_thicknesses() -> Non
     part = dict(zip(THICKNESSES, (1.0, 1.1, 0.9, 1.08), strict=True))
     widths = []
     for scatter in (0.02, 0.005, 0.001, 0.0002):
-        exact = readings(0, reading_mm=0.0, scatter=0.0)
+        exact = synthetic_readings(0, reading_mm=0.0, scatter=0.0)
         rng = np.random.default_rng(5)
         off = [
             replace(
@@ -300,78 +314,78 @@ def test_better_measurements_never_widen_intervals_of_wrong_thicknesses() -> Non
             )
             for one in exact
         ]
-        fit = fit_strips(off)
+        fit = fit_readings(off)
         found = fit.ratio["paper"]
         assert fit.disagrees and not fit.left_out and inside(fit)
-        assert not any("bound" in line for line in warnings(fit))
+        assert not any("bound" in line for line in fit_warnings(fit))
         widths.append(found.high - found.low)
     assert max(widths) < 1.1 * min(widths) and max(widths) < 0.35 * PAPER
 
 
 def test_strips_that_all_read_the_same_are_used() -> None:
     """Computed curvatures, written to so many digits, and means written for every strip of a thickness."""
-    strips = readings(0)
+    strips = synthetic_readings(0)
     for digits in (5, 6, 7):
         exact = [
             replace(one, curvature_per_mm=round(_curvature(one, Plastic(kappa_bar_per_mm=0.003)), digits))
             for one in strips
         ]
-        fit = fit_strips(exact)
+        fit = fit_readings(exact)
         assert not fit.left_out and fit.ratio["paper"].value == pytest.approx(PAPER, rel=0.002)
         assert not fit.kappa_bar_contradicted
     means: dict[tuple[float, bool], list[float]] = {}
     for one in strips:
         means.setdefault((one.thickness_mm, one.peeled), []).append(one.curvature_per_mm or 0.0)
-    same = fit_strips(
+    same = fit_readings(
         [replace(one, curvature_per_mm=float(np.mean(means[one.thickness_mm, one.peeled]))) for one in strips]
     )
-    assert not same.left_out and inside(same) and any("all read the same" in line for line in warnings(same))
+    assert not same.left_out and inside(same) and any("all read the same" in line for line in fit_warnings(same))
     # forty copies of four means know no more than the four, and not much less than the strips themselves
-    width = [found.high - found.low for found in (fit_strips(strips).ratio["paper"], same.ratio["paper"])]
+    width = [found.high - found.low for found in (fit_readings(strips).ratio["paper"], same.ratio["paper"])]
     assert 0.3 * width[0] < width[1] < 5 * width[0]
 
 
 def test_mistakes_that_explain_a_table_are_named() -> None:
-    swapped = [replace(one, thickness_mm=0.8, fabric_thickness_mm=one.thickness_mm) for one in readings(0)]
-    with pytest.raises(NoMaterial, match="thickness_mm and fabric_thickness_mm were swapped"):
-        fit_strips(swapped)
+    swapped = [replace(one, thickness_mm=0.8, fabric_thickness_mm=one.thickness_mm) for one in synthetic_readings(0)]
+    with pytest.raises(UndeterminedMaterialError, match="thickness_mm and fabric_thickness_mm were swapped"):
+        fit_readings(swapped)
     unsigned = [
         replace(one, curvature_per_mm=abs(one.curvature_per_mm or 0.0))
-        for one in readings(0, Plastic(kappa_bar_per_mm=-0.004), reading_mm=0.1)
+        for one in synthetic_readings(0, Plastic(kappa_bar_per_mm=-0.004), reading_mm=0.1)
     ]
-    with pytest.raises(NoMaterial, match="with a minus, in peeled_curvature_per_mm"):
-        fit_strips(unsigned)
+    with pytest.raises(UndeterminedMaterialError, match="with a minus, in peeled_curvature_per_mm"):
+        fit_readings(unsigned)
     wild = dict(zip(THICKNESSES, (0.1, 1.0, 3.0, 0.5), strict=True))
-    with pytest.raises(NoMaterial, match=r"contradict the formula, by \d+ % of their curvature"):
-        fit_strips(
+    with pytest.raises(UndeterminedMaterialError, match=r"contradict the formula, by \d+ % of their curvature"):
+        fit_readings(
             [
                 one
                 if one.peeled
                 else replace(one, curvature_per_mm=(one.curvature_per_mm or 0.0) * wild[one.thickness_mm])
-                for one in readings(0)
+                for one in synthetic_readings(0)
             ]
         )
 
 
 def test_two_readings_are_said_to_be_too_few() -> None:
-    strips = [one for one in readings(0, Plastic()) if not one.peeled and one.thickness_mm == 0.3][:2]
+    strips = [one for one in synthetic_readings(0, Plastic()) if not one.peeled and one.thickness_mm == 0.3][:2]
     strips[1] = replace(strips[1], curvature_per_mm=1.3 * (strips[1].curvature_per_mm or 0.0))
-    fit = fit_strips(strips, kappa_bar="zero")
-    assert "E1/E2 has no upper bound: 2 readings are too few" in warnings(fit)
+    fit = fit_readings(strips, kappa_bar="zero")
+    assert "E1/E2 has no upper bound: 2 readings are too few" in fit_warnings(fit)
 
 
 def test_flat_strips_of_a_wrong_thickness_are_no_outliers() -> None:
     """Strips that are thicker than they are said to be look flat, all of them."""
-    strips = readings(1, Plastic(), reading_mm=0.1)
+    strips = synthetic_readings(1, Plastic(), reading_mm=0.1)
     strips = [replace(r, curvature_per_mm=None) if r.thickness_mm == 0.35 and not r.peeled else r for r in strips]
-    fit = fit_strips([r for r in strips if not r.peeled], kappa_bar="zero")
+    fit = fit_readings([r for r in strips if not r.peeled], kappa_bar="zero")
     assert not fit.left_out and fit.thicknesses_apart == (0.35,)
-    assert any("0.35 mm disagree with the others" in line or "of 0.35 mm first" in line for line in warnings(fit))
+    assert any("0.35 mm disagree with the others" in line or "of 0.35 mm first" in line for line in fit_warnings(fit))
 
 
 def test_shared_errors_follow_the_formula() -> None:
     """Eq. (1): the ratio goes with `1 - 1/s^2`, with `h2 (h1 + h2)` and with `(h1 + h2) / h1^3`."""
-    changes = shared_errors(fit_strips(readings(0, reading_mm=0.01, scatter=0.0)))
+    changes = shared_errors(fit_readings(synthetic_readings(0, reading_mm=0.01, scatter=0.0)))
     assert changes["stretch"] == pytest.approx(100 * ((1 - 1 / (1.01 * 1.35) ** 2) / (1 - 1 / 1.35**2) - 1), abs=0.02)
     assert 9.5 < changes["fabric_thickness"] < 11.5
     assert -9.5 < changes["plastic_thickness"] < -5

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from asterism.print.needles import MUCH_MM, hanging, named
+from asterism.print.needles import VISIBLE_SAG_MM, needle_names, sag_in_words
 
 _MOST_NAMED = 4
 
 
-def table(s: dict[str, Any]) -> dict[str, str]:
+def export_rows(s: dict[str, Any]) -> dict[str, str]:
     """Rows by name, from what `write_export` returns."""
     rounding, cost = s["rounding"], s["estimate"]
     rows = {"printer": f"{s['printer']['name']}, {s['plastic']['name']}"}
@@ -32,11 +32,13 @@ def table(s: dict[str, Any]) -> dict[str, str]:
     rows["check square"] = f"{before:g} mm before stretching, {x:.1f} x {y:.1f} mm after"
     rows["needles"] = str(s["needles"])
     if through := s["needles_in_plastic"]:
-        rows["in plastic"] = f"{named(through)}: drill the arm there, or move the pin"
+        rows["in plastic"] = f"{needle_names(through)}: drill the arm there, or move the pin"
     if s["hangs_below_base_mm"] is None:
         rows["hangs"] = "not known without a law for this fabric; --simulate says it"
-    elif s["hangs_below_base_mm"] > MUCH_MM:
-        rows["hangs"] = f"{hanging(s['hangs_below_base_mm'], s['hangs_doubt_mm'])}: set needles higher, or cut it out"
+    elif s["hangs_below_base_mm"] > VISIBLE_SAG_MM:
+        rows["hangs"] = (
+            f"{sag_in_words(s['hangs_below_base_mm'], s['hangs_doubt_mm'])}: set needles higher, or cut it out"
+        )
     rows["estimate"] = f"{cost['minutes']:.0f} min, {cost['mass_g']:.2f} g, {cost['filament_m']:.2f} m"
     return rows
 

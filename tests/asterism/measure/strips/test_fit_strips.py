@@ -12,10 +12,10 @@ from PIL import Image
 
 from asterism.laws.material import with_material
 from asterism.measure.strips import arc
-from asterism.measure.strips.fit import fit_strips
-from asterism.measure.strips.material import material_text
-from asterism.measure.strips.strip import Reading
-from asterism.measure.strips.synthetic import readings
+from asterism.measure.strips.material_file import material_text
+from asterism.measure.strips.reading import Reading
+from asterism.measure.strips.strip_fit import fit_readings
+from asterism.measure.strips.synthetic import synthetic_readings
 from homogenize.campaign.plan import load_material
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
@@ -37,7 +37,7 @@ def table(strips: list[Reading], path: Path) -> Path:
 
 @pytest.fixture
 def strips(tmp_path: Path) -> Path:
-    return table(readings(0), tmp_path / "strips.csv")
+    return table(synthetic_readings(0), tmp_path / "strips.csv")
 
 
 def test_material_picture_and_numbers(strips: Path, capsys, monkeypatch) -> None:
@@ -66,7 +66,7 @@ def test_the_other_convention_and_a_table(strips: Path, capsys, monkeypatch) -> 
 
 
 def test_outliers_are_named(tmp_path: Path, capsys, monkeypatch) -> None:
-    file = table(readings(0), tmp_path / "strips.csv")
+    file = table(synthetic_readings(0), tmp_path / "strips.csv")
     rows = file.read_text().splitlines()
     rows[7] = "7,0.3,60,1.35,0.8,44.0,18.0,59.6,1.6"
     rows[9] = "9,0.3,60,1.35,0.8,44.0,5.0,59.6,1.6"
@@ -141,8 +141,8 @@ def test_a_material_of_any_file_name_can_be_read(name: str, strips: Path, capsys
 
 
 def test_thicknesses_that_are_nearly_one_stay_apart() -> None:
-    near = [replace(r, thickness_mm=0.3000001) if r.thickness_mm == 0.35 else r for r in readings(0)]
-    fit = fit_strips(near, kappa_bar="per-thickness")
+    near = [replace(r, thickness_mm=0.3000001) if r.thickness_mm == 0.35 else r for r in synthetic_readings(0)]
+    fit = fit_readings(near, kappa_bar="per-thickness")
     text = tomllib.loads(material_text(fit, "near", []))
     assert text["plastic"]["kappa_bar_per_mm"]["thickness_mm"][:2] == [0.3, 0.3000001]
 

@@ -6,18 +6,18 @@ from dataclasses import replace
 from pathlib import Path
 
 from asterism.measure.strips import arc
-from asterism.measure.strips.strip import Reading
+from asterism.measure.strips.reading import Reading
 from asterism.results.csv_cells import Row, TableError, read_rows
 from pattern.design.stars import THICKNESS_MM
 
 GIVEN = ("strip", "thickness_mm", "length_mm", "stretch", "fabric_thickness_mm")
 BOXES = ("box_width_mm", "box_height_mm", "peeled_box_width_mm", "peeled_box_height_mm")
 CURVATURES = ("curvature_per_mm", "peeled_curvature_per_mm")
-COLUMNS = (*GIVEN, *BOXES, *CURVATURES)
+STRIP_COLUMNS = (*GIVEN, *BOXES, *CURVATURES)
 LENGTH_MM = (5.0, 1000.0)
 FABRIC_MM = (0.01, 10.0)
 STRETCH = (1.01, 3.0)
-LARGEST_MM = 2000.0
+MAX_BOX_MM = 2000.0
 # steps to which a ruler or a screen is read; of fewer sides than this nothing is concluded
 RULERS_MM = (1.0, 0.5, 0.25, 0.2, 0.1, 0.05, 0.02, 0.01)
 FEWEST_SIDES = 6
@@ -43,7 +43,7 @@ def read_strips(
     TableError
         One line with file, row and column.
     """
-    rows = read_rows(path, COLUMNS, ("strip", "thickness_mm", "length_mm"))
+    rows = read_rows(path, STRIP_COLUMNS, ("strip", "thickness_mm", "length_mm"))
     if not rows:
         raise TableError(path, None, None, "has a header but no strips")
     seen: dict[str, int] = {}
@@ -105,8 +105,8 @@ def _boxed(row: Row, prefix: str, reading: Reading, around: float) -> Measured:
     across, up = f"{prefix}box_width_mm", f"{prefix}box_height_mm"
     if row.cells.get(up, "").lower() == "flat":
         return reading, None
-    height = row.number_in(up, 0.0, LARGEST_MM)
-    width = row.number_in(across, 0.1, LARGEST_MM)
+    height = row.number_in(up, 0.0, MAX_BOX_MM)
+    width = row.number_in(across, 0.1, MAX_BOX_MM)
     for column, value in ((across, width), (up, height)):
         if value is None:
             raise row.wrong(column, "is empty, but the other side of the box is given")

@@ -10,13 +10,20 @@ from pydantic import ValidationError
 from scipy.stats import t as student
 
 from asterism.measure.strips.agreement import FALSE_ALARM, contradicted, lack_of_fit
-from asterism.measure.strips.errors import NoMaterial
-from asterism.measure.strips.estimate import Estimate, estimate
+from asterism.measure.strips.curvature_model import (
+    FORMULAS,
+    KAPPA_BAR_KINDS,
+    CurvatureModel,
+    KappaBarKind,
+    StripData,
+    StripFormula,
+)
+from asterism.measure.strips.errors import UndeterminedMaterialError
 from asterism.measure.strips.mistakes import check_mistakes
-from asterism.measure.strips.model import FORMULAS, KAPPA_BAR_KINDS, Data, Formula, KappaBarKind, Model
-from asterism.measure.strips.noise import Noise
+from asterism.measure.strips.noise import ReadingNoise
 from asterism.measure.strips.outliers import outliers
-from asterism.measure.strips.strip import Reading
+from asterism.measure.strips.parameter_estimate import ParameterEstimate, estimate_parameters
+from asterism.measure.strips.reading import Reading
 from pattern.design.errors import from_validation
 from pattern.design.materials import Plastic
 
@@ -60,14 +67,14 @@ class StripFit:
     thicknesses_apart : mm, of strips that lie away from the others as a whole; they are used.
     """
 
-    formula: Formula
+    formula: StripFormula
     kappa_bar_kind: KappaBarKind
     confidence: float
-    ratio: dict[Formula, Interval]
+    ratio: dict[StripFormula, Interval]
     kappa_bar: dict[float | None, Interval]
-    estimate: Estimate
-    model: Model
-    noise: Noise
+    estimate: ParameterEstimate
+    model: CurvatureModel
+    noise: ReadingNoise
     used: tuple[Reading, ...]
     left_out: tuple[LeftOut, ...]
     lack_of_fit: float | None
@@ -99,9 +106,9 @@ class StripFit:
         return Plastic(modulus_ratio=ratio, rest_curvature=self.formula, kappa_bar_per_mm=kept)
 
 
-def fit_strips(
+def fit_readings(
     readings: list[Reading],
-    formula: Formula = "paper",
+    formula: StripFormula = "paper",
     kappa_bar: KappaBarKind = "constant",
     *,
     confidence: float = 0.95,
@@ -120,7 +127,7 @@ def fit_strips(
 
     Raises
     ------
-    NoMaterial
+    UndeterminedMaterialError
         The readings do not determine E1/E2.
     ValueError
         No such formula or kind of kappa_bar, or a confidence or height out of range.
@@ -135,19 +142,19 @@ def fit_strips(
         with np.errstate(all="ignore"):  # what comes of it is looked at below
             found = _fit(readings, formula, kappa_bar, confidence, flat_height_mm, keep_outliers)
     except np.linalg.LinAlgError:
-        raise NoMaterial(UNLIKELY) from None
+        raise UndeterminedMaterialError(UNLIKELY) from None
     if not all(np.isfinite(interval.value) for interval in found.ratio.values()):
-        raise NoMaterial(UNLIKELY)
+        raise UndeterminedMaterialError(UNLIKELY)
     try:
         found.plastic()
     except ValidationError as error:
-        raise NoMaterial(f"{UNLIKELY}; {from_validation(error)}") from None
+        raise UndeterminedMaterialError(f"{UNLIKELY}; {from_validation(error)}") from None
     return found
 
 
 def _fit(
     readings: list[Reading],
-    formula: Formula,
+    formula: StripFormula,
     kappa_bar: KappaBarKind,
     confidence: float,
     flat_height_mm: float,
@@ -157,13 +164,15 @@ def _fit(
     left_out = [LeftOut(r, r.left_out) for r in readings if r.left_out]
     usable = [r for r in readings if not r.left_out]
     if not usable:
-        raise NoMaterial("no reading can be used: " + "; ".join(f"{o.reading.name}: {o.reason}" for o in left_out[:3]))
-    data = Data.of(usable, flat_height_mm)
+        raise UndeterminedMaterialError(
+            "no reading can be used: " + "; ".join(f"{o.reading.name}: {o.reason}" for o in left_out[:3])
+        )
+    data = StripData.of(usable, flat_height_mm)
     thicknesses_apart: tuple[float, ...] = ()
     if not keep_outliers:
-        model = Model.of(data, formula, kappa_bar)
+        model = CurvatureModel.of(data, formula, kappa_bar)
         odd, distance, apart = outliers(model, data)
-        expected = model.mean(estimate(model, data.take(~odd)).parameters, data)
+        expected = model.mean(estimate_parameters(model, data.take(~odd)).parameters, data)
         for i in np.flatnonzero(odd):
             seen = "flat" if data.flat[i] else f"{data.curvature[i]:.5f} /mm"
             reason = f"{seen}, the others say {expected[i]:.5f}: {distance[i]:.1f} standard deviations"
@@ -173,14 +182,14 @@ def _fit(
         data = data.take(~odd)
     results, lack = {}, {}
     for name in FORMULAS:
-        model = Model.of(data, name, kappa_bar)
-        results[name] = model, estimate(model, data)
+        model = CurvatureModel.of(data, name, kappa_bar)
+        results[name] = model, estimate_parameters(model, data)
         lack[name] = lack_of_fit(*results[name], data)
     ratio = {}
     for name, (_, found) in results.items():
         inverse = _interval(found, 0, confidence)
         if inverse.value <= 0:
-            raise NoMaterial(LITTLE if data.peeled.any() else UNLIKELY)
+            raise UndeterminedMaterialError(LITTLE if data.peeled.any() else UNLIKELY)
         ratio[name] = Interval(1 / inverse.value, 1 / inverse.high, 1 / inverse.low if inverse.low > 0 else np.inf)
     model, found = results[formula]
     check_mistakes(model, found, data, lack[formula])
@@ -205,14 +214,14 @@ def _fit(
     )
 
 
-def _interval(found: Estimate, index: int, confidence: float) -> Interval:
+def _interval(found: ParameterEstimate, index: int, confidence: float) -> Interval:
     variance = found.covariance[index, index] + found.rounding[index, index]
     half = student.ppf((1 + confidence) / 2, found.freedom(index)) * np.sqrt(variance)
     value = float(found.parameters[index])
     return Interval(value, value - float(half), value + float(half))
 
 
-def _widened(found: Estimate, confidence: float) -> float:
+def _widened(found: ParameterEstimate, confidence: float) -> float:
     """How many times as wide as by the scatter alone the interval of E2/E1 is."""
     if not found.of_common[0].any():
         return 1.0

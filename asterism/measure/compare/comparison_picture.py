@@ -15,11 +15,11 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from asterism.draw.chart_axes import tidy
+from asterism.draw.chart_axes import style_axes
 from asterism.draw.colours import INK, PALE
 from asterism.draw.render import OBLIQUE, camera, render
-from asterism.measure.compare.comparison import ScanComparison
-from asterism.measure.compare.silhouette import Fitted
+from asterism.measure.compare.scan_comparison import ScanComparison
+from asterism.measure.compare.silhouette import OutlineFit
 from asterism.reports.views import bare
 from pattern.geometry.arrays import Floats
 
@@ -49,7 +49,7 @@ def draw_scan(found: ScanComparison, title: str, path_or_file: str | Path | IO[b
     figure.savefig(path_or_file, format="png", dpi=DPI)
 
 
-def draw_outline(found: Fitted, title: str, words: str, path_or_file: str | Path | IO[bytes]) -> None:
+def draw_outline(found: OutlineFit, title: str, words: str, path_or_file: str | Path | IO[bytes]) -> None:
     """Draw an outline's comparison as PNG."""
     figure = _figure(title, words)
     axes = figure.add_axes((0.05, 0.09, 0.6, 0.77))
@@ -63,14 +63,14 @@ def draw_outline(found: Fitted, title: str, words: str, path_or_file: str | Path
     axes.add_collection(LineCollection(list(ends), colors=COLOURS(scale(found.distance)), linewidths=3))
     axes.set_aspect("equal")
     axes.margins(0.05)
-    tidy(axes, "the outline in the colour of its distance, on the shape's silhouette", "mm")
+    style_axes(axes, "the outline in the colour of its distance, on the shape's silhouette", "mm")
     bar = figure.colorbar(
         ScalarMappable(scale, COLOURS), cax=figure.add_axes((0.72, 0.62, 0.25, 0.025)), orientation="horizontal"
     )
     bar.ax.set_title("distance, mm; red: outside", fontsize=9, color=PALE)
     below = figure.add_axes((0.72, 0.15, 0.25, 0.34))
     below.hist(found.distance, bins=60, color="#2a6f97")
-    tidy(below, "length of outline at each distance", "mm")
+    style_axes(below, "length of outline at each distance", "mm")
     below.set_yticks([])
     for few in (bar.ax, below):  # there is room for so many numbers
         few.xaxis.set_major_locator(MaxNLocator(4))
@@ -126,7 +126,7 @@ def _section(axes: Axes, found: ScanComparison, along: int, level: float) -> Non
     axes.set_xlim(low[0] - room, high[0] + room)
     axes.set_ylim(low[1] - room, high[1] + room)
     axes.set_aspect("equal")
-    tidy(axes, f"cut along {'xy'[along]} through the middle: shape black, scan red, left out grey", "mm")
+    style_axes(axes, f"cut along {'xy'[along]} through the middle: shape black, scan red, left out grey", "mm")
 
 
 def _cut(positions: Floats, triangles: np.ndarray, axis: int, level: float) -> Floats:
@@ -149,4 +149,4 @@ def _cut(positions: Floats, triangles: np.ndarray, axis: int, level: float) -> F
 def _histogram(axes: Axes, found: ScanComparison) -> None:
     axes.hist(found.distance[found.used], bins=80, color="#2a6f97")
     axes.set_yticks([])
-    tidy(axes, "points of the scan at each distance", "mm, positive on the plastic side")
+    style_axes(axes, "points of the scan at each distance", "mm, positive on the plastic side")

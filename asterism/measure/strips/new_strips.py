@@ -8,11 +8,11 @@ from shlex import quote
 import numpy as np
 import shapely
 
-from asterism.measure.strips.form import Start, csv_text, form
-from asterism.measure.strips.specimen import PrintedStrip, Specimen, layers, specimen
+from asterism.measure.strips.form import PrintStart, csv_text, strip_form
+from asterism.measure.strips.specimen import PrintedStrip, Specimen, lay_out_specimen, layer_heights
 from asterism.print.formats import pdf, stl, threemf
 from asterism.print.printer import Printer
-from asterism.print.solid import Solid, Step, stack
+from asterism.print.solid import Solid, Terrace, terraced_solid
 from asterism.results.files import OutputError, staged
 from pattern.design.errors import DesignError
 from pattern.design.stars import THICKNESS_MM
@@ -21,7 +21,7 @@ from pattern.geometry.arrays import Floats, Ints
 FILES = ("start.gcode", "strips.3mf", "strips.csv", "strips.pdf", "strips.stl")
 
 
-def new(
+def new_strips(
     directory: Path,
     printer: Printer,
     thicknesses_mm: tuple[float, ...],
@@ -49,8 +49,8 @@ def new(
             raise DesignError("--thickness", f"must be from {THICKNESS_MM[0]:g} to {THICKNESS_MM[1]:g} mm", h)
     if len(set(thicknesses_mm)) < len(thicknesses_mm):
         raise DesignError("--thickness", "must not be given twice", max(thicknesses_mm, key=thicknesses_mm.count))
-    heights = layers(thicknesses_mm, printer.nozzle_mm)
-    strips = specimen(bed, thicknesses_mm, count, length_mm, width_mm)
+    heights = layer_heights(thicknesses_mm, printer.nozzle_mm)
+    strips = lay_out_specimen(bed, thicknesses_mm, count, length_mm, width_mm)
     table, text = directory / "strips.csv", csv_text(strips, stretch, fabric_mm)
     if table.exists() and table.read_bytes() != text.encode():
         raise OutputError(f"{table} exists and may have been filled in; choose another directory with -o")
@@ -59,8 +59,8 @@ def new(
         threemf.write(folder / "strips.3mf", solids, "strips")
         stl.write(folder / "strips.stl", *_joined(solids))
         (folder / "strips.csv").write_text(text, encoding="utf-8", newline="\n")
-        start = Start(printer, fabric_mm if stretched_mm is None else stretched_mm)
-        pdf.write(folder / "strips.pdf", form(strips, start, heights, stretch, fabric_mm))
+        start = PrintStart(printer, fabric_mm if stretched_mm is None else stretched_mm)
+        pdf.write(folder / "strips.pdf", strip_form(strips, start, heights, stretch, fabric_mm))
         code = printer.start_snippet(start.z_offset_mm, fabric_mm if stretched_mm is None else None)
         (folder / "start.gcode").write_text(code, encoding="utf-8", newline="\n")
     fabric = "released" if stretched_mm is None else "stretched"
@@ -84,4 +84,4 @@ def _solid(strip: PrintedStrip, specimen: Specimen) -> Solid:
     """A strip as a box with its name, about the middle of the bed."""
     (x, y), half = strip.centre_mm, (specimen.length_mm / 2, specimen.width_mm / 2)
     region = shapely.box(x - half[0], y - half[1], x + half[0], y + half[1])
-    return stack(f"strip {strip.number}, {strip.thickness_mm:g} mm", [Step(strip.thickness_mm, region)])
+    return terraced_solid(f"strip {strip.number}, {strip.thickness_mm:g} mm", [Terrace(strip.thickness_mm, region)])

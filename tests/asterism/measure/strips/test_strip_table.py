@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from asterism.measure.strips import arc
-from asterism.measure.strips.strip import Reading
-from asterism.measure.strips.table import COLUMNS, read_strips
+from asterism.measure.strips.reading import Reading
+from asterism.measure.strips.strip_table import STRIP_COLUMNS, read_strips
 from asterism.results.csv_cells import TableError
 
 HEAD = "strip,thickness_mm,length_mm,stretch,fabric_thickness_mm,box_width_mm,box_height_mm"
@@ -171,4 +171,4 @@ def test_files_that_are_not_there(tmp_path: Path) -> None:
 
 def test_the_documentation_names_every_column() -> None:
     text = (Path(__file__).parents[4] / "docs" / "how-to" / "strips.md").read_text(encoding="utf-8")
-    assert [name for name in COLUMNS if f"`{name}`" not in text] == []
+    assert [name for name in STRIP_COLUMNS if f"`{name}`" not in text] == []

@@ -6,7 +6,7 @@ import json
 import tomllib
 from pathlib import Path
 
-from asterism.measure.strips.fit import StripFit
+from asterism.measure.strips.strip_fit import StripFit
 from asterism.results.files import OutputError
 from homogenize.campaign.plan import Material
 

@@ -7,19 +7,19 @@ from pathlib import Path
 
 from asterism import __version__
 from asterism.measure.strips import statement
-from asterism.measure.strips.fit import fit_strips
-from asterism.measure.strips.material import check_ours, material_text
-from asterism.measure.strips.model import Formula, KappaBarKind
-from asterism.measure.strips.picture import draw_fit
-from asterism.measure.strips.table import read_strips
+from asterism.measure.strips.curvature_model import KappaBarKind, StripFormula
+from asterism.measure.strips.fit_picture import draw_fit
+from asterism.measure.strips.material_file import check_ours, material_text
+from asterism.measure.strips.strip_fit import fit_readings
+from asterism.measure.strips.strip_table import read_strips
 from asterism.results.files import OutputError, staged
 from pattern.design.errors import one_line
 
 
-def fit(
+def fit_strips(
     strips: Path,
     output: Path | None,
-    formula: Formula,
+    formula: StripFormula,
     kappa_bar: KappaBarKind,
     *,
     stretch: float | None,
@@ -35,7 +35,7 @@ def fit(
     ------
     TableError
         The table is wrong.
-    NoMaterial
+    UndeterminedMaterialError
         The strips do not determine a material.
     OutputError
         The files cannot be written, or the material's file is the user's own.
@@ -45,7 +45,7 @@ def fit(
         raise OutputError(f"--output: {str(path)!r} must end with .toml")
     check_ours(path)
     readings = read_strips(strips, stretch, fabric_thickness_mm, outside=outside)
-    found = fit_strips(
+    found = fit_readings(
         readings,
         formula,
         kappa_bar,
@@ -53,7 +53,11 @@ def fit(
         flat_height_mm=flat_height_mm,
         keep_outliers=keep_outliers,
     )
-    rows, words, worries = statement.table(found), statement.conventions(found), statement.warnings(found)
+    rows, words, worries = (
+        statement.fit_rows(found),
+        statement.convention_sentences(found),
+        statement.fit_warnings(found),
+    )
     remarks = [f"{name}: {value}" for name, value in rows.items()] + words
     title = one_line(f"{strips.name}: {len(found.used)} readings of strips")
     with staged(path.parent) as folder:
@@ -65,7 +69,7 @@ def fit(
             "version": __version__,
             "strips": strips.name,
             "options": asked | {name: value for name, value in given.items() if value is not None},
-            **statement.summary(found),
+            **statement.fit_summary(found),
         }
         (folder / f"{path.stem}.json").write_text(json.dumps(numbers, indent=2) + "\n", encoding="utf-8")
     left_out = [f"  left out: {o.reading.name} (row {o.reading.row}): {o.reason}" for o in found.left_out]

@@ -12,7 +12,7 @@ from pattern.design.design import Design
 from pattern.design.errors import DesignError
 
 
-def shape_of(
+def shape_for_report(
     design: Design, results: Path | None, beside: Path, say: Callable[[str], None], law: Law | None = None
 ) -> tuple[Shape | None, str]:
     """A shape of the design and where it comes from; None and the reason, if there is no preview of it.

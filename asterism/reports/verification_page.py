@@ -8,9 +8,9 @@ from html import escape
 from typing import Any
 
 from asterism.previews.uncertainty.expected_height import in_words as height_in_words
-from asterism.reports.html import figures, page, png, table, tiles
+from asterism.reports.html import figures, html_page, html_table, png, tiles
 from asterism.reports.plots import distance_map, profiles
-from asterism.reports.views import views
+from asterism.reports.views import comparison_views
 from asterism.shape.mesh_error import in_words
 from asterism.shape.tube import degrees
 from asterism.verification.numbers import times
@@ -24,7 +24,7 @@ LONGEST = 600  # characters of an entry of the design
 NAMES = {RELEASE: "released from the flat print", PREVIEW: "started from the preview"}
 
 
-def report(found: Verification) -> str:
+def verification_page(found: Verification) -> str:
     """The whole page, as text."""
     s, name = found.summary, found.design.name
     parts = [
@@ -35,19 +35,19 @@ def report(found: Verification) -> str:
         _warnings(s["warnings"]),
         *_pictures(found),
         "<h2>Numbers</h2>",
-        table(["", "exact", "preview", "difference"], _numbers(s)),
+        html_table(["", "exact", "preview", "difference"], _numbers(s)),
         f"<p>Mesh error of the exact shape: {escape(in_words(s['exact']))}.</p>",
         "<h2>Minima seen</h2>",
-        table(MINIMA, _minima(s)),
+        html_table(MINIMA, _minima(s)),
         f"<p>{_agreement(s)}</p>",
         "<h2>Seconds</h2>",
-        table(["without compiling", "s"], _seconds(s)),
+        html_table(["without compiling", "s"], _seconds(s)),
         "<h2>The design</h2>",
-        table(["", "as it was computed, with defaults"], _design(s["design"]), numbers=False),
+        html_table(["", "as it was computed, with defaults"], _design(s["design"]), numbers=False),
         "<h2>Made from</h2>",
-        table(["", "besides the design"], origins(s), numbers=False),
+        html_table(["", "besides the design"], origins(s), numbers=False),
     ]
-    return page(f"{name}: preview and exact model", parts)
+    return html_page(f"{name}: preview and exact model", parts)
 
 
 def _verdict(s: Mapping[str, Any]) -> str:
@@ -124,7 +124,7 @@ def _warnings(lines: list[str]) -> str:
 
 
 def _pictures(found: Verification) -> list[str]:
-    seen = {name: [png(image) for image in images] for name, images in views(found.comparison).items()}
+    seen = {name: [png(image) for image in images] for name, images in comparison_views(found.comparison).items()}
     largest = found.comparison.distance_mm.max()
     return [
         "<h2>Side by side</h2>",

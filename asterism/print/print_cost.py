@@ -8,14 +8,14 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from asterism.print.plastic import PlasticProfile
+from asterism.print.plastic_profile import PlasticProfile
 from asterism.print.printer import Printer
-from asterism.print.solid import Step
+from asterism.print.solid import Terrace
 from pattern.design.rounding import Rounding
 
 
-def estimate(
-    prints: Sequence[Sequence[Step]], printer: Printer, rounding: Rounding, plastic: PlasticProfile
+def print_cost(
+    prints: Sequence[Sequence[Terrace]], printer: Printer, rounding: Rounding, plastic: PlasticProfile
 ) -> dict[str, float]:
     """Volume, mass, filament and time.
 
@@ -54,7 +54,7 @@ def estimate(
     }
 
 
-def _slice(prints: Sequence[Sequence[Step]], height_mm: float) -> tuple[float, int, float]:
+def _slice(prints: Sequence[Sequence[Terrace]], height_mm: float) -> tuple[float, int, float]:
     """Area, number of islands and travel between them, mm2 and mm, at a height."""
     area, islands, travel = 0.0, 0, 0.0
     for steps in prints:

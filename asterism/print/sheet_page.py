@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asterism.print.drawing import Circle, Drawing, Layer, Line, Text, beside, size_within
+from asterism.print.drawing import Circle, Drawing, DrawingLayer, Label, Polyline, font_size_within, offset_points
 from asterism.print.layers import TEXT
 from pattern.geometry.arrays import Floats
 
@@ -18,14 +18,14 @@ COLUMN_MM = 123.0
 _LETTERS = 48  # in a line of the column
 _BAR_MM = 100.0
 
-Items = list[Line | Circle | Text]
+DrawingItems = list[Polyline | Circle | Label]
 
 
-def page(
+def sheet_page(
     title: str,
     field_mm: ArrayLike,
     centre: ArrayLike,
-    items: Items,
+    items: DrawingItems,
     name: str,
     what: str,
     paragraphs: Sequence[str],
@@ -45,17 +45,17 @@ def page(
     high = np.asarray(centre) + half + MARGIN_MM + [COLUMN_MM, 0.0]
     at = np.array([high[0] - COLUMN_MM, high[1] - MARGIN_MM - 6.0])
     column = _column(at, items, name, what, paragraphs, table)
-    lowest = min(item.at[1] for item in column if isinstance(item, Text)) - MARGIN_MM / 2
+    lowest = min(item.at[1] for item in column if isinstance(item, Label)) - MARGIN_MM / 2
     low[1] = min(low[1], lowest)
     return Drawing(title, low, high, (*items, *column))
 
 
 def _column(
-    at: Floats, items: Items, name: str, what: str, paragraphs: Sequence[str], table: Sequence[str]
-) -> list[Line | Circle | Text]:
-    column: Items = [Text(TEXT, at.copy(), name, size_within(name, 7.0, COLUMN_MM - MARGIN_MM), bold=True)]
+    at: Floats, items: DrawingItems, name: str, what: str, paragraphs: Sequence[str], table: Sequence[str]
+) -> list[Polyline | Circle | Label]:
+    column: DrawingItems = [Label(TEXT, at.copy(), name, font_size_within(name, 7.0, COLUMN_MM - MARGIN_MM), bold=True)]
     at = at - [0.0, 9.0]
-    column.append(Text(TEXT, at.copy(), what, 4.5))
+    column.append(Label(TEXT, at.copy(), what, 4.5))
     at = at - [0.0, 12.0]
     column += _ruler(at)
     at = at - [0.0, 16.0]
@@ -66,29 +66,29 @@ def _column(
     at = at - [0.0, 5.0]
     for paragraph in paragraphs:
         for line in textwrap.wrap(paragraph, _LETTERS) or [""]:
-            column.append(Text(TEXT, at.copy(), line, 3.6))
+            column.append(Label(TEXT, at.copy(), line, 3.6))
             at = at - [0.0, 5.2]
         at = at - [0.0, 2.2]
     for line in table:
-        column.append(Text(TEXT, at.copy(), line, 3.0, fixed_pitch=True))
+        column.append(Label(TEXT, at.copy(), line, 3.0, fixed_pitch=True))
         at = at - [0.0, 4.2]
     return column
 
 
-def _ruler(at: Floats) -> Items:
-    ends = beside(at, (0.0, 0.0), (_BAR_MM, 0.0))
-    pen = Layer("ruler", TEXT.colour, 0.3)
-    ticks = [Line(pen, beside(end, (0.0, -2.0), (0.0, 2.0))) for end in ends]
-    words = Text(TEXT, beside(at, (0.0, -6.5)), "100 mm: measure it. Print at 100 %.", 3.6)
-    return [Line(pen, ends), *ticks, words]
+def _ruler(at: Floats) -> DrawingItems:
+    ends = offset_points(at, (0.0, 0.0), (_BAR_MM, 0.0))
+    pen = DrawingLayer("ruler", TEXT.colour, 0.3)
+    ticks = [Polyline(pen, offset_points(end, (0.0, -2.0), (0.0, 2.0))) for end in ends]
+    words = Label(TEXT, offset_points(at, (0.0, -6.5)), "100 mm: measure it. Print at 100 %.", 3.6)
+    return [Polyline(pen, ends), *ticks, words]
 
 
-def _legend(meant: Layer, at: Floats) -> Items:
+def _legend(meant: DrawingLayer, at: Floats) -> DrawingItems:
     # on a layer of its own: a laser that cuts the layer "cut" must not cut the legend
     layer = replace(meant, name=f"legend-{meant.name}", meaning="")
     if layer.filled:
-        box = beside(at, (0.0, 0.0), (12.0, 0.0), (12.0, 2.4), (0.0, 2.4))
-        sample = Line(layer, box, closed=True)
+        box = offset_points(at, (0.0, 0.0), (12.0, 0.0), (12.0, 2.4), (0.0, 2.4))
+        sample = Polyline(layer, box, closed=True)
     else:
-        sample = Line(layer, beside(at, (0.0, 1.2), (12.0, 1.2)))
-    return [sample, Text(TEXT, beside(at, (15.0, 0.0)), meant.meaning, 3.6)]
+        sample = Polyline(layer, offset_points(at, (0.0, 1.2), (12.0, 1.2)))
+    return [sample, Label(TEXT, offset_points(at, (15.0, 0.0)), meant.meaning, 3.6)]
