@@ -21,6 +21,10 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     So the sheets of the paper's figures are not computed by each worker, and nobody waits for one long test at the end.
     """
     root = Path(__file__).parent
+    for item in items:
+        # comparisons with figures, benchmarks and solutions that others published
+        if root / "validation" in item.path.parents:
+            item.add_marker(pytest.mark.slow)
     first = ("validation", "test_notebooks.py", "asterism", "discrete", "homogenize", "fem", "equilibrium", "pattern")
     rank = {root / place: number for number, place in enumerate(first)}
 

@@ -11,8 +11,6 @@ from asterism.shape.comparison import Comparison
 from pattern.geometry.arrays import Floats
 from tests.validation.figures import both, middles
 
-pytestmark = pytest.mark.slow
-
 MODELS = pytest.mark.parametrize("model", [0, 1], ids=["exact", "preview"])
 
 

@@ -158,7 +158,6 @@ def test_equilibrium_from_the_print(name):
     assert distance(found.state.positions, data["final_positions"]) < 2e-3
 
 
-@pytest.mark.slow
 def test_37_stars_from_the_print():
     """The same shape rolled about one of the three equivalent axes: compared star by star, turned with the lattice."""
     data = reference.load("stars37")

@@ -115,6 +115,7 @@ def test_simulated_shape_and_change_of_shape(file: Path, tmp_path: Path, run: Ru
     assert SHAPE | {"summary.json"} <= {path.name for path in (tmp_path / "results").iterdir()}
 
 
+@pytest.mark.slow
 def test_a_sheet_that_hangs_below_its_needles_is_told(file: Path, tmp_path: Path, run: Run) -> None:
     """Free edges hang down around needles in the middle."""
     middle = {"points_mm": [[-8.0, 0.0], [8.0, 0.0], [0.0, 12.0]], "scale": 0.76}

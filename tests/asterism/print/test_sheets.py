@@ -240,7 +240,7 @@ WRITES = """
 import sys
 import numpy as np
 from pathlib import Path
-from asterism.print import dxf, pdf
+from asterism.print.formats import dxf, pdf
 from asterism.print.drawing import Drawing, Text, rectangle
 from asterism.print.layers import CUT, TEXT
 items = (rectangle(CUT, (10.0, 10.0)), Text(TEXT, np.zeros(2), "Kuppel"))

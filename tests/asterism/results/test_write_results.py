@@ -44,6 +44,7 @@ def shape() -> Shape:
     return made
 
 
+@pytest.mark.slow
 def test_a_held_sheet_is_drawn_as_it_stands(shape: Shape, tmp_path: Path) -> None:
     leaning = replace(shape, positions=shape.positions @ Rotation.from_euler("x", 40, degrees=True).as_matrix().T)
     held = replace(leaning, held=True, others=(replace(leaning, held=True),))

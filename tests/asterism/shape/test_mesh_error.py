@@ -103,6 +103,7 @@ def test_summary_says_it_when_two_levels_were_solved():
     assert in_words(one) == "not known, one mesh was solved"
 
 
+@pytest.mark.slow
 def test_no_error_is_claimed_where_the_mesh_does_not_resolve_the_creases():
     """The plate's creases are narrower than these triangles: from mesh to mesh the shape changes less than it errs."""
     plate = gallery.load("tube").to_dict()["fabric"] | {"bending": "consistent"}

@@ -35,6 +35,7 @@ def test_half_a_turn_is_none() -> None:
     assert rolled({"roll_axis_deg": 179.996, "roll_radius_mm": 68.04}) == "0 deg, radius 68.0 mm"
 
 
+@pytest.mark.slow
 def test_both_models_say_how_far_a_sheet_rolls() -> None:
     data = asterism.new("tube").to_dict() | {"mesh": {"edge_mm": 3.0}}
     design = asterism.Design.from_dict(data)

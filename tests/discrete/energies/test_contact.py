@@ -210,6 +210,7 @@ def test_sheet_that_rolls_up_further_than_round() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.slow
 def test_a_tube_of_37_stars_closes_only_as_far_as_it_can() -> None:
     """The paper's figure 3 with arms of 0.3 mm: the tube winds through itself without contact, and is wider with it."""
     across = {}

@@ -16,7 +16,8 @@ from typing import Any
 
 import pytest
 
-from homogenize.campaign.campaign import Progress, Record, campaign, run, workers
+from homogenize.campaign import campaign, workers
+from homogenize.campaign.campaign import Progress, Record, run
 from homogenize.campaign.plan import Material
 from homogenize.errors import AddressError, CampaignError
 from homogenize.law.file import digest, to_bytes

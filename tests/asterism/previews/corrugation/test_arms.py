@@ -34,6 +34,7 @@ def ends(preview: Preview) -> tuple[np.ndarray, np.ndarray]:
     return preview.at(plan.centres).bumpy[plan.arm_star], preview.at(plan.arm_tip).bumpy
 
 
+@pytest.mark.slow
 def test_arms_keep_their_length_where_the_sheet_shrinks() -> None:
     preview = sheet([])
     plan = preview.sheet.layout

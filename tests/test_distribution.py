@@ -1,0 +1,57 @@
+"""The distribution: a wheel from the source archive installs, and runs outside the checkout with all its data."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import site
+import subprocess
+import sys
+import sysconfig
+import venv
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGES = {"asterism", "discrete", "equilibrium", "fem", "homogenize", "pattern"}
+
+
+@pytest.mark.slow
+def test_archive_and_wheel_install_and_run_elsewhere(tmp_path: Path) -> None:
+    copy = tmp_path / "checkout"
+    kept_out = shutil.ignore_patterns(".git", ".venv", "build", "dist", "*.egg-info", "__pycache__", ".*_cache")
+    shutil.copytree(ROOT, copy, ignore=kept_out)
+    # an archive first, and the wheel from the archive: what the archive lacks, the wheel lacks too
+    build = [sys.executable, "-m", "build", "--outdir", str(tmp_path / "dist"), str(copy)]
+    subprocess.run(build, check=True, capture_output=True)
+    archive, wheel = sorted((tmp_path / "dist").iterdir(), key=lambda file: file.suffix)
+    assert archive.name.startswith("asterism_fabric-") and wheel.name.startswith("asterism_fabric-")
+
+    place = tmp_path / "venv"
+    venv.create(place, with_pip=True)
+    scripts = place / ("Scripts" if os.name == "nt" else "bin")
+    packages = Path(sysconfig.get_path("purelib", vars={"base": str(place), "platbase": str(place)}))
+    # the packages that asterism needs are those of this environment; asterism itself is not
+    needed = {sysconfig.get_path("purelib"), sysconfig.get_path("platlib"), *site.getsitepackages()}
+    (packages / "needed.pth").write_text("\n".join(sorted(needed)) + "\n", encoding="utf-8")
+    pip = [str(scripts / "python"), "-m", "pip", "install", "--quiet", "--no-deps", "--force-reinstall", str(wheel)]
+    subprocess.run(pip, check=True, capture_output=True)
+
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+
+    def run(*words: str) -> str:
+        command = [str(scripts / "python"), "-I", *words]
+        done = subprocess.run(command, cwd=elsewhere, env=environment, capture_output=True, text=True, check=True)
+        return done.stdout
+
+    where = run("-c", "import " + ", ".join(sorted(PACKAGES)) + "; print(asterism.__file__)")
+    assert Path(where.strip()).is_relative_to(packages)
+    assert (packages / "asterism" / "py.typed").exists()
+    run("-m", "asterism", "new", "star", "-o", "star.toml")
+    run("-m", "asterism", "preview", "star.toml", "-o", "out")
+    assert json.loads((elsewhere / "out" / "summary.json").read_text(encoding="utf-8"))["is_minimum"]
+    assert "ultimaker2" in run("-m", "asterism", "printers")
