@@ -19,7 +19,7 @@ from asterism.previews.edges.free_rim import stars_share
 from asterism.previews.fields.self_stress import plane_areas, pulls
 from asterism.previews.fields.star_values import StarValues, star_values
 from asterism.previews.session import paper_law
-from asterism.previews.sheet import Sheet
+from asterism.previews.sheet import sheet_of
 from benchmarks.report import markdown, write_report
 from discrete.model.model import Model
 from discrete.model.state import State
@@ -120,14 +120,14 @@ def exact_integral(design: Design) -> float:
 def shell_integral(design: Design) -> tuple[float, float, StarValues, float]:
     """N mm^2 of the preview's membrane in its plane, and what a modulus of one mm^2 adds; the stars, their spacing."""
     plan = layout(design)
-    values, sheet = star_values(design, plan, paper_law()), Sheet(design, plan)
+    values, sheet = star_values(design, plan, paper_law()), sheet_of(design, plan)
     fields = sheet.fields(values)
     density = fields.density
     assert isinstance(density, Density)
     stiffness = np.array(density.stiffness)
     stiffness[..., :3, 3:] = stiffness[..., 3:, :3] = 0.0
     membrane = Fields(replace(density, stiffness=stiffness, sixfold=0.0), fields.metric)
-    shell = sheet.shell(design, membrane, 0)
+    shell = sheet.shell(membrane, 0)
     factor = shell.factor()
     start = shell.flat * np.sqrt(np.asarray(fields.metric)[..., 0].mean())
     found = mixed_newton(shell, start, factor, GRADIENT_TOLERANCE * shell.force_scale)
@@ -145,7 +145,7 @@ def shell_integral(design: Design) -> tuple[float, float, StarValues, float]:
         work.append(0.5 * float((weight[..., None] * stress[..., :3] * both).sum()))
     # per unit curvature, det b is the square of the area that a printed one has become
     area = np.linalg.det(tangent[..., :2])
-    weights = sheet.cells.shares(table.points.reshape(-1, 2))(values.sizes[:, 0])
+    weights = sheet.stars.cells.shares(table.points.reshape(-1, 2))(values.sizes[:, 0])
     saved = (stars_share(weights) * (weights @ pulls(values))).reshape(area.shape)
     return (work[1] - work[0]) / 2.0, float((weight * saved * area**2).sum()), values, plan.spacing_mm
 

@@ -59,7 +59,7 @@ def preview(
 
 def table_rows(s: Mapping[str, Any]) -> dict[str, str]:
     """The numbers of a summary by name, as the command prints them."""
-    from asterism.previews.uncertainty.expected_height import in_words
+    from asterism.previews.uncertainty.height_error import in_words
     from asterism.shape.tube import degrees, rolled
 
     outside, tight = len(s["stars_outside_law"]), len(s["stars_tight"])

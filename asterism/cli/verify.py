@@ -94,7 +94,7 @@ def _expected(percent: float | None) -> str:
 
 
 def _height(percent: float | None, height_mm: float) -> str:
-    from asterism.previews.uncertainty.expected_height import in_words
+    from asterism.previews.uncertainty.height_error import in_words
 
     return "not known" if percent is None else in_words(percent, height_mm)
 

@@ -1,7 +1,11 @@
-"""What of a preview does not depend on the sizes of its stars: the printed sheet, its coarse mesh, what holds it."""
+"""The printed sheet of a design, ready for the fields of its stars: coarse mesh, smoothed cells, supports, weight.
+
+A sheet is a value. `with_stars` makes the sheet of an edited design; what the edit leaves as it is, is shared.
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -13,12 +17,13 @@ from asterism.previews.edges.rim_arms import carried
 from asterism.previews.fields.self_stress import gaussian_moduli
 from asterism.previews.fields.sheet_fields import EARLY, free_early, sheet_fields
 from asterism.previews.fields.star_arms import BACK
-from asterism.previews.fields.star_cells import StarCells
+from asterism.previews.fields.star_cells import Shares, StarCells
 from asterism.previews.fields.star_values import StarValues
+from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.supports.conditions import conditions, held_sides, pinned_points, weight
 from asterism.previews.supports.point_pins import giving_way, softness
 from fem.elements.argyris import Argyris
-from fem.elements.tabulation import Floats
+from fem.elements.tabulation import Floats, Tabulation
 from fem.shell.fields import FieldError, Fields
 from fem.shell.shell import QUADRATURE_ORDER, Shell
 from fem.supports.conditions import ConditionError
@@ -27,142 +32,189 @@ from homogenize.errors import LawError
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
 from pattern.geometry.planar import polygon_area
-from pattern.layout.build import layout
 from pattern.layout.layout import Layout
-from pattern.mesh.coarse.sheet_mesh import sheet_mesh
+from pattern.layout.symmetries import Symmetry, symmetries
+from pattern.mesh.coarse.sheet_mesh import SheetMesh, sheet_mesh
 
-# mesh edges over the spacing of the stars, and how many triangles there are at least and at most, about
-EDGE, FEWEST, MOST = 1.3, 24, 600
-# where the arms of a layout are
-PLACES = ("centres", "star_number", "arm_star", "arm_tip")
+EDGE_SPACINGS = 1.3  # edge of the shell's mesh over the spacing of the stars
+MIN_TRIANGLES = 24
+MAX_TRIANGLES = 600  # that are made if nobody asks for a number
+ARM_PLACES = ("centres", "star_number", "arm_star", "arm_tip")  # where the arms of a layout are
 
 
-class Sheet:
-    """A printed sheet, ready for fields.
-
-    Parameters
-    ----------
-    triangles : about how many the mesh is to have; by default edges of 1.3 times the spacing of the stars.
+@dataclass(frozen=True)
+class StarShares:
+    """How much each star counts at the quadrature points (n, 2) mm of a sheet, and how its rim lies.
 
     Attributes
     ----------
-    layout : of the design that the sheet was made for.
-    space : C1 quintic functions on its mesh.
-    cells : of its stars.
+    cells : smoothed cells of the stars.
+    shares : of the stars at the points.
+    along_arms : direction (2,) of each arm, and the shares half a spacing back along it.
+    rim_normals : (n, 2) of free sides, see `asterism.previews.edges.free_rim.free_normals`.
+    carried : (S, N), see `asterism.previews.edges.rim_arms.carried`; None for supported sheets.
     """
 
-    def __init__(self, design: Design, plan: Layout | None = None, triangles: int | None = None) -> None:
-        self.layout = plan if plan is not None else layout(design)
-        area = polygon_area(self.layout.border)
-        count = triangles or np.clip(area / _equilateral(EDGE * design.lattice.spacing_mm), FEWEST, MOST)
-        edge = float(np.sqrt(area / count / _equilateral(1.0)))
-        self._mesh = sheet_mesh(self.layout.border, edge, self.layout.pin_points, held_sides(self.layout))
-        mesh = MeshTri(np.ascontiguousarray(self._mesh.points.T), np.ascontiguousarray(self._mesh.triangles.T))
-        self.space = Argyris(mesh)
-        self._table = self.space.tabulate(QUADRATURE_ORDER)
-        self._spread(design, self.layout)
-        self._pin(design, self.layout)
+    cells: StarCells
+    shares: Shares
+    along_arms: tuple[tuple[Floats, Shares], ...]
+    rim_normals: Floats
+    carried: Floats | None
 
-    def set_stars(self, design: Design, plan: Layout) -> None:
-        """Take another layout of the same sheet (`holds`)."""
-        if not np.array_equal(plan.centres, self.layout.centres):
-            self._spread(design, plan)
-        self._pin(design, plan)
-        self.layout = plan
-        vars(self).pop("arms", None)
+    @classmethod
+    def at(cls, points: Floats, design: Design, layout: Layout) -> StarShares:
+        """Of a design's stars at printed points (n, 2) mm."""
+        lattice, cells = design.lattice, StarCells(layout, design.lattice)
+        shares = cells.shares(points)
+        back = BACK * lattice.spacing_mm
+        along = tuple((arm, cells.shares(points - back * arm)) for arm in lattice.arm_directions)
+        normals = free_normals(layout, points)
+        return cls(cells, shares, along, normals, None if layout.is_pulled else carried(layout, lattice.arm_directions))
 
-    def has_arms(self, plan: Layout) -> bool:
-        """Whether the arms of another layout of the same sheet are where its own are; they may be thicker or wider."""
-        return all(np.array_equal(getattr(plan, name), getattr(self.layout, name)) for name in PLACES)
+
+@dataclass(frozen=True, eq=False)
+class Sheet:
+    """A printed sheet; `sheet_of` makes one.
+
+    Attributes
+    ----------
+    design, layout, model : that the sheet was made from.
+    mesh : coarse triangles of the shell.
+    space : C1 quintic functions on them.
+    table : the functions at the quadrature points.
+    stars : shares of the stars at the quadrature points.
+    """
+
+    design: Design
+    layout: Layout
+    model: PreviewModel
+    mesh: SheetMesh
+    space: Argyris
+    table: Tabulation
+    stars: StarShares
+
+    def with_stars(self, design: Design, layout: Layout) -> Sheet:
+        """The same sheet with the stars of another design and its layout; `is_same_print` must hold."""
+        stars = self.stars
+        if not np.array_equal(layout.centres, self.layout.centres):
+            stars = StarShares.at(self.table.points.reshape(-1, 2), design, layout)
+        return replace(self, design=design, layout=layout, stars=stars)
+
+    def has_arms_of(self, layout: Layout) -> bool:
+        """Whether the arms of another layout of this sheet are at the same places; thickness and width may differ."""
+        return all(np.array_equal(getattr(layout, name), getattr(self.layout, name)) for name in ARM_PLACES)
+
+    def is_same_print(self, design: Design, layout: Layout) -> bool:
+        """Whether a design has the print of this one, but for its stars and material."""
+        places = zip(layout.pins, self.layout.pins, strict=False)
+        return (
+            np.array_equal(layout.border, self.layout.border)
+            and design.pins == self.design.pins
+            # pins beside an arm are on it, and move with it
+            and all(np.array_equal(new.points, old.points) for new, old in places)
+            and design.lattice == self.design.lattice
+            and design.gravity == self.design.gravity
+        )
 
     @property
     def outline(self) -> Floats:
-        """(R, 2) mm, that of the mesh."""
-        return np.asarray(self._mesh.points[self._mesh.rim[:, 0]])
+        """(R, 2) mm, of the mesh."""
+        return np.asarray(self.mesh.points[self.mesh.rim[:, 0]])
 
     @cached_property
     def arms(self) -> Arms:
-        """Of its stars, on its shells."""
+        """Arms of the stars, on shells of this sheet."""
         return Arms(self.layout, self.space)
 
-    def _spread(self, design: Design, plan: Layout) -> None:
-        """The shares of its stars at the quadrature points."""
-        self.cells = StarCells(plan, design.lattice)
-        points, lattice = self._table.points.reshape(-1, 2), design.lattice
-        self._shares = self.cells.shares(points)
-        back = BACK * lattice.spacing_mm
-        self._arm_shares = [(along, self.cells.shares(points - back * along)) for along in lattice.arm_directions]
-        self._normals = free_normals(plan, points)
-        self._carried = None if plan.is_pulled else carried(plan, lattice.arm_directions)
+    @cached_property
+    def symmetries(self) -> list[Symmetry]:
+        """Motions of the print that map the design to itself."""
+        return symmetries(self.design, self.layout)
 
-    def _pin(self, design: Design, plan: Layout) -> None:
-        """How soft the sheet is around single points that pull at it; None without any."""
-        pins = pinned_points(plan)
-        pulls = plan.is_pulled and len(pins) > 0
-        self._soft = softness(self._mesh, pins, self._table.points, design.mesh.edge_mm) if pulls else None
-
-    def holds(self, design: Design, plan: Layout, before: Design) -> bool:
-        """Whether a design that follows `before` has the same print but for its stars and material."""
-        places = zip(plan.pins, self.layout.pins, strict=False)
-        return (
-            np.array_equal(plan.border, self.layout.border)
-            and design.pins == before.pins
-            # those beside an arm are on it, and move with it
-            and all(np.array_equal(one.points, other.points) for one, other in places)
-            and design.lattice == before.lattice
-            and design.gravity == before.gravity
-        )
+    @cached_property
+    def _pin_softness(self) -> Floats | None:
+        """(T, Q) softness around single points that pull at the sheet; None without any."""
+        pins = pinned_points(self.layout)
+        pulls = self.layout.is_pulled and len(pins) > 0
+        return softness(self.mesh, pins, self.table.points, self.design.mesh.edge_mm) if pulls else None
 
     def fields(self, values: StarValues) -> Fields:
-        """What the sheet wants to be, at the quadrature points.
+        """Rest metric, rest curvature and stiffness at the quadrature points.
 
         Raises
         ------
         LawError
-            No sheet can be that: neighbours contract too differently.
+            The rest metric is not positive definite: adjacent stars contract too differently.
         """
-        length = values.sizes[:, 0]
-        arms = [(along, shares(length)) for along, shares in self._arm_shares]
-        shares = self._shares(length)
-        spacing = self.layout.spacing_mm
+        stars, length, spacing = self.stars, values.sizes[:, 0], self.layout.spacing_mm
+        arms = [(along, shares(length)) for along, shares in stars.along_arms]
+        shares = stars.shares(length)
         early = EARLY if self.layout.is_pulled else free_early(values, spacing)
-        gaussian = gaussian_moduli(values, spacing)
-        shape = self._table.weights.shape
-        fields = sheet_fields(shares, values, shape, arms, self._normals, early, self._carried, gaussian, spacing)
-        if self._soft is not None:
-            bare = 1.0 - np.asarray(shares.sum(axis=1)).reshape(self._soft.shape)
-            fields = giving_way(fields, self._soft, bare)
+        gaussian, shape = gaussian_moduli(values, spacing), self.table.weights.shape
+        fields = sheet_fields(shares, values, shape, arms, stars.rim_normals, early, stars.carried, gaussian, spacing)
+        if self._pin_softness is not None:
+            bare = 1.0 - np.asarray(shares.sum(axis=1)).reshape(self._pin_softness.shape)
+            fields = giving_way(fields, self._pin_softness, bare)
         try:
-            fields.rest(self._table.points)
+            fields.rest(self.table.points)
         except FieldError as error:
             star = int(np.linalg.norm(self.layout.centres - error.place, axis=1).argmin())
             (x, y), lam = self.layout.centres[star], values.value["lam_n"][star]
-            number = self.layout.star_number[star]
-            told = f"star {number} at [{x:.1f}, {y:.1f}]: lam_n = {lam:.4g} is too far from its neighbours'"
-            raise LawError(f"{told}: {error}") from None
+            place = f"star {self.layout.star_number[star]} at [{x:.1f}, {y:.1f}]"
+            raise LawError(f"{place}: lam_n = {lam:.4g} is too far from its neighbours': {error}") from None
         return fields
 
-    def loads(self, design: Design) -> Floats:
-        """(N, 3) N, the weight."""
+    def loads(self) -> Floats:
+        """(N, 3) N, the weight of fabric and plastic."""
         # cells at the outline reach over it, and share what is left
-        covered = self._shares.wide.T @ self._table.weights.ravel()
+        covered = self.stars.shares.wide.T @ self.table.weights.ravel()
 
-        def pulls(points: Floats) -> Floats:
-            return weight(design, self.layout, self.cells.shares(points).wide, covered)
+        def weights(points: Floats) -> Floats:
+            return weight(self.design, self.layout, self.stars.cells.shares(points).wide, covered)
 
-        return area_load(self.space, pulls)
+        return area_load(self.space, weights)
 
-    def shell(self, design: Design, fields: Fields, step: int) -> Shell:
-        """The shell with the pins up to a step; `DesignError` if they contradict each other."""
-        # what nothing holds yet would fall: it lies somewhere until its first pins take hold
-        carried = any(pins.step <= step for pins in self.layout.pins)
-        loads = self.loads(design) if design.gravity.on and carried else None
+    def shell(self, fields: Fields, step: int) -> Shell:
+        """The shell with the supports up to a step.
+
+        Raises
+        ------
+        DesignError
+            The supports contradict each other.
+        """
+        # a sheet without supports would fall: it has no weight until its first supports take hold
+        is_carried = any(pins.step <= step for pins in self.layout.pins)
+        loads = self.loads() if self.design.gravity.on and is_carried else None
         try:
-            held = conditions(self.layout, self._mesh, self.space.mesh, step)
-            return Shell(self.space, fields, held, loads)
+            return Shell(self.space, fields, conditions(self.layout, self.mesh, self.space.mesh, step), loads)
         except ConditionError as error:
             raise DesignError("pins", f"cannot all hold: {error}") from None
 
 
+def sheet_of(
+    design: Design, layout: Layout, triangles: int | None = None, model: PreviewModel = PREVIEW_MODEL
+) -> Sheet:
+    """The sheet of a design and its layout.
+
+    Parameters
+    ----------
+    triangles : about how many the mesh has; by default its edges are EDGE_SPACINGS long.
+
+    Raises
+    ------
+    MeshError
+        The outline cannot be meshed.
+    """
+    area = polygon_area(layout.border)
+    usual = np.clip(area / _equilateral(EDGE_SPACINGS * design.lattice.spacing_mm), MIN_TRIANGLES, MAX_TRIANGLES)
+    edge = float(np.sqrt(area / (triangles or usual) / _equilateral(1.0)))
+    mesh = sheet_mesh(layout.border, edge, layout.pin_points, held_sides(layout))
+    space = Argyris(MeshTri(np.ascontiguousarray(mesh.points.T), np.ascontiguousarray(mesh.triangles.T)))
+    table = space.tabulate(QUADRATURE_ORDER)
+    stars = StarShares.at(table.points.reshape(-1, 2), design, layout)
+    return Sheet(design, layout, model, mesh, space, table, stars)
+
+
 def _equilateral(edge: float) -> float:
+    """mm^2, area of an equilateral triangle."""
     return float(np.sqrt(3.0) / 4.0 * edge**2)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from asterism.previews.uncertainty.expected_height import in_words
+from asterism.previews.uncertainty.height_error import in_words
 from asterism.print.job import Job
 from asterism.print.needles import VISIBLE_SAG_MM
 from pattern.design.design import Design

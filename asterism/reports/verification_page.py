@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from html import escape
 from typing import Any
 
-from asterism.previews.uncertainty.expected_height import in_words as height_in_words
+from asterism.previews.uncertainty.height_error import in_words as height_in_words
 from asterism.reports.html import figures, html_page, html_table, png, tiles
 from asterism.reports.plots import distance_map, profiles
 from asterism.reports.views import comparison_views

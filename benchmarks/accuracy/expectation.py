@@ -2,11 +2,11 @@
 
 python -m benchmarks.accuracy.expectation FOLDER [--kept]
 
-The numbers in `asterism/previews/uncertainty/expected.py` and `expected_height.py` belong to the study, 24 further
-designs and small even sheets. Here they are fitted again without each of these, which then is predicted; and twelve
-more are drawn, ribbons, and designs of other outlines and pins, which no number was ever fitted to. CONTRAST was set by
-two of forty that were drawn later, and fifty more were drawn after that. SOFT of the heights belongs to the shares in
-use: after a change of those, once more with --kept gives it.
+The numbers of the estimate in `asterism/previews/model.py` belong to the study, 24 further designs and small even
+sheets. Here they are fitted again without each of these, which then is predicted; and twelve more are drawn, ribbons,
+and designs of other outlines and pins, which no number was ever fitted to. CONTRAST was set by two of forty that were
+drawn later, and fifty more were drawn after that. SOFT of the heights belongs to the shares in use: after a change of
+those, once more with --kept gives it.
 FOLDER is that of the study, which comes first; --kept as there. As in the study, the exact model starts from the
 released sheet and from the preview, and the lower minimum counts.
 """
@@ -22,16 +22,10 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize
 
+from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.run import preview
-from asterism.previews.uncertainty.expected import (
-    FLOOR,
-    FORGIVEN,
-    MIRRORED,
-    SHARE,
-    another_form_is_near,
-    of_unequal_stars,
-    share_of,
-)
+from asterism.previews.search.near_zero_modes import has_two_near_zero_modes
+from asterism.previews.uncertainty.distance_error import amplitude_share, unequal_stars_percent
 from asterism.verification.numbers import LIKE_PERCENT
 from benchmarks.accuracy import expected_heights
 from benchmarks.accuracy.__main__ import kept
@@ -51,12 +45,18 @@ from pattern.layout.symmetries import symmetries
 OTHERS = 40  # designs of other outlines and pins
 FITTED, UNSEEN = 24, 12  # designs with the seeds that follow the study's, and with those that follow them
 LATER, LAST = range(600, 640), range(640, 690)  # seeds: two of the former set CONTRAST, the latter came after it
+SYMMETRIC = 3  # kind of the sheets with a rotation and of supported ones, see IN_USE
 BEGIN, END = "<!-- expectation of the preview -->", "<!-- end of expectation of the preview -->"
 # columns of the study's table
 NAMES = [
     "design", "stars", "held", "rms %", "expected %", "same form", "height %", "expected height %", "warnings",
 ]  # fmt: skip
-IN_USE = (FLOOR, SHARE, MIRRORED, FORGIVEN)
+IN_USE = (
+    PREVIEW_MODEL.floor_percent,
+    PREVIEW_MODEL.amplitude_share,
+    PREVIEW_MODEL.amplitude_share_mirrored,
+    PREVIEW_MODEL.amplitude_share_symmetric,
+)
 
 STUDY, SMALL = "the study and 24 more", "small free sheets of equal stars"
 NARROW = "ribbons, never fitted to"
@@ -98,9 +98,9 @@ def _rows(some: Sequence[Design], folder: Path, law: Law, as_is: bool) -> list[R
             continue
         one = kept(design, folder, law, starts=False, as_is=as_is)
         plan = layout(design)
-        share = share_of(plan.is_pulled, symmetries(design, plan))
+        share = amplitude_share(plan.is_pulled, symmetries(design, plan))
         amplitude = float(np.linalg.norm(one["preview"]["soft_amplitudes_percent"]))
-        unequal = of_unequal_stars(one["preview"]["contrast_percent"])
+        unequal = unequal_stars_percent(one["preview"]["contrast_percent"])
         rows.append(one | {"kind": IN_USE.index(share), "share": share, "amplitude": amplitude, "unequal": unequal})
         print("  ".join(row(rows[-1])), flush=True)
     return rows
@@ -172,9 +172,7 @@ def fitted(rows: Sequence[Row]) -> tuple[float, ...]:
     From designs within 10 % of the exact shape that are not soft in two ways, or have no symmetry to be broken.
     """
     some = [
-        one
-        for one in rows
-        if one["rms_percent"] < LIKE_PERCENT and (one["kind"] < IN_USE.index(FORGIVEN) or not _two_ways(one))
+        one for one in rows if one["rms_percent"] < LIKE_PERCENT and (one["kind"] < SYMMETRIC or not _two_ways(one))
     ]
     size, kind, unequal = (np.array([one[name] for one in some]) for name in ("amplitude", "kind", "unequal"))
     distance = np.log([one["rms_percent"] for one in some])
@@ -199,7 +197,7 @@ def _near(one: Row, fit: tuple[float, ...]) -> float:
 
 
 def _two_ways(one: Row) -> bool:
-    return another_form_is_near(one["preview"]["soft_amplitudes_percent"], bool(one["design"].get("pins")))
+    return has_two_near_zero_modes(one["preview"]["soft_amplitudes_percent"], bool(one["design"].get("pins")))
 
 
 def _goodness(rows: Sequence[Row]) -> list[str]:

@@ -8,14 +8,19 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize
 
-from asterism.previews.uncertainty.expected_height import LOWEST, PART, SOFT, TURNED
+from asterism.previews.model import PREVIEW_MODEL
 from asterism.verification.numbers import LIKE_PERCENT
 from benchmarks.accuracy.report import height_announced, height_expected, height_missed
 from benchmarks.report import markdown
 
 Row = dict[str, Any]
 
-IN_USE = (LOWEST, SOFT, PART, TURNED)
+IN_USE = (
+    PREVIEW_MODEL.lowest_point_share,
+    PREVIEW_MODEL.height_softness_share,
+    PREVIEW_MODEL.height_share,
+    PREVIEW_MODEL.inverted_share,
+)
 NAMES = ["LOWEST", "SOFT", "PART", "TURNED"]
 HEADER = [
     "", "designs", "error over expected, median", "nine in ten", "more than twice that", "more than 6 % off",

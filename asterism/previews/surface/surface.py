@@ -17,12 +17,11 @@ from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import cell_fields
 from fem.elements.tabulation import Floats
 from homogenize.cell.relief import Waves
-from pattern.design.design import Design
 from pattern.mesh.mesh import Mesh
 from pattern.mesh.meshing import mesh_layout
 
 # coarsest edge of the triangles that are shown, over the spacing of the stars
-SHOWN = 1 / 6
+MAX_SHOWN_EDGE = 1 / 6
 
 
 @dataclass(frozen=True)
@@ -58,7 +57,7 @@ class Lens:
         self._spacing, self._held = sheet.layout.spacing_mm, bool(sheet.layout.pins)
         self._stays = held_still(distance_to_held(sheet.layout, self.points), self._spacing)
         self._at, self._rim = sheet.space.locate(self.points), HeldRim(sheet, self.points)
-        self._shares = sheet.cells.shares(self.points)
+        self._shares = sheet.stars.cells.shares(self.points)
         self._beyond, self._nearest = beyond_stars(sheet.layout, self.points)
         self._arms = sheet.arms
         self._out, self._lifted = self._arms.beside(self.points)
@@ -78,13 +77,22 @@ class Lens:
         return Places(smooth, smooth.moved(self._out @ out) + heights[:, None] * smooth.normals)
 
 
-def shown_mesh(design: Design, sheet: Sheet) -> Mesh:
+@dataclass(frozen=True)
+class ShownSheet:
+    """Triangles to show, and the lens that takes shells to their vertices."""
+
+    mesh: Mesh
+    lens: Lens
+
+
+def shown_mesh(sheet: Sheet) -> Mesh:
     """Triangles to show, with the arms among their edges: the design's, or coarser ones if those are coarse enough."""
-    edge = max(design.mesh.edge_mm, SHOWN * design.lattice.spacing_mm)
+    design = sheet.design
+    edge = max(design.mesh.edge_mm, MAX_SHOWN_EDGE * design.lattice.spacing_mm)
     return mesh_layout(sheet.layout, edge, design.mesh.kind, design.mesh.seed, draft=True)
 
 
-def shape_of(design: Design, sheet: Sheet, mesh: Mesh, places: Places) -> Shape:
+def shape_of(sheet: Sheet, mesh: Mesh, places: Places) -> Shape:
     """A shape without its summary. `bump_mm` is the vector from the smooth surface to the bumpy one.
 
     Normals, curvatures and strains are those of the smooth surface.
@@ -104,7 +112,7 @@ def shape_of(design: Design, sheet: Sheet, mesh: Mesh, places: Places) -> Shape:
             "mean_curvature_per_mm": places.surface.mean_curvature,
             "gaussian_curvature_per_mm2": places.surface.gaussian_curvature,
         },
-        cell_fields=cell_fields(mesh.points, places.smooth, mesh.triangles, design.fabric.stretch_xy),
+        cell_fields=cell_fields(mesh.points, places.smooth, mesh.triangles, sheet.design.fabric.stretch_xy),
         rod_fields=_rod_fields(sheet, mesh),
         held=bool(sheet.layout.pins),
     )

@@ -1,1 +1,1 @@
-"""How far off a preview may be."""
+"""Estimated error of a preview; the entry point is `asterism.previews.uncertainty.estimate.estimate_error`."""

@@ -1,17 +1,18 @@
-"""Other forms of a sheet: minima that a preview met on its way to the one that it shows."""
+"""Other forms of a sheet: minima that the search met besides the one that is shown.
+
+Two minima are one form if a rigid motion and a symmetry of the design bring their star centres together.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+from asterism.previews.state import PreviewState
 from pattern.layout.likeness import distances
 
-if TYPE_CHECKING:
-    from asterism.previews.session import Preview
-
-FEWEST = 3  # star centres that tell forms apart
-EQUAL = 2.0  # % of the diameter within which two are one form
+MIN_STARS = 3  # star centres that tell forms apart
+EQUAL_FORM_PERCENT = 2.0  # of the diameter, rms distance within which two minima are one form
 
 
 @dataclass(frozen=True)
@@ -22,9 +23,9 @@ class OtherForm:
     ----------
     start : name of the start that led to it.
     energy_n_mm : its energy.
-    gap : by how much that is above the energy of the form that is shown, as a part of what is at stake there.
-    distance_percent : rms over the star centres from the form that is shown, after the rigid motion and the symmetry of
-        the design that bring them together, in % of the diameter.
+    gap : how far that is above the energy of the form shown, as a share of the energy at stake there.
+    distance_percent : rms distance of the star centres from the form shown, after the rigid motion and the symmetry
+        that bring them closest, in % of the diameter.
     """
 
     start: str
@@ -33,19 +34,24 @@ class OtherForm:
     distance_percent: float
 
 
-def other_forms(preview: Preview, diameter_mm: float) -> list[OtherForm]:
-    """The lowest one first; each is further than `EQUAL` from the form that is shown and from the ones before it."""
-    shown, plan = preview.equilibrium, preview.sheet.layout
-    met = sorted((trial for trial in shown.trials if trial.is_minimum), key=lambda trial: trial.energy)
-    if len(met) < 2 or len(plan.centres) < FEWEST:
+def other_forms(state: PreviewState, diameter_mm: float) -> list[OtherForm]:
+    """The lowest one first; each is a different form from the one shown and from those before it."""
+    shown, layout = state.equilibrium, state.layout
+    minima = sorted((trial for trial in shown.trials if trial.is_minimum), key=lambda trial: trial.energy)
+    if len(minima) < 2 or len(layout.centres) < MIN_STARS:
         return []
-    stars = preview.sheet.space.locate(plan.centres).value
-    known, found = [stars @ shown.x], []
-    for trial in met:
+    stars = state.sheet.space.locate(layout.centres).value
+    known, forms = [stars @ shown.x], []
+    for trial in minima:
         centres = stars @ trial.x
-        apart = [100.0 / diameter_mm * distances(form, centres, preview.symmetries).min() for form in known]
-        if min(apart) > EQUAL:
+        apart = [100.0 / diameter_mm * distances(form, centres, state.symmetries).min() for form in known]
+        if min(apart) > EQUAL_FORM_PERCENT:
             gap = (trial.energy - shown.energy) / shown.absolute_energy
-            found.append(OtherForm(trial.name, trial.energy, gap, float(apart[0])))
+            forms.append(OtherForm(trial.name, trial.energy, gap, float(apart[0])))
             known.append(centres)
-    return found
+    return forms
+
+
+def close_form(forms: Sequence[OtherForm], energy_uncertainty: float) -> OtherForm | None:
+    """The lowest other form, if the law cannot tell which is lower: its gap is below the law's uncertainty."""
+    return next((form for form in forms if form.gap < energy_uncertainty), None)

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-import asterism.previews.session as preview_module
+import asterism.previews.solve as solve_module
 from asterism.previews.session import Preview
+from asterism.previews.sheet import Sheet
 from pattern import gallery
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
@@ -32,7 +33,7 @@ def break_off_while_it_settles(preview: Preview, design: Design, monkeypatch: py
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr(preview_module, "follow", interrupted)
+        patch.setattr(solve_module, "follow", interrupted)
         with pytest.raises(KeyboardInterrupt):
             preview.update(design)
 
@@ -44,7 +45,7 @@ def break_off_while_it_settles(preview: Preview, design: Design, monkeypatch: py
 def test_who_drags_through_linear_responses_sees_a_sheet(name: str, key: str, ends: tuple[float, float]) -> None:
     """Each starts from the last equilibrium, not from the last response."""
     preview = Preview(edited(name))
-    size = preview.shell.size
+    size = preview.shell.extent
     for value in np.linspace(*ends, 30):
         stage = next(preview.edit(edited(name, stars={key: float(value)})))
         assert stage.name == "linear" and np.ptp(stage.x, axis=0).max() < 1.5 * size
@@ -56,7 +57,7 @@ def test_who_drags_through_linear_responses_sees_a_sheet(name: str, key: str, en
     assert final.summary["is_minimum"]
 
 
-@pytest.mark.parametrize("part", ["linear_response", "energies_of"])
+@pytest.mark.parametrize("part", ["linear_response", "energies_by_part"])
 def test_an_edit_that_is_broken_off_changes_nothing(part: str, monkeypatch: pytest.MonkeyPatch) -> None:
     preview = Preview(edited("dome"))
     before, height = preview.design, preview.shape().height_mm
@@ -66,7 +67,7 @@ def test_an_edit_that_is_broken_off_changes_nothing(part: str, monkeypatch: pyte
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr(preview_module, part, interrupted)
+        patch.setattr(solve_module, part, interrupted)
         with pytest.raises(KeyboardInterrupt):
             preview.update(other)
     assert preview.design is before and preview.equilibrium.is_minimum
@@ -83,7 +84,7 @@ def test_an_edit_after_one_that_was_broken_off_while_it_settled(monkeypatch: pyt
     linear, _ = preview.edit(edited("dome", stars={"thickness_mm": 0.32}))
     once = next(Preview(edited("dome")).edit(edited("dome", stars={"thickness_mm": 0.32})))
     # with the stiffness of the sheet as it was being edited: nearly the same
-    assert np.abs(linear.x - once.x).max() < 0.02 * preview.shell.size
+    assert np.abs(linear.x - once.x).max() < 0.02 * preview.shell.extent
     assert preview.equilibrium.is_minimum
 
 
@@ -113,9 +114,9 @@ def test_a_preview_is_not_copied(copied: Callable[[Preview], object]) -> None:
 
 
 def test_what_is_shown_is_kept_while_arms_stay(monkeypatch: pytest.MonkeyPatch) -> None:
-    meshed: list[Design] = []
-    mesh = preview_module.shown_mesh
-    monkeypatch.setattr(preview_module, "shown_mesh", lambda *given: meshed.append(given[0]) or mesh(*given))
+    meshed: list[Sheet] = []
+    mesh = solve_module.shown_mesh
+    monkeypatch.setattr(solve_module, "shown_mesh", lambda *given: meshed.append(given[0]) or mesh(*given))
     preview = Preview(edited("dome"))
     preview.shape()
     for change, count in (

@@ -13,16 +13,18 @@ import scipy.sparse as sp
 from scipy.spatial.transform import Rotation
 
 import asterism
-import asterism.previews.session as preview_module
+import asterism.previews.solve as solve_module
 from asterism.exact.simulation import simulate
 from asterism.previews.corrugation.arms import Arms
 from asterism.previews.corrugation.bumps import TURN
 from asterism.previews.fields.star_values import SIXFOLD_MOST, star_values
 from asterism.previews.session import Preview
-from asterism.previews.summary import warnings
 from asterism.previews.supports.conditions import weight
-from asterism.previews.uncertainty.other_forms import OtherForm
+from asterism.previews.uncertainty.estimate import estimate_error
+from asterism.previews.uncertainty.other_forms import OtherForm, close_form
+from asterism.previews.warnings import warnings
 from asterism.shape.comparison import compare
+from equilibrium.newton.minimise import Clock
 from homogenize.errors import LawError
 from homogenize.law.table import NAMES
 from pattern import gallery
@@ -127,8 +129,8 @@ def test_an_edit_gives_the_shape_of_a_new_preview() -> None:
 def test_softness_is_known_after_edits_and_pins_too(step: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """No edit waits for it; it is found once, when a summary is asked for."""
     asked: list[None] = []
-    find = preview_module.softest_modes
-    monkeypatch.setattr(preview_module, "softest_modes", lambda *given: asked.append(None) or find(*given))
+    find = solve_module.softest_modes
+    monkeypatch.setattr(solve_module, "softest_modes", lambda *given: asked.append(None) or find(*given))
     pins = [{"edges": [0]}, {"points_mm": [[0.0, -60.0]], "target_mm": [[0.0, -45.0, 5.0]], "step": step}]
     one, other = (design(stars={"thickness_mm": t}, pins=pins, mesh={"edge_mm": 4.0}) for t in (0.3, 0.303))
     preview, fresh = Preview(one, plain_law()), Preview(other, plain_law())
@@ -351,7 +353,7 @@ def test_a_sheet_weighs_what_is_printed(border: dict[str, Any]) -> None:
     lifted = np.zeros((6, 3))
     lifted[0, 2] = 1.0
     pulled = sheet.space.interpolate(lambda points: np.repeat(lifted[None], len(points), axis=0))[:, 2]
-    pulled = pulled @ sheet.loads(heavy)[:, 2]
+    pulled = pulled @ sheet.loads()[:, 2]
     volume = (plan.arm_length * plan.arm_thickness.mean(axis=1) * plan.arm_width.mean(axis=1)).sum()
     plastic = 1e-9 * heavy.plastic.density_kg_m3 * volume
     fabric = heavy.fabric.printed_mass * polygon_area(plan.border)
@@ -384,8 +386,8 @@ def test_an_interrupted_edit_is_not_gone_on_from(monkeypatch: pytest.MonkeyPatch
 
     other = design(stars={"length_mm": 8.5}, pins=late)
     with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
-        patch.setattr(preview_module, "taken", stop)
-        patch.setattr(preview_module, "follow", lost)
+        patch.setattr(solve_module, "apply_supports", stop)
+        patch.setattr(solve_module, "follow", lost)
         list(preview.edit(other))
     assert not preview.equilibrium.is_minimum and len(preview.shell.fixed_points)
     list(preview.edit(other))
@@ -676,8 +678,14 @@ def test_nothing_is_expected_of_stars_that_are_sent_down() -> None:
 def test_a_lower_form_is_not_called_nearly_as_low(curly: Preview) -> None:
     """Which side was asked for may hide it."""
     high, low = (OtherForm("arc", 1.0, gap, 9.0) for gap in (-0.01, -0.29))
+    estimate = estimate_error(curly.state, curly.shape(), np.eye(3)[2], Clock())
+    estimates = (
+        replace(estimate, other_forms=(form,), close_form=close_form([form], estimate.energy_uncertainty))
+        for form in (high, low)
+    )
     near, below = (
-        next(line for line in warnings(curly, None, others=[form]) if "another form" in line) for form in (high, low)
+        next(line for line in warnings(curly.state, each, None, 0, 10.0) if "another form, " in line)
+        for each in estimates
     )
     assert "has nearly the same energy (-1.0 %): the exact model may take that one" in near
     assert "has 29 % less energy: the exact model will likely take that one" in below

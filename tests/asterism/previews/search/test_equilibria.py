@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from asterism.previews.search import equilibria
-from asterism.previews.search.equilibria import narrow, settled, soft_in_two_ways, turned_over
+from asterism.previews.search import find_equilibrium as search
+from asterism.previews.search.alternatives import is_inverted, is_narrow
+from asterism.previews.search.find_equilibrium import SheetTraits, find_equilibrium
+from asterism.previews.search.near_zero_modes import is_equilibrium_near_another
 from asterism.previews.session import Preview
 from fem.elements.argyris import Argyris
 from fem.search.mean_fields import mean_fields
@@ -26,8 +28,8 @@ ROLLS = of_stretch(density(100.0), 0.8, lambda p: -0.012 - 0.001 * radius(p) ** 
 def test_caps_never_cost_energy(fields: Fields) -> None:
     shell = Shell(Argyris(hexagon(1)), fields)
     factor = shell.factor()
-    plain = settled(shell, factor, "auto", uniform=False, curls=False)
-    found = settled(shell, factor, "auto", uniform=False, curls=True)
+    plain = find_equilibrium(shell, factor, "auto", SheetTraits())
+    found = find_equilibrium(shell, factor, "auto", SheetTraits(has_tight_curls=True))
     assert found.is_minimum
     assert found.energy <= plain.energy * (1.0 + 1e-9)
     assert "cap" in {trial.name for trial in found.trials}
@@ -45,7 +47,7 @@ def test_caps_never_cost_energy(fields: Fields) -> None:
 def test_a_folded_sheet_is_found(curls: bool) -> None:
     """By its tight curls, or because the roll is soft in two ways."""
     shell = Shell(Argyris(hexagon(1)), FOLDS)
-    found = settled(shell, shell.factor(), "auto", uniform=False, curls=curls)
+    found = find_equilibrium(shell, shell.factor(), "auto", SheetTraits(has_tight_curls=curls))
     assert found.is_minimum and found.energy < 0.98 * relax(shell).energy
 
 
@@ -54,7 +56,7 @@ def test_a_form_on_the_side_that_is_asked_for_is_shown_though_it_is_dearer() -> 
     preview = Preview(gallery.load("dome"))
     down = preview.equilibrium
     factor = preview.shell.factor()
-    up = settled(preview.shell, factor, "up", uniform=False, curls=False)
+    up = find_equilibrium(preview.shell, factor, "up", SheetTraits())
     assert (side_of(preview.shell, down.x), side_of(preview.shell, up.x)) == ("down", "up")
     assert up.is_minimum and up.energy > 1.2 * down.energy and len(up.soft_modes)
     factor.close()
@@ -69,12 +71,13 @@ def test_a_narrow_sheet_is_looked_at_for_other_buckles() -> None:
     (other,) = shape.summary["other_forms"]
     assert any("the exact model may take another" in line for line in shape.summary["warnings"])
     assert shape.summary["is_minimum"] and other["energy_n_mm"] > 1.1 * shape.summary["energy_n_mm"]
-    assert narrow(mean_fields(preview.shell)) and not soft_in_two_ways(preview.shell, preview.equilibrium, 60.0)
+    assert is_narrow(mean_fields(preview.shell))
+    assert not is_equilibrium_near_another(preview.shell, preview.equilibrium, 60.0)
     *_, last = preview.edit(
         Design.from_dict({"stars": stars | {"length_mm": 7.1}, "border": {"rings": 2}, "pins": pins})
     )
     assert last.name == "equilibrium" and any("buckle" in line for line in preview.shape().summary["warnings"])
-    assert not narrow(mean_fields(Preview(gallery.load("dome")).shell))
+    assert not is_narrow(mean_fields(Preview(gallery.load("dome")).shell))
 
 
 def test_sides_of_free_and_held_states() -> None:
@@ -93,8 +96,8 @@ def test_sides_of_free_and_held_states() -> None:
 def test_sheets_soft_in_two_ways_are_started_from_other_kinds(fields: Fields, soft: bool) -> None:
     shell = Shell(Argyris(hexagon(1)), fields)
     alone = relax(shell)
-    assert soft_in_two_ways(shell, alone, 0.8 * 2.0 * RADIUS) == soft
-    found = settled(shell, shell.factor(), "auto", uniform=False, curls=False)
+    assert is_equilibrium_near_another(shell, alone, 0.8 * 2.0 * RADIUS) == soft
+    found = find_equilibrium(shell, shell.factor(), "auto", SheetTraits())
     tried, before = ({trial.name for trial in each.trials} for each in (found, alone))
     assert tried > before if soft else tried == before
     assert found.is_minimum and found.energy <= 1.02 * alone.energy
@@ -137,12 +140,12 @@ def test_a_held_sheet_on_the_wrong_side_is_tried_from_flat(monkeypatch: pytest.M
     preview = Preview(gallery.load("dome"))
     shell, right = preview.shell, preview.equilibrium
     over = right.x * [1.0, 1.0, -1.0]
-    assert turned_over(shell, over, "down") and turned_over(shell, right.x, "up")
-    assert not turned_over(shell, right.x, "down") and not turned_over(shell, shell.constrain(shell.flat), "down")
+    assert is_inverted(shell, over, "down") and is_inverted(shell, right.x, "up")
+    assert not is_inverted(shell, right.x, "down") and not is_inverted(shell, shell.constrain(shell.flat), "down")
     wrong = follow(shell, over, shell.factor(), "cap")
     assert wrong.is_minimum and wrong.energy > 1.1 * right.energy
     first = iter([wrong])
-    real = equilibria.relax
-    monkeypatch.setattr(equilibria, "relax", lambda *given, **more: next(first, None) or real(*given, **more))
-    found = settled(shell, shell.factor(), "auto", False, False)
+    real = search.relax
+    monkeypatch.setattr(search, "relax", lambda *given, **more: next(first, None) or real(*given, **more))
+    found = find_equilibrium(shell, shell.factor(), "auto", SheetTraits())
     assert found.energy == pytest.approx(right.energy, rel=1e-6) and len(found.trials) == 2

@@ -43,7 +43,7 @@ def test_it_is_how_far_the_sheet_goes_for_another_law(size):
     sizes = values.sizes[:, ("length_mm", "thickness_mm").index(size)]
     wrong = np.append(1.0 + ERROR * (sizes / sizes.mean() - 1.0), 1.0)
     value = values.value | {name: wrong * values.value[name] for name in ("lam", "lam_n")}
-    shell.set_fields(preview.sheet.fields(replace(values, value=value)))
+    shell = shell.with_fields(preview.sheet.fields(replace(values, value=value)))
     found = follow(shell, start, shell.factor())
     at = shell.space.locate(shell.points.reshape(-1, 2)).value
     before, after = at @ start, at @ found.x

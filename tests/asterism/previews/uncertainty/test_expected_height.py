@@ -8,15 +8,12 @@ import numpy as np
 import pytest
 
 from asterism.previews.fields.star_values import REACH, star_values
+from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.session import Preview
-from asterism.previews.uncertainty.expected_height import (
-    FLAT,
-    LONG,
-    LOWEST,
-    PART,
+from asterism.previews.uncertainty.height_error import (
     HeightDoubts,
-    expected_height_percent,
-    turning,
+    height_error_percent,
+    inverted_bumps,
 )
 from fem.search.compliance import compliance
 from fem.supports.loads import point_load
@@ -24,6 +21,8 @@ from pattern import gallery
 from pattern.layout.build import layout
 from tests.asterism.previews.laws import SPACING, plain_law
 
+LOWEST, PART = PREVIEW_MODEL.lowest_point_share, PREVIEW_MODEL.height_share
+LONG, FLAT = PREVIEW_MODEL.inverted_min_arm, PREVIEW_MODEL.inverted_max_curvature
 DOME = gallery.load("dome")
 PLAN = layout(DOME)
 VALUES = star_values(DOME, PLAN, plain_law())
@@ -35,17 +34,17 @@ def test_doubts_add_up_as_independent_ones_do() -> None:
     low, soft, both = (
         replace(sure, **more) for more in ({"lowest": 2.0}, {"softness": 50.0}, {"lowest": 2.0, "softness": 50.0})
     )
-    base, one, other, together = (expected_height_percent(d, 0.05) or 0.0 for d in (sure, low, soft, both))
+    base, one, other, together = (height_error_percent(d, 0.05) or 0.0 for d in (sure, low, soft, both))
     assert base == pytest.approx(100.0 * PART)
     assert one == pytest.approx(np.hypot(base, 100.0 * LOWEST * 2.0 / 20.0))
     assert together**2 - base**2 == pytest.approx(one**2 - base**2 + other**2 - base**2)
-    assert (expected_height_percent(soft, 0.1) or 0.0) > other
+    assert (height_error_percent(soft, 0.1) or 0.0) > other
 
 
 def test_flatter_sheets_are_less_sure() -> None:
     high, low = (HeightDoubts(height, lowest=0.3, softness=20.0, turning=0.0) for height in (20.0, 2.0))
-    assert expected_height_percent(low, 0.015) > 3.0 * expected_height_percent(high, 0.015)
-    assert expected_height_percent(HeightDoubts(0.0, 0.0, 0.0, 0.0), 0.05) is None
+    assert height_error_percent(low, 0.015) > 3.0 * height_error_percent(high, 0.015)
+    assert height_error_percent(HeightDoubts(0.0, 0.0, 0.0, 0.0), 0.05) is None
 
 
 def test_long_stars_turn_where_a_held_sheet_is_flat_and_not_pulled() -> None:
@@ -55,10 +54,10 @@ def test_long_stars_turn_where_a_held_sheet_is_flat_and_not_pulled() -> None:
     size = np.sqrt((bumps**2 * long).mean())
     flat, curled, narrow, wide = 0.9 * FLAT * KAPPA, 1.1 * FLAT * KAPPA, 0.99 * LAM**2, 1.01 * LAM**2
     assert size > 0.1
-    assert turning(VALUES, PLAN, flat, narrow) == pytest.approx(size)
-    assert turning(VALUES, PLAN, -curled, narrow) == pytest.approx(size)
-    assert turning(VALUES, PLAN, curled, narrow) == turning(VALUES, PLAN, flat, wide) == 0.0
-    assert turning(VALUES, replace(PLAN, pins=[]), flat, narrow) == 0.0
+    assert inverted_bumps(VALUES, PLAN, flat, narrow) == pytest.approx(size)
+    assert inverted_bumps(VALUES, PLAN, -curled, narrow) == pytest.approx(size)
+    assert inverted_bumps(VALUES, PLAN, curled, narrow) == inverted_bumps(VALUES, PLAN, flat, wide) == 0.0
+    assert inverted_bumps(VALUES, replace(PLAN, pins=[]), flat, narrow) == 0.0
 
 
 @pytest.mark.parametrize("name", ["dome", "tube"])
@@ -75,7 +74,7 @@ def test_doubts_of_a_preview_are_those_of_its_shape(name: str) -> None:
     up = np.linalg.eigh((weights[:, None] * places).T @ places)[1][:, 0] if name == "tube" else np.eye(3)[2]
     along = places @ up
     pull, push = (point_load(preview.sheet.space, shape.printed[i], up) for i in (along.argmax(), along.argmin()))
-    apart = compliance(preview.shell, preview.equilibrium.x, preview._factor, pull - push)
+    apart = compliance(preview.shell, preview.equilibrium.x, preview.state.factor, pull - push)
     absolute_energy = sum(map(abs, summary["energy_parts_n_mm"].values()))
     assert doubts["softness"] == pytest.approx(np.sqrt(2.0 * absolute_energy * apart), rel=1e-6)
     assert doubts["softness"] > 0.1 * doubts["height"]
@@ -84,13 +83,13 @@ def test_doubts_of_a_preview_are_those_of_its_shape(name: str) -> None:
 def test_stars_that_curl_to_the_other_side_turn_as_those_do() -> None:
     other = replace(VALUES, value=VALUES.value | {"kappa": -VALUES.value["kappa"]})
     flat, curled, narrow = 0.9 * FLAT * KAPPA, 1.1 * FLAT * KAPPA, 0.99 * LAM**2
-    assert turning(other, PLAN, -flat, narrow) == turning(VALUES, PLAN, flat, narrow) > 0.0
-    assert turning(other, PLAN, -curled, narrow) == 0.0
-    assert turning(other, PLAN, curled, narrow) == turning(VALUES, PLAN, flat, narrow)
+    assert inverted_bumps(other, PLAN, -flat, narrow) == inverted_bumps(VALUES, PLAN, flat, narrow) > 0.0
+    assert inverted_bumps(other, PLAN, -curled, narrow) == 0.0
+    assert inverted_bumps(other, PLAN, curled, narrow) == inverted_bumps(VALUES, PLAN, flat, narrow)
 
 
 def test_a_bump_is_no_larger_than_the_cell_of_its_star() -> None:
     far = replace(VALUES, sizes=VALUES.sizes + np.array([SPACING, 0.0, 0.0]))
     bumps = 0.5 * VALUES.caps[:-1] * (REACH * SPACING) ** 2
-    found = turning(far, PLAN, 0.9 * FLAT * KAPPA, 0.99 * LAM**2)
+    found = inverted_bumps(far, PLAN, 0.9 * FLAT * KAPPA, 0.99 * LAM**2)
     assert found == pytest.approx(np.sqrt((bumps**2).mean()))

@@ -7,15 +7,17 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.session import Preview
-from asterism.previews.uncertainty.expected import UNSURE, close_form, expected_rms_percent
-from asterism.previews.uncertainty.other_forms import OtherForm, other_forms
+from asterism.previews.uncertainty.distance_error import distance_error_percent
+from asterism.previews.uncertainty.other_forms import OtherForm, close_form, other_forms
 from fem.search.evidence import Trial
 from pattern.design.design import Design
 from pattern.layout.likeness import distances
 from pattern.layout.symmetries import Symmetry
 from tests.asterism.previews.laws import plain_law
 
+UNSURE = PREVIEW_MODEL.energy_uncertainty
 AMPLITUDES = np.array([5.0, 2.0])
 
 
@@ -48,7 +50,7 @@ def test_forms_that_symmetry_makes_equal_are_one() -> None:
 
 def test_a_form_counts_by_how_likely_it_is() -> None:
     def expected(*gaps: float) -> float:
-        return expected_rms_percent(AMPLITUDES, [OtherForm("arc", 1.0, gap, 20.0) for gap in gaps]) or 0.0
+        return distance_error_percent(AMPLITUDES, [OtherForm("arc", 1.0, gap, 20.0) for gap in gaps]) or 0.0
 
     alone = expected()
     assert expected(0.0) == pytest.approx(np.hypot(alone, 20.0 / np.sqrt(2.0)))
@@ -59,9 +61,9 @@ def test_a_form_counts_by_how_likely_it_is() -> None:
 
 def test_a_close_form_is_one_that_the_law_cannot_exclude() -> None:
     near, far = OtherForm("arc", 1.0, 0.5 * UNSURE, 20.0), OtherForm("cap", 1.0, 2.0 * UNSURE, 20.0)
-    assert close_form([near, far]) is near
-    assert close_form([far]) is None
-    assert close_form([]) is None
+    assert close_form([near, far], UNSURE) is near
+    assert close_form([far], UNSURE) is None
+    assert close_form([], UNSURE) is None
 
 
 def test_forms_are_told_from_each_other_and_measured_from_the_one_that_is_shown() -> None:
@@ -75,12 +77,12 @@ def test_forms_are_told_from_each_other_and_measured_from_the_one_that_is_shown(
     space = SimpleNamespace(locate=lambda points: SimpleNamespace(value=np.eye(9)))
     same = [Symmetry(np.eye(2), np.zeros(2), np.arange(9))]
     shown = SimpleNamespace(x=rolls[0], energy=10.0, absolute_energy=20.0, trials=[lost, *trials[::-1]])
-    preview = SimpleNamespace(equilibrium=shown, sheet=SimpleNamespace(layout=plan, space=space), symmetries=same)
-    (found,) = other_forms(preview, 100.0)  # type: ignore[arg-type]
+    state = SimpleNamespace(equilibrium=shown, sheet=SimpleNamespace(space=space), layout=plan, symmetries=same)
+    (found,) = other_forms(state, 100.0)  # type: ignore[arg-type]
     assert (found.start, found.energy_n_mm, found.gap) == ("arc 1", 11.0, 1.0 / 20.0)
     assert found.distance_percent == pytest.approx(distances(rolls[0], rolls[1], same)[0])
     # a third one beside the second, further from it than EQUAL
     shown.trials.append(Trial("arc 3", 14.0, True, 1, 1.1 * rolls[1]))
-    third = other_forms(preview, 100.0)[1]  # type: ignore[arg-type]
+    third = other_forms(state, 100.0)[1]  # type: ignore[arg-type]
     apart = [distances(roll, 1.1 * rolls[1], same)[0] for roll in rolls[:2]]
     assert third.distance_percent == pytest.approx(apart[0]) and apart[1] < 0.9 * apart[0]

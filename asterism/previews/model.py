@@ -1,0 +1,276 @@
+"""All constants of the preview model, each with its unit, its meaning and where its value comes from.
+
+The law of the unit cells holds for an endless sheet of equal stars. A real sheet has a rim, supports and stars that
+change from place to place. The parts of the model describe these (`asterism.previews.model_parts`); the modules of
+this package state their equations. Tolerances, iteration limits and mesh sizes are no model: they stand in the files
+that use them.
+
+Lengths without a unit of their own are counted in spacings of the stars.
+
+Examples
+--------
+A preview without the curl of free rims, and the origin of that constant:
+
+>>> from dataclasses import replace
+>>> replace(PREVIEW_MODEL, rim_curl_factor=0.0).rim_curl_factor
+0.0
+>>> describe("rim_curl_factor").origin
+'fitted to sheets'
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+from typing import Any, Literal
+
+Origin = Literal["derived", "computed from cells", "computed from sheets", "fitted to sheets", "unknown"]
+
+STUDY = "no command repeats the choice; python -m benchmarks.accuracy FOLDER measures what it does"
+ERRORS = "python -m benchmarks.accuracy.expectation FOLDER"
+CHOSEN = f"no command repeats the choice; {ERRORS} measures what it does"
+ERROR_DESIGNS = "the study (42 designs), random-24 to -47 and 20 small free sheets of equal stars"
+
+
+@dataclass(frozen=True)
+class Constant:
+    """What is known about a constant of the model.
+
+    Attributes
+    ----------
+    unit : `-` for ratios, switches included.
+    meaning : one sentence.
+    origin : `derived` from mechanics or geometry; `computed from cells`; `computed from sheets` of the exact model, one
+        effect at a time; `fitted to sheets`, so that previews come close to exact shapes; or `unknown`.
+    command : that produced the value, or how far one repeats it; empty for what is derived.
+    designs : that were used.
+    """
+
+    unit: str
+    meaning: str
+    origin: Origin
+    command: str = ""
+    designs: str = ""
+
+
+def _of(default: float | bool | tuple[float, ...], *about: str) -> Any:
+    """A field with this default, described by the entries of `Constant`."""
+    return field(default=default, metadata={"about": Constant(*about)})  # type: ignore[arg-type]
+
+
+def _derived(default: float | bool, unit: str, meaning: str) -> Any:
+    return _of(default, unit, meaning, "derived")
+
+
+def _fitted(default: float, unit: str, meaning: str, designs: str, command: str = STUDY) -> Any:
+    return _of(default, unit, meaning, "fitted to sheets", command, designs)
+
+
+def _unknown(default: float, unit: str, meaning: str) -> Any:
+    return _of(default, unit, meaning, "unknown", "origin unknown", "origin unknown")
+
+
+@dataclass(frozen=True)
+class PreviewModel:
+    """Constants and switches of the preview; `describe` gives unit, meaning and origin of each.
+
+    A preview takes another model as `Preview(design, model=replace(PREVIEW_MODEL, ...))`. Constants are not checked.
+    """
+
+    # stars that are not the same in all directions: fields/directional.py
+    anisotropy_share: float = _fitted(
+        0.7, "-", "share of the cells' difference between directions that acts in sheets",
+        "18 free sheets that follow those of benchmarks.other_stars",
+        "python -m benchmarks.other_stars FOLDER --choose",
+    )  # fmt: skip
+    # roll axis, the sixfold term: fields/sheet_fields.py, fields/star_values.py
+    sixfold_factor: float = _fitted(
+        1.4, "-", "sixfold term of sheets over that of cells", "fig8-l-increasing, fig8-l-decreasing, random-39; tube"
+    )
+    sixfold_saturation: float = _unknown(3.0, "-", "saturation curvature of the sixfold term over the natural one")
+    max_sixfold_share: float = _of(
+        0.7, "-", "share of the bending stiffness that the sixfold term may take away in one direction",
+        "computed from cells", "origin unknown", "cells of the paper's material stay below",
+    )  # fmt: skip
+    # lengths at rest follow the curvature: fields/sheet_fields.py
+    has_curvature_lengths: bool = _derived(True, "-", "switch: curled sheets contract more than flat ones")
+    supported_length_share: float = _fitted(
+        0.3, "-", "share of the way from natural tube to flat cell that counts in supported sheets",
+        "bell, cone, fig9-linear, u-shape, fig8-h-increasing",
+    )  # fmt: skip
+    length_turn_rad: float = _of(
+        1.5, "rad", "turn over a spacing in which cells make most of that way", "computed from cells",
+        "origin unknown", "cells of long thin stars",
+    )  # fmt: skip
+    # stars and bare fabric: fields/sheet_fields.py
+    has_series_bending: bool = _derived(True, "-", "switch: compliances of stars and bare fabric add")
+    # Gaussian curvature works against the stress within cells: fields/self_stress.py
+    gaussian_arm_factor: float = _of(
+        0.14, "-", "area G over the square of the arms' length", "computed from sheets",
+        "python -m benchmarks.self_stress", "flat sheets of equal stars",
+    )  # fmt: skip
+    gaussian_strain_factor: float = _of(
+        0.12, "-", "decrease of G, in squared spacings, with the stretch of the stars over that of bare fabric",
+        "computed from sheets", "python -m benchmarks.self_stress", "flat sheets of equal stars",
+    )  # fmt: skip
+    gaussian_softening_exponent: float = _fitted(
+        7.0, "-", "power of the membrane stiffness by which stars with bumps lose G", "ribbons and free caps"
+    )
+    max_gaussian_area: float = _fitted(1.0 / 60.0, "-", "largest G, in squared spacings", "ribbons and free caps")
+    # the metric where stars change: fields/star_arms.py
+    has_rosette_metric: bool = _derived(True, "-", "switch: fabric along an arm contracts as that arm's star does")
+    arm_setback: float = _derived(0.5, "spacing", "how far back along an arm its star is: half way to the next one")
+    last_arm_margin: float = _unknown(0.3, "spacing", "an arm is a last one if the next star is further away by this")
+    # smoothed cells: fields/star_cells.py
+    wide_smoothing: float = _fitted(
+        0.2, "spacing", "width of the Gaussian for long arms", "random-10, random-04, random-44, fig8-h-increasing"
+    )
+    narrow_smoothing: float = _fitted(
+        0.08, "spacing", "width of the Gaussian for short arms: about as small as its grid allows",
+        "random-12, random-14, random-15",
+    )  # fmt: skip
+    short_arm: float = _fitted(0.29, "spacing", "arms up to this length keep to their cell", "random-12, -14, -15")
+    long_arm: float = _fitted(0.55, "spacing", "arms from this length on leave their cell", "tube, random-10")
+    cell_radius: float = _unknown(0.6, "spacing", "a bump ends at this distance from its star")
+    min_bump_radius: float = _unknown(0.17, "spacing", "arms below this length have no bump")
+    # holes in the pattern: fields/holes.py
+    has_holes: bool = _derived(True, "-", "switch: bare sites with stars all around have no free rim")
+    hole_rim_distance: float = _unknown(0.6, "spacing", "sites nearer to the outline than this belong to the rim")
+    # supported points: supports/point_pins.py, fields/stretched_fabric.py
+    has_point_softness: bool = _derived(True, "-", "switch: sheets give way around pulled points as on the exact mesh")
+    has_neo_hookean_fabric: bool = _derived(True, "-", "switch: bare fabric of sheets on points is neo-Hookean")
+    point_spot_radius: float = _of(
+        0.35, "shell edge", "radius of the softer spot at a pin", "computed from sheets",
+        "python -m benchmarks.point_pins", "wedges of bare fabric",
+    )  # fmt: skip
+    point_angles_deg: tuple[float, ...] = _of(
+        (45.0, 60.0, 90.0, 120.0, 150.0, 180.0, 270.0, 360.0), "deg", "angles of the sheet at a pin, for both tables",
+        "computed from sheets", "python -m benchmarks.point_pins", "wedges of bare fabric",
+    )  # fmt: skip
+    point_lack: tuple[float, ...] = _of(
+        (2.90, 2.81, 2.53, 1.71, 1.48, 1.38, 0.97, 0.86), "-", "d - c: what the shell's vertex lacks in compliance",
+        "computed from sheets", "python -m benchmarks.point_pins", "wedges of bare fabric",
+    )  # fmt: skip
+    point_gain: tuple[float, ...] = _of(
+        (2.82, 2.67, 2.30, 1.49, 1.14, 0.93, 0.59, 0.74), "-", "g: compliance that a softness of one adds",
+        "computed from sheets", "python -m benchmarks.point_pins", "wedges of bare fabric",
+    )  # fmt: skip
+    # free rims: edges/free_rim.py
+    rim_curl_factor: float = _fitted(
+        2.0, "-", "rest curvature of bare fabric at a free side over that of the bumps beside it",
+        "fig8-h-decreasing, random-30, random-39, fig8-l-increasing",
+    )  # fmt: skip
+    rim_pin_distance: float = _unknown(0.5, "spacing", "a side is supported by points nearer to it than this")
+    rim_fall_rad: float = _fitted(
+        0.25, "rad", "slope by which a free rim falls beyond long arms", "star, tube, fig8-h-increasing, random-10"
+    )
+    rim_fall_bump_turn_rad: float = _fitted(
+        0.75, "rad", "turn of a bump over a spacing from which on its rim falls no further",
+        "star, tube, fig8-h-increasing, random-10",
+    )  # fmt: skip
+    rim_fall_stretch: float = _derived(1.35, "-", "stretch of the fabric for which the fall was fitted")
+    max_rim_drop: float = _unknown(1.5, "-", "a rim is no deeper than for this multiple of the natural curvature")
+    # arms that point into a free rim: edges/rim_arms.py
+    has_rim_arms: bool = _derived(True, "-", "switch: arms carry their natural curvature into a free rim")
+    rim_arm_start: float = _fitted(0.7, "spacing", "border distance at which an arm carries none", "42 free sheets")
+    rim_arm_full: float = _fitted(1.2, "spacing", "border distance at which an arm carries all", "42 free sheets")
+    rim_arm_among: float = _fitted(
+        0.2, "-", "share that an arm carries that leads to another star", "42 free sheets; 100x40, 100x85, tube"
+    )
+    # supported sides of round outlines: edges/supported_rim.py
+    supported_rim_width: float = _unknown(0.5, "spacing", "width of the rim moved to its supports; 0 moves none")
+    # bumps: corrugation/bumps.py
+    has_bumps: bool = _derived(True, "-", "switch: bumps lie on the smooth surface")
+    bump_turn_rad: float = _of(
+        0.55, "rad", "turn over a spacing in which bumps come most of the way from flat to natural",
+        "computed from cells", "origin unknown", "cells of long thin stars",
+    )  # fmt: skip
+    bump_flattening_strain: float = _fitted(
+        0.08, "-", "strain over the flat cell at which no bumps are left", "random-20, random-35"
+    )
+    bump_support_distance: float = _fitted(
+        0.25, "spacing", "distance from supports over which bumps grow", "random-43, random-32"
+    )
+    # arms as rods: corrugation/arms.py
+    has_arm_lengths: bool = _derived(True, "-", "switch: arms keep their printed length")
+    arm_mean_share: float = _of(
+        0.3, "-", "share of the sheet's mean curvature in the bending of an arm", "computed from cells",
+        "pytest tests/asterism/previews/corrugation/test_arms.py", "rolled cells: 0.13 to 0.41",
+    )  # fmt: skip
+    has_last_arms: bool = _derived(True, "-", "switch: arms without a star ahead stay curled")
+    last_arm_share: float = _fitted(
+        0.6, "-", "share of its natural drop that a last arm keeps at least", "random-00, random-19, random-07"
+    )
+    max_arm_lift: float = _unknown(0.15, "-", "largest lift of a tip over the arm's length")
+    fabric_beside_arm: float = _of(
+        0.15, "spacing", "distance beside an arm in which the fabric follows it", "computed from cells",
+        "pytest tests/asterism/previews/corrugation/test_arms.py", "flat cells",
+    )  # fmt: skip
+    fabric_beyond_tip: float = _of(
+        0.25, "spacing", "distance beyond a tip in which the fabric follows it", "computed from cells",
+        "pytest tests/asterism/previews/corrugation/test_arms.py", "flat cells",
+    )  # fmt: skip
+    arm_support_share: float = _unknown(0.25, "-", "share of the distance to a support that a tip moves at most")
+    # forms of equal energy: search/find_equilibrium.py
+    energy_tie: float = _of(
+        0.005, "-", "share of the energy within which the law cannot order two forms", "computed from cells",
+        "origin unknown", "test cells of the law: its error at best",
+    )  # fmt: skip
+    # near-zero modes: search/near_zero_modes.py
+    second_amplitude_free_percent: float = _fitted(
+        20.0, "% of diameter", "second amplitude from which a free sheet likely has another form", ERROR_DESIGNS, CHOSEN
+    )
+    second_amplitude_supported_percent: float = _fitted(
+        13.0, "% of diameter", "the same of a supported sheet", ERROR_DESIGNS, CHOSEN
+    )
+    # estimated error of the distance: uncertainty/distance_error.py
+    floor_percent: float = _fitted(0.3, "% of diameter", "error of a stiff sheet", ERROR_DESIGNS, ERRORS)
+    amplitude_share: float = _fitted(
+        0.04, "-", "share of the amplitudes, free sheets without symmetry", ERROR_DESIGNS, ERRORS
+    )
+    amplitude_share_mirrored: float = _fitted(
+        0.06, "-", "share of the amplitudes, free sheets whose only symmetry is a mirror", ERROR_DESIGNS, ERRORS
+    )
+    amplitude_share_symmetric: float = _fitted(
+        0.03, "-", "share of the amplitudes, supported sheets and those with a rotation", ERROR_DESIGNS, ERRORS
+    )
+    other_form_percent: float = _fitted(5.0, "% of diameter", "error if another form is likely", ERROR_DESIGNS, CHOSEN)
+    other_form_sharpness: float = _unknown(8.0, "-", "exponent with which the second amplitude makes it likely")
+    size_strain_share: float = _fitted(
+        0.1, "-", "strain error over the relative deviation from the mean size", "random-608, random-621", CHOSEN
+    )
+    buckling_percent: float = _fitted(2.5, "% of diameter", "error if the sheet buckles", "40 unlike designs", CHOSEN)
+    buckling_ratio_start: float = _fitted(
+        0.93, "-", "supported size over natural size below which a sheet may buckle",
+        "40 unlike designs", CHOSEN,
+    )  # fmt: skip
+    buckling_ratio_full: float = _fitted(0.87, "-", "the same, if it surely buckles", "40 unlike designs", CHOSEN)
+    energy_uncertainty: float = _fitted(
+        0.1, "-", "standard deviation of the law's energies over the energy at stake", ERROR_DESIGNS, CHOSEN
+    )
+    # estimated error of the height: uncertainty/height_error.py
+    lowest_point_share: float = _fitted(
+        0.65, "-", "error of the lowest point over its distance from the smooth surface", ERROR_DESIGNS, ERRORS
+    )
+    height_softness_share: float = _fitted(
+        0.5, "-", "share of the amplitudes in the height over that in the distance", ERROR_DESIGNS, ERRORS
+    )
+    height_share: float = _fitted(0.02, "-", "error of the law over the height", ERROR_DESIGNS, ERRORS)
+    inverted_share: float = _fitted(
+        1.25, "-", "error over the rms bump of stars that may be inverted", ERROR_DESIGNS, ERRORS
+    )
+    inverted_min_arm: float = _unknown(0.5, "spacing", "stars with longer arms may be inverted")
+    inverted_max_curvature: float = _unknown(0.5, "-", "relative curvature up to which stars may be inverted")
+
+
+PREVIEW_MODEL = PreviewModel()
+
+
+def describe(name: str) -> Constant:
+    """Unit, meaning and origin of a constant of the model.
+
+    Raises
+    ------
+    KeyError
+        The model has no constant of that name.
+    """
+    return {each.name: each.metadata["about"] for each in fields(PreviewModel)}[name]  # type: ignore[no-any-return]

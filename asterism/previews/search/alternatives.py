@@ -1,0 +1,82 @@
+"""Other minima near one that was found: each function returns the lowest of it and of those it reaches.
+
+- `perturb_along_softest_mode` starts on both sides of the minimum, along its softest mode.
+- `buckle` starts a sheet that its supports hold narrower than its natural size from caps and arcs: such a sheet
+  buckles, its form depends on the start, and all forms are stiff, so that no near-zero mode shows the others.
+- `is_inverted` finds sheets that hang wholly on the wrong side of their supports.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from equilibrium.linear.factor import Factor
+from fem.elements.tabulation import Floats
+from fem.search.evidence import ShellEquilibrium
+from fem.search.guess_builder import GuessBuilder
+from fem.search.mean_fields import MeanFields
+from fem.search.relax import factorise, follow, softest_modes
+from fem.search.sides import FLAT_SAG_MM, Side
+from fem.search.simple_shapes import SimpleShape
+from fem.shell.shell import Shell
+
+EQUAL_ENERGY = 1e-3  # share of the energy within which two minima are the same form
+MAX_RISE_SHARE = 0.1  # an inverted sheet rises by less than this share of how far it hangs
+MIN_SIZE_RATIO = 0.95  # supported size over natural size: narrower sheets buckle
+ARCS = 3  # that a narrow sheet is started from, about
+
+
+def perturb_along_softest_mode(
+    shell: Shell, factor: Factor, equilibrium: ShellEquilibrium, amplitude_mm: float
+) -> ShellEquilibrium:
+    """The lowest of a minimum and of those that its softest mode leads to.
+
+    `amplitude_mm` is the largest move of a dof.
+    """
+    mode = softest_modes(shell, equilibrium.x, factor, 1)[1][:, 0]
+    step = amplitude_mm / np.abs(shell.move(np.zeros_like(equilibrium.x), mode)).max() * mode
+    others = [follow(shell, shell.move(equilibrium.x, sign * step), factor, "pushed") for sign in (1.0, -1.0)]
+    return lowest(shell, factor, equilibrium, others)
+
+
+def is_narrow(means: MeanFields) -> bool:
+    """Whether the supports hold the sheet narrower than its natural size."""
+    return means.chord < MIN_SIZE_RATIO * means.stretch
+
+
+def buckle(
+    shell: Shell, factor: Factor, equilibrium: ShellEquilibrium, means: MeanFields, guesses: Sequence[SimpleShape]
+) -> ShellEquilibrium:
+    """The lowest of a minimum and of those that caps and a few arcs among the guesses lead to."""
+    builder = GuessBuilder(shell, factor, means.centre, means.stretch)
+    arcs = [shape for shape in guesses if shape.name in ("arc", "bent")]
+    tried = [shape for shape in guesses if shape.name == "cap"] + arcs[:: max(len(arcs) // ARCS, 1)]
+    starts = [builder.relax_in_plane(builder.bend(shape)) for shape in tried]
+    others = [follow(shell, start.x, factor, start.shape.name, patient=False) for start in starts]
+    low = min(others, key=lambda other: other.energy)
+    if not low.is_minimum and low.energy < equilibrium.energy:
+        others.append(follow(shell, low.x, factor, low.guess))
+    return lowest(shell, factor, equilibrium, others)
+
+
+def is_inverted(shell: Shell, x: Floats, side: Side) -> bool:
+    """Whether a supported sheet x (N, 3) is wholly on the other side of its supports than its edges' side asks for."""
+    heights = (shell.node_positions(x)[:, 2] - shell.support_level[2]) * (1.0 if side == "down" else -1.0)
+    return bool(heights.min() < -FLAT_SAG_MM and heights.max() < MAX_RISE_SHARE * -heights.min())
+
+
+def lowest(
+    shell: Shell, factor: Factor, equilibrium: ShellEquilibrium, others: Sequence[ShellEquilibrium]
+) -> ShellEquilibrium:
+    """The lowest of several minima, with the history of all attempts; the factor then holds its Hessian."""
+    best = equilibrium
+    for other in others:
+        if other.is_minimum and other.energy < best.energy - EQUAL_ENERGY * abs(best.energy):
+            best = other
+    factorise(shell, best.x, factor)
+    if best is not equilibrium:
+        best = replace(best, soft_modes=softest_modes(shell, best.x, factor)[0])
+    return replace(best, trials=equilibrium.trials + tuple(trial for other in others for trial in other.trials))

@@ -1,0 +1,39 @@
+"""Later supports take hold of a sheet: it is moved to them in equal strides."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from equilibrium.linear.factor import Factor
+from fem.elements.tabulation import Floats
+from fem.search.evidence import ShellEquilibrium
+from fem.search.relax import follow
+from fem.shell.shell import Shell
+from pattern.geometry.rigid_fit import rigid_fit
+
+STRIDES = 6  # in which the supported dofs move to their places
+START = "pins take hold"  # name of the start of what is found
+
+
+def apply_supports(shell: Shell, factor: Factor, x: Floats, was_free: bool) -> ShellEquilibrium:
+    """The equilibrium with the shell's supports, from a state x (N, 3) mm that does not meet all of them.
+
+    A sheet that was free is first laid where its supported points come closest to their places.
+    """
+    target = shell.reduction.target
+    if was_free:
+        x = _laid_on_supports(shell, x, target.reshape(-1, 3))
+    start = x.ravel() - shell.reduction.map @ shell.reduction.project(x)
+    for stride in range(1, STRIDES + 1):
+        share = stride / STRIDES
+        moved = shell.with_target((1.0 - share) * start + share * target)
+        equilibrium = follow(moved, moved.constrain(x), factor, START)
+        x = equilibrium.x
+    return equilibrium
+
+
+def _laid_on_supports(shell: Shell, x: Floats, places: Floats) -> Floats:
+    """(N, 3) x after the rigid motion that brings supported points closest to their places (N, 3)."""
+    held = shell.fixed_points
+    rotation, shift = rigid_fit(x[held], places[held])
+    return np.asarray(shell.translated(x @ rotation.T, shift))

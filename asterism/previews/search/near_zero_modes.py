@@ -1,0 +1,67 @@
+"""Near-zero modes of an equilibrium: motions of the sheet that cost little energy.
+
+A mode with the eigenvalue `s_i` (N/mm^3) of the Hessian against the printed area A would take the energy E at stake
+(`fem.search.evidence`) up to this amplitude, rms over the sheet, in % of its diameter D:
+
+    a_i = 100/D sqrt(2 E / (s_i A)).
+
+One near-zero mode is common: the turn of a tube's axis. A sheet with two of them may rest in another form.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from asterism.previews.model import PREVIEW_MODEL, PreviewModel
+from fem.elements.tabulation import Floats
+from fem.search.evidence import ShellEquilibrium
+from fem.shell.shell import Shell
+
+MIN_STIFFNESS_N_MM3 = 1e-12
+
+
+def amplitudes_percent(stiffness: Floats, energy: float, area: float, diameter: float) -> Floats:
+    """(k,) amplitudes a_i of the formula above, the largest first.
+
+    Parameters
+    ----------
+    stiffness : (k,) N/mm^3, smallest eigenvalues of the Hessian against the printed area.
+    energy, area, diameter : E, A and D in N mm, mm^2 and mm.
+
+    Examples
+    --------
+    >>> amplitudes_percent(np.array([0.01, 0.04]), energy=2.0, area=100.0, diameter=100.0).round(3).tolist()
+    [2.0, 1.0]
+    """
+    safe = np.maximum(np.asarray(stiffness, dtype=float), MIN_STIFFNESS_N_MM3)
+    return np.sort(100.0 / diameter * np.sqrt(2.0 * max(energy, 0.0) / (safe * area)))[::-1]
+
+
+def second_amplitude_limit(is_supported: bool, model: PreviewModel = PREVIEW_MODEL) -> float:
+    """% of the diameter, the second amplitude from which another form is likely.
+
+    In a supported sheet only edges and corners move, so that smaller amplitudes count.
+    """
+    return model.second_amplitude_supported_percent if is_supported else model.second_amplitude_free_percent
+
+
+def has_two_near_zero_modes(amplitudes: Floats, is_supported: bool, model: PreviewModel = PREVIEW_MODEL) -> bool:
+    """Whether the second of the amplitudes (k,), in % of the diameter, is above its limit.
+
+    Examples
+    --------
+    The turn of a tube's axis is one near-zero mode:
+
+    >>> has_two_near_zero_modes(np.array([80.0, 10.0]), is_supported=False)
+    False
+    """
+    return len(amplitudes) > 1 and bool(amplitudes[1] > second_amplitude_limit(is_supported, model))
+
+
+def is_equilibrium_near_another(
+    shell: Shell, equilibrium: ShellEquilibrium, size: float, model: PreviewModel = PREVIEW_MODEL
+) -> bool:
+    """Whether the equilibrium of a sheet that is about `size` mm large has two near-zero modes."""
+    area = float(shell.assembly.weights.sum())
+    amplitudes = amplitudes_percent(equilibrium.soft_modes, equilibrium.absolute_energy, area, size)
+    return has_two_near_zero_modes(amplitudes, len(shell.fixed_points) > 0, model)

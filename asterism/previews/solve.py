@@ -1,0 +1,138 @@
+"""New states of a preview: from a design, from another state after an edit, or on a given side.
+
+Each function returns a state, and leaves the one it was given as it is, but for the content of the factor.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from asterism.previews.fields.star_values import StarValues
+from asterism.previews.search.apply_supports import apply_supports
+from asterism.previews.search.find_equilibrium import SheetTraits, find_equilibrium
+from asterism.previews.sheet import Sheet
+from asterism.previews.state import PreviewState
+from asterism.previews.surface.surface import Lens, ShownSheet, shown_mesh
+from equilibrium.newton.minimise import Clock
+from fem.search.evidence import ShellEquilibrium
+from fem.search.linear_response import Response, linear_response
+from fem.search.relax import energies_by_part, factorise, follow, softest_modes
+from fem.search.sides import Side
+from homogenize.law.law import Law
+from pattern.design.design import Design
+from pattern.layout.layout import Layout
+
+EQUAL_SIZES = 0.01  # sizes of stars that differ by less than this share are equal
+MAX_TIGHT_SHARE = 0.4  # of the stars: with more that are not scale-separated, caps are tried
+EDIT_START = "edit"  # name of the start of an equilibrium that goes on from another one
+
+
+def state_from_guesses(sheet: Sheet, law: Law, values: StarValues, side: Side, clock: Clock) -> PreviewState:
+    """The state at the equilibrium that initial guesses lead to, after all supports have taken hold.
+
+    Raises
+    ------
+    DesignError
+        The supports contradict each other.
+    LawError
+        The rest metric is not positive definite.
+    """
+    fields = clock("fields", sheet.fields, values)
+    has_tight_curls = len(values.tight) > MAX_TIGHT_SHARE * len(values.sizes)
+    has_equal_stars = bool((np.ptp(values.sizes, axis=0) <= EQUAL_SIZES * values.sizes.max(axis=0)).all())
+    was_free = True
+    for step in sheet.layout.pin_steps:
+        shell = clock("shell", sheet.shell, fields, step)
+        factor = shell.factor()
+        if step == 0:
+            symmetries = clock("symmetries", getattr, sheet, "symmetries") if shell.is_free else []
+            traits = SheetTraits(has_equal_stars, has_tight_curls, [symmetry.turn for symmetry in symmetries])
+            equilibrium: ShellEquilibrium = clock(
+                "equilibrium", find_equilibrium, shell, factor, side, traits, sheet.model
+            )
+        else:
+            equilibrium = clock("pins", apply_supports, shell, factor, equilibrium.x, was_free)
+        was_free = len(shell.fixed_points) == 0
+    equilibrium = replace(equilibrium, x=shell.shifted_to_ground(equilibrium.x))
+    return PreviewState(sheet, law, side, values, shell, equilibrium, equilibrium, factor)
+
+
+def with_stars(state: PreviewState, design: Design, layout: Layout, values: StarValues) -> PreviewState:
+    """The state with other stars on the same print; its equilibrium is still that of the old ones.
+
+    Raises
+    ------
+    LawError
+        The rest metric is not positive definite.
+    """
+    keeps_shown = state.sheet.has_arms_of(layout) and design.mesh == state.design.mesh
+    sheet = state.sheet.with_stars(design, layout)
+    fields = sheet.fields(values)
+    shell = state.shell.with_fields(fields, sheet.loads() if design.gravity.on else None)
+    return replace(state, sheet=sheet, values=values, shell=shell, shown=state.shown if keeps_shown else None)
+
+
+def respond(state: PreviewState, clock: Clock) -> tuple[PreviewState, Response | None]:
+    """The state after the linear response of its resting equilibrium to a change, and that response.
+
+    The response is None if the factor had lost the resting equilibrium, and that is unstable after the change: the
+    state is then a new equilibrium.
+    """
+    resting, shell, factor = state.resting, state.shell, state.factor
+    if not state.is_factor_resting:
+        state = replace(state, is_factor_resting=factorise(shell, resting.x, factor))
+    if not state.is_factor_resting:
+        return restarted(state, clock), None
+    response = clock("linear response", linear_response, shell, resting.x, factor)
+    gradient = float(np.linalg.norm(shell.gradient(response.x)))
+    shown = replace(
+        resting,
+        x=shell.shifted_to_ground(response.x),
+        strains=response.strains,
+        energies=energies_by_part(shell, response.x),
+        gradient_norm=gradient,
+        definite=resting.definite and gradient <= resting.tolerance,
+        soft_modes=np.empty(0),
+        trials=(),
+    )
+    return replace(state, equilibrium=shown), response
+
+
+def followed(state: PreviewState, response: Response, clock: Clock) -> PreviewState:
+    """The state at the equilibrium that the linear response leads to, or from guesses if that is no minimum."""
+    start = response.x, state.factor, EDIT_START, response.strains
+    equilibrium: ShellEquilibrium = clock("equilibrium", follow, state.shell, *start)
+    if not equilibrium.is_minimum:
+        return restarted(state, clock)
+    equilibrium = replace(equilibrium, x=state.shell.shifted_to_ground(equilibrium.x))
+    return replace(state, equilibrium=equilibrium, resting=equilibrium, is_factor_resting=True)
+
+
+def restarted(state: PreviewState, clock: Clock, side: Side | None = None) -> PreviewState:
+    """The state of the same design from guesses, on another side if one is given."""
+    new = state_from_guesses(state.sheet, state.law, state.values, side or state.side, clock)
+    return replace(new, shown=state.shown)
+
+
+def with_near_zero_modes(state: PreviewState, clock: Clock) -> PreviewState:
+    """The state whose equilibrium has its softest modes, if it is a minimum; edits do not wait for them."""
+    shown = state.equilibrium
+    if not shown.is_minimum:
+        return state
+    if not state.is_factor_resting:  # an edit that changes nothing was interrupted
+        state = replace(state, is_factor_resting=factorise(state.shell, shown.x, state.factor))
+    if not len(shown.soft_modes):
+        stiffness, _ = clock("soft modes", softest_modes, state.shell, shown.x, state.factor)
+        state = replace(state, equilibrium=replace(shown, soft_modes=stiffness))
+    return state
+
+
+def with_shown_sheet(state: PreviewState, clock: Clock) -> PreviewState:
+    """The state with triangles to show."""
+    if state.shown is not None:
+        return state
+    mesh = clock("shown", shown_mesh, state.sheet)
+    lens = clock("shown", Lens, state.sheet, state.law.waves, mesh.points)
+    return replace(state, shown=ShownSheet(mesh, lens))

@@ -1,0 +1,78 @@
+"""All that a preview has computed, as one frozen value.
+
+A change of the design makes a new state from the old one (`asterism.previews.solve`), and the session then replaces
+the old by the new one as a whole. So an edit that fails or is interrupted leaves the old state. States share what did
+not change: mesh, smoothed cells, supports, and the factor.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from asterism.previews.fields.star_values import StarValues
+from asterism.previews.model import PreviewModel
+from asterism.previews.sheet import Sheet
+from asterism.previews.surface.surface import ShownSheet
+from equilibrium.linear.factor import Factor
+from fem.search.evidence import ShellEquilibrium
+from fem.search.sides import Side
+from fem.shell.shell import Shell
+from homogenize.law.law import Law
+from pattern.design.design import Design
+from pattern.layout.layout import Layout
+from pattern.layout.symmetries import Symmetry
+
+
+@dataclass(frozen=True, eq=False)
+class PreviewState:
+    """A design, its shell, and the shell's state.
+
+    Attributes
+    ----------
+    sheet : the print, its mesh and its model.
+    law : of the design's material.
+    side : to which the edges were asked to go.
+    values : the law at the stars.
+    shell : with the supports of all steps.
+    equilibrium : what is shown; after the first stage of an edit it is the linear response, and no equilibrium.
+    resting : the last equilibrium, from which edits go on.
+    factor : a solver for the shell's Hessians. Its content changes while an equilibrium is sought.
+    is_factor_resting : whether the factor holds the Hessian at `resting`.
+    shown : triangles to show and how to place them; None until a shape is asked for.
+    """
+
+    sheet: Sheet
+    law: Law
+    side: Side
+    values: StarValues
+    shell: Shell
+    equilibrium: ShellEquilibrium
+    resting: ShellEquilibrium
+    factor: Factor
+    is_factor_resting: bool = True
+    shown: ShownSheet | None = None
+
+    @property
+    def design(self) -> Design:
+        """The design that is previewed."""
+        return self.sheet.design
+
+    @property
+    def layout(self) -> Layout:
+        """Its layout."""
+        return self.sheet.layout
+
+    @property
+    def model(self) -> PreviewModel:
+        """The constants of the preview."""
+        return self.sheet.model
+
+    @property
+    def symmetries(self) -> list[Symmetry]:
+        """Motions of the print that map the design to itself."""
+        return self.sheet.symmetries
+
+    @property
+    def is_supported(self) -> bool:
+        """Whether supports act along the print; a sheet that slides on all of its supports counts as free."""
+        return self.layout.is_pulled

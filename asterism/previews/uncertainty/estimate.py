@@ -1,0 +1,117 @@
+"""The estimated error of a preview, from its state and the shape that is shown: the entry point of this folder."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from asterism.laws.error_lines import mesh_line, pleats_line
+from asterism.previews.search.near_zero_modes import amplitudes_percent, has_two_near_zero_modes
+from asterism.previews.state import PreviewState
+from asterism.previews.uncertainty.distance_error import amplitude_share, buckling_weight, distance_error_percent
+from asterism.previews.uncertainty.height_error import HeightDoubts, height_doubts, height_error_percent
+from asterism.previews.uncertainty.other_forms import OtherForm, close_form, other_forms
+from asterism.previews.uncertainty.strain_sensitivity import strain_sensitivity
+from asterism.shape.diameter import diameter
+from asterism.shape.shape import Shape
+from equilibrium.newton.minimise import Clock
+from fem.elements.tabulation import Floats
+from fem.search.mean_fields import mean_fields
+from homogenize.cell.directions import is_threefold, left_out
+from pattern.geometry.planar import polygon_area
+from pattern.layout.pin_freedom import tilts
+
+# share of the stars: with more of them outside the law, strongly anisotropic or inverted no estimate is available
+MAX_FOREIGN_SHARE = 0.1
+
+
+@dataclass(frozen=True)
+class ErrorEstimate:
+    """Estimated error of a preview, and what it is computed from.
+
+    Attributes
+    ----------
+    distance_percent : rms distance to the exact shape, in % of the diameter; None if no estimate is available.
+    height_percent : error of the height in % of it; None if no estimate is available.
+    diameter_mm : of the shape.
+    amplitudes_percent : (k,) of the near-zero modes, in % of the diameter, the largest first.
+    sensitivity_percent : to size-dependent strain error, in % of the diameter; 0 for equal stars and supported sheets.
+    other_forms : minima that are not the one shown, the lowest first.
+    close_form : the one of these that the sheet may rest in as well.
+    size_ratio : size that the supports allow over the natural size; inf for free sheets.
+    buckling : from 0 to 1, how likely the sheet buckles in one of several ways.
+    has_two_near_zero_modes : another form is likely.
+    energy_uncertainty : of the law, as a share of the energy.
+    height_doubts : contributions to the error of the height; None without a certain height.
+    """
+
+    distance_percent: float | None
+    height_percent: float | None
+    diameter_mm: float
+    amplitudes_percent: Floats
+    sensitivity_percent: float
+    other_forms: tuple[OtherForm, ...]
+    close_form: OtherForm | None
+    size_ratio: float
+    buckling: float
+    has_two_near_zero_modes: bool
+    energy_uncertainty: float
+    height_doubts: HeightDoubts | None
+
+
+def estimate_error(state: PreviewState, shape: Shape, up: Floats, clock: Clock) -> ErrorEstimate:
+    """The estimated error of a state with its near-zero modes.
+
+    Parameters
+    ----------
+    shape : the sheet with its bumps, its height along z.
+    up : (3,) unit vector, that direction in the pose of the shell.
+    """
+    equilibrium, layout, model = state.equilibrium, state.layout, state.model
+    is_supported = state.is_supported
+    doubts, sensitivity = None, 0.0
+    # supports that let the sheet tilt leave open what counts as its height, unless weight decides
+    has_height = state.design.gravity.on or not layout.pins or not tilts(layout)
+    if equilibrium.is_minimum and has_height:
+        doubts = clock("expected height", height_doubts, state, shape, up)
+    if equilibrium.is_minimum and not is_supported:
+        sensitivity = clock("contrast", strain_sensitivity, state)
+    area, across = polygon_area(layout.border), diameter(shape.positions)
+    amplitudes = amplitudes_percent(equilibrium.soft_modes, equilibrium.absolute_energy, area, across)
+    means = mean_fields(state.shell) if is_supported else None
+    size_ratio = means.chord / means.stretch if means else np.inf
+    others = other_forms(state, across)
+    # the symmetries of supported sheets do not count, and are not computed
+    share = amplitude_share(is_supported, () if is_supported else state.symmetries, model)
+    tight_share = len(state.values.tight) / len(layout.centres)
+    sensitivity_percent = 100.0 * sensitivity / across
+    distance, height = None, None
+    if _is_within_experience(state):
+        terms = is_supported, tight_share, size_ratio, sensitivity_percent, model
+        distance = distance_error_percent(amplitudes, others, share, *terms)
+        height = height_error_percent(doubts, share, model) if doubts else None
+    return ErrorEstimate(
+        distance_percent=distance,
+        height_percent=height,
+        diameter_mm=across,
+        amplitudes_percent=amplitudes,
+        sensitivity_percent=sensitivity_percent,
+        other_forms=tuple(others),
+        close_form=close_form(others, model.energy_uncertainty),
+        size_ratio=size_ratio,
+        buckling=buckling_weight(size_ratio, model),
+        has_two_near_zero_modes=has_two_near_zero_modes(amplitudes, is_supported, model),
+        energy_uncertainty=model.energy_uncertainty,
+        height_doubts=doubts,
+    )
+
+
+def _is_within_experience(state: PreviewState) -> bool:
+    """Whether the estimate holds: it comes from three-armed stars within their law, and holds for stable cells."""
+    inverted = int(np.count_nonzero(state.layout.star_branch < 0))
+    foreign = max(len(state.values.outside), len(state.values.uneven), inverted)
+    lattice = state.design.lattice
+    is_turned = is_threefold(lattice) and bool(left_out(lattice))
+    is_known = not (is_turned or mesh_line(state.law) or pleats_line(state.law))
+    return is_known and foreign <= MAX_FOREIGN_SHARE * len(state.layout.centres)
