@@ -42,6 +42,14 @@ def compare(
 
     The scan is turned and shifted onto the shape, never mirrored or scaled. It may cover a part of the sheet.
     """
-    from asterism.measure.compare.compare import compare as compute
+    from asterism.measure.compare.compare import check_comparison_directory, write_comparison
+    from asterism.measure.compare.compare import compare as measure
+    from asterism.measure.compare.errors import check_file
 
-    run.lines(compute(shape, scan, output, units and units.value, view and view.value, trim))
+    check_file(scan)
+    directory = output or scan.with_name(f"{scan.stem}-compared")
+    check_comparison_directory(directory, shape)
+    comparison = measure(shape, scan, units=units and units.value, view=view and view.value, trim=trim)
+    files = write_comparison(comparison, directory)
+    run.table(comparison.rows, 22)
+    run.files(directory, files)

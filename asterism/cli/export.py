@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from asterism.cli.common.options import DesignFile, LawFile, MaterialFile, output_option
 from asterism.cli.common.run import Run, command
-
-if TYPE_CHECKING:
-    from asterism.print.job import Job
-    from asterism.shape.shape import Shape
 
 
 @command
@@ -49,60 +44,39 @@ def export(
     """
     from asterism.laws.material import with_material
     from asterism.laws.own_law import law_for
-    from asterism.print.adjusted_printer import adjusted_printer
+    from asterism.print.export import check_shape_request
+    from asterism.print.export import export as write
     from asterism.print.export_table import export_rows
-    from asterism.print.job import prepare
-    from asterism.print.printed_shape import printed_shape
-    from asterism.print.profiles import load_plastic, load_printer
-    from asterism.print.write import ROUNDED, write_export
-    from asterism.results.files import EXPORT, check_kept, check_writable, holds_result
-    from asterism.results.read_shape import folder_of, read_shape
-    from pattern.design.errors import DesignError
+    from asterism.print.write import ROUNDED
+    from asterism.results.files import EXPORT, check_kept, check_writable
     from pattern.layout.load_design import load_design
 
-    asked = [
-        name for name, it in (("--shape", shape is not None), ("--preview", preview), ("--simulate", simulate)) if it
-    ]
-    if len(asked) > 1:
-        raise DesignError(asked[0], "must be the only one of --shape, --preview and --simulate")
     plan = with_material(load_design(design), material)
-    machine = adjusted_printer(load_printer(printer), first_layer, layer, plate)
     directory = output or design.with_name(f"{design.stem}-print")
     check_kept(design, directory, ROUNDED, EXPORT)
     check_writable(directory, EXPORT)
-    elsewhere = shape is not None and directory.resolve() != folder_of(shape)
-    if (preview or simulate or elsewhere) and holds_result(directory):
-        raise DesignError("--output", "holds other results, whose shape.vtu would be replaced", str(directory))
-    known = None if shape is None else read_shape(shape)
+    check_shape_request(directory, shape, preview, simulate)
     sheet = law_for(plan, law, design, material) if preview or law else None
-
-    def job(of: Shape | None) -> Job:
-        return prepare(
+    with run.computing():
+        exported = write(
             plan,
-            machine,
-            load_plastic(plastic),
+            directory,
+            printer=printer,
+            plastic=plastic,
+            shape=shape,
+            preview=preview,
+            simulate=simulate,
+            law=sheet,
+            first_layer_mm=first_layer,
+            layer_mm=layer,
+            plate_mm=plate,
             fabric_mm=fabric,
-            border=border,
             turn_deg=turn,
             needle_spacing_mm=needle_spacing,
-            shape=of,
+            border=border,
+            report=run.report,
+            say=run.say,
         )
-
-    # before anything is computed: most mistakes are found here
-    ready = job(known)
-    if ready.is_certain is False:
-        run.warn("the given shape is not certain to stay")
-    for line in ready.shape_warnings:
-        run.warn(f"the given shape: {line}")
-    with run.computing():
-        computed, change = printed_shape(ready, preview, simulate, sheet, run.report, run.say)
-    for certain, which in zip(change["are_minima"] if change else (), ("drawn", "printed"), strict=False):
-        if not certain:
-            run.warn(f"the {which} design's shape is not certain to stay")
-    for line in change.get("warnings", ()) if change else ():
-        run.warn(f"the shape by the {'exact model' if simulate else 'preview'}: {line}")
-    if computed is not None:
-        ready = job(computed) if preview or simulate else replace(ready, glance=computed)
-    summary = write_export(ready, directory, change)
-    run.table(export_rows(summary))
-    run.files(directory, summary["files"])
+    run.warn(*exported.warnings)
+    run.table(export_rows(exported.summary))
+    run.files(directory, exported.files)

@@ -55,7 +55,10 @@ def write_design_page(path: Path, job: Job, found: Facts, doubts: Sequence[str],
     settings: dict[Any, Any] = {"pdf.fonttype": 42, "path.simplify": False}
     with warnings.catch_warnings(), matplotlib.rc_context(settings):
         warnings.filterwarnings("ignore", "Glyph .* missing from font")
-        figure.savefig(path, format="pdf", dpi=300, metadata={"Title": name, "CreationDate": None})
+        page = BytesIO()
+        figure.savefig(page, format="pdf", dpi=300, metadata={"Title": name, "CreationDate": None})
+    # written here: on a full disk matplotlib would raise another error than OSError
+    path.write_bytes(page.getvalue())
     return parts
 
 

@@ -1,4 +1,4 @@
-"""The shape on the page: from results that belong to the design, or from a new preview."""
+"""The shape on the page of a design: from its results, or from a new preview."""
 
 from __future__ import annotations
 
@@ -13,21 +13,22 @@ from pattern.design.errors import DesignError
 
 
 def shape_for_report(
-    design: Design, results: Path | None, beside: Path, say: Callable[[str], None], law: Law | None = None
+    design: Design, results: Path | None, beside: Path | None, say: Callable[[str], None], law: Law | None = None
 ) -> tuple[Shape | None, str]:
-    """A shape of the design and where it comes from; None and the reason, if there is no preview of it.
+    """Return a shape of the design and its origin; None and the reason if no preview is available.
 
     Parameters
     ----------
-    results : a directory of results, or its shape.vtu.
-    beside : where results usually are; taken only if they are of this design, and no preview where a law is given.
-    say : called with a line if something takes long the first time, and if there is no shape.
-    law : of a new preview; that of the paper's material by default.
+    results : directory of results, or its shape.vtu.
+    beside : usual directory of the results. They are used if they belong to this design; a preview among them is
+        ignored if a law is given.
+    say : called with a line if the first run compiles loops, and if no shape is available.
+    law : law of a new preview; that of the paper's material by default.
 
     Raises
     ------
     DesignError
-        The results are not of this design, or cannot be read.
+        The results belong to another design, or cannot be read.
     """
     from asterism.previews.run import preview
     from asterism.process.compiling import told_of_compiling
@@ -38,11 +39,11 @@ def shape_for_report(
         if not _is_of(shape, design):
             raise DesignError("--results", "must be of this design; compute them again", str(results))
         return shape, shape.made_by
-    if (beside / "shape.vtu").is_file():
+    if beside is not None and (beside / "shape.vtu").is_file():
         try:
             shape = read_shape(beside)
         except DesignError:
-            pass  # what lies there by chance is no mistake
+            pass  # unreadable results beside the design are ignored
         else:
             if _is_of(shape, design) and not (law is not None and shape.is_preview):
                 return shape, shape.made_by
@@ -57,7 +58,7 @@ def shape_for_report(
 
 
 def _is_of(shape: Shape, design: Design) -> bool:
-    """Whether it is of this design, whatever its name, and on whatever mesh and from whatever start it was computed."""
+    """Whether a shape belongs to this design; name, mesh and solver may differ."""
     made_from = shape.summary.get("design")
     try:
         other = None if made_from is None else Design.from_dict(made_from)

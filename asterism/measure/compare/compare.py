@@ -1,10 +1,11 @@
-"""`asterism compare`: a shape and a scan or an outline in, a picture and numbers out."""
+"""The public function behind `asterism compare`: a shape and a scan or an outline in, numbers and a picture out."""
 
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 import shapely
@@ -15,7 +16,7 @@ from asterism.measure.compare.comparison_picture import draw_outline, draw_scan
 from asterism.measure.compare.errors import ScanError, check_file
 from asterism.measure.compare.outline import Outline, read_outline
 from asterism.measure.compare.scan import extent, read_scan
-from asterism.measure.compare.scan_comparison import compare_scan
+from asterism.measure.compare.scan_comparison import ScanComparison, compare_scan
 from asterism.measure.compare.silhouette import OutlineFit, fit_outline, silhouette
 from asterism.measure.compare.units import check_size
 from asterism.results.files import LAST, OutputError, check_writable, holds_result
@@ -32,70 +33,148 @@ MANY_PERCENT = 3.0  # of the points: so many left out may be the sheet's
 OTHER_SIZE, NEAR_PERCENT, NEARER = 0.01, 1.0, 2.0
 
 
-def compare(shape: Path, scan: Path, output: Path | None, unit: str | None, view: str | None, trim: float) -> list[str]:
-    """Write compare.png and summary.json into a directory; returns the lines to print.
+@dataclass(frozen=True)
+class MeasuredComparison:
+    """A printed sheet laid on its shape.
 
-    `unit`: of the scan's numbers; mm unless it says its own size. `view`: of an outline, from above by default.
+    Attributes
+    ----------
+    laid : the scan laid on the shape, or the outline laid on the shape's silhouette.
+    summary : all numbers, with units in their names; the content of summary.json.
+    rows : the numbers in words, by their names.
+    title : head of the picture.
+    """
+
+    laid: ScanComparison | OutlineFit
+    summary: dict[str, Any]
+    rows: dict[str, str]
+    title: str
+
+    def draw(self, path_or_file: str | Path | IO[bytes]) -> None:
+        """Draw the distance as PNG."""
+        if isinstance(self.laid, ScanComparison):
+            draw_scan(self.laid, self.title, path_or_file)
+        else:
+            draw_outline(self.laid, self.title, _line(_outline_rows(self.summary)), path_or_file)
+
+
+def compare(
+    shape: Shape | str | Path,
+    scan: str | Path,
+    *,
+    units: str | None = None,
+    view: str | None = None,
+    trim: float = 0.2,
+) -> MeasuredComparison:
+    """Measure how far a printed sheet is from its computed shape.
+
+    The scan is turned and shifted onto the shape; it is never mirrored or scaled. It may cover a part of the sheet.
+
+    Parameters
+    ----------
+    shape : a shape, a directory of results, or a `.vtu` file.
+    scan : a scan in space (.obj, .stl, .ply), or an outline from a photograph (.svg, .csv).
+    units : unit of the scan's numbers: mm, cm, m, in or um. The default is mm, unless an SVG gives its own size.
+    view : direction of an outline's photograph: above (the default), front or side.
+    trim : largest part of the scan that does not belong to the sheet, 0 to 0.8.
 
     Raises
     ------
     DesignError
         The shape cannot be read.
     ScanError, TableError
-        The scan or outline cannot be read, or has the wrong size, or an option is not for it.
-    OutputError
-        The files cannot be written.
+        The scan or outline cannot be read, or has another size than the shape, or an option does not suit it.
+
+    Examples
+    --------
+    A shape compared with itself:
+
+    >>> import tempfile, numpy as np
+    >>> from pathlib import Path
+    >>> from asterism.measure.compare.compare import compare
+    >>> from asterism.shape.shape import Shape
+    >>> x, y = (grid.ravel() for grid in np.meshgrid(np.linspace(-20, 20, 9), np.linspace(-15, 15, 7)))
+    >>> printed, index = np.column_stack([x, y]), np.arange(63).reshape(7, 9)
+    >>> quads = [index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]]
+    >>> a, b, c, d = (corner.ravel() for corner in quads)
+    >>> triangles = np.vstack([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
+    >>> positions = np.column_stack([x, y, 0.01 * x**2])
+    >>> no_stars = dict(star=np.full(63, -1), star_vertices=np.empty(0, dtype=int), rods=())
+    >>> sheet = Shape(printed=printed, positions=positions, triangles=triangles, **no_stars)
+    >>> lines = [f"v {x} {y} {z}" for x, y, z in positions] + [f"f {a} {b} {c}" for a, b, c in triangles + 1]
+    >>> scan = Path(tempfile.mkdtemp()) / "scan.obj"
+    >>> _ = scan.write_text(chr(10).join(lines))
+    >>> round(compare(sheet, scan).summary["rms_percent"], 1)
+    0.0
     """
+    scan = Path(scan)
     check_file(scan)
-    found = read_shape(shape)
-    directory = output or scan.with_name(f"{scan.stem}-compared")
-    if directory.resolve() == folder_of(shape) and holds_result(directory):
-        raise OutputError(f"--output: {str(directory)!r} is where the shape is and stays; choose another name")
-    check_writable(directory)
-    name = found.summary.get("design", {}).get("name", shape.stem)
-    title = one_line(f"{name}, {found.made_by}, and {scan.name}")
+    target = shape if isinstance(shape, Shape) else read_shape(shape)
+    name = target.summary.get("design", {}).get("name", "shape" if isinstance(shape, Shape) else Path(shape).stem)
+    title = one_line(f"{name}, {target.made_by}, and {scan.name}")
     about: dict[str, Any] = {
         "version": __version__,
-        "shape": str(shape),
-        "shape_made": found.made_by,
-        "shape_is_minimum": found.summary.get("is_minimum"),
+        "shape": name if isinstance(shape, Shape) else str(shape),
+        "shape_made": target.made_by,
+        "shape_is_minimum": target.summary.get("is_minimum"),
         "scan": str(scan),
         "trim": trim,
     }
     if scan.suffix.lower() in outline.FORMATS:
-        view = view or "above"
-        outlined = read_outline(scan, unit)
-        fitted = _fitted(found, scan, outlined, view, trim)
-        about |= {"units": outlined.unit or "its own", "view": view, "lines": outlined.lines}
-        numbers = {**about, **outline_numbers(fitted, diameter(found.positions))}
-        rows = _outline_rows(numbers)
-        words = _line(rows)
-        if outlined.lines > 1:
-            rows["lines in the file"] = f"{outlined.lines}, of which the largest is taken"
-        rows |= _poor(numbers, "is it of this design, in mm, and from this --view? look at compare.png")
-        with staged_result(directory) as folder:
-            seen = "above" if view == "above" else f"the {view}"
-            draw_outline(fitted, f"{title}, seen from {seen}", words, folder / "compare.png")
-            _write(folder, numbers)
-    else:
-        if view is not None:
-            raise ScanError(scan, "--view is for outlines (.svg, .csv): a scan may be in any pose")
-        unit = unit or "mm"
-        measured = read_scan(scan, unit)
-        check_size(scan, measured.size_mm, extent(found.positions), unit)
-        comparison = compare_scan(found, measured, trim)
-        numbers = {
-            **about,
-            "units": unit,
-            "scan_triangles": measured.triangles,
-            "scan_vertices": measured.vertices,
-            **comparison.summary(),
-        }
-        rows = _scan_rows(numbers)
-        with staged_result(directory) as folder:
-            draw_scan(comparison, title, folder / "compare.png")
-            _write(folder, numbers)
-    return [*(f"  {name:<22} {value}" for name, value in rows.items()), f"{directory}: compare.png, {LAST}"]
+        return _compare_outline(target, scan, units, view or "above", trim, title, about)
+    if view is not None:
+        raise ScanError(scan, "--view is for outlines (.svg, .csv): a scan may be in any pose")
+    units = units or "mm"
+    measured = read_scan(scan, units)
+    check_size(scan, measured.size_mm, extent(target.positions), units)
+    laid = compare_scan(target, measured, trim)
+    about |= {"units": units, "scan_triangles": measured.triangles, "scan_vertices": measured.vertices}
+    numbers = {**about, **laid.summary()}
+    return MeasuredComparison(laid, numbers, _scan_rows(numbers), title)
+
+
+def _compare_outline(
+    shape: Shape, file: Path, units: str | None, view: str, trim: float, title: str, about: dict[str, Any]
+) -> MeasuredComparison:
+    """Compare the outline in a file with the silhouette of a shape."""
+    outlined = read_outline(file, units)
+    laid = _fitted(shape, file, outlined, view, trim)
+    about = about | {"units": outlined.unit or "its own", "view": view, "lines": outlined.lines}
+    numbers = {**about, **outline_numbers(laid, diameter(shape.positions))}
+    rows = _outline_rows(numbers)
+    if outlined.lines > 1:
+        rows["lines in the file"] = f"{outlined.lines}, of which the largest is taken"
+    rows |= _poor(numbers, "is it of this design, in mm, and from this --view? look at compare.png")
+    seen = "above" if view == "above" else f"the {view}"
+    return MeasuredComparison(laid, numbers, rows, f"{title}, seen from {seen}")
+
+
+def check_comparison_directory(directory: str | Path, shape: str | Path) -> None:
+    """Refuse a directory in which a comparison cannot be written, or whose results it would replace.
+
+    Raises
+    ------
+    OutputError
+        The directory holds the shape, or cannot be written to.
+    """
+    directory = Path(directory)
+    if directory.resolve() == folder_of(Path(shape)) and holds_result(directory):
+        raise OutputError(f"--output: {str(directory)!r} holds the shape, which would be lost; choose another name")
+    check_writable(directory)
+
+
+def write_comparison(comparison: MeasuredComparison, directory: str | Path) -> list[str]:
+    """Write compare.png and summary.json into a directory, all or none; returns their names.
+
+    Raises
+    ------
+    OutputError
+        The files cannot be written.
+    """
+    with staged_result(directory) as folder:
+        comparison.draw(folder / "compare.png")
+        _write(folder, comparison.summary)
+    return ["compare.png", LAST]
 
 
 def _fitted(shape: Shape, file: Path, outlined: Outline, view: str, trim: float) -> OutlineFit:

@@ -190,7 +190,7 @@ def test_a_given_shape_that_may_not_stay_is_told(doubt: dict[str, bool], file: P
     """As one that was computed on the way is."""
     save_design(design(fabric={}, stars={"length_mm": 8.0, "width_mm": 1.2}, border={"rings": 1}, pins=[]), file)
     asterism.write_results(asterism.preview(load_design(file)), tmp_path / "results")
-    told = "not certain to stay"
+    told = "not certified as a minimum"
     result = run("export", "d.toml", "-o", "sure", "--shape", "results")
     assert result.status == 0 and told not in result.err
     assert told not in (tmp_path / "sure" / "instructions.txt").read_text()

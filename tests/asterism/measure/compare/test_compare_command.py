@@ -142,5 +142,5 @@ def test_a_comparison_does_not_replace_its_shape(folder: Path, capsys, monkeypat
     for named in (folder, folder / "shape.vtu"):
         words = ["compare", str(named), str(folder / "scan.obj"), "-o", str(folder)]
         refused = command(words, capsys, monkeypatch)
-        assert refused.status == 2 and "is where the shape is" in refused.line
+        assert refused.status == 2 and "holds the shape" in refused.line
     assert sorted(file.name for file in folder.iterdir()) == ["scan.obj", "shape.vtu", "summary.json"]

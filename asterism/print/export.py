@@ -1,0 +1,153 @@
+"""The public function behind `asterism export`: a design in, all files for its print out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from asterism.print.adjusted_printer import adjusted_printer
+from asterism.print.job import Job, prepare
+from asterism.print.plastic_profile import PlasticProfile
+from asterism.print.printed_shape import printed_shape
+from asterism.print.printer import Printer
+from asterism.print.profiles import load_plastic, load_printer
+from asterism.print.write import write_export
+from asterism.results.files import holds_result
+from asterism.results.read_shape import folder_of, read_shape
+from asterism.shape.shape import Shape
+from homogenize.law.law import Law
+from pattern.design.design import Design
+from pattern.design.errors import DesignError
+
+
+@dataclass(frozen=True)
+class PrintExport:
+    """A design made ready for a printer, with the files that were written.
+
+    Attributes
+    ----------
+    job : the rounded design on the bed, with its solids, needles and costs.
+    summary : content of export.json.
+    warnings : one line for each reason to doubt the shape in space.
+    """
+
+    job: Job
+    summary: dict[str, Any]
+    warnings: tuple[str, ...]
+
+    @property
+    def files(self) -> list[str]:
+        """Names of the files in the directory."""
+        return list(self.summary["files"])
+
+
+def export(
+    design: Design,
+    directory: str | Path,
+    *,
+    printer: str | Printer = "ultimaker2",
+    plastic: str | PlasticProfile = "tpu95a",
+    shape: Shape | str | Path | None = None,
+    preview: bool = False,
+    simulate: bool = False,
+    law: Law | None = None,
+    first_layer_mm: float | None = None,
+    layer_mm: float | None = None,
+    plate_mm: float | None = None,
+    fabric_mm: float | None = None,
+    turn_deg: float = 0.0,
+    needle_spacing_mm: float = 20.0,
+    border: bool = True,
+    report: Callable[[str, Any], None] | None = None,
+    say: Callable[[str], None] | None = None,
+) -> PrintExport:
+    """Write all files for the print of a design: solids, 1:1 sheets, needles, start code, instructions.
+
+    Thicknesses are rounded to layers, and widths to lines of the nozzle. `rounded.toml` is the rounded design.
+
+    Parameters
+    ----------
+    printer, plastic : a profile, its name (`asterism printers` lists them), or its file.
+    shape : the sheet in space, or where its results are; its files are written too.
+    preview, simulate : compute the shape of the rounded design with the preview or the exact model.
+        At most one of `shape`, `preview` and `simulate` may be given.
+    law : law of the preview; that of the paper's material by default.
+    first_layer_mm, layer_mm, plate_mm : heights of the layers, and thickness of the plate under the fabric,
+        in place of the printer's.
+    fabric_mm : thickness of the stretched fabric; by default the design's, which is that of the released fabric.
+    turn_deg : counterclockwise turn of the print on the bed.
+    needle_spacing_mm : largest distance between needles on supported edges.
+    border : print a line to cut along, if it fits on the bed.
+    report, say : called with the progress of the exact model.
+
+    Raises
+    ------
+    DesignError
+        The print does not fit the bed or the frame, a value is out of range, or the shape belongs to another design.
+    LawError
+        The preview has no law for this fabric.
+    OutputError
+        The files cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pattern.gallery import load
+    >>> from asterism.print.export import export
+    >>> exported = export(load("star"), tempfile.mkdtemp(), printer="prusa-mk4", fabric_mm=0.5)
+    >>> "print.3mf" in exported.files, round(exported.job.z_offset_mm, 2)
+    (True, 4.5)
+    """
+    check_shape_request(directory, shape, preview, simulate)
+    machine = load_printer(printer) if isinstance(printer, str) else printer
+    machine = adjusted_printer(machine, first_layer_mm, layer_mm, plate_mm)
+    profile = load_plastic(plastic) if isinstance(plastic, str) else plastic
+    given = read_shape(shape) if isinstance(shape, str | Path) else shape
+
+    def job_with(known: Shape | None) -> Job:
+        return prepare(
+            design,
+            machine,
+            profile,
+            fabric_mm=fabric_mm,
+            border=border,
+            turn_deg=turn_deg,
+            needle_spacing_mm=needle_spacing_mm,
+            shape=known,
+        )
+
+    # before anything is computed: most mistakes are found here
+    job = job_with(given)
+    warnings = ["the given shape is not certified as a minimum"] if job.is_certain is False else []
+    warnings += [f"the given shape: {line}" for line in job.shape_warnings]
+    computed, change = printed_shape(job, preview, simulate, law, report, say)
+    if change is not None:
+        for certified, which in zip(change["are_minima"], ("drawn", "printed"), strict=False):
+            if not certified:
+                warnings.append(f"the shape of the {which} design is not certified as a minimum")
+        by = "exact model" if simulate else "preview"
+        warnings += [f"the shape by the {by}: {line}" for line in change.get("warnings", ())]
+    if computed is not None:
+        job = job_with(computed) if preview or simulate else replace(job, glance=computed)
+    return PrintExport(job, write_export(job, directory, change), tuple(warnings))
+
+
+def check_shape_request(
+    directory: str | Path, shape: Shape | str | Path | None = None, preview: bool = False, simulate: bool = False
+) -> None:
+    """Refuse two sources of the shape in space, and a directory whose results its files would replace.
+
+    Raises
+    ------
+    DesignError
+        More than one of `shape`, `preview` and `simulate` is given, or the directory holds other results.
+    """
+    given = (("--shape", shape is not None), ("--preview", preview), ("--simulate", simulate))
+    options = [name for name, is_given in given if is_given]
+    if len(options) > 1:
+        raise DesignError(options[0], "must be the only one of --shape, --preview and --simulate")
+    same_folder = isinstance(shape, str | Path) and Path(directory).resolve() == folder_of(Path(shape))
+    if options and not same_folder and holds_result(directory):
+        raise DesignError("--output", "holds other results, whose shape.vtu would be replaced", str(directory))

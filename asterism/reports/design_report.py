@@ -1,0 +1,94 @@
+"""The public function behind `asterism report`: a design on one page."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from asterism.print.job import Job, prepare
+from asterism.print.plastic_profile import PlasticProfile
+from asterism.print.printer import Printer
+from asterism.print.profiles import load_plastic, load_printer
+from asterism.reports.design_page import write_design_page
+from asterism.reports.design_shape import shape_for_report
+from asterism.reports.facts import design_facts
+from asterism.results.files import OutputError, check_writable, staged
+from asterism.shape.shape import Shape
+from homogenize.errors import LawError
+from homogenize.law.law import Law
+from pattern.design.design import Design
+
+
+@dataclass(frozen=True)
+class DesignReport:
+    """A written report.
+
+    Attributes
+    ----------
+    job : the design on the printer's bed.
+    shape : the shape in the picture; None if no preview is available.
+    source : origin of the shape, or the reason for its absence.
+    scale : n of the layout's scale 1:n.
+    """
+
+    job: Job
+    shape: Shape | None
+    source: str
+    scale: float
+
+
+def report(
+    design: Design,
+    path: str | Path,
+    *,
+    results: str | Path | None = None,
+    beside: str | Path | None = None,
+    printer: str | Printer = "ultimaker2",
+    plastic: str | PlasticProfile = "tpu95a",
+    law: Law | None = None,
+    say: Callable[[str], None] | None = None,
+) -> DesignReport:
+    """Write one A4 page about a design as PDF: parameters, picture, layout, needles, accuracy and material.
+
+    Parameters
+    ----------
+    path : file of the page; it ends with `.pdf`.
+    results : directory of results of this design, or its shape.vtu; a new preview by default.
+    beside : directory whose results are used if they belong to this design; ignored otherwise.
+    printer, plastic : a profile, its name, or its file.
+    law : law of a new preview; that of the paper's material by default.
+    say : called with a line if no picture is available, or if the first run compiles loops.
+
+    Raises
+    ------
+    DesignError
+        The results belong to another design, or a profile is wrong.
+    LawError
+        A law and results are given together.
+    OutputError
+        The page cannot be written.
+    """
+    if law is not None and results is not None:
+        raise LawError("--law: is for a new preview, not with --results")
+    path = Path(path)
+    if path.suffix.lower() != ".pdf":
+        raise OutputError(f"--output: {str(path)!r} must end with .pdf")
+    check_writable(path.parent, path.name)
+    machine = load_printer(printer) if isinstance(printer, str) else printer
+    profile = load_plastic(plastic) if isinstance(plastic, str) else plastic
+    # before anything is computed: most mistakes are found here
+    prepare(design, machine, profile, any_size=True)
+    shape, source = shape_for_report(
+        design,
+        None if results is None else Path(results),
+        None if beside is None else Path(beside),
+        say or (lambda line: None),
+        law,
+    )
+    job = prepare(design, machine, profile, shape=shape, any_size=True)
+    summary = shape.summary if shape is not None else {}
+    facts = design_facts(job, summary, source)
+    with staged(path.parent) as folder:
+        scale = write_design_page(folder / path.name, job, facts, summary.get("warnings", []), shape)
+    return DesignReport(job, shape, source, scale)
