@@ -87,7 +87,7 @@ class Argyris:
         return dofs
 
     def _local(self, triangles: Ints, points: Floats) -> Floats:
-        return (points - self._centre[triangles]) / self._scale[triangles, None]
+        return np.asarray((points - self._centre[triangles]) / self._scale[triangles, None])
 
     def jets(self, triangles: Ints, points: Floats) -> tuple[Ints, Floats]:
         """Dofs (n, m) and (n, m, 6) value and derivatives 1, 2, 11, 22, 12 of a triangle's functions at a point.

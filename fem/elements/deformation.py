@@ -37,7 +37,7 @@ class Deformation:
         """(n, 3) unit normals x_1 x x_2."""
         first = self.gradient(points)
         cross = np.cross(first[..., 0], first[..., 1])
-        return cross / np.linalg.norm(cross, axis=1, keepdims=True)
+        return np.asarray(cross / np.linalg.norm(cross, axis=1, keepdims=True))
 
     def normal_turn(self, points: Floats, tangent: Floats) -> Floats:
         """(n, 3) derivative of the unit normal along `tangent` (n, 2), per mm."""
@@ -48,7 +48,7 @@ class Deformation:
         change = np.cross(along[..., 0], first[..., 1]) + np.cross(first[..., 0], along[..., 1])
         length = np.linalg.norm(cross, axis=1, keepdims=True)
         normal = cross / length
-        return (change - np.sum(change * normal, axis=1, keepdims=True) * normal) / length
+        return np.asarray((change - np.sum(change * normal, axis=1, keepdims=True) * normal) / length)
 
 
 def affine(matrix: ArrayLike, offset: ArrayLike = (0.0, 0.0, 0.0)) -> Deformation:

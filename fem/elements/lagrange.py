@@ -49,7 +49,7 @@ class Lagrange:
 
     def local(self, triangles: Ints, points: Floats) -> Floats:
         """(n, 2) coordinates of printed points (n, 2) in the triangles whose corners are (0, 0), (1, 0), (0, 1)."""
-        return np.einsum("nab,nb->na", self._inverse[triangles], points - self._origin[triangles])
+        return np.asarray(np.einsum("nab,nb->na", self._inverse[triangles], points - self._origin[triangles]))
 
     def jets(self, triangles: Ints, points: Floats) -> Floats:
         """(n, m, 6) value and derivatives 1, 2, 11, 22, 12 of a triangle's functions at a printed point, per mm."""

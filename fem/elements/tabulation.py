@@ -56,7 +56,7 @@ class Evaluation:
         if self._jets is not None:
             return self._jets(x)
         dofs, table = self._known
-        return np.matmul(np.swapaxes(table, 1, 2), x[dofs])
+        return np.asarray(np.matmul(np.swapaxes(table, 1, 2), x[dofs]))
 
     def spread(self, forces: Floats) -> Floats:
         """(N, k) on the dofs, of forces (n, k) at the points: the transposed of the values."""

@@ -112,7 +112,7 @@ class Assembly:
             raise ValueError("the matrix couples dofs of triangles that share no stencil")
         return found - self._starts[column]
 
-    def spread(self, matrix: sp.csr_matrix) -> Floats:
+    def expand(self, matrix: sp.csr_matrix) -> Floats:
         """(nnz,) of a symmetric scalar matrix (N, N) that acts on every component alike, its entries in the pattern.
 
         Raises

@@ -207,4 +207,4 @@ def on_metric(stiffness: Floats, metric: Floats) -> Floats:
     )
     turn = np.zeros((*a11.shape, 6, 6))
     turn[..., :3, :3] = turn[..., 3:, 3:] = half
-    return area[..., None, None] * np.einsum("...ai,...ab,...bj->...ij", turn, stiffness, turn)
+    return np.asarray(area[..., None, None] * np.einsum("...ai,...ab,...bj->...ij", turn, stiffness, turn))

@@ -1,4 +1,14 @@
-"""The shell: a discretisation, what the sheet wants to be, what holds it and what pulls it."""
+"""Shell problem: discretisation, rest state, supports and loads.
+
+The total energy of a state x, over the printed domain, is
+
+    Pi(x) = int W(E, K) dA  -  progress sum(loads * x)  +  progress sum_i P_i(x)  +  jumps(x),
+
+with the strains E and K of `fem.shell.koiter`, the density W of `fem.shell.density`, dead loads, further conservative
+potentials P_i, and a penalty on slope jumps if the space is not C1 (`fem.elements.lifted`). An equilibrium is a zero
+of the gradient over the free unknowns q of `fem.shell.supported_sheet`; it is stable if the Hessian over q is positive
+definite.
+"""
 
 from __future__ import annotations
 
@@ -10,13 +20,11 @@ from typing import Protocol
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
 from equilibrium.errors import BackendError
 from equilibrium.linear.factor import Factor, make_factor
 from equilibrium.linear.rigid_support import independent_dofs
 from equilibrium.linear.sparse_pattern import SparsePattern
-from fem.elements.plain_maps import constant, flat_positions
 from fem.elements.space import Space
 from fem.elements.tabulation import Floats, Ints
 from fem.shell.assembly import Assembly
@@ -24,50 +32,78 @@ from fem.shell.density import Density
 from fem.shell.fields import Fields
 from fem.shell.matrix_reduction import MatrixReduction
 from fem.shell.reduced_mass import ReducedMass
+from fem.shell.supported_sheet import SupportedSheet
 from fem.shell.tension import tensile_part
-from fem.supports.conditions import Condition, impose_conditions
-from fem.supports.rigid import admissible_motions, neutral_motions, span_a_plane
+from fem.supports.conditions import Condition
+from fem.supports.rigid import neutral_motions
 
-# over the sum of absolute values, a sum that should be nothing: 1e-13, and up to 1e-10 on flat triangles. The weight
-# of a sheet that swings is 1e-6 of it
-ROUNDING = 3e-10
-QUADRATURE_ORDER = 6  # of the quadrature: exact for the bending of quintic triangles, and frees thin ones from locking
+# A rigid motion whose stiffness is below this part of the sum of absolute terms is neutral: rounding leaves 1e-13, and
+# up to 1e-10 on nearly flat triangles. The stiffness that weight gives to a swinging sheet is about 1e-6.
+MAX_NEUTRAL_STIFFNESS = 3e-10
+QUADRATURE_ORDER = 6  # exact for the linear bending energy of quintic triangles; avoids locking of thin triangles
+PRINTED_REST = np.array([0.5, 0.5, 0.0, 0.0, 0.0, 0.0])  # (a/2, b) of the printed sheet
 
 
 class Potential(Protocol):
-    """A load whose force depends on the position, such as `fem.supports.end_moment.EndMoment`."""
+    """Conservative load whose force depends on the state, such as `fem.supports.end_moment.EndMoment`."""
 
-    def energy(self, positions: Floats) -> float: ...
+    def energy(self, positions: Floats) -> float:
+        """N mm, at a state (N, 3)."""
 
-    def gradient(self, positions: Floats) -> Floats: ...
+    def gradient(self, positions: Floats) -> Floats:
+        """(N, 3) N."""
 
-    def hessian(self, positions: Floats) -> sp.csr_matrix: ...
+    def hessian(self, positions: Floats) -> sp.csr_matrix:
+        """(3N, 3N) N/mm."""
 
 
-class Shell:
-    """Energy of a shell over positions x (N, 3) of the dofs of a space, in N mm; conditions are met exactly.
+class Shell(SupportedSheet):
+    """Total energy of a supported and loaded shell, with its gradient and Hessian over the free unknowns.
+
+    A shell is never changed: `with_fields`, `at_progress` and `with_target` return another one, which shares the
+    discretisation and the pattern of the Hessian.
 
     Parameters
     ----------
     space : discretisation of the printed sheet.
     fields : rest metric, rest curvature and density.
-    conditions : see `fem.supports.conditions`.
+    conditions : supports, see `fem.supports.conditions`.
     loads : (N, 3) N, dead loads of `fem.supports.loads`.
-    moments : further potentials.
-    order : of the quadrature.
+    potentials : further conservative loads.
+    order : polynomial degree that the quadrature integrates exactly.
 
     Attributes
     ----------
-    points : (T, Q, 2) mm, where fields are asked for.
+    points : (T, Q, 2) mm, quadrature points, where the fields are evaluated.
+    density : energy density at these points.
     gaussian_modulus : (T, Q) N mm, see `fem.shell.fields.Fields`.
-    pattern : of the Hessian over the free unknowns.
-    progress : part of fields, loads and moved conditions that is there; 1 unless loads are stepped.
+    pattern : sparsity pattern of the Hessian over the free unknowns.
+    force_scale : N, membrane stiffness times the square root of the area; tolerances refer to it.
+    progress : share of fields, loads and moved supports that acts; 1 unless they are applied in steps.
 
     Raises
     ------
-    fem.shell.fields.FieldError, fem.supports.conditions.ConditionError
+    fem.shell.fields.FieldError
+        A field is not finite, or the rest metric or the density is not admissible.
+    fem.supports.conditions.ConditionError
+        A support cannot be met.
     ValueError
-        Loads of another shape, or not finite.
+        The loads have another shape, or are not finite.
+
+    Examples
+    --------
+    A unit square that shrinks to 0.9 of its size: at the shrunken state energy and gradient vanish.
+
+    >>> import numpy as np
+    >>> from skfem import MeshTri
+    >>> from fem.elements.argyris import Argyris
+    >>> from fem.shell.density import Density, isotropic
+    >>> from fem.shell.fields import of_stretch
+    >>> sheet = Density(isotropic(membrane=20.0, bending=10.0, poisson=0.3))
+    >>> shell = Shell(Argyris(MeshTri()), of_stretch(sheet, 0.9))
+    >>> x = 0.9 * shell.flat
+    >>> bool(shell.energy(x) < 1e-12 and np.abs(shell.gradient(x)).max() < 1e-12)
+    True
     """
 
     def __init__(
@@ -76,33 +112,31 @@ class Shell:
         fields: Fields,
         conditions: Sequence[Condition] = (),
         loads: Floats | None = None,
-        moments: Sequence[Potential] = (),
+        potentials: Sequence[Potential] = (),
         order: int = QUADRATURE_ORDER,
     ) -> None:
-        self.space, self.potentials, self.order = space, tuple(moments), order
+        super().__init__(space, conditions)
+        self.potentials, self.order = tuple(potentials), order
         tabulation = space.tabulate(order)
         self.assembly = Assembly(tabulation, space.size)
         self._values = tabulation.values
         self.points = self.assembly.points
-        self.flat = flat_positions(space)
-        self._shifts = constant(space)
-        self.loads = self._checked_loads(np.zeros((space.size, 3)) if loads is None else loads)
-        self.reduction = impose_conditions(space, conditions)
         self._reduced = MatrixReduction(self.assembly.pattern, self.reduction.map)
         self.pattern: SparsePattern = self._reduced.pattern
-        self.progress = 1.0
+        self.loads = self._checked_loads(np.zeros((space.size, 3)) if loads is None else loads)
         self.set_fields(fields)
 
     def with_fields(self, fields: Fields, loads: Floats | None = None) -> Shell:
-        """The same shell with other fields, and other loads if they are given; this shell stays as it is.
+        """The shell with other fields and, if given, other loads (N, 3) N; this shell is unchanged.
 
-        Space, assembly, supports and the pattern of the Hessian are shared: a factor of this shell serves the new one.
+        Space, assembly, supports and the pattern of the Hessian are shared, so a factor of one serves both.
 
         Raises
         ------
         fem.shell.fields.FieldError
+            A field is not admissible.
         ValueError
-            Loads of another shape, or not finite.
+            The loads have another shape, or are not finite.
         """
         new = copy(self)
         if loads is not None:
@@ -111,13 +145,13 @@ class Shell:
         return new
 
     def at_progress(self, progress: float) -> Shell:
-        """The same shell with this part of its fields, loads and moved supports; this shell stays as it is."""
+        """The shell with this share of its fields, loads and moved supports, 0 to 1; this shell is unchanged."""
         new = copy(self)
         new.progress = progress
         return new
 
     def with_target(self, target: Floats) -> Shell:
-        """The same shell with supports that end at other places: (3N,) mm, `Reduction.target`; this one stays."""
+        """The shell with another target (3N,) mm of its supports, see `Reduction.target`; this shell is unchanged."""
         new = copy(self)
         new.reduction = replace(self.reduction, target=target)
         return new
@@ -131,83 +165,86 @@ class Shell:
         return loads
 
     def set_fields(self, fields: Fields) -> None:
-        """Change what the sheet wants to be; everything else, factorisation patterns included, stays."""
-        # all of them before any is set: each may be refused
+        """Replace the fields of this shell; used by `with_fields`."""
         target, gaussian = fields.rest(self.points), fields.gaussian_modulus(self.points)
         density: Density = fields.densities(self.points)
         penalty = self.space.penalty(density.stiffness[..., 3, 3].mean(axis=1))
         self._target, self.density, self.gaussian_modulus = target, density, gaussian
-        self._penalty = None if penalty is None else (penalty, self.assembly.spread(penalty))
-        for name in ("_flat_tangent", "_flat_lower", "flat_stiffness"):
+        self._penalty = None if penalty is None else (penalty, self.assembly.expand(penalty))
+        for name in ("_flat_tangent", "_flat_lower", "flat_stiffness"):  # cached properties of the old fields
             self.__dict__.pop(name, None)
         stretch = self.density.stiffness[..., [0, 1], [0, 1]].max(axis=-1).mean()
         self.force_scale = float(stretch * np.sqrt(self.assembly.weights.sum()))
 
     @property
     def rest(self) -> Floats:
-        """(T, Q, 6) what the strains are measured from, at this progress; without any it is the printed sheet."""
-        printed = np.array([0.5, 0.5, 0.0, 0.0, 0.0, 0.0])
-        return self._target if self.progress == 1.0 else printed + self.progress * (self._target - printed)
+        """(T, Q, 6) rest values of `(a/2, b)` at this progress; those of the printed sheet at progress 0."""
+        if self.progress == 1.0:
+            return self._target
+        return np.asarray(PRINTED_REST + self.progress * (self._target - PRINTED_REST))
 
     def strains(self, x: Floats) -> Floats:
-        """(T, Q, 6)."""
+        """(T, Q, 6) strains of the state x at the quadrature points; curvature components per mm."""
         return self.assembly.strains(x, self.rest)
 
     def energies(self, x: Floats) -> dict[str, float]:
-        """N mm by part: `sheet`, and where there are any `loads` (what they save, from `level` on), `moments`, and
-        `jumps` of the discretisation."""
+        """Parts of the total energy, N mm.
+
+        `sheet`: strain energy; `loads`: potential of the dead loads, zero at `support_level`; `potentials`; `jumps`:
+        penalty of the discretisation. Parts that the problem does not have are left out.
+        """
         out = {"sheet": float((self.assembly.weights * self.density.energies(self.strains(x))).sum())}
         if self.loads.any():
             out["loads"] = -self.progress * float((self.loads * self.translated(x, -self.support_level)).sum())
         if self.potentials:
-            out["moments"] = self.progress * sum(moment.energy(x) for moment in self.potentials)
+            out["potentials"] = self.progress * sum(each.energy(x) for each in self.potentials)
         if self._penalty is not None:
             out["jumps"] = 0.5 * float((x * (self._penalty[0] @ x)).sum())
         return out
 
     def gaussian_energy(self, x: Floats) -> float:
-        """N mm, the part of the sheet's energy that is due to its Gaussian curvature; often negative."""
+        """Part of the strain energy that is due to the modulus of Gaussian curvature, N mm; often negative."""
         if not self.gaussian_modulus.any():
             return 0.0
         b11, b22, b12 = np.moveaxis((self.strains(x) + self.rest)[..., 3:] * [1.0, 1.0, 0.5], -1, 0)
         return float((self.assembly.weights * self.gaussian_modulus * (b11 * b22 - b12**2)).sum())
 
     def energy(self, x: Floats) -> float:
-        """N mm; not finite where the sheet has collapsed."""
+        """Total energy in N mm; not finite if the surface is degenerate somewhere."""
         return sum(self.energies(x).values())
 
     def external_gradient(self, x: Floats) -> Floats:
-        """(N, 3) gradient of everything but the sheet's own energy."""
-        out = self._push(x)
+        """(N, 3) N, gradient of all parts of the energy except the strain energy."""
+        out = self._load_gradient(x)
         return out if self._penalty is None else out + self._penalty[0] @ x
 
-    def _push(self, x: Floats) -> Floats:
-        """(N, 3) gradient of loads and moments."""
+    def _load_gradient(self, x: Floats) -> Floats:
+        """(N, 3) N, gradient of dead loads and potentials."""
         out = -self.progress * self.loads
-        for moment in self.potentials:
-            out = out + self.progress * moment.gradient(x)
-        return out
-
-    def restrict(self, forces: Floats) -> Floats:
-        """(n,) over the free unknowns, from (N, 3)."""
-        return self.reduction.transposed @ forces.ravel()
+        for potential in self.potentials:
+            out = out + self.progress * potential.gradient(x)
+        return np.asarray(out)
 
     def gradient(self, x: Floats) -> Floats:
-        """(n,) N over the free unknowns."""
+        """(n,) N, gradient of the total energy over the free unknowns."""
         _, stress, _ = self.density(self.strains(x))
         return self.restrict(self.assembly.forces(x, stress) + self.external_gradient(x))
 
     def tangent(self, x: Floats, stiffness: Floats, stress: Floats) -> Floats:
-        """(nnz,) over the free unknowns, for any stiffness (T, Q, 6, 6) and stress (T, Q, 6)."""
+        """(nnz,) N/mm, tangent over the free unknowns for a given stiffness (T, Q, 6, 6) and stress (T, Q, 6)."""
         data = self.assembly.tangent(x, stiffness, stress)
-        for moment in self.potentials:
-            data += self.progress * self.assembly.gather(moment.hessian(x))
+        for potential in self.potentials:
+            data += self.progress * self.assembly.gather(potential.hessian(x))
         if self._penalty is not None:
             data += self._penalty[1]
         return self._reduced(data)
 
     def hessian(self, x: Floats, blend: float = 0.0) -> Floats:
-        """(nnz,) exact for blend 0; for 1 positive semidefinite: of the stress only what pulls is kept."""
+        """(nnz,) N/mm, Hessian over the free unknowns.
+
+        `blend` 0 gives the exact one. `blend` 1 keeps only the tensile part of the stress, which makes the geometric
+        stiffness positive semidefinite.
+        """
         _, stress, stiffness = self.density(self.strains(x))
         if blend > 0.0:
             stress = (1.0 - blend) * stress + blend * tensile_part(stress)
@@ -215,7 +252,7 @@ class Shell:
 
     @cached_property
     def mass(self) -> ReducedMass:
-        """mm^2, the printed area as the free unknowns see it."""
+        """Mass matrix of the printed sheet over the free unknowns, with unit density: mm^2."""
         return ReducedMass(self._scalar_mass, self.reduction)
 
     @cached_property
@@ -224,8 +261,8 @@ class Shell:
 
     @cached_property
     def mass_entries(self) -> Floats:
-        """(nnz,) mm^2, the mass in the pattern of the Hessian."""
-        return self._reduced(self.assembly.spread(self._scalar_mass))
+        """(nnz,) mm^2, the mass matrix in the pattern of the Hessian."""
+        return self._reduced(self.assembly.expand(self._scalar_mass))
 
     @cached_property
     def _flat_tangent(self) -> Floats:
@@ -239,112 +276,54 @@ class Shell:
 
     @cached_property
     def flat_stiffness(self) -> Floats:
-        """(nnz,) of the printed sheet without stress, over the free unknowns."""
+        """(nnz,) N/mm, linear stiffness of the printed sheet without stress, over the free unknowns."""
         return self._reduced(self._flat_tangent)
 
     def flat_forces(self, moves: Floats) -> Floats:
-        """(n,) forces over the free unknowns by which the printed sheet resists small moves (N, 3)."""
+        """(n,) N, forces over the free unknowns of the printed sheet under small displacements (N, 3) mm."""
         low, x = self._flat_lower, moves.ravel()
         return self.restrict(low @ x + low.T @ x - self._flat_tangent[self.assembly.pattern.diagonal] * x)
 
-    def move(self, x: Floats, direction: Floats) -> Floats:
-        """(N, 3) x moved by a direction (n,) of the free unknowns."""
-        return x + (self.reduction.map @ direction).reshape(-1, 3)
-
     def path(self, x: Floats, direction: Floats, straight: bool) -> tuple[Callable[[float], Floats], float]:
-        """Straight line of states, and the longest step along it."""
+        """States along a straight line from x, as a function of the step, and the longest step."""
         step = (self.reduction.map @ direction).reshape(-1, 3)
         return (lambda a: x + a * step), 1.0
 
-    def constrain(self, x: Floats) -> Floats:
-        """(N, 3) the state with the free unknowns of x that meets the conditions at this progress."""
-        return self.reduction.positions(self.reduction.project(x), self.progress)
-
-    def translated(self, x: Floats, by: Floats) -> Floats:
-        """(N, 3) x moved by (3,) mm."""
-        return x + self._shifts[:, None] * by
-
     def linear_stress(self, strains: Floats) -> Floats:
-        """(T, Q, 6) by the quadratic part of the density."""
-        return self.density.prestress + np.matmul(self.density.stiffness, strains[..., None])[..., 0]
-
-    @cached_property
-    def extent(self) -> float:
-        """mm, the larger side of the print."""
-        return float(np.ptp(self.node_positions(self.flat), axis=0).max())
-
-    @cached_property
-    def fixed_points(self) -> Ints:
-        """(k,) dofs that are positions and do not move."""
-        return np.flatnonzero(self._fixed.all(axis=1))
-
-    @cached_property
-    def _fixed(self) -> NDArray[np.bool_]:
-        """(N, 3) components of positions that do not move."""
-        free = np.diff(self.reduction.map.indptr).reshape(-1, 3) > 0
-        return np.asarray(~free & (self._shifts != 0.0)[:, None])
-
-    def shifted_to_ground(self, x: Floats) -> Floats:
-        """(N, 3) the state x, where conditions leave heights open with the lowest place that they hold at z = 0."""
-        held = self._fixed.any(axis=1)
-        if self._supports_height or not held.any():
-            return x
-        return self.translated(x, np.array([0.0, 0.0, -x[held, 2].min()]))
-
-    def node_positions(self, x: Floats) -> Floats:
-        """(k, 3) mm, of the dofs that are positions."""
-        return np.asarray(x[self._shifts != 0.0])
-
-    @property
-    def support_level(self) -> Floats:
-        """(3,) mm, where positions are held, in the mean; 0 for components that nothing holds."""
-        held = self._fixed * self.reduction.target.reshape(-1, 3)
-        return np.asarray(held.sum(axis=0) / np.maximum(self._fixed.sum(axis=0), 1))
-
-    @property
-    def _supports_height(self) -> bool:
-        """Something is held along z."""
-        return bool(self._fixed[:, 2].any())
-
-    @property
-    def is_free(self) -> bool:
-        """Nothing is held."""
-        return self.reduction.map.shape[1] == self.flat.size
+        """(T, Q, 6) stress of the quadratic part of the density."""
+        return np.asarray(self.density.prestress + np.matmul(self.density.stiffness, strains[..., None])[..., 0])
 
     @property
     def is_rigid_invariant(self) -> bool:
-        """Nothing holds or pulls the sheet: wherever it is, all rigid motions are free."""
+        """Whether every rigid motion leaves the energy unchanged: there are neither supports nor loads."""
         return self.is_free and not self.loads.any() and not self.potentials
 
-    def rigid_motions(self, x: Floats) -> Floats:
-        """(n, k) orthonormal rigid motions that the conditions leave free."""
-        if span_a_plane(x[self.fixed_points]):
-            return np.empty((self.pattern.size, 0))
-        return np.linalg.qr(admissible_motions(x, self._shifts, self.reduction.map, self.reduction.free))[0]
-
     def rigid_modes(self, x: Floats) -> Floats:
-        """(n, k) of `motions`, those that cost nothing."""
+        """(n, k) orthonormal: the rigid motions that leave the energy unchanged to second order."""
         motions = self.rigid_motions(x)
         if motions.shape[1] == 0 or self.is_rigid_invariant:
             return motions
         data = self.hessian(x)
-        # stiffness that is the gradient's own, or rounding: flat triangles have stiff dofs
+        # below this a stiffness is an effect of the gradient or of rounding; nearly flat triangles have stiff dofs
         least = 10.0 * float(np.linalg.norm(self.gradient(x)))
         least += 1e-10 * float(np.median(np.abs(data[self.pattern.diagonal])))
-        least += ROUNDING * float(np.linalg.norm(self.pattern.product(np.abs(data), np.abs(motions)), axis=0).max())
-        return neutral_motions(motions, self.pattern.product(data, motions), self.restrict(self._push(x)), least)
+        largest = float(np.linalg.norm(self.pattern.product(np.abs(data), np.abs(motions)), axis=0).max())
+        least += MAX_NEUTRAL_STIFFNESS * largest
+        return neutral_motions(
+            motions, self.pattern.product(data, motions), self.restrict(self._load_gradient(x)), least
+        )
 
     def support(self, x: Floats) -> Ints:
-        """(k,) free unknowns that, held, stop the rigid motions and cause no forces."""
+        """(k,) free unknowns of an isostatic support: fixing them stops `rigid_modes` and causes no forces."""
         return independent_dofs(self.rigid_modes(x))
 
     def factor(self, backend: str = "auto") -> Factor:
-        """A solver for the Hessians of this shell.
+        """Sparse direct solver for matrices in the pattern of this shell.
 
         Raises
         ------
         BackendError
-            The backend is not installed, or multigrid, which takes longer here and proves less.
+            The backend is not installed, or it is multigrid, which does not prove that a matrix is definite.
         """
         if backend == "amg":
             raise BackendError("backend: 'amg' does not work with a shell; use auto, pardiso, cholmod or superlu")

@@ -19,8 +19,9 @@ import scipy.sparse as sp
 from skfem import MeshTri
 
 from fem.elements.deformation import Deformation, flat
+from fem.elements.space import Space
 from fem.elements.tabulation import Floats, Ints
-from fem.supports.edge_equations import Rows, Space, edge_equations
+from fem.supports.edge_equations import Rows, edge_equations
 from fem.supports.elimination import Contradiction, eliminate
 
 NEAR_MM = 1e-6  # so near a mesh vertex is at a point
@@ -104,7 +105,7 @@ class Reduction:
 
     def positions(self, q: Floats, progress: float = 1.0) -> Floats:
         """(N, 3) from free unknowns (n,)."""
-        return (self.map @ q + self.offset(progress)).reshape(-1, 3)
+        return np.asarray((self.map @ q + self.offset(progress)).reshape(-1, 3))
 
     def project(self, positions: Floats) -> Floats:
         """(n,) free unknowns of any positions (N, 3)."""
@@ -171,7 +172,7 @@ def vertices_at(mesh: MeshTri, points: Floats) -> Ints:
             raise ConditionError(
                 f"held point ({x:.6g}, {y:.6g}) mm: no mesh vertex there, the nearest is {miss:.3g} mm off"
             )
-    return nearest
+    return np.asarray(nearest)
 
 
 def _check(condition: Condition, mesh: MeshTri) -> None:

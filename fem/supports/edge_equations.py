@@ -14,33 +14,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 import scipy.sparse as sp
-from skfem import MeshTri
 
 from fem.elements.deformation import Deformation, flat
-from fem.elements.tabulation import Evaluation, Floats, Ints, Tabulation
+from fem.elements.space import Space
+from fem.elements.tabulation import Floats, Ints
 from fem.supports.edge_curve import EdgeCurve, edge_curve, left
 
 ROUNDING = 1e-10  # over the largest coefficient of an equation: what should be nothing, on flat triangles too
-
-
-class Space(Protocol):
-    """What conditions and loads ask of a discretisation."""
-
-    mesh: MeshTri
-    size: int
-    smooth: bool
-    mid_normals: bool
-    degree: int
-
-    def jets(self, triangles: Ints, points: Floats) -> tuple[Ints, Floats]: ...
-
-    def tabulate(self, order: int) -> Tabulation: ...
-
-    def locate(self, points: Floats) -> Evaluation: ...
 
 
 @dataclass(frozen=True)

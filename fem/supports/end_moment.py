@@ -11,9 +11,9 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike
 
+from fem.elements.space import Space
 from fem.elements.tabulation import Floats, Ints
 from fem.supports.edge_curve import left
-from fem.supports.edge_equations import Space
 from fem.supports.loads import edge_points
 
 
@@ -79,7 +79,7 @@ class EndMoment:
     def _projected(self, positions: Floats) -> Floats:
         """(2, n) components of the fibres in the plane normal to the axis."""
         fibres = np.einsum("nm,nmr->nr", self._across, positions[self.dofs])
-        return self._plane @ fibres.T
+        return np.asarray(self._plane @ fibres.T)
 
 
 def _plane(axis: Floats, fibre: Floats) -> Floats:

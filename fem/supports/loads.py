@@ -11,8 +11,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fem.elements.space import Space
 from fem.elements.tabulation import Floats, Ints
-from fem.supports.edge_equations import Space
 
 Force = ArrayLike | Callable[[Floats], Floats]
 

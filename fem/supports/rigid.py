@@ -30,7 +30,7 @@ def admissible_motions(x: Floats, shifts: Floats, columns: sp.csr_matrix, free: 
     if columns.shape[1] == x.size:
         return reduced
     _, blocked, rows = np.linalg.svd(motions - columns @ reduced, full_matrices=False)
-    return reduced @ rows[blocked < 1e-9 * np.sqrt(x.size)].T
+    return np.asarray(reduced @ rows[blocked < 1e-9 * np.sqrt(x.size)].T)
 
 
 def span_a_plane(points: Floats) -> bool:
@@ -58,4 +58,4 @@ def neutral_motions(motions: Floats, stiffness: Floats, push: Floats, least: flo
     # a stiffness of one stands for a push worth the name
     rows = np.concatenate([stiffness / least, work[None] / PUSHED])
     _, values, directions = np.linalg.svd(rows, full_matrices=False)
-    return motions @ directions[values < 1.0].T
+    return np.asarray(motions @ directions[values < 1.0].T)

@@ -28,7 +28,7 @@ def test_matrices_over_components_and_scalars(space: type) -> None:
     # dofs of a padded stencil come twice
     rows, columns = np.broadcast_arrays(assembly.dofs[:, :, None], assembly.dofs[:, None])
     scalar = sp.csr_matrix((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(element.size,) * 2)
-    assert np.allclose(full(assembly.pattern, assembly.spread(scalar)), np.kron(scalar.toarray(), np.eye(3)))
+    assert np.allclose(full(assembly.pattern, assembly.expand(scalar)), np.kron(scalar.toarray(), np.eye(3)))
     turn = random.standard_normal((3, 3))
     whole = sp.csr_matrix(sp.kron(scalar, turn + turn.T))
     assert np.allclose(full(assembly.pattern, assembly.gather(whole)), whole.toarray())
@@ -40,7 +40,7 @@ def test_what_is_not_in_the_pattern_is_refused() -> None:
     corners = element.vertex_dofs[[0, -1], 0]
     far = sp.csr_matrix(([1.0, 1.0], (corners, corners[::-1])), shape=(element.size,) * 2)
     with pytest.raises(ValueError, match="share no stencil"):
-        assembly.spread(far)
+        assembly.expand(far)
 
 
 def test_restriction_is_the_triple_product() -> None:

@@ -47,7 +47,7 @@ def _rolled(name: str, progress: float) -> tuple[Shell, Floats]:
 def test_forces_and_hessian_are_derivatives(name: str, progress: float) -> None:
     """VALIDATION V1 for all parts together, also while fields and loads are brought up."""
     shell, x = _rolled(name, progress)
-    assert set(shell.energies(x)) == {"sheet", "loads", "moments"} | ({"jumps"} if name == "lifted" else set())
+    assert set(shell.energies(x)) == {"sheet", "loads", "potentials"} | ({"jumps"} if name == "lifted" else set())
     random, step = np.random.default_rng(1), 1e-6
     hessian = shell.hessian(x)
     for _ in range(3):
@@ -103,4 +103,4 @@ def test_sizes_do_not_depend_on_where_the_print_lies() -> None:
     mesh = rectangle(3, 2, 60.0, 40.0)
     for place in (0.0, 1000.0):
         moved = MeshTri(mesh.p + place, mesh.t)
-        assert Shell(Argyris(moved), FIELDS["bowl"]).size == pytest.approx(60.0)
+        assert Shell(Argyris(moved), FIELDS["bowl"]).extent == pytest.approx(60.0)
