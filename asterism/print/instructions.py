@@ -161,7 +161,7 @@ def _finish(job: Job) -> Chapter:
         turns = [needle_names([needle.number for needle in job.needles if needle.step == step]) for step in steps]
         lines.append(f"Set them in the design's order: first {', then '.join(turns)}.")
     if job.is_certain is False:
-        lines.append("The computed shape is not certified as a minimum: the sheet may take another form. See export.json.")
+        lines.append("The shape is not certified as a minimum: the sheet may take another form. See export.json.")
     return Chapter("6. Release, cut, pin", tuple(lines))
 
 

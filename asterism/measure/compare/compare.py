@@ -104,8 +104,8 @@ def compare(
     >>> lines = [f"v {x} {y} {z}" for x, y, z in positions] + [f"f {a} {b} {c}" for a, b, c in triangles + 1]
     >>> scan = Path(tempfile.mkdtemp()) / "scan.obj"
     >>> _ = scan.write_text(chr(10).join(lines))
-    >>> round(compare(sheet, scan).summary["rms_percent"], 1)
-    0.0
+    >>> compare(sheet, scan).summary["rms_percent"] < 0.5
+    True
     """
     scan = Path(scan)
     check_file(scan)

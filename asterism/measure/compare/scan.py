@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from asterism.measure.compare.errors import ScanError, check_file
+from asterism.measure.compare.scan_file import check_scan_file
 from asterism.measure.compare.units import MM
 from pattern.geometry.arrays import Floats, Ints
 
@@ -103,6 +104,7 @@ def _read(path: Path) -> tuple[Floats, Ints]:
     import trimesh  # takes half a second, and only scans need it
 
     check_file(path)
+    check_scan_file(path)
     logging.getLogger("trimesh").setLevel(logging.CRITICAL)
     try:
         with path.open("rb") as stream, np.errstate(all="ignore"):

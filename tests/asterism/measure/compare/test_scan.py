@@ -74,7 +74,7 @@ def test_samples_are_spread_by_area() -> None:
     [
         ("a.obj", b"", "holds no points"),
         ("a.obj", b"# nothing\n", "holds no points"),
-        ("a.stl", b"", "holds no points"),
+        ("a.stl", b"", "0 bytes"),
         ("a.stl", b"solid a\nendsolid a\n", "holds no points"),
         ("a.ply", b"", "cannot be read as PLY"),
         ("a.obj", b"\x00\xff\xfe\x12", "cannot be read as OBJ"),
