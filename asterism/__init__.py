@@ -35,7 +35,7 @@ _HOMES = {
     "Preview": ("asterism.previews.session", "Preview"),
     "Shape": ("asterism.shape.shape", "Shape"),
     "Verification": ("asterism.verification.run", "Verification"),
-    "load_design": ("pattern.design.design", "load_design"),
+    "load_design": ("pattern.layout.load_design", "load_design"),
     "load_law": ("homogenize.law.file", "load_law"),
     "new": ("pattern.gallery", "load"),
     "preview": ("asterism.previews.run", "preview"),

@@ -1,8 +1,12 @@
-"""Conforming C1 quintic triangles (Argyris, Fried and Scharpf 1968).
+"""Argyris triangles: conforming C1 quintics (Argyris, Fried and Scharpf 1968, "The TUBA family of plate elements").
 
-Mesh, numbering of the dofs and quadrature are scikit-fem's. The basis is not: its own solves for the coefficients of
-global monomials, whose condition number for a sheet in mm is 1e17 and more. Here the monomials of a triangle are
-centred and scaled, and a dof of derivative order k is multiplied by a length to the power k, so that all are mm.
+On each triangle the functions are the 21 polynomials of degree 5. The dofs are the value and all derivatives up to the
+second at the vertices, and the normal derivative at the edge midpoints. They determine value and normal derivative
+along every edge, so the functions are C1 and the bending energy `int K : D : K` is defined without jump terms.
+
+Mesh, numbering of the dofs and quadrature are those of scikit-fem. The basis is computed here, because scikit-fem uses
+global monomials, whose condition number is 1e17 and more for a sheet in mm. Here the monomials of each triangle are
+centred and scaled, and a dof of derivative order k is the derivative times a length to the power k: all dofs are in mm.
 """
 
 from __future__ import annotations

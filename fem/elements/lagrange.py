@@ -1,6 +1,8 @@
-"""Continuous piecewise polynomials of degree 2 or 3 on a triangle mesh, with their second derivatives.
+"""Lagrange triangles P2 and P3 with first and second derivatives.
 
-Mesh, numbering and nodes are those of scikit-fem, whose own elements stop at first derivatives.
+The functions are continuous piecewise polynomials (Ciarlet 1978, "The finite element method for elliptic problems",
+section 2.2). `fem.elements.lifted` builds a discrete Hessian from their piecewise derivatives. Mesh, numbering and
+nodes are those of scikit-fem, whose elements of this kind have first derivatives only.
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ ELEMENTS = {2: ElementTriP2, 3: ElementTriP3}
 
 
 class Lagrange:
-    """Basis functions of every triangle.
+    """Continuous P2 or P3 basis functions.
 
     Parameters
     ----------
@@ -32,7 +34,7 @@ class Lagrange:
 
     def __init__(self, mesh: MeshTri, degree: int) -> None:
         if degree not in ELEMENTS:
-            raise ValueError(f"degree: {degree} is not one of 2, 3")
+            raise ValueError(f"degree = {degree}: must be 2 or 3")
         mesh = checked_mesh(mesh)
         element = ELEMENTS[degree]()
         basis = Basis(mesh, element, intorder=1)

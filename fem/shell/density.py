@@ -1,11 +1,17 @@
-"""Energy of the sheet per printed area, as a function of the strains `e = (E11, E22, 2 E12, K11, K22, 2 K12)`.
+"""Strain energy density: energy per printed area as a function of the strains of `fem.shell.koiter`.
 
-    W(e) = w_0 + s . e + e . A e / 2 + c3 Re[z^3 exp(-6 i phi)] / (1 + |z|^2/z_s^2) + w(e),    z = (K11 - K22)/2 + i K12
+With `e = (E11, E22, 2 E12, K11, K22, 2 K12)` and `z = (K11 - K22)/2 + i K12`,
 
-A is any symmetric 6 x 6 matrix (membrane, bending and their coupling), s the stress at no strain. The c3 term lets a
-sheet with a lattice at the angle phi prefer some of its axes to roll about: z turns by twice the angle of the sheet,
-z^3 by six times. A pure cubic has no lowest energy, so it is cut off at z_s, beyond which it grows like |z| only: with
-a positive definite A the energy is bounded below whatever c3 is. w is any further law.
+    W(e) = w_0 + s . e + e . A e / 2 + c3 Re[z^3 exp(-6 i phi)] / (1 + |z|^2/z_s^2) + w(e).
+
+- A is a symmetric 6 x 6 stiffness: membrane, bending and their coupling. For an isotropic plate A is Koiter's energy
+  (Ciarlet 2005, "An introduction to differential geometry", section 4.1), see `isotropic` and `on_metric`.
+- s is the prestress and w_0 the energy at zero strain.
+- The c3 term is the lowest invariant of a lattice with sixfold symmetry, whose lines are at the angle phi: if the
+  sheet turns by an angle, z turns by twice and z^3 by six times this angle. So some axes of rolling are preferred.
+- A cubic alone is unbounded from below. The denominator limits its growth to |z| beyond z_s, so that W is bounded from
+  below for every c3 if A is positive definite.
+- w is a further energy term of the user.
 """
 
 from __future__ import annotations
@@ -23,16 +29,17 @@ EnergyTerm = Callable[[Floats], tuple[Floats, Floats, Floats]]
 
 @dataclass(frozen=True)
 class Density:
-    """Energy per area at the quadrature points (T, Q); what does not change over the sheet may be given once.
+    """Energy per printed area at the quadrature points (T, Q). Uniform parts may be given once, without (T, Q).
 
     Attributes
     ----------
-    stiffness : (T, Q, 6, 6) or (6, 6), symmetric; N/mm, N and N mm for its parts.
-    sixfold : (T, Q) or a number, c3 in N mm^2.
-    orientation : phi in radians, that of a lattice line; a cylinder whose curvature lies along it has the energy
-        `+ c3 (kappa/2)^3` as long as kappa is far below 2 z_s.
-    saturation : z_s per mm, (T, Q) or a number; the term has half of its cubic's value at |z| = z_s.
-    term : takes e (P, 6) of all points, P = T Q, to w (P,), its gradient (P, 6) and its Hessian (P, 6, 6).
+    stiffness : A, (T, Q, 6, 6) or (6, 6), symmetric; membrane part in N/mm, coupling in N, bending in N mm.
+    sixfold : c3 in N mm^2, (T, Q) or a number.
+    orientation : phi in radians, direction of a lattice line. A cylinder that curves along this line has the energy
+        `+ c3 (kappa/2)^3` if its curvature kappa is far below 2 z_s.
+    saturation : z_s per mm, (T, Q) or a number. At |z| = z_s the term is half of the cubic.
+    term : w as a function from e (P, 6) at all P = T Q points to its values (P,), gradients (P, 6) and Hessians
+        (P, 6, 6).
     prestress : s, (T, Q, 6) or (6,), N/mm and N, and `constant`, w_0, (T, Q) or a number, N/mm, at no strain.
     """
 
@@ -45,7 +52,7 @@ class Density:
     constant: Floats | float = 0.0
 
     def at(self, shape: tuple[int, int]) -> Density:
-        """The same, everything spelled out for (T, Q) points."""
+        """The same density with every part as an array over (T, Q) points."""
 
         def spread(values: Floats | float, tail: tuple[int, ...] = ()) -> Floats:
             return np.array(np.broadcast_to(values, (*shape, *tail)), dtype=float)
@@ -61,9 +68,12 @@ class Density:
         )
 
     def with_gaussian(self, modulus: Floats, curvature: Floats) -> Density:
-        """The density and `modulus det b` more at the points (T, Q), N mm, for `b = K + b_r` with b_r (T, Q, 3).
+        """The density plus `modulus det b` with `b = K + b_r`: energy of Gaussian curvature (Helfrich 1973).
 
-        `curvature`: b_r, its components 11, 22 and 12. The modulus is Helfrich's (1973) of Gaussian curvature.
+        Parameters
+        ----------
+        modulus : (T, Q) N mm.
+        curvature : (T, Q, 3) rest curvature b_r, components 11, 22 and 12, per mm.
         """
         full = self.at(modulus.shape)
         b11, b22, b12 = np.moveaxis(np.broadcast_to(curvature, (*modulus.shape, 3)), -1, 0)
@@ -88,7 +98,7 @@ class Density:
         return energy, stress, tangent
 
     def energies(self, e: Floats) -> Floats:
-        """(T, Q) at strains e (T, Q, 6), without their derivatives; `self` is spelled out, see `at`."""
+        """(T, Q) energies at strains e (T, Q, 6), without derivatives. All parts are arrays over (T, Q), see `at`."""
         energy = np.empty(e.shape[:2])
         parts = (self.stiffness, self.sixfold, self.orientation, self.saturation, self.prestress, self.constant)
         _energies(*parts, e, energy)
@@ -96,7 +106,7 @@ class Density:
 
     @property
     def quadratic(self) -> bool:
-        """The stiffness is the same for all strains."""
+        """Whether the density is a quadratic function of the strains."""
         return self.term is None and not np.any(self.sixfold)
 
 

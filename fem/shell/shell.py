@@ -124,7 +124,7 @@ class Shell(SupportedSheet):
         self._reduced = MatrixReduction(self.assembly.pattern, self.reduction.map)
         self.pattern: SparsePattern = self._reduced.pattern
         self.loads = self._checked_loads(np.zeros((space.size, 3)) if loads is None else loads)
-        self.set_fields(fields)
+        self._set_fields(fields)
 
     def with_fields(self, fields: Fields, loads: Floats | None = None) -> Shell:
         """The shell with other fields and, if given, other loads (N, 3) N; this shell is unchanged.
@@ -141,7 +141,7 @@ class Shell(SupportedSheet):
         new = copy(self)
         if loads is not None:
             new.loads = self._checked_loads(loads)
-        new.set_fields(fields)
+        new._set_fields(fields)
         return new
 
     def at_progress(self, progress: float) -> Shell:
@@ -164,8 +164,8 @@ class Shell(SupportedSheet):
             )
         return loads
 
-    def set_fields(self, fields: Fields) -> None:
-        """Replace the fields of this shell; used by `with_fields`."""
+    def _set_fields(self, fields: Fields) -> None:
+        """Evaluate the fields at the quadrature points; all of them are checked before one is set."""
         target, gaussian = fields.rest(self.points), fields.gaussian_modulus(self.points)
         density: Density = fields.densities(self.points)
         penalty = self.space.penalty(density.stiffness[..., 3, 3].mean(axis=1))

@@ -1,11 +1,12 @@
-"""Conditions on the sheet, met exactly: X = T q + c.
+"""Essential boundary conditions, imposed exactly by elimination: `x = T q + c`.
 
-`PointSupport` pins mesh vertices, `EdgeSupport` pins or clamps mesh edges. Both hold all three components or only those
-along given directions: one direction is a plane to slide on. Everything that is not held is free.
+`PointSupport` fixes mesh vertices. `EdgeSupport` pins mesh edges, `d . (x - x_target) = 0` for given directions d, and
+may clamp them: `n . dx/dnu = 0` with the target's normal n and the edge normal nu. With three directions a point is
+fixed; with one it slides on a plane. All other boundaries are free (natural conditions).
 
-Every condition becomes linear equations on value and derivatives of the position at some printed points
-(`fem.supports.edge_equations`), and the equations are solved for the dofs they determine (`fem.supports.elimination`).
-Equations that others imply are dropped, those that contradict others are an error.
+Each support gives linear equations for the position and its derivatives at printed points
+(`fem.supports.edge_equations`). They are solved for the dofs that they determine (`fem.supports.elimination`).
+Redundant equations are dropped; contradictory equations are an error.
 """
 
 from __future__ import annotations
@@ -24,22 +25,23 @@ from fem.elements.tabulation import Floats, Ints
 from fem.supports.edge_equations import Rows, edge_equations
 from fem.supports.elimination import Contradiction, eliminate
 
-NEAR_MM = 1e-6  # so near a mesh vertex is at a point
+VERTEX_TOLERANCE_MM = 1e-6  # a mesh vertex within this distance is at the point
 
 
 class ConditionError(ValueError):
-    """A condition that cannot be met, in one line."""
+    """A support that is not admissible, or that contradicts another one."""
 
 
 @dataclass(frozen=True)
 class PointSupport:
-    """Vertices held in place.
+    """Supported mesh vertices.
 
     Attributes
     ----------
     vertices : (n,) of the mesh; `vertices_at` finds them.
-    places : (n, 3) mm, where they end.
-    directions : (k, 3) held components of the position; the identity holds all, one normal lets them slide on a plane.
+    places : (n, 3) mm, target positions.
+    directions : (k, 3) unit vectors along which the position is fixed. The identity fixes all components; a single
+        normal lets the points slide on a plane.
     name : for messages.
     """
 
@@ -51,15 +53,15 @@ class PointSupport:
 
 @dataclass(frozen=True)
 class EdgeSupport:
-    """Mesh edges held along a line, straight, oblique or curved (`fem.supports.edge_curve`).
+    """Supported mesh edges along a straight or curved line (`fem.supports.edge_curve`).
 
     Attributes
     ----------
-    facets : (n,) of the mesh; its rim is `mesh.boundary_facets()`.
-    placement : where the edge ends; the printed plane if nothing is said.
-    directions : (k, 3) held components of the position, as for points; (0, 3) holds none.
-    clamped : hold the surface's tangent plane along the edge at the placement's.
-    corner_deg : a line that turns by more has a corner.
+    facets : (n,) of the mesh; the whole boundary is `mesh.boundary_facets()`.
+    placement : target of the edge, a deformation of the printed sheet; the printed plane by default.
+    directions : (k, 3) unit vectors along which the position is fixed, as for points; (0, 3) fixes none.
+    clamped : fix the tangent plane along the edge to that of the target.
+    corner_deg : a vertex where the line turns by more than this angle is a corner.
     name : for messages.
     """
 
@@ -76,15 +78,15 @@ Condition = PointSupport | EdgeSupport
 
 @dataclass(frozen=True)
 class Reduction:
-    """Positions that meet all conditions: `X.ravel() = map @ q + offset(progress)`.
+    """Positions that meet all supports: `X.ravel() = map @ q + offset(progress)`.
 
     Attributes
     ----------
     map : (3N, n).
     free : (n,) entries of X.ravel() that are q.
-    printed, target : (3N,) constants that hold the sheet where it was printed, and where it ends.
-    redundant : number of equations that others imply.
-    normals : (k, 3) of clamped edges where they end; those of the print are (0, 0, 1).
+    printed, target : (3N,) mm, constants for the supports at their printed and at their target positions.
+    redundant : number of equations that follow from others.
+    normals : (k, 3) target normals of clamped edges; the printed normals are (0, 0, 1).
     """
 
     map: sp.csr_matrix
@@ -100,7 +102,7 @@ class Reduction:
         return sp.csr_matrix(self.map.T)
 
     def offset(self, progress: float = 1.0) -> Floats:
-        """(3N,) mm; held parts move straight from their printed place to their target."""
+        """(3N,) mm; supports move along straight lines from their printed to their target positions."""
         return self.printed + progress * (self.target - self.printed)
 
     def positions(self, q: Floats, progress: float = 1.0) -> Floats:
@@ -113,12 +115,12 @@ class Reduction:
 
 
 def impose_conditions(space: Space, conditions: Sequence[Condition]) -> Reduction:
-    """The linear map from what stays free to the positions of a space's dofs.
+    """The affine map from the free unknowns to the positions.
 
     Raises
     ------
     ConditionError
-        Two conditions contradict each other, or a direction is not a unit vector or not a new one.
+        Two supports contradict each other, or the directions are not independent unit vectors.
     """
     parts: list[Rows] = []
     names: list[str] = []
@@ -157,21 +159,19 @@ def impose_conditions(space: Space, conditions: Sequence[Condition]) -> Reductio
 
 
 def vertices_at(mesh: MeshTri, points: Floats) -> Ints:
-    """(n,) vertices at printed points (n, 2) mm, within NEAR_MM.
+    """(n,) vertices at printed points (n, 2) mm, within VERTEX_TOLERANCE_MM.
 
     Raises
     ------
     ConditionError
-        No vertex is there.
+        A point has no vertex within the tolerance.
     """
     points = np.atleast_2d(points)
     distance = np.linalg.norm(mesh.p.T[None] - points[:, None], axis=2)
     nearest = distance.argmin(axis=1)
     for (x, y), miss in zip(points, distance.min(axis=1), strict=True):
-        if not miss <= NEAR_MM:  # nan too
-            raise ConditionError(
-                f"held point ({x:.6g}, {y:.6g}) mm: no mesh vertex there, the nearest is {miss:.3g} mm off"
-            )
+        if not miss <= VERTEX_TOLERANCE_MM:  # nan too
+            raise ConditionError(f"point support ({x:.6g}, {y:.6g}) mm: the nearest mesh vertex is {miss:.3g} mm away")
     return np.asarray(nearest)
 
 
@@ -192,10 +192,10 @@ def _check(condition: Condition, mesh: MeshTri) -> None:
     allowed = mesh.nvertices if points else mesh.nfacets
     if len(numbers) == 0 or np.min(numbers) < 0 or np.max(numbers) >= allowed:
         raise ConditionError(
-            f"{condition.name}: {'vertices' if points else 'facets'} are not in 0 .. {allowed - 1}, or there are none"
+            f"{condition.name}: {'vertices' if points else 'facets'} must be in 0 .. {allowed - 1}, and at least one"
         )
     if not np.isfinite(_normals(condition, mesh)).all():
-        raise ConditionError(f"{condition.name}: clamped along a line where its placement has no normal")
+        raise ConditionError(f"{condition.name}: the target has no normal along this clamped edge")
     if isinstance(condition, PointSupport) and np.shape(condition.places) != (len(numbers), 3):
         raise ConditionError(f"{condition.name}: places {np.shape(condition.places)} are not ({len(numbers)}, 3)")
     if isinstance(condition, PointSupport) and not np.isfinite(condition.places).all():

@@ -70,5 +70,5 @@ def test_supported_plate_converges(degree: int, cells: tuple[int, ...], rate: fl
 
 
 def test_degree_is_named_when_it_is_wrong() -> None:
-    with pytest.raises(ValueError, match="degree: 4 is not one of 2, 3"):
+    with pytest.raises(ValueError, match="degree = 4: must be 2 or 3"):
         Lifted(rectangle(2, 2), 4)

@@ -180,9 +180,9 @@ def test_what_is_said_twice_is_dropped_and_what_contradicts_is_named(space_of) -
 
 def test_bad_conditions_are_named() -> None:
     space = SPACES["lifted"](rectangle(2, 2))
-    with pytest.raises(ConditionError, match=r"held point \(0.3, 0.2\) mm: no mesh vertex there, the nearest is 0.283"):
+    with pytest.raises(ConditionError, match=r"point support \(0.3, 0.2\) mm: .* 0.283 mm"):
         vertices_at(space.mesh, np.array([[0.3, 0.2]]))
-    with pytest.raises(ConditionError, match=r"held point \(nan, 0\) mm: no mesh vertex there"):
+    with pytest.raises(ConditionError, match=r"point support \(nan, 0\) mm"):
         vertices_at(space.mesh, np.array([[np.nan, 0.0]]))
     edge = space.mesh.boundary_facets()
     for condition, message in [
@@ -191,10 +191,10 @@ def test_bad_conditions_are_named() -> None:
             "left: directions are not independent unit",
         ),
         (EdgeSupport(edge, directions=np.ones(3), name="left"), r"left: directions \(3,\) are not up to three rows"),
-        (EdgeSupport(np.array([999]), name="left"), r"left: facets are not in 0 .. \d+"),
+        (EdgeSupport(np.array([999]), name="left"), r"left: facets must be in 0 .. \d+"),
         (
             PointSupport(np.empty(0, dtype=int), np.empty((0, 3))),
-            "points: vertices are not in 0 .. 8, or there are none",
+            "points: vertices must be in 0 .. 8",
         ),
         (PointSupport(np.array([0]), np.zeros((2, 3))), r"points: places \(2, 3\) are not \(1, 3\)"),
         (PointSupport(np.array([0]), np.full((1, 3), np.nan)), "points: places must be finite"),
@@ -214,7 +214,7 @@ def test_what_has_no_direction_is_refused() -> None:
     """A placement that shrinks the edge's surface to a line or a point has no normal to clamp to."""
     mesh = rectangle(2, 2)
     edge = facets_where(mesh, lambda x, y: x < 1e-9)
-    with pytest.raises(ConditionError, match="clamped along a line where its placement has no normal"):
+    with pytest.raises(ConditionError, match="no normal along this clamped edge"):
         impose_conditions(SPACES["argyris"](mesh), [EdgeSupport(edge, affine(np.zeros((3, 2))), clamped=True)])
     with pytest.raises(ConditionError, match="directions must be finite"):
         impose_conditions(SPACES["argyris"](mesh), [EdgeSupport(edge, directions=np.array([[np.nan, 0.0, 1.0]]))])
