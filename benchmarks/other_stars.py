@@ -5,7 +5,7 @@ python -m benchmarks.other_stars FOLDER [--choose]
 Four, five and six arms on square lattices, four and five on triangular ones, three on a square one: free, held along
 the border, or on their corners; the same designs every time. FOLDER keeps laws and exact shapes. Of these the lowest
 counts, from the release, or from the preview with or without what differs between directions. Each preview is
-made thrice: with no part of that, with the part in use (`asterism.previews.fields.directional.SHARE`), and with all of
+made thrice: with no part of that, with the part in use (`anisotropy_share` of the preview's model), and with all of
 it.
 
 SHARE is not from these. --choose previews the free ones of as many designs that come after them with more parts, and
@@ -16,15 +16,15 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
-from unittest.mock import patch
 
 import numpy as np
 
 from asterism.laws.calibrate import calibrate
 from asterism.laws.own_law import own_material
-from asterism.previews.fields.directional import SHARE
+from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.run import preview
 from asterism.shape.comparison import compare
 from benchmarks.accuracy.exact import exact
@@ -38,6 +38,7 @@ from pattern.design.lattice import DEFAULT_SPACING
 from pattern.layout.build import layout
 from pattern.layout.symmetries import symmetries
 
+SHARE = PREVIEW_MODEL.anisotropy_share
 COUNT = 36
 EDGE_MM = 1.15
 # kind of lattice, arms, turn in degrees
@@ -124,8 +125,7 @@ def _held(number: int) -> str:
 
 
 def _preview(design: Design, law: Law, share: float) -> Any:
-    with patch("asterism.previews.fields.star_values.SHARE", share):
-        return preview(design, law)
+    return preview(design, law, model=replace(PREVIEW_MODEL, anisotropy_share=share))
 
 
 def table(rows: list[dict[str, Any]]) -> str:

@@ -16,8 +16,9 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 from skfem import MeshTri
 
+from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.supports.conditions import conditions, held_sides
-from asterism.previews.supports.point_pins import ANGLES_DEG, around, softened, spot
+from asterism.previews.supports.point_pins import around, softened, spot
 from benchmarks.report import markdown, write_report
 from discrete.energies.membrane import Membrane
 from fem.elements.argyris import Argyris
@@ -38,7 +39,7 @@ STIFFER = f"stiffness, shell of {SHELL_MM[0]:.0f} mm over exact of {EXACT_MM[-1]
 
 
 def main() -> None:
-    rows = [measured(angle) for angle in ANGLES_DEG]
+    rows = [measured(angle) for angle in PREVIEW_MODEL.point_angles_deg]
     lines = [[f"{row['angle_deg']:.0f}", *(f"{row[key]:.2f}" for key in KEYS)] for row in rows]
     text = markdown(["angle, deg", "exact, c", "shell, d", "d - c", "g", STIFFER], lines)
     print(text)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from asterism.previews.fields.directional import SHARE
+from asterism.previews.model import PREVIEW_MODEL
 from homogenize.cell.directions import CURLED, is_threefold, left_out, spread
 from homogenize.law.anisotropy import followed
 from homogenize.law.law import Law
@@ -36,4 +36,4 @@ def directions_line(law: Law) -> str | None:
 def _off_followed(sample: dict[str, Any]) -> float:
     """How far a cell's natural curvatures are at most from what previews take them for, over the largest."""
     kappa = np.array(sample["natural_curvature"])
-    return float(np.abs(followed(sample, SHARE) - kappa).max() / np.abs(kappa).max())
+    return float(np.abs(followed(sample, PREVIEW_MODEL.anisotropy_share) - kappa).max() / np.abs(kappa).max())

@@ -127,7 +127,7 @@ class Preview:
         law = law if law is not None else self._clock("law", paper_law)
         plan = plan if plan is not None else self._clock("layout", layout, design)
         check_carried(design, plan)
-        values: StarValues = self._clock("law", star_values, design, plan, law)
+        values: StarValues = self._clock("law", star_values, design, plan, law, model)
         self.state = self._new_state(design, plan, values, law, side, model)
 
     def _new_state(
@@ -177,7 +177,7 @@ class Preview:
             plan = self._clock("layout", layout, design)
             check_carried(design, plan)
             state, response = self.state, None
-            values = self._clock("law", star_values, design, plan, state.law)
+            values = self._clock("law", star_values, design, plan, state.law, state.model)
             if state.sheet.is_same_print(design, plan):
                 state = self._clock("fields", with_stars, state, design, plan, values)
                 state, response = respond(state, self._clock)

@@ -15,8 +15,7 @@ from asterism.previews.corrugation.arms import Arms
 from asterism.previews.edges.free_rim import free_normals
 from asterism.previews.edges.rim_arms import carried
 from asterism.previews.fields.self_stress import gaussian_moduli
-from asterism.previews.fields.sheet_fields import EARLY, free_early, sheet_fields
-from asterism.previews.fields.star_arms import BACK
+from asterism.previews.fields.sheet_fields import free_length_share, sheet_fields
 from asterism.previews.fields.star_cells import Shares, StarCells
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
@@ -62,14 +61,15 @@ class StarShares:
     carried: Floats | None
 
     @classmethod
-    def at(cls, points: Floats, design: Design, layout: Layout) -> StarShares:
+    def at(cls, points: Floats, design: Design, layout: Layout, model: PreviewModel) -> StarShares:
         """Of a design's stars at printed points (n, 2) mm."""
-        lattice, cells = design.lattice, StarCells(layout, design.lattice)
+        lattice, cells = design.lattice, StarCells(layout, design.lattice, model)
         shares = cells.shares(points)
-        back = BACK * lattice.spacing_mm
+        back = model.arm_setback * lattice.spacing_mm
         along = tuple((arm, cells.shares(points - back * arm)) for arm in lattice.arm_directions)
-        normals = free_normals(layout, points)
-        return cls(cells, shares, along, normals, None if layout.is_pulled else carried(layout, lattice.arm_directions))
+        normals, curls = free_normals(layout, points, model), model.has_rim_arms and not layout.is_pulled
+        part = carried(layout, lattice.arm_directions, model) if curls else None
+        return cls(cells, shares, along, normals, part)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +97,7 @@ class Sheet:
         """The same sheet with the stars of another design and its layout; `is_same_print` must hold."""
         stars = self.stars
         if not np.array_equal(layout.centres, self.layout.centres):
-            stars = StarShares.at(self.table.points.reshape(-1, 2), design, layout)
+            stars = StarShares.at(self.table.points.reshape(-1, 2), design, layout, self.model)
         return replace(self, design=design, layout=layout, stars=stars)
 
     def has_arms_of(self, layout: Layout) -> bool:
@@ -124,7 +124,7 @@ class Sheet:
     @cached_property
     def arms(self) -> Arms:
         """Arms of the stars, on shells of this sheet."""
-        return Arms(self.layout, self.space)
+        return Arms(self.layout, self.space, self.model)
 
     @cached_property
     def symmetries(self) -> list[Symmetry]:
@@ -136,7 +136,7 @@ class Sheet:
         """(T, Q) softness around single points that pull at the sheet; None without any."""
         pins = pinned_points(self.layout)
         pulls = self.layout.is_pulled and len(pins) > 0
-        return softness(self.mesh, pins, self.table.points, self.design.mesh.edge_mm) if pulls else None
+        return softness(self.mesh, pins, self.table.points, self.design.mesh.edge_mm, self.model) if pulls else None
 
     def fields(self, values: StarValues) -> Fields:
         """Rest metric, rest curvature and stiffness at the quadrature points.
@@ -146,15 +146,19 @@ class Sheet:
         LawError
             The rest metric is not positive definite: adjacent stars contract too differently.
         """
-        stars, length, spacing = self.stars, values.sizes[:, 0], self.layout.spacing_mm
+        stars, length, spacing, model = self.stars, values.sizes[:, 0], self.layout.spacing_mm, self.model
         arms = [(along, shares(length)) for along, shares in stars.along_arms]
         shares = stars.shares(length)
-        early = EARLY if self.layout.is_pulled else free_early(values, spacing)
-        gaussian, shape = gaussian_moduli(values, spacing), self.table.weights.shape
-        fields = sheet_fields(shares, values, shape, arms, stars.rim_normals, early, stars.carried, gaussian, spacing)
+        early: float | Floats = model.supported_length_share
+        if not self.layout.is_pulled:
+            early = free_length_share(values, spacing, model)
+        gaussian, shape = gaussian_moduli(values, spacing, model), self.table.weights.shape
+        fields = sheet_fields(
+            shares, values, shape, arms, stars.rim_normals, early, stars.carried, gaussian, spacing, model
+        )
         if self._pin_softness is not None:
             bare = 1.0 - np.asarray(shares.sum(axis=1)).reshape(self._pin_softness.shape)
-            fields = giving_way(fields, self._pin_softness, bare)
+            fields = giving_way(fields, self._pin_softness, bare, model)
         try:
             fields.rest(self.table.points)
         except FieldError as error:
@@ -211,7 +215,7 @@ def sheet_of(
     mesh = sheet_mesh(layout.border, edge, layout.pin_points, held_sides(layout))
     space = Argyris(MeshTri(np.ascontiguousarray(mesh.points.T), np.ascontiguousarray(mesh.triangles.T)))
     table = space.tabulate(QUADRATURE_ORDER)
-    stars = StarShares.at(table.points.reshape(-1, 2), design, layout)
+    stars = StarShares.at(table.points.reshape(-1, 2), design, layout, model)
     return Sheet(design, layout, model, mesh, space, table, stars)
 
 

@@ -15,23 +15,22 @@ from fem.elements.tabulation import Floats
 from fem.supports.conditions import EdgeSupport
 from pattern.geometry.planar import STRAIGHT, distance_to_outline, nearest_segment, turns
 
-REACH = 0.5  # of the spacing: how far from the outline the sheet is moved
-NEAR = 1e-6  # of the spacing: sides that are those of the mesh
+EQUAL_SIDES = 1e-6  # spacings: sides of the design that are nearer to those of the mesh are the same
 
 
 class HeldRim:
     """Moves printed points (n, 2) near held sides of a sheet to where they are held."""
 
     def __init__(self, sheet: Sheet, points: Floats) -> None:
-        plan = sheet.layout
+        plan, width = sheet.layout, sheet.model.supported_rim_width
         held = np.array(held_edges(plan), dtype=np.int64)
         start, end = plan.border[held], np.roll(plan.border, -1, axis=0)[held]
         self._count, self._moved = len(points), np.empty(0, dtype=np.int64)
-        if not len(held) or not _is_round(sheet, start):
+        if width == 0.0 or not len(held) or not _is_round(sheet, start):
             return
         side = nearest_segment(points, start, end)
         foot = _feet(points, start[side], end[side])
-        away = np.linalg.norm(points - foot, axis=1) / (REACH * plan.spacing_mm)
+        away = np.linalg.norm(points - foot, axis=1) / (width * plan.spacing_mm)
         self._moved = np.flatnonzero(away < 1.0)
         foot, edge, away = foot[self._moved], held[side[self._moved]], away[self._moved]
         self._feet = sheet.space.locate(foot).value
@@ -54,7 +53,7 @@ def _is_round(sheet: Sheet, start: Floats) -> bool:
     turn = np.abs(turns(sheet.outline))
     if ((turn > STRAIGHT) & (turn <= np.radians(EdgeSupport.corner_deg))).any():
         return True
-    return bool((distance_to_outline(start, sheet.outline) > NEAR * sheet.layout.spacing_mm).any())
+    return bool((distance_to_outline(start, sheet.outline) > EQUAL_SIDES * sheet.layout.spacing_mm).any())
 
 
 def _feet(points: Floats, start: Floats, end: Floats) -> Floats:

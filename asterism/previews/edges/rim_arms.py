@@ -10,9 +10,9 @@ directions.
 border nothing does: an arm that ends there is hardly bent, one with a wide rim before it as much as among its like. By
 the distance x from the star to the border along its arm, over the spacing, the part that it carries on is
 
-    (x - NONE)/(ALL - NONE), from 0 to 1.
+    (x - rim_arm_start)/(rim_arm_full - rim_arm_start), from 0 to 1.
 
-An arm that leads to another star goes on under it; beside it the rim takes `AMONG` of its curvature.
+An arm that leads to another star goes on under it; beside it the rim takes `rim_arm_among` of its curvature.
 """
 
 from __future__ import annotations
@@ -23,25 +23,22 @@ import numpy as np
 import scipy.sparse as sp
 
 from asterism.previews.edges.free_rim import ALONE, beside, stars_share
-from asterism.previews.fields.star_arms import lead_nowhere, rosette
+from asterism.previews.fields.star_arms import are_last_arms, rosette
 from asterism.previews.fields.star_values import StarValues
+from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from pattern.geometry.arrays import Floats
 from pattern.geometry.planar import distance_along
 from pattern.layout.layout import Layout
 
-# distances to the border, over the spacing, at which an arm carries nothing and all of its curvature on; the part of
-# one that leads to another star. Fitted to 42 free sheets: hexagons have .87 everywhere, rectangles anything up to 1.5.
-# With .3 or more among stars, small edits take the axis from tubes
-NONE, ALL, AMONG = 0.7, 1.2, 0.2
 
-
-def carried(layout: Layout, directions: Floats) -> Floats:
+def carried(layout: Layout, directions: Floats, model: PreviewModel = PREVIEW_MODEL) -> Floats:
     """(S, N) part of the natural curvature that each star's arms carry on; directions (N, 2) of arms."""
+    start, full = model.rim_arm_start, model.rim_arm_full
     part = np.empty((len(layout.centres), len(directions)))
     for k, along in enumerate(directions):
         width = distance_along(layout.centres, along, layout.border) / layout.spacing_mm
-        last = lead_nowhere(layout, layout.centres, np.broadcast_to(along, layout.centres.shape))
-        part[:, k] = np.where(last, np.clip((width - NONE) / (ALL - NONE), 0.0, 1.0), AMONG)
+        last = are_last_arms(layout, layout.centres, np.broadcast_to(along, layout.centres.shape), model)
+        part[:, k] = np.where(last, np.clip((width - start) / (full - start), 0.0, 1.0), model.rim_arm_among)
     return part
 
 

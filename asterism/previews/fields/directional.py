@@ -1,7 +1,7 @@
 """Stars that are not the same in all directions: what they make of a shell's bending (`homogenize.law.anisotropy`).
 
 Cells are asked at their natural curvature, where directions differ most; flat ones hardly differ, and sheets, as caps
-mostly, are in between. SHARE of the difference counts.
+mostly, are in between. `anisotropy_share` of the difference counts.
 """
 
 from __future__ import annotations
@@ -11,8 +11,6 @@ import numpy as np
 from homogenize.law.anisotropy import BENDING, MOMENT, PLATE, ROUND, matrices, natural
 from pattern.geometry.arrays import Floats
 
-# chosen on free sheets that are not among those of `benchmarks.other_stars`
-SHARE = 0.7
 # the strongest direction is sought on both sides of the best one so far: in steps of 15 degrees, then ever closer
 STEPS: Floats = np.linspace(-1.0, 1.0, 13)
 CLOSER, TIMES = 6.0, 4

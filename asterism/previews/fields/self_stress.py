@@ -14,11 +14,12 @@ them roll up to a quarter too little without it, and sheets on their corners ris
 the shell (`python -m benchmarks.self_stress`). It grows with the square of the arms' length l, over which pull and push
 are apart, and has to make up for the shell's rim, which is stiff at large strains, Green's, unlike the fabric:
 
-    G = ACROSS l^2 - GREEN d^2 (lam / lam_bare - 1),    d being the spacing.
+    G = a l^2 - b d^2 (lam / lam_bare - 1),    d being the spacing, a `gaussian_arm_factor` and b
+`gaussian_strain_factor`.
 
 **Bumps.** Stars that bump are softer to stretching than the fabric alone, and in the shell bear less of that stress
-than they do. Ribbons and free caps are nearest to the exact model with `G (A_bare / A_star)^SOFTER`, and no more than
-`MOST d^2`.
+than they do. Ribbons and free caps are nearest to the exact model with `G (A_bare / A_star)^n`, n being
+`gaussian_softening_exponent`, and no more than `max_gaussian_area d^2`.
 """
 
 from __future__ import annotations
@@ -26,24 +27,29 @@ from __future__ import annotations
 import numpy as np
 
 from asterism.previews.fields.star_values import StarValues
+from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from fem.elements.tabulation import Floats
 
-ACROSS, GREEN = 0.14, 0.12
-SOFTER, MOST = 7.0, 1.0 / 60.0
 
-
-def gaussian_moduli(values: StarValues, spacing: float) -> Floats:
+def gaussian_moduli(values: StarValues, spacing: float, model: PreviewModel = PREVIEW_MODEL) -> Floats:
     """(S,) N mm, g of stars at a spacing in mm."""
     stretching = values.value["a11"] + values.value["a12"]
-    bumps = (stretching[-1] / stretching[:-1]) ** SOFTER
-    return np.minimum(plane_areas(values, spacing) * bumps, MOST * spacing**2) * pulls(values)
+    bumps = (stretching[-1] / stretching[:-1]) ** model.gaussian_softening_exponent
+    return np.asarray(
+        np.minimum(plane_areas(values, spacing, model) * bumps, model.max_gaussian_area * spacing**2) * pulls(values)
+    )
 
 
-def plane_areas(values: StarValues, spacing: float) -> Floats:
+def plane_areas(values: StarValues, spacing: float, model: PreviewModel = PREVIEW_MODEL) -> Floats:
     """(S,) mm^2, G of sheets that stay in their plane."""
     lam = values.value["lam_n"]
     strain = np.maximum(lam[:-1] / lam[-1] - 1.0, 0.0)
-    return np.maximum(ACROSS * values.sizes[:, 0] ** 2 - GREEN * spacing**2 * strain, 0.0)
+    return np.asarray(
+        np.maximum(
+            model.gaussian_arm_factor * values.sizes[:, 0] ** 2 - model.gaussian_strain_factor * spacing**2 * strain,
+            0.0,
+        )
+    )
 
 
 def pulls(values: StarValues) -> Floats:

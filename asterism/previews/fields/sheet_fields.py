@@ -25,9 +25,9 @@ which on the natural tube, where `tr b = -kappa lam^2`, is `lam^2 I` again: tube
 and bending, since strains are measured from there. Of rims that curl on their own, `tr b` is what is beyond that curl.
 Between stars that curl to opposite sides `1/kappa` is the mean curvature over the square of the mean of its size.
 In cells of long thin stars most of the way is made at a fraction of the natural curvature: it is a tanh of x, the turn
-over a spacing in units of TURN. Free sheets are near their natural curvature, where its slope counts,
+over a spacing in units of `length_turn_rad`. Free sheets are near their natural curvature, where its slope counts,
 `e = 2x / sinh(2x)` for each star. Held ones are anywhere in between; there a straight line through sheets that are
-curled a little starts below the flat cell, `e = EARLY`.
+curled a little starts below the flat cell, `e = supported_length_share`.
 
 **Stars and bare fabric bend in series** (`_in_series`): where they share a place their compliances add. Beyond the last
 stars nothing carries on what their arms bear. In exact strips, thick outer rows bend 11 to 28 % more than if logarithms
@@ -55,21 +55,16 @@ from asterism.previews.edges.rim_arms import arm_curvature
 from asterism.previews.fields.directional import bends, tensors, tilted
 from asterism.previews.fields.star_arms import arm_metric
 from asterism.previews.fields.star_values import StarValues
+from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from fem.shell.density import Density, isotropic
 from fem.shell.fields import Fields
 from homogenize.law.anisotropy import POISSON, least
 from pattern.design.lattice import DEFAULT_SPACING
 from pattern.geometry.arrays import Floats
 
-# sixfold term over that of the cells: in exact strips of long thin stars directions differ by up to twice as much
-SIXFOLD = 1.4
-# saturation over the natural curvature's `|(b11 - b22)/2 + i b12|`, and the least one as a turn over a spacing, rad
-BEYOND, LEAST = 3.0, 1e-3 * DEFAULT_SPACING
-# part of the way from the natural tube's lengths to the flat cell's that counts in held sheets; the turn over a
-# spacing, rad, in which cells make most of it; the least natural one
-EARLY, TURN, CURLED = 0.3, 1.5, 3e-3 * DEFAULT_SPACING
-# modulus of Gaussian curvature over the one that leaves the bending energy indefinite, at most
-STABLE = 0.95
+MIN_SATURATION_TURN_RAD = 1e-3 * DEFAULT_SPACING  # over a spacing
+MIN_CURLED_TURN_RAD = 3e-3 * DEFAULT_SPACING  # over a spacing: the lengths of flatter stars do not follow curvature
+MAX_GAUSSIAN_SHARE = 0.95  # of the Gaussian modulus that leaves the bending energy indefinite
 _PLAIN = ("kappa", "a12", "c3")
 
 
@@ -79,18 +74,19 @@ def sheet_fields(
     shape: tuple[int, ...],
     arms: Sequence[tuple[Floats, sp.csr_matrix]] = (),
     normals: Floats | None = None,
-    early: float | Floats = EARLY,
+    early: float | Floats = PREVIEW_MODEL.supported_length_share,
     carried: Floats | None = None,
     gaussian: Floats | None = None,
     spacing: float = DEFAULT_SPACING,
+    model: PreviewModel = PREVIEW_MODEL,
 ) -> Fields:
     """The fields at places where stars count with weights (n, S), bare fabric with what is missing to 1.
 
     `shape`: of the arrays, (T, Q) with n = T Q. `arms`: for each arm of a star its direction (2,) and the weights half
     a spacing back along it (`asterism.previews.fields.star_arms`); without them the metric is `lam^2 I`. `normals`: (n,
     2) of free rims (`asterism.previews.edges.free_rim.free_normals`); without them rims do not curl. `early`: e above,
-    of all or of each star (S + 1,), see `free_early`. `carried`: (S, N) part of the natural curvature that arms carry
-    on into a free rim (`asterism.previews.edges.rim_arms`). `gaussian`: (S,) N mm, g of each star; none without.
+    of all or of each star (S + 1,), see `free_length_share`. `carried`: (S, N) part of the natural curvature that arms
+    carry on into a free rim (`asterism.previews.edges.rim_arms`). `gaussian`: (S,) N mm, g of each star; none without.
     `spacing`: mm, of the stars. The sixfold term is larger by what its saturation takes away from it at the natural
     curvature.
     """
@@ -99,13 +95,17 @@ def sheet_fields(
         return np.asarray(of[-1] + shares @ (of[:-1] - of[-1])).reshape(shape)
 
     natural = values.value["lam_n"]
+    if not model.has_curvature_lengths:
+        early = 0.0
     longest = np.sqrt(natural**2 + early * (values.value["lam"] ** 2 - natural**2))
     lam, flat, a11 = (np.exp(mean(np.log(of))) for of in (natural, longest, values.value["a11"]))
-    bending = _in_series(values.value["bending"], weights).reshape(shape)
+    bending = (_in_series if model.has_series_bending else _mean_logarithm)(values.value["bending"], weights).reshape(
+        shape
+    )
     kappa, a12, c3 = (mean(values.value[name]) for name in _PLAIN)
     square, zero = lam**2, np.zeros(shape)
     metric = np.stack([square, square, zero], axis=-1)
-    if arms:
+    if arms and model.has_rosette_metric:
         along = [np.exp(mean(np.log(natural), shares)) for _, shares in arms]
         metric = arm_metric(lam, np.stack(along, axis=-1), np.array([direction for direction, _ in arms]))
     bend = -kappa * square / (1.0 + POISSON)
@@ -119,29 +119,33 @@ def sheet_fields(
         curvature, curl = bends(lam, q, m), values.curl
     strength = mean(np.abs(curl))
     # parts of lam^2: by how much a flat sheet's metric is larger, and how much of that the trace of b takes away
-    longer = np.where(strength * spacing > CURLED, flat**2 - square, 0.0) / square
+    longer = np.where(strength * spacing > MIN_CURLED_TURN_RAD, flat**2 - square, 0.0) / square
     per_trace = longer * mean(curl) / np.where(longer == 0.0, 1.0, strength) ** 2
     metric = metric * (1.0 + longer + per_trace * curvature[..., :2].sum(axis=-1) / square)[..., None]
     density = Density(
         stiffness=_coupled(stiffness, 0.5 * per_trace),
-        sixfold=SIXFOLD * (1.0 + 1.0 / BEYOND**2) * c3 / lam**6,
+        sixfold=model.sixfold_factor * (1.0 + 1.0 / model.sixfold_saturation**2) * c3 / lam**6,
         orientation=zero,
-        saturation=np.maximum(BEYOND * 0.5 * np.abs(kappa) * square, LEAST / spacing),
+        saturation=np.maximum(
+            model.sixfold_saturation * 0.5 * np.abs(kappa) * square, MIN_SATURATION_TURN_RAD / spacing
+        ),
     )
     if normals is not None:
-        rim = rim_curvature(weights, values, normals)
+        rim = rim_curvature(weights, values, normals, model)
         if carried is not None:
             rim += arm_curvature(weights, values, normals, arms, carried) / (1.0 + POISSON)
         curvature -= square[..., None] * rim.reshape(*shape, 3)
     if gaussian is None:
         return Fields(density, metric, curvature)
     saved = (np.minimum(stars_share(weights), 1.0) * np.asarray(weights @ gaussian)).reshape(shape)
-    return Fields(density, metric, curvature, -np.minimum(saved, STABLE * firm * (1.0 + POISSON) * bending / lam**4))
+    return Fields(
+        density, metric, curvature, -np.minimum(saved, MAX_GAUSSIAN_SHARE * firm * (1.0 + POISSON) * bending / lam**4)
+    )
 
 
-def free_early(values: StarValues, spacing: float) -> Floats:
+def free_length_share(values: StarValues, spacing: float, model: PreviewModel = PREVIEW_MODEL) -> Floats:
     """(S + 1,) e above at the natural curvature of stars with a spacing in mm."""
-    turn = np.maximum(2.0 * np.abs(values.value["kappa"]) * spacing / TURN, 1e-6)
+    turn = np.maximum(2.0 * np.abs(values.value["kappa"]) * spacing / model.length_turn_rad, 1e-6)
     return np.asarray(turn / np.sinh(turn))
 
 
@@ -151,6 +155,12 @@ def _in_series(bending: Floats, weights: sp.csr_matrix) -> Floats:
     # over the fabric's: without stars beside, nothing is left of them in any unit
     stars = bending[-1] * np.exp(beside(weights, np.log(bending[:-1] / bending[-1])))
     return np.asarray(1.0 / (share / stars + (1.0 - share) / bending[-1]))
+
+
+def _mean_logarithm(bending: Floats, weights: sp.csr_matrix) -> Floats:
+    """(n,) N mm, mean of the logarithms of stars and bare fabric."""
+    logs = np.log(bending)
+    return np.asarray(np.exp(logs[-1] + weights @ (logs[:-1] - logs[-1])))
 
 
 def _coupled(stiffness: Floats, coupling: Floats) -> Floats:

@@ -21,13 +21,9 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
+from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from pattern.geometry.arrays import Floats
 from pattern.layout.layout import Layout
-
-# how far back along an arm its star is, over the spacing
-BACK = 0.5
-# an arm leads nowhere if what is ahead is this part of the spacing further away than in an endless lattice
-AHEAD = 0.3
 
 
 def arm_metric(lam: Floats, along: Floats, directions: Floats) -> Floats:
@@ -41,7 +37,8 @@ def arm_metric(lam: Floats, along: Floats, directions: Floats) -> Floats:
     """
     stretch = (along / np.exp(np.log(along).mean(axis=-1, keepdims=True))) ** 2
     mean = stretch.mean(axis=-1)
-    return (lam**2)[..., None] * (mean[..., None] * np.array([1.0, 1.0, 0.0]) + rosette(stretch, directions))
+    mean_part = mean[..., None] * np.array([1.0, 1.0, 0.0])
+    return np.asarray((lam**2)[..., None] * (mean_part + rosette(stretch, directions)))
 
 
 def rosette(along: Floats, directions: Floats) -> Floats:
@@ -59,10 +56,12 @@ def rosette(along: Floats, directions: Floats) -> Floats:
     return np.stack([rest @ (x * x - 0.5), rest @ (y * y - 0.5), rest @ (x * y)], axis=-1)
 
 
-def lead_nowhere(layout: Layout, centres: Floats, directions: Floats) -> np.ndarray:
-    """Which arms (n,), of stars at `centres` (n, 2) mm along unit `directions` (n, 2), do not lead to another star."""
+def are_last_arms(
+    layout: Layout, centres: Floats, directions: Floats, model: PreviewModel = PREVIEW_MODEL
+) -> np.ndarray:
+    """Which arms (n,), of stars at `centres` (n, 2) mm along unit `directions` (n, 2), have no star ahead."""
     ahead = layout.spacing_mm * directions
     steps = np.stack(np.meshgrid(*[np.arange(-3, 4)] * 2, indexing="ij"), axis=-1).reshape(-1, 2)
     others = cKDTree(steps[steps.any(axis=1)] @ layout.lattice_vectors)
     found = cKDTree(layout.centres).query(centres + ahead)[0]
-    return np.asarray(found > others.query(ahead)[0] + AHEAD * layout.spacing_mm)
+    return np.asarray(found > others.query(ahead)[0] + model.last_arm_margin * layout.spacing_mm)

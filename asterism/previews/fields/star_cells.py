@@ -19,19 +19,15 @@ import numpy as np
 import scipy.sparse as sp
 
 from asterism.previews.fields.cell_grid import OFF, CellGrid
+from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from equilibrium.compiled import formula, loop
 from pattern.design.lattice import Lattice
 from pattern.geometry.arrays import Floats
 from pattern.layout.layout import Layout
 
-# widths of the Gaussian over the spacing of the stars: a cell's own standard deviation is .26 of it
-WIDTH, NARROW = 0.2, 0.08
-# lengths of arms over the spacing up to which the narrow one counts, and from which on the wide one
-SHORT, LONG = 0.29, 0.55
-# grid points per spacing, and where the Gaussian ends, in widths
-FINENESS, REACH = 20, 3.0
-# stars that may share a place
-MOST = 24
+GRID_POINTS_PER_SPACING = 20
+GAUSSIAN_REACH = 3.0  # widths, where the Gaussian ends
+MAX_STARS = 24  # that share a place
 
 
 class Shares:
@@ -45,8 +41,14 @@ class Shares:
     spacing_mm : of the stars.
     """
 
-    def __init__(self, by_width: Callable[[float], sp.csr_matrix], widths: tuple[float, float], spacing: float) -> None:
-        self._by_width, self._widths, self.spacing_mm = by_width, widths, spacing
+    def __init__(
+        self,
+        by_width: Callable[[float], sp.csr_matrix],
+        widths: tuple[float, float],
+        spacing: float,
+        model: PreviewModel = PREVIEW_MODEL,
+    ) -> None:
+        self._by_width, self._widths, self.spacing_mm, self._model = by_width, widths, spacing, model
 
     @cached_property
     def wide(self) -> sp.csr_matrix:
@@ -60,16 +62,16 @@ class Shares:
 
     def __call__(self, length: Floats) -> sp.csr_matrix:
         """(n, S) share of each star, its arms being of a length (S,) mm."""
-        long = long_arms(length, self.spacing_mm)
+        long = long_arms(length, self.spacing_mm, self._model)
         if (long == 1.0).all():
             return self.wide
         part = (self.wide @ long) / np.maximum(self.wide @ np.ones(len(long)), OFF)
         return sp.csr_matrix(_scaled(self.wide, part) + _scaled(self.narrow, 1.0 - part))
 
 
-def long_arms(length: Floats, spacing: float) -> Floats:
+def long_arms(length: Floats, spacing: float, model: PreviewModel = PREVIEW_MODEL) -> Floats:
     """(n,) how far arms of a length (n,) leave their cell: 0 for short ones, up to 1."""
-    return np.clip((length / spacing - SHORT) / (LONG - SHORT), 0.0, 1.0)
+    return np.clip((length / spacing - model.short_arm) / (model.long_arm - model.short_arm), 0.0, 1.0)
 
 
 def _scaled(matrix: sp.csr_matrix, rows: Floats) -> sp.csr_matrix:
@@ -83,32 +85,33 @@ class StarCells:
 
     Parameters
     ----------
-    widths : wide and narrow, of the Gaussian, over the spacing of the stars.
+    model : with the widths of the Gaussian.
 
     Attributes
     ----------
     width_mm : the wider one.
     """
 
-    def __init__(self, layout: Layout, lattice: Lattice, widths: tuple[float, float] = (WIDTH, NARROW)) -> None:
+    def __init__(self, layout: Layout, lattice: Lattice, model: PreviewModel = PREVIEW_MODEL) -> None:
         self._spacing = lattice.spacing_mm
-        self._widths = widths[0] * lattice.spacing_mm, widths[1] * lattice.spacing_mm
+        self._model = model
+        self._widths = model.wide_smoothing * lattice.spacing_mm, model.narrow_smoothing * lattice.spacing_mm
         self.width_mm = self._widths[0]
         self._stars = len(layout.centres)
-        step = min(lattice.spacing_mm / FINENESS, self._widths[1] / 1.5)
-        self._grid = CellGrid(layout, lattice, step, REACH * self.width_mm)
+        step = min(lattice.spacing_mm / GRID_POINTS_PER_SPACING, self._widths[1] / 1.5)
+        self._grid = CellGrid(layout, lattice, step, GAUSSIAN_REACH * self.width_mm)
 
     def shares(self, points: Floats) -> Shares:
         """Of the stars at printed points (n, 2) mm."""
-        return Shares(partial(self._weights, points), self._widths, self._spacing)
+        return Shares(partial(self._weights, points), self._widths, self._spacing, self._model)
 
     def _weights(self, points: Floats, width: float) -> sp.csr_matrix:
         """(n, S) share of each star."""
         grid = self._grid
         place = (np.asarray(points, dtype=float) - grid.origin) / grid.step
-        star, share = np.empty(len(place) * MOST, dtype=np.int32), np.empty(len(place) * MOST)
+        star, share = np.empty(len(place) * MAX_STARS, dtype=np.int32), np.empty(len(place) * MAX_STARS)
         ends = np.zeros(len(place) + 1, dtype=np.int32)
-        reach = int(np.ceil(REACH * width / grid.step))
+        reach = int(np.ceil(GAUSSIAN_REACH * width / grid.step))
         own = grid.owner, grid.count, grid.ends
         _gather(place, *own, reach, grid.step / width, self._stars, star, share, ends)
         star, share = star[: ends[-1]].copy(), share[: ends[-1]].copy()
@@ -156,7 +159,7 @@ def _gather(place, owner, count, ends, reach, step, stars, star, share, rows):  
                 while k < last and star[k] != who:
                     k += 1
                 if k == last:
-                    if last == begin + MOST:
+                    if last == begin + MAX_STARS:
                         continue
                     star[k], share[k], last = who, 0.0, last + 1
                 share[k] += weight

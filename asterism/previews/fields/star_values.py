@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asterism.previews.fields.directional import SHARE, strongest
+from asterism.previews.fields.directional import strongest
+from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from homogenize.errors import LawError
 from homogenize.law.interpolation import Bools
 from homogenize.law.law import Law
@@ -16,12 +17,6 @@ from pattern.design.design import Design
 from pattern.geometry.arrays import Floats
 from pattern.layout.layout import Layout
 
-# a star's cell ends there, over the spacing; and arms below which a bump is no cap
-REACH, SHORTEST = 0.6, 0.17
-# part of the bending stiffness that a sixfold term takes away in some direction, at most: with more the sheet would
-# gain by curling without end. Cells of the paper's material stay below, by far in the stated range
-SIXFOLD_MOST = 0.7
-
 
 @dataclass(frozen=True)
 class StarValues:
@@ -29,7 +24,7 @@ class StarValues:
 
     Attributes
     ----------
-    value : for each of the law's quantities (S + 1,); the last is the bare fabric's. `c3` is SIXFOLD_MOST of
+    value : for each of the law's quantities (S + 1,); the last is the bare fabric's. `c3` is `max_sixfold_share` of
         `bending/|kappa|` at most.
     relief : (S + 1, 2, W) mm and mm^2, amplitudes of the law's waves: flat, and more per curvature.
     sizes : (S, 3) mm, length, thickness and width that the law was asked for.
@@ -41,8 +36,8 @@ class StarValues:
     tips : (S + 1, 2) mm and mm^2, the relief at the tips of a star's arms, mean over the arms: flat, and more per
         curvature.
     curl : (S + 1,) 1/mm, natural curvature of the tube that gains most: `kappa`, unless directions differ.
-    anisotropy : (S + 1, K) what differs between directions, SHARE of `homogenize.law.anisotropy`; mostly nothing, K =
-        0.
+    anisotropy : (S + 1, K) what differs between directions, `anisotropy_share` of `homogenize.law.anisotropy`;
+        mostly K = 0.
     caps : (S + 1,) 1/mm, curvature `2 B / l^2` of a star's bump of height B over arms of length l, on its natural tube.
     """
 
@@ -69,7 +64,7 @@ def star_sizes(layout: Layout, arms: int) -> Floats:
     return np.column_stack([length, thickness, width])
 
 
-def star_values(design: Design, layout: Layout, law: Law) -> StarValues:
+def star_values(design: Design, layout: Layout, law: Law, model: PreviewModel = PREVIEW_MODEL) -> StarValues:
     """The law at every star of a design.
 
     Raises
@@ -87,36 +82,38 @@ def star_values(design: Design, layout: Layout, law: Law) -> StarValues:
     _check(where, {name: found.value[name][:-1] for name in NAMES})
     outside = tuple(_placed(line, where) for line in found.outside)
     differs = law.anisotropy(design, *asked.T)
-    anisotropy = SHARE * differs
+    anisotropy = model.anisotropy_share * differs
     curl = strongest(found.value["kappa"], anisotropy)
     # tight are those whose cells are
     curls = found.tight | (np.abs(strongest(found.value["kappa"], differs)) * design.lattice.spacing_mm > TIGHT)
     tight = tuple(layout.star_number[curls[:-1]].tolist())
     relief = law.relief(design, *asked.T)
-    tips, caps = _bumps(design, law, asked[:, 0], relief, found.value["kappa"])
-    c3, too_much = _bounded_sixfold(found.value)
+    tips, caps = _bumps(design, law, asked[:, 0], relief, found.value["kappa"], model)
+    c3, too_much = _bounded_sixfold(found.value, model.max_sixfold_share)
     uneven = tuple(layout.star_number[too_much[:-1]].tolist())
     return StarValues(found.value | {"c3": c3}, relief, sizes, outside, tight, uneven, tips, caps, curl, anisotropy)
 
 
-def _bounded_sixfold(value: dict[str, Floats]) -> tuple[Floats, Bools]:
+def _bounded_sixfold(value: dict[str, Floats], max_share: float) -> tuple[Floats, Bools]:
     """(n,) `c3` as far as the bending stiffness bears it, and (n,) where it is more."""
-    c3, most = value["c3"], SIXFOLD_MOST * value["bending"]
+    c3, most = value["c3"], max_share * value["bending"]
     taken = np.abs(c3 * value["kappa"])
     too_much = taken > most
     return np.where(too_much, c3 * most / np.where(too_much, taken, 1.0), c3), too_much
 
 
-def _bumps(design: Design, law: Law, length: Floats, relief: Floats, kappa: Floats) -> tuple[Floats, Floats]:
+def _bumps(
+    design: Design, law: Law, length: Floats, relief: Floats, kappa: Floats, model: PreviewModel
+) -> tuple[Floats, Floats]:
     """`tips` and `caps` of stars with arms of a length (n,) mm, relief (n, 2, W) and natural curvature (n,)."""
     lattice = design.lattice
-    reach = np.minimum(length, REACH * lattice.spacing_mm)
+    reach = np.minimum(length, model.cell_radius * lattice.spacing_mm)
     arms = np.asarray(lattice.arm_directions)
     waves = law.waves((reach[:, None] * arms[:, None]).reshape(-1, 2)).reshape(len(arms), len(reach), -1)
     tips = np.einsum("nkw,nw->nk", relief, waves.mean(axis=0))
     tops = relief @ law.waves(np.zeros((1, 2)))[0]
     flat, more = (tops - tips).T
-    caps = 2.0 * (flat + kappa * more) / np.maximum(reach, SHORTEST * lattice.spacing_mm) ** 2
+    caps = 2.0 * (flat + kappa * more) / np.maximum(reach, model.min_bump_radius * lattice.spacing_mm) ** 2
     return tips, np.where(length > 0.0, caps, 0.0)
 
 

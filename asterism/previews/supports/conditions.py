@@ -65,7 +65,7 @@ def _facets(mesh: MeshTri, pairs: Ints) -> Ints:
     codes = low * size + high
     order = np.argsort(codes)
     low, high = np.sort(pairs, axis=1).T
-    return order[np.searchsorted(codes[order], low * size + high)]
+    return np.asarray(order[np.searchsorted(codes[order], low * size + high)])
 
 
 def weight(design: Design, layout: Layout, weights: sp.csr_matrix, covered: Floats) -> Floats:
@@ -82,4 +82,4 @@ def weight(design: Design, layout: Layout, weights: sp.csr_matrix, covered: Floa
     volume = np.bincount(layout.arm_star, section * layout.arm_length, len(layout.centres))
     mass = fabric.printed_mass + 1e-9 * plastic.density_kg_m3 * (weights @ (volume / covered))
     direction = np.asarray(gravity.direction, dtype=float)
-    return mass[:, None] * gravity.acceleration_m_s2 * direction / np.linalg.norm(direction)
+    return np.asarray(mass[:, None] * gravity.acceleration_m_s2 * direction / np.linalg.norm(direction))

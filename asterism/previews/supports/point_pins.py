@@ -8,7 +8,7 @@ pulled at its tip (Michell 1900; E t is Young's modulus times thickness, R how f
     exact     u K / F = ln(R/h) + c(alpha),                      K = E t (alpha + sin alpha)/2
     shell     u K / F = ln(R/L) + d(alpha) + A g(alpha),
 
-A of a softer spot in which the stiffness to stretching is divided by `1 + A exp(-r^2/(SPOT L)^2)`. Both models give the
+A of a softer spot in which the stiffness to stretching is divided by `1 + A exp(-r^2/(p L)^2)`. Both models give the
 same u for `A = (ln(L/h) - (d - c))/g`. The numbers come from wedges in both models, by
 `python -m benchmarks.point_pins`.
 """
@@ -20,22 +20,19 @@ from dataclasses import replace
 import numpy as np
 
 from asterism.previews.fields.stretched_fabric import stretched_fabric
+from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from fem.elements.tabulation import Floats, Ints
 from fem.shell.density import Density
 from fem.shell.fields import Fields
 from pattern.geometry.planar import triangle_angles
 from pattern.mesh.coarse.sheet_mesh import SheetMesh
 
-SPOT = 0.35
-# a spot is at most twice as stiff as the sheet
-LEAST = -0.5
-# angles of the sheet at the pin; d - c, and g
-ANGLES_DEG = (45.0, 60.0, 90.0, 120.0, 150.0, 180.0, 270.0, 360.0)
-LACK = (2.90, 2.81, 2.53, 1.71, 1.48, 1.38, 0.97, 0.86)
-GAIN = (2.82, 2.67, 2.30, 1.49, 1.14, 0.93, 0.59, 0.74)
+MIN_SOFTNESS = -0.5  # a spot is at most twice as stiff as the sheet
 
 
-def softness(mesh: SheetMesh, pins: Floats, points: Floats, edge_mm: float) -> Floats:
+def softness(
+    mesh: SheetMesh, pins: Floats, points: Floats, edge_mm: float, model: PreviewModel = PREVIEW_MODEL
+) -> Floats:
     """(...,) by how much, over 1, the stiffness to stretching is divided at printed points (..., 2).
 
     Parameters
@@ -44,22 +41,23 @@ def softness(mesh: SheetMesh, pins: Floats, points: Floats, edge_mm: float) -> F
     edge_mm : of the exact model's mesh.
     """
     edges, angles = around(mesh, pins)
-    amounts = amounts_of(edges, angles, edge_mm)
+    amounts = amounts_of(edges, angles, edge_mm, model)
     total = np.zeros(points.shape[:-1])
     for pin, edge, amount in zip(pins, edges, amounts, strict=True):
-        total += amount * spot(pin, edge, points)
-    return np.maximum(total, LEAST)
+        total += amount * spot(pin, edge, points, model)
+    return np.maximum(total, MIN_SOFTNESS)
 
 
-def spot(pin: Floats, edge_mm: float, points: Floats) -> Floats:
+def spot(pin: Floats, edge_mm: float, points: Floats, model: PreviewModel = PREVIEW_MODEL) -> Floats:
     """(...,) how much of the softness at a pin (2,) there is at points (..., 2)."""
-    return np.exp(-((points - pin) ** 2).sum(axis=-1) / (SPOT * edge_mm) ** 2)
+    square = ((points - pin) ** 2).sum(axis=-1)
+    return np.asarray(np.exp(-square / (model.point_spot_radius * edge_mm) ** 2))
 
 
-def amounts_of(edges: Floats, angles_deg: Floats, edge_mm: float) -> Floats:
+def amounts_of(edges: Floats, angles_deg: Floats, edge_mm: float, model: PreviewModel = PREVIEW_MODEL) -> Floats:
     """(n,) the softness at pins with mean edges (n,) mm and angles (n,) of the sheet; negative where h is long."""
-    lack, gain = np.interp(angles_deg, ANGLES_DEG, LACK), np.interp(angles_deg, ANGLES_DEG, GAIN)
-    return np.maximum((np.log(edges / edge_mm) - lack) / gain, LEAST)
+    lack, gain = (np.interp(angles_deg, model.point_angles_deg, of) for of in (model.point_lack, model.point_gain))
+    return np.maximum((np.log(edges / edge_mm) - lack) / gain, MIN_SOFTNESS)
 
 
 def around(mesh: SheetMesh, pins: Floats) -> tuple[Floats, Floats]:
@@ -75,14 +73,18 @@ def around(mesh: SheetMesh, pins: Floats) -> tuple[Floats, Floats]:
     return edges, angles
 
 
-def giving_way(fields: Fields, soft: Floats, bare: Floats) -> Fields:
+def giving_way(fields: Fields, soft: Floats, bare: Floats, model: PreviewModel = PREVIEW_MODEL) -> Fields:
     """The fields with the fabric's large strains, and softer to stretching by a softness (T, Q).
 
     `bare` (T, Q) is the share of the fabric that has no star.
     """
     density = fields.density
     assert isinstance(density, Density)
-    stiffness = softened(density.stiffness, 1.0 / (1.0 + soft))
+    stiffness = density.stiffness
+    if model.has_point_softness:
+        stiffness = softened(stiffness, 1.0 / (1.0 + soft))
+    if not model.has_neo_hookean_fabric:
+        return replace(fields, density=replace(density, stiffness=stiffness))
     return replace(
         fields, density=replace(density, stiffness=stiffness, term=stretched_fabric(fields, stiffness, bare))
     )

@@ -36,7 +36,8 @@ class SmoothSurface:
         """(n, 3) mm, from the places to where the surface is after a shift (n, 2) mm of the print, to second order."""
         one, two = shift.T
         square = np.column_stack([0.5 * one**2, 0.5 * two**2, one * two])
-        return np.einsum("ni,nic->nc", shift, self.tangents) + np.einsum("nk,nkc->nc", square, self.seconds)
+        first = np.einsum("ni,nic->nc", shift, self.tangents)
+        return np.asarray(first + np.einsum("nk,nkc->nc", square, self.seconds))
 
 
 def smooth_surface(at: Evaluation, x: Floats) -> SmoothSurface:

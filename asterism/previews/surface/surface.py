@@ -53,12 +53,13 @@ class Lens:
 
     def __init__(self, sheet: Sheet, waves: Waves, points: Floats) -> None:
         self.points = np.atleast_2d(np.asarray(points, dtype=float))
+        self._model = sheet.model
         self._waves = waves(self.points - sheet.layout.lattice_origin)
         self._spacing, self._held = sheet.layout.spacing_mm, bool(sheet.layout.pins)
-        self._stays = held_still(distance_to_held(sheet.layout, self.points), self._spacing)
+        self._stays = held_still(distance_to_held(sheet.layout, self.points), self._spacing, sheet.model)
         self._at, self._rim = sheet.space.locate(self.points), HeldRim(sheet, self.points)
         self._shares = sheet.stars.cells.shares(self.points)
-        self._beyond, self._nearest = beyond_stars(sheet.layout, self.points)
+        self._beyond, self._nearest = beyond_stars(sheet.layout, self.points, sheet.model)
         self._arms = sheet.arms
         self._out, self._lifted = self._arms.beside(self.points)
 
@@ -66,14 +67,16 @@ class Lens:
         """Where positions x (N, 3) of the shell's dofs take the points."""
         smooth = smooth_surface(self._at, x)
         smooth = replace(smooth, places=smooth.places + self._rim(x))
+        if not self._model.has_bumps:
+            return Places(smooth, np.zeros_like(smooth.places))
         weights = self._shares(values.sizes[:, 0])
         curvature = 2.0 * smooth.mean_curvature
-        rim = self._beyond, self._nearest
-        heights = self._stays * relief_heights(self._waves, values, weights, curvature, *rim, self._spacing)
+        rim = self._beyond, self._nearest, self._spacing, self._model
+        heights = self._stays * relief_heights(self._waves, values, weights, curvature, *rim)
         out, lift = self._arms.moves(x, values.value["kappa"])
         heights += self._lifted @ lift
         if self._held:
-            heights *= pulled_flat(values, weights, smooth.area)
+            heights *= pulled_flat(values, weights, smooth.area, self._model)
         return Places(smooth, smooth.moved(self._out @ out) + heights[:, None] * smooth.normals)
 
 

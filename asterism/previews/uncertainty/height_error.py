@@ -24,7 +24,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asterism.previews.fields.star_values import REACH, StarValues
+from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.state import PreviewState
 from asterism.previews.surface.smooth_surface import smooth_surface
@@ -124,7 +124,7 @@ def inverted_bumps(
     if not layout.pins:
         return 0.0
     kappa, length = values.value["kappa"][:-1], values.sizes[:, 0]
-    bumps = 0.5 * values.caps[:-1] * np.minimum(length, REACH * layout.spacing_mm) ** 2
+    bumps = 0.5 * values.caps[:-1] * np.minimum(length, model.cell_radius * layout.spacing_mm) ** 2
     may = (
         (length >= model.inverted_min_arm * layout.spacing_mm)
         & (curvature * np.sign(kappa) < model.inverted_max_curvature * np.abs(kappa))

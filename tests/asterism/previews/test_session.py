@@ -16,8 +16,8 @@ import asterism
 import asterism.previews.solve as solve_module
 from asterism.exact.simulation import simulate
 from asterism.previews.corrugation.arms import Arms
-from asterism.previews.corrugation.bumps import TURN
-from asterism.previews.fields.star_values import SIXFOLD_MOST, star_values
+from asterism.previews.fields.star_values import star_values
+from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.session import Preview
 from asterism.previews.supports.conditions import weight
 from asterism.previews.uncertainty.estimate import estimate_error
@@ -34,6 +34,8 @@ from pattern.geometry.planar import polygon_area
 from pattern.layout.build import layout
 from pattern.layout.symmetries import symmetries
 from tests.asterism.previews.laws import SPACING, plain_law
+
+TURN, SIXFOLD_MOST = PREVIEW_MODEL.bump_turn_rad, PREVIEW_MODEL.max_sixfold_share
 
 TUBE = gallery.load("tube")
 

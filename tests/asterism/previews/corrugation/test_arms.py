@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from asterism.exact.simulation import simulate
-from asterism.previews.corrugation import arms as arm_relief
-from asterism.previews.corrugation.arms import KEPT, RIGID, Arms
+from asterism.previews.corrugation.arms import Arms
+from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.session import Preview
 from fem.search.simple_shapes import SimpleShape
 from homogenize.cell.cell import Cell
@@ -20,6 +22,8 @@ from pattern.mesh.meshing import mesh_layout
 from tests.asterism.previews.laws import plain_law
 from tests.homogenize.cells import design as cell_design
 from tests.homogenize.cells import relaxed
+
+KEPT, RIGID = PREVIEW_MODEL.last_arm_share, PREVIEW_MODEL.arm_mean_share
 
 EDGE = 1.15
 
@@ -72,7 +76,7 @@ def test_arms_of_a_rolled_cell_bend_by_a_part_of_the_mean(angle: float) -> None:
     assert (lift @ bend) / (bend @ bend) == pytest.approx(RIGID, abs=0.15)
 
 
-def test_last_arms_poke_down_as_in_the_exact_model(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_last_arms_poke_down_as_in_the_exact_model() -> None:
     data = gallery.load("dome").to_dict() | {
         "stars": {"length_mm": 9.0, "thickness_mm": 0.35},
         "border": {"rings": 1},
@@ -85,8 +89,7 @@ def test_last_arms_poke_down_as_in_the_exact_model(monkeypatch: pytest.MonkeyPat
     assert 0 < last.sum() < len(last) and not last[inner].any()
     right = simulate(preview.design).at(plan.arm_tip)[last, 2]
     found = preview.at(plan.arm_tip).bumpy[last, 2]
-    monkeypatch.setattr(arm_relief, "KEPT", 0.0)
-    without = preview.at(plan.arm_tip).bumpy[last, 2]
+    without = Preview(preview.design, model=replace(PREVIEW_MODEL, last_arm_share=0.0)).at(plan.arm_tip).bumpy[last, 2]
     assert right.min() < -1.0
     assert np.abs(found - right).mean() < 0.6 * np.abs(without - right).mean()
 

@@ -6,12 +6,15 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from asterism.previews.corrugation.bumps import APART, pulled_flat
-from asterism.previews.fields.star_values import REACH, star_values
+from asterism.previews.corrugation.bumps import pulled_flat
+from asterism.previews.fields.star_values import star_values
+from asterism.previews.model import PREVIEW_MODEL
 from pattern import gallery
 from pattern.design.design import Design
 from pattern.layout.build import layout
 from tests.asterism.previews.laws import SPACING, plain_law
+
+APART, REACH = PREVIEW_MODEL.bump_flattening_strain, PREVIEW_MODEL.cell_radius
 
 
 def of_stars(length: float):

@@ -11,17 +11,14 @@ import scipy.sparse as sp
 
 from asterism.exact.simulation import simulate
 from asterism.previews.corrugation.bumps import relief_heights
-from asterism.previews.edges import free_rim
 from asterism.previews.edges.free_rim import (
-    CURL,
-    FALL,
-    ROUND,
     beyond_stars,
     free_normals,
     rim_curvature,
     rim_fall,
 )
 from asterism.previews.fields.star_values import star_values
+from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.session import Preview
 from asterism.previews.supports.conditions import distance_to_held
 from pattern import gallery
@@ -29,6 +26,8 @@ from pattern.design.design import Design
 from pattern.layout.build import layout
 from tests.asterism.previews.laws import SPACING, plain_law
 
+CURL, FALL = PREVIEW_MODEL.rim_curl_factor, PREVIEW_MODEL.rim_fall_rad
+ROUND = PREVIEW_MODEL.rim_fall_bump_turn_rad
 TUBE = gallery.load("tube")
 PLAN = layout(TUBE)
 VALUES = star_values(TUBE, PLAN, plain_law())
@@ -108,28 +107,26 @@ def test_free_rims_go_on_down_by_their_distance_from_the_stars() -> None:
 
 @pytest.mark.parametrize("pins", [[], [{"where": "border", "scale": 0.78}]])
 def test_rims_of_free_sheets_turn_down_and_those_of_held_ones_stay(
-    pins: list[dict[str, object]], monkeypatch: pytest.MonkeyPatch
+    pins: list[dict[str, object]],
 ) -> None:
     design = rectangle(pins)
     plan = layout(design)
     # a little inside of each side, in its middle
     middle = 0.97 * 0.5 * (plan.border + np.roll(plan.border, -1, axis=0))
 
-    def tilt() -> np.ndarray:
-        normals = Preview(design, plain_law()).at(np.vstack([0.6 * middle, middle])).surface.normals
+    def tilt(model: PreviewModel) -> np.ndarray:
+        normals = Preview(design, plain_law(), model=model).at(np.vstack([0.6 * middle, middle])).surface.normals
         inner, outer = np.split(normals, 2)
         return np.asarray(np.degrees(np.arccos((inner * outer).sum(axis=1))))
 
-    curled = tilt()
-    monkeypatch.setattr(free_rim, "CURL", 0.0)
-    straight = tilt()
+    curled, straight = tilt(PREVIEW_MODEL), tilt(replace(PREVIEW_MODEL, rim_curl_factor=0.0))
     if pins:
         assert curled == pytest.approx(straight)
     else:
         assert (curled - straight).mean() > 2.0
 
 
-def test_the_rim_of_a_lone_star_is_as_deep_as_in_the_exact_model(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_rim_of_a_lone_star_is_as_deep_as_in_the_exact_model() -> None:
     design = Design.from_dict(gallery.load("star").to_dict() | {"mesh": {"edge_mm": 1.15}})
     preview = Preview(design)
     tips, corners = preview.sheet.layout.arm_tip, preview.sheet.layout.border
@@ -142,8 +139,8 @@ def test_the_rim_of_a_lone_star_is_as_deep_as_in_the_exact_model(monkeypatch: py
 
     exact = fall(simulate(design).at)
     found = fall(lambda points: preview.at(points).bumpy)
-    monkeypatch.setattr(free_rim, "FALL", 0.0)
-    without = fall(lambda points: preview.at(points).bumpy)
+    level = Preview(design, model=replace(PREVIEW_MODEL, rim_fall_rad=0.0))
+    without = fall(lambda points: level.at(points).bumpy)
     assert exact > 2.0
     assert abs(found - exact) < 0.6 * abs(without - exact)
 

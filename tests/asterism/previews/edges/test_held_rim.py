@@ -7,11 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from asterism.previews.edges.held_rim import REACH
+from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.session import Preview
 from pattern import gallery
 from pattern.design.design import Design
 from tests.asterism.previews.laws import plain_law
+
+REACH = PREVIEW_MODEL.supported_rim_width
 
 SCALE = 0.8
 

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy.sparse as sp
 
 from asterism.exact.simulation import simulate
-from asterism.previews import sheet
-from asterism.previews.edges.rim_arms import ALL, AMONG, NONE, arm_curvature, carried
+from asterism.previews.edges.rim_arms import arm_curvature, carried
 from asterism.previews.fields.star_values import star_values
+from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.session import Preview
 from pattern import gallery
 from pattern.design.design import Design
 from pattern.layout.build import layout
 from tests.asterism.previews.laws import SPACING, plain_law
+
+NONE, ALL, AMONG = PREVIEW_MODEL.rim_arm_start, PREVIEW_MODEL.rim_arm_full, PREVIEW_MODEL.rim_arm_among
+WITHOUT = replace(PREVIEW_MODEL, has_rim_arms=False)
 
 TUBE = gallery.load("tube")
 PLAN = layout(TUBE)
@@ -68,7 +73,7 @@ def test_arms_between_the_lattice_lines_lead_to_other_stars() -> None:
     assert carried(plan, np.asarray(design.lattice.arm_directions))[middle] == pytest.approx(AMONG)
 
 
-def test_corners_under_arms_hang_from_a_free_hexagon(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_corners_under_arms_hang_from_a_free_hexagon() -> None:
     design = Design.from_dict(
         {
             "border": {"rings": 1},
@@ -86,13 +91,12 @@ def test_corners_under_arms_hang_from_a_free_hexagon(monkeypatch: pytest.MonkeyP
         return float(abs((heights[::2] - heights[1::2]).mean(axis=0) @ normal))
 
     right, found = turns(exact.at(corners)), turns(Preview(design).at(corners).bumpy)
-    monkeypatch.setattr(sheet, "carried", lambda plan, directions: np.zeros((len(plan.centres), len(directions))))
-    without = turns(Preview(design).at(corners).bumpy)
+    without = turns(Preview(design, model=WITHOUT).at(corners).bumpy)
     assert right > 1.0
     assert abs(found - right) < 0.7 * abs(without - right), (right, found, without)
 
 
-def test_a_wide_rim_hangs_under_the_arms_that_point_into_it(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_wide_rim_hangs_under_the_arms_that_point_into_it() -> None:
     """Seven stars in a rectangle: the two upper corners have arms before them, the two lower ones do not."""
     design = Design.from_dict(
         {
@@ -110,8 +114,7 @@ def test_a_wide_rim_hangs_under_the_arms_that_point_into_it(monkeypatch: pytest.
         return float(np.linalg.norm(places[2] - places[3]) - np.linalg.norm(places[0] - places[1]))
 
     right, found = hang(exact.at(corners)), hang(Preview(design).at(corners).bumpy)
-    monkeypatch.setattr(sheet, "carried", lambda plan, directions: np.zeros((len(plan.centres), len(directions))))
-    without = hang(Preview(design).at(corners).bumpy)
+    without = hang(Preview(design, model=WITHOUT).at(corners).bumpy)
     assert abs(right) > 1.0
     assert abs(found - right) < 0.7 * abs(without - right), (right, found, without)
 

@@ -7,12 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from asterism.previews.fields.self_stress import ACROSS, GREEN, MOST, SOFTER, gaussian_moduli, pulls
+from asterism.previews.fields.self_stress import gaussian_moduli, pulls
 from asterism.previews.fields.star_values import StarValues, star_values
+from asterism.previews.model import PREVIEW_MODEL
 from fem.elements.tabulation import Floats
 from pattern import gallery
 from pattern.layout.build import layout
 from tests.asterism.previews.laws import plain_law
+
+ACROSS, GREEN = PREVIEW_MODEL.gaussian_arm_factor, PREVIEW_MODEL.gaussian_strain_factor
+SOFTER, MOST = PREVIEW_MODEL.gaussian_softening_exponent, PREVIEW_MODEL.max_gaussian_area
 
 DESIGN = gallery.load("tube")
 PLAN = layout(DESIGN)

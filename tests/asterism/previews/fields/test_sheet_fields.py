@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from asterism.previews.fields.sheet_fields import EARLY, POISSON, SIXFOLD, TURN, free_early, sheet_fields
+from asterism.previews.fields.sheet_fields import POISSON, free_length_share, sheet_fields
 from asterism.previews.fields.star_values import star_sizes, star_values
+from asterism.previews.model import PREVIEW_MODEL
 from fem.elements.tabulation import Floats
 from homogenize.errors import LawError
 from homogenize.law.table import NAMES
@@ -17,6 +18,12 @@ from pattern import gallery
 from pattern.design.design import Design
 from pattern.layout.build import layout
 from tests.asterism.previews.laws import plain_law
+
+EARLY, SIXFOLD, TURN = (
+    PREVIEW_MODEL.supported_length_share,
+    PREVIEW_MODEL.sixfold_factor,
+    PREVIEW_MODEL.length_turn_rad,
+)
 
 TUBE = gallery.load("tube")
 VALUES = star_values(TUBE, layout(TUBE), plain_law())
@@ -179,7 +186,7 @@ def test_stars_and_bare_fabric_bend_in_series() -> None:
 
 def test_free_stars_that_curl_little_shorten_with_their_curvature_and_others_are_done() -> None:
     curls = np.array([0.0, 0.02, 0.5])
-    found = free_early(replace(VALUES, value=VALUES.value | {"kappa": curls}), 17.3)
+    found = free_length_share(replace(VALUES, value=VALUES.value | {"kappa": curls}), 17.3)
     turn = 0.02 * 17.3 / TURN
     # the slope of tanh at the natural turn, over that of a straight line from flat
     slope = turn / np.cosh(turn) ** 2 / np.tanh(turn)

@@ -9,6 +9,7 @@ import pytest
 
 from asterism.previews.fields.star_cells import StarCells
 from asterism.previews.fields.star_values import star_sizes
+from asterism.previews.model import PREVIEW_MODEL
 from pattern import gallery
 from pattern.design.design import Design
 from pattern.layout.build import layout
@@ -53,7 +54,11 @@ def test_inside_the_shares_add_up_and_have_no_jumps() -> None:
 
 def test_a_narrow_kernel_gives_the_cells_themselves() -> None:
     points = np.random.default_rng(0).uniform(-30, 30, (300, 2))
-    weights = StarCells(PLAN, TUBE.lattice, (0.25, 0.005)).shares(points).narrow.toarray()
+    weights = (
+        StarCells(PLAN, TUBE.lattice, replace(PREVIEW_MODEL, wide_smoothing=0.25, narrow_smoothing=0.005))
+        .shares(points)
+        .narrow.toarray()
+    )
     nearest = np.linalg.norm(points[:, None] - PLAN.centres[None], axis=2).argmin(axis=1)
     assert np.mean(weights.argmax(axis=1) == nearest) > 0.97
 

@@ -6,15 +6,18 @@ import numpy as np
 import pytest
 
 from asterism.exact.simulation import simulate
+from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.session import Preview
 from asterism.previews.supports.conditions import pinned_points
-from asterism.previews.supports.point_pins import ANGLES_DEG, GAIN, LACK, amounts_of, softened
+from asterism.previews.supports.point_pins import amounts_of, softened
 from asterism.shape.comparison import compare
 from benchmarks.point_pins import TURNED_DEG, exact_stiffness, measured, shell_stiffness
 from pattern import gallery
 from pattern.design.design import Design
 from pattern.layout.build import layout
 from pattern.layout.symmetries import symmetries
+
+ANGLES_DEG, LACK, GAIN = PREVIEW_MODEL.point_angles_deg, PREVIEW_MODEL.point_lack, PREVIEW_MODEL.point_gain
 
 
 def pinned(edge_mm: float = 2.0, **pins: object) -> Design:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from asterism.previews.fields.star_values import REACH, star_values
+from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.session import Preview
 from asterism.previews.uncertainty.height_error import (
@@ -20,6 +20,8 @@ from fem.supports.loads import point_load
 from pattern import gallery
 from pattern.layout.build import layout
 from tests.asterism.previews.laws import SPACING, plain_law
+
+REACH = PREVIEW_MODEL.cell_radius
 
 LOWEST, PART = PREVIEW_MODEL.lowest_point_share, PREVIEW_MODEL.height_share
 LONG, FLAT = PREVIEW_MODEL.inverted_min_arm, PREVIEW_MODEL.inverted_max_curvature

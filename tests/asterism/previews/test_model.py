@@ -1,0 +1,78 @@
+"""The constants of the preview are described, and each part of the model can be turned off."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+
+import asterism.previews.session as session
+from asterism.previews.model import PREVIEW_MODEL, PreviewModel, describe
+from asterism.previews.model_parts import PARTS, without
+from asterism.previews.session import Preview
+from pattern import gallery
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from tests.asterism.previews.laws import plain_law
+
+# parts that act on a free sheet; others need supports, holes or stars of other kinds
+ALWAYS = [
+    "rosette metric",
+    "series bending",
+    "Gaussian curvature",
+    "roll axis",
+    "curl of free rims",
+    "fall of free rims",
+    "arms into free rims",
+    "bumps",
+    "last arms",
+    "arms that keep their length",
+]
+FREE = {
+    "stars": {"length_mm": {"profile": "radial", "from": 9.0, "to": 6.0, "over_mm": 40.0}, "thickness_mm": 0.35},
+    "border": {"rings": 2},
+    "mesh": {"edge_mm": 4.0},
+}
+
+
+@pytest.mark.parametrize("name", [each.name for each in fields(PreviewModel)])
+def test_each_constant_has_unit_meaning_and_origin(name: str) -> None:
+    constant = describe(name)
+    assert constant.unit and constant.meaning
+    assert constant.origin == "derived" or (constant.command and constant.designs)
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_a_part_that_is_turned_off_is_another_model(part: str) -> None:
+    assert without(part) != PREVIEW_MODEL
+    assert PARTS[part].keys() <= {each.name for each in fields(PreviewModel)}
+
+
+@pytest.mark.parametrize("part", ALWAYS)
+def test_a_part_that_is_turned_off_changes_a_free_sheet(part: str) -> None:
+    design = Design.from_dict(FREE)
+    on, off = (Preview(design, plain_law(), model=model) for model in (PREVIEW_MODEL, without(part)))
+    points = np.vstack([on.sheet.layout.arm_tip, 0.99 * on.sheet.layout.border])
+    assert np.abs(on.at(points).bumpy - off.at(points).bumpy).max() > 1e-6
+
+
+def test_an_edit_keeps_the_model() -> None:
+    model = replace(PREVIEW_MODEL, rim_curl_factor=0.0)
+    preview = Preview(Design.from_dict(FREE), plain_law(), model=model)
+    preview.update(Design.from_dict(FREE | {"border": {"rings": 1}}))
+    assert preview.state.model is model
+
+
+def test_a_preview_lays_out_its_design_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And not at all if it is given the layout; an edit once more."""
+    count = []
+    monkeypatch.setattr(session, "layout", lambda design: count.append(design) or layout(design))
+    dome = gallery.load("dome")
+    preview = Preview(dome, plain_law())
+    preview.shape()
+    assert len(count) == 1
+    preview.update(Design.from_dict(dome.to_dict() | {"border": {"rings": 2}}))
+    assert len(count) == 2
+    Preview(dome, plain_law(), plan=layout(dome)).shape()
+    assert len(count) == 2
