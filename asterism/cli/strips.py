@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
+from shlex import quote
 from typing import Annotated
 
 import typer
@@ -53,8 +54,29 @@ def new(
 
     thicknesses = tuple(thickness or THICKNESSES_MM)
     machine = adjusted_printer(load_printer(printer), plate=plate)
-    lines = new_strips(output, machine, thicknesses, count, length, width, stretch, fabric_thickness, fabric)
-    run.lines(lines)
+    written = new_strips(
+        output,
+        machine,
+        thicknesses_mm=thicknesses,
+        count=count,
+        length_mm=length,
+        width_mm=width,
+        stretch=stretch,
+        fabric_thickness_mm=fabric_thickness,
+        stretched_thickness_mm=fabric,
+    )
+    first, others = written.layers_mm
+    thick = ", ".join(f"{h:g}" for h in written.specimen.thicknesses_mm)
+    kind = "released" if fabric is None else "stretched"
+    table = quote(str(output / "strips.csv"))
+    run.lines(
+        [
+            f"  {len(written.specimen.strips)} strips of {length:g} x {width:g} mm, {thick} mm thick",
+            f"  slice with a first layer of {first:g} mm and others of {others:g} mm",
+            f"  z offset {written.z_offset_mm:.2f} mm (plate and {kind} fabric), in start.gcode",
+            f"{output}: {', '.join(written.files)}; measure, fill in the table, then  asterism strips fit {table}",
+        ]
+    )
 
 
 @app.command()
@@ -84,13 +106,14 @@ def fit(
 
     Exit status 1 if the strips do not determine them.
     """
-    from asterism.measure.strips.fit_strips import fit_strips
+    from asterism.measure.strips.fit_strips import check_material_path, fit_strips, write_material
 
-    lines, warnings = fit_strips(
+    path = output or strips.parent / "material.toml"
+    check_material_path(path)
+    material = fit_strips(
         strips,
-        output,
-        rest_curvature.value,
-        kappa_bar.value,
+        rest_curvature=rest_curvature.value,
+        kappa_bar=kappa_bar.value,
         stretch=stretch,
         fabric_thickness_mm=fabric_thickness,
         outside=outside,
@@ -98,5 +121,8 @@ def fit(
         confidence=confidence,
         keep_outliers=keep_outliers,
     )
-    run.lines(lines)
-    run.warn(*warnings)
+    name, picture, numbers = write_material(material, path)
+    run.table(material.rows)
+    run.lines(f"  {line}" for line in [*material.left_out, *material.sentences])
+    run.lines([f"{path.with_name(name)}: the material, for --material and asterism calibrate; {picture}, {numbers}"])
+    run.warn(*material.warnings)

@@ -1,79 +1,166 @@
-"""`asterism strips fit`: a table of strips in, a material file with its picture and numbers out."""
+"""The public functions behind `asterism strips fit`: a table of strips in, a material and its files out."""
 
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from asterism import __version__
 from asterism.measure.strips import statement
 from asterism.measure.strips.curvature_model import KappaBarKind, StripFormula
 from asterism.measure.strips.fit_picture import draw_fit
 from asterism.measure.strips.material_file import check_ours, material_text
-from asterism.measure.strips.strip_fit import fit_readings
+from asterism.measure.strips.strip_fit import FLAT_HEIGHT_MM, StripFit, fit_readings
 from asterism.measure.strips.strip_table import read_strips
 from asterism.results.files import OutputError, staged
 from pattern.design.errors import one_line
+from pattern.design.materials import Plastic
+
+
+@dataclass(frozen=True)
+class FittedMaterial:
+    """A material fitted to a table of strips.
+
+    Attributes
+    ----------
+    fit : the fit with its estimates, intervals and readings.
+    table : name of the table.
+    options : options that the table was read with.
+    """
+
+    fit: StripFit
+    table: str
+    options: dict[str, Any]
+
+    @property
+    def plastic(self) -> Plastic:
+        """The plastic as a design has it."""
+        return self.fit.plastic()
+
+    @property
+    def rows(self) -> dict[str, str]:
+        """The numbers in words, by their names."""
+        return statement.fit_rows(self.fit)
+
+    @property
+    def sentences(self) -> list[str]:
+        """Meaning of the two conventions of E1/E2."""
+        return statement.convention_sentences(self.fit)
+
+    @property
+    def warnings(self) -> list[str]:
+        """One line for each reason to doubt the numbers."""
+        return statement.fit_warnings(self.fit)
+
+    @property
+    def left_out(self) -> list[str]:
+        """One line for each reading that is not used."""
+        return [f"left out: {o.reading.name} (row {o.reading.row}): {o.reason}" for o in self.fit.left_out]
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """All numbers, with units in their names; the content of the JSON beside the material."""
+        about = {"version": __version__, "strips": self.table, "options": self.options}
+        return {**about, **statement.fit_summary(self.fit)}
 
 
 def fit_strips(
-    strips: Path,
-    output: Path | None,
-    formula: StripFormula,
-    kappa_bar: KappaBarKind,
+    table: str | Path,
     *,
-    stretch: float | None,
-    fabric_thickness_mm: float | None,
-    outside: bool,
-    flat_height_mm: float,
-    confidence: float,
-    keep_outliers: bool,
-) -> tuple[list[str], list[str]]:
-    """Write the material, its PNG and its JSON; returns the lines to print, and those to warn with.
+    rest_curvature: StripFormula = "paper",
+    kappa_bar: KappaBarKind = "constant",
+    stretch: float | None = None,
+    fabric_thickness_mm: float | None = None,
+    outside: bool = False,
+    flat_height_mm: float = FLAT_HEIGHT_MM,
+    confidence: float = 0.95,
+    keep_outliers: bool = False,
+) -> FittedMaterial:
+    """Fit E1/E2 and kappa_bar to a table of measured strips.
+
+    Parameters
+    ----------
+    table : CSV file with a row for each strip, as `new_strips` writes it.
+    rest_curvature : convention of E1/E2: paper or timoshenko.
+    kappa_bar : curvature of peeled plastic: constant, per-thickness or zero.
+    stretch, fabric_thickness_mm : values for rows without them. A value in the table wins.
+    outside : the boxes enclose the thickness of the strips.
+    flat_height_mm : strips whose arc is lower count as flat.
+    confidence : probability with which the intervals contain the true values.
+    keep_outliers : use readings that contradict the others, too.
 
     Raises
     ------
     TableError
-        The table is wrong.
+        The table is wrong; the message names the row and the column.
     UndeterminedMaterialError
         The strips do not determine a material.
-    OutputError
-        The files cannot be written, or the material's file is the user's own.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from asterism.measure.strips.fit_strips import fit_strips
+    >>> rows = ["strip,thickness_mm,length_mm,curvature_per_mm,peeled_curvature_per_mm"]
+    >>> rows += ["1,0.3,60,0.0302,0.003", "2,0.3,60,0.0298,0.0031", "3,0.4,60,0.0170,0.0029", "4,0.4,60,0.0174,0.003"]
+    >>> table = Path(tempfile.mkdtemp()) / "strips.csv"
+    >>> _ = table.write_text(chr(10).join(rows))
+    >>> material = fit_strips(table, stretch=1.35, fabric_thickness_mm=0.8)
+    >>> 0.002 < material.plastic.kappa_bar_per_mm < 0.004
+    True
     """
-    path = output or strips.parent / "material.toml"
-    if path.suffix != ".toml":
-        raise OutputError(f"--output: {str(path)!r} must end with .toml")
-    check_ours(path)
-    readings = read_strips(strips, stretch, fabric_thickness_mm, outside=outside)
-    found = fit_readings(
+    table = Path(table)
+    readings = read_strips(table, stretch, fabric_thickness_mm, outside=outside)
+    fit = fit_readings(
         readings,
-        formula,
+        rest_curvature,
         kappa_bar,
         confidence=confidence,
         flat_height_mm=flat_height_mm,
         keep_outliers=keep_outliers,
     )
-    rows, words, worries = (
-        statement.fit_rows(found),
-        statement.convention_sentences(found),
-        statement.fit_warnings(found),
-    )
-    remarks = [f"{name}: {value}" for name, value in rows.items()] + words
-    title = one_line(f"{strips.name}: {len(found.used)} readings of strips")
+    options: dict[str, Any] = {
+        "outside": outside,
+        "flat_height_mm": flat_height_mm,
+        "keep_outliers": keep_outliers,
+    }
+    given = {"stretch": stretch, "fabric_thickness_mm": fabric_thickness_mm}
+    options |= {name: value for name, value in given.items() if value is not None}
+    return FittedMaterial(fit, table.name, options)
+
+
+def check_material_path(path: str | Path) -> None:
+    """Refuse a file name without .toml, and a file that `write_material` did not write.
+
+    Raises
+    ------
+    OutputError
+        The material cannot be written there.
+    """
+    path = Path(path)
+    if path.suffix != ".toml":
+        raise OutputError(f"--output: {str(path)!r} must end with .toml")
+    check_ours(path)
+
+
+def write_material(material: FittedMaterial, path: str | Path) -> list[str]:
+    """Write a material as TOML, with its picture and its numbers beside it; returns the names of the files.
+
+    Raises
+    ------
+    OutputError
+        The files cannot be written, or the file at `path` was not written by this function.
+    """
+    path = Path(path)
+    check_material_path(path)
+    remarks = [f"{name}: {value}" for name, value in material.rows.items()] + material.sentences
+    title = one_line(f"{material.table}: {len(material.fit.used)} readings of strips")
     with staged(path.parent) as folder:
-        (folder / path.name).write_text(material_text(found, one_line(path.stem), remarks), encoding="utf-8")
-        draw_fit(found, title, folder / f"{path.stem}.png")
-        asked = {"outside": outside, "flat_height_mm": flat_height_mm, "keep_outliers": keep_outliers}
-        given = {"stretch": stretch, "fabric_thickness_mm": fabric_thickness_mm}
-        numbers = {
-            "version": __version__,
-            "strips": strips.name,
-            "options": asked | {name: value for name, value in given.items() if value is not None},
-            **statement.fit_summary(found),
-        }
-        (folder / f"{path.stem}.json").write_text(json.dumps(numbers, indent=2) + "\n", encoding="utf-8")
-    left_out = [f"  left out: {o.reading.name} (row {o.reading.row}): {o.reason}" for o in found.left_out]
-    lines = [f"  {name:<20} {value}" for name, value in rows.items()] + left_out
-    lines += [f"  {sentence}" for sentence in words]
-    lines.append(f"{path}: the material, for --material and asterism calibrate; {path.stem}.png, {path.stem}.json")
-    return lines, worries
+        text = material_text(material.fit, one_line(path.stem), remarks)
+        (folder / path.name).write_text(text, encoding="utf-8")
+        draw_fit(material.fit, title, folder / f"{path.stem}.png")
+        numbers = json.dumps(material.summary, indent=2) + "\n"
+        (folder / f"{path.stem}.json").write_text(numbers, encoding="utf-8")
+    return [path.name, f"{path.stem}.png", f"{path.stem}.json"]

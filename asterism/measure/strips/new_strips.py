@@ -1,17 +1,18 @@
-"""`asterism strips new`: the test print and the sheets that go with it."""
+"""The public function behind `asterism strips new`: the test print, its sheets and its table."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
-from shlex import quote
 
 import numpy as np
 import shapely
 
 from asterism.measure.strips.form import PrintStart, csv_text, strip_form
-from asterism.measure.strips.specimen import PrintedStrip, Specimen, lay_out_specimen, layer_heights
+from asterism.measure.strips.specimen import THICKNESSES_MM, PrintedStrip, Specimen, lay_out_specimen, layer_heights
 from asterism.print.formats import pdf, stl, threemf
 from asterism.print.printer import Printer
+from asterism.print.profiles import load_printer
 from asterism.print.solid import Solid, Terrace, terraced_solid
 from asterism.results.files import OutputError, staged
 from pattern.design.errors import DesignError
@@ -21,56 +22,85 @@ from pattern.geometry.arrays import Floats, Ints
 FILES = ("start.gcode", "strips.3mf", "strips.csv", "strips.pdf", "strips.stl")
 
 
-def new_strips(
-    directory: Path,
-    printer: Printer,
-    thicknesses_mm: tuple[float, ...],
-    count: int,
-    length_mm: float,
-    width_mm: float,
-    stretch: float,
-    fabric_mm: float,
-    stretched_mm: float | None = None,
-) -> list[str]:
-    """Write the files of a test print; returns the lines to print.
+@dataclass(frozen=True)
+class StripsPrint:
+    """The files of a test print.
 
-    `fabric_mm` is the thickness of the released fabric, `stretched_mm` that of the stretched one, if it is known.
+    Attributes
+    ----------
+    specimen : the strips on the bed.
+    layers_mm : heights of the first layer and of the other layers.
+    z_offset_mm : height of the fabric's surface above the bed.
+    files : names of the files.
+    """
+
+    specimen: Specimen
+    layers_mm: tuple[float, float]
+    z_offset_mm: float
+    files: tuple[str, ...] = FILES
+
+
+def new_strips(
+    directory: str | Path,
+    printer: str | Printer = "ultimaker2",
+    *,
+    thicknesses_mm: tuple[float, ...] = THICKNESSES_MM,
+    count: int = 10,
+    length_mm: float = 60.0,
+    width_mm: float = 4.0,
+    stretch: float = 1.35,
+    fabric_thickness_mm: float = 0.8,
+    stretched_thickness_mm: float | None = None,
+) -> StripsPrint:
+    """Write the files of a test print: strips as STL and 3MF, start code, instructions, and a table to fill in.
+
+    Parameters
+    ----------
+    printer : a profile, its name, or its file.
+    thicknesses_mm : thicknesses of the strips.
+    count : strips of each thickness.
+    length_mm, width_mm : size of each strip.
+    stretch, fabric_thickness_mm : stretch of the fabric, and its thickness when released.
+    stretched_thickness_mm : its thickness when stretched; by default that of the released fabric.
 
     Raises
     ------
     DesignError
-        The strips do not fit on the bed, or a thickness is out of range or not one of the nozzle.
+        The strips do not fit on the bed, or a thickness is out of range or cannot be printed by the nozzle.
     OutputError
-        The files cannot be written, or a table is there that has been filled in.
+        The files cannot be written, or the directory holds a table that has been filled in.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from asterism.measure.strips.new_strips import new_strips
+    >>> written = new_strips(tempfile.mkdtemp(), "ultimaker2", count=2)
+    >>> len(written.specimen.strips), written.layers_mm, written.z_offset_mm
+    (8, (0.3, 0.05), 4.8)
     """
-    bed = printer.bed_mm
+    directory = Path(directory)
+    machine = load_printer(printer) if isinstance(printer, str) else printer
     for h in thicknesses_mm:
         if not THICKNESS_MM[0] <= h <= THICKNESS_MM[1]:
             raise DesignError("--thickness", f"must be from {THICKNESS_MM[0]:g} to {THICKNESS_MM[1]:g} mm", h)
     if len(set(thicknesses_mm)) < len(thicknesses_mm):
         raise DesignError("--thickness", "must not be given twice", max(thicknesses_mm, key=thicknesses_mm.count))
-    heights = layer_heights(thicknesses_mm, printer.nozzle_mm)
-    strips = lay_out_specimen(bed, thicknesses_mm, count, length_mm, width_mm)
-    table, text = directory / "strips.csv", csv_text(strips, stretch, fabric_mm)
+    heights = layer_heights(thicknesses_mm, machine.nozzle_mm)
+    specimen = lay_out_specimen(machine.bed_mm, thicknesses_mm, count, length_mm, width_mm)
+    table, text = directory / "strips.csv", csv_text(specimen, stretch, fabric_thickness_mm)
     if table.exists() and table.read_bytes() != text.encode():
         raise OutputError(f"{table} exists and may have been filled in; choose another directory with -o")
-    solids = [_solid(strip, strips) for strip in strips.strips]
+    solids = [_solid(strip, specimen) for strip in specimen.strips]
+    under_nozzle = fabric_thickness_mm if stretched_thickness_mm is None else stretched_thickness_mm
+    start = PrintStart(machine, under_nozzle)
     with staged(directory) as folder:
         threemf.write(folder / "strips.3mf", solids, "strips")
         stl.write(folder / "strips.stl", *_joined(solids))
         (folder / "strips.csv").write_text(text, encoding="utf-8", newline="\n")
-        start = PrintStart(printer, fabric_mm if stretched_mm is None else stretched_mm)
-        pdf.write(folder / "strips.pdf", strip_form(strips, start, heights, stretch, fabric_mm))
-        code = printer.start_snippet(start.z_offset_mm, fabric_mm if stretched_mm is None else None)
+        pdf.write(folder / "strips.pdf", strip_form(specimen, start, heights, stretch, fabric_thickness_mm))
+        code = machine.start_snippet(start.z_offset_mm, under_nozzle if stretched_thickness_mm is None else None)
         (folder / "start.gcode").write_text(code, encoding="utf-8", newline="\n")
-    fabric = "released" if stretched_mm is None else "stretched"
-    thick = ", ".join(f"{h:g}" for h in strips.thicknesses_mm)
-    return [
-        f"  {len(strips.strips)} strips of {length_mm:g} x {width_mm:g} mm, {thick} mm thick",
-        f"  slice with a first layer of {heights[0]:g} mm and others of {heights[1]:g} mm",
-        f"  z offset {start.z_offset_mm:.2f} mm (plate and {fabric} fabric), in start.gcode",
-        f"{directory}: {', '.join(FILES)}; measure, fill in the table, then  asterism strips fit {quote(str(table))}",
-    ]
+    return StripsPrint(specimen, heights, start.z_offset_mm)
 
 
 def _joined(solids: list[Solid]) -> tuple[Floats, Ints]:

@@ -78,10 +78,9 @@ def test_thicknesses_without_layers_are_refused(thicknesses: tuple[float, ...]) 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     from asterism.measure.strips.new_strips import new_strips
-    from asterism.print.profiles import load_printer
 
     folder = tmp_path_factory.mktemp("print") / "strips"
-    new_strips(folder, load_printer("ultimaker2"), THICKNESSES_MM, 10, 60.0, 4.0, 1.35, 0.8)
+    new_strips(folder)
     return folder
 
 
