@@ -1,0 +1,146 @@
+"""What each part of the preview model gains: previews with all parts, and with one part turned off.
+
+python -m benchmarks.ablation [DESIGN ...] [--keep FOLDER] [--edge MM] [--write]
+
+DESIGN is a name of the gallery or random-NN; by default the gallery and the 24 random designs of the study. Each
+preview is compared with the lower of two exact shapes: that of the released sheet, and that found from the preview with
+all parts. FOLDER keeps the exact shapes; without it they are computed again. Distances are rms, in % of the diameter
+(`asterism.shape.comparison`). A gain is the distance without the part less the distance with it; a part changes the
+form of a design if it has the exact shape's form with all parts and not without it, or the other way round. Parts and
+the values that turn them off: `asterism.previews.model_parts`. --write puts the table into benchmarks/results.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from asterism.previews.model import PreviewModel
+from asterism.previews.model_parts import PARTS, without
+from asterism.previews.run import preview
+from asterism.shape.comparison import compare
+from asterism.shape.shape import Shape
+from asterism.verification.numbers import same_branch
+from benchmarks.accuracy.designs import EDGE_MM, RANDOM, drawn, meshed
+from benchmarks.accuracy.exact import exact, lowest
+from benchmarks.report import markdown, write_report
+from homogenize.errors import LawError
+from pattern import gallery
+from pattern.design.design import Design
+from pattern.layout.build import layout
+from pattern.layout.layout import Layout
+from pattern.layout.symmetries import symmetries
+
+RANDOM_PREFIX = "random-"
+MIN_CHANGE_PERCENT = 0.005  # of the diameter: smaller changes of the distance are no change
+HEADER = [
+    "part turned off", "designs that it changes", "median rms %, with", "without", "mean rms %, with", "without",
+    "median gain %", "largest gain %", "largest loss %", "form changes",
+]  # fmt: skip
+
+
+def main(words: Sequence[str]) -> int:
+    """Print a line for each design, then the table; exit status 1 if no design could be compared."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("designs", nargs="*", metavar="DESIGN")
+    parser.add_argument("--keep", type=Path, default=None, metavar="FOLDER")
+    parser.add_argument("--edge", type=float, default=EDGE_MM, metavar="MM")
+    parser.add_argument("--write", action="store_true")
+    options = parser.parse_args(words)
+    names = options.designs or [*gallery.names(), *(f"{RANDOM_PREFIX}{seed:02d}" for seed in range(RANDOM))]
+    with tempfile.TemporaryDirectory() as folder:
+        rows = []
+        for name in names:
+            try:
+                rows.append(ablated(named(name, options.edge), options.keep or Path(folder)))
+            except LawError as error:
+                print(f"{name}: no preview: {error}", flush=True)
+                continue
+            print(_line(rows[-1]), flush=True)
+    if not rows:
+        return 1
+    text = f"{len(rows)} designs: {', '.join(row['design'] for row in rows)}.\n\n{table(rows)}"
+    print(text)
+    if options.write:
+        write_report("ablation", rows, text)
+    return 0
+
+
+def named(name: str, edge_mm: float = EDGE_MM) -> Design:
+    """A design of the gallery or a random one, with this edge of its mesh in mm."""
+    if name.startswith(RANDOM_PREFIX):
+        return drawn(int(name.removeprefix(RANDOM_PREFIX)), edge_mm)
+    return meshed(gallery.load(name), edge_mm)
+
+
+def ablated(design: Design, folder: Path) -> dict[str, Any]:
+    """Distance and form of a design's previews: with all parts, and by the part that is turned off."""
+    plan = layout(design)
+    shown = preview(design, plan=plan)
+    exact(design, folder, near=lambda: shown)
+    reference = lowest(design, folder)
+    return {
+        "design": design.name,
+        "all": _distance(reference, shown, design, plan),
+        "without": {part: _ablated_distance(reference, design, plan, without(part)) for part in PARTS},
+    }
+
+
+def _ablated_distance(reference: Shape, design: Design, plan: Layout, model: PreviewModel) -> dict[str, Any]:
+    """Of the preview with a model; without numbers if its rest metric is not positive definite."""
+    try:
+        return _distance(reference, preview(design, model=model, plan=plan), design, plan)
+    except LawError:
+        return {"rms_percent": None, "same_form": False}
+
+
+def _distance(reference: Shape, shape: Shape, design: Design, plan: Layout) -> dict[str, Any]:
+    """rms distance to the exact shape in % of the diameter, and whether both have one form."""
+    comparison = compare(reference, shape, plan, symmetries(design, plan))
+    return {"rms_percent": float(comparison.rms_percent), "same_form": bool(same_branch(comparison, None))}
+
+
+def table(rows: Sequence[dict[str, Any]]) -> str:
+    """Markdown, one line for each part, the largest mean gain first."""
+    lines = [(_gains(rows, part).mean(), part) for part in PARTS]
+    return markdown(HEADER, [_part_line(rows, part) for _, part in sorted(lines, key=lambda line: -line[0])])
+
+
+def _known(rows: Sequence[dict[str, Any]], part: str) -> list[dict[str, Any]]:
+    """The rows that have a preview without the part."""
+    return [row for row in rows if row["without"][part]["rms_percent"] is not None]
+
+
+def _gains(rows: Sequence[dict[str, Any]], part: str) -> np.ndarray:
+    """(n,) % by which the distance grows where the part is turned off; a single 0 without any."""
+    gains = [row["without"][part]["rms_percent"] - row["all"]["rms_percent"] for row in _known(rows, part)]
+    return np.array(gains or [0.0])
+
+
+def _part_line(rows: Sequence[dict[str, Any]], part: str) -> list[str]:
+    gains = _gains(rows, part)
+    on = np.array([row["all"]["rms_percent"] for row in _known(rows, part)] or [np.nan])
+    forms = sum(row["without"][part]["same_form"] != row["all"]["same_form"] for row in rows)
+    changed = int((np.abs(gains) > MIN_CHANGE_PERCENT).sum())
+    numbers = np.median(on), np.median(on + gains), on.mean(), (on + gains).mean()
+    changes = np.median(gains), gains.max(), gains.min()
+    return [
+        part, str(changed), *(f"{x:.2f}" for x in numbers), *(f"{x + 0.0:+.2f}" for x in changes), str(forms),
+    ]  # fmt: skip
+
+
+def _line(row: dict[str, Any]) -> str:
+    """A design's distance, and the part that gains most there."""
+    part = max(PARTS, key=lambda part: row["without"][part]["rms_percent"] or 0.0)
+    most = row["without"][part]["rms_percent"]
+    return f"{row['design']:<28} rms {row['all']['rms_percent']:.2f} %, without {part} {most:.2f} %"
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
