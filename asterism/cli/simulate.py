@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -64,40 +63,7 @@ def simulate(
     with run.computing():
         shape = compute(changed, backend, run.report, run.say, starts)
     files = write_results(shape, directory)
-    run.table(table_rows(shape.summary))
+    run.table(shape.summary.table())
     run.files(directory, files)
     run.warn(*shape.summary["warnings"])
     return DONE if shape.summary["is_minimum"] else NO_ANSWER
-
-
-def table_rows(s: Mapping[str, Any]) -> dict[str, str]:
-    """The numbers of a summary by name, as the command prints them."""
-    from asterism.shape.mesh_error import in_words
-    from asterism.shape.tube import rolled
-
-    extent = " x ".join(f"{size:.1f}" for size in s["extent_mm"])
-    rows = {
-        "stars": f"{s['stars_up']} of {s['stars_total']} up",
-        "height": f"{s['height_mm']:.2f} mm",
-        "extent": f"{extent} mm",
-        "contraction": "-" if s["contraction"] is None else f"{s['contraction']:.4f}",
-        "rolled about": rolled(s),
-        "energy": f"{s['energy_n_mm']:.4f} N mm",
-        "gradient": f"{s['gradient_norm']:.1e} N",
-        "smallest eigenvalue": f"{s['smallest_eigenvalue']:.3e} N/mm",
-        "equilibrium": "stable" if s["is_minimum"] else "no",
-        "mesh": f"{s['vertices']} vertices, {s['mesh']}",
-        "mesh error": in_words(s),
-        "work": f"{s['iterations']} iterations, {s['factorisations']} factorisations, {s['wall_s']:.1f} s",
-    }
-    if s["starts"] > 1:
-        if lost := s["starts_lost"]:
-            rows["starts"] = f"{s['starts']}, of which {lost} led to no equilibrium"
-        rows |= {f"minimum {number}": _minimum(m) for number, m in enumerate(s["minima"], 1)}
-    return rows
-
-
-def _minimum(m: Mapping[str, Any]) -> str:
-    axis = "" if m["roll_axis_deg"] is None else f", rolled about {m['roll_axis_deg']:.0f} deg"
-    away = f"{m['distance_percent']:.1f} % away, " if m["distance_percent"] >= 0.05 else ""
-    return f"{m['energy_n_mm']:.4f} N mm, {m['stars_up']} up{axis}; {away}{m['starts']} starts"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from asterism.results.records.exact import MinimumRecord
 from discrete.evidence.equilibrium import Equilibrium
 from discrete.evidence.roll_axis import roll_axis_deg
 from discrete.model.model import Model
@@ -17,7 +18,7 @@ KEPT = "lowest energy of those whose stars are all on their branch"
 def one_minimum(model: Model, found: Equilibrium, near: bool = False) -> dict[str, Any]:
     """Entries for a single start: the default one, or `near` a shape."""
     axis = roll_axis_deg(model, found.state)
-    entry = {"energy_n_mm": found.energy, "stars_up": found.stars_up, "roll_axis_deg": axis, "starts": 1}
+    entry = MinimumRecord(energy_n_mm=found.energy, stars_up=found.stars_up, roll_axis_deg=axis, starts=1)
     return {
         "starts": 1,
         "result_is": NEAR if near else ONE_START,
@@ -49,27 +50,26 @@ def many_minima(minima: Minima, starts: int) -> dict[str, Any]:
         "next_minimum_percent": 100.0 * (others[0] - lowest) / elastic if others else None,
         "next_minimum_n_mm": others[0] - lowest if others else None,
         "symmetries": len(minima.symmetries),
-        "minima": [_entry(b, minima, f"minimum-{k}" if k > 1 else "shape") for k, b in enumerate(fine, 1)],
+        "minima": [_entry(b, minima).changed(file=f"minimum-{k}" if k > 1 else "shape") for k, b in enumerate(fine, 1)],
         "minima_distance_percent": [[minima.distance_percent(a, b) for b in fine] for a in fine],
         "minima_coarse": [
-            _entry(b, minima, None) | {"carried": kept} for b, kept in zip(coarse, minima.carried, strict=True)
+            _entry(b, minima).changed(carried=kept) for b, kept in zip(coarse, minima.carried, strict=True)
         ],
     }
 
 
-def _entry(branch: Branch, minima: Minima, file: str | None) -> dict[str, Any]:
+def _entry(branch: Branch, minima: Minima) -> MinimumRecord:
     found = branch.found
-    named = {} if file is None else {"file": file}
-    return named | {
-        "energy_n_mm": found.energy,
-        "is_minimum": found.is_minimum,
-        "stars_up": found.stars_up,
-        "stars_off_branch": len(branch.off_branch),
-        "roll_axis_deg": branch.roll_axis_deg,
-        "starts": len(branch.starts),
-        "start_names": list(branch.starts),
-        "default": branch.default,
-        "distance_percent": minima.distance_percent(minima.fine[0], branch),
-        "smallest_eigenvalue": found.smallest_eigenvalue,
-        "vertices": branch.model.n_vertices,
-    }
+    return MinimumRecord(
+        energy_n_mm=found.energy,
+        is_minimum=found.is_minimum,
+        stars_up=found.stars_up,
+        stars_off_branch=len(branch.off_branch),
+        roll_axis_deg=branch.roll_axis_deg,
+        starts=len(branch.starts),
+        start_names=list(branch.starts),
+        default=branch.default,
+        distance_percent=minima.distance_percent(minima.fine[0], branch),
+        smallest_eigenvalue=found.smallest_eigenvalue,
+        vertices=branch.model.n_vertices,
+    )

@@ -12,6 +12,7 @@ import numpy as np
 from asterism import __version__
 from asterism.exact.minima import many_minima, one_minimum
 from asterism.exact.warnings import exact_warnings
+from asterism.results.records.exact import ContactRecord, ExactRecord, LevelRecord, PathStepRecord
 from asterism.shape.contraction import contraction
 from asterism.shape.mesh_error import mesh_error
 from asterism.shape.self_intersections import self_intersections
@@ -136,13 +137,8 @@ def _shape(
     stretch = model.design.fabric.stretch_xy
     fields = point_fields(shape.positions, shape.triangles)
     strains = cell_fields(shape.printed, shape.positions, shape.triangles, stretch)
-    summary = _summary(model, found, shape, seconds, wall) | {
-        **_mesh_error(model, found, shape, levels),
-        "levels": [level.cost for level in levels],
-        **minima,
-        "path": [vars(step) for step in found.path],
-    }
-    summary["warnings"] = exact_warnings(summary, model.layout)
+    summary = _record(model, found, shape, levels, seconds, wall, minima)
+    summary = summary.changed(warnings=exact_warnings(summary, model.layout))
     return replace(shape, point_fields=fields, cell_fields=strains, summary=summary)
 
 
@@ -172,73 +168,76 @@ def _rod_fields(model: Model, found: Equilibrium) -> dict[str, np.ndarray]:
     }
 
 
-def _summary(model: Model, found: Equilibrium, shape: Shape, seconds: dict[str, float], wall: float) -> dict[str, Any]:
+def _record(
+    model: Model,
+    found: Equilibrium,
+    shape: Shape,
+    levels: list[Level],
+    seconds: dict[str, float],
+    wall: float,
+    minima: dict[str, Any],
+) -> ExactRecord:
     number, axis = model.layout.star_number, roll_axis_deg(model, found.state)
-    return {
-        "model": "exact",
-        "converged": found.converged,
-        "is_minimum": found.is_minimum,
-        "smallest_eigenvalue": found.smallest_eigenvalue,
-        "eigenvalue_error": found.eigenvalue_error,
-        "gradient_norm": found.gradient_norm,
-        "gradient_tolerance": found.tolerance,
-        "energy_n_mm": found.energy,
-        "energy_parts_n_mm": found.energies,
-        **found.energies,
-        "stars_total": len(model.layout.centres),
-        "stars_up": found.stars_up,
-        "stars_down": number[found.sides < 0].tolist(),
-        "stars_off_branch": number[stars_off_branch(model, found)].tolist(),
-        "roll_axis_deg": axis,
-        "roll_radius_mm": None if axis is None else roll_radius(shape, model.layout.lattice_vectors),
-        "vertices": model.n_vertices,
-        "triangles": len(model.mesh.triangles),
-        "dofs": len(model.free),
-        "mesh": model.mesh.kind,
-        "edge_mm": model.design.mesh.edge_mm,
-        "self_intersections": self_intersections(shape.positions, shape.triangles),
-        "self_contact": _contact(model, found),
-        "fabric_bending": model.design.fabric.bending,
-        "fabric_bending_n_mm": sum(found.energies.get(part, 0.0) for part in ("hinges", "plate", "folds")),
-        "iterations": found.iterations,
-        "factorisations": found.factorisations,
-        "saddles_left": found.saddles_left,
-        "instabilities_passed": found.instabilities_passed,
-        "wall_s": wall,
-        "wall_s_by_stage": seconds,
-        "height_mm": shape.height_mm,
-        "extent_mm": list(shape.extent_mm),
-        "contraction": contraction(model.layout, shape),
-        "backend": found.backend,
-        "version": __version__,
-        "design": model.design.to_dict(),
-    }
-
-
-def _mesh_error(model: Model, found: Equilibrium, shape: Shape, levels: list[Level]) -> dict[str, Any]:
     folds = creases(model, found.state)
     error = mesh_error(shape, [(level.printed, level.positions) for level in levels[:-1]], folds.resolved)
-    return {
-        "mesh_error_percent": error.percent,
-        "mesh_error_order": error.order,
-        "mesh_change_percent": error.change,
-        "crease_mm": folds.width,
-        "edge_at_arms_mm": folds.edge,
-        "creases_resolved": folds.resolved,
-    }
+    record = ExactRecord(
+        model=ExactRecord.model_name,
+        converged=found.converged,
+        is_minimum=found.is_minimum,
+        smallest_eigenvalue=found.smallest_eigenvalue,
+        eigenvalue_error=found.eigenvalue_error,
+        gradient_norm=found.gradient_norm,
+        gradient_tolerance=found.tolerance,
+        energy_n_mm=found.energy,
+        energy_parts_n_mm=found.energies,
+        stars_total=len(model.layout.centres),
+        stars_up=found.stars_up,
+        stars_down=number[found.sides < 0].tolist(),
+        stars_off_branch=number[stars_off_branch(model, found)].tolist(),
+        roll_axis_deg=axis,
+        roll_radius_mm=None if axis is None else roll_radius(shape, model.layout.lattice_vectors),
+        vertices=model.n_vertices,
+        triangles=len(model.mesh.triangles),
+        dofs=len(model.free),
+        mesh=model.mesh.kind,
+        edge_mm=model.design.mesh.edge_mm,
+        self_intersections=self_intersections(shape.positions, shape.triangles),
+        self_contact=_contact(model, found),
+        fabric_bending=model.design.fabric.bending,
+        fabric_bending_n_mm=sum(found.energies.get(part, 0.0) for part in ("hinges", "plate", "folds")),
+        iterations=found.iterations,
+        factorisations=found.factorisations,
+        saddles_left=found.saddles_left,
+        instabilities_passed=found.instabilities_passed,
+        wall_s=wall,
+        wall_s_by_stage=seconds,
+        height_mm=shape.height_mm,
+        extent_mm=list(shape.extent_mm),
+        contraction=contraction(model.layout, shape),
+        backend=found.backend,
+        version=__version__,
+        design=model.design.to_dict(),
+        mesh_error_percent=error.percent,
+        mesh_error_order=error.order,
+        mesh_change_percent=error.change,
+        crease_mm=folds.width,
+        edge_at_arms_mm=folds.edge,
+        creases_resolved=folds.resolved,
+        levels=[LevelRecord(**level.cost) for level in levels],
+        path=[PathStepRecord(**vars(step)) for step in found.path],
+        **minima,
+    )
+    return record.changed(**found.energies)  # scripts read the parts as keys of their own
 
 
-def _contact(model: Model, found: Equilibrium) -> dict[str, Any] | None:
-    """Where contact begins, how near parts may come, and how near they are; None if they may pass through each other.
-
-    Without any contact the least distance is not known, and null.
-    """
+def _contact(model: Model, found: Equilibrium) -> ContactRecord | None:
+    """Contact in the shape; None if the model ran without contact."""
     if not isinstance(model, ContactModel):
         return None
     pairs, least = model.contact.touching(found.state.positions)
-    return {
-        "begins_at_mm": model.contact.distance,
-        "closest_possible_mm": model.contact.closest,
-        "least_distance_mm": least if pairs else None,
-        "pairs": pairs,
-    }
+    return ContactRecord(
+        begins_at_mm=model.contact.distance,
+        closest_possible_mm=model.contact.closest,
+        least_distance_mm=least if pairs else None,
+        pairs=pairs,
+    )

@@ -46,4 +46,4 @@ def preview(
     """
     begin = time.perf_counter()
     shape = Preview(design, law, side, say=say, model=model, plan=plan).shape()
-    return replace(shape, summary={**shape.summary, "wall_s": time.perf_counter() - begin})
+    return replace(shape, summary=shape.summary | {"wall_s": time.perf_counter() - begin})

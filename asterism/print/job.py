@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -114,7 +115,7 @@ class Job:
     @property
     def is_certain(self) -> bool | None:
         """Whether the shape whose files are written is certain to stay; None if there is none, or nothing says so."""
-        summary = {} if self.shape is None else self.shape.summary
+        summary: Mapping[str, Any] = {} if self.shape is None else self.shape.summary
         if "is_minimum" not in summary:
             return None
         return bool(summary["is_minimum"] and summary.get("converged", True))
@@ -141,7 +142,7 @@ class Job:
     @property
     def hangs_doubt_mm(self) -> float | None:
         """How far off the preview expects the height to be in which the sheet hangs; None of other shapes."""
-        summary = {} if self.seen is None else self.seen.summary
+        summary: Mapping[str, Any] = {} if self.seen is None else self.seen.summary
         percent = summary.get("expected_height_percent")
         return None if percent is None else percent / 100.0 * summary["height_mm"]
 

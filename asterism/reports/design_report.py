@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from asterism.print.job import Job, prepare
 from asterism.print.plastic_profile import PlasticProfile
@@ -87,7 +88,7 @@ def report(
         law,
     )
     job = prepare(design, machine, profile, shape=shape, any_size=True)
-    summary = shape.summary if shape is not None else {}
+    summary: Mapping[str, Any] = shape.summary if shape is not None else {}
     facts = design_facts(job, summary, source)
     with staged(path.parent) as folder:
         scale = write_design_page(folder / path.name, job, facts, summary.get("warnings", []), shape)

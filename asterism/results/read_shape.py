@@ -12,6 +12,7 @@ import meshio
 import numpy as np
 from scipy.spatial import cKDTree
 
+from asterism.results.records.of_shape import shape_record
 from asterism.results.write_results import VERIFICATION
 from asterism.shape.shape import Shape
 from pattern.design.errors import DesignError
@@ -53,7 +54,7 @@ def read_shape(path: str | Path) -> Shape:
         point_fields={k: np.asarray(v) for k, v in mesh.point_data.items() if k not in ("printed_mm", "star")},
         cell_fields={name: np.asarray(values[0]) for name, values in mesh.cell_data.items()},
         rod_fields=rod_fields,
-        summary=summary,
+        summary=shape_record(summary),
         held=_is_held(summary),
     )
 

@@ -15,7 +15,6 @@ from asterism.results.files import BESIDE_SUMMARY, LAST, holds_result, staged
 from asterism.results.vtu import write_rods_vtu, write_shape_vtu
 from asterism.shape.shape import Shape
 from pattern.design.arguments import check_kind
-from pattern.design.files import plain
 
 VERIFICATION = "verification"  # the `model` of a summary that is of two shapes
 
@@ -51,5 +50,5 @@ def write_results(shape: Shape, directory: str | Path) -> list[str]:
         for number, other in enumerate(shape.others, 2):
             write_shape_vtu(other, folder / f"minimum-{number}.vtu")
             draw_shape(other, f"{shape.summary['design']['name']}, minimum {number}", folder / f"minimum-{number}.png")
-        (folder / LAST).write_text(json.dumps(plain(dict(shape.summary)), indent=2, allow_nan=False) + "\n")
+        (folder / LAST).write_text(json.dumps(shape.summary.to_json(), indent=2, allow_nan=False) + "\n")
         return sorted(file.name for file in folder.iterdir())

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
+from asterism.results.records.of_shape import AnyShapeRecord, shape_record
+from asterism.results.records.preview import PreviewRecord
 from asterism.shape.pose import upright_rotation
 from asterism.shape.surface_fields import triangle_areas
 from pattern.geometry.arrays import Floats, Ints
@@ -32,7 +33,7 @@ class Shape:
     cell_fields : arrays (T,) or (T, m) by name.
     rod_fields : arrays (R,) by name over the edges of all rods, in the order of `rod_edges`;
         `thickness_mm`, `width_mm`, `arm` and `star` among them.
-    summary : the numbers of `summary.json`.
+    summary : the record of `summary.json`, empty if a shape was read without it. A plain mapping becomes a record.
     others : further minima of the same design, where they were looked for.
     held : pins hold the sheet, so that z is up; a free one has no up, and is shown as its `aligned()` copy.
     """
@@ -46,9 +47,12 @@ class Shape:
     point_fields: Mapping[str, np.ndarray] = field(default_factory=dict)
     cell_fields: Mapping[str, np.ndarray] = field(default_factory=dict)
     rod_fields: Mapping[str, np.ndarray] = field(default_factory=dict)
-    summary: Mapping[str, Any] = field(default_factory=dict)
+    summary: AnyShapeRecord = field(default_factory=lambda: shape_record({}))
     others: tuple[Shape, ...] = ()
     held: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "summary", shape_record(self.summary))
 
     @property
     def rod_edges(self) -> Ints:
@@ -64,7 +68,7 @@ class Shape:
     @property
     def is_preview(self) -> bool:
         """The preview computed it, not the exact model."""
-        return self.summary.get("model") == "preview"
+        return isinstance(self.summary, PreviewRecord)
 
     @property
     def made_by(self) -> str:

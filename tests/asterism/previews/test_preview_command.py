@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from asterism.cli.preview import table_rows
+from asterism.results.records.preview import PreviewRecord
 from homogenize.law.file import to_bytes
 from tests.asterism.commands import command
 from tests.asterism.previews.laws import plain_law
@@ -43,10 +43,11 @@ def test_writes_the_files_of_a_simulation(
     assert "equilibrium          stable" in done.out
     expected = f"expected distance    {summary['expected_rms_percent']:.1f} % of the diameter"
     assert expected in done.out
-    assert table_rows(summary | {"expected_rms_percent": None})["expected distance"] == "not known"
+    record = PreviewRecord.from_json(summary)
+    assert (record | {"expected_rms_percent": None}).table()["expected distance"] == "not known"
     height, off = summary["height_mm"], summary["expected_height_percent"]
     assert f"  height               {height:.2f} mm, give or take {off:.0f} %\n" in done.out
-    assert table_rows(summary | {"expected_height_percent": None})["height"] == f"{height:.2f} mm"
+    assert (record | {"expected_height_percent": None}).table()["height"] == f"{height:.2f} mm"
 
 
 @pytest.mark.usefixtures("blank_pictures")

@@ -40,7 +40,7 @@ def names(folder: Path) -> set[str]:
 @pytest.fixture(scope="module")
 def shape() -> Shape:
     made = sheet(dome)
-    made.summary["design"] = {"name": "dome"}  # type: ignore[index]
+    made = replace(made, summary=made.summary | {"design": {"name": "dome"}})
     return made
 
 

@@ -1,0 +1,219 @@
+"""Records: the numbers of a result, as typed keys with a unit and a meaning.
+
+One definition of a key gives its type, its entry in the JSON file, its row in the table on the terminal and its line in
+the reference of all keys (`python -m asterism.results.reference`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import MISSING, dataclass, field, fields
+from functools import cache
+from types import UnionType
+from typing import Any, ClassVar, Self, Union, dataclass_transform, get_args, get_origin, get_type_hints
+
+ABSENT: Any = object()  # default of a key that not every record of its kind has
+_NAME = "key"
+
+
+@dataclass(frozen=True)
+class Key:
+    """What is known about one key of a record.
+
+    Attributes
+    ----------
+    meaning : one sentence or two, for the reference.
+    unit : of the value; empty for texts, counts and truth values.
+    label : name of the key's row in the table on the terminal; empty if the key has no row.
+    show : text of that row: a format with names of the record's keys, such as `{height_mm:.2f} mm`, or a function of
+        the record that returns the text, or None to leave the row out.
+    if_null : text of the row if the value is null.
+    formerly : names of the key in files of older versions.
+    is_required : every record of its kind has the key.
+    """
+
+    meaning: str
+    unit: str = ""
+    label: str = ""
+    show: str | Callable[[Any], str | None] = ""
+    if_null: str = "-"
+    formerly: tuple[str, ...] = ()
+    is_required: bool = True
+
+
+def key(
+    meaning: str,
+    *,
+    unit: str = "",
+    label: str = "",
+    show: str | Callable[[Any], str | None] = "",
+    if_null: str = "-",
+    formerly: tuple[str, ...] = (),
+    default: Any = MISSING,
+    default_factory: Any = MISSING,
+) -> Any:
+    """Declare a key of a record; parameters as the attributes of `Key`, defaults as of `dataclasses.field`.
+
+    With `default=ABSENT` a record may lack the key: it then has neither the attribute nor the entry.
+    """
+    required = default is not ABSENT
+    if not required:  # a factory leaves no attribute on the class
+        default, default_factory = MISSING, lambda: ABSENT
+    settings = {"default": default, "default_factory": default_factory}
+    given = {name: value for name, value in settings.items() if value is not MISSING}
+    return field(metadata={_NAME: Key(meaning, unit, label, show, if_null, formerly, required)}, **given)
+
+
+@dataclass_transform(frozen_default=True, kw_only_default=True, eq_default=False, field_specifiers=(key,))
+class Record(Mapping[str, Any]):
+    """Base of all records: a frozen dataclass that is also a mapping.
+
+    An attribute (`record.law.material`) has the declared type. An entry (`record["law"]["material"]`) is plain data, as
+    in the JSON file. A record that was read from a file of another version may lack keys, and it keeps keys that are
+    not declared.
+
+    Attributes
+    ----------
+    model_name : value of the key `model` that marks records of this class in files; empty if they have no such key.
+    rows : keys with a row in the table, in the table's order.
+    last : keys that come last in the file, such as the long ones.
+
+    Examples
+    --------
+    >>> class Size(Record):
+    ...     rows = ("height_mm",)
+    ...     height_mm: float = key("Extent along z.", unit="mm", label="height", show="{height_mm:.2f} mm")
+    ...     mass_g: float = key("Mass of the plastic.", unit="g", default=ABSENT)
+    >>> size = Size(height_mm=7.0123)
+    >>> size.height_mm, size["height_mm"], "mass_g" in size
+    (7.0123, 7.0123, False)
+    >>> size.table()
+    {'height': '7.01 mm'}
+    >>> Size.from_json(size.to_json()) == size
+    True
+    """
+
+    model_name: ClassVar[str] = ""
+    rows: ClassVar[tuple[str, ...]] = ()
+    last: ClassVar[tuple[str, ...]] = ()
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        dataclass(frozen=True, kw_only=True, eq=False, repr=False)(cls)
+
+    def __post_init__(self) -> None:
+        for name in [name for name, value in vars(self).items() if value is ABSENT]:
+            del vars(self)[name]
+
+    @classmethod
+    def from_json(cls, data: Mapping[str, Any]) -> Self:
+        """The record of a JSON object, of this or another version; entries of nested records become records."""
+        record = cls.__new__(cls)
+        types, names = value_types(cls), _former_names(cls)
+        for name, value in data.items():
+            name = names.get(name, name)
+            vars(record)[name] = _typed(types.get(name), value)
+        return record
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data for a JSON file; infinity and not-a-number become null."""
+        return {name: _finite(value) for name, value in self.items()}
+
+    def changed(self, **values: Any) -> Self:
+        """A copy with other values of some keys, or with further keys."""
+        return self | values
+
+    def __or__(self, values: Mapping[str, Any]) -> Self:
+        """As `changed`, from a mapping."""
+        return type(self).from_json({**vars(self), **values})
+
+    def table(self) -> dict[str, str]:
+        """Rows of the table on the terminal: texts by label. Keys that the record lacks have no row."""
+        known = keys_of(type(self))
+        texts = {known[name].label: _text(self, name, known[name]) for name in self.rows if name in self}
+        return {label: text for label, text in texts.items() if text is not None}
+
+    def __getitem__(self, name: str) -> Any:
+        return _plain(vars(self)[name])
+
+    def __iter__(self) -> Iterator[str]:
+        here = vars(self)
+        declared = [name for name in keys_of(type(self)) if name in here]
+        further = [name for name in here if name not in declared]
+        yield from (name for name in [*declared, *further] if name not in self.last)
+        yield from (name for name in self.last if name in here)
+
+    def __len__(self) -> int:
+        return len(vars(self))
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({', '.join(f'{name}={value!r}' for name, value in self.items())})"
+
+
+@cache
+def keys_of(record: type[Record]) -> dict[str, Key]:
+    """The declared keys of a class of records, in their order."""
+    return {each.name: each.metadata[_NAME] for each in fields(record)}  # type: ignore[arg-type]
+
+
+@cache
+def value_types(record: type[Record]) -> dict[str, Any]:
+    """The types of the values of a class of records, by key."""
+    return {name: kind for name, kind in get_type_hints(record).items() if name in keys_of(record)}
+
+
+@cache
+def _former_names(record: type[Record]) -> dict[str, str]:
+    return {former: name for name, each in keys_of(record).items() for former in each.formerly}
+
+
+def is_record(kind: Any) -> bool:
+    """Whether a type is a class of records."""
+    return isinstance(kind, type) and issubclass(kind, Record)
+
+
+def _typed(kind: Any, value: Any) -> Any:
+    """A value from a file, with records in place of tables; as it is if it does not fit the type."""
+    if isinstance(value, Record):
+        return value
+    if get_origin(kind) in (Union, UnionType):
+        kinds = [each for each in get_args(kind) if each is not type(None)]
+        records = [each for each in kinds if is_record(each)]
+        if records and isinstance(value, Mapping):
+            named = (each for each in records if each.model_name == value.get("model"))
+            return next(named, records[0]).from_json(value)
+        return _typed(kinds[0], value)
+    if is_record(kind):
+        return kind.from_json(value) if isinstance(value, Mapping) else value
+    if get_origin(kind) is list and isinstance(value, list | tuple):
+        return [_typed(get_args(kind)[0], each) for each in value]
+    if get_origin(kind) is dict and isinstance(value, Mapping):
+        return {name: _typed(get_args(kind)[1], each) for name, each in value.items()}
+    return value
+
+
+def _plain(value: Any) -> Any:
+    """A value with dictionaries in place of records."""
+    if isinstance(value, Record):
+        return dict(value)
+    if isinstance(value, Mapping) and any(isinstance(each, Record) for each in value.values()):
+        return {name: _plain(each) for name, each in value.items()}
+    if isinstance(value, list | tuple) and any(isinstance(each, Record) for each in value):
+        return [_plain(each) for each in value]
+    return value
+
+
+def _finite(value: Any) -> Any:
+    """Plain data with null in place of infinity and not-a-number, which JSON lacks."""
+    if isinstance(value, Mapping):
+        return {name: _finite(each) for name, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(each) for each in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _text(record: Record, name: str, key: Key) -> str | None:
+    if callable(key.show):
+        return key.show(record)
+    return key.if_null if record[name] is None else key.show.format_map(record)

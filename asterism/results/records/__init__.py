@@ -1,0 +1,1 @@
+"""The records of all results: one file for each kind of summary."""

@@ -1,0 +1,177 @@
+"""The summary of an exact shape."""
+
+from __future__ import annotations
+
+from asterism.results.record import ABSENT, Record, key
+from asterism.results.records.shape import ShapeRecord
+
+NO_MESH_ERROR = "not known, one mesh was solved"
+
+
+class ContactRecord(Record):
+    """Contact of the sheet with itself."""
+
+    begins_at_mm: float = key("Distance from which parts of the sheet repel each other.", unit="mm")
+    closest_possible_mm: float = key("Distance that the contact energy never lets two parts reach.", unit="mm")
+    least_distance_mm: float | None = key(
+        "Smallest distance of two parts that repel each other; null if there are none.", unit="mm"
+    )
+    pairs: int = key("Pairs of mesh entities that repel each other.")
+
+
+class LevelRecord(Record):
+    """The cost of one mesh of the sequence from coarse to fine."""
+
+    vertices: int = key("Vertices of the mesh.")
+    iterations: int = key("Newton iterations on this mesh.")
+    factorisations: int = key("Factorisations of the Hessian on this mesh.")
+    seconds: dict[str, float] = key("Wall time on this mesh by stage.", unit="s")
+
+
+class PathStepRecord(Record):
+    """One step of the continuation that leads to the shape."""
+
+    step: int = key("0 while the fabric is released; then the step of the pins that take hold.")
+    release: float = key("Part of the stretch that is released, from 0 to 1.")
+    moved: float = key("Part of their way that the pins of this step have gone, from 0 to 1.")
+    vertices: int = key("Vertices of the mesh.")
+    energy_n_mm: float = key("Energy at the end of the step.", unit="N mm")
+    iterations: int = key("Newton iterations of the step.")
+    kicks: int = key("Times that the path lost its stability and went on along the unstable direction.")
+
+
+class MinimumRecord(Record):
+    """One of the minima that the starts have reached. A single start records the first four keys it has."""
+
+    file: str = key("Name of the files of this minimum, without their ending.", default=ABSENT)
+    energy_n_mm: float = key("Energy of the minimum.", unit="N mm")
+    is_minimum: bool = key("The minimum is certified.", default=ABSENT)
+    stars_up: int = key("Stars that bump to the plastic side.")
+    stars_off_branch: int = key("Stars that are not on the side to which the design sends them.", default=ABSENT)
+    roll_axis_deg: float | None = key("Axis about which the sheet is rolled, on the print; null if not.", unit="deg")
+    starts: int = key("Starts that ended in this minimum.")
+    start_names: list[str] = key("Names of these starts.", default=ABSENT)
+    default: bool = key("The start that the design asks for ended in this minimum.", default=ABSENT)
+    distance_percent: float = key(
+        "Rms distance of the star centres from the first minimum, up to symmetries of the design, in percent of the "
+        "diameter.",
+        unit="%",
+        default=ABSENT,
+    )
+    smallest_eigenvalue: float = key("Smallest eigenvalue of the Hessian.", unit="N/mm", default=ABSENT)
+    vertices: int = key("Vertices of the mesh.", default=ABSENT)
+    carried: bool = key("The minimum of the coarse mesh was solved on the fine mesh too.", default=ABSENT)
+
+    def in_words(self) -> str:
+        """The row of this minimum in the table on the terminal."""
+        axis = "" if self.roll_axis_deg is None else f", rolled about {self.roll_axis_deg:.0f} deg"
+        away = f"{self.distance_percent:.1f} % away, " if self.distance_percent >= 0.05 else ""
+        return f"{self.energy_n_mm:.4f} N mm, {self.stars_up} up{axis}; {away}{self.starts} starts"
+
+
+def mesh_error_in_words(record: ExactRecord) -> str:
+    """What is known about the mesh error of an exact shape."""
+    percent, change = record.mesh_error_percent, record.get("mesh_change_percent")
+    if percent is not None:
+        return f"about {percent:.1f} % of the diameter"
+    if change is None:
+        return NO_MESH_ERROR
+    why = "the meshes agree too little" if record.creases_resolved else "the mesh does not resolve the creases"
+    return f"not known, {why}; {change:.1f} % of the diameter from the next coarser mesh"
+
+
+def _starts(record: ExactRecord) -> str | None:
+    lost = record.get("starts_lost", 0)
+    return f"{record.starts}, of which {lost} came to no equilibrium" if lost else None
+
+
+class ExactRecord(ShapeRecord):
+    """The summary of an exact shape.
+
+    Besides the declared keys, the parts of `energy_parts_n_mm` are keys of their own, such as `membrane`.
+    """
+
+    model_name = "exact"
+    rows = (
+        "stars_up",
+        "height_mm",
+        "extent_mm",
+        "contraction",
+        "roll_axis_deg",
+        "energy_n_mm",
+        "gradient_norm",
+        "smallest_eigenvalue",
+        "is_minimum",
+        "vertices",
+        "mesh_error_percent",
+        "iterations",
+        "starts_lost",
+    )
+
+    smallest_eigenvalue: float = key(
+        "Smallest eigenvalue of the Hessian in the coordinates mm and rad, without rigid motions.",
+        unit="N/mm",
+        label="smallest eigenvalue",
+        show="{smallest_eigenvalue:.3e} N/mm",
+    )
+    eigenvalue_error: float = key("Norm of the residual of that eigenvalue: a bound of its error.", unit="N/mm")
+    stars_total: int = key("Stars of the design.")
+    stars_up: int = key("Stars that bump to the plastic side.", label="stars", show="{stars_up} of {stars_total} up")
+    stars_down: list[int] = key("Numbers of the stars that bump to the other side.")
+    stars_off_branch: list[int] = key("Numbers of the stars that are not on the side to which the design sends them.")
+    edge_mm: float = key("Edge length of the mesh that the design asks for.", unit="mm")
+    self_contact: ContactRecord | None = key(
+        "Contact of the sheet with itself; null if the model ran without contact, so that parts may pass through each "
+        "other."
+    )
+    fabric_bending: str = key("Bending energy of the fabric: `paper`, `consistent` or `none`.")
+    fabric_bending_n_mm: float = key("Energy of the fabric's bending.", unit="N mm")
+    instabilities_passed: int = key("Times that the path to the shape lost its stability.")
+    backend: str = key("Linear solver.")
+    mesh_error_percent: float | None = key(
+        "Richardson's estimate of the rms distance to the shape on an infinitely fine mesh, in percent of the "
+        "diameter; null if no estimate is available.",
+        unit="%",
+        label="mesh error",
+        show=mesh_error_in_words,
+    )
+    mesh_error_order: float | None = key(
+        "Order p of an error proportional to edge^p, observed on the last three meshes; null with fewer meshes, or if "
+        "their shapes do not converge."
+    )
+    mesh_change_percent: float | None = key(
+        "Rms distance to the shape on the next coarser mesh, in percent of the diameter; null if one mesh was solved. "
+        "It is no bound of the error.",
+        unit="%",
+    )
+    crease_mm: float = key("Width of the creases beside the arms.", unit="mm")
+    edge_at_arms_mm: float = key("Height of the triangles beside the arms.", unit="mm")
+    creases_resolved: bool = key("The triangles beside the arms are less than 0.7 times as high as creases are wide.")
+    levels: list[LevelRecord] = key("Cost of each mesh, the coarsest first.")
+    starts: int = key("Starts that were tried.")
+    starts_lost: int = key("Starts that ended in no minimum.", label="starts", show=_starts, default=ABSENT)
+    result_is: str = key("Which of the minima is the result, and why.")
+    minima_seen: int = key("Distinct minima that were reached on any mesh.")
+    minima_not_carried: int = key("Minima among them that only the coarse mesh has seen.", default=ABSENT)
+    next_minimum_percent: float | None = key(
+        "How much higher the next minimum is, in percent of the energy without that of the weight; negative if a "
+        "minimum with stars off their branch is lower; null if there is no other minimum.",
+        unit="%",
+    )
+    next_minimum_n_mm: float | None = key("The same as an energy.", unit="N mm", default=ABSENT)
+    symmetries: int = key("Symmetries of the design, the identity included.", default=ABSENT)
+    minima: list[MinimumRecord] = key("The minima on the fine mesh. The first one is the result.")
+    minima_distance_percent: list[list[float]] = key(
+        "Distances between all minima on the fine mesh, in percent of the diameter.", unit="%", default=ABSENT
+    )
+    minima_coarse: list[MinimumRecord] = key(
+        "The minima on the coarse mesh. Energies of two meshes cannot be compared.", default=ABSENT
+    )
+    path: list[PathStepRecord] = key("The way to the shape, step by step.")
+
+    def table(self) -> dict[str, str]:
+        """Rows of the table on the terminal, with one for each minimum if several starts were tried."""
+        rows = super().table()
+        if self.get("starts", 1) > 1:
+            rows |= {f"minimum {number}": each.in_words() for number, each in enumerate(self.minima, 1)}
+        return rows

@@ -1,0 +1,137 @@
+"""The summary of a preview."""
+
+from __future__ import annotations
+
+from asterism.results.record import Record, key
+from asterism.results.records.shape import ShapeRecord
+
+
+class TrialRecord(Record):
+    """An initial guess that the search followed."""
+
+    name: str = key("Name of the initial guess.")
+    energy: float = key("Energy of the equilibrium that it led to.", unit="N mm")
+    is_minimum: bool = key("That equilibrium is stable.")
+    iterations: int = key("Newton iterations.")
+
+
+class OtherFormRecord(Record):
+    """A minimum of the homogenised sheet other than the one shown."""
+
+    start: str = key("Name of the initial guess that led to it.")
+    energy_n_mm: float = key("Its energy.", unit="N mm")
+    gap: float = key(
+        "Its energy less that of the form shown, as a part of the energy at stake, which is the sum of the absolute "
+        "values of all parts of the energy."
+    )
+    distance_percent: float = key(
+        "Rms distance of the star centres from the form shown, up to rigid motions and symmetries of the design, in "
+        "percent of the diameter.",
+        unit="%",
+    )
+
+
+class LawOriginRecord(Record):
+    """The law that the preview used."""
+
+    material: str = key("Name of the material.")
+    stretch: float = key("Stretch at which the law was computed.")
+    edge_mm: float = key("Edge length of the meshes of its unit cells.", unit="mm")
+    made_by: str | None = key("Command that made the law; null if the law's file does not name it.")
+
+
+class HeightDoubtsRecord(Record):
+    """What the estimated error of the height is computed from."""
+
+    height: float = key("Height of the preview.", unit="mm")
+    lowest: float = key("Distance of the lowest point from the smooth surface.", unit="mm")
+    softness: float = key("How far the energy of the sheet would part its highest from its lowest point.", unit="mm")
+    turning: float = key("Size of the bumps of stars that may turn over, rms over all stars.", unit="mm")
+
+
+def _law(record: PreviewRecord) -> str:
+    law = record.law
+    return f"{law.material}, stretch {law.stretch:g}, edges of {law.edge_mm:g} mm"
+
+
+class PreviewRecord(ShapeRecord):
+    """The summary of a preview."""
+
+    model_name = "preview"
+    rows = (
+        "stars",
+        "height_mm",
+        "extent_mm",
+        "contraction",
+        "roll_axis_deg",
+        "energy_n_mm",
+        "soft_modes_n_mm3",
+        "is_minimum",
+        "expected_rms_percent",
+        "law",
+        "shell_triangles",
+        "iterations",
+    )
+
+    soft_modes_n_mm3: list[float] = key(
+        "Smallest eigenvalues of the Hessian against the printed area: stiffnesses against the softest motions of the "
+        "sheet.",
+        unit="N/mm^3",
+        label="softest modes",
+        show=lambda record: ", ".join(f"{value:.1e}" for value in record.soft_modes_n_mm3) + " N/mm3",
+    )
+    soft_amplitudes_percent: list[float] = key(
+        "How far these motions would go with the energy of the sheet, rms, in percent of the diameter. "
+        "`expected_rms_percent` is computed from them.",
+        unit="%",
+    )
+    contrast_percent: float = key(
+        "Sensitivity to size-dependent strain error: how far, rms in percent of the diameter, a free sheet of unequal "
+        "stars would move if its contractions were wrong by as much as the sizes of its stars differ from the mean. 0 "
+        "for equal stars and for supported sheets.",
+        unit="%",
+    )
+    stars: int = key(
+        "Stars of the design.",
+        label="stars",
+        show=lambda record: (
+            f"{record.stars}, {len(record.stars_outside_law)} outside the law, {len(record.stars_tight)} curled tightly"
+        ),
+    )
+    equivalent_axes_deg: list[float] = key(
+        "Axes about which the sheet might as well have rolled by the symmetry of the design, its own axis among them.",
+        unit="deg",
+    )
+    side: str = key("Side to which the edges were asked to go: `auto`, `up` or `down`.")
+    start: str = key("Name of the initial guess that led to the shape.")
+    starts: list[TrialRecord] = key("All initial guesses that were followed.")
+    other_forms: list[OtherFormRecord] = key("Other minima that the search met, the lowest first.")
+    law: LawOriginRecord = key("The law that was used.", label="law", show=_law)
+    expected_rms_percent: float | None = key(
+        "Estimated error: rms distance from the exact shape in percent of the diameter, measured as a verification "
+        "does; null if no estimate is available. Over many designs it is a root mean square.",
+        unit="%",
+        label="expected distance",
+        show="{expected_rms_percent:.1f} % of the diameter",
+        if_null="not known",
+    )
+    expected_height_percent: float | None = key(
+        "Estimated error of the height, bumps included, in percent of it; null if no estimate is available.",
+        unit="%",
+    )
+    height_doubts_mm: HeightDoubtsRecord | None = key(
+        "What the estimated error of the height is computed from; null if it was not computed.", unit="mm"
+    )
+    law_in_range: bool = key("All stars are within the range of the law.")
+    stars_outside_law: list[str] = key("The stars outside the range of the law, with the reason, one sentence each.")
+    stars_tight: list[int] = key(
+        "Numbers of the stars that are not scale-separated: they curl to a radius below two thirds of their spacing."
+    )
+    stars_uneven: list[int] = key(
+        "Numbers of the strongly anisotropic stars: they curl far more in some directions than in others."
+    )
+    smoothing_mm: float = key("Width over which the properties of the stars are averaged.", unit="mm")
+    shell_triangles: int = key(
+        "Triangles of the mesh of the shell.", label="shell", show="{shell_triangles} triangles, {dofs} unknowns"
+    )
+    load_steps: int = key("Load steps that were needed; 0 if the full loads could be applied at once.")

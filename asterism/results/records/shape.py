@@ -1,0 +1,97 @@
+"""What the summaries of an exact shape and of a preview have in common."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from asterism.results.record import Record, key
+from asterism.results.words import direction, extent, height_error, roll
+
+
+def _height(record: ShapeRecord) -> str:
+    error = record.get("expected_height_percent")
+    doubt = "" if error is None else f", give or take {height_error(error, record.height_mm)}"
+    return f"{record.height_mm:.2f} mm{doubt}"
+
+
+def _rolled(record: ShapeRecord) -> str:
+    text, axis = roll(record.roll_axis_deg, record.get("roll_radius_mm")), record.roll_axis_deg
+    equivalent = record.get("equivalent_axes_deg", []) if axis is not None else []
+    others = [direction(each) for each in equivalent if 1.0 < abs(each - axis) < 179.0]
+    return text + (f"; or {', '.join(others)} deg" if others else "")
+
+
+class ShapeRecord(Record):
+    """The summary of a shape, whichever model computed it."""
+
+    last = ("warnings", "version", "design")
+
+    model: str = key("Which model computed the shape: `exact` or `preview`.")
+    converged: bool = key("The norm of the gradient is below its tolerance.")
+    is_minimum: bool = key(
+        "The shape is certified: it has converged, and its energy grows in every direction.",
+        label="equilibrium",
+        show=lambda record: "stable" if record.is_minimum else "no",
+    )
+    gradient_norm: float = key(
+        "2-norm of the gradient of the energy over the free unknowns.",
+        unit="N",
+        label="gradient",
+        show="{gradient_norm:.1e} N",
+    )
+    gradient_tolerance: float = key("Largest norm of the gradient that counts as converged.", unit="N")
+    energy_n_mm: float = key(
+        "Energy of the shape, in a preview of the homogenised sheet.",
+        unit="N mm",
+        label="energy",
+        show="{energy_n_mm:.4f} N mm",
+    )
+    energy_parts_n_mm: dict[str, float] = key("The parts of the energy by name. Their sum is the energy.", unit="N mm")
+    roll_axis_deg: float | None = key(
+        "Axis about which the sheet is rolled, on the print, from the x axis; null if the sheet is not rolled.",
+        unit="deg",
+        label="rolled about",
+        show=_rolled,
+    )
+    roll_radius_mm: float | None = key(
+        "Radius of the circular cylinder nearest to the mean surface at the star centres; null if the sheet is not "
+        "rolled, or if a plane is nearly as close.",
+        unit="mm",
+    )
+    vertices: int = key("Vertices of the mesh that the files hold.", label="mesh", show="{vertices} vertices, {mesh}")
+    triangles: int = key("Triangles of that mesh.")
+    mesh: str = key("Kind of that mesh: `aligned` with the arms, or `free`.")
+    dofs: int = key("Unknowns of the model that are not held.")
+    iterations: int = key(
+        "Newton iterations in all.",
+        label="work",
+        show="{iterations} iterations, {factorisations} factorisations, {wall_s:.2f} s",
+    )
+    factorisations: int = key("Factorisations of the Hessian in all.")
+    saddles_left: int = key("Saddle points at which the search left along a direction of negative curvature.")
+    wall_s: float = key("Wall time.", unit="s")
+    wall_s_by_stage: dict[str, float] = key("Wall time of each stage by name.", unit="s")
+    height_mm: float = key(
+        "Extent along z. A free sheet lies on its principal axes, so that this is its smallest extent.",
+        unit="mm",
+        label="height",
+        show=_height,
+    )
+    extent_mm: list[float] = key(
+        "Sizes of the box around the sheet: of a supported sheet along x, y and z; of a free sheet along its principal "
+        "axes, the largest first.",
+        unit="mm",
+        label="extent",
+        show=lambda record: extent(record.extent_mm),
+    )
+    contraction: float | None = key(
+        "Mean distance of neighbouring star centres over the printed distance; null for a single star.",
+        label="contraction",
+        show="{contraction:.4f}",
+    )
+    self_intersections: int = key(
+        "Pairs of triangles that pass through each other. Anything but 0 means that the sheet passes through itself."
+    )
+    warnings: list[str] = key("What to know before you trust the shape, one sentence each.", default_factory=list)
+    version: str = key("Version of asterism.")
+    design: dict[str, Any] = key("The design with all defaults, as in a design file.")

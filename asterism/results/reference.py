@@ -1,0 +1,86 @@
+"""The reference of all keys of all summaries, as Markdown: `python -m asterism.results.reference`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from types import NoneType, UnionType
+from typing import Any, Union, get_args, get_origin
+
+from asterism.results.record import Record, is_record, keys_of, value_types
+from asterism.results.records.exact import ExactRecord
+from asterism.results.records.preview import PreviewRecord
+
+# what the page is about, and the text above its table
+SUMMARIES: dict[type[Record], tuple[str, str]] = {
+    ExactRecord: ("Exact shape", "`summary.json` of `asterism simulate`, and `shape.summary` of `asterism.simulate`."),
+    PreviewRecord: ("Preview", "`summary.json` of `asterism preview`, and `shape.summary` of `asterism.preview`."),
+}
+_NAMES = {str: "text", int: "integer", float: "number", bool: "true or false", NoneType: "null", Any: "any"}
+
+
+def reference() -> str:
+    """The whole page."""
+    parts = ["# Keys of all summaries", "A missing unit means that the value has none."]
+    for record, (title, text) in SUMMARIES.items():
+        parts += [f"## {title}", text, _table(record)]
+        for inner in _inner_records(record):
+            if inner not in SUMMARIES:
+                parts += [f"### {_name(inner)}", _first_line(inner), _table(inner)]
+    return "\n\n".join(parts) + "\n"
+
+
+def all_records() -> list[type[Record]]:
+    """All classes of records, each one once."""
+    return list(dict.fromkeys(each for record in SUMMARIES for each in (record, *_inner_records(record))))
+
+
+def _table(record: type[Record]) -> str:
+    types = value_types(record)
+    lines = ["| key | unit | type | meaning |", "|---|---|---|---|"]
+    for name, key in keys_of(record).items():
+        kind = _in_words(types[name]) + ("" if key.is_required else ", optional")
+        lines.append(f"| `{name}` | {key.unit} | {kind} | {key.meaning} |")
+    return "\n".join(lines)
+
+
+def _inner_records(record: type[Record]) -> Iterator[type[Record]]:
+    """The records within a record, at any depth, each one once."""
+    seen: dict[type[Record], None] = {}
+
+    def visit(kind: Any) -> None:
+        if is_record(kind):
+            if kind not in seen:
+                seen[kind] = None
+                for each in value_types(kind).values():
+                    visit(each)
+        else:
+            for each in get_args(kind):
+                visit(each)
+
+    for kind in value_types(record).values():
+        visit(kind)
+    yield from seen
+
+
+def _in_words(kind: Any) -> str:
+    if get_origin(kind) in (Union, UnionType):
+        return " or ".join(map(_in_words, get_args(kind)))
+    if get_origin(kind) is list:
+        return f"list of {_in_words(get_args(kind)[0])}"
+    if get_origin(kind) is dict:
+        return f"table of {_in_words(get_args(kind)[1])}"
+    return f"[{_name(kind)}](#{_name(kind).replace(' ', '-')})" if is_record(kind) else _NAMES.get(kind, str(kind))
+
+
+def _name(record: type[Record]) -> str:
+    """The name of a class of records in small letters: `path step record`."""
+    name = "".join(f" {letter.lower()}" if letter.isupper() else letter for letter in record.__name__)
+    return name.strip()
+
+
+def _first_line(record: type[Record]) -> str:
+    return (record.__doc__ or "").strip().split("\n")[0]
+
+
+if __name__ == "__main__":
+    print(reference(), end="")

@@ -1,0 +1,79 @@
+"""Numbers in words, for tables, warnings and reports."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+MAX_NAMED_STARS = 8
+TABLE_COLUMN = 20  # characters of a label
+
+
+def table_lines(rows: dict[str, str], column: int = TABLE_COLUMN) -> list[str]:
+    """The rows of a table as lines of text."""
+    return [f"  {label:<{column}} {text}" for label, text in rows.items()]
+
+
+def star_numbers(stars: Sequence[int]) -> str:
+    """The numbers of stars; of many, the first ones.
+
+    >>> star_numbers([3]), star_numbers([3, 5])
+    ('star 3', 'stars 3, 5')
+    """
+    numbers = ", ".join(map(str, stars[:MAX_NAMED_STARS])) + (", ..." if len(stars) > MAX_NAMED_STARS else "")
+    return f"star{'s' if len(stars) > 1 else ''} {numbers}"
+
+
+def direction(axis_deg: float) -> str:
+    """A direction on the print in whole degrees from 0 to 179; 180 deg is the same direction as 0.
+
+    >>> direction(179.8)
+    '0'
+    """
+    return str(round(axis_deg) % 180)
+
+
+def roll(axis_deg: float | None, radius_mm: float | None) -> str:
+    """The axis and the radius of a rolled sheet; a dash if the sheet is not rolled.
+
+    >>> roll(30.2, 34.56), roll(30.2, None), roll(None, None)
+    ('30 deg, radius 34.6 mm', '30 deg', '-')
+    """
+    if axis_deg is None:
+        return "-"
+    return f"{direction(axis_deg)} deg" + ("" if radius_mm is None else f", radius {radius_mm:.1f} mm")
+
+
+def extent(sizes_mm: Sequence[float]) -> str:
+    """The sizes of a box.
+
+    >>> extent([20.04, 18.55, 7.0])
+    '20.0 x 18.6 x 7.0 mm'
+    """
+    return " x ".join(f"{size:.1f}" for size in sizes_mm) + " mm"
+
+
+def height_error(percent: float, height_mm: float) -> str:
+    """An error of a height in percent of it; in mm if the error is larger than the height.
+
+    >>> height_error(11.3, 7.0), height_error(150.0, 2.0)
+    ('11 %', '3.0 mm')
+    """
+    return f"{percent:.0f} %" if percent <= 100.0 else f"{percent / 100.0 * height_mm:.1f} mm"
+
+
+def small_percent(percent: float) -> str:
+    """A difference in percent with one digit; below 0.01 % only the bound is stated.
+
+    >>> small_percent(0.3), small_percent(0.0247), small_percent(1e-5)
+    ('0.3 %', '0.02 %', 'below 0.01 %')
+    """
+    return "below 0.01 %" if percent < 0.01 else f"{percent:.1g} %"
+
+
+def times(ratio: float) -> str:
+    """A ratio of two durations; from 10 on as a whole number.
+
+    >>> times(12.34), times(2.345)
+    ('12', '2.3')
+    """
+    return f"{ratio:.0f}" if ratio >= 10.0 else f"{ratio:.2g}"
