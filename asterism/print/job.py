@@ -197,6 +197,10 @@ def prepare(
     ):
         if value is not None and not limits[0] <= value <= limits[1]:
             raise DesignError(option, f"must be from {limits[0]:g} to {limits[1]:g}", value)
+    released_mm = design.fabric.thickness_mm
+    if fabric_mm is not None and fabric_mm > released_mm:
+        problem = f"must be at most {released_mm:g} mm, the thickness of the released fabric: stretching thins it"
+        raise DesignError("--fabric", problem, fabric_mm)
     drawn_plan = layout(design)
     rounding = choose_rounding(drawn_plan, printer)
     rounded = with_rounding(design, rounding)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
 from asterism.print import instructions, sheets
-from asterism.print.formats import dxf, glb, icesl, needle_table, obj, openscad, pdf, stl, svg, threemf
+from asterism.print.formats.registry import Kind, export_formats, write_all
 from asterism.print.job import Job
 from asterism.print.rounded import better_layers, tiny_stars
 from asterism.results.files import EXPORT as SUMMARY
@@ -18,10 +19,14 @@ from pattern.design.design import save_design
 
 # not summary.json: an export may go into the directory of a simulation
 ROUNDED = "rounded.toml"
-# files that not every export writes: those of an earlier one would be taken for this one's
-NOT_ALWAYS = r"border\.stl|needles\.(csv|dxf|svg)|shape\.(obj|stl|glb)"
-# these may be a simulation's
-ALSO_RESULTS = r"|(shape|rods)\.vtu"
+# files that only some exports write: an earlier export's would be taken for this one's
+OPTIONAL_FILES: dict[str, tuple[Kind, ...]] = {
+    "border": ("solid",),
+    "needles": ("table", "drawing"),
+    "shape": ("shape",),
+}
+# optional files that may also belong to a simulation
+SHARED_FILES = r"(shape|rods)\.vtu"
 
 
 def write_export(job: Job, directory: str | Path, change: dict[str, Any] | None = None) -> dict[str, Any]:
@@ -37,18 +42,14 @@ def write_export(job: Job, directory: str | Path, change: dict[str, Any] | None 
         The files cannot be written there.
     """
     tiny = tiny_stars(job.plan, job.plastic.tiny_arm_mm)
-    stale = None  # in a folder without an export everything is somebody's own
-    if (Path(directory) / SUMMARY).is_file():
-        stale = NOT_ALWAYS if holds_result(directory) else NOT_ALWAYS + ALSO_RESULTS
-    with staged(directory, stale=stale) as folder:
+    with staged(directory, stale=stale_files(directory)) as folder:
         for solid in job.solids:
-            stl.write(folder / f"{solid.name}.stl", solid.points, solid.triangles)
-        threemf.write(folder / "print.3mf", job.solids, job.design.name)
-        openscad.write(folder / "stars.scad", job)
-        icesl.write(folder / "stars.lua", job)
+            write_all("solid", folder, solid.name, solid)
+        write_all("print", folder, "print", job.solids, job.design.name)
+        write_all("script", folder, "stars", job)
         _write_sheets(job, folder)
         parts = instructions.chapters(job, job.cost, tiny)
-        pdf.write(folder / "instructions.pdf", instructions.as_pages(job, parts))
+        write_all("pages", folder, "instructions", instructions.as_pages(job, parts))
         (folder / "instructions.txt").write_text(instructions.as_text(job, parts), encoding="utf-8", newline="\n")
         (folder / "start.gcode").write_text(job.start_code, encoding="utf-8", newline="\n")
         save_design(job.design, folder / ROUNDED)
@@ -60,11 +61,35 @@ def write_export(job: Job, directory: str | Path, change: dict[str, Any] | None 
     return summary
 
 
+def stale_files(directory: str | Path) -> str | None:
+    """Pattern of the files of an earlier export that this export replaces or removes; None without one.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from asterism.print.write import stale_files
+    >>> folder = Path(tempfile.mkdtemp())
+    >>> stale_files(folder) is None
+    True
+    >>> _ = (folder / "export.json").write_text("{}")
+    >>> "shape.obj" in (stale_files(folder) or "").replace(chr(92), "")
+    True
+    """
+    if not (Path(directory) / SUMMARY).is_file():
+        return None
+    names = [
+        re.escape(f"{stem}{found.suffix}")
+        for stem, kinds in OPTIONAL_FILES.items()
+        for kind in kinds
+        for found in export_formats(kind)
+    ]
+    return "|".join(names if holds_result(directory) else [*names, SHARED_FILES])
+
+
 def write_shape_files(shape: Shape, name: str, folder: Path) -> None:
-    """The sheet in space as OBJ, STL, GLB and VTU."""
-    obj.write(folder / "shape.obj", shape.positions, shape.triangles)
-    stl.write(folder / "shape.stl", shape.positions, shape.triangles)
-    glb.write(folder / "shape.glb", shape, name)
+    """Write the sheet in space in all formats of a shape, and as VTU with its arms."""
+    write_all("shape", folder, "shape", shape, name)
     write_shape_vtu(shape, folder / "shape.vtu")
     if shape.rods:
         write_rods_vtu(shape, folder / "rods.vtu")
@@ -73,15 +98,13 @@ def write_shape_files(shape: Shape, name: str, folder: Path) -> None:
 def _write_sheets(job: Job, folder: Path) -> None:
     layout, template = sheets.layout_sheet(job), sheets.needle_sheet(job)
     pages = [layout, sheets.stretch_sheet(job)]
-    svg.write(folder / "layout.svg", layout)
-    dxf.write(folder / "layout.dxf", layout)
+    write_all("drawing", folder, "layout", layout)
     if template is not None:
         pages.append(template)
-        svg.write(folder / "needles.svg", template)
-        dxf.write(folder / "needles.dxf", template)
+        write_all("drawing", folder, "needles", template)
     if job.needles:
-        needle_table.write(folder / "needles.csv", job.needles)
-    pdf.write(folder / "layout.pdf", pages)
+        write_all("table", folder, "needles", job.needles)
+    write_all("pages", folder, "layout", pages)
 
 
 def _summary(job: Job, tiny: list[dict[str, Any]], change: dict[str, Any] | None) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from asterism.print.drawing import Circle, Drawing, Polyline
+from asterism.print.formats.registry import export_format
 
 # DXF gives the height of capitals, other formats that of the font
 _CAPITALS = 0.72
@@ -17,6 +18,7 @@ _DARK = 0.3
 _ONE_AT_A_TIME = threading.Lock()
 
 
+@export_format("DXF", ".dxf", "drawing")
 def write(path: Path, drawing: Drawing) -> None:
     """Write a drawing in the format of AutoCAD 2010; the same drawing is the same file, byte for byte."""
     with _without_dates():

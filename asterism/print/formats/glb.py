@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from asterism import __version__
+from asterism.print.formats.registry import export_format
 from asterism.shape.shape import Shape
 from pattern.geometry.normals import vertex_normals
 
@@ -22,6 +23,7 @@ _TO_METRES = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]) * 1e
 _CREAM = [0.96, 0.90, 0.78, 1.0]
 
 
+@export_format("GLB", ".glb", "shape")
 def write(path: Path, shape: Shape, name: str) -> None:
     """Write the sheet, in metres with y upwards as the format demands."""
     points = np.asarray(shape.positions @ _TO_METRES.T, dtype="<f4")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from asterism.print.formats.registry import export_format
 from asterism.print.formats.star_table import HEADING, number, star_table
 from asterism.print.job import Job
 from pattern.design.errors import one_line
@@ -44,6 +45,7 @@ end
 """
 
 
+@export_format("IceSL", ".lua", "script")
 def write(path: Path, job: Job) -> None:
     """Write the stars of a job in the printer's coordinates."""
     lines = [f"-- {one_line(job.design.name)}: stars for the {one_line(job.printer.name)}, in mm", f"-- {HEADING}", ""]

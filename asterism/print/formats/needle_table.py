@@ -6,11 +6,13 @@ import csv
 import math
 from pathlib import Path
 
+from asterism.print.formats.registry import export_format
 from asterism.print.needles import Needle
 
 NEEDLE_COLUMNS = ("number", "printed_x_mm", "printed_y_mm", "x_mm", "y_mm", "z_mm", "slides", "step")
 
 
+@export_format("CSV", ".csv", "table")
 def write(path: Path, needles: tuple[Needle, ...]) -> None:
     """Write needles, a line each; places in space that are not known are empty."""
     with path.open("w", encoding="utf-8", newline="") as stream:

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
+from asterism.print.formats.registry import export_format
+from asterism.shape.shape import Shape
 from pattern.geometry.arrays import Floats, Ints
 
 
@@ -15,3 +17,9 @@ def write(path: Path, points: Floats, triangles: Ints) -> None:
         stream.write("# unit: mm\n")
         np.savetxt(stream, points, "v %.6f %.6f %.6f")
         np.savetxt(stream, triangles + 1, "f %d %d %d")
+
+
+@export_format("OBJ", ".obj", "shape")
+def write_shape(path: Path, shape: Shape, name: str) -> None:
+    """Write the sheet in space; the format has no place for its name."""
+    write(path, shape.positions, shape.triangles)

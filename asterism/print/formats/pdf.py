@@ -18,6 +18,7 @@ from matplotlib.patheffects import Stroke
 from matplotlib.transforms import Affine2D, Transform
 
 from asterism.print.drawing import Circle, Drawing, Label, Polyline
+from asterism.print.formats.registry import export_format
 from asterism.print.layers import NEEDLES
 from pattern.geometry.arrays import Floats
 
@@ -26,6 +27,7 @@ _HALO_MM = 1.0  # width of the white line around a number
 _POINTS = 72 / _INCH
 
 
+@export_format("PDF", ".pdf", "pages")
 def write(path: Path, drawings: Sequence[Drawing]) -> None:
     """Write drawings as pages, without a date; signs that the font lacks are boxes."""
     with (

@@ -7,6 +7,9 @@ from pathlib import Path
 import meshio
 import numpy as np
 
+from asterism.print.formats.registry import export_format
+from asterism.print.solid import Solid
+from asterism.shape.shape import Shape
 from pattern.geometry.arrays import Floats, Ints
 
 
@@ -20,3 +23,15 @@ def write(path: Path, points: Floats, triangles: Ints) -> None:
     mesh = meshio.Mesh(points, [("triangle", triangles)], cell_data={"facet_normals": [normals]})
     # the format's own writer: the general one reports its choices on the terminal
     meshio.stl.write(str(path), mesh, binary=True)
+
+
+@export_format("STL", ".stl", "solid")
+def write_solid(path: Path, solid: Solid) -> None:
+    """Write a solid."""
+    write(path, solid.points, solid.triangles)
+
+
+@export_format("STL", ".stl", "shape")
+def write_shape(path: Path, shape: Shape, name: str) -> None:
+    """Write the sheet in space; the format has no place for its name."""
+    write(path, shape.positions, shape.triangles)

@@ -11,6 +11,7 @@ from xml.etree import ElementTree as xml
 import numpy as np
 
 from asterism.print.drawing import Circle, Drawing, DrawingLayer, Label, Polyline
+from asterism.print.formats.registry import export_format
 from pattern.geometry.arrays import Floats
 
 _SVG = "http://www.w3.org/2000/svg"
@@ -18,6 +19,7 @@ _INKSCAPE = "http://www.inkscape.org/namespaces/inkscape"
 _ANCHOR = {"left": "start", "middle": "middle"}
 
 
+@export_format("SVG", ".svg", "drawing")
 def write(path: Path, drawing: Drawing) -> None:
     """Write a drawing; coordinates to a tenth of a micrometre."""
     width, height = (_number(side) for side in drawing.size_mm)

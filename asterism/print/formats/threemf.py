@@ -13,6 +13,7 @@ from xml.etree import ElementTree as xml
 
 import numpy as np
 
+from asterism.print.formats.registry import export_format
 from asterism.print.solid import Solid
 
 _CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
@@ -23,6 +24,7 @@ _MODEL = "3D/3dmodel.model"
 _LONG_AGO = (1980, 1, 1, 0, 0, 0)
 
 
+@export_format("3MF", ".3mf", "print")
 def write(path: Path, solids: Sequence[Solid], title: str) -> None:
     """Write solids as objects of one print; coordinates to a tenth of a micrometre."""
     files = {

@@ -1,0 +1,71 @@
+"""The registry of export formats: a format is one module in this folder, whose function carries the decorator."""
+
+from __future__ import annotations
+
+import pkgutil
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any, Literal, TypeVar
+
+Kind = Literal["solid", "print", "drawing", "pages", "table", "script", "shape"]
+Writer = TypeVar("Writer", bound=Callable[..., None])
+
+
+@dataclass(frozen=True)
+class ExportFormat:
+    """A file format.
+
+    Attributes
+    ----------
+    name : name in messages.
+    suffix : end of its file names, with the point.
+    kind : content of a file: one `solid`, all solids of a `print`, one `drawing`, drawings as `pages`, the needles as a
+        `table`, the stars as a `script`, or the sheet in space as a `shape`.
+    write : function that writes one file.
+    """
+
+    name: str
+    suffix: str
+    kind: Kind
+    write: Callable[..., None]
+
+
+_FORMATS: list[ExportFormat] = []
+
+
+def export_format(name: str, suffix: str, *kinds: Kind) -> Callable[[Writer], Writer]:
+    """Register the decorated function as the writer of a format.
+
+    The function takes the path, and by its kind: a `Solid`; solids and a title (print); a `Drawing`; drawings (pages);
+    needles (table); a `Job` (script); or a `Shape` and the design's name.
+    """
+
+    def register(write: Writer) -> Writer:
+        _FORMATS.extend(ExportFormat(name, suffix, kind, write) for kind in kinds)
+        return write
+
+    return register
+
+
+def export_formats(kind: Kind) -> list[ExportFormat]:
+    """The registered formats of a kind, in the order of their suffixes.
+
+    Examples
+    --------
+    >>> from asterism.print.formats.registry import export_formats
+    >>> [found.suffix for found in export_formats("shape")]
+    ['.glb', '.obj', '.stl']
+    """
+    import asterism.print.formats as package
+
+    for module in pkgutil.iter_modules(package.__path__):
+        import_module(f"{package.__name__}.{module.name}")
+    return sorted((found for found in _FORMATS if found.kind == kind), key=lambda found: found.suffix)
+
+
+def write_all(kind: Kind, folder: Path, stem: str, *content: Any) -> None:
+    """Write one file in each format of a kind."""
+    for found in export_formats(kind):
+        found.write(folder / f"{stem}{found.suffix}", *content)
