@@ -21,9 +21,10 @@ from benchmarks.report import markdown, write_report
 from discrete.model.model import Model
 from discrete.release.prolongation import prolonged
 from discrete.release.solve import relax
-from equilibrium.linear.factor import Iterative, make_factor
+from equilibrium.linear.backends import make_factor
+from equilibrium.linear.factor import IterativeFactor
 from equilibrium.linear.rigid_support import stiffen
-from equilibrium.newton.minimise import LEAST
+from equilibrium.newton.regularisation import CONVEX_STIFFNESS_FRACTION
 from pattern import gallery
 from pattern.design.design import Design
 from pattern.layout.build import layout
@@ -68,17 +69,17 @@ def system(divisions: int, backend: str) -> dict[str, Any]:
     data = model.hessian(state, 1.0)
     hessian_s = time.perf_counter() - begun
     diagonal = model.pattern.diagonal
-    data[diagonal] += LEAST * np.median(data[diagonal])
+    data[diagonal] += CONVEX_STIFFNESS_FRACTION * np.median(data[diagonal])
     stiffen(model.pattern, data, model.support(state))
     b = model.gradient(state)
     before = memory_mb("VmRSS", reset=True)
     begun = time.perf_counter()
     factor = make_factor(model.pattern, backend)
-    if isinstance(factor, Iterative):
-        factor.near_nullspace(*model.near_nullspace(state))
+    if isinstance(factor, IterativeFactor):
+        factor.set_near_nullspace(*model.near_nullspace(state))
     accepted = factor.factorise(data)
     prepared = time.perf_counter()
-    x = factor.solve(b, TOLERANCE) if isinstance(factor, Iterative) else factor.solve(b)
+    x = factor.solve(b, TOLERANCE) if isinstance(factor, IterativeFactor) else factor.solve(b)
     done = time.perf_counter()
     return {
         "vertices": model.n_vertices,

@@ -1,1 +1,1 @@
-"""Sparse factorisation and Newton, shared by the exact model and the shell."""
+"""Sparse factorisations and Newton's method, shared by the exact model and the shell."""

@@ -1,4 +1,4 @@
-"""Compiled loops where numba is there, plain Python where it is not."""
+"""Compiled loops where numba is installed, plain Python otherwise."""
 
 from __future__ import annotations
 
@@ -12,39 +12,39 @@ try:
     from numba.extending import register_jitable
 
     HAVE_NUMBA = True
-except ImportError:  # numba lags behind new Pythons: everything still runs, slower
+except ImportError:  # numba supports new versions of Python late; everything runs without it, but slower
     HAVE_NUMBA = False
 
 
 def formula(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Mark a function of one element: callable from Python as it is, and from compiled loops."""
+    """Mark a function of one element: plain Python calls it unchanged, and compiled loops call it as well."""
     return register_jitable(function) if HAVE_NUMBA else function
 
 
 def loop(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile a loop over elements; the machine code is kept on disk between runs.
+    """Compile a loop over elements, and cache its machine code on disk between runs.
 
-    numba looks at the file of the loop alone to see whether its machine code is stale. The formulas of a loop may be in
-    other files, so it is kept in a folder whose name changes with all of them.
+    numba checks only the file of the loop to see whether the machine code is stale. The formulas that the loop calls
+    may be in other files, so the name of the cache folder is a digest of all files with formulas.
     """
     if not HAVE_NUMBA:
         return function
     folder = Path(function.__code__.co_filename).parent / "__pycache__" / f"formulas-{_digest(function)}"
-    usual = config.CACHE_DIR  # type: ignore[attr-defined]
+    default_folder = config.CACHE_DIR  # type: ignore[attr-defined]
     try:
         folder.mkdir(parents=True, exist_ok=True)
         config.CACHE_DIR = str(folder)  # type: ignore[attr-defined]
-    except OSError:  # installed where only an administrator may write: numba finds another place
+    except OSError:  # an installation without write permission: numba chooses another folder
         pass
     try:
-        # numpy's error model: a division by zero in a collapsed triangle is an infinite energy, as it is without numba
+        # numpy's error model: a division by zero (a collapsed triangle) is an infinite energy, as in plain numpy
         return njit(cache=True, nogil=True, error_model="numpy")(function)
     finally:
-        config.CACHE_DIR = usual  # type: ignore[attr-defined]
+        config.CACHE_DIR = default_folder  # type: ignore[attr-defined]
 
 
 def _digest(function: Callable[..., Any]) -> str:
-    """Of every file with formulas that the function's package may use."""
+    """Digest of all files with formulas that the function may call: those of its top-level package and of this one."""
     file, depth = Path(function.__code__.co_filename), function.__module__.count(".")
     package = file.parents[max(depth - 1, 0)]
     files = sorted({*package.rglob("*.py"), *Path(__file__).parent.rglob("*.py")})

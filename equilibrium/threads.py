@@ -1,7 +1,7 @@
-"""One thread for the dense algebra of numpy and scipy; sparse factorisations keep theirs.
+"""One thread for the dense linear algebra of numpy and scipy; sparse factorisations keep their threads.
 
-Their OpenBLAS wakes all its threads for matrices of two by two (a triangle's barycentric coordinates), and where other
-programs use the processor too, each such call waits for its turn: milliseconds become seconds.
+OpenBLAS starts all its threads even for 2 x 2 matrices, such as a triangle's barycentric coordinates. On a processor
+that other programs use as well, each such call waits for all threads, and milliseconds become seconds.
 """
 
 from __future__ import annotations
@@ -15,39 +15,40 @@ from typing import Any
 from threadpoolctl import ThreadpoolController
 
 
-class _Within:
-    """How many are within `one_blas_thread`, and what brings the threads back."""
+class _Nesting:
+    """Number of active `one_blas_thread` contexts, and the limit that the last one lifts."""
 
     lock = Lock()
     count = 0
     limit: Any = None
 
 
-_within = _Within()
+_nesting = _Nesting()
 
 
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
-    """Within it, and as a decorator, OpenBLAS works alone; when the last one is left it has the threads it had.
+    """Limit OpenBLAS to one thread; a context manager and a decorator.
 
-    The number of threads is the process's: where several Python threads are within, the first one in takes it down.
+    The number of threads belongs to the process. The first Python thread that enters sets the limit, and the last one
+    that leaves restores the former number.
     """
-    with _within.lock:
-        _within.count += 1
-        if _within.count == 1:
-            _within.limit = _openblas().limit(limits=1)
+    with _nesting.lock:
+        _nesting.count += 1
+        if _nesting.count == 1:
+            _nesting.limit = _openblas().limit(limits=1)
     try:
         yield
     finally:
-        with _within.lock:
-            _within.count -= 1
-            if _within.count == 0:
-                _within.limit.restore_original_limits()
+        with _nesting.lock:
+            _nesting.count -= 1
+            if _nesting.count == 0:
+                _nesting.limit.restore_original_limits()
 
 
 @cache
 def _openblas() -> ThreadpoolController:
-    """The copies of OpenBLAS in this process; to find them takes milliseconds, so it is done once both are there."""
-    import scipy.linalg  # noqa: F401 (brings a copy of its own beside numpy's)
+    """The copies of OpenBLAS in this process, searched once (it takes milliseconds), after both are loaded."""
+    import scipy.linalg  # noqa: F401 (scipy loads its own copy, numpy another)
 
     return ThreadpoolController().select(internal_api="openblas")

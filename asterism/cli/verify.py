@@ -38,7 +38,7 @@ def verify(
     from asterism.laws.own_law import law_for
     from asterism.reports.verification_files import write_verification
     from asterism.verification.run import verify as compute
-    from equilibrium.linear.factor import check_backend
+    from equilibrium.linear.backends import check_backend
 
     chosen = with_overrides(
         read_design(design, material),

@@ -29,7 +29,7 @@ from discrete.model.model import Model
 from discrete.release.branches import find_minima, stars_off_branch
 from discrete.release.levels import Level, find_equilibrium
 from discrete.release.walk import Report
-from equilibrium.linear.factor import check_backend
+from equilibrium.linear.backends import check_backend
 from equilibrium.threads import one_blas_thread
 from pattern.design.design import Design
 from pattern.design.section import is_whole

@@ -27,7 +27,7 @@ from asterism.previews.surface.surface import Lens, Places, shape_of
 from asterism.previews.uncertainty.estimate import estimate_error
 from asterism.results.records.preview import PreviewRecord
 from asterism.shape.shape import Shape
-from equilibrium.newton.minimise import Clock
+from equilibrium.clock import Clock
 from equilibrium.threads import one_blas_thread
 from fem.elements.tabulation import Floats
 from fem.search.evidence import ShellEquilibrium

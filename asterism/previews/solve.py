@@ -15,7 +15,7 @@ from asterism.previews.search.find_equilibrium import SheetTraits, find_equilibr
 from asterism.previews.sheet import Sheet
 from asterism.previews.state import PreviewState
 from asterism.previews.surface.surface import Lens, ShownSheet, shown_mesh
-from equilibrium.newton.minimise import Clock
+from equilibrium.clock import Clock
 from fem.search.evidence import ShellEquilibrium
 from fem.search.linear_response import Response, linear_response
 from fem.search.relax import energies_by_part, factorise, follow, softest_modes

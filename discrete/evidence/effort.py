@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from equilibrium.newton.minimise import Clock, Minimum
+from equilibrium.clock import Clock
+from equilibrium.newton.minimise import NewtonResult
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ class Effort:
     clock: Clock = field(default_factory=Clock)
     path: list[PathStep] = field(default_factory=list)
 
-    def add(self, result: Minimum) -> None:
+    def add(self, result: NewtonResult) -> None:
         """Count what a minimisation took."""
         self.iterations += result.iterations
         self.factorisations += result.factorisations

@@ -10,9 +10,9 @@ from discrete.energies.contact import Contact
 from discrete.energies.elements import Array
 from discrete.model.model import Model
 from discrete.model.state import State, carried
-from equilibrium.linear.extended_pattern import ExtendedPattern, entry_keys, united
+from equilibrium.linear.extended_pattern import ExtendedPattern, entry_keys, sorted_union
 from equilibrium.linear.factor import Factor
-from equilibrium.linear.following_factor import FollowingFactor
+from equilibrium.linear.reanalysing_factor import ReanalysingFactor
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
 from pattern.geometry.rigid_fit import rigid_fit
@@ -56,7 +56,7 @@ class ContactModel(Model):
         BackendError
             The backend is multigrid, which knows one pattern only.
         """
-        return FollowingFactor(self, backend)
+        return ReanalysingFactor(self, backend)
 
     def energies(self, state: State) -> dict[str, float]:
         """N mm, by part."""
@@ -72,7 +72,7 @@ class ContactModel(Model):
         """(nnz,) entries of the lower triangle in `pattern`, which belongs to this state from now on."""
         if self._fits is not state.positions:  # once a state: its Hessians are added to each other
             entries, _ = self._keys(*self.contact.entries(state.positions))
-            if len(entries) and not (isinstance(self.pattern, ExtendedPattern) and self.pattern.holds(entries)):
+            if len(entries) and not (isinstance(self.pattern, ExtendedPattern) and self.pattern.contains(entries)):
                 self._grow(state, entries)
             self._fits = state.positions
         keys, values = self._keys(*self.contact.hessian(state.positions, blend))
@@ -84,8 +84,8 @@ class ContactModel(Model):
     def _grow(self, state: State, keys: Array) -> None:
         """Make room for these entries and those that may follow soon: every new pattern is analysed anew."""
         soon, _ = self._keys(*self.contact.soon(state.positions))
-        wanted = united(keys, soon)
-        self._extra = united(wanted, self._extra) if len(self._extra) < 3 * len(wanted) else wanted
+        wanted = sorted_union(keys, soon)
+        self._extra = sorted_union(wanted, self._extra) if len(self._extra) < 3 * len(wanted) else wanted
         self.pattern = ExtendedPattern(self._fixed, self._extra)
 
     def _keys(self, rows: Array, columns: Array, values: Array | None = None) -> tuple[Array, Array]:

@@ -16,7 +16,8 @@ import numpy as np
 
 from discrete.energies.elements import Array
 from discrete.model.state import State, carried, tangents, transported
-from equilibrium.linear.factor import Factor, make_factor
+from equilibrium.linear.backends import make_factor
+from equilibrium.linear.factor import Factor
 from equilibrium.linear.sparse_pattern import SparsePattern
 
 if TYPE_CHECKING:

@@ -9,7 +9,8 @@ import numpy as np
 from discrete.energies.elements import Array, Elements
 from discrete.model.rigid import rigid_modes, rigid_motions
 from discrete.model.state import State, carried
-from equilibrium.linear.factor import Factor, make_solver
+from equilibrium.linear.backends import make_solver
+from equilibrium.linear.factor import Factor
 from equilibrium.linear.rigid_support import independent_dofs
 from equilibrium.linear.sparse_pattern import SparsePattern
 

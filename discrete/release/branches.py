@@ -14,7 +14,7 @@ from discrete.release.levels import Level, carried_up, coarser
 from discrete.release.solve import relax
 from discrete.release.starts import beginnings
 from discrete.release.walk import Report, named
-from equilibrium.newton.minimise import Method
+from equilibrium.newton.regularisation import Method
 from pattern.design.errors import DesignError
 from pattern.layout.likeness import distances, print_diameter
 from pattern.layout.symmetries import Symmetry, symmetries

@@ -21,7 +21,7 @@ from discrete.release.extrapolation import extrapolated
 from discrete.release.prolongation import fitted, prolonged
 from discrete.release.solve import Start, relax
 from discrete.release.walk import Report, named
-from equilibrium.newton.minimise import Method
+from equilibrium.newton.regularisation import Method
 from pattern.design.errors import MeshError
 from pattern.mesh.meshing import mesh_layout
 

@@ -12,7 +12,7 @@ from discrete.model.model import Model
 from discrete.model.state import State
 from discrete.release.starts import Beginning
 from discrete.release.walk import Report, Walk
-from equilibrium.newton.minimise import Method
+from equilibrium.newton.regularisation import Method
 
 Start = Literal["bump", "flat"]
 

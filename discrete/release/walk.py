@@ -17,7 +17,8 @@ from discrete.release.saddle import left, lowest_mode
 from discrete.release.starts import Beginning
 from equilibrium.linear.factor import Factor
 from equilibrium.newton.certificate import Eigenpair
-from equilibrium.newton.minimise import Iteration, Method, Minimum, minimise
+from equilibrium.newton.minimise import Iteration, NewtonResult, minimise
+from equilibrium.newton.regularisation import Method
 
 Report = Callable[[str, Iteration], None]
 
@@ -123,7 +124,7 @@ class Walk:
         while True:
             pair = self._lowest(model, result.state, factor, "certificate")
             # near a saddle on a fine mesh the gradient may not fall below the tolerance
-            if not (result.converged or result.idle) or pair.value >= -pair.error or saddles == KICKS:
+            if not (result.converged or result.stagnated) or pair.value >= -pair.error or saddles == KICKS:
                 break
             saddles += 1
             away = left(model, result.state, pair)
@@ -164,7 +165,7 @@ class Walk:
         stage: str,
         name: str,
         blend: float = 0.0,
-    ) -> Minimum:
+    ) -> NewtonResult:
         """Newton's method on the clock of a stage, to a gradient of `goal` N."""
         report = self.report
         tell = (lambda iteration: report(name, iteration)) if report else None
@@ -179,7 +180,7 @@ class Walk:
                 self.method,
                 report=tell,
                 blend=blend,
-                verdict=stage == "release",  # elsewhere the certificate follows
+                check_definite=stage == "release",  # elsewhere the certificate follows
             ),
         )
         self.effort.add(result)

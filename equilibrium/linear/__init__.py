@@ -1,1 +1,1 @@
-"""Sparse linear algebra: patterns, factorisations, multigrid."""
+"""Sparse linear algebra: sparsity patterns, factorisations, multigrid."""

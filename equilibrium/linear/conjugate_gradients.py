@@ -1,4 +1,4 @@
-"""Conjugate gradients that notice negative curvature, and what their residual proves about the matrix."""
+"""Conjugate gradients that detect negative curvature, and a proof that a matrix is positive definite."""
 
 from __future__ import annotations
 
@@ -10,30 +10,32 @@ from equilibrium.linear.sparse_pattern import Floats
 
 Operator = Callable[[Floats], Floats]
 
-UNLUCKY = 1e-9  # probability that a random vector has less of a direction than `proves_definite` takes for granted
-GROWTH = 1e6  # of the residual's energy: more than the condition number of any preconditioner worth the name
-LONGEST = 3000  # iterations of `proves_definite`
-ROUNDING = 1e-10  # curvatures below this, relative to the largest, may be zero
+# probability that a random vector has a smaller part along a direction than `proves_definite` assumes
+FAILURE_PROBABILITY = 1e-9
+# growth of the residual's energy that ends a proof; more than the condition number of a useful preconditioner
+MAX_ENERGY_GROWTH = 1e6
+MAX_PROOF_ITERATIONS = 3000
+ZERO_CURVATURE_RATIO = 1e-10  # of the largest curvature; a smaller one may be zero up to rounding
 
 
-class NotPositiveDefinite(ArithmeticError):
-    """A direction of no or negative curvature was met: the matrix is not positive definite."""
+class NotPositiveDefiniteError(ArithmeticError):
+    """The iteration met a direction whose curvature is not positive: the matrix is not positive definite."""
 
 
 class ConjugateGradients:
-    """Preconditioned conjugate gradients from zero.
+    """Preconditioned conjugate gradients for A x = b from x = 0 (Saad 2003, algorithm 9.1).
 
     Parameters
     ----------
     product : v -> A v, A symmetric.
-    precondition : v -> M^-1 v, symmetric and positive definite.
-    b : (size,) right hand side.
+    precondition : v -> M^-1 v, M symmetric and positive definite.
+    b : (size,) right-hand side.
 
     Attributes
     ----------
     x, residual : (size,) the present solution and b - A x.
     energy : `r . M^-1 r` of the residual r.
-    length : of the last step, from the inverse of M^-1 A's largest eigenvalue to that of its smallest.
+    step_length : of the last step; it lies between the inverses of the extreme eigenvalues of M^-1 A.
     """
 
     def __init__(self, product: Operator, precondition: Operator, b: Floats) -> None:
@@ -43,34 +45,42 @@ class ConjugateGradients:
         z = precondition(b)
         self._direction = z
         self.energy = float(b @ z)
-        self.length = 0.0
+        self.step_length = 0.0
 
     def step(self) -> None:
         """One iteration.
 
         Raises
         ------
-        NotPositiveDefinite
-            The next direction has no positive curvature.
+        NotPositiveDefiniteError
+            The curvature along the next direction is not positive.
         """
         p = self._direction
         image = self._product(p)
         curvature = float(p @ image)
         if not curvature > 0.0:
-            raise NotPositiveDefinite
-        self.length = self.energy / curvature
-        self.x += self.length * p
-        self.residual -= self.length * image
+            raise NotPositiveDefiniteError
+        self.step_length = self.energy / curvature
+        self.x += self.step_length * p
+        self.residual -= self.step_length * image
         z = self._precondition(self.residual)
         energy = float(self.residual @ z)
         self._direction = z + (energy / self.energy) * p
         self.energy = energy
 
 
-def solved(
+def solve_by_conjugate_gradients(
     product: Operator, precondition: Operator, b: Floats, tolerance: float, max_iterations: int
 ) -> tuple[Floats, int]:
-    """x with `|b - A x| <= tolerance |b|`, or the last of `max_iterations`, still a way down; and the iterations."""
+    """Solution x (size,) with `|b - A x| <= tolerance |b|`, and the number of iterations.
+
+    After `max_iterations` the last x is returned. It still is a descent direction of the energy with gradient -b.
+
+    >>> A = np.array([[2.0, 1.0], [1.0, 3.0]])
+    >>> x, iterations = solve_by_conjugate_gradients(A.dot, np.copy, np.array([1.0, 0.0]), 1e-12, 10)
+    >>> x.round(6).tolist(), iterations
+    ([0.6, -0.2], 2)
+    """
     goal = tolerance * float(np.linalg.norm(b))
     if goal == 0.0:
         return np.zeros_like(b), 0
@@ -82,33 +92,37 @@ def solved(
     return run.x, max_iterations
 
 
-def proves_definite(product: Operator, precondition: Operator, size: int, largest: float, seed: int = 0) -> bool:
-    """Is A positive definite? True is proven up to the probability UNLUCKY, False is not known or not so.
+def proves_definite(product: Operator, precondition: Operator, size: int, norm_bound: float, seed: int = 0) -> bool:
+    """Whether A is proven positive definite, up to the probability FAILURE_PROBABILITY.
 
-    Conjugate gradients multiply the residual's part along an eigenvector of M^-1 A by `p(value)`, where the polynomial
-    p is 1 at zero and its roots, the Ritz values, are positive as long as all curvatures are. An eigenvalue that is not
-    positive has p >= 1: its part of the residual never falls. So a residual below the least part that a random right
-    hand side has in any direction leaves no such eigenvalue. For normally distributed g that part is `xi^2 / |M|`, with
-    a normally distributed number xi, in the norm `g . M^-1 g`.
+    False means that A is indefinite or that no proof was found.
+
+    Conjugate gradients multiply the residual's part along an eigenvector of M^-1 A by `p(value)`. The polynomial p is 1
+    at zero, and its roots, the Ritz values, are positive as long as all curvatures are positive. An eigenvalue that is
+    not positive has p >= 1, so its part of the residual never decreases. A residual below the smallest part that a
+    random right-hand side has along any direction therefore excludes such an eigenvalue. For normally distributed g
+    this part is `xi^2 / |M|` in the norm `g . M^-1 g`, with a normally distributed number xi.
 
     Parameters
     ----------
     product, precondition : v -> A v and v -> M^-1 v; M is known to be positive definite.
-    largest : a bound of |M|.
+    size : number of unknowns.
+    norm_bound : upper bound of |M|.
+    seed : of the random right-hand side.
     """
     run = ConjugateGradients(product, precondition, np.random.default_rng(seed).standard_normal(size))
     # P(|xi| < t) <= 0.8 t
-    least = (UNLUCKY / 0.8) ** 2 / largest
-    shortest, start = np.inf, run.energy
+    smallest_part = (FAILURE_PROBABILITY / 0.8) ** 2 / norm_bound
+    shortest, first_energy = np.inf, run.energy
     try:
-        for _ in range(LONGEST):
+        for _ in range(MAX_PROOF_ITERATIONS):
             run.step()
-            shortest = min(shortest, run.length)
-            # a curvature that may be zero, or a residual in which rounding has been blown up
-            if run.length > shortest / ROUNDING or run.energy > GROWTH * start:
+            shortest = min(shortest, run.step_length)
+            # a curvature that may be zero, or a residual dominated by amplified rounding errors
+            if run.step_length > shortest / ZERO_CURVATURE_RATIO or run.energy > MAX_ENERGY_GROWTH * first_energy:
                 return False
-            if run.energy < least:
+            if run.energy < smallest_part:
                 return True
-    except NotPositiveDefinite:
+    except NotPositiveDefiniteError:
         pass
     return False

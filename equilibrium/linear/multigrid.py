@@ -1,69 +1,79 @@
-"""Two-level multigrid in place of a factorisation: a fraction of its memory.
+"""Two-level multigrid with the interface of a factorisation: slower, but with a fraction of the memory.
 
-Aggregation (Vanek, Mandel and Brezina 1996) with the modes that the problem names, six rigid motions for a sheet. Nodes
-that share an entry of the matrix are gathered around a root, some 15 vertices of a sheet together, and on each
-aggregate the modes become the coarse unknowns. Gauss-Seidel sweeps smooth, and the coarse matrix, an eighth of the
-size, is factorised directly. That preconditions conjugate gradients, and is positive definite by construction (forward
-sweep before, backward sweep after), whatever the matrix. The prolongation itself is not smoothed: with the coarse level
-solved exactly that saves a few iterations in a hundred, and takes twice the memory.
+Aggregation (Vanek, Mandel and Brezina 1996) with the near nullspace of the problem: the six rigid motions for a sheet.
+Nodes that share a matrix entry are gathered around a root, about 15 vertices of a sheet together. On each aggregate the
+modes of the near nullspace become the coarse unknowns. Gauss-Seidel sweeps smooth the error, and the coarse matrix, an
+eighth of the size, is factorised directly. This two-level cycle preconditions conjugate gradients. It is positive
+definite by construction for every matrix, because it sweeps forwards before and backwards after the coarse solution.
+The prolongation is not smoothed: with an exact coarse solution, smoothing saves a few percent of the iterations and
+doubles the memory.
 
-Three verdicts, in the order of their cost. A diagonal entry or a coarse matrix that is not positive proves that the
-matrix is not positive definite: `factorise` says so. Negative curvature in `solve` proves it too: NotPositiveDefinite.
-`proves_definite` shows the opposite.
+Three tests for positive definiteness, in the order of their cost:
+
+1. `factorise` refuses a matrix with a diagonal entry or a coarse matrix that is not positive.
+2. `solve` raises NotPositiveDefiniteError if it meets negative curvature.
+3. `proves_definite` proves that the matrix is positive definite.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import scipy.sparse as sp
 
-from equilibrium.linear.conjugate_gradients import proves_definite, solved
+from equilibrium.linear.conjugate_gradients import proves_definite, solve_by_conjugate_gradients
+from equilibrium.linear.factor import Factor
 from equilibrium.linear.sparse_pattern import Floats, Ints, SparsePattern
 
-SMALLEST = 3000  # unknowns; below this the "coarse" level is the matrix itself
-ACCURACY = 1e-10  # relative residual of a solve, unless asked for less
-MAX_ITERATIONS = 2000
+MIN_UNKNOWNS = 3000  # smaller matrices are factorised directly, without a coarse level
+DEFAULT_RELATIVE_RESIDUAL = 1e-10  # of a solution
+MAX_CG_ITERATIONS = 2000
 
 
 class MultigridFactor:
-    """The interface of a factorisation, with conjugate gradients inside.
+    """Preconditioned conjugate gradients as an `IterativeFactor`.
 
     Parameters
     ----------
-    pattern : of the matrices.
-    smallest : unknowns below which the matrix is factorised.
+    pattern : sparsity pattern of the matrices.
+    make_coarse : makes the factorisation of the coarse matrix for its pattern.
+    min_unknowns : smaller matrices are factorised directly.
 
     Attributes
     ----------
-    iterations : conjugate gradients' so far.
+    iterations : of conjugate gradients, in all solutions together.
     """
 
     name = "amg"
 
-    def __init__(self, pattern: SparsePattern, smallest: int = SMALLEST) -> None:
-        import pyamg  # noqa: F401  # missing: said here, not in the middle of a run
+    def __init__(
+        self,
+        pattern: SparsePattern,
+        make_coarse: Callable[[SparsePattern], Factor],
+        min_unknowns: int = MIN_UNKNOWNS,
+    ) -> None:
+        import pyamg  # noqa: F401  # raises ImportError before a run, not during it
 
-        self._pattern = pattern
-        self._direct = pattern.size < smallest
+        self._pattern, self._make_coarse = pattern, make_coarse
+        self._direct = pattern.size < min_unknowns
         self._nodes: Ints = np.arange(pattern.size)
         self._modes: Floats = np.ones((pattern.size, 1))
         self._aggregates: sp.csr_matrix | None = None
         self.iterations = 0
 
-    def near_nullspace(self, nodes: Ints, modes: Floats) -> None:
-        """Tell what the matrices nearly map to zero.
+    def set_near_nullspace(self, nodes: Ints, modes: Floats) -> None:
+        """Set the modes (size, k) that the matrices nearly map to zero.
 
-        nodes (size,): unknowns with the same number stay together, numbers from 0; modes (size, k). Without it every
-        unknown is a node of its own and the mode is constant, which suits a Laplacian.
+        `nodes` (size,), from 0: unknowns with equal numbers stay together. By default every unknown is a node and the
+        mode is constant, as a Laplacian needs it.
         """
         if self._aggregates is not None and not np.array_equal(nodes, self._nodes):
             self._aggregates = None
         self._nodes, self._modes = nodes, modes
 
     def factorise(self, data: Floats) -> bool:
-        """Prepare for the matrix with these entries; False if it is known not to be positive definite."""
-        from equilibrium.linear.factor import make_factor
-
+        """Prepare for the matrix with entries `data` (nnz,); False if it is known not to be positive definite."""
         pattern = self._pattern
         if not np.isfinite(data).all() or (data[pattern.diagonal] <= 0.0).any():
             return False
@@ -71,7 +81,7 @@ class MultigridFactor:
         self._upper = pattern.lower(self._data)  # by columns; read by rows it is the upper triangle
         self.close()
         if self._direct:
-            self._coarse = make_factor(pattern)
+            self._coarse = self._make_coarse(pattern)
             return self._coarse.factorise(self._data)
         self._lower = self._upper.tocsr()
         self._diagonal = self._data[pattern.diagonal]
@@ -79,27 +89,29 @@ class MultigridFactor:
         self._restrict = self._prolong.T.tocsr()
         galerkin = sp.tril(self._restrict @ self._times(self._prolong), format="csc")
         galerkin.sort_indices()
-        self._coarse = make_factor(SparsePattern.of_lower(galerkin))
+        self._coarse = self._make_coarse(SparsePattern.from_lower(galerkin))
         return self._coarse.factorise(galerkin.data)
 
-    def solve(self, b: Floats, tolerance: float = ACCURACY) -> Floats:
-        """Solve to a relative residual, b (size,) or (size, k).
+    def solve(self, b: Floats, tolerance: float = DEFAULT_RELATIVE_RESIDUAL) -> Floats:
+        """Solution of A x = b up to a relative residual; b (size,) or (size, k).
 
         Raises
         ------
-        NotPositiveDefinite
-            The matrix is not positive definite after all.
+        NotPositiveDefiniteError
+            The iteration meets negative curvature.
         """
         if self._direct:
             return self._coarse.solve(b)
         if b.ndim == 2:
             return np.column_stack([self.solve(column, tolerance) for column in b.T])
-        x, spent = solved(self.product, self.precondition, np.asarray(b, dtype=float), tolerance, MAX_ITERATIONS)
-        self.iterations += spent
+        x, iterations = solve_by_conjugate_gradients(
+            self.product, self.precondition, np.asarray(b, dtype=float), tolerance, MAX_CG_ITERATIONS
+        )
+        self.iterations += iterations
         return x
 
     def proves_definite(self) -> bool:
-        """True: the matrix is positive definite, but for one chance in 1e9 of the random start."""
+        """True if the matrix is proven positive definite, with a failure probability of 1e-9."""
         if self._direct:
             return True
         # the sweeps alone bound the preconditioner: M <= G G^T, G = (D + L) D^-1/2
@@ -108,11 +120,11 @@ class MultigridFactor:
         return proves_definite(self.product, self.precondition, self._pattern.size, bound)
 
     def product(self, v: Floats) -> Floats:
-        """Matrix times v (size,)."""
+        """Product (size,) of the matrix with v (size,)."""
         return self._times(v)
 
     def precondition(self, b: Floats) -> Floats:
-        """(size,) b through a sweep forwards, the coarse solution of what it leaves, and a sweep backwards."""
+        """Two-level cycle (size,): a forward sweep, the coarse solution for the residual, a backward sweep."""
         from pyamg.amg_core import gauss_seidel
 
         b = np.ascontiguousarray(b, dtype=float)
@@ -123,12 +135,12 @@ class MultigridFactor:
         gauss_seidel(lower.indptr, lower.indices, lower.data, x, b, 0, n, 1)
         # after the forward sweep (D + L) x = b, so b - A x is the upper triangle's part alone
         x += self._prolong @ self._coarse.solve(self._restrict @ (self._diagonal * x - upper.T @ x))
-        rest = b + self._diagonal * x - lower @ x
-        gauss_seidel(upper.indptr, upper.indices, upper.data, x, rest, n - 1, -1, -1)
+        remainder = b + self._diagonal * x - lower @ x
+        gauss_seidel(upper.indptr, upper.indices, upper.data, x, remainder, n - 1, -1, -1)
         return x
 
     def close(self) -> None:
-        """Give the memory back."""
+        """Free the memory."""
         if hasattr(self, "_coarse"):
             self._coarse.close()
 
@@ -137,7 +149,7 @@ class MultigridFactor:
         return self._lower @ v + self._upper.T @ v - scaled
 
     def _prolongation(self) -> sp.csr_matrix:
-        """(size, coarse) the modes on every aggregate, orthonormal there."""
+        """(size, coarse) the modes restricted to each aggregate, orthonormal there."""
         from pyamg.aggregation import fit_candidates
         from pyamg.aggregation.aggregate import standard_aggregation
 
@@ -151,6 +163,6 @@ class MultigridFactor:
             self._aggregates = (member @ standard_aggregation(graph)[0]).tocsr().astype(float)
         tentative, _ = fit_candidates(self._aggregates, self._modes)
         tentative = tentative.tocsr()
-        # where an aggregate has fewer unknowns than modes, the rest of its columns are zero
+        # an aggregate with fewer unknowns than modes leaves zero columns
         used = np.flatnonzero(np.bincount(tentative.indices, np.abs(tentative.data), tentative.shape[1]))
         return tentative if len(used) == tentative.shape[1] else tentative[:, used]

@@ -1,4 +1,4 @@
-"""MKL's PARDISO through pypardiso, as a `equilibrium.linear.factor.Factor`."""
+"""MKL's PARDISO through pypardiso, as an `equilibrium.linear.factor.Factor`."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ import numpy as np
 
 from equilibrium.linear.sparse_pattern import Floats, SparsePattern
 
-# entries of a triangle below which a second thread waits more than it works; one thread also adds in one order, so that
-# small problems give the same digits on every run
-FEW = 1_000_000
-SMALL = 200_000  # entries of a triangle below which nested dissection takes longer than it saves
+# Smaller lower triangles use one thread: a second one mostly waits. One thread also adds in a fixed order, so that
+# small problems give the same digits in every run.
+MIN_ENTRIES_FOR_THREADS = 1_000_000
+MIN_ENTRIES_FOR_NESTED_DISSECTION = 200_000  # below, minimum degree ordering is faster in total
 
 
 @functools.cache
 def _pardiso_library() -> Any:
-    """A solver that is never used itself: looking for MKL's library on the disk takes a tenth of a second and more."""
-    with _mkl_shown():
+    """A solver to copy from, made once: the search for the MKL library on the disk takes 0.1 s or more."""
+    with _mkl_path_set():
         from pypardiso import PyPardisoSolver
 
         return PyPardisoSolver(mtype=2)
 
 
 @contextmanager
-def _mkl_shown() -> Iterator[None]:
-    """Tell pypardiso where MKL is, if pip knows: else it looks through the whole environment, twice."""
+def _mkl_path_set() -> Iterator[None]:
+    """Set the path of MKL for pypardiso if pip knows it; otherwise pypardiso searches the whole environment twice."""
     name = "PYPARDISO_MKL_RT"
     try:
         files = importlib.metadata.files("mkl") or []
@@ -51,39 +51,45 @@ def _mkl_shown() -> Iterator[None]:
 
 
 def _at(array: Any, kind: Any) -> Any:
-    """Pointer to an array's data, which keeps the array alive."""
+    """Pointer to the data of an array; the pointer keeps the array alive."""
     return array.ctypes.data_as(ctypes.POINTER(kind))
 
 
 class PardisoFactor:
-    """MKL PARDISO through pypardiso: Cholesky, stopped by the first pivot that is not positive."""
+    """Cholesky factorisation by MKL PARDISO; it stops at the first pivot that is not positive.
+
+    Parameters
+    ----------
+    pattern : sparsity pattern of the matrices, analysed at once.
+    """
 
     name = "pardiso"
 
     def __init__(self, pattern: SparsePattern) -> None:
-        self._threads = 1 if pattern.nnz < FEW else 0
+        self._threads = 1 if pattern.nnz < MIN_ENTRIES_FOR_THREADS else 0
         self._solver = copy.copy(_pardiso_library())
         self._solver.pt = np.zeros_like(self._solver.pt)
         self._solver.iparm = np.zeros_like(self._solver.iparm)
-        # the lower triangle by columns is the upper triangle by rows, which is what PARDISO reads; it counts from 1
+        # PARDISO reads the upper triangle by rows, which is the lower one by columns; its indices start at 1
         self._size = pattern.size
         self._starts, self._columns = (
             _at(part.astype(np.int32) + 1, ctypes.c_int32) for part in (pattern.indptr, pattern.indices)
         )
         self._data = np.ones(pattern.nnz)
         self._solver.set_iparm(1, 1)
-        self._solver.set_iparm(2, 0 if pattern.nnz < SMALL else 2)  # minimum degree, nested dissection
+        # ordering: 0 is minimum degree, 2 nested dissection
+        self._solver.set_iparm(2, 0 if pattern.nnz < MIN_ENTRIES_FOR_NESTED_DISSECTION else 2)
         self._solver.set_iparm(8, 0)
-        # the two-level factorisation is a few percent faster and misses negative pivots of unconnected dofs
+        # no two-level factorisation: it is a few percent faster, but misses negative pivots of unconnected dofs
         self._solver.set_iparm(24, 0)
-        # MKL's memory is not Python's; at the end of the process it goes by itself
+        # MKL owns the memory; the end of the process frees it without our call
         self._release = weakref.finalize(self, self._solver.free_memory, everything=True)
         self._release.atexit = False
         self._call(11, np.zeros(pattern.size))
 
     def _call(self, phase: int, b: Floats) -> Floats:
         self._solver.set_phase(phase)
-        # of this Python thread alone; 0 is what the user has set, for all calls the same
+        # for this Python thread only; 0 restores the number that the user has set
         threads = self._solver.libmkl.MKL_Set_Num_Threads_Local
         before = threads(self._threads)
         try:
@@ -92,7 +98,7 @@ class PardisoFactor:
             threads(before)
 
     def _pardiso(self, b: Floats) -> Floats:
-        """pypardiso's own call makes the index arrays anew every time."""
+        """One call of PARDISO; the call in pypardiso would build the index arrays again every time."""
         from pypardiso.pardiso_wrapper import PyPardisoError
 
         solver, x, error = self._solver, np.zeros_like(b), ctypes.c_int32(0)
@@ -111,6 +117,7 @@ class PardisoFactor:
         return np.ascontiguousarray(x)
 
     def factorise(self, data: Floats) -> bool:
+        """As in `Factor`."""
         from pypardiso.pardiso_wrapper import PyPardisoError
 
         if not np.isfinite(data).all():
@@ -125,13 +132,15 @@ class PardisoFactor:
         return True
 
     def solve(self, b: Floats) -> Floats:
+        """As in `Factor`."""
         return self._call(33, np.asfortranarray(b, dtype=float))
 
     @property
     def memory_mb(self) -> float:
-        """What the factor takes, known since its pattern was analysed."""
+        """Memory of the factor, MB; known from the analysis of the pattern."""
         kilobytes = [self._solver.get_iparm(i) for i in (15, 16, 17)]
-        return max(kilobytes[0], kilobytes[1] + kilobytes[2]) / 1024.0
+        return float(max(kilobytes[0], kilobytes[1] + kilobytes[2])) / 1024.0
 
     def close(self) -> None:
+        """As in `Factor`."""
         self._release()

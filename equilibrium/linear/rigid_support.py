@@ -1,4 +1,4 @@
-"""Which unknowns to hold to stop the motions that nothing else stops."""
+"""Isostatic supports: which unknowns to hold so that rigid motions stop and no forces arise."""
 
 from __future__ import annotations
 
@@ -6,21 +6,27 @@ import numpy as np
 
 from equilibrium.linear.sparse_pattern import Floats, Ints, SparsePattern
 
-STOP = 1e3  # stiffness of a support over the largest diagonal entry
+SUPPORT_STIFFNESS_FACTOR = 1e3  # stiffness of a support over the largest diagonal entry
 
 
 def independent_dofs(motions: Floats) -> Ints:
-    """(k,) rows of motions (free, k) in which they differ the most: holding these stops all of them (3-2-1)."""
-    left = motions.copy()
+    """Rows (k,) of the motions (size, k) in which these differ most; holding these unknowns stops all k motions.
+
+    For the six rigid motions of a body this is a 3-2-1 support. Gram-Schmidt on the rows, the longest row first.
+
+    >>> independent_dofs(np.array([[1.0, 0.0], [1.0, 3.0], [1.0, -1.0]])).tolist()
+    [1, 2]
+    """
+    remainder = motions.copy()
     chosen = np.empty(motions.shape[1], dtype=np.int64)
-    for k in range(len(chosen)):  # Gram-Schmidt on the rows, the longest first
-        chosen[k] = np.argmax((left**2).sum(axis=1))
-        along = left[chosen[k]] / np.linalg.norm(left[chosen[k]])
-        left -= np.outer(left @ along, along)
+    for k in range(len(chosen)):
+        chosen[k] = np.argmax((remainder**2).sum(axis=1))
+        direction = remainder[chosen[k]] / np.linalg.norm(remainder[chosen[k]])
+        remainder -= np.outer(remainder @ direction, direction)
     return chosen
 
 
 def stiffen(pattern: SparsePattern, data: Floats, support: Ints) -> None:
-    """Hold the unknowns of an isostatic support in the matrix with these entries (nnz,), which are changed."""
+    """Add the stiffness of a support at the unknowns `support` (k,) to the entries `data` (nnz,), in place."""
     diagonal = pattern.diagonal
-    data[diagonal[support]] += STOP * data[diagonal].max()
+    data[diagonal[support]] += SUPPORT_STIFFNESS_FACTOR * data[diagonal].max()

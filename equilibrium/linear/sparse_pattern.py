@@ -1,4 +1,4 @@
-"""The fixed sparsity pattern of a sum of element matrices, computed once."""
+"""The sparsity pattern of a sum of element matrices, computed once."""
 
 from __future__ import annotations
 
@@ -13,22 +13,32 @@ from equilibrium.compiled import HAVE_NUMBA, loop
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
 
-PIECE = 1 << 22  # entries looked at together while a pattern is made: some tens of MB
+ENTRIES_PER_BATCH = 1 << 22  # while a pattern is built; tens of MB
 
 
 class SparsePattern:
-    """Lower triangle, by columns (CSC), of a symmetric matrix over the free dofs.
+    """Lower triangle, by columns (CSC), of a symmetric matrix over the free degrees of freedom (dofs).
 
     Parameters
     ----------
-    element_dofs : one (E, n) array of dof indices for each kind of element.
+    element_dofs : one array (E, n) of dof indices for each kind of element.
     n_dofs : number of all dofs.
-    free : sorted indices of the free ones; rows and columns of the others are left out.
+    free : sorted indices of the free dofs; the matrix has no rows and columns of the others.
 
     Attributes
     ----------
     size : number of free dofs.
     indptr, indices : of the lower triangle, sorted; every diagonal entry is present and first in its column.
+    diagonal : (size,) places of the diagonal entries.
+
+    Examples
+    --------
+    A chain of two springs between three dofs:
+
+    >>> pattern = SparsePattern([np.array([[0, 1], [1, 2]])], 3, np.arange(3))
+    >>> data = pattern.assemble([np.array([[1.0, -1.0, 1.0], [1.0, -1.0, 1.0]])])
+    >>> pattern.full(data).toarray().tolist()
+    [[1.0, -1.0, 0.0], [-1.0, 2.0, -1.0], [0.0, -1.0, 1.0]]
     """
 
     def __init__(self, element_dofs: Sequence[Ints], n_dofs: int, free: Ints) -> None:
@@ -44,13 +54,13 @@ class SparsePattern:
         structure.sort_indices()
         self.indices, self.indptr = structure.indices.astype(np.int32), structure.indptr.astype(np.int32)
         self.diagonal = self.indptr[:-1]
-        # entries with a held dof have a slot of their own at the end, dropped after summing
-        found = [self._slots_at(low, high) for low, high in _pairs(element_dofs, reduced)]
-        self._slots = np.concatenate([*found, np.empty(0, dtype=np.int32)])
+        # entries with a held dof share one slot at the end, dropped after summing
+        slots = [self._slots_at(low, high) for low, high in _pairs(element_dofs, reduced)]
+        self._slots = np.concatenate([*slots, np.empty(0, dtype=np.int32)])
 
     @classmethod
-    def of_lower(cls, low: sp.csc_matrix) -> SparsePattern:
-        """The pattern of a given lower triangle, its indices sorted and its diagonal full."""
+    def from_lower(cls, low: sp.csc_matrix) -> SparsePattern:
+        """Pattern of a lower triangle whose indices are sorted and whose diagonal is full."""
         size = low.shape[0]
         pattern = cls([], size, np.arange(size))
         pattern.indices, pattern.indptr = low.indices, low.indptr
@@ -58,10 +68,10 @@ class SparsePattern:
         return pattern
 
     def _slots_at(self, low: Ints, high: Ints) -> Ints:
-        """Slots of the entries in columns `low` (-1: none) and rows `high`."""
+        """Slots of the entries in columns `low` and rows `high`; the last slot where `low` is -1 (a held dof)."""
         slots = np.empty(len(low), dtype=np.int32)
         if HAVE_NUMBA:
-            _search(low, high, self.indptr, self.indices, slots)
+            _search_slots(low, high, self.indptr, self.indices, slots)
         else:
             column = np.repeat(np.arange(self.size), np.diff(self.indptr))
             slots[:] = np.searchsorted(column * self.size + self.indices, low.astype(np.int64) * self.size + high)
@@ -70,13 +80,13 @@ class SparsePattern:
 
     @property
     def nnz(self) -> int:
-        """Entries of the lower triangle."""
+        """Number of entries of the lower triangle."""
         return len(self.indices)
 
     def assemble(self, element_values: Iterable[Floats]) -> Floats:
-        """(nnz,) sum of the packed lower triangles (E, n (n + 1) / 2), in the order of the constructor.
+        """Sum (nnz,) of the packed lower triangles (E, n (n + 1) / 2), row by row, in the order of the constructor.
 
-        The elements of a kind may come in several pieces, so that they need not exist all at once.
+        The elements of one kind may come in several arrays, so that they need not be in memory all at once.
         """
         data = np.zeros(self.nnz + 1)
         start = 0
@@ -91,26 +101,26 @@ class SparsePattern:
         return data[:-1]
 
     def lower(self, data: Floats) -> sp.csc_matrix:
-        """The lower triangle as a sparse matrix."""
+        """Lower triangle of the entries (nnz,) as a sparse matrix."""
         return sp.csc_matrix((data, self.indices, self.indptr), shape=(self.size, self.size))
 
     def full(self, data: Floats) -> sp.csc_matrix:
-        """Both triangles as a sparse matrix."""
+        """Full symmetric matrix of the entries (nnz,) as a sparse matrix."""
         low = self.lower(data)
         return (low + sp.tril(low, -1).T).tocsc()
 
     def product(self, data: Floats, x: Floats) -> Floats:
-        """Symmetric matrix times x (size,) or (size, k)."""
+        """Product of the symmetric matrix with x (size,) or (size, k)."""
         low = self.lower(data)
         diagonal = data[self.diagonal]
-        return low @ x + low.T @ x - (diagonal * x.T).T
+        return np.asarray(low @ x + low.T @ x - (diagonal * x.T).T)
 
 
 def _pairs(element_dofs: Sequence[Ints], reduced: Ints) -> Iterator[tuple[Ints, Ints]]:
-    """Columns and rows (free numbers, -1 for both if one is held) of all entries in the elements' lower triangles."""
+    """Columns and rows of all entries in the elements' lower triangles, among the free dofs; -1 if one is held."""
     for dofs in element_dofs:
         i, j = np.tril_indices(dofs.shape[1])
-        step = max(PIECE // max(len(i), 1), 1)
+        step = max(ENTRIES_PER_BATCH // max(len(i), 1), 1)
         for start in range(0, len(dofs), step):
             number = reduced[dofs[start : start + step]]
             a, b = number[:, i].ravel(), number[:, j].ravel()
@@ -120,7 +130,7 @@ def _pairs(element_dofs: Sequence[Ints], reduced: Ints) -> Iterator[tuple[Ints, 
 
 
 @loop
-def _search(low, high, indptr, indices, slots):  # type: ignore[no-untyped-def]
+def _search_slots(low, high, indptr, indices, slots):  # type: ignore[no-untyped-def]
     for k in range(low.size):
         if low[k] < 0:
             slots[k] = indices.size

@@ -1,1 +1,1 @@
-"""Newton's method, line search, and the certificate of a minimum."""
+"""Newton's method, its line search, saddle points, and the certificate of a minimum."""

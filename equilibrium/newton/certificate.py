@@ -1,4 +1,4 @@
-"""Is a stationary state a minimum? The smallest eigenvalue of its Hessian, rigid motions left out."""
+"""The certificate of a minimum: the smallest eigenvalue of the Hessian without its rigid motions."""
 
 from __future__ import annotations
 
@@ -8,23 +8,24 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh, lobpcg
 
-from equilibrium.linear.factor import Factor, Iterative
+from equilibrium.linear.factor import Factor, IterativeFactor
 from equilibrium.linear.sparse_pattern import Floats, SparsePattern
 
-MANY = 3000  # unknowns from which an iterative solver does not factorise
-BLOCK = 4  # vectors iterated together: sheets with symmetries have double eigenvalues
+MAX_LANCZOS_UNKNOWNS = 3000  # of iterative solvers; larger problems use LOBPCG, which needs no accurate solutions
+LOBPCG_BLOCK_SIZE = 4  # symmetric sheets have double eigenvalues
+SHIFT_GROWTH = 10.0  # after a shift for which the matrix is not positive definite
 
 
 @dataclass(frozen=True)
 class Eigenpair:
-    """Smallest eigenvalue with its evidence.
+    """Smallest eigenvalue, with its error bound.
 
     Attributes
     ----------
     value : Rayleigh quotient of `vector`.
-    vector : (size,) unit, orthogonal to the deflated modes.
-    error : norm of the residual; an eigenvalue lies within it of `value`.
-    factorisations : spent on it.
+    vector : (size,) unit vector, orthogonal to the deflated modes.
+    error : norm of the residual; at least one eigenvalue lies in `value` +- `error`.
+    factorisations : their number.
     """
 
     value: float
@@ -36,13 +37,35 @@ class Eigenpair:
 def smallest_eigenvalue(
     pattern: SparsePattern, data: Floats, factor: Factor, modes: Floats, shift: float = 1e-9, seed: int = 0
 ) -> Eigenpair:
-    """Smallest eigenvalue of a symmetric matrix on the complement of `modes` (size, k), orthonormal.
+    """Smallest eigenvalue of a symmetric matrix H on the orthogonal complement of `modes`.
 
-    Raises FloatingPointError for a matrix that is not finite.
+    Lanczos iteration with the inverse of `H + shift I`. The shift grows until this matrix is positive definite, so that
+    no eigenvalue is missed below. If H does not exactly map the modes to zero, the value is that of the projected H.
 
-    Lanczos with the inverse of `H + shift I`; the shift grows until that is positive definite, so that no eigenvalue
-    can lie below what is found. Both `H` and the modes are used as they are: for modes that `H` does not quite map to
-    zero the value is that of the projected matrix.
+    Parameters
+    ----------
+    pattern, data : sparsity pattern and entries (nnz,) of H.
+    factor : solver for matrices with this pattern.
+    modes : (size, k) orthonormal modes to leave out.
+    shift : first shift.
+    seed : of the first Lanczos vector.
+
+    Raises
+    ------
+    FloatingPointError
+        The matrix is not finite.
+
+    Examples
+    --------
+    The softest mode of a free chain of two unit springs, without its translation:
+
+    >>> from equilibrium.linear.backends import make_factor
+    >>> pattern = SparsePattern([np.array([[0, 1], [1, 2]])], 3, np.arange(3))
+    >>> data = pattern.assemble([np.array([[1.0, -1.0, 1.0], [1.0, -1.0, 1.0]])])
+    >>> translation = np.full((3, 1), 3.0**-0.5)
+    >>> pair = smallest_eigenvalue(pattern, data, make_factor(pattern, "superlu"), translation)
+    >>> round(pair.value, 6)
+    1.0
     """
     if not np.isfinite(data).all():
         raise FloatingPointError("the Hessian is not finite")
@@ -51,9 +74,9 @@ def smallest_eigenvalue(
         shifted = data.copy()
         shifted[pattern.diagonal] += shift
         factorisations += 1
-        if factor.factorise(shifted) and (not isinstance(factor, Iterative) or factor.proves_definite()):
+        if factor.factorise(shifted) and (not isinstance(factor, IterativeFactor) or factor.proves_definite()):
             break
-        shift *= 10.0
+        shift *= SHIFT_GROWTH
 
     def project(v: Floats) -> Floats:
         return v - modes @ (modes.T @ v)
@@ -64,15 +87,15 @@ def smallest_eigenvalue(
     size = pattern.size
     start = project(np.random.default_rng(seed).standard_normal(size))
     operator = LinearOperator((size, size), matvec=inverse, dtype=float)
-    if isinstance(factor, Iterative) and size > MANY:
-        vector = _preconditioned(pattern, data, factor, modes, start)
+    if isinstance(factor, IterativeFactor) and size > MAX_LANCZOS_UNKNOWNS:
+        vector = _lobpcg_mode(pattern, data, factor, modes, start)
     elif size - modes.shape[1] < 3:
         _, vectors = np.linalg.eigh(_dense(pattern, data, modes))
         vector = vectors[:, 0]
     else:
         try:
             _, vectors = eigsh(operator, k=1, which="LA", v0=start, tol=1e-9, maxiter=400)
-        except ArpackNoConvergence as stopped:  # the residual below says how good it is
+        except ArpackNoConvergence as stopped:  # the residual below measures the error
             vectors = stopped.eigenvectors if len(stopped.eigenvalues) else start[:, None]
         vector = project(vectors[:, 0])
     vector = vector / np.linalg.norm(vector)
@@ -81,40 +104,40 @@ def smallest_eigenvalue(
     return Eigenpair(value, vector, float(np.linalg.norm(image - value * vector)), factorisations)
 
 
-def _preconditioned(pattern: SparsePattern, data: Floats, factor: Iterative, modes: Floats, start: Floats) -> Floats:
-    """(size,) the lowest mode by LOBPCG (Knyazev 2001): a step preconditions where one of Lanczos would solve."""
+def _lobpcg_mode(pattern: SparsePattern, data: Floats, factor: IterativeFactor, modes: Floats, start: Floats) -> Floats:
+    """Lowest mode (size,) by LOBPCG (Knyazev 2001), whose steps precondition where Lanczos steps solve."""
     size = pattern.size
-    block = np.column_stack([start, np.random.default_rng(1).standard_normal((size, BLOCK - 1))])
+    block = np.column_stack([start, np.random.default_rng(1).standard_normal((size, LOBPCG_BLOCK_SIZE - 1))])
     low, diagonal = pattern.lower(data), data[pattern.diagonal]
     upper = low.T
 
     def times(v: Floats) -> Floats:
-        return low @ v + upper @ v - (diagonal * v.T).T
+        return np.asarray(low @ v + upper @ v - (diagonal * v.T).T)
 
-    def nearly_solved(v: Floats) -> Floats:
-        # the inverse would blow up what rounding leaves of the modes
+    def precondition_projected(v: Floats) -> Floats:
+        # the preconditioner would amplify the modes that rounding errors leave
         v = v.reshape(size, -1)
         v = v - modes @ (modes.T @ v)
         return np.column_stack([factor.precondition(np.ascontiguousarray(column)) for column in v.T])
 
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # not converged: the residual says how good it is
+        warnings.simplefilter("ignore")  # not converged: the residual measures the error
         _, vectors = lobpcg(
             LinearOperator((size, size), matvec=times, matmat=times, dtype=float),
             block,
-            M=LinearOperator((size, size), matvec=nearly_solved, matmat=nearly_solved, dtype=float),
+            M=LinearOperator((size, size), matvec=precondition_projected, matmat=precondition_projected, dtype=float),
             Y=modes if modes.shape[1] else None,
             largest=False,
             tol=1e-9,
             maxiter=300,
         )
-    vector = vectors[:, 0]
-    return vector - modes @ (modes.T @ vector)
+    vector: Floats = vectors[:, 0]
+    return np.asarray(vector - modes @ (modes.T @ vector))
 
 
 def _dense(pattern: SparsePattern, data: Floats, modes: Floats) -> Floats:
     low = pattern.lower(data).toarray()
     full = low + np.tril(low, -1).T
     keep = np.eye(pattern.size) - modes @ modes.T
-    # deflated modes are moved out of the way
-    return keep @ full @ keep + (1.0 + np.abs(full).max() * pattern.size) * (np.eye(pattern.size) - keep)
+    # deflated modes get an eigenvalue above all others
+    return np.asarray(keep @ full @ keep + (1.0 + np.abs(full).max() * pattern.size) * (np.eye(pattern.size) - keep))

@@ -1,41 +1,46 @@
-"""The way down from a saddle."""
+"""How to leave a saddle point of an energy."""
 
 from __future__ import annotations
-
-from typing import Any
 
 import numpy as np
 
 from equilibrium.linear.sparse_pattern import Floats
-from equilibrium.newton.minimise import Problem
+from equilibrium.newton.problem import AnyState, Problem
 
-State = Any
-
-HALVINGS = 12
-EQUAL = 0.01  # of the fall in energy: sides that differ less are the same
+MAX_HALVINGS = 12  # of the first step
+EQUAL_DECREASE_FRACTION = 0.01  # of the decrease in energy; sides that differ by less count as equal
 
 
-def left(problem: Problem, state: State, mode: Floats, longest: float) -> State:
-    """The state moved along a negative mode (size,), to the lower side, as far as the energy falls.
+def leave_saddle(problem: Problem, state: AnyState, mode: Floats, max_change: float) -> AnyState:
+    """State moved along a mode of negative curvature, to the lower side, as far as the energy decreases.
 
-    `longest` is the largest change of an unknown. At a symmetric saddle both sides are the same, and rounding would
-    choose: then it is the one on which a fixed pseudo-random vector lies.
+    At a symmetric saddle both sides are equal, and rounding errors would choose between them. A fixed pseudo-random
+    vector chooses instead.
+
+    Parameters
+    ----------
+    problem : the energy.
+    state : the saddle point.
+    mode : (size,) direction of negative curvature.
+    max_change : largest change of a free unknown.
     """
-    mark = np.random.default_rng(0).standard_normal(len(mode))
-    vector = mode if mark @ mode >= 0.0 else -mode
+    reference = np.random.default_rng(0).standard_normal(len(mode))
+    vector = mode if reference @ mode >= 0.0 else -mode
     energy = problem.energy(state)
-    (first, e1), (second, e2) = (_lowest(problem, state, energy, side, longest) for side in (vector, -vector))
-    return second if e2 < e1 - EQUAL * abs(energy - e1) else first
+    (first, e1), (second, e2) = (_lowest_along(problem, state, energy, side, max_change) for side in (vector, -vector))
+    return second if e2 < e1 - EQUAL_DECREASE_FRACTION * abs(energy - e1) else first
 
 
-def _lowest(problem: Problem, state: State, energy: float, vector: Floats, longest: float) -> tuple[State, float]:
-    best, lowest = state, energy
-    path, most = problem.path(state, vector, False)
-    step = min(most, longest / float(np.abs(vector).max()))
-    for _ in range(HALVINGS):
+def _lowest_along(
+    problem: Problem, state: AnyState, energy: float, vector: Floats, max_change: float
+) -> tuple[AnyState, float]:
+    lowest_state, lowest = state, energy
+    path, longest = problem.path(state, vector, False)
+    step = min(longest, max_change / float(np.abs(vector).max()))
+    for _ in range(MAX_HALVINGS):
         trial = path(step)
-        reached = problem.energy(trial)
-        if reached < lowest:
-            best, lowest = trial, reached
+        trial_energy = problem.energy(trial)
+        if trial_energy < lowest:
+            lowest_state, lowest = trial, trial_energy
         step *= 0.5
-    return best, lowest
+    return lowest_state, lowest

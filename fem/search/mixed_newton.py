@@ -20,8 +20,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from equilibrium.clock import Clock
 from equilibrium.linear.factor import Factor
-from equilibrium.newton.minimise import Clock
 from fem.elements.tabulation import Floats
 from fem.search.regularised import Regularised
 from fem.shell.shell import Shell
@@ -60,7 +60,7 @@ class Mixed:
 
     @property
     def state(self) -> Floats:
-        """x, by the name that `equilibrium.newton.solve` knows."""
+        """x, by the name that `equilibrium.newton.find_minimum` knows."""
         return self.x
 
 

@@ -14,9 +14,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from equilibrium.clock import Clock
 from equilibrium.linear.factor import Factor
 from equilibrium.linear.rigid_support import stiffen
-from equilibrium.newton.minimise import Clock
 from fem.elements.tabulation import Floats, Ints
 from fem.shell.shell import Shell
 from fem.shell.tension import tensile_part

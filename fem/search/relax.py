@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from equilibrium.linear.factor import Factor
-from equilibrium.newton.soft_modes import soft_modes as softest
-from equilibrium.newton.solve import Run, Settled, held_definite, settle
+from equilibrium.newton.find_minimum import IterationResult, StationaryPoint, find_minimum, is_definite_on_support
+from equilibrium.newton.soft_modes import softest_modes as softest
 from fem.elements.tabulation import Floats
 from fem.search.evidence import ShellEquilibrium, Trial
 from fem.search.guess_builder import InitialGuess
@@ -115,16 +115,18 @@ def follow(
     tolerance = GRADIENT_TOLERANCE * shell.force_scale
     given = [strains]  # they belong to the first state only
 
-    def iterate(state: Any) -> Run:
+    def iterate(state: Any) -> IterationResult:
         return mixed_newton(shell, state, factor, tolerance, given.pop() if given else None, LONG if patient else SHORT)
 
-    settled = settle(shell, x, factor, tolerance, iterate, LEFT * shell.extent, max_iterations=DOWN if patient else 0)
+    settled = find_minimum(
+        shell, x, factor, tolerance, iterate, LEFT * shell.extent, max_iterations=DOWN if patient else 0
+    )
     return _evidence(shell, settled, name)
 
 
 def factorise(shell: Shell, x: Floats, factor: Factor) -> bool:
     """Leave the Hessian at a state x (N, 3), its rigid motions held, in the factor; False if it is not definite."""
-    return held_definite(shell, x, shell.hessian(x), factor)
+    return is_definite_on_support(shell, x, shell.hessian(x), factor)
 
 
 def follow_load_steps(shell: Shell, factor: Factor, steps: int) -> ShellEquilibrium | None:
@@ -154,7 +156,7 @@ def energies_by_part(shell: Shell, x: Floats) -> dict[str, float]:
     return energies | ({"sheet": energies["sheet"] - gaussian, "gaussian": gaussian} if gaussian else {})
 
 
-def _evidence(shell: Shell, settled: Settled, name: str) -> ShellEquilibrium:
+def _evidence(shell: Shell, settled: StationaryPoint, name: str) -> ShellEquilibrium:
     x = settled.state
     return ShellEquilibrium(
         x=x,

@@ -36,7 +36,7 @@ class Assembly:
         both = np.concatenate([tabulation.gradients, tabulation.hessians], axis=3)
         self._table: Floats = np.ascontiguousarray(np.swapaxes(both, 2, 3))
         self._keys, self._starts, self._places = _scalar_pattern(self.dofs, size)
-        self.pattern = SparsePattern.of_lower(self._blocks())
+        self.pattern = SparsePattern.from_lower(self._blocks())
 
     def _blocks(self) -> sp.csc_matrix:
         """Lower triangle of ones, each scalar entry three by three."""

@@ -51,7 +51,7 @@ class MatrixReduction:
             ),
             shape=(size, size),
         )
-        self.pattern = SparsePattern.of_lower(lower)
+        self.pattern = SparsePattern.from_lower(lower)
         self._map = sp.csr_matrix((weight[order], source[order], np.r_[starts, total]), shape=(len(keys), pattern.nnz))
 
     def __call__(self, data: Floats) -> Floats:

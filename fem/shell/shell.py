@@ -22,7 +22,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from equilibrium.errors import BackendError
-from equilibrium.linear.factor import Factor, make_factor
+from equilibrium.linear.backends import make_factor
+from equilibrium.linear.factor import Factor
 from equilibrium.linear.rigid_support import independent_dofs
 from equilibrium.linear.sparse_pattern import SparsePattern
 from fem.elements.space import Space

@@ -9,7 +9,7 @@ import numpy as np
 from discrete.energies.elements import Array
 from discrete.model.star_bumps import bump_heights
 from discrete.model.state import State, across, carried, tangents
-from equilibrium.newton.minimise import Minimum, minimise
+from equilibrium.newton.minimise import NewtonResult, minimise
 from homogenize.cell.cell import Cell
 from pattern.design.lattice import DEFAULT_SPACING
 
@@ -77,7 +77,7 @@ def _released(cell: Cell) -> Flat:
     for release in RELEASES:
         cell.set_release(release)
         last = release == RELEASES[-1]
-        found = minimise(cell, state, cell.factor(), tolerance(cell, CERTAIN if last else ROUGH), verdict=last)
+        found = minimise(cell, state, cell.factor(), tolerance(cell, CERTAIN if last else ROUGH), check_definite=last)
         iterations += found.iterations
         if not found.converged:
             raise ArithmeticError(f"flat cell: no equilibrium at {100 * release:g} % release")
@@ -97,7 +97,7 @@ def _other_side(cell: Cell, flat: Flat) -> Flat | None:
     return other if (np.sign(other.bump) == -np.sign(flat.bump)).all() else None
 
 
-def described(cell: Cell, found: Minimum, iterations: int) -> Flat:
+def described(cell: Cell, found: NewtonResult, iterations: int) -> Flat:
     """A minimum of the flat cell in the pose and with the numbers that are kept of it."""
     state, deformation = upright(cell, found.state)
     bump = bump_heights(cell.model, cell.unfolded(state))

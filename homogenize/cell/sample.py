@@ -9,7 +9,7 @@ from typing import Any, Self
 import numpy as np
 
 from discrete.energies.elements import Array
-from equilibrium.newton.minimise import Clock
+from equilibrium.clock import Clock
 from homogenize.cell.arm_segments import arm_segments
 from homogenize.cell.blend import blended
 from homogenize.cell.cell import Cell

@@ -13,7 +13,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from discrete.model.state import State
-from equilibrium.linear.factor import make_factor
+from equilibrium.linear.backends import make_factor
 from equilibrium.linear.sparse_pattern import SparsePattern
 from equilibrium.newton.certificate import smallest_eigenvalue
 from homogenize.cell.cell import Cell
@@ -48,7 +48,7 @@ def stability(cell: Cell, state: State) -> Stability:
         inner = fold(torus.base, change, cell.images.turn, torus.n_base, len(cell.edges))
         low = sp.tril(inner.T @ hessian @ inner, format="csc")
         low.sort_indices()
-        pattern = SparsePattern.of_lower(low)
+        pattern = SparsePattern.from_lower(low)
         own_factor = make_factor(pattern)
         try:
             found = smallest_eigenvalue(pattern, low.data, own_factor, np.empty((pattern.size, 0)))

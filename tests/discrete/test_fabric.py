@@ -12,7 +12,7 @@ from discrete.energies.membrane import Membrane
 from discrete.model.model import Model
 from discrete.model.state import State
 from discrete.model.system import System
-from equilibrium.linear.factor import make_factor
+from equilibrium.linear.backends import make_factor
 from equilibrium.newton.minimise import minimise
 from pattern.design.design import Design
 from pattern.layout.build import layout

@@ -23,9 +23,10 @@ from discrete.energies.rods.stretch import RodStretch
 from discrete.energies.rods.twist import RodTwist
 from discrete.model.state import State
 from discrete.model.system import System
-from equilibrium.linear.factor import make_factor
+from equilibrium.linear.backends import make_factor
 from equilibrium.newton.certificate import smallest_eigenvalue
-from equilibrium.newton.minimise import Method, Minimum, minimise
+from equilibrium.newton.minimise import NewtonResult, minimise
+from equilibrium.newton.regularisation import Method
 
 
 @dataclass(frozen=True)
@@ -118,7 +119,7 @@ def cantilever(edges: int, length: float, material: Material, kappa: float = 0.0
     return Cantilever(rod_system(network, printed, material, held, kappa=kappa), printed, length, material)
 
 
-def solve(system: System, state: State, loads: Sequence[Array], method: Method = "blended") -> Minimum:
+def solve(system: System, state: State, loads: Sequence[Array], method: Method = "blended") -> NewtonResult:
     """The equilibrium under the last of some dead loads (V, 3), N, reached through the others."""
     factor = make_factor(system.pattern, "superlu")  # quickest to set up, for some hundred dofs
     stiffest = max(float(part.params[:, 0].max()) for part in system.parts.values())

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from equilibrium.newton.solve import held_definite
+from equilibrium.newton.find_minimum import is_definite_on_support
 from fem.elements.deformation import Deformation
 from fem.elements.space import Space
 from fem.elements.tabulation import Floats
@@ -47,7 +47,7 @@ def stepped(shell: Shell, start: Floats, shares: Sequence[float], exact: bool = 
 
 def stable(shell: Shell, x: Floats) -> bool:
     """The exact Hessian is positive definite, rigid motions held."""
-    return held_definite(shell, x, shell.hessian(x), shell.factor())
+    return is_definite_on_support(shell, x, shell.hessian(x), shell.factor())
 
 
 def at(shell: Shell, x: Floats, *points: tuple[float, float]) -> Floats:

@@ -18,7 +18,7 @@ from discrete.model.state import State
 from discrete.model.system import System
 from discrete.release.solve import relax
 from discrete.release.walk import force_scale
-from equilibrium.linear.factor import make_factor
+from equilibrium.linear.backends import make_factor
 from equilibrium.newton.minimise import minimise
 from pattern.design.materials import rest_curvature
 from tests.validation import reference

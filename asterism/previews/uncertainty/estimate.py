@@ -15,7 +15,7 @@ from asterism.previews.uncertainty.other_forms import OtherForm, close_form, oth
 from asterism.previews.uncertainty.strain_sensitivity import strain_sensitivity
 from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
-from equilibrium.newton.minimise import Clock
+from equilibrium.clock import Clock
 from fem.elements.tabulation import Floats
 from fem.search.mean_fields import mean_fields
 from homogenize.cell.directions import is_threefold, left_out

@@ -121,7 +121,7 @@ def test_a_free_sheet_does_not_fall_before_it_is_pinned() -> None:
 
 
 def test_backends_agree() -> None:
-    from equilibrium.linear.factor import available
+    from equilibrium.linear.backends import available
 
     energies = [simulate(small(), backend=name).summary["energy_n_mm"] for name in available()]
     np.testing.assert_allclose(energies, energies[0], rtol=1e-9)

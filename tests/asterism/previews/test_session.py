@@ -24,7 +24,7 @@ from asterism.previews.uncertainty.estimate import estimate_error
 from asterism.previews.uncertainty.other_forms import OtherForm, close_form
 from asterism.previews.warnings import warnings
 from asterism.shape.comparison import compare
-from equilibrium.newton.minimise import Clock
+from equilibrium.clock import Clock
 from homogenize.errors import LawError
 from homogenize.law.table import NAMES
 from pattern import gallery

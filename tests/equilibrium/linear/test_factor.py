@@ -10,7 +10,8 @@ import scipy.sparse as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from equilibrium.linear.factor import Factor, available, make_factor
+from equilibrium.linear.backends import available, make_factor
+from equilibrium.linear.factor import Factor
 from equilibrium.linear.pardiso import PardisoFactor
 from equilibrium.linear.sparse_pattern import Floats, SparsePattern
 

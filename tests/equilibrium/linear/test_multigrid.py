@@ -11,12 +11,17 @@ from asterism.exact.simulation import simulate
 from discrete.model.model import Model
 from discrete.release.solve import relax
 from equilibrium.errors import BackendError
-from equilibrium.linear import factor as factor_module
-from equilibrium.linear import multigrid
-from equilibrium.linear.conjugate_gradients import ConjugateGradients, NotPositiveDefinite, proves_definite, solved
-from equilibrium.linear.factor import Iterative, available, make_factor, make_solver
-from equilibrium.linear.following_factor import FollowingFactor
+from equilibrium.linear import backends, multigrid
+from equilibrium.linear.backends import available, make_factor, make_solver
+from equilibrium.linear.conjugate_gradients import (
+    ConjugateGradients,
+    NotPositiveDefiniteError,
+    proves_definite,
+    solve_by_conjugate_gradients,
+)
+from equilibrium.linear.factor import IterativeFactor
 from equilibrium.linear.multigrid import MultigridFactor
+from equilibrium.linear.reanalysing_factor import ReanalysingFactor
 from equilibrium.linear.sparse_pattern import Floats, SparsePattern
 from equilibrium.newton import certificate
 from equilibrium.newton.certificate import smallest_eigenvalue
@@ -64,12 +69,12 @@ def sheet() -> tuple[Model, object]:
 
 
 def test_is_what_it_says():
-    assert isinstance(make_factor(PATTERN, "amg"), Iterative)
-    assert not isinstance(make_factor(PATTERN, "superlu"), Iterative)
+    assert isinstance(make_factor(PATTERN, "amg"), IterativeFactor)
+    assert not isinstance(make_factor(PATTERN, "superlu"), IterativeFactor)
 
 
 def test_solves_a_laplacian_in_few_iterations():
-    factor = MultigridFactor(PATTERN, smallest=0)
+    factor = MultigridFactor(PATTERN, make_factor, min_unknowns=0)
     data, b = shifted(1e-3), np.random.default_rng(0).standard_normal((PATTERN.size, 2))
     assert factor.factorise(data)
     np.testing.assert_allclose(factor.solve(b), np.linalg.solve(dense(PATTERN, data), b), atol=1e-7)
@@ -81,7 +86,7 @@ def test_solves_a_laplacian_in_few_iterations():
 
 
 def test_tolerance_is_kept():
-    factor = MultigridFactor(PATTERN, smallest=0)
+    factor = MultigridFactor(PATTERN, make_factor, min_unknowns=0)
     data, b = shifted(1e-3), np.random.default_rng(0).standard_normal(PATTERN.size)
     factor.factorise(data)
     for tolerance in (1e-1, 1e-4, 1e-9):
@@ -92,7 +97,7 @@ def test_tolerance_is_kept():
 
 def test_preconditioner_is_positive_definite_whatever_the_matrix():
     """The spectrum's lower half is negative but no diagonal entry is: only the coarse matrix is made definite."""
-    factor = MultigridFactor(PATTERN, smallest=0)
+    factor = MultigridFactor(PATTERN, make_factor, min_unknowns=0)
     assert factor.factorise(shifted(1.0))
     data = shifted(-2.0)
     assert (data[PATTERN.diagonal] > 0.0).all() and np.linalg.eigvalsh(dense(PATTERN, data))[0] < 0.0
@@ -106,7 +111,7 @@ def test_preconditioner_is_positive_definite_whatever_the_matrix():
 @pytest.mark.parametrize("below", [1e-9, 1e-5, 1e-2, 1.0])
 def test_indefinite_matrices_are_never_proven(below):
     """The kernel moved below zero; below 1e-9 it drowns in nothing yet."""
-    factor = MultigridFactor(PATTERN, smallest=0)
+    factor = MultigridFactor(PATTERN, make_factor, min_unknowns=0)
     assert not (factor.factorise(shifted(-below)) and factor.proves_definite())
     assert factor.factorise(shifted(below)) and factor.proves_definite()
 
@@ -123,7 +128,7 @@ def test_proof_is_that_of_dense_eigenvalues(seed, rank, push):
     values[:rank] = push
     i, j = np.tril_indices(size)
     data = pattern.assemble([((q * values) @ q.T)[i, j][None]])
-    factor = MultigridFactor(pattern, smallest=0)
+    factor = MultigridFactor(pattern, make_factor, min_unknowns=0)
     proven = factor.factorise(data) and factor.proves_definite()
     if push <= 0.0:
         assert not proven
@@ -133,8 +138,8 @@ def test_proof_is_that_of_dense_eigenvalues(seed, rank, push):
 
 def test_negative_curvature_is_said():
     diagonal = np.array([3.0, 1.0, -1e-3])
-    with pytest.raises(NotPositiveDefinite):
-        solved(lambda v: diagonal * v, lambda v: v.copy(), np.ones(3), 1e-12, 100)
+    with pytest.raises(NotPositiveDefiniteError):
+        solve_by_conjugate_gradients(lambda v: diagonal * v, lambda v: v.copy(), np.ones(3), 1e-12, 100)
     assert not proves_definite(lambda v: diagonal * v, lambda v: v.copy(), 3, 1.0)
     assert proves_definite(lambda v: abs(diagonal) * v, lambda v: v.copy(), 3, 1.0)
 
@@ -159,7 +164,7 @@ def test_a_residual_that_has_grown_a_million_times_proves_nothing():
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -1.0])
 def test_bad_entries_are_refused(bad):
-    factor = MultigridFactor(PATTERN, smallest=0)
+    factor = MultigridFactor(PATTERN, make_factor, min_unknowns=0)
     data = shifted(1.0)
     data[PATTERN.diagonal[3]] = bad
     assert not factor.factorise(data)
@@ -168,7 +173,7 @@ def test_bad_entries_are_refused(bad):
 @pytest.mark.skipif("pardiso" not in available(), reason="only PARDISO knows its memory in advance")
 def test_small_memory_takes_multigrid(monkeypatch):
     assert make_solver(PATTERN).name == "pardiso"
-    monkeypatch.setattr(factor_module, "physical_memory_mb", lambda: 0.1)
+    monkeypatch.setattr(backends, "physical_memory_mb", lambda: 0.1)
     assert make_solver(PATTERN).name == "amg"
     assert make_solver(PATTERN, "pardiso").name == "pardiso"
 
@@ -178,15 +183,15 @@ def test_contact_is_refused_in_one_line():
         pattern = PATTERN
 
     with pytest.raises(BackendError, match=r"amg.*contact"):
-        FollowingFactor(Problem(), "amg")
+        ReanalysingFactor(Problem(), "amg")
 
 
 def test_eigenvalue_without_a_factorisation(sheet, monkeypatch):
-    monkeypatch.setattr(certificate, "MANY", 0)
+    monkeypatch.setattr(certificate, "MAX_LANCZOS_UNKNOWNS", 0)
     model, found = sheet
     data = model.hessian(found.state, 0.0)
-    factor = MultigridFactor(model.pattern, smallest=0)
-    factor.near_nullspace(*model.near_nullspace(found.state))
+    factor = MultigridFactor(model.pattern, make_factor, min_unknowns=0)
+    factor.set_near_nullspace(*model.near_nullspace(found.state))
     pair = smallest_eigenvalue(model.pattern, data, factor, model.rigid_modes(found.state))
     assert pair.value == pytest.approx(found.smallest_eigenvalue, rel=1e-5)
     assert pair.error < 0.1 * pair.value
@@ -194,8 +199,8 @@ def test_eigenvalue_without_a_factorisation(sheet, monkeypatch):
 
 def test_same_minimum_as_a_factorisation(sheet, monkeypatch):
     """From where the arms start to bend to the certificate."""
-    monkeypatch.setattr(certificate, "MANY", 0)
-    monkeypatch.setattr(multigrid, "SMALLEST", 0)
+    monkeypatch.setattr(certificate, "MAX_LANCZOS_UNKNOWNS", 0)
+    monkeypatch.setattr(multigrid, "MIN_UNKNOWNS", 0)
     monkeypatch.setattr(MultigridFactor.__init__, "__defaults__", (0,))
     model, _ = sheet
     start = relax(model, releases=(0.5, 1.0), max_iterations=6).state

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from equilibrium.linear.factor import available, make_factor
+from equilibrium.linear.backends import available, make_factor
 from equilibrium.linear.sparse_pattern import Floats, SparsePattern
 from equilibrium.newton.certificate import Eigenpair, smallest_eigenvalue
 

@@ -8,10 +8,12 @@ from dataclasses import dataclass, field
 import numpy as np
 import pytest
 
-from equilibrium.linear.factor import Factor, make_factor
+from equilibrium.linear.backends import make_factor
+from equilibrium.linear.factor import Factor
 from equilibrium.linear.multigrid import MultigridFactor
 from equilibrium.linear.sparse_pattern import Floats, Ints, SparsePattern
-from equilibrium.newton.minimise import FORCING, Iteration, Minimum, minimise
+from equilibrium.newton.minimise import Iteration, NewtonResult, minimise
+from equilibrium.newton.regularisation import MAX_FORCING_TERM
 
 METHODS = pytest.mark.parametrize("method", ["blended", "shifted"])
 
@@ -69,14 +71,14 @@ class Patient:
         self._factor.close()
 
 
-def run(problem: Analytic, start: list[float] | Floats, tolerance: float = 1e-10, **options: object) -> Minimum:
+def run(problem: Analytic, start: list[float] | Floats, tolerance: float = 1e-10, **options: object) -> NewtonResult:
     factor = Patient(make_factor(problem.pattern))
     found = minimise(problem, np.asarray(start, dtype=float), factor, tolerance, **options)  # type: ignore[arg-type]
     factor.close()
     return found
 
 
-def assert_downhill(found: Minimum) -> None:
+def assert_downhill(found: NewtonResult) -> None:
     energies = np.array([entry.energy for entry in found.history])
     assert (np.diff(energies) <= 1e-10 * np.abs(energies[:-1])).all()
 
@@ -260,16 +262,16 @@ def test_gradients_that_are_only_noise_end_it(method):
         lambda x: 1586.0 + 0.5 * (x @ x), lambda x: x + 2e-7 * np.sin(1e12 * x + 1.0), lambda x: np.eye(3), 3
     )
     found = run(problem, [1.0, -2.0, 0.7], tolerance=1e-9, method=method)
-    assert found.idle and not found.converged and found.iterations < 60
+    assert found.stagnated and not found.converged and found.iterations < 60
     assert np.abs(found.state).max() < 1e-6
-    assert not run(problem, [1.0, -2.0, 0.7], tolerance=1e-5, method=method).idle
+    assert not run(problem, [1.0, -2.0, 0.7], tolerance=1e-5, method=method).stagnated
 
 
 class Sloppy(MultigridFactor):
     """An iterative solver that is never more exact than it is asked to be."""
 
     def __init__(self, pattern: SparsePattern) -> None:
-        super().__init__(pattern)
+        super().__init__(pattern, make_factor)
         self.asked: list[float] = []
 
     def solve(self, b: Floats, tolerance: float = 0.0) -> Floats:
@@ -292,7 +294,7 @@ def test_an_iterative_solver_is_asked_for_no_more_than_quadratic_convergence_tak
     norms = np.array([entry.gradient_norm for entry in found.history])
     close = norms[:-1] < 0.1
     assert close.sum() >= 2 and (norms[1:] < 5.0 * norms[:-1] ** 2)[close].all()
-    assert factor.asked[0] == FORCING and min(factor.asked) < 1e-3
+    assert factor.asked[0] == MAX_FORCING_TERM and min(factor.asked) < 1e-3
     assert (np.array(factor.asked[1:]) >= 0.1 * (norms[1:-1] / norms[:-2]) ** 2).all()
 
 
@@ -303,7 +305,7 @@ def test_what_was_refused_is_not_tried_again_at_once(method):
         lambda x: x[1] ** 2 - x[0] ** 2, lambda x: [-2.0, 2.0] * x, lambda x: np.diag([-2.0, 2.0]), 2, 0.1
     )
     factor = Patient(make_factor(problem.pattern))
-    found = minimise(problem, np.array([1.0, 1.0]), factor, 1e-10, 12, method, verdict=False)
+    found = minimise(problem, np.array([1.0, 1.0]), factor, 1e-10, 12, method, check_definite=False)
     factor.close()
     tried = "".join("+" if accepted else "-" for accepted in factor.verdicts)
     assert found.iterations == 12 and tried.count("+") == 12

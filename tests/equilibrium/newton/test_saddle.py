@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from equilibrium.newton.saddle import left
+from equilibrium.newton.saddle import leave_saddle
 from tests.equilibrium.newton.test_minimise import Analytic
 
 
@@ -22,13 +22,13 @@ def wells(tilt: float) -> Analytic:
 @pytest.mark.parametrize("tilt", [0.2, -0.2])
 def test_it_leads_to_the_lower_side(tilt: float) -> None:
     for way in (1.0, -1.0):
-        end = left(wells(tilt), np.zeros(2), np.array([way, 0.0]), 2.0)
+        end = leave_saddle(wells(tilt), np.zeros(2), np.array([way, 0.0]), 2.0)
         assert end[0] * tilt > 0.0
 
 
 def test_of_equal_sides_it_is_always_the_same_one() -> None:
     ends = [
-        left(wells(tilt), np.zeros(2), np.array([way, 0.0]), 2.0)[0]
+        leave_saddle(wells(tilt), np.zeros(2), np.array([way, 0.0]), 2.0)[0]
         for way in (1.0, -1.0)
         for tilt in (0.0, 1e-9, -1e-9, 1e-3, -1e-3)
     ]
@@ -37,5 +37,5 @@ def test_of_equal_sides_it_is_always_the_same_one() -> None:
 
 
 def test_no_unknown_moves_further_than_allowed() -> None:
-    end = left(wells(0.2), np.zeros(2), np.array([0.1, 0.02]), 0.25)
+    end = leave_saddle(wells(0.2), np.zeros(2), np.array([0.1, 0.02]), 0.25)
     assert np.abs(end).max() == pytest.approx(0.25)

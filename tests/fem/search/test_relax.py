@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fem.search.relax
-from equilibrium.newton.solve import settle
+from equilibrium.newton.find_minimum import find_minimum
 from fem.elements.argyris import Argyris
 from fem.search.mixed_newton import mixed_newton
 from fem.search.relax import follow, follow_load_steps, relax
@@ -90,7 +90,7 @@ def test_a_flat_sheet_that_wants_to_roll_is_a_saddle_and_is_left() -> None:
     factor = shell.factor()
     flat = mixed_newton(shell, shell.flat, factor, 1e-11 * shell.force_scale)
     assert flat.converged and height(shell, flat.x) < 1e-9
-    left_alone = settle(
+    left_alone = find_minimum(
         shell,
         flat.x,
         factor,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from equilibrium.newton.solve import settle
+from equilibrium.newton.find_minimum import find_minimum
 from fem.elements.argyris import Argyris
 from fem.elements.tabulation import Floats
 from fem.search.mixed_newton import mixed_newton
@@ -49,7 +49,7 @@ def test_a_standing_strip_is_a_saddle() -> None:
     shell = pendulum()
     factor, tolerance = shell.factor(), 1e-11 * shell.force_scale
     start = upright(shell, -1.0)
-    standing = settle(
+    standing = find_minimum(
         shell, start, factor, tolerance, lambda x: mixed_newton(shell, x, factor, tolerance), 0.1, max_saddles=0
     )
     assert standing.converged and not standing.definite and not standing.is_minimum

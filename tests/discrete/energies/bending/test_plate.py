@@ -14,7 +14,7 @@ from discrete.energies.elements import Array
 from discrete.energies.membrane import Membrane
 from discrete.model.state import State
 from discrete.model.system import System
-from equilibrium.linear.factor import make_factor
+from equilibrium.linear.backends import make_factor
 from equilibrium.newton.minimise import minimise
 from pattern.design.errors import MeshError
 from pattern.mesh.free.triangulate import triangulate

@@ -5,29 +5,30 @@ from __future__ import annotations
 from typing import Protocol
 
 from equilibrium.errors import BackendError
-from equilibrium.linear.factor import make_factor
+from equilibrium.linear.backends import make_factor
 from equilibrium.linear.sparse_pattern import Floats, SparsePattern
 
 
 class HasPattern(Protocol):
-    """A problem whose `pattern` is another object once its entries have changed."""
+    """A problem that replaces its `pattern` by another object whenever the entries change."""
 
     @property
-    def pattern(self) -> SparsePattern: ...
+    def pattern(self) -> SparsePattern:
+        """Sparsity pattern of the present Hessian."""
 
 
-class FollowingFactor:
-    """Analyses the problem's pattern anew when it has changed, and only then.
+class ReanalysingFactor:
+    """A `Factor` that analyses the problem's sparsity pattern again after each change, and only then.
 
     Parameters
     ----------
-    problem : its `pattern` is that of the data to come.
-    backend : see `equilibrium.linear.factor`; one that factorises.
+    problem : its `pattern` is that of the next matrix.
+    backend : a factorisation, see `equilibrium.linear.backends`.
 
     Raises
     ------
     BackendError
-        The backend iterates: its coarse level would have to be told about the new entries.
+        The backend is multigrid: its coarse level cannot follow a changing pattern.
     """
 
     def __init__(self, problem: HasPattern, backend: str = "auto") -> None:
@@ -39,7 +40,7 @@ class FollowingFactor:
         self.name = self._factor.name
 
     def factorise(self, data: Floats) -> bool:
-        """As in `Factor`, for data in the problem's present pattern."""
+        """As in `Factor`, for entries (nnz,) in the present pattern of the problem."""
         if self._problem.pattern is not self._pattern:
             self._factor.close()
             self._pattern = self._problem.pattern

@@ -7,11 +7,11 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from equilibrium.linear.factor import make_factor
+from equilibrium.linear.backends import make_factor
 from equilibrium.linear.sparse_pattern import Floats
-from equilibrium.newton.minimise import Minimum
-from equilibrium.newton.saddle import left
-from equilibrium.newton.solve import Settled, held_definite, settle
+from equilibrium.newton.find_minimum import StationaryPoint, find_minimum, is_definite_on_support
+from equilibrium.newton.minimise import NewtonResult
+from equilibrium.newton.saddle import leave_saddle
 from tests.equilibrium.newton.test_minimise import Analytic
 
 TOLERANCE = 1e-10
@@ -34,17 +34,17 @@ def tilted(slope: float) -> Pinned:
     )
 
 
-def settled(problem: Pinned, start: list[float], iterate: Callable[[Floats], Minimum]) -> Settled:
+def settled(problem: Pinned, start: list[float], iterate: Callable[[Floats], NewtonResult]) -> StationaryPoint:
     factor = make_factor(problem.pattern)
-    found = settle(problem, np.array(start), factor, TOLERANCE, iterate, longest=0.5)
+    found = find_minimum(problem, np.array(start), factor, TOLERANCE, iterate, max_change=0.5)
     factor.close()
     return found
 
 
-def stopped_at(problem: Pinned, place: list[float]) -> Minimum:
+def stopped_at(problem: Pinned, place: list[float]) -> NewtonResult:
     state = np.array(place)
     norm = float(np.linalg.norm(problem.gradient(state)))
-    return Minimum(state, problem.energy(state), norm, norm <= TOLERANCE, False, 1, 1)
+    return NewtonResult(state, problem.energy(state), norm, norm <= TOLERANCE, False, 1, 1)
 
 
 @pytest.mark.parametrize("mode", [[1.0, 0.0], [-1.0, 0.0]])
@@ -53,13 +53,13 @@ def test_a_saddle_is_left_to_its_lower_side(slope, mode):
     """Whichever way the eigenvector points, and whichever side the fixed pseudo-random vector lies on."""
     problem = tilted(slope)
     saddle = np.array([min(np.roots([4.0, 0.0, -4.0, slope]).real, key=abs), 0.0])
-    moved = left(problem, saddle, np.array(mode), 0.5)
+    moved = leave_saddle(problem, saddle, np.array(mode), 0.5)
     np.testing.assert_allclose(moved, saddle - [0.5 * np.sign(slope), 0.0], atol=1e-15)
     assert problem.energy(moved) < problem.energy(2.0 * saddle - moved) < problem.energy(saddle)
 
 
 def test_a_symmetric_saddle_is_always_left_to_the_same_side():
-    one, other = (left(tilted(0.0), np.zeros(2), mode, 0.5) for mode in np.array([[1.0, 0.0], [-1.0, 0.0]]))
+    one, other = (leave_saddle(tilted(0.0), np.zeros(2), mode, 0.5) for mode in np.array([[1.0, 0.0], [-1.0, 0.0]]))
     np.testing.assert_array_equal(one, other)
     assert abs(one[0]) == 0.5
 
@@ -84,7 +84,7 @@ def test_an_eigenvalue_of_zero_is_no_saddle_to_leave():
     )
     starts = []
 
-    def stay(state: Floats) -> Minimum:
+    def stay(state: Floats) -> NewtonResult:
         starts.append(state)
         assert len(starts) == 1, "nothing was left"
         return stopped_at(problem, [0.0] * 5)
@@ -115,11 +115,11 @@ def test_what_is_not_proven_is_no_minimum() -> None:
 
         product = precondition = solve
 
-        def near_nullspace(self, nodes: object, modes: object) -> None: ...
+        def set_near_nullspace(self, nodes: object, modes: object) -> None: ...
 
         def close(self) -> None: ...
 
     problem, place = tilted(0.0), np.zeros(2)
     data = problem.hessian(place, 0.0)
-    assert held_definite(problem, place, data, Lenient(True))
-    assert not held_definite(problem, place, data, Lenient(False))
+    assert is_definite_on_support(problem, place, data, Lenient(True))
+    assert not is_definite_on_support(problem, place, data, Lenient(False))

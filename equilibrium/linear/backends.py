@@ -1,0 +1,150 @@
+"""The registry of sparse solvers: one line for each backend, and the functions that choose among them.
+
+A new backend needs a file with its class (see `equilibrium.linear.factor.Factor`) and a line in `BACKENDS`.
+"""
+
+from __future__ import annotations
+
+import functools
+import importlib.util
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from equilibrium.errors import BackendError
+from equilibrium.linear.cholmod import CholmodFactor
+from equilibrium.linear.factor import Factor
+from equilibrium.linear.multigrid import MultigridFactor
+from equilibrium.linear.pardiso import PardisoFactor
+from equilibrium.linear.sparse_pattern import SparsePattern
+from equilibrium.linear.superlu import SuperLUFactor
+
+MAX_MEMORY_FRACTION = 0.5  # of the machine's memory for a factorisation; `make_solver` iterates beyond it
+DEFAULT_MEMORY_MB = 8192.0  # assumed where the system does not report its memory
+
+
+@dataclass(frozen=True)
+class Backend:
+    """A sparse solver.
+
+    Attributes
+    ----------
+    name : as users write it.
+    package : Python package that it needs.
+    make : makes the solver for a sparsity pattern.
+    iterative : iterates with a preconditioner; `auto` never takes it for a factorisation.
+    """
+
+    name: str
+    package: str
+    make: Callable[[SparsePattern], Factor]
+    iterative: bool = False
+
+    @property
+    def installed(self) -> bool:
+        """The package can be imported."""
+        return _is_installed(self.package)
+
+
+@functools.cache
+def _is_installed(package: str) -> bool:
+    return importlib.util.find_spec(package) is not None
+
+
+def _make_multigrid(pattern: SparsePattern) -> Factor:
+    return MultigridFactor(pattern, make_factor)
+
+
+# factorisations first, the fastest at the top
+BACKENDS = {
+    backend.name: backend
+    for backend in (
+        Backend("pardiso", "pypardiso", PardisoFactor),
+        Backend("cholmod", "sksparse", CholmodFactor),
+        Backend("superlu", "scipy", SuperLUFactor),
+        Backend("amg", "pyamg", _make_multigrid, iterative=True),
+    )
+}
+
+
+def available() -> list[str]:
+    """Names of the installed backends: factorisations from the fastest on, then multigrid.
+
+    >>> "superlu" in available()
+    True
+    """
+    return [backend.name for backend in BACKENDS.values() if backend.installed]
+
+
+def make_factor(pattern: SparsePattern, backend: str = "auto") -> Factor:
+    """Solver for matrices of a sparsity pattern.
+
+    Parameters
+    ----------
+    pattern : of the matrices.
+    backend : a name in `BACKENDS`, or `auto`: the fastest factorisation that is installed.
+
+    Raises
+    ------
+    BackendError
+        The backend is unknown or not installed.
+
+    Examples
+    --------
+    A chain of two springs between three unknowns, on a soft foundation:
+
+    >>> import numpy as np
+    >>> from equilibrium.linear.sparse_pattern import SparsePattern
+    >>> pattern = SparsePattern([np.array([[0, 1], [1, 2]])], 3, np.arange(3))
+    >>> data = pattern.assemble([np.array([[1.0, -1.0, 1.0], [1.0, -1.0, 1.0]])])
+    >>> data[pattern.diagonal] += 1.0
+    >>> factor = make_factor(pattern, "superlu")
+    >>> factor.factorise(data)
+    True
+    >>> factor.solve(np.array([1.0, 0.0, 0.0])).round(3).tolist()
+    [0.625, 0.25, 0.125]
+    """
+    check_backend(backend)
+    if backend != "auto":
+        return BACKENDS[backend].make(pattern)
+    for candidate in BACKENDS.values():
+        if candidate.iterative or not candidate.installed:
+            continue
+        try:
+            return candidate.make(pattern)
+        except (ImportError, OSError):  # a package without its shared library
+            continue
+    raise BackendError("backend: no sparse factorisation is installed")
+
+
+def make_solver(pattern: SparsePattern, backend: str = "auto") -> Factor:
+    """As `make_factor`, but `auto` chooses multigrid if a factorisation needs too much memory.
+
+    PARDISO is faster wherever it fits in memory (measured up to 300 000 vertices, benchmarks/results/large.md). Only
+    PARDISO reports its memory beforehand. Without PARDISO, ask for `amg` on large sheets.
+    """
+    factor = make_factor(pattern, backend)
+    if backend != "auto" or getattr(factor, "memory_mb", 0.0) < MAX_MEMORY_FRACTION * physical_memory_mb():
+        return factor
+    factor.close()
+    return _make_multigrid(pattern)
+
+
+def physical_memory_mb() -> float:
+    """Memory of this machine, MB; 8192 MB where the system does not report it."""
+    try:
+        return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 2.0**20
+    except (AttributeError, ValueError, OSError):
+        return DEFAULT_MEMORY_MB
+
+
+def check_backend(backend: str) -> None:
+    """Check the name of a backend.
+
+    Raises
+    ------
+    BackendError
+        The backend is unknown or not installed.
+    """
+    if backend != "auto" and backend not in available():
+        raise BackendError(f"backend: {backend!r} is not available; use auto or {' or '.join(available())}")

@@ -1,0 +1,179 @@
+"""From an initial guess to a certified minimum: converge, check the exact Hessian, leave saddle points downwards.
+
+The caller provides the iteration (an exact or inexact Newton's method). This module certifies its result. It reports a
+minimum only if the exact Hessian is positive definite.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+
+from equilibrium.clock import Clock
+from equilibrium.linear.factor import Factor, IterativeFactor
+from equilibrium.linear.rigid_support import stiffen
+from equilibrium.linear.sparse_pattern import Floats
+from equilibrium.newton.certificate import Eigenpair, smallest_eigenvalue
+from equilibrium.newton.minimise import NewtonResult, minimise
+from equilibrium.newton.problem import AnyState, Problem
+from equilibrium.newton.saddle import leave_saddle
+
+
+class HasRigidModes(Problem, Protocol):
+    """A problem that provides its rigid motions."""
+
+    def rigid_modes(self, state: AnyState) -> Floats:
+        """Orthonormal motions (size, k) that cost no energy."""
+
+
+class IterationResult(Protocol):
+    """Where an iteration stopped; `equilibrium.newton.minimise.NewtonResult` is one."""
+
+    @property
+    def state(self) -> AnyState:
+        """The last state."""
+
+    @property
+    def converged(self) -> bool:
+        """The gradient norm is at most the tolerance."""
+
+    @property
+    def iterations(self) -> int:
+        """Number of iterations."""
+
+    @property
+    def factorisations(self) -> int:
+        """Number of factorisations."""
+
+
+Iterate = Callable[[AnyState], IterationResult]
+
+
+@dataclass
+class StationaryPoint:
+    """A state, and the evidence whether it is a minimum.
+
+    Attributes
+    ----------
+    state : the last state.
+    energy : its energy.
+    gradient_norm, tolerance : 2-norm over the free unknowns, and its limit.
+    definite : all pivots of the exact Hessian on an isostatic support are positive.
+    lowest : smallest eigenvalue and its mode; None where the Hessian is definite, or if it was not computed.
+    iterations, factorisations : their total numbers.
+    fallbacks : how often the given iteration failed and `minimise` continued.
+    saddles_left : number of saddle points left on the way.
+    seconds : wall time by part.
+    """
+
+    state: AnyState
+    energy: float
+    gradient_norm: float
+    tolerance: float
+    definite: bool
+    lowest: Eigenpair | None = None
+    iterations: int = 0
+    factorisations: int = 0
+    fallbacks: int = 0
+    saddles_left: int = 0
+    seconds: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def converged(self) -> bool:
+        """The gradient norm is at most the tolerance."""
+        return self.gradient_norm <= self.tolerance
+
+    @property
+    def is_minimum(self) -> bool:
+        """Converged, and the exact Hessian is positive definite."""
+        return self.converged and self.definite
+
+
+def find_minimum(
+    problem: HasRigidModes,
+    start: AnyState,
+    factor: Factor,
+    tolerance: float,
+    iterate: Iterate,
+    max_change: float,
+    max_saddles: int = 6,
+    max_iterations: int = 200,
+) -> StationaryPoint:
+    """Follow an initial guess to a minimum and certify it.
+
+    Parameters
+    ----------
+    problem : the energy.
+    start : initial guess.
+    factor : solver for the Hessians.
+    tolerance : of the gradient's 2-norm.
+    iterate : takes a state to a stationary point, or fails; after a failure `minimise` continues.
+    max_change : largest change of an unknown when a saddle point is left.
+    max_saddles : number of saddle points to leave; after these the result is a saddle point (`is_minimum` is False).
+    max_iterations : of `minimise`; 0 ends the search after a failure of `iterate`.
+
+    Raises
+    ------
+    FloatingPointError
+        The Hessian is not finite.
+    """
+    clock = Clock()
+    point = StationaryPoint(start, np.inf, np.inf, tolerance, False, seconds=clock.seconds)
+
+    def follow(state: AnyState) -> None:
+        result = clock("iterate", iterate, state)
+        _count(point, result)
+        if not result.converged and max_iterations:
+            point.fallbacks += 1
+            lower = result.state if problem.energy(result.state) < problem.energy(state) else state
+            result = clock("minimise", _descend, problem, lower, factor, tolerance, max_iterations)
+            _count(point, result)
+        point.state = result.state
+        point.energy = problem.energy(point.state)
+        point.gradient_norm = float(np.linalg.norm(problem.gradient(point.state)))
+
+    follow(start)
+    while np.isfinite(point.gradient_norm):
+        data = clock("certificate", problem.hessian, point.state, 0.0)
+        point.definite = clock("certificate", is_definite_on_support, problem, point.state, data, factor)
+        point.factorisations += 1
+        if not point.converged or point.definite:
+            break
+        modes = problem.rigid_modes(point.state)
+        point.lowest = clock("eigenvalue", smallest_eigenvalue, problem.pattern, data, factor, modes)
+        point.factorisations += point.lowest.factorisations
+        if point.lowest.value >= -point.lowest.error or point.saddles_left == max_saddles:
+            break
+        saddle_energy = point.energy
+        perturbed = leave_saddle(problem, point.state, point.lowest.vector, max_change)
+        follow(perturbed)
+        if max_iterations and not (point.converged and point.energy <= saddle_energy):
+            # the iteration climbed back to a higher energy: minimise from the perturbed state instead
+            result = clock("minimise", _descend, problem, perturbed, factor, tolerance, max_iterations)
+            _count(point, result)
+            point.state, point.energy, point.gradient_norm = result.state, result.energy, result.gradient_norm
+        point.saddles_left += 1
+        point.lowest = None
+    return point
+
+
+def _count(point: StationaryPoint, result: IterationResult) -> None:
+    point.iterations += result.iterations
+    point.factorisations += result.factorisations
+
+
+def _descend(problem: Problem, state: AnyState, factor: Factor, tolerance: float, max_iterations: int) -> NewtonResult:
+    return minimise(problem, state, factor, tolerance, max_iterations, shift=0.0, check_definite=False)
+
+
+def is_definite_on_support(problem: Problem, state: AnyState, data: Floats, factor: Factor) -> bool:
+    """Whether the Hessian with entries `data` (nnz,), its rigid motions held by a support, is positive definite.
+
+    If so, `factor` holds the Hessian with the support.
+    """
+    supported = data.copy()
+    stiffen(problem.pattern, supported, problem.support(state))
+    return factor.factorise(supported) and (not isinstance(factor, IterativeFactor) or factor.proves_definite())

@@ -1,0 +1,138 @@
+"""Search directions from a Hessian that may be indefinite."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+
+from equilibrium.clock import Clock
+from equilibrium.linear.conjugate_gradients import NotPositiveDefiniteError
+from equilibrium.linear.factor import Factor, IterativeFactor
+from equilibrium.linear.rigid_support import stiffen
+from equilibrium.linear.sparse_pattern import Floats, Ints
+from equilibrium.newton.problem import AnyState, HasNearNullspace, Problem
+
+Method = Literal["blended", "shifted"]
+
+# Factor on the regularisation after a refused matrix. A refused matrix costs as much as an accepted one, so the blend,
+# which ends at 1, gets there from 1e-3 in three refusals.
+REGULARISATION_GROWTH = {"blended": 30.0, "shifted": 10.0}
+# Stiffness added to the convex model where it has none, over the median diagonal entry of the exact Hessian.
+CONVEX_STIFFNESS_FRACTION = 1e-3
+MIN_REGULARISATION = 1e-3  # first amount after a refused matrix; amounts below become zero
+MIN_AFTER_LINE_SEARCH = 1e-2  # first amount after a failed line search
+MAX_SHIFT = 1e12  # of the method "shifted"
+MAX_FORCING_TERM = 1e-2  # largest relative residual of an iterative solution
+MIN_FORCING_TERM = 1e-10
+
+
+class Regularisation:
+    """Makes the matrix positive definite with as little change as the factorisation accepts.
+
+    Parameters
+    ----------
+    problem, factor : the energy and the solver for its Hessians.
+    method : `blended`, `(1 - b) H + b H_psd`, or `shifted`, `H + tau I`.
+    shift : added to the diagonal of every matrix.
+    clock : takes the time of each part.
+    amount : first b or tau.
+
+    Attributes
+    ----------
+    amount : present b or tau; 0 is the exact Hessian.
+    factorisations : matrices given to the factor so far.
+    """
+
+    def __init__(
+        self, problem: Problem, factor: Factor, method: Method, shift: float, clock: Clock, amount: float
+    ) -> None:
+        self._problem, self._factor, self._method, self._shift, self._clock = problem, factor, method, shift, clock
+        self._iterative = factor if isinstance(factor, IterativeFactor) else None
+        self.amount = amount
+        self.factorisations = 0
+        self._was_refused = False  # a matrix of the last direction
+        self._solved_norm = 0.0  # norm of the last gradient that was solved for
+        self._support: Ints = np.empty(0, dtype=np.int64)
+
+    def direction(self, state: AnyState, gradient: Floats) -> Floats:
+        """Descent direction (size,) from a positive definite matrix close to the Hessian.
+
+        Raises
+        ------
+        FloatingPointError
+            The Hessian is not finite.
+        """
+        if self._iterative and isinstance(self._problem, HasNearNullspace):
+            self._iterative.set_near_nullspace(*self._problem.near_nullspace(state))
+        self._support = self._clock("support", self._problem.support, state)
+        exact, convex = self._hessian(state, 0.0), None
+        diagonal = self._problem.pattern.diagonal  # after the Hessian, which may change the pattern
+        # absolute values, since under compression most diagonal entries can be negative
+        added = CONVEX_STIFFNESS_FRACTION * float(np.median(np.abs(exact[diagonal])))
+        self._was_refused = False
+        while True:
+            if self._method == "shifted":
+                data = exact.copy()
+                data[diagonal] += self.amount
+            elif self.amount == 0.0:
+                data = exact
+            else:
+                if convex is None:
+                    convex = self._hessian(state, 1.0)
+                    # semidefinite is not definite: slack fabric without bending has directions without stiffness
+                    convex[diagonal] += added
+                blend = min(self.amount, 1.0)
+                data = (1.0 - blend) * exact + blend * convex
+                if self.amount > 1.0:
+                    data[diagonal] += added * self.amount
+            if self._factorise(data):
+                try:
+                    return -self._clock("solve", self._solve, gradient)
+                except NotPositiveDefiniteError:
+                    pass
+            if not np.isfinite(data).all():
+                raise FloatingPointError("the Hessian is not finite")
+            self._was_refused = True
+            self.amount = max(REGULARISATION_GROWTH[self._method] * self.amount, MIN_REGULARISATION)
+
+    def is_definite(self, state: AnyState) -> bool:
+        """Whether the exact Hessian with the shift, on its support, is positive definite; one factorisation."""
+        self._support = self._clock("support", self._problem.support, state)
+        accepted = self._factorise(self._hessian(state, 0.0))
+        return accepted and (not self._iterative or self._iterative.proves_definite())
+
+    def decrease(self) -> None:
+        """After a successful step: reduce the amount, unless the step needed an increase."""
+        if not self._was_refused:
+            self.amount = 0.1 * self.amount if self.amount > MIN_REGULARISATION else 0.0
+
+    def increase(self) -> bool:
+        """After a failed line search: increase the amount; False if it is at its limit."""
+        if self.amount >= (1.0 if self._method == "blended" else MAX_SHIFT):
+            return False
+        self.amount = max(10.0 * self.amount, MIN_AFTER_LINE_SEARCH)
+        return True
+
+    def _hessian(self, state: AnyState, blend: float) -> Floats:
+        data = self._clock("hessian", self._problem.hessian, state, blend)
+        pattern = self._problem.pattern
+        data[pattern.diagonal] += self._shift
+        # rigid motions cost no energy: a support changes the step by a rigid motion, and only zeros of the inertia
+        stiffen(pattern, data, self._support)
+        return data
+
+    def _solve(self, gradient: Floats) -> Floats:
+        if not self._iterative:
+            return self._factor.solve(gradient)
+        # inexact at first, then exact enough for quadratic convergence (Eisenstat and Walker 1996, choice 2)
+        norm = float(np.linalg.norm(gradient))
+        forcing = MAX_FORCING_TERM
+        if self._solved_norm > 0.0:
+            forcing = min(MAX_FORCING_TERM, 0.9 * (norm / self._solved_norm) ** 2)
+        self._solved_norm = norm
+        return self._iterative.solve(gradient, max(forcing, MIN_FORCING_TERM))
+
+    def _factorise(self, data: Floats) -> bool:
+        self.factorisations += 1
+        return bool(self._clock("factorisation", self._factor.factorise, data))
