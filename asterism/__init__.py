@@ -23,7 +23,8 @@ if TYPE_CHECKING:
     from asterism.reports.verification_files import write_verification
     from asterism.results.write_results import write_results
     from asterism.shape.shape import Shape
-    from asterism.verification.run import Verification, verify
+    from asterism.verification.run import verify
+    from asterism.verification.verification import Verification
     from homogenize.law.file import load_law
     from pattern.design.design import Design, save_design
     from pattern.gallery import load as new
@@ -34,7 +35,7 @@ _HOMES = {
     "Design": ("pattern.design.design", "Design"),
     "Preview": ("asterism.previews.session", "Preview"),
     "Shape": ("asterism.shape.shape", "Shape"),
-    "Verification": ("asterism.verification.run", "Verification"),
+    "Verification": ("asterism.verification.verification", "Verification"),
     "load_design": ("pattern.layout.load_design", "load_design"),
     "load_law": ("homogenize.law.file", "load_law"),
     "new": ("pattern.gallery", "load"),

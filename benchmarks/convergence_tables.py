@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from asterism.results.files import write_file
-from asterism.shape.mesh_error import MeshError, estimate
+from asterism.shape.mesh_error import MeshErrorEstimate, estimate
 from benchmarks.orders import ASYMPTOTIC, observed, rates
 from benchmarks.report import markdown, write_report
 from pattern.geometry.rigid_fit import rms_distance
@@ -47,7 +47,7 @@ def distances(rows: list[dict[str, Any]]) -> None:
                 r[name] = 100.0 * min(found) / finest["diameter_mm"] if r is not finest else 0.0
 
 
-def estimated(r: dict[str, Any], rows: list[dict[str, Any]]) -> MeshError:
+def estimated(r: dict[str, Any], rows: list[dict[str, Any]]) -> MeshErrorEstimate:
     """What `mesh_error_percent` would be for a row, with two coarser ones of its kind (rows) as its levels.
 
     As if all meshes resolved their creases.
@@ -68,7 +68,7 @@ def estimated(r: dict[str, Any], rows: list[dict[str, Any]]) -> MeshError:
 
 def row(r: dict[str, Any], rows: list[dict[str, Any]]) -> list[str]:
     """One line of the table of rows."""
-    error = estimated(r, rows) if r in rows else MeshError(None, None, None)
+    error = estimated(r, rows) if r in rows else MeshErrorEstimate(None, None, None)
     name = f"{r['mesh']['kind']} {r['mesh']['edge_mm']:.2f} mm"
     if "seed" in r["mesh"]:
         name += f", seed {r['mesh']['seed']}"

@@ -147,7 +147,7 @@ def _grounded(model: Model, positions: np.ndarray) -> np.ndarray:
     held = model.constraints.held
     if held[:, 2].any() or not held.any():
         return positions
-    return positions - [0.0, 0.0, positions[held.any(axis=1), 2].min()]
+    return np.asarray(positions - [0.0, 0.0, positions[held.any(axis=1), 2].min()])
 
 
 def _rod_fields(model: Model, found: Equilibrium) -> dict[str, np.ndarray]:

@@ -30,7 +30,7 @@ def told_of_compiling(say: Callable[[str], None]) -> Iterator[None]:
 
     said: set[str] = set()
 
-    class Watch(event.Listener):  # type: ignore[misc]
+    class Watch(event.Listener):
         """Told by numba when it begins with a function, and when it is done."""
 
         def on_start(self, event: Any) -> None:
@@ -54,7 +54,7 @@ def clock_without_compiling() -> Iterator[Callable[[], float]]:
         return
     from numba.core import event
 
-    spent = event.TimingListener()
+    spent = event.TimingListener()  # type: ignore[no-untyped-call]
     # held whenever a loop gets its machine code, from wherever
     with event.install_listener("numba:compiler_lock", spent):
         yield lambda: time.perf_counter() - (spent.duration if spent.done else 0.0)

@@ -11,12 +11,13 @@ from asterism.previews.uncertainty.height_error import in_words as height_in_wor
 from asterism.reports.html import figures, html_page, html_table, png, tiles
 from asterism.reports.plots import distance_map, profiles
 from asterism.reports.views import comparison_views
+from asterism.results.words import small_percent
 from asterism.shape.mesh_error import in_words
 from asterism.shape.tube import degrees
 from asterism.verification.numbers import times
 from asterism.verification.origins import origins
 from asterism.verification.right_shape import SURE, gap
-from asterism.verification.run import PREVIEW, RELEASE, Verification
+from asterism.verification.verification import PREVIEW, RELEASE, Verification
 from asterism.verification.warnings import FLAT
 
 MINIMA = ["exact model", "energy, N mm", "stars up", "certain to stay", "from the preview", "iterations"]
@@ -72,7 +73,7 @@ def _nearly(s: Mapping[str, Any]) -> str:
         return ""
     return (
         f" The exact model has another minimum, {other['rms_percent']:.2f} % away, whose energy differs by "
-        f"{100.0 * more:.1g} %: which of the two counts is not certain."
+        f"{small_percent(100.0 * more)}: which of the two counts is not certain."
     )
 
 

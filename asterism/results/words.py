@@ -67,7 +67,8 @@ def small_percent(percent: float) -> str:
     >>> small_percent(0.3), small_percent(0.0247), small_percent(1e-5)
     ('0.3 %', '0.02 %', 'below 0.01 %')
     """
-    return "below 0.01 %" if percent < 0.01 else f"{percent:.1g} %"
+    text = f"{percent:.1g}"
+    return "below 0.01 %" if float(text) < 0.01 else f"{text} %"
 
 
 def times(ratio: float) -> str:

@@ -57,4 +57,4 @@ class CellMean:
 
     def __call__(self, values: Floats) -> Floats:
         """(k, m) means of values (V, m)."""
-        return self._matrix @ values
+        return np.asarray(self._matrix @ values)

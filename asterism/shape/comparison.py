@@ -61,13 +61,13 @@ class Comparison:
     @cached_property
     def distance_mm(self) -> Floats:
         """(V,) between the cell means at the vertices of the reference."""
-        return np.linalg.norm(self.other_mean - self.reference_mean, axis=1)
+        return np.asarray(np.linalg.norm(self.other_mean - self.reference_mean, axis=1))
 
     @cached_property
     def star_distance_mm(self) -> Floats:
         """(S,) between star centres."""
         centres = self.layout.centres
-        return np.linalg.norm(self.other.at(centres) - self.reference.at(centres), axis=1)
+        return np.asarray(np.linalg.norm(self.other.at(centres) - self.reference.at(centres), axis=1))
 
     @property
     def rms_percent(self) -> float:

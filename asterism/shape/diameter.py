@@ -24,4 +24,4 @@ def diameter(positions: Floats) -> float:
 def _far(positions: Floats, point: Floats) -> Floats:
     """(n,) mm from positions (n, 3) to a point (3,)."""
     offset = positions - point
-    return np.sqrt(np.einsum("nc,nc->n", offset, offset))
+    return np.asarray(np.sqrt(np.einsum("nc,nc->n", offset, offset)))

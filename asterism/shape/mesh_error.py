@@ -25,7 +25,7 @@ LARGEST_PERCENT = 10.0
 
 
 @dataclass(frozen=True)
-class MeshError:
+class MeshErrorEstimate:
     """Estimate of the discretisation error.
 
     Attributes
@@ -42,7 +42,7 @@ class MeshError:
 
 def mesh_error(
     fine: Shape, coarser: Sequence[tuple[Floats, Floats]], resolved: bool = True, order: float = ORDER
-) -> MeshError:
+) -> MeshErrorEstimate:
     """Richardson's estimate of the discretisation error of `fine`.
 
     Parameters
@@ -61,14 +61,14 @@ def mesh_error(
 
 def estimate(
     edges: Sequence[float], distances: Sequence[float], resolved: bool = True, order: float = ORDER
-) -> MeshError:
+) -> MeshErrorEstimate:
     """From one or two distances (%) of coarser shapes to the finest; edges of all, in any unit, the finest last.
 
     An error `c edge^p` leaves the distances `c (edge^p - finest^p)`: two of them have one p. There is no estimate
     where p is none that theory knows, where the shapes are not two views of the same one, or unless `resolved`.
     """
     if not distances or edges[-2] / edges[-1] < SMALLEST_RATIO:
-        return MeshError(None, None, None)
+        return MeshErrorEstimate(None, None, None)
     observed = None
     if len(distances) > 1 and edges[-3] / edges[-2] >= SMALLEST_RATIO:
         observed = _observed(edges, distances)
@@ -76,7 +76,7 @@ def estimate(
     percent = None
     if resolved and distances[-1] < LARGEST_PERCENT and LOWEST <= order <= HIGHEST:
         percent = float(distances[-1] / ((edges[-2] / edges[-1]) ** order - 1.0))
-    return MeshError(percent, observed, distances[-1])
+    return MeshErrorEstimate(percent, observed, distances[-1])
 
 
 def in_words(summary: Mapping[str, Any]) -> str:
@@ -95,7 +95,7 @@ def _observed(edges: Sequence[float], distances: Sequence[float]) -> float | Non
     coarse, middle, fine = edges[-3:]
 
     def off(p: float) -> float:
-        return (coarse**p - fine**p) / (middle**p - fine**p) * distances[-1] - distances[-2]
+        return float((coarse**p - fine**p) / (middle**p - fine**p) * distances[-1] - distances[-2])
 
     if off(0.1) >= 0.0:
         return None

@@ -73,7 +73,7 @@ def _close_pairs(positions: Floats, triangles: Ints) -> Ints:
     for a in range(3):
         for b in range(3):
             shared |= first[:, a] == second[:, b]
-    return pairs[~shared]
+    return np.asarray(pairs[~shared])
 
 
 def _edge_through(first: Floats, second: Floats) -> NDArray[np.bool_]:

@@ -110,7 +110,7 @@ class Shape:
         """
         points = np.atleast_2d(np.asarray(printed_points, dtype=float))
         triangle, weights = locate(self.printed, self.triangles, points)
-        return np.einsum("nk,nki->ni", weights, self.positions[self.triangles[triangle]])
+        return np.asarray(np.einsum("nk,nki->ni", weights, self.positions[self.triangles[triangle]]))
 
     def aligned(self) -> Shape:
         """A centred copy, its principal axes along x, y and z, the largest first, the plastic side up."""
@@ -136,4 +136,4 @@ class Shape:
         """(V,) share of the printed sheet that each vertex stands for; adds up to 1."""
         third = np.repeat(triangle_areas(self.printed, self.triangles) / 3, 3)
         areas = np.bincount(self.triangles.ravel(), weights=third, minlength=len(self.printed))
-        return areas / areas.sum()
+        return np.asarray(areas / areas.sum())

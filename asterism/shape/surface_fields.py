@@ -14,7 +14,7 @@ def triangle_areas(positions: Floats, triangles: Ints) -> Floats:
     """(T,) mm^2; `positions` may be (V, 2) or (V, 3)."""
     if positions.shape[1] == 2:
         return np.abs(planar.triangle_areas(positions, triangles))
-    return np.linalg.norm(triangle_normals(positions, triangles), axis=1) / 2
+    return np.asarray(np.linalg.norm(triangle_normals(positions, triangles), axis=1) / 2)
 
 
 def border_of(triangles: Ints, count: int) -> np.ndarray:
@@ -89,7 +89,7 @@ def principal_strains(gradients: Floats) -> Floats:
     half_trace = (first + second) / 2
     radius = np.hypot((first - second) / 2, np.einsum("ti,ti->t", one, two))
     squares = np.column_stack([half_trace + radius, half_trace - radius])
-    return np.sqrt(np.maximum(squares, 0.0)) - 1
+    return np.asarray(np.sqrt(np.maximum(squares, 0.0)) - 1)
 
 
 def point_fields(positions: Floats, triangles: Ints) -> dict[str, Floats]:
@@ -134,4 +134,4 @@ def _per_area(values: Floats, positions: Floats, triangles: Ints) -> Floats:
     """(V,) values over the area of each vertex; NaN on the border and where the sheet has collapsed."""
     area = vertex_areas(positions, triangles)
     defined = ~border_of(triangles, len(positions)) & (area > 0)
-    return np.divide(values, area, out=np.full(len(positions), np.nan), where=defined)
+    return np.asarray(np.divide(values, area, out=np.full(len(positions), np.nan), where=defined))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -17,7 +17,8 @@ from asterism.results.write_results import VERIFICATION
 from asterism.shape.comparison import Comparison, compare
 from asterism.shape.shape import Shape
 from asterism.verification.numbers import numbers, same_branch
-from asterism.verification.right_shape import right_shape, same_energy
+from asterism.verification.right_shape import same_energy
+from asterism.verification.verification import PREVIEW, RELEASE, Verification
 from asterism.verification.warnings import warnings
 from discrete.release.branches import SAME_PERCENT
 from discrete.release.walk import Report
@@ -27,39 +28,8 @@ from pattern.layout.build import layout
 from pattern.layout.layout import Layout
 from pattern.layout.symmetries import Symmetry, symmetries
 
-RELEASE, PREVIEW = "release", "preview"
 AGAIN, LONG_S = 3, 2.0  # previews of which the fastest counts, once everything is loaded; fewer if they take so long
 KEPT = ("energy_n_mm", "is_minimum", "stars_up", "iterations", "factorisations")
-
-
-@dataclass(frozen=True)
-class Verification:
-    """Both shapes of a design and what lies between them.
-
-    Attributes
-    ----------
-    design : that both were made from.
-    preview : the preview, with its stars' bumps.
-    exact : exact shapes by what they were started from: `release`, the continuation from the flat print, and `preview`.
-    comparisons : the preview laid on each of them.
-    summary : the numbers of summary.json.
-    """
-
-    design: Design
-    preview: Shape
-    exact: dict[str, Shape]
-    comparisons: dict[str, Comparison]
-    summary: dict[str, Any] = field(default_factory=dict)
-
-    @property
-    def result(self) -> str:
-        """Where the exact shape that counts was started, see `asterism.verification.right_shape`."""
-        return right_shape(self.exact)
-
-    @property
-    def comparison(self) -> Comparison:
-        """The preview laid on the exact shape that counts."""
-        return self.comparisons[self.result]
 
 
 def verify(

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from asterism.exact.star_sides import few, off_branch
 from asterism.exact.warnings import passes_through
+from asterism.results.words import small_percent
 from asterism.shape.comparison import Comparison
 from asterism.verification.numbers import FORM_PERCENT
 from asterism.verification.right_shape import SURE, gap
-
-if TYPE_CHECKING:
-    from asterism.verification.run import Verification
+from asterism.verification.verification import Verification
 
 ALIKE = 1.3  # largest ratio of two edge lengths that count as one
 SURPRISE = 2.0  # times the error that the preview expected
@@ -59,7 +58,7 @@ def _two_minima(found: Verification, apart: float) -> Iterator[str]:
         if other["is_minimum"] and apart > FORM_PERCENT and more <= SURE:
             yield (
                 f"the exact model has two minima, {apart:.1f} % of the diameter apart, whose energies differ by "
-                f"{100.0 * more:.1g} %: a print may rest in either"
+                f"{small_percent(100.0 * more)}: a print may rest in either"
             )
 
 

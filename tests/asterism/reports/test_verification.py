@@ -23,7 +23,8 @@ from asterism.results.read_shape import read_shape
 from asterism.results.vtu import write_shape_vtu
 from asterism.results.write_results import write_results
 from asterism.verification import run
-from asterism.verification.run import Verification, verify
+from asterism.verification.run import verify
+from asterism.verification.verification import Verification
 from pattern.design.design import Design
 from tests.asterism.previews.laws import plain_law
 from tests.asterism.process.test_compiling import fresh

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from asterism.shape.comparison import compare
-from asterism.verification.run import Verification
+from asterism.verification.verification import Verification
 from asterism.verification.warnings import warnings
 from pattern.geometry.arrays import Floats
 from pattern.layout.build import layout
