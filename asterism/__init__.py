@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from asterism.previews.run import preview
     from asterism.previews.session import Preview
     from asterism.reports.verification_files import write_verification
-    from asterism.results.write_results import write_results
+    from asterism.reports.write_results import write_results
     from asterism.shape.shape import Shape
     from asterism.verification.run import verify
     from asterism.verification.verification import Verification
@@ -43,7 +43,7 @@ _HOMES = {
     "save_design": ("pattern.design.design", "save_design"),
     "simulate": ("asterism.exact.simulation", "simulate"),
     "verify": ("asterism.verification.run", "verify"),
-    "write_results": ("asterism.results.write_results", "write_results"),
+    "write_results": ("asterism.reports.write_results", "write_results"),
     "write_verification": ("asterism.reports.verification_files", "write_verification"),
 }
 __all__ = [

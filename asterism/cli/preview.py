@@ -32,7 +32,7 @@ def preview(
     from asterism.laws.material import read_design
     from asterism.laws.own_law import law_for
     from asterism.previews.run import preview as compute
-    from asterism.results.write_results import write_results
+    from asterism.reports.write_results import write_results
 
     chosen = read_design(design, material)
     directory = results_folder(design, output, design.with_suffix(""))

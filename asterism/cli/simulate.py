@@ -47,7 +47,7 @@ def simulate(
     from asterism.cli.common.results_folder import results_folder
     from asterism.exact.simulation import simulate as compute
     from asterism.laws.material import read_design
-    from asterism.results.write_results import write_results
+    from asterism.reports.write_results import write_results
 
     changed = with_overrides(
         read_design(design, material),

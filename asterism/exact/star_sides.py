@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any
+
+from asterism.results.words import star_numbers
 
 
 def off_branch(summary: Mapping[str, Any]) -> Iterator[str]:
     """A line, if there are such stars in an exact shape, from its summary."""
     if off := summary["stars_off_branch"]:
         stars = f"{len(off)} of {summary['stars_total']} stars of the exact shape"
-        yield f"{stars} are not on the side that the design asks for: {few(off)}"
-
-
-def few(stars: Sequence[int]) -> str:
-    """The numbers of the first stars."""
-    numbers = ", ".join(map(str, stars[:8])) + (", ..." if len(stars) > 8 else "")
-    return f"star{'s' if len(stars) > 1 else ''} {numbers}"
+        yield f"{stars} are not on the side that the design asks for: {star_numbers(off)}"

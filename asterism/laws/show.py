@@ -9,8 +9,7 @@ from asterism.laws.calibrate import summary
 from asterism.laws.cells_table import law_cells
 from asterism.laws.picture import draw_law
 from asterism.laws.table import law_table
-from asterism.results.files import check_writable
-from asterism.results.write_results import staged_result
+from asterism.results.files import check_writable, staged_result
 from homogenize.law.file import PAPER, load_law
 
 

@@ -6,13 +6,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from asterism.exact.star_sides import few
 from asterism.laws.directions_line import directions_line
 from asterism.laws.error_lines import coarse_line, mesh_line, pleats_line
 from asterism.previews.search.alternatives import MIN_SIZE_RATIO
 from asterism.previews.solve import EDIT_START
 from asterism.previews.state import PreviewState
 from asterism.previews.uncertainty.estimate import ErrorEstimate
+from asterism.results.words import star_numbers
 from asterism.shape.pin_warnings import pin_warnings
 from asterism.shape.self_intersections import passing
 from fem.search.sides import side_of
@@ -59,12 +59,12 @@ def _about_stars(state: PreviewState) -> Iterator[str]:
     if values.tight and not state.is_supported:  # supported sheets are as accurate with them
         yield (
             f"{len(values.tight)} of {count} stars curl to a radius below two thirds of their spacing, "
-            f"where a smooth sheet says little: {few(values.tight)}"
+            f"where a smooth sheet says little: {star_numbers(values.tight)}"
         )
     if values.uneven:
         yield (
             f"{len(values.uneven)} of {count} stars curl far more in some directions than in others, of "
-            f"which the law knows little: {few(values.uneven)}"
+            f"which the law knows little: {star_numbers(values.uneven)}"
         )
 
 
@@ -77,7 +77,7 @@ def _about_supports(state: PreviewState, estimate: ErrorEstimate, height_mm: flo
         narrower = f": a scale of about {scales.pop() / ratio:.2g} lets it rise" if len(scales) == 1 else ""
         yield f"the pins hold the sheet {ratio:.2f} times as wide as its stars want it, nearly flat{narrower}"
     if inverted := layout.star_number[layout.star_branch < 0].tolist():
-        yield f"the law's stars bump up, but {len(inverted)} of the design start down: {few(inverted)}"
+        yield f"the law's stars bump up, but {len(inverted)} of the design start down: {star_numbers(inverted)}"
     side = side_of(state.shell, state.equilibrium.x) if state.side != "auto" else "auto"
     if side not in ("auto", state.side):
         yield f"the edges were asked to go {state.side}, but no such form was reached: they go {side}"

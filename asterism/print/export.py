@@ -15,7 +15,7 @@ from asterism.print.printer import Printer
 from asterism.print.profiles import load_plastic, load_printer
 from asterism.print.write import write_export
 from asterism.results.files import holds_result
-from asterism.results.read_shape import folder_of, read_shape
+from asterism.shape.read_shape import folder_of, read_shape
 from asterism.shape.shape import Shape
 from homogenize.law.law import Law
 from pattern.design.design import Design

@@ -13,8 +13,8 @@ from asterism.print.job import Job
 from asterism.print.rounded import better_layers, tiny_stars
 from asterism.results.files import EXPORT as SUMMARY
 from asterism.results.files import holds_result, staged
-from asterism.results.vtu import write_rods_vtu, write_shape_vtu
 from asterism.shape.shape import Shape
+from asterism.shape.vtu import write_rods_vtu, write_shape_vtu
 from pattern.design.design import save_design
 
 # not summary.json: an export may go into the directory of a simulation

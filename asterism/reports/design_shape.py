@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from asterism.results.read_shape import read_shape
+from asterism.shape.read_shape import read_shape
 from asterism.shape.shape import Shape
 from homogenize.law.law import Law
 from pattern.design.design import Design

@@ -6,9 +6,8 @@ import json
 from pathlib import Path
 
 from asterism.reports.verification_page import verification_page
-from asterism.results.files import LAST
-from asterism.results.vtu import write_shape_vtu
-from asterism.results.write_results import staged_result
+from asterism.results.files import LAST, staged_result
+from asterism.shape.vtu import write_shape_vtu
 from asterism.verification.verification import Verification
 from pattern.design.arguments import check_kind
 from pattern.design.files import plain

@@ -29,6 +29,7 @@ BESIDE_SUMMARY = "|".join(
         r"law\.png|cells\.csv",  # law show
     )
 )
+VERIFICATION = "verification"  # the key `model` of a summary of two shapes
 # of an export: its summary, and which of those names it has too
 EXPORT, BESIDE_EXPORT = "export.json", r"(shape|rods)\.vtu"
 
@@ -119,6 +120,21 @@ def check_writable(directory: str | Path, name: str = LAST) -> None:
     with suppress(_Rehearsal), staged(directory) as folder:
         (folder / name).write_text("{}")
         raise _Rehearsal
+
+
+@contextmanager
+def staged_result(directory: str | Path) -> Iterator[Path]:
+    """As `staged`, for files that belong to a summary.json: those of an earlier result, of whatever kind, are removed.
+
+    A folder without a summary.json holds no result; all its files stay.
+
+    Raises
+    ------
+    OutputError
+        The files cannot be written there.
+    """
+    with staged(directory, stale=BESIDE_SUMMARY if holds_result(directory) else None) as folder:
+        yield folder
 
 
 def check_kept(file: Path, directory: str | Path, *written: str) -> None:

@@ -13,7 +13,7 @@ from asterism import __version__
 from asterism.exact.simulation import Say, simulate
 from asterism.previews.run import preview
 from asterism.process.compiling import clock_without_compiling
-from asterism.results.write_results import VERIFICATION
+from asterism.results.files import VERIFICATION
 from asterism.shape.comparison import Comparison, compare
 from asterism.shape.shape import Shape
 from asterism.verification.numbers import numbers, same_branch

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from asterism.exact.star_sides import few, off_branch
+from asterism.exact.star_sides import off_branch
 from asterism.exact.warnings import passes_through
-from asterism.results.words import small_percent
+from asterism.results.words import small_percent, star_numbers
 from asterism.shape.comparison import Comparison
 from asterism.verification.numbers import FORM_PERCENT
 from asterism.verification.right_shape import SURE, gap
@@ -42,7 +42,7 @@ def _exact_shape(exact: Mapping[str, Any], known: Sequence[str]) -> Iterator[str
     yield from passes_through(exact, "the exact sheet")
     down, off, total = exact["stars_down"], exact["stars_off_branch"], exact["stars_total"]
     if down:
-        yield f"{len(down)} of {total} stars of the exact shape bump down: {few(down)}"
+        yield f"{len(down)} of {total} stars of the exact shape bump down: {star_numbers(down)}"
     named = list(off_branch(exact))
     if set(off) - set(down):  # sent down, and up again
         yield from named

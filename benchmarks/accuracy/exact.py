@@ -12,8 +12,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from asterism.exact.simulation import simulate
-from asterism.results.read_shape import read_shape
-from asterism.results.write_results import write_results
+from asterism.reports.write_results import write_results
+from asterism.shape.read_shape import read_shape
 from asterism.shape.shape import Shape
 from asterism.verification.right_shape import right_shape
 from benchmarks.accuracy.designs import designs

@@ -15,7 +15,7 @@ from typing import Any
 
 from asterism.exact.simulation import simulate
 from asterism.previews.session import Preview
-from asterism.results.write_results import write_results
+from asterism.reports.write_results import write_results
 from asterism.shape.comparison import compare
 from asterism.verification.numbers import alike
 from benchmarks.accuracy.designs import RANDOM, designs, drawn

@@ -23,5 +23,5 @@ def blank_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     def blank(shape: Shape, title: str, path: Path) -> None:
         Image.new("RGB", (8, 8)).save(path, format="png")
 
-    monkeypatch.setattr("asterism.results.write_results.draw_shape", blank)
+    monkeypatch.setattr("asterism.reports.write_results.draw_shape", blank)
     monkeypatch.setattr("asterism.reports.design_page._picture", lambda figure, shape: None)

@@ -19,10 +19,9 @@ from asterism.measure.compare.scan import extent, read_scan
 from asterism.measure.compare.scan_comparison import ScanComparison, compare_scan
 from asterism.measure.compare.silhouette import OutlineFit, fit_outline, silhouette
 from asterism.measure.compare.units import check_size
-from asterism.results.files import LAST, OutputError, check_writable, holds_result
-from asterism.results.read_shape import folder_of, read_shape
-from asterism.results.write_results import staged_result
+from asterism.results.files import LAST, OutputError, check_writable, holds_result, staged_result
 from asterism.shape.diameter import diameter
+from asterism.shape.read_shape import folder_of, read_shape
 from asterism.shape.shape import Shape
 from pattern.design.errors import one_line
 

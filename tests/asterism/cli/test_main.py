@@ -185,12 +185,12 @@ def test_interrupt_while_packages_are_loaded(package: str, how: str, tmp_path: P
 
 LATE = """
 import signal
-import asterism.results.write_results
-write = asterism.results.write_results.write_results
+import asterism.reports.write_results
+write = asterism.reports.write_results.write_results
 def interrupted(*them):
     write(*them)
     signal.raise_signal(signal.SIGINT)
-asterism.results.write_results.write_results = interrupted
+asterism.reports.write_results.write_results = interrupted
 from asterism.cli.main import main
 main()
 """

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from asterism.exact.simulation import simulate
-from asterism.results.read_shape import read_shape
-from asterism.results.write_results import write_results
+from asterism.reports.write_results import write_results
+from asterism.shape.read_shape import read_shape
 from asterism.shape.shape import Shape
 from discrete.evidence.equilibrium import Equilibrium
 from discrete.model.model import Model

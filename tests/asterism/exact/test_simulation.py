@@ -10,7 +10,7 @@ import pytest
 
 import asterism
 from asterism.exact.simulation import simulate
-from asterism.results.write_results import write_results
+from asterism.reports.write_results import write_results
 from pattern import gallery
 from pattern.design.design import Design
 from pattern.design.errors import DesignError

@@ -11,7 +11,7 @@ import pytest
 
 from asterism.previews.run import preview
 from asterism.reports.design_page import LAYOUT_AT, LAYOUT_MM
-from asterism.results.write_results import write_results
+from asterism.reports.write_results import write_results
 from homogenize.law.file import PAPER, load_law
 from pattern.layout.load_design import load_design
 from tests.asterism.commands import command

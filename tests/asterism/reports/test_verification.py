@@ -19,9 +19,9 @@ from asterism.exact.simulation import simulate
 from asterism.previews.run import preview
 from asterism.reports.verification_files import write_verification
 from asterism.reports.verification_page import verification_page
-from asterism.results.read_shape import read_shape
-from asterism.results.vtu import write_shape_vtu
-from asterism.results.write_results import write_results
+from asterism.reports.write_results import write_results
+from asterism.shape.read_shape import read_shape
+from asterism.shape.vtu import write_shape_vtu
 from asterism.verification import run
 from asterism.verification.run import verify
 from asterism.verification.verification import Verification

@@ -11,8 +11,8 @@ import trimesh
 from PIL import Image
 
 from asterism.measure.compare.silhouette import silhouette
-from asterism.results.vtu import write_shape_vtu
 from asterism.shape.diameter import diameter
+from asterism.shape.vtu import write_shape_vtu
 from tests.asterism.commands import command
 from tests.asterism.measure.compare.scans import bent_sheet, motion
 

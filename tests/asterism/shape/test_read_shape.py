@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import asterism
-from asterism.results.read_shape import read_shape
+from asterism.shape.read_shape import read_shape
 from asterism.shape.shape import Shape
 from pattern.design.errors import DesignError
 

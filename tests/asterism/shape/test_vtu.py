@@ -9,7 +9,7 @@ import meshio
 import numpy as np
 import pytest
 
-from asterism.results.vtu import write_rods_vtu, write_shape_vtu
+from asterism.shape.vtu import write_rods_vtu, write_shape_vtu
 from tests.asterism import sheets
 
 

@@ -1,37 +1,15 @@
-"""The files of results: which there are, and those of a shape.
-
-A shape's are summary.json, shape.vtu, rods.vtu, shape.png, and a pair for every further minimum.
-"""
+"""The files of a shape: summary.json, shape.vtu, rods.vtu, shape.png, and a pair for each further minimum."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 from asterism.draw.picture import draw_shape
-from asterism.results.files import BESIDE_SUMMARY, LAST, holds_result, staged
-from asterism.results.vtu import write_rods_vtu, write_shape_vtu
+from asterism.results.files import LAST, staged_result
 from asterism.shape.shape import Shape
+from asterism.shape.vtu import write_rods_vtu, write_shape_vtu
 from pattern.design.arguments import check_kind
-
-VERIFICATION = "verification"  # the `model` of a summary that is of two shapes
-
-
-@contextmanager
-def staged_result(directory: str | Path) -> Iterator[Path]:
-    """As `staged`, for files that belong to a summary.json: those of an earlier one, of whatever kind, go away.
-
-    A folder without a summary.json holds no result: nothing goes away there, whatever it is called.
-
-    Raises
-    ------
-    OutputError
-        They cannot be written there.
-    """
-    with staged(directory, stale=BESIDE_SUMMARY if holds_result(directory) else None) as folder:
-        yield folder
 
 
 def write_results(shape: Shape, directory: str | Path) -> list[str]:

@@ -13,8 +13,8 @@ from PIL import Image
 from scipy.spatial.transform import Rotation
 
 from asterism.draw.picture import draw_shape
-from asterism.results.files import OutputError
-from asterism.results.write_results import staged_result, write_results
+from asterism.reports.write_results import write_results
+from asterism.results.files import OutputError, staged_result
 from asterism.shape.shape import Shape
 from tests.asterism.sheets import dome, sheet
 

@@ -12,8 +12,8 @@ import meshio
 import numpy as np
 from scipy.spatial import cKDTree
 
+from asterism.results.files import VERIFICATION
 from asterism.results.records.of_shape import shape_record
-from asterism.results.write_results import VERIFICATION
 from asterism.shape.shape import Shape
 from pattern.design.errors import DesignError
 from pattern.geometry.arrays import Floats, Ints
