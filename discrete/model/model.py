@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,13 +25,11 @@ from discrete.model.constraints import pin_constraints
 from discrete.model.reconstruction import Reconstruction
 from discrete.model.state import State
 from discrete.model.system import System
+from pattern.design.design import Design
 from pattern.design.materials import rest_curvature
 from pattern.geometry.planar import triangle_areas
 from pattern.layout.layout import Layout
 from pattern.mesh.mesh import Mesh
-
-if TYPE_CHECKING:
-    from pattern.design.design import Design
 
 
 class Model(System):
@@ -155,7 +152,15 @@ class Model(System):
     def reconstruction(self) -> Reconstruction:
         """Positions from gradients; made when first asked for."""
         if self._reconstruction is None:
-            self._reconstruction = Reconstruction(self)
+            membrane, (ea, length) = self.parts["membrane"].params, self.parts["rod_stretch"].params.T
+            self._reconstruction = Reconstruction(
+                self.mesh.triangles,
+                self.network.edges,
+                membrane[:, :6].reshape(-1, 3, 2),
+                membrane[:, 6],
+                ea / length,
+                self.constraints.held,
+            )
         return self._reconstruction
 
     def path(self, state: State, direction: Array, straight: bool = False) -> tuple[Callable[[float], State], float]:

@@ -10,7 +10,6 @@ so descent and quadratic convergence stay.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,24 +19,36 @@ from equilibrium.linear.backends import make_factor
 from equilibrium.linear.factor import Factor
 from equilibrium.linear.sparse_pattern import SparsePattern
 
-if TYPE_CHECKING:
-    from discrete.model.model import Model
-
 LARGEST_TURN = 1.0  # rad in one step
 
 
 class Reconstruction:
-    """Positions from deformation gradients, for one model; the release it was made at only scales its measures."""
+    """Positions from deformation gradients, by weighted least squares.
 
-    def __init__(self, model: Model) -> None:
-        self._triangles, self._edges = model.mesh.triangles, model.network.edges
-        params = model.parts["membrane"].params
-        self._b = params[:, :6].reshape(-1, 3, 2).copy()
-        self._weight = params[:, 6].copy()
-        ea, length = model.parts["rod_stretch"].params.T
-        self._edge_weight = ea / length
-        self._held = model.constraints.held
-        self._components = self._factorise(model.n_vertices)
+    The release at which the gradients and weights are taken only scales the measures.
+
+    Parameters
+    ----------
+    triangles, edges : (T, 3) and (R, 2) vertices.
+    gradients : (T, 3, 2) 1/mm, gradients of the shape functions of each triangle.
+    weight : (T,) N mm, shear modulus times rest volume.
+    edge_weight : (R,) N/mm, axial stiffness EA/l.
+    held : (V, 3) bool, components of vertices that do not move.
+
+    Raises
+    ------
+    ValueError
+        Some vertices are connected to nothing.
+    """
+
+    def __init__(
+        self, triangles: Array, edges: Array, gradients: Array, weight: Array, edge_weight: Array, held: Array
+    ) -> None:
+        self._triangles, self._edges = triangles, edges
+        self._b, self._weight = gradients.copy(), weight.copy()
+        self._edge_weight = edge_weight
+        self._held = held
+        self._components = self._factorise(len(held))
 
     def _factorise(self, n: int) -> list[tuple[Array, Array, Factor]]:
         """One Laplacian for each different set of held vertices among x, y and z: axes, free vertices, factor."""
