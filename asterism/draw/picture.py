@@ -37,7 +37,7 @@ def draw_shape(shape: Shape, title: str, path_or_file: str | Path | IO[bytes]) -
     """
     shape = shape if shape.held else shape.aligned()
     figure = Figure(figsize=(WIDTH / DPI, HEIGHT / DPI), dpi=DPI, facecolor="none")
-    words = FigureCanvasAgg(figure)
+    words: Any = FigureCanvasAgg(figure)
     canvas = np.ones((HEIGHT, WIDTH, 3))
     thing = scene(shape)
     low, high = shape.positions.min(axis=0), shape.positions.max(axis=0)
@@ -143,7 +143,7 @@ def _bar(figure: Figure, middle: float, bottom: float, scale: float, width_mm: f
 
 def _size(thing: Scene, view: Camera) -> Floats:
     """(2,) mm, width and height of what is seen; never zero, so that a flat sheet has a side view."""
-    return np.maximum(np.ptp(view.project(thing.points)[:, :2], axis=0), 1e-3)
+    return np.asarray(np.maximum(np.ptp(view.project(thing.points)[:, :2], axis=0), 1e-3))
 
 
 def _paste(canvas: Floats, image: Floats, x: float, y: float) -> None:

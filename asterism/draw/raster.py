@@ -37,7 +37,7 @@ class Raster:
         row, column = np.divmod(self.pixels, self.face.shape[1])
         across, upwards, constant = (function[seen] for function in self.functions)
         weights = across * (column + 0.5)[:, None] + upwards * (row + 0.5)[:, None] + constant
-        return np.einsum("pk,pkm->pm", weights, values[triangles[seen]])
+        return np.asarray(np.einsum("pk,pkm->pm", weights, values[triangles[seen]]))
 
     def pieces(self) -> Iterator[Raster]:
         """The same with a part of the pixels after the other."""

@@ -159,7 +159,7 @@ def _shaded(
     colour[arm] = ARMS
     colour[face >= len(triangles) - marks] = PINS
     shine = np.where(arm, 0.10, 0.03) * gloss
-    return np.clip(colour * light[:, None] + shine[:, None], 0.0, 1.0)
+    return np.asarray(np.clip(colour * light[:, None] + shine[:, None], 0.0, 1.0))
 
 
 def _depth_around(raster: Raster) -> Floats:
@@ -168,7 +168,9 @@ def _depth_around(raster: Raster) -> Floats:
     depth = np.where(covered, raster.depth, 0.0)
     reach = _reach(raster)
     share = gaussian_filter(_coarser(covered.astype(np.float32)), reach, truncate=2.5)
-    return gaussian_filter(_coarser(depth.astype(np.float32)), reach, truncate=2.5) / np.maximum(share, 1e-6)
+    return np.asarray(
+        gaussian_filter(_coarser(depth.astype(np.float32)), reach, truncate=2.5) / np.maximum(share, 1e-6)
+    )
 
 
 def _reach(raster: Raster) -> float:
@@ -183,14 +185,14 @@ def _open_sky(raster: Raster, around: Floats, pixels_per_mm: float) -> Floats:
     """
     row, column = np.divmod(raster.pixels, raster.depth.shape[1])
     nearer = around[row // FINER, column // FINER] - raster.depth.ravel()[raster.pixels]
-    return 1 - 0.38 * np.clip(nearer * pixels_per_mm / (2.5 * FINER * _reach(raster)), 0.0, 1.0)
+    return np.asarray(1 - 0.38 * np.clip(nearer * pixels_per_mm / (2.5 * FINER * _reach(raster)), 0.0, 1.0))
 
 
 def _outline(raster: Raster, pixels_per_mm: float) -> np.ndarray:
     """(rows, columns) bool, just behind an edge of the sheet as it is seen."""
     depth = np.where(np.isfinite(raster.depth), raster.depth, -1e9)
     step = maximum_filter(depth, size=3) - depth
-    return step > 1.0 + 8 / pixels_per_mm
+    return np.asarray(step > 1.0 + 8 / pixels_per_mm)
 
 
 def _turns_left(places: Floats, triangles: Ints) -> np.ndarray:

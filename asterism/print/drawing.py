@@ -104,7 +104,7 @@ def cross_mark(layer: DrawingLayer, centre: Floats, arm_mm: float) -> list[Polyl
 def offset_points(at: Floats, *offsets: tuple[float, float]) -> Floats:
     """Points (n, 2) at offsets in mm from a point, or (2,) for a single one."""
     points = np.asarray(at) + np.array(offsets)
-    return points if len(offsets) > 1 else points[0]
+    return np.asarray(points if len(offsets) > 1 else points[0])
 
 
 def font_size_within(text: str, largest_mm: float, room_mm: float) -> float:

@@ -78,7 +78,7 @@ def _along(border: Floats, edge: int, spacing_mm: float) -> Floats:
     """Equally spaced points on an edge, its ends included."""
     a, b = border[edge], border[(edge + 1) % len(border)]
     pieces = max(math.ceil(float(np.linalg.norm(b - a)) / spacing_mm - 1e-9), 1)
-    return a + np.arange(pieces + 1)[:, None] / pieces * (b - a)
+    return np.asarray(a + np.arange(pieces + 1)[:, None] / pieces * (b - a))
 
 
 def _places(pins: PinSet, printed: Floats, shape: Shape | None) -> Floats | None:

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
-
 import numpy as np
 from matplotlib import colormaps
 
+from asterism.draw.bare_sheet import bare
 from asterism.draw.render import FABRIC_SIDE, OBLIQUE, VIEWS, Camera, Scene, camera, render, scene
 from asterism.shape.comparison import Comparison
-from asterism.shape.shape import Shape
 from pattern.geometry.arrays import Floats
 
 ORANGE = (0.93, 0.47, 0.16)
@@ -45,12 +42,6 @@ def colours_of(comparison: Comparison) -> Floats:
     """(V, 3) of the distance at the vertices of the exact sheet, from nothing to its largest."""
     far = max(float(comparison.distance_mm.max()), 1e-12)
     return np.asarray(COLOURS(comparison.distance_mm / far))[:, :3]
-
-
-def bare(shape: Shape, colour: Floats | Sequence[float]) -> Scene:
-    """The sheet without its arms and pins, in one colour or in one at each vertex."""
-    thing = scene(replace(shape, rods=(), rod_fields={}, held=False))
-    return replace(thing, colours=np.broadcast_to(np.asarray(colour, dtype=float), (len(shape.positions), 3)))
 
 
 def _together(one: Scene, other: Scene) -> Scene:

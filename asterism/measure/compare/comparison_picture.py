@@ -15,12 +15,12 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from asterism.draw.bare_sheet import bare
 from asterism.draw.chart_axes import style_axes
 from asterism.draw.colours import INK, PALE
 from asterism.draw.render import OBLIQUE, camera, render
 from asterism.measure.compare.scan_comparison import ScanComparison
 from asterism.measure.compare.silhouette import OutlineFit
-from asterism.reports.views import bare
 from pattern.geometry.arrays import Floats
 
 SHAPE = INK

@@ -63,7 +63,7 @@ class NearestOnSurface:
 def _nearest(tree: cKDTree, among: Ints, points: Floats) -> Ints:
     """(n, k) triangles of one size whose centres are nearest."""
     count = min(_CANDIDATES, len(among))
-    return among[tree.query(points, k=count)[1].reshape(len(points), count)]
+    return np.asarray(among[tree.query(points, k=count)[1].reshape(len(points), count)])
 
 
 def nearest_in_triangles(points: Floats, corners: Floats) -> Floats:
@@ -93,7 +93,7 @@ def nearest_in_triangles(points: Floats, corners: Floats) -> Floats:
 
 
 def _dot(x: Floats, y: Floats) -> Floats:
-    return np.einsum("...i,...i->...", x, y)
+    return np.asarray(np.einsum("...i,...i->...", x, y))
 
 
 def _share(one: Floats, other: Floats) -> Floats:

@@ -7,7 +7,7 @@ import warnings
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 from xml.etree import ElementTree
 
 import numpy as np
@@ -147,7 +147,7 @@ def _drawn(path: Path) -> BinaryIO:
     return BytesIO(ElementTree.tostring(tree))
 
 
-def _points(piece: object) -> list:
+def _points(piece: object) -> list[Any]:
     """Along one piece of a path; its end included."""
     import svgelements as svg
 

@@ -147,7 +147,7 @@ def _starts(points: Floats, target: _Target, count: int, rng: np.random.Generato
 def _onto(one: Floats, other: Floats) -> Floats:
     """(3, 3) a rotation that brings one unit vector onto another."""
     rotation, _ = Rotation.align_vectors(other[None], one[None])
-    return rotation.as_matrix()
+    return np.asarray(rotation.as_matrix())
 
 
 def _proper(axes: Floats) -> Floats:

@@ -78,7 +78,9 @@ def along(corners: Floats) -> Floats:
     """Points at equal steps along a closed line (n, 2) mm."""
     ring = shapely.LinearRing(corners)
     count = max(round(ring.length / _STEP_MM), 200)
-    return shapely.get_coordinates(shapely.line_interpolate_point(ring, np.arange(count) * ring.length / count))
+    return np.asarray(
+        shapely.get_coordinates(shapely.line_interpolate_point(ring, np.arange(count) * ring.length / count))
+    )
 
 
 def _settled(points: Floats, angle: float, shift: Floats, target: Floats) -> tuple[float, Floats]:
@@ -103,12 +105,12 @@ def _outwards(points: Floats, target: Floats) -> Floats:
     """(n,) distances from a closed line, negative within it."""
     places = shapely.points(points)
     inside = shapely.contains(shapely.Polygon(target), places)
-    return shapely.distance(places, shapely.LinearRing(target)) * np.where(inside, -1.0, 1.0)
+    return np.asarray(shapely.distance(places, shapely.LinearRing(target)) * np.where(inside, -1.0, 1.0))
 
 
 def _turned(points: Floats, angle: float) -> Floats:
     cos, sin = np.cos(angle), np.sin(angle)
-    return points @ np.array([[cos, sin], [-sin, cos]])
+    return np.asarray(points @ np.array([[cos, sin], [-sin, cos]]))
 
 
 def _closest_points(

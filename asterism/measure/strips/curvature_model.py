@@ -142,5 +142,5 @@ class CurvatureModel:
     def _membership(self, data: StripData) -> Floats:
         """(n, size - 1) which entry of kappa_bar belongs to which reading."""
         if self.kappa_bar == "per-thickness":
-            return (data.thickness[:, None] == self.thicknesses).astype(float)
+            return np.asarray((data.thickness[:, None] == self.thicknesses).astype(float))
         return np.ones((len(data.thickness), self.size - 1))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from asterism.measure.strips import arc
-from asterism.measure.strips.specimen import Specimen
+from asterism.measure.strips.specimen import PrintedStrip, Specimen
 from asterism.measure.strips.strip_table import BOXES, GIVEN
 from asterism.print.drawing import Drawing, DrawingLayer, Label, Polyline, rectangle
 from asterism.print.instructions import homing_advice
@@ -149,7 +149,7 @@ def _boxes(corner: Floats) -> list[Polyline | Label]:
     return items
 
 
-def _table_page(specimen: Specimen, strips: tuple) -> Drawing:
+def _table_page(specimen: Specimen, strips: tuple[PrintedStrip, ...]) -> Drawing:
     edges = np.array([15.0, 30.0, 50.0, 86.0, 122.0, 158.0, 195.0])
     heads = [
         ("strip", ""),

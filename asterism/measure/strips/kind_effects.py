@@ -107,4 +107,4 @@ def _most_likely(middle: Floats, jacobian: Floats, variance: Floats, size: Float
 
 
 def _equal_columns(rows: Floats) -> Floats:
-    return rows / np.maximum(np.linalg.norm(rows, axis=0), 1e-300)
+    return np.asarray(rows / np.maximum(np.linalg.norm(rows, axis=0), 1e-300))

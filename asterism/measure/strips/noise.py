@@ -42,7 +42,7 @@ def finest_deviation(sensitivity: Floats, mean: Floats) -> Floats:
 
 def rounding_deviation(step_mm: Floats) -> Floats:
     """(n,) mm, standard deviation of what was rounded to steps: errors up to half a step are all as likely."""
-    return step_mm / np.sqrt(12.0)
+    return np.asarray(step_mm / np.sqrt(12.0))
 
 
 def shared_rounding(curvature: Floats, kind: Ints, sensitivity: Floats, step_mm: Floats) -> Floats:

@@ -148,4 +148,4 @@ def _robust_distance(model: CurvatureModel, data: StripData) -> Floats:
 def _share(mix: float, mean: Floats, data: StripData) -> Floats:
     """(n,) standard deviations up to a common factor."""
     reading = arc.reading_sensitivity(mean, data.length) ** 2
-    return np.sqrt((1 - mix) * reading / reading.mean() + (mix + 0.01) * mean**2 / np.mean(mean**2) + 1e-3)
+    return np.asarray(np.sqrt((1 - mix) * reading / reading.mean() + (mix + 0.01) * mean**2 / np.mean(mean**2) + 1e-3))

@@ -198,4 +198,4 @@ def _of_ratio_one(model: CurvatureModel, data: StripData) -> Floats:
 
 
 def _equal_columns(jacobian: Floats) -> Floats:
-    return jacobian / np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300)
+    return np.asarray(jacobian / np.maximum(np.linalg.norm(jacobian, axis=0), 1e-300))

@@ -28,24 +28,24 @@ def write(path: Path, drawing: Drawing) -> None:
 @contextmanager
 def _without_dates() -> Iterator[None]:
     """Fixed dates and identifiers in files of ezdxf, which has an option for all of a process only."""
-    import ezdxf
+    from ezdxf import options  # type: ignore[attr-defined]
 
     with _ONE_AT_A_TIME:
-        before = ezdxf.options.write_fixed_meta_data_for_testing
-        ezdxf.options.write_fixed_meta_data_for_testing = True
+        before = options.write_fixed_meta_data_for_testing
+        options.write_fixed_meta_data_for_testing = True
         try:
             yield
         finally:
-            ezdxf.options.write_fixed_meta_data_for_testing = before
+            options.write_fixed_meta_data_for_testing = before
 
 
 def _write(path: Path, drawing: Drawing) -> None:
-    import ezdxf
     from ezdxf import colors, units
     from ezdxf.enums import TextEntityAlignment
+    from ezdxf.filemanagement import new
 
     ends = {"left": TextEntityAlignment.LEFT, "middle": TextEntityAlignment.CENTER}
-    document = ezdxf.new("R2010", units=units.MM)
+    document = new("R2010", units=units.MM)
     document.header["$MEASUREMENT"] = 1
     document.header["$LUNITS"] = 2  # decimal
     document.header["$EXTMIN"] = (*drawing.low, 0.0)

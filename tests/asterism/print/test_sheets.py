@@ -241,9 +241,9 @@ import sys
 import numpy as np
 from pathlib import Path
 from asterism.print.formats import dxf, pdf
-from asterism.print.drawing import Drawing, Text, rectangle
+from asterism.print.drawing import Drawing, Label, rectangle
 from asterism.print.layers import CUT, TEXT
-items = (rectangle(CUT, (10.0, 10.0)), Text(TEXT, np.zeros(2), "Kuppel"))
+items = (rectangle(CUT, (10.0, 10.0)), Label(TEXT, np.zeros(2), "Kuppel"))
 drawing = Drawing("a", np.full(2, -9.0), np.full(2, 9.0), items)
 dxf.write(Path(sys.argv[1]) / "a.dxf", drawing)
 pdf.write(Path(sys.argv[1]) / "a.pdf", [drawing])
