@@ -1,8 +1,8 @@
-"""In which directions to bend a guess for a free sheet.
+"""Directions in which the initial guesses of a free sheet bend.
 
-What a lattice prefers is known at once: the energy of a uniformly bent sheet, point by point. It has a hollow at every
-axis of the lattice, all about as deep. Which of them suits the outline and the changes over the sheet, only the
-equilibria tell; so all are offered, but for those that the sheet's own symmetry makes equal.
+The energy of a uniformly bent sheet depends on the direction. It has a local minimum at each axis of the lattice, and
+these minima are about equally low. The equilibria alone decide which axis suits the outline and the variation of the
+fields, so each axis gives a guess, except those that the symmetry of the sheet makes equal.
 """
 
 from __future__ import annotations
@@ -16,22 +16,24 @@ from fem.elements.tabulation import Floats
 from fem.search.simple_shapes import SimpleShape
 from fem.shell.shell import Shell
 
-TIE = 1e-3  # energies that differ less, relatively, are equal
-SYMMETRY_BREAKING_ANGLE = np.radians(8.0)
-SAME = np.radians(1.0)
+ENERGY_TOLERANCE = 1e-3  # relative: energies that differ less are equal
+SYMMETRY_BREAKING_ANGLE = np.radians(8.0)  # away from the axes of symmetry, which may be saddles
+SAME_AXIS_ANGLE = np.radians(1.0)  # two axes that differ less are equal
 
 
 def energy_minima(shell: Shell, stretch: float, family: Sequence[SimpleShape]) -> list[SimpleShape]:
-    """Shapes of lower energy than their neighbours, the lowest first; one off all axes if all are equal.
+    """Shapes at the local minima of the energy over the angle, the lowest first.
+
+    If all energies are equal there is one shape, away from the axes of symmetry.
 
     Parameters
     ----------
-    stretch : of the bent sheet, length over printed length.
-    family : shapes that differ in their angle alone, which goes round evenly.
+    stretch : length of the bent sheet over its printed length.
+    family : shapes that differ only in their angle; the angles are equally spaced over half a turn.
     """
     energies = np.array([_uniform(shell, stretch, shape) for shape in family])
-    if np.ptp(energies) <= TIE * abs(energies.min()):
-        # axes of symmetry of sheet and lattice may be saddles: from beside them there is a way down
+    if np.ptp(energies) <= ENERGY_TOLERANCE * abs(energies.min()):
+        # an axis of symmetry may be a saddle: beside it the energy decreases
         return [replace(family[int(energies.argmin())], angle=SYMMETRY_BREAKING_ANGLE)]
     low = (energies <= np.roll(energies, 1)) & (energies < np.roll(energies, -1))
     low[energies.argmin()] = True
@@ -41,20 +43,20 @@ def energy_minima(shell: Shell, stretch: float, family: Sequence[SimpleShape]) -
 def distinct_shapes(
     first: SimpleShape, others: Sequence[SimpleShape], symmetries: Sequence[Floats]
 ) -> list[SimpleShape]:
-    """Those of the others that no turn carries into the first one or into an earlier other.
+    """The shapes in `others` that no symmetry maps onto `first` or onto an earlier one.
 
-    `symmetries` (2, 2): rotations and mirrors of the print that map the sheet and all that it wants onto itself.
+    `symmetries`: rotations and reflections (2, 2) of the print that leave outline, supports and fields unchanged.
     """
     kept = [first]
     for shape in others:
         images = [_turned(shape.angle, turn) for turn in (np.eye(2), *symmetries)]
-        if all(_between(image, known.angle) > SAME for image in images for known in kept):
+        if all(_between(image, known.angle) > SAME_AXIS_ANGLE for image in images for known in kept):
             kept.append(shape)
     return kept[1:]
 
 
 def _uniform(shell: Shell, stretch: float, shape: SimpleShape) -> float:
-    """N mm of a sheet with the shape's curvatures everywhere."""
+    """Energy in N mm of a sheet with the curvatures of the shape at every point."""
     c, s = np.cos(shape.angle), np.sin(shape.angle)
     k, m = shape.curvature, shape.across
     bend = np.array([k * c * c + m * s * s, k * s * s + m * c * c, 2.0 * (k - m) * c * s])

@@ -1,4 +1,8 @@
-"""Takes guesses into their frame, and moves them within themselves until their membrane hardly strains."""
+"""Builds initial guesses: bends a simple shape, places it on the supports, and relaxes its membrane strains in plane.
+
+An in-plane relaxation moves the printed plane within itself before it is bent. Its displacement solves the linear
+membrane problem of the flat sheet for the membrane strains of the bent one.
+"""
 
 from __future__ import annotations
 
@@ -16,15 +20,15 @@ from fem.search.simple_shapes import Plane, SimpleShape, similar
 from fem.shell.shell import Shell
 from fem.supports.rigid import span_a_plane
 
-SLIDES = 3
-SLIGHT = 0.1  # of the energy: corrections that gain less are the last
-LATER = 0.25  # of what a correction gains: as much as all later ones; mostly each gains a fifth of the one before
-AS_PRINTED = 1e-6  # largest entry of a turn that is none
+MAX_RELAXATION_STEPS = 3
+MIN_RELATIVE_GAIN = 0.1  # part of the energy: a step that gains less is the last one
+REMAINING_GAIN = 0.25  # all later steps together gain this part of a step; mostly each gains a fifth of the last one
+IDENTITY_TOLERANCE = 1e-6  # a rotation whose entries differ less from the identity is the identity
 
 
 @dataclass(frozen=True)
 class InitialGuess:
-    """A state to start from: the shape it was made of, and its energy in N mm."""
+    """A simple shape, the state x (N, 3) in mm made of it, and its energy in N mm."""
 
     shape: SimpleShape
     x: Floats
@@ -32,12 +36,12 @@ class InitialGuess:
 
 
 class GuessBuilder:
-    """A shell's conditions, and the plane that its guesses are bent from.
+    """Makes initial guesses of one shell; every shape is bent once.
 
     Parameters
     ----------
-    factor : is left with the flat sheet's stiffness once that was asked for.
-    centre, stretch : of the plane, see `fem.search.simple_shapes.similar`.
+    factor : of the shell; holds the stiffness of the flat sheet after the first guess that needs it.
+    centre, stretch : (2,) mm and a factor: the plane that is bent, see `fem.search.simple_shapes.similar`.
     """
 
     def __init__(self, shell: Shell, factor: Factor, centre: Floats, stretch: float) -> None:
@@ -48,7 +52,7 @@ class GuessBuilder:
 
     @cached_property
     def _ready(self) -> bool:
-        """Whether the factor holds the flat sheet's stiffness; asked for before every use."""
+        """Whether the factor holds the stiffness of the flat sheet; computed at the first use."""
         shell = self._shell
         data = shell.flat_stiffness.copy()
         stiffen(shell.pattern, data, shell.support(shell.flat))
@@ -56,9 +60,9 @@ class GuessBuilder:
 
     @cached_property
     def _turn(self) -> Floats | None:
-        """(3, 3) how what is held lies in space, against the print; None where it does as that.
+        """(3, 3) rotation from the printed to the target positions of the supports; None for the identity.
 
-        A line of places that is not clamped says nothing of the turn about it: of all the smallest is taken.
+        Points on one line without a clamp leave the rotation about this line open: the smallest one is used.
         """
         held, reduction = self._shell.fixed_points, self._shell.reduction
         places = reduction.offset(self._shell.progress).reshape(-1, 3)[held]
@@ -73,42 +77,39 @@ class GuessBuilder:
             if not (printed.any() and places.any()):
                 return None
         turn = Rotation.align_vectors(places, printed)[0].as_matrix()
-        return None if np.abs(turn - np.eye(3)).max() < AS_PRINTED else np.asarray(turn)
+        return None if np.abs(turn - np.eye(3)).max() < IDENTITY_TOLERANCE else np.asarray(turn)
 
     def bend(self, shape: SimpleShape) -> InitialGuess:
-        """A shape as the conditions hold it."""
+        """The guess of a shape on the supports."""
         if shape not in self._bent:
-            x = self._held(shape.over(self._shell.space, self._plane))
+            x = self._on_supports(shape.over(self._shell.space, self._plane))
             self._bent[shape] = InitialGuess(shape, x, self._shell.energy(x))
         return self._bent[shape]
 
-    def relax_in_plane(self, start: InitialGuess, least: float = np.inf) -> InitialGuess:
-        """A bent shape, its plane moved as its membrane stresses ask for, while it may still come below `least` N mm.
-
-        The moves solve the flat sheet's linear membrane problem for the strains that the bent one has.
-        """
-        shell, shape = self._shell, start.shape
+    def relax_in_plane(self, guess: InitialGuess, energy_limit: float = np.inf) -> InitialGuess:
+        """The guess after in-plane relaxation; it stops early if the energy cannot come below `energy_limit` N mm."""
+        shell, shape = self._shell, guess.shape
         moves = np.zeros_like(shell.flat)
-        for _ in range(SLIDES if self._ready else 0):
-            strains = shell.strains(start.x)
+        for _ in range(MAX_RELAXATION_STEPS if self._ready else 0):
+            strains = shell.strains(guess.x)
             strains[..., 3:] = 0.0
             stress = shell.linear_stress(strains)
             stress[..., 3:] = 0.0
             pull = shell.restrict(shell.assembly.forces(shell.flat, stress))
             moves = shell.move(moves, -self._factor.solve(pull))
-            x = self._held(shape.over(shell.space, self._moved(moves)))
+            x = self._on_supports(shape.over(shell.space, self._moved(moves)))
             trial = InitialGuess(shape, x, shell.energy(x))
-            if not trial.energy < start.energy:
+            if not trial.energy < guess.energy:
                 break
-            gained = start.energy - trial.energy
-            slight = gained < SLIGHT * abs(start.energy)
-            start = trial
-            if slight or start.energy - LATER * gained > least:
+            gained = guess.energy - trial.energy
+            slight = gained < MIN_RELATIVE_GAIN * abs(guess.energy)
+            guess = trial
+            if slight or guess.energy - REMAINING_GAIN * gained > energy_limit:
                 break
-        return start
+        return guess
 
     def _moved(self, moves: Floats) -> Plane:
-        """The plane after moves (N, 3) within it."""
+        """The plane after displacements (N, 3) mm within it."""
 
         def plane(points: Floats) -> Floats:
             key = points.tobytes()
@@ -118,8 +119,8 @@ class GuessBuilder:
 
         return plane
 
-    def _held(self, x: Floats) -> Floats:
-        """(N, 3) x moved to what holds it, bent there as the flat sheet would be, and hung where it can swing."""
+    def _on_supports(self, x: Floats) -> Floats:
+        """(N, 3) x moved rigidly to the supports, deformed to meet them like the flat sheet, settled under loads."""
         shell = self._shell
         if shell.is_free:
             return x

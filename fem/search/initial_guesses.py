@@ -1,4 +1,4 @@
-"""Which guesses to start from: the cheapest of every kind, compared as the conditions hold them."""
+"""Selection of initial guesses: the one of lowest energy of every kind, compared on the supports."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from fem.search.sides import Side
 from fem.search.simple_shapes import SimpleShape
 from fem.shell.shell import Shell
 
-HOPELESS = 20.0  # over what a flat sheet stores: a guess that is dearer than the best by so much is left out
-HELD_DEAR = 8.0  # over the best one's energy: held guesses that are dearer are left out; six times is made up for
+MAX_EXCESS_OVER_FLAT = 20.0  # flat-sheet energies above the best guess: guesses with more are left out
+MAX_ENERGY_RATIO = 8.0  # to the best guess: supported guesses with more are left out; a ratio of 6 still can win
 
 
 def initial_guesses(
@@ -27,58 +27,59 @@ def initial_guesses(
     candidates: list[SimpleShape] | None = None,
     symmetries: Sequence[Floats] = (),
 ) -> tuple[list[InitialGuess], list[InitialGuess]]:
-    """The best guess of every kind, and the best one in other directions; all meet the conditions.
+    """The best guess of every kind, and those of the best kind in other directions; all meet the supports.
 
-    Both with the lowest energy first. `symmetries`: see `fem.search.directions.distinct_shapes`. Guesses
-    that cost far more than the best one are not moved within themselves any further, or left out.
+    Both lists are sorted by energy. `symmetries`: see `fem.search.directions.distinct_shapes`. Guesses
+    far above the best one are left out without in-plane relaxation.
     """
-    wants = mean_fields(shell)
+    fields = mean_fields(shell)
     size = shell.extent
-    frame = GuessBuilder(shell, factor, wants.centre, wants.stretch)
+    builder = GuessBuilder(shell, factor, fields.centre, fields.stretch)
     families: dict[tuple[str, float, float], list[SimpleShape]] = {}
-    for shape in candidate_shapes(wants, size, side) if candidates is None else candidates:
+    for shape in candidate_shapes(fields, size, side) if candidates is None else candidates:
         families.setdefault((shape.name, shape.curvature, shape.across), []).append(shape)
-    ranking = _Ranking(shell, frame)
+    ranking = _Ranking(shell, builder)
     if not shell.is_free:
-        _rank_held(ranking, list(families.values()))
+        _rank_supported(ranking, list(families.values()))
         return ranking.kinds, []
     others: dict[SimpleShape, list[SimpleShape]] = {}
     for family in families.values():
-        shape, *more = energy_minima(shell, wants.stretch, family) if len(family) > 1 else family
+        shape, *more = energy_minima(shell, fields.stretch, family) if len(family) > 1 else family
         others[shape] = distinct_shapes(shape, more, symmetries)
     bent = [shape for shape in others if shape.name != "flat"]
     if len(bent) == 1 and bent[0].name == "arc" and not others[bent[0]]:
-        # it keeps lengths as the flat sheet does, and bends as the fields want: nothing to compare
-        return [frame.bend(bent[0])], []
-    ranking.take([frame.bend(shape) for shape in others])
-    turned = [frame.relax_in_plane(frame.bend(shape)) for shape in others[ranking.kinds[0].shape]]
+        # it keeps lengths as the flat sheet does and has the target curvature: it is the best one
+        return [builder.bend(bent[0])], []
+    ranking.take([builder.bend(shape) for shape in others])
+    turned = [builder.relax_in_plane(builder.bend(shape)) for shape in others[ranking.kinds[0].shape]]
     return ranking.kinds, sorted(turned, key=_energy)
 
 
 class _Ranking:
-    """Moves guesses within themselves while they may be the best, and keeps the best one of every kind."""
+    """Relaxes guesses in plane as long as they may be the best, and keeps the best one of every kind."""
 
-    def __init__(self, shell: Shell, frame: GuessBuilder) -> None:
-        self.frame = frame
-        self.least = np.inf
+    def __init__(self, shell: Shell, builder: GuessBuilder) -> None:
+        self.builder = builder
+        self.lowest = np.inf
         self._best: dict[str, InitialGuess] = {}
-        self._more = HOPELESS * shell.energies(shell.constrain(shell.flat))["sheet"]  # no shape can save more than that
-        self._times = np.inf if shell.is_free else HELD_DEAR
+        # an upper bound of what in-plane relaxation can gain
+        self._excess = MAX_EXCESS_OVER_FLAT * shell.energies(shell.constrain(shell.flat))["sheet"]
+        self._ratio = np.inf if shell.is_free else MAX_ENERGY_RATIO
 
     def take(self, offered: Sequence[InitialGuess]) -> None:
-        """Compare further guesses, the cheapest first."""
-        for start in sorted(offered, key=_energy):
-            if _energy(start) > min(self.least + self._more, self.dear):
+        """Compare further guesses, those of lowest energy first."""
+        for guess in sorted(offered, key=_energy):
+            if _energy(guess) > min(self.lowest + self._excess, self.energy_limit):
                 break
-            slid = self.frame.relax_in_plane(start, self.least)
-            self.least = min(self.least, _energy(slid))
-            if slid.shape.name not in self._best or _energy(slid) < _energy(self._best[slid.shape.name]):
-                self._best[slid.shape.name] = slid
+            relaxed = self.builder.relax_in_plane(guess, self.lowest)
+            self.lowest = min(self.lowest, _energy(relaxed))
+            if relaxed.shape.name not in self._best or _energy(relaxed) < _energy(self._best[relaxed.shape.name]):
+                self._best[relaxed.shape.name] = relaxed
 
     @property
-    def dear(self) -> float:
-        """N mm from which on a guess is left out."""
-        return self.least + (self._times - 1.0) * abs(self.least) if np.isfinite(self.least) else np.inf
+    def energy_limit(self) -> float:
+        """Energy in N mm above which a guess is left out."""
+        return self.lowest + (self._ratio - 1.0) * abs(self.lowest) if np.isfinite(self.lowest) else np.inf
 
     @property
     def kinds(self) -> list[InitialGuess]:
@@ -86,31 +87,32 @@ class _Ranking:
         return sorted(self._best.values(), key=_energy)
 
 
-def _rank_held(ranking: _Ranking, families: list[list[SimpleShape]]) -> None:
-    """First what has no direction: directions need not be compared where even the best is far too dear."""
-    ranking.take([ranking.frame.bend(family[0]) for family in families if len(family) == 1])
+def _rank_supported(ranking: _Ranking, families: list[list[SimpleShape]]) -> None:
+    """Rank shapes without direction first: if even the best direction is too high in energy, the others are skipped."""
+    ranking.take([ranking.builder.bend(family[0]) for family in families if len(family) == 1])
     turning = [family for family in families if len(family) > 1]
-    # families that differ in their curvatures alone have the same best direction
+    # families that differ only in their curvatures have the same best direction
     best = {len(family): family for family in reversed(turning)}
-    number = {count: _best_held(ranking.frame, family, ranking.dear) for count, family in best.items()}
-    ranking.take([ranking.frame.bend(family[number[len(family)]]) for family in turning])
+    number = {count: _best_direction(ranking.builder, family, ranking.energy_limit) for count, family in best.items()}
+    ranking.take([ranking.builder.bend(family[number[len(family)]]) for family in turning])
 
 
-def _best_held(frame: GuessBuilder, family: list[SimpleShape], dear: float) -> int:
-    """Of held shapes whose angles go round evenly: every other one is tried, then the neighbours of the best.
+def _best_direction(builder: GuessBuilder, family: list[SimpleShape], energy_limit: float) -> int:
+    """Number of the shape of lowest energy on the supports, of a family with equally spaced angles.
 
-    If the first few of them are all dearer than `dear` N mm, these will do.
+    Every other shape is compared, then the neighbours of the best. If every fourth one is above `energy_limit` N mm,
+    the best of these is returned.
     """
     energies: dict[int, float] = {}
     for numbers in (range(0, len(family), 4), range(2, len(family), 4)):
-        energies |= {number: _energy(frame.bend(family[number])) for number in numbers}
+        energies |= {number: _energy(builder.bend(family[number])) for number in numbers}
         best = min(energies, key=energies.__getitem__)
-        if energies[best] > dear:
+        if energies[best] > energy_limit:
             return best
     for number in ((best - 1) % len(family), (best + 1) % len(family)):
-        energies[number] = _energy(frame.bend(family[number]))
+        energies[number] = _energy(builder.bend(family[number]))
     return min(energies, key=energies.__getitem__)
 
 
-def _energy(start: InitialGuess) -> float:
-    return start.energy if np.isfinite(start.energy) else np.inf
+def _energy(guess: InitialGuess) -> float:
+    return guess.energy if np.isfinite(guess.energy) else np.inf

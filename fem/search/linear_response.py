@@ -14,7 +14,7 @@ import numpy as np
 
 from equilibrium.linear.factor import Factor
 from fem.elements.tabulation import Floats
-from fem.search.mixed_newton import FAR
+from fem.search.mixed_newton import MAX_STEP
 from fem.shell.fields import Fields
 from fem.shell.shell import Shell
 
@@ -52,7 +52,7 @@ def linear_response(shell: Shell, x: Floats, factor: Factor) -> Response:
     gradient = shell.restrict(shell.assembly.forces(start, stress) + shell.external_gradient(start))
     move = shell.move(np.zeros_like(start), _answer(shell, start, factor, gradient))
     farthest = float(np.abs(move).max())
-    most = FAR * shell.extent
+    most = MAX_STEP * shell.extent
     return Response(start + (move if farthest <= most else most / farthest * move), shell, start, strains)
 
 

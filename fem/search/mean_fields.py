@@ -1,4 +1,4 @@
-"""Means of the fields over the sheet."""
+"""Means over the sheet of the fields that choose its initial guesses."""
 
 from __future__ import annotations
 
@@ -13,15 +13,16 @@ from fem.shell.shell import Shell
 
 @dataclass(frozen=True)
 class MeanFields:
-    """What the fields want, averaged over the sheet.
+    """Rest metric, rest curvature and Poisson's ratio, averaged over the printed sheet.
 
     Attributes
     ----------
     centre : (2,) printed mm.
     stretch : rest length over printed length.
-    gaussian : rest metric's own curvature, per mm^2.
-    curvature : rest curvature, per mm; poisson : of the bending stiffness.
-    chord : size of the frame that holds the sheet, over its printed size; inf where nothing does.
+    gaussian : Gaussian curvature of the rest metric, per mm^2.
+    curvature : rest curvature, per mm; positive lifts the edges towards +z.
+    poisson : Poisson's ratio of the bending stiffness.
+    chord : target size of the set of fixed points over its printed size; inf without two fixed points.
     """
 
     centre: Floats
@@ -33,12 +34,12 @@ class MeanFields:
 
     @property
     def side(self) -> Side:
-        """That the edges go to by themselves."""
+        """Side of the edges by the sign of the rest curvature."""
         return "down" if self.curvature < 0.0 else "up"
 
 
 def mean_fields(shell: Shell) -> MeanFields:
-    """Means over the sheet."""
+    """Area means of the shell's fields; the Gaussian curvature is that of a quadratic fit to `ln lambda`."""
     weights = shell.assembly.weights.ravel() / shell.assembly.weights.sum()
     points = shell.points.reshape(-1, 2)
     rest = shell.rest.reshape(-1, 6)
@@ -55,7 +56,7 @@ def mean_fields(shell: Shell) -> MeanFields:
     stretch = float(np.exp(weights @ log_stretch))
     gaussian = -4.0 * float(fit[5]) / (size * stretch) ** 2
     stiffness = np.asarray(shell.density.stiffness).reshape(-1, 6, 6).mean(axis=0)
-    # shapes of the same Gaussian curvature are compared, for which its modulus does not matter
+    # the shapes that are compared have the same Gaussian curvature, so its modulus drops out
     poisson = 2.0 * (stiffness[3, 4] - shell.gaussian_modulus.mean()) / (stiffness[3, 3] + stiffness[4, 4])
     return MeanFields(centre, stretch, gaussian, float(weights @ bend), float(poisson), _chord(shell))
 

@@ -8,10 +8,10 @@ solves
 where A and S belong to eps, B and e'' to x. Large rotations enter e(x) at second order in d but not eps, so the steps
 of a thin sheet are not spoilt by membrane stresses that are not there, and a handful suffices.
 
-A step that is short and leaves little of the residual is followed by one with the same matrix: most edits need but one.
+After a short step with a small residual the next step uses the same matrix: most edits need only one matrix.
 
-The method finds stationary points; whether one is a minimum is asked afterwards. Where the matrix is not positive
-definite it is changed by as little as makes it so (`fem.search.regularised`).
+The method finds stationary points; `equilibrium.newton` checks afterwards whether one is a minimum. A matrix that is
+not positive definite is regularised (`fem.search.regularised`).
 """
 
 from __future__ import annotations
@@ -26,12 +26,13 @@ from fem.elements.tabulation import Floats
 from fem.search.regularised import Regularised
 from fem.shell.shell import Shell
 
-# a step that leaves less of the residual, and so many tolerances at most, and is shorter than this part of the size, is
-# followed by one with its factor
-AGAIN, NEARLY, NEAR = 0.03, 3e3, 1e-3
-FALLS = 0.5  # part of the residual: a step that leaves less may need no stress to be left out of the next matrix
-FAR = 0.15  # of the sheet's size: a step beyond it is shortened
-TURNED = 0.05  # of the sheet's size: after such moves other unknowns may have to stop the rigid motions
+# The next step uses the same matrix if all three limits hold.
+REUSE_RESIDUAL_RATIO = 0.03  # of the residual after a step to that before it
+REUSE_TOLERANCES = 3e3  # of the residual to the tolerance
+REUSE_STEP = 1e-3  # of the step to the extent of the sheet
+MAX_RESIDUAL_RATIO = 0.5  # of the residuals: after a better step the unmodified matrix is tried first
+MAX_STEP = 0.15  # part of the extent of the sheet: longer steps are shortened
+MAX_MOVE_PER_SUPPORT = 0.05  # part of the extent: after longer moves the isostatic support is chosen again
 
 
 @dataclass
@@ -41,11 +42,11 @@ class Mixed:
     Attributes
     ----------
     x : (N, 3).
-    strains : (T, Q, 6) those that iterate; at the end the sheet's own, unless a matrix was refused.
+    strains : (T, Q, 6) the mixed strains; at the end those of x, unless every regularised matrix was refused.
     residual : 2-norm over the free unknowns of the gradient at x, N.
-    converged : it is below the tolerance.
-    blended : matrices that left pushing stress out.
-    history : the residuals.
+    converged : the residual is at most the tolerance.
+    blended : number of matrices without part of the compressive stress.
+    history : residuals of all iterations.
     """
 
     x: Floats
@@ -72,9 +73,9 @@ def mixed_newton(
     strains: Floats | None = None,
     max_iterations: int = 30,
 ) -> Mixed:
-    """A stationary point near x (N, 3), which meets the conditions.
+    """A stationary point near x (N, 3), a state that meets the supports.
 
-    `strains` (T, Q, 6) that go with x; by default none, which is the better start where x is a guess.
+    `strains` (T, Q, 6) are the mixed strains at x. By default they are zero, which is better if x is a guess.
     """
     clock = Clock()
     eps = np.zeros((*shell.assembly.weights.shape, 6)) if strains is None else strains
@@ -96,17 +97,23 @@ def mixed_newton(
         found.converged = found.residual <= tolerance
         if found.converged or number == max_iterations or not np.isfinite(found.residual):
             break
-        if matrix.changed or found.residual > min(AGAIN * before, NEARLY * tolerance) or reach > NEAR * size:
-            if number == 0 or moved > TURNED * size or not shell.is_rigid_invariant:
+        if (
+            matrix.changed
+            or found.residual > min(REUSE_RESIDUAL_RATIO * before, REUSE_TOLERANCES * tolerance)
+            or reach > REUSE_STEP * size
+        ):
+            if number == 0 or moved > MAX_MOVE_PER_SUPPORT * size or not shell.is_rigid_invariant:
                 support, moved = clock("support", shell.support, found.x), 0.0
-            accepted = matrix.factorise(found.x, stiffness, stress, support, found.residual < FALLS * before)
+            accepted = matrix.factorise(
+                found.x, stiffness, stress, support, found.residual < MAX_RESIDUAL_RATIO * before
+            )
             found.factorisations, found.blended = matrix.factorisations, matrix.blended
             if not accepted:
                 return found
         direction = -clock("solve", factor.solve, gradient)
         step = shell.move(np.zeros_like(found.x), direction)
         reach = float(np.abs(step).max())
-        length = FAR * size / max(reach, FAR * size)
+        length = MAX_STEP * size / max(reach, MAX_STEP * size)
         reach *= length
         moved += reach
         found.strains = e + length * clock("strains", shell.assembly.strain_changes, found.x, step)

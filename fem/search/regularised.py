@@ -1,13 +1,16 @@
-"""The matrix of a Newton step, changed by as little as makes it positive definite.
+"""Regularisation of the Newton matrix: the smallest change that makes it positive definite.
 
-Two things make it indefinite. Where the membrane is pushed, the sheet buckles: a part of what pushes is left out of the
-stress S (`fem.shell.tension`). Where nothing is left out any more and the matrix is refused again, a soft motion has a
-negative stiffness, such as that of a tube that hardly prefers an axis. Leaving out stress would make that motion far
-too stiff: hundreds of short steps. So the mass times a small stiffness per area is added instead. With about twice the
-negative one this turns the step along the soft motion round, and hardly changes all others.
+The matrix is indefinite for two reasons.
 
-Both are as little as the factorisation accepts, and less and less in the steps that follow; none where the iteration
-does well and the matrix itself is accepted.
+- The membrane is compressed and the sheet buckles. A share of the compressive stress is left out of the geometric
+  stiffness (`fem.shell.tension`).
+- A soft mode has a negative stiffness, for example in a tube that hardly prefers an axis of rolling. Without its stress
+  this mode would be far too stiff, and the iteration would take hundreds of short steps. Therefore a multiple of the
+  mass matrix is added (Levenberg-Marquardt; Nocedal and Wright 2006, section 3.4). About twice the negative stiffness
+  reverses the step along the mode and hardly changes the others.
+
+Both changes are as small as the factorisation allows, and they decay in the following steps. If the iteration converges
+well and the matrix itself is definite, both are zero.
 """
 
 from __future__ import annotations
@@ -21,12 +24,17 @@ from fem.elements.tabulation import Floats, Ints
 from fem.shell.shell import Shell
 from fem.shell.tension import tensile_part
 
-# parts of the pushing stress: the first one left out, how many times more the next ones are, what stays left out for
-# the next step, and the part that is too small to be left out
-FIRST, MORE, STAYS, LEAST = 0.3, 3.0, 0.6, 0.05
-# the same of the stiffness per area that is added for soft motions, over that of the sheet's longest wave; and how
-# often more of it is tried
-SOFT_FIRST, SOFT_MORE, SOFT_STAYS, SOFT_LEAST, SOFT_TRIES = 0.1, 4.0, 0.3, 0.05, 6
+# share of the compressive stress that is left out of the matrix
+FIRST_BLEND = 0.3
+BLEND_GROWTH = 3.0  # from one refused matrix to the next
+BLEND_DECAY = 0.6  # from one step to the next
+MIN_BLEND = 0.05  # a smaller share is set to zero
+# stiffness per area that is added for soft modes, over the bending stiffness of the longest wave of the sheet
+FIRST_SHIFT = 0.1
+SHIFT_GROWTH = 4.0  # from one refused matrix to the next
+SHIFT_DECAY = 0.3  # from one step to the next
+MIN_SHIFT = 0.05  # a smaller stiffness is set to zero
+MAX_SHIFTS = 6  # shifts that are tried in one step
 
 
 class Regularised:
@@ -34,9 +42,8 @@ class Regularised:
 
     Attributes
     ----------
-    factorisations : tried, the refused ones among them.
-    blended : matrices that left stress out.
-    changed : the last matrix is not that of the state itself.
+    factorisations : number of factorisations, with the refused ones.
+    blended : number of accepted matrices without part of the compressive stress.
     """
 
     def __init__(self, shell: Shell, factor: Factor, clock: Clock) -> None:
@@ -49,22 +56,22 @@ class Regularised:
 
     @property
     def changed(self) -> bool:
-        """The last matrix is not that of the state itself."""
+        """Whether the last matrix differs from the exact one."""
         return self._blend > 0.0 or self._shift > 0.0
 
     def factorise(self, x: Floats, stiffness: Floats, stress: Floats, support: Ints, falls: bool = False) -> bool:
-        """The matrix at x (N, 3), its rigid motions held at unknowns `support`; False if nothing helps.
+        """Factorise the matrix at x (N, 3), with rigid motions fixed at the unknowns `support`; False if it is refused.
 
-        `stiffness` (T, Q, 6, 6) and `stress` (T, Q, 6) of the strains that go with x. `falls`: the last step did well.
+        `stiffness` (T, Q, 6, 6) and `stress` (T, Q, 6) belong to the mixed strains. `falls`: the residual fell well.
         """
         before = self._blend
-        self._blend = STAYS * before if STAYS * before > LEAST else 0.0
-        self._shift = SOFT_STAYS * self._shift if SOFT_STAYS * self._shift > SOFT_LEAST * self._unit else 0.0
-        tries = SOFT_TRIES if self._soft or before > 0.0 else 0
+        self._blend = BLEND_DECAY * before if BLEND_DECAY * before > MIN_BLEND else 0.0
+        self._shift = SHIFT_DECAY * self._shift if SHIFT_DECAY * self._shift > MIN_SHIFT * self._unit else 0.0
+        tries = MAX_SHIFTS if self._soft or before > 0.0 else 0
         known: list[tuple[float, Floats]] = []
 
         def tangent(blend: float) -> Floats:
-            if len(known) == 2:  # it is linear in the stress, so two tell all others
+            if len(known) == 2:  # it is linear in the blend: two matrices give all others
                 (first, one), (second, two) = known
                 return one + (blend - first) / (second - first) * (two - one)
             kept = (1.0 - blend) * stress + blend * tensile_part(stress) if blend else stress
@@ -77,13 +84,13 @@ class Regularised:
         data = tangent(self._blend)
         while not self._accepts(data, support):
             if self._blend == 0.0 and tries:
-                self._shift = max(SOFT_MORE * self._shift, SOFT_FIRST * self._unit)
+                self._shift = max(SHIFT_GROWTH * self._shift, FIRST_SHIFT * self._unit)
                 self._soft, tries = True, tries - 1
                 continue
             if self._blend >= 1.0:
                 return False
             self._shift, self._soft = 0.0, False
-            self._blend = min(max(MORE * self._blend, FIRST), 1.0)
+            self._blend = min(max(BLEND_GROWTH * self._blend, FIRST_BLEND), 1.0)
             data = tangent(self._blend)
         self.blended += self._blend > 0.0
         return True

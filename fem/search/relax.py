@@ -1,4 +1,8 @@
-"""From fields to a certified equilibrium of the shell."""
+"""Search for certified equilibria of a shell: from initial guesses, from a given state, or in load steps.
+
+Every result carries its evidence: norm of the gradient, and definiteness of the exact Hessian. An equilibrium whose
+Hessian is not positive definite is a saddle; the search leaves it along its lowest mode.
+"""
 
 from __future__ import annotations
 
@@ -21,15 +25,16 @@ from fem.search.sides import Side
 from fem.search.simple_shapes import SimpleShape
 from fem.shell.shell import Shell
 
-GRADIENT_TOLERANCE = 1e-11  # of the gradient, over the sheet's membrane stiffness times its size
-LEFT = 0.02  # of the sheet's size: how far a dof moves when a saddle is left
-STEPS = (4, 16)  # load steps that are tried when nothing else works
-LONG, SHORT = 60, 12  # iterations of Newton's method with mixed points
-DOWN = 200  # iterations downhill where that failed
-CLOSE = 0.1  # of what the best start saves against a flat sheet
-FOLLOWED = 2  # starts of different kinds that are followed to their ends
-TURNED = 2  # and as many in other directions
-SOFTEST = 3  # soft modes
+GRADIENT_TOLERANCE = 1e-11  # over `Shell.force_scale`
+SADDLE_STEP = 0.02  # part of the extent of the sheet: largest change of a dof on leaving a saddle
+LOAD_STEPS = (4, 16)  # numbers of load steps that are tried if no guess leads to a minimum
+MAX_ITERATIONS = 60  # of Newton's method with mixed points
+MAX_ITERATIONS_OF_FURTHER_GUESSES = 12  # the same once a minimum is known
+MAX_DESCENT_ITERATIONS = 200  # of energy minimisation after Newton's method failed
+CLOSE_GUESS = 0.1  # part of the energy between the flat sheet and the best guess: closer guesses are followed too
+MAX_GUESSES = 2  # of different kinds that are followed
+MAX_TURNED_GUESSES = 2  # of the best kind in other directions that are followed
+MODE_COUNT = 3  # softest modes that are computed
 
 
 def relax(
@@ -37,19 +42,19 @@ def relax(
     factor: Factor | None = None,
     side: Side = "auto",
     shapes: Sequence[SimpleShape] | None = None,
-    max_guesses: int = FOLLOWED,
-    soft_modes: int = SOFTEST,
+    max_guesses: int = MAX_GUESSES,
+    soft_modes: int = MODE_COUNT,
     symmetries: Sequence[Floats] = (),
     energy_tie: float = 0.0,
 ) -> ShellEquilibrium:
-    """Equilibrium of lowest energy among those that the most promising starts lead to.
+    """The equilibrium of lowest energy among those that the best initial guesses lead to.
 
     Parameters
     ----------
     factor : of `shell.factor()`, to be used again; at the end it holds the exact Hessian if that is definite. One is
         made for this call if none is given.
-    side : of the printed plane that the edges go to; by default that of the rest curvature.
-    shapes : to start from in place of the usual ones.
+    side : of the printed plane for the edges; by default the one of the rest curvature.
+    shapes : simple shapes for the initial guesses, in place of the candidates of the mean fields.
     max_guesses : guesses that are followed, each of another kind (cap, arc, saddle, flat). If the first one is bent
         about an axis, so are those about other axes that promise as much.
     soft_modes : how many of the smallest eigenvalues to find.
@@ -59,10 +64,10 @@ def relax(
     Raises
     ------
     ValueError
-        No shape to start from, or no start to follow.
+        `shapes` is empty, or `max_guesses` is below 1.
     """
     if shapes is not None and not len(shapes):
-        raise ValueError("shapes = []: at least one is needed to start from; None takes the usual ones")
+        raise ValueError("shapes = []: at least one shape is needed; None takes the candidates of the mean fields")
     if max_guesses < 1:
         raise ValueError(f"max_guesses = {max_guesses!r}: must be at least 1")
     if factor is None:
@@ -75,14 +80,14 @@ def relax(
     kinds, turned = initial_guesses(shell, factor, side, None if shapes is None else list(shapes), symmetries)
     seconds = {"starts": time.perf_counter() - begin}
     found: list[ShellEquilibrium] = []
-    chosen = _promising(kinds, kinds)[:max_guesses] + _promising(turned, kinds)[:TURNED]
-    for start in sorted(chosen, key=lambda start: start.energy):
-        # with a minimum at hand, another start is worth a few iterations, and a long way down from below it
+    chosen = _promising(kinds, kinds)[:max_guesses] + _promising(turned, kinds)[:MAX_TURNED_GUESSES]
+    for guess in sorted(chosen, key=lambda guess: guess.energy):
+        # once a minimum is known, a further guess gets few iterations, and more only if its energy is already lower
         least = min((each.energy for each in found if each.is_minimum), default=np.inf)
-        found.append(follow(shell, start.x, factor, start.shape.name, patient=least == np.inf))
+        found.append(follow(shell, guess.x, factor, guess.shape.name, patient=least == np.inf))
         if not found[-1].is_minimum and found[-1].energy < least < np.inf:
-            found.append(follow(shell, found[-1].x, factor, start.shape.name))
-    for steps in STEPS:
+            found.append(follow(shell, found[-1].x, factor, guess.shape.name))
+    for steps in LOAD_STEPS:
         if not any(each.is_minimum for each in found):
             found += filter(None, [follow_load_steps(shell, factor, steps)])
     best = min(found, key=_rank)
@@ -116,21 +121,34 @@ def follow(
     given = [strains]  # they belong to the first state only
 
     def iterate(state: Any) -> IterationResult:
-        return mixed_newton(shell, state, factor, tolerance, given.pop() if given else None, LONG if patient else SHORT)
+        return mixed_newton(
+            shell,
+            state,
+            factor,
+            tolerance,
+            given.pop() if given else None,
+            MAX_ITERATIONS if patient else MAX_ITERATIONS_OF_FURTHER_GUESSES,
+        )
 
-    settled = find_minimum(
-        shell, x, factor, tolerance, iterate, LEFT * shell.extent, max_iterations=DOWN if patient else 0
+    equilibrium = find_minimum(
+        shell,
+        x,
+        factor,
+        tolerance,
+        iterate,
+        SADDLE_STEP * shell.extent,
+        max_iterations=MAX_DESCENT_ITERATIONS if patient else 0,
     )
-    return _evidence(shell, settled, name)
+    return _evidence(shell, equilibrium, name)
 
 
 def factorise(shell: Shell, x: Floats, factor: Factor) -> bool:
-    """Leave the Hessian at a state x (N, 3), its rigid motions held, in the factor; False if it is not definite."""
+    """Factorise the exact Hessian at x (N, 3), with rigid motions fixed; False if it is not positive definite."""
     return is_definite_on_support(shell, x, shell.hessian(x), factor)
 
 
 def follow_load_steps(shell: Shell, factor: Factor, steps: int) -> ShellEquilibrium | None:
-    """From the printed sheet, with fields, loads and moved conditions brought up in equal steps; None if one fails."""
+    """The equilibrium from the printed sheet if fields, loads and supports grow in steps; None if a step fails."""
     x = shell.flat
     found = None
     for step in range(1, steps + 1):
@@ -142,16 +160,16 @@ def follow_load_steps(shell: Shell, factor: Factor, steps: int) -> ShellEquilibr
     return None if found is None else replace(found, load_steps=steps)
 
 
-def softest_modes(shell: Shell, x: Floats, factor: Factor, count: int = SOFTEST) -> tuple[Floats, Floats]:
-    """(k,) N/mm^3 and (n, k) softest modes over the free unknowns; the factor holds the Hessian at the minimum x.
+def softest_modes(shell: Shell, x: Floats, factor: Factor, count: int = MODE_COUNT) -> tuple[Floats, Floats]:
+    """Smallest eigenvalues (k,) in N/mm^3 and modes (n, k); the factor holds the Hessian at the minimum x (N, 3).
 
-    What swings as a whole under its weight keeps its form: rigid motions are left out, whatever they cost.
+    Rigid motions are left out, also those that loads resist: they do not change the form.
     """
     return softest(shell.mass, factor, shell.rigid_motions(x), count)
 
 
 def energies_by_part(shell: Shell, x: Floats) -> dict[str, float]:
-    """N mm by part, what Gaussian curvature costs or saves as one of its own."""
+    """Parts of the energy in N mm as in `Shell.energies`, with the part of Gaussian curvature as `gaussian`."""
     energies, gaussian = shell.energies(x), shell.gaussian_energy(x)
     return energies | ({"sheet": energies["sheet"] - gaussian, "gaussian": gaussian} if gaussian else {})
 
@@ -177,10 +195,10 @@ def _evidence(shell: Shell, settled: StationaryPoint, name: str) -> ShellEquilib
 
 
 def _promising(offered: Sequence[InitialGuess], kinds: Sequence[InitialGuess]) -> list[InitialGuess]:
-    """Those not much dearer than the best of all kinds, compared with a flat sheet."""
+    """The guesses close to the best one, measured by its gain over the flat sheet."""
     best = kinds[0].energy
-    flat = next((start.energy for start in kinds if start.shape.name == "flat"), best)
-    return [start for start in offered if start is kinds[0] or start.energy - best <= CLOSE * (flat - best)]
+    flat = next((guess.energy for guess in kinds if guess.shape.name == "flat"), best)
+    return [guess for guess in offered if guess is kinds[0] or guess.energy - best <= CLOSE_GUESS * (flat - best)]
 
 
 def _rank(found: ShellEquilibrium) -> tuple[bool, bool, float]:

@@ -13,14 +13,14 @@ FLAT_SAG_MM = 1e-6  # a sheet whose area integral of the mean curvature is small
 
 
 def check_side(side: str) -> None:
-    """Raise ValueError for what is no side."""
+    """Raise ValueError if the side is none of `auto`, `up`, `down`."""
     if side not in get_args(Side):
         raise ValueError(f"side = {side!r}: must be {', '.join(get_args(Side))}")
 
 
 def side_of(shell: Shell, x: Floats) -> Side:
-    """Where the edges of a state x (N, 3) are, by its mean curvature: `down` or `up`, `auto` if it is flat."""
+    """Side of the edges of a state x (N, 3), from its mean curvature: `down`, `up`, or `auto` if it is flat."""
     weights, forms = shell.assembly.weights, shell.strains(x) + shell.rest
-    # mm; b = n . hess x is negative where edges go down
+    # mm; b = n . hess x is negative if the edges are below the centre
     sag = float((weights[..., None] * forms[..., 3:5]).sum())
     return "auto" if abs(sag) < FLAT_SAG_MM else "down" if sag < 0.0 else "up"

@@ -12,7 +12,7 @@ from fem.elements.argyris import Argyris
 from fem.elements.deformation import affine, flat
 from fem.search.candidate_shapes import candidate_shapes
 from fem.search.guess_builder import GuessBuilder, InitialGuess
-from fem.search.initial_guesses import HELD_DEAR, _best_held, _Ranking, initial_guesses
+from fem.search.initial_guesses import MAX_ENERGY_RATIO, _best_direction, _Ranking, initial_guesses
 from fem.search.mean_fields import mean_fields
 from fem.search.relax import relax
 from fem.search.simple_shapes import SimpleShape
@@ -71,11 +71,11 @@ def test_held_guesses_that_are_far_too_dear_are_left_out(relaxed: list[tuple[flo
     assert kinds == sorted(kinds, key=lambda start: start.energy)
     kinds, _ = initial_guesses(shell, shell.factor(), candidates=[*caps, *tight])
     assert {start.shape.name for start in kinds} == {"flat", "cap"}
-    assert all(energy <= HELD_DEAR * least for energy, least in relaxed)
+    assert all(energy <= MAX_ENERGY_RATIO * least for energy, least in relaxed)
 
 
 class _Known:
-    """Stands for a frame and its shell: energies of shapes are given, and sliding lowers some of them."""
+    """Replaces a guess builder and its shell: energies are given, and in-plane relaxation lowers some of them."""
 
     def __init__(
         self, energies: dict[SimpleShape, float], after: dict[SimpleShape, float] | None = None, free: bool = True
@@ -97,17 +97,17 @@ def test_the_best_direction_of_a_held_guess_is_found_wherever_it_is() -> None:
     for best in np.concatenate([np.arange(12) - 0.3, np.arange(12) + 0.3]):
         away = np.abs((np.arange(12) - best + 6.0) % 12.0 - 6.0)
         frame = _Known(dict(zip(family, away, strict=True)))
-        assert _best_held(frame, family, np.inf) == away.argmin()  # type: ignore[arg-type]
+        assert _best_direction(frame, family, np.inf) == away.argmin()  # type: ignore[arg-type]
         assert len(frame.tried) == 8
         # the first few say that the others need not be looked at
         hopeless = _Known(frame.energies)
-        assert _best_held(hopeless, family, -1.0) % 4 == 0 and len(hopeless.tried) == 3  # type: ignore[arg-type]
+        assert _best_direction(hopeless, family, -1.0) % 4 == 0 and len(hopeless.tried) == 3  # type: ignore[arg-type]
 
 
 def test_guesses_without_an_energy_never_win() -> None:
     family = [SimpleShape("arc", 1e-3, np.pi * k / 12) for k in range(12)]
     frame = _Known({shape: np.nan if k % 2 == 0 and k != 6 else 1.0 for k, shape in enumerate(family)})
-    assert _best_held(frame, family, np.inf) == 6  # type: ignore[arg-type]
+    assert _best_direction(frame, family, np.inf) == 6  # type: ignore[arg-type]
 
 
 def test_guesses_are_moved_within_themselves_while_they_may_win() -> None:
@@ -117,13 +117,13 @@ def test_guesses_are_moved_within_themselves_while_they_may_win() -> None:
     ranking = _Ranking(frame.shell, frame)  # type: ignore[arg-type]
     ranking.take([frame.bend(shape) for shape in shapes[::-1]])
     assert frame.moved == shapes[:4]
-    assert [start.shape for start in ranking.kinds] == [shapes[2]] and ranking.least == -1.0
+    assert [start.shape for start in ranking.kinds] == [shapes[2]] and ranking.lowest == -1.0
 
 
-@pytest.mark.parametrize("least", [2.0, -2.0])
-def test_held_guesses_are_dear_by_the_size_of_the_least_energy(least: float) -> None:
+@pytest.mark.parametrize("lowest", [2.0, -2.0])
+def test_held_guesses_are_dear_by_the_size_of_the_lowest_energy(lowest: float) -> None:
     frame = _Known({}, free=False)
     ranking = _Ranking(frame.shell, frame)  # type: ignore[arg-type]
-    assert ranking.dear == np.inf
-    ranking.least = least
-    assert ranking.dear == least + (HELD_DEAR - 1.0) * 2.0
+    assert ranking.energy_limit == np.inf
+    ranking.lowest = lowest
+    assert ranking.energy_limit == lowest + (MAX_ENERGY_RATIO - 1.0) * 2.0

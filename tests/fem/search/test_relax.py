@@ -111,16 +111,16 @@ def test_a_start_that_comes_below_a_minimum_is_followed_to_its_end(monkeypatch: 
     shell = Shell(Argyris(hexagon(1)), FIELDS["dome"])
     guesses = [SimpleShape("cap", -2e-3), SimpleShape("flat")]  # the cap is on the wrong side, and stays there
     lowest = relax(shell).energy
-    monkeypatch.setattr(fem.search.relax, "CLOSE", 10.0)
-    for enough in (fem.search.relax.SHORT, 3):
-        monkeypatch.setattr(fem.search.relax, "SHORT", enough)
+    monkeypatch.setattr(fem.search.relax, "CLOSE_GUESS", 10.0)
+    for enough in (fem.search.relax.MAX_ITERATIONS_OF_FURTHER_GUESSES, 3):
+        monkeypatch.setattr(fem.search.relax, "MAX_ITERATIONS_OF_FURTHER_GUESSES", enough)
         found = relax(shell, shapes=guesses)
         assert found.is_minimum and found.guess == "flat"
         assert found.energy == pytest.approx(lowest)
         assert found.trials[0].is_minimum and found.trials[0].energy > 2.0 * lowest
     assert [trial.is_minimum for trial in found.trials] == [True, False, True]
     # one that is above the minimum is left where it is
-    monkeypatch.setattr(fem.search.relax, "SHORT", 0)
+    monkeypatch.setattr(fem.search.relax, "MAX_ITERATIONS_OF_FURTHER_GUESSES", 0)
     assert [trial.is_minimum for trial in relax(shell, shapes=guesses).trials] == [True, False]
 
 
