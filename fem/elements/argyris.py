@@ -127,7 +127,7 @@ class Argyris:
         )
 
     def penalty(self, modulus: Floats | float = 1.0) -> None:
-        """Nothing: the functions are C1."""
+        """None: the functions are C1, so their slopes have no jumps."""
 
     def interpolate(self, jets: Map) -> Floats:
         """(N, 3) coefficients of a map of the printed sheet into space.

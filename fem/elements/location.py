@@ -1,4 +1,4 @@
-"""Which triangle a printed point lies in."""
+"""Point location: the triangle of each printed point."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from skfem import MeshTri
 from equilibrium.compiled import loop
 from fem.elements.tabulation import Floats, Ints
 
-SLACK = 0.3  # of a triangle's height: how far outside the mesh a point may lie, where polynomials are still good
-INSIDE = 1e-6  # of a triangle's height: a point so far inside is in no other triangle
+MAX_OUTSIDE = 0.3  # heights of a triangle: points farther outside the mesh are refused
+MIN_DEPTH = 1e-6  # heights of a triangle: a point deeper inside is in this triangle only
 
 
 def triangles_at(mesh: MeshTri, points: Floats) -> Ints:
     """(n,) triangles of printed points (n, 2).
 
-    For points just outside of the mesh it is the one whose least barycentric coordinate is the largest.
+    A point slightly outside the mesh gets the triangle whose smallest barycentric coordinate there is largest.
 
     Raises
     ------
     ValueError
-        A point is further outside than SLACK; the message names the first one.
+        A point is further outside than MAX_OUTSIDE; the message names the first one.
     """
     points = np.asarray(points, dtype=float)
     mapping = mesh.mapping()
@@ -28,10 +28,10 @@ def triangles_at(mesh: MeshTri, points: Floats) -> Ints:
     origin = np.einsum("tab,bt->ta", slopes, mapping.b)
     found, depth = np.empty(len(points), dtype=np.int64), np.empty(len(points))
     _search(np.ascontiguousarray(slopes), origin, points, found, depth)
-    lost = np.flatnonzero(depth < -SLACK)
+    lost = np.flatnonzero(depth < -MAX_OUTSIDE)
     if len(lost):
         x, y = points[lost[0]]
-        raise ValueError(f"point ({x:g}, {y:g}) is outside of the sheet")
+        raise ValueError(f"point ({x:g}, {y:g}) is outside the sheet")
     return found
 
 
@@ -52,7 +52,7 @@ def _search(slopes, origin, points, found, depth):  # type: ignore[no-untyped-de
             here = min(one, two, 1.0 - one - two)
             if here > deepest:
                 best, deepest = t, here
-            if here > INSIDE:
+            if here > MIN_DEPTH:
                 break
         found[p], depth[p] = best, deepest
         last = best

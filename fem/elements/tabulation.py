@@ -1,4 +1,4 @@
-"""What a discretisation tells everything else: its functions at quadrature points, and at any printed point."""
+"""Values and derivatives of the functions of a space: at quadrature points, and at any printed points."""
 
 from __future__ import annotations
 
@@ -38,14 +38,14 @@ class Tabulation:
 
 
 class Evaluation:
-    """Of a space's functions at n printed points.
+    """Evaluation of the functions of a space at n printed points.
 
     Parameters
     ----------
-    functions : gives dofs (n, m) of the points and (n, m, 6) value and derivatives 1, 2, 11, 22, 12 of their functions;
-        called when a matrix is asked for.
+    functions : returns dofs (n, m) of the points and (n, m, 6) value and derivatives 1, 2, 11, 22, 12 of their
+        functions; called at the first use.
     size : number N of scalar dofs.
-    jets : takes coefficients (N, k) to (n, 6, k), where there is a shorter way than by matrices.
+    jets : maps coefficients (N, k) to (n, 6, k), for spaces that evaluate polynomials faster than by matrices.
     """
 
     def __init__(self, functions: Functions, size: int, jets: Callable[[Floats], Floats] | None = None) -> None:

@@ -1,4 +1,4 @@
-"""How far a force moves an equilibrium, along itself: one solve with the factor at hand."""
+"""Compliance of an equilibrium under a load: one solve with its factorised Hessian."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from fem.shell.shell import Shell
 
 
 def compliance(shell: Shell, x: Floats, factor: Factor, forces: Floats) -> float:
-    """`f H^-1 f`: small loads s f, f (N, 3) N on the dofs, do the work s^2 times this, in N mm, at the equilibrium x.
+    """`f . H^-1 f` in N mm: the work of small loads s f, with f (N, 3) N on the dofs, is s^2 times this.
 
-    Half of it is elastic energy, so that with an energy E the loads can move their places by `sqrt(2 E f H^-1 f)`,
-    measured along f. The factor holds the Hessian H at x (N, 3). What of the loads would move the sheet as a whole,
-    where nothing stops that, is left out.
+    Half of the work is elastic energy. So a disturbance of energy E moves the loaded points by up to
+    `sqrt(2 E f . H^-1 f)` along f. The factor holds the Hessian H at the equilibrium x (N, 3). The part of the loads
+    along free rigid motions is left out.
     """
     load, rigid = shell.restrict(forces), shell.rigid_modes(x)
     load = load - rigid @ (rigid.T @ load)

@@ -9,7 +9,7 @@ from fem.elements.tabulation import Floats
 
 @dataclass(frozen=True)
 class Trial:
-    """A start that was followed: its name, and what became of it. Energy in N mm, x (N, 3) in mm."""
+    """An initial guess that was followed, with the state x (N, 3) in mm where it ended and its energy in N mm."""
 
     name: str
     energy: float
@@ -20,23 +20,23 @@ class Trial:
 
 @dataclass(frozen=True)
 class ShellEquilibrium:
-    """A state of the shell with the evidence for what it is.
+    """A state of the shell with the evidence for its kind: minimum, saddle or not converged.
 
     Attributes
     ----------
     x : (N, 3) positions of the dofs, mm.
-    strains : (T, Q, 6) at the quadrature points; to go on from here after an edit.
-    energies : N mm, by part: as `Shell.energies`, with what Gaussian curvature costs or saves as `gaussian`.
+    strains : (T, Q, 6) at the quadrature points; `fem.search.relax.follow` continues from them.
+    energies : N mm, by part: as `Shell.energies`, with the part of Gaussian curvature as `gaussian`.
     gradient_norm, tolerance : N, over the free unknowns.
     definite : the exact Hessian is positive definite (rigid motions held).
     soft_modes : (k,) N/mm^3, smallest eigenvalues of the Hessian against the printed area: the energy of a mode of one
         mm mean square is half of that times the area. Empty if they were not asked for. One far below the others
         belongs to a neutral motion, such as the axis about which an even sheet rolls.
-    guess : name of the start that led here.
-    trials : all starts that were followed.
-    load_steps : 0, or the steps in which the fields and loads had to be brought up.
-    saddles_left : on the way.
-    fallbacks : times that the energy had to be followed down because Newton's method with mixed points failed.
+    guess : name of the initial guess that led here.
+    trials : all initial guesses that were followed.
+    load_steps : number of steps in which fields and loads were applied; 0 without load steps.
+    saddles_left : number of saddles on the way.
+    fallbacks : number of times that energy minimisation replaced Newton's method with mixed points.
     seconds : by part.
     """
 
@@ -63,7 +63,7 @@ class ShellEquilibrium:
 
     @property
     def absolute_energy(self) -> float:
-        """N mm, the energy, what a part saves counted as spent: errors are a part of it."""
+        """N mm, sum of the absolute values of the parts: the scale of errors of the energy."""
         return sum(map(abs, self.energies.values()))
 
     @property
@@ -73,5 +73,5 @@ class ShellEquilibrium:
 
     @property
     def is_minimum(self) -> bool:
-        """Converged, and stable."""
+        """Converged, and the exact Hessian is positive definite."""
         return self.converged and self.definite

@@ -1,8 +1,8 @@
-"""What an equilibrium does when fields, loads or conditions change a little: one solve with the factor at hand.
+"""Linear response of an equilibrium to small changes of fields, loads or supports: one solve with its Hessian.
 
-The factor holds the exact Hessian of the old equilibrium, as `fem.search.relax.relax` and `follow` leave it. The answer
-is the first step of Newton's method with mixed points, so `follow` goes on from its x and strains: an edit costs one
-iteration less than it would.
+With the gradient g of the changed energy and the Hessian H of the old equilibrium the response is `-H^-1 g`. The factor
+holds H, as `fem.search.relax.relax` and `follow` leave it. The response is the first step of Newton's method with mixed
+points, so `follow` continues from its state and strains and needs one iteration less.
 """
 
 from __future__ import annotations
@@ -35,16 +35,15 @@ class Response:
 
     @cached_property
     def strains(self) -> Floats:
-        """(T, Q, 6); whoever shows x does not wait for them."""
+        """(T, Q, 6) mixed strains; computed at the first use."""
         return self._before + self._shell.assembly.strain_changes(self._start, self.x - self._start)
 
 
 def linear_response(shell: Shell, x: Floats, factor: Factor) -> Response:
-    """Where the equilibrium x (N, 3) goes, now that the shell has other fields, loads or moved conditions.
+    """The response of the equilibrium x (N, 3) of the shell before the change.
 
-    The factor holds the Hessian at x from before the change. A soft sheet may answer by more than it is large: a longer
-    move than Newton's method makes is shortened to that. Rigid motions that nothing stops are taken out: of all
-    answers that differ by one this is the one that moves the least.
+    `shell` is the changed one, and the factor holds the Hessian at x before the change. Free rigid motions are left out
+    of the response. The response of a very soft sheet is shortened to the longest step of Newton's method.
     """
     start = shell.constrain(x)
     strains = shell.strains(start)
@@ -57,15 +56,15 @@ def linear_response(shell: Shell, x: Floats, factor: Factor) -> Response:
 
 
 def rms_response(shell: Shell, x: Floats, factor: Factor, fields: Fields) -> float:
-    """mm, rms over the printed sheet: how far the equilibrium x goes, to first order, if its fields are others.
+    """Displacement of the equilibrium x under other fields, to first order: rms over the printed sheet in mm.
 
-    The shell stays as it is. Of answers that differ by a rigid motion which nothing stops, the smallest counts. The
-    factor holds the Hessian at x (N, 3).
+    The shell is unchanged. Free rigid motions are chosen such that the displacement is smallest. The factor holds the
+    Hessian at x (N, 3).
 
     Raises
     ------
     FieldError
-        No sheet can have these fields.
+        The fields are not admissible.
     """
     strains = shell.assembly.strains(x, fields.rest(shell.points))
     _, stress, _ = fields.densities(shell.points)(strains)
@@ -79,6 +78,6 @@ def rms_response(shell: Shell, x: Floats, factor: Factor, fields: Fields) -> flo
 
 
 def _answer(shell: Shell, x: Floats, factor: Factor, gradient: Floats) -> Floats:
-    """(n,) step of the free unknowns that a gradient (n,) asks for, without the rigid motions that nothing stops."""
+    """(n,) Newton step for a gradient (n,) over the free unknowns, without the free rigid motions."""
     step, rigid = -factor.solve(gradient), shell.rigid_modes(x)
     return np.asarray(step - rigid @ (rigid.T @ step))

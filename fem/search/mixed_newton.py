@@ -61,7 +61,7 @@ class Mixed:
 
     @property
     def state(self) -> Floats:
-        """x, by the name that `equilibrium.newton.find_minimum` knows."""
+        """x, under the name of `equilibrium.newton.find_minimum.IterationResult`."""
         return self.x
 
 

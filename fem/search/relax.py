@@ -58,7 +58,7 @@ def relax(
     max_guesses : guesses that are followed, each of another kind (cap, arc, saddle, flat). If the first one is bent
         about an axis, so are those about other axes that promise as much.
     soft_modes : how many of the smallest eigenvalues to find.
-    symmetries : (2, 2) rotations and mirrors of the print that change nothing; axes that they make equal count once.
+    symmetries : rotations and reflections (2, 2) of the print; axes that they map onto each other count once.
     energy_tie : part of the energy within which minima are equally low; the one with the lowest guess then counts.
 
     Raises

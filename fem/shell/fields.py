@@ -1,4 +1,9 @@
-"""What the sheet wants to be: rest metric, rest curvature and stiffness over the printed domain."""
+"""Fields of a shell over the printed domain: rest metric, rest curvature, energy density.
+
+The rest metric a_r and the rest curvature b_r are the first and the second fundamental form at which the strains of
+`fem.shell.koiter` vanish. They need not satisfy the equations of Gauss and Codazzi: then no stress-free state exists
+(Efrati, Sharon and Kupferman 2009, "Elastic theory of unconstrained non-Euclidean plates").
+"""
 
 from __future__ import annotations
 
@@ -11,13 +16,13 @@ from numpy.typing import ArrayLike
 from fem.elements.tabulation import Floats
 from fem.shell.density import Density
 
-SYMMETRIC = 1e-9  # of its largest entry: what rounding may leave of a stiffness minus its transpose
+MAX_ASYMMETRY = 1e-9  # of a stiffness, over its largest entry
 
 Field = ArrayLike | Callable[[Floats], ArrayLike]
 
 
 class FieldError(ValueError):
-    """A field that no sheet can have; one line with place and value.
+    """A field that is not admissible at a point; the message names field, place and value.
 
     Attributes
     ----------
@@ -31,16 +36,16 @@ class FieldError(ValueError):
 
 @dataclass(frozen=True)
 class Fields:
-    """Each is constant, an array over the quadrature points, or a function of the printed points (T, Q, 2) mm.
+    """Fields of a shell. Each is constant, an array over the quadrature points, or a function of points (T, Q, 2) mm.
 
     Attributes
     ----------
     density : energy per printed area.
-    metric : (..., 3) rest metric `a_11, a_22, a_12`; the printed one if nothing is said.
+    metric : (..., 3) rest metric `a_11, a_22, a_12`; the metric of the print by default.
     curvature : (..., 3) rest curvature `b_11, b_22, b_12` per mm. With the normal `x_1 x x_2` a positive one lifts the
-        edges towards +z. A sheet that is to have the curvature kappa once it has contracted has `b = kappa a`.
-    gaussian : (...,) N mm, modulus of Gaussian curvature: `gaussian det b` more energy per printed area. Negative, it
-        favours caps over saddles. Where it is the same all over, only borders notice (Gauss and Bonnet).
+        edges towards +z. A contracted sheet of curvature kappa has `b = kappa a`.
+    gaussian : (...,) N mm, modulus of Gaussian curvature: it adds `gaussian det b` to the energy per printed area. A
+        negative one favours caps over saddles. A uniform one acts only at the boundary (Gauss and Bonnet).
     """
 
     density: Density | Callable[[Floats], Density]
@@ -92,7 +97,7 @@ class Fields:
 def of_stretch(density: Density | Callable[[Floats], Density], stretch: Field, curvature: Field = 0.0) -> Fields:
     """Isotropic fields: lengths become `stretch` times the printed ones, with the curvature `curvature` per mm.
 
-    A stretch that is not positive is refused as a metric that is not positive definite.
+    A stretch that is not positive gives a metric that is not positive definite: `FieldError`.
     """
 
     def metric(points: Floats) -> Floats:
@@ -127,7 +132,7 @@ def _check_finite(values: Floats, points: Floats, name: str) -> None:
 
 
 def _check_density(density: Density, points: Floats) -> None:
-    """Raise FieldError where a sheet of this density has no energy, or one that is not its stress's."""
+    """Raise FieldError if a part of the density is not finite, not positive or not symmetric where it must be."""
     for name in ("stiffness", "prestress", "sixfold", "orientation", "constant"):
         values = np.reshape(getattr(density, name), (*points.shape[:2], -1))
         if not np.isfinite(values).all():
@@ -138,7 +143,7 @@ def _check_density(density: Density, points: Floats) -> None:
         where = np.unravel_index((~(saturation > 0.0)).argmax(), saturation.shape)
         raise FieldError("saturation", points[where], saturation[where][None], "is not positive")
     skew = np.abs(stiffness - np.swapaxes(stiffness, -1, -2))
-    if skew.max() > SYMMETRIC * np.abs(stiffness).max():
+    if skew.max() > MAX_ASYMMETRY * np.abs(stiffness).max():
         t, q, i, k = np.unravel_index(skew.argmax(), skew.shape)
         values = stiffness[t, q, [i, k], [k, i]]
         raise FieldError("stiffness", points[t, q], values, f"of strains {i} and {k} is not symmetric")

@@ -1,4 +1,4 @@
-"""Matrices over the free unknowns: `T' H T` in a pattern of its own, by one sparse product for every new H."""
+"""Matrices over the free unknowns: the entries of `T' H T` are a fixed linear map of the entries of H."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class MatrixReduction:
         column = np.repeat(np.arange(pattern.size), np.diff(pattern.indptr))
         count = np.diff(columns.indptr)
         total = size + int((count[pattern.indices].astype(np.int64) * count[column]).sum())
-        # an entry of every diagonal one, with nothing in it, and the products
+        # every diagonal entry with value zero, then the products
         keys, source, weight = np.empty(total, dtype=np.int64), np.zeros(total, dtype=np.int32), np.zeros(total)
         keys[:size] = np.arange(size, dtype=np.int64) * (size + 1)
         _products(

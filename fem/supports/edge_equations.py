@@ -1,13 +1,13 @@
-"""Linear equations that hold the sheet along an edge, for both kinds of discretisation.
+"""Linear equations of a support along mesh edges, for both kinds of discretisation.
 
-A C1 space with jets at its vertices (Argyris, Bell) is held by them: the value and its first and second derivative
-along the curve, and for a clamp the slope and its derivative along the curve, with the slope in the middle of the edge
-where that is a dof. On straight edges these equations determine the whole polynomial along the edge. A continuous
-space (`fem.elements.lifted`) is held at its nodes along the edge, and clamped at as many Gauss points as its slope
-needs.
+A C1 space with derivatives at its vertices (Argyris) gets equations for the value and its first and second derivative
+along the curve. A clamp adds the slope and its derivative along the curve, and the slope at the edge midpoint if this
+is a dof. On straight edges these equations determine the whole polynomial along the edge. A continuous space
+(`fem.elements.lifted`) gets equations at its nodes along the edge, and a clamp at as many Gauss points as its slope has
+degrees of freedom.
 
-A clamp prescribes the tangent plane, not the stretch across the edge: `n . d x/d nu = 0`, with n the normal of the
-placement and nu the normal of the edge in the printed plane.
+A clamp fixes the tangent plane and leaves the stretch across the edge free: `n . dx/dnu = 0`, with n the normal of the
+target and nu the normal of the edge in the printed plane.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from fem.elements.space import Space
 from fem.elements.tabulation import Floats, Ints
 from fem.supports.edge_curve import EdgeCurve, edge_curve, left
 
-ROUNDING = 1e-10  # over the largest coefficient of an equation: what should be nothing, on flat triangles too
+MIN_COEFFICIENT = 1e-10  # over the largest one of an equation; smaller coefficients are rounding and are dropped
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Rows:
 
     Attributes
     ----------
-    triangles : (R,) whose polynomial is meant.
+    triangles : (R,) the triangle whose polynomial is evaluated.
     points : (R, 2) printed mm.
     weights : (R, 6, 3) of the value and the derivatives 1, 2, 11, 22, 12 of every component.
     right : (R, 2) for the sheet as printed, and at the target.
@@ -58,11 +58,11 @@ class Rows:
         return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
 
     def matrix(self, space: Space) -> sp.csr_matrix:
-        """(R, 3N) coefficients of the dofs, without those that are rounding."""
+        """(R, 3N) coefficients of the dofs; those below MIN_COEFFICIENT are dropped."""
         dofs, jets = space.jets(self.triangles, self.points)
         table = np.matmul(jets, self.weights)
         size = np.abs(table)
-        row, dof, component = np.nonzero(size > ROUNDING * size.max(axis=(1, 2), keepdims=True))
+        row, dof, component = np.nonzero(size > MIN_COEFFICIENT * size.max(axis=(1, 2), keepdims=True))
         columns = 3 * dofs[row, dof] + component
         return sp.csr_matrix((table[row, dof, component], (row, columns)), shape=(len(dofs), 3 * space.size))
 

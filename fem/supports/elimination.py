@@ -1,4 +1,4 @@
-"""Unknowns that satisfy linear equations exactly: A x = b becomes x = T q + c, with q some of the x."""
+"""Elimination of linear equations: the solutions of `A x = b` are `x = T q + c`, where q are some of the unknowns."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from scipy.sparse.csgraph import connected_components
 
 from fem.elements.tabulation import Floats, Ints
 
-DIGITS = 10  # of equations with a largest coefficient of 1: those that are alike but for rounding are solved once
-DEPENDENT = 1e-9  # a pivot below this part of the largest one belongs to an equation that others imply
+COEFFICIENT_DIGITS = 10  # decimals of coefficients scaled to a maximum of 1; equal blocks are then solved once
+MIN_PIVOT = 1e-9  # over the largest pivot; a smaller one belongs to a redundant equation
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Elimination:
     map : (n, len(free)); rows of the free unknowns are those of the identity.
     constant : (n, k), one column for each right-hand side.
     free : numbers of the unknowns that are kept, sorted.
-    redundant : number of equations that others imply.
+    redundant : number of equations that follow from others.
     """
 
     map: sp.csr_matrix
@@ -35,7 +35,7 @@ class Elimination:
 
 
 class Contradiction(ValueError):
-    """Equations without a solution: which one is off by how much."""
+    """Equations without a solution; `row` is the worst one and `miss` its residual."""
 
     def __init__(self, row: int, miss: float) -> None:
         super().__init__(f"equation {row} is off by {miss:.3g}")
@@ -67,7 +67,7 @@ def eliminate(matrix: sp.csr_matrix, right: Floats, tolerance: float) -> Elimina
         raise Contradiction(row, float(np.abs(right[row]).max()))
     scale = np.where(empty, 1.0, largest)
     matrix = sp.csr_matrix(sp.diags_array(1.0 / scale) @ matrix)
-    matrix.data = np.round(matrix.data, DIGITS)
+    matrix.data = np.round(matrix.data, COEFFICIENT_DIGITS)
     matrix.eliminate_zeros()
     right = right / scale[:, None]
     size = matrix.shape[1]
@@ -124,11 +124,11 @@ class _Solved:
 def _solve(block: Floats) -> _Solved:
     """By QR with column pivoting."""
     q, r, order = qr(block, mode="economic", pivoting=True, check_finite=False)
-    rank = int(np.sum(np.abs(np.diag(r)) > DEPENDENT * abs(r[0, 0])))
+    rank = int(np.sum(np.abs(np.diag(r)) > MIN_PIVOT * abs(r[0, 0])))
     q = q[:, :rank]
     solved = np.linalg.solve(r[:rank, :rank], np.hstack([q.T, -r[:rank, rank:]]))
     given, weights = solved[:, : len(block)], solved[:, len(block) :]
-    i, j = np.nonzero(np.abs(weights) >= 10.0**-DIGITS)
+    i, j = np.nonzero(np.abs(weights) >= 10.0**-COEFFICIENT_DIGITS)
     return _Solved(q, given, order[:rank], i, order[rank:][j], weights[i, j])
 
 

@@ -1,4 +1,4 @@
-"""Rigid motions that the conditions of a shell leave free."""
+"""Rigid motions that the supports of a shell leave free, and those among them that leave its energy unchanged."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import scipy.sparse as sp
 
 from fem.elements.tabulation import Floats, Ints
 
-PUSHED = 1e-6  # of the loads: a smaller share of them does no work
+MIN_WORK = 1e-6  # part of the norm of the loads: smaller work along a unit motion is zero
 
 
 def admissible_motions(x: Floats, shifts: Floats, columns: sp.csr_matrix, free: Ints) -> Floats:
-    """(n, k) infinitesimal shifts and turns of a state x (N, 3) that the map of the free unknowns can follow.
+    """(n, k) infinitesimal translations and rotations of a state x (N, 3) that satisfy the homogeneous supports.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def admissible_motions(x: Floats, shifts: Floats, columns: sp.csr_matrix, free: 
 
 
 def span_a_plane(points: Floats) -> bool:
-    """Whether points (n, 3) are not all on one line: holding them stops every rigid motion."""
+    """Whether points (n, 3) are not on one line: fixing them stops every rigid motion."""
     if len(points) < 3:
         return False
     sizes = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
@@ -42,20 +42,20 @@ def span_a_plane(points: Floats) -> bool:
 
 
 def neutral_motions(motions: Floats, stiffness: Floats, push: Floats, least: float) -> Floats:
-    """(n, k) orthonormal motions among orthonormal ones (n, j) that nothing pushes along and nothing resists.
+    """(n, k) orthonormal: the combinations of orthonormal motions (n, j) without work and without stiffness.
 
-    A sheet that hangs from a point swings: to first order that is a rigid motion without work, but its weight gives it
-    a stiffness, negative where it stands on its head. Such a motion has to stay in the spectrum.
+    A sheet that hangs from a point can swing. To first order the swing does no work, but weight gives it a stiffness,
+    negative if the sheet is upside down. Such a motion is not neutral: it stays in the spectrum.
 
     Parameters
     ----------
     stiffness : (n, j) N/mm, the Hessian times the motions.
     push : (n,) N, the gradient of loads and moments.
-    least : N/mm, a stiffness that is rounding, or the gradient's own.
+    least : N/mm, smaller stiffnesses are zero.
     """
     size = np.linalg.norm(push)
     work = motions.T @ push / size if size > 0.0 else np.zeros(motions.shape[1])
-    # a stiffness of one stands for a push worth the name
-    rows = np.concatenate([stiffness / least, work[None] / PUSHED])
+    # both rows are scaled such that 1 is the limit
+    rows = np.concatenate([stiffness / least, work[None] / MIN_WORK])
     _, values, directions = np.linalg.svd(rows, full_matrices=False)
     return np.asarray(motions @ directions[values < 1.0].T)
