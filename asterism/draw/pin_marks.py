@@ -8,12 +8,8 @@ import numpy as np
 
 from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
-from pattern.design.design import Design
-from pattern.design.errors import DesignError
 from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import turns
-from pattern.layout.build import layout
-from pattern.layout.layout import Layout
 
 # over the diameter of the sheet
 BALL, TUBE = 0.011, 0.0045
@@ -26,7 +22,7 @@ Marks = tuple[Floats, Floats, Ints]  # points (n, 3) mm, their normals, triangle
 
 def pin_marks(shape: Shape) -> Marks:
     """The marks of a shape whose summary knows its design; none otherwise, and of free sheets."""
-    plan = _plan(shape) if shape.held else None
+    plan = shape.layout if shape.held else None
     if plan is None or not plan.pins:
         return _together([])
     size, border = diameter(shape.positions), plan.border
@@ -44,14 +40,6 @@ def pin_marks(shape: Shape) -> Marks:
     parts = [_ball(place, BALL * size) for place in balls]
     parts += [_tube(line, TUBE * size) for line in others[: len(lines)]]
     return _together(parts + [_ball(place, TUBE * size) for joint in others[len(lines) :] for place in joint])
-
-
-def _plan(shape: Shape) -> Layout | None:
-    """The layout of the shape's design."""
-    try:
-        return layout(Design.from_dict(shape.summary["design"]))
-    except (KeyError, TypeError, DesignError):  # a shape made by hand, or whose image of sizes is gone
-        return None
 
 
 def _runs(edges: tuple[int, ...], count: int) -> list[list[int]]:

@@ -34,6 +34,7 @@ from equilibrium.threads import one_blas_thread
 from pattern.design.design import Design
 from pattern.design.section import is_whole
 from pattern.layout.build import check_carried, layout
+from pattern.layout.layout import Layout
 from pattern.mesh.meshing import mesh_layout
 
 Say = Callable[[str], None]
@@ -47,6 +48,7 @@ def simulate(
     say: Say | None = None,
     starts: int = 1,
     near: Shape | None = None,
+    plan: Layout | None = None,
 ) -> Shape:
     """Equilibrium of the exact model.
 
@@ -61,6 +63,8 @@ def simulate(
         summary's `minima`.
     near : a shape of the same design to start from, as its preview, in place of the start that the design asks for; its
         stars bump as they should. Goes with one start.
+
+    plan : layout of the design, if it is there already.
 
     Returns
     -------
@@ -83,7 +87,7 @@ def simulate(
     check_backend(backend)
     tell = say or (lambda text: None)
     start = time.perf_counter()
-    plan = layout(design)
+    plan = plan if plan is not None else layout(design)
     if design.solver.contact:
         ipc_toolkit()  # before anything else takes time
     check_carried(design, plan)
@@ -131,6 +135,7 @@ def _shape(
         star_vertices=mesh.star_vertices,
         rod_fields=_rod_fields(model, found),
         held=bool(model.held.any()),
+        plan=model.layout,
     )
     if not shape.held:
         shape = shape.aligned()

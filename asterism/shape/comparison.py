@@ -259,6 +259,7 @@ def image(shape: Shape, symmetry: Symmetry) -> Shape:
         rod_fields=rod_fields,
         summary=shape.summary,
         held=shape.held,
+        plan=shape.plan,
     )
 
 

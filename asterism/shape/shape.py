@@ -12,9 +12,13 @@ from asterism.results.records.of_shape import AnyShapeRecord, shape_record
 from asterism.results.records.preview import PreviewRecord
 from asterism.shape.pose import upright_rotation
 from asterism.shape.surface_fields import triangle_areas
+from pattern.design.design import Design
+from pattern.design.errors import DesignError
 from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.normals import triangle_normals
 from pattern.geometry.point_location import locate
+from pattern.layout.build import layout
+from pattern.layout.layout import Layout
 
 
 @dataclass(frozen=True)
@@ -36,6 +40,7 @@ class Shape:
     summary : the record of `summary.json`, empty if a shape was read without it. A plain mapping becomes a record.
     others : further minima of the same design, where they were looked for.
     held : pins hold the sheet, so that z is up; a free one has no up, and is shown as its `aligned()` copy.
+    plan : the layout that the shape was computed from; None for shapes from files, see `layout`.
     """
 
     printed: Floats
@@ -50,9 +55,20 @@ class Shape:
     summary: AnyShapeRecord = field(default_factory=lambda: shape_record({}))
     others: tuple[Shape, ...] = ()
     held: bool = False
+    plan: Layout | None = field(default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "summary", shape_record(self.summary))
+
+    @cached_property
+    def layout(self) -> Layout | None:
+        """The layout of the shape's design; None if the summary has no design, or one that cannot be laid out."""
+        if self.plan is not None:
+            return self.plan
+        try:
+            return layout(Design.from_dict(self.summary["design"]))
+        except (KeyError, TypeError, DesignError):  # a shape made by hand, or whose image of sizes is gone
+            return None
 
     @property
     def rod_edges(self) -> Ints:

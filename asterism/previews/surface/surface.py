@@ -118,6 +118,7 @@ def shape_of(sheet: Sheet, mesh: Mesh, places: Places) -> Shape:
         cell_fields=cell_fields(mesh.points, places.smooth, mesh.triangles, sheet.design.fabric.stretch_xy),
         rod_fields=_rod_fields(sheet, mesh),
         held=bool(sheet.layout.pins),
+        plan=sheet.layout,
     )
 
 
