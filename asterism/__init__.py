@@ -14,51 +14,88 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+from asterism.process.version import __version__
 
 if TYPE_CHECKING:
     from asterism.exact.simulation import simulate
+    from asterism.laws.calibrate import calibrate
+    from asterism.laws.show import show as show_law
+    from asterism.measure.compare.compare import compare, write_comparison
+    from asterism.measure.strips.fit_strips import fit_strips, write_material
+    from asterism.measure.strips.new_strips import new_strips
     from asterism.previews.run import preview
     from asterism.previews.session import Preview
+    from asterism.print.export import export
+    from asterism.reports.design_report import report
     from asterism.reports.verification_files import write_verification
     from asterism.reports.write_results import write_results
+    from asterism.shape.read_shape import read_shape
     from asterism.shape.shape import Shape
     from asterism.verification.run import verify
     from asterism.verification.verification import Verification
+    from equilibrium.errors import Error
+    from homogenize.campaign.plan import load_material
     from homogenize.law.file import load_law
+    from homogenize.law.law import Law
     from pattern.design.design import Design, save_design
     from pattern.gallery import load as new
     from pattern.layout.load_design import load_design
 
-# the solver's imports take most of a second: only who asks for it waits
+# Where each public name is defined. A name is imported when it is first used: the solvers take most of a second.
 _HOMES = {
     "Design": ("pattern.design.design", "Design"),
+    "Error": ("equilibrium.errors", "Error"),
+    "Law": ("homogenize.law.law", "Law"),
     "Preview": ("asterism.previews.session", "Preview"),
     "Shape": ("asterism.shape.shape", "Shape"),
     "Verification": ("asterism.verification.verification", "Verification"),
+    "calibrate": ("asterism.laws.calibrate", "calibrate"),
+    "compare": ("asterism.measure.compare.compare", "compare"),
+    "export": ("asterism.print.export", "export"),
+    "fit_strips": ("asterism.measure.strips.fit_strips", "fit_strips"),
     "load_design": ("pattern.layout.load_design", "load_design"),
     "load_law": ("homogenize.law.file", "load_law"),
+    "load_material": ("homogenize.campaign.plan", "load_material"),
     "new": ("pattern.gallery", "load"),
+    "new_strips": ("asterism.measure.strips.new_strips", "new_strips"),
     "preview": ("asterism.previews.run", "preview"),
+    "read_shape": ("asterism.shape.read_shape", "read_shape"),
+    "report": ("asterism.reports.design_report", "report"),
     "save_design": ("pattern.design.design", "save_design"),
+    "show_law": ("asterism.laws.show", "show"),
     "simulate": ("asterism.exact.simulation", "simulate"),
     "verify": ("asterism.verification.run", "verify"),
+    "write_comparison": ("asterism.measure.compare.compare", "write_comparison"),
+    "write_material": ("asterism.measure.strips.fit_strips", "write_material"),
     "write_results": ("asterism.reports.write_results", "write_results"),
     "write_verification": ("asterism.reports.verification_files", "write_verification"),
 }
 __all__ = [
     "Design",
+    "Error",
+    "Law",
     "Preview",
     "Shape",
     "Verification",
     "__version__",
+    "calibrate",
+    "compare",
+    "export",
+    "fit_strips",
     "load_design",
     "load_law",
+    "load_material",
     "new",
+    "new_strips",
     "preview",
+    "read_shape",
+    "report",
     "save_design",
+    "show_law",
     "simulate",
     "verify",
+    "write_comparison",
+    "write_material",
     "write_results",
     "write_verification",
 ]

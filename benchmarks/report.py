@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from asterism import __version__
+from asterism.process.version import __version__
 from asterism.results.files import staged
 
 RESULTS = Path(__file__).parent / "results"

@@ -6,7 +6,6 @@ from typing import Annotated
 
 import typer
 
-from asterism import __version__
 from asterism.cli import law, strips
 from asterism.cli.calibrate import calibrate
 from asterism.cli.compare import compare
@@ -17,6 +16,7 @@ from asterism.cli.printers import printers
 from asterism.cli.report import report
 from asterism.cli.simulate import simulate
 from asterism.cli.verify import verify
+from asterism.process.version import __version__
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 for function in (new, preview, simulate, verify, export, printers, compare, report, calibrate):

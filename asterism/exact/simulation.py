@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from asterism import __version__
 from asterism.exact.minima import many_minima, one_minimum
 from asterism.exact.warnings import exact_warnings
+from asterism.process.version import __version__
 from asterism.results.records.exact import ContactRecord, ExactRecord, LevelRecord, PathStepRecord
 from asterism.shape.contraction import contraction
 from asterism.shape.mesh_error import mesh_error

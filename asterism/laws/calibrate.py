@@ -11,9 +11,9 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, TextIO
 
-from asterism import __version__
 from asterism.laws.table import law_table
 from asterism.process import interruption
+from asterism.process.version import __version__
 from asterism.results.files import OutputError, check_writable, write_file
 from equilibrium.compiled import HAVE_NUMBA
 from homogenize.campaign import campaign

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from asterism import __version__
 from asterism.previews.state import PreviewState
 from asterism.previews.uncertainty.estimate import ErrorEstimate
 from asterism.previews.warnings import warnings
+from asterism.process.version import __version__
 from asterism.shape.contraction import contraction
 from asterism.shape.self_intersections import meets_itself, self_intersections
 from asterism.shape.shape import Shape

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from asterism import __version__
 from asterism.exact.simulation import Say, simulate
 from asterism.previews.run import preview
 from asterism.process.compiling import clock_without_compiling
+from asterism.process.version import __version__
 from asterism.results.files import VERIFICATION
 from asterism.shape.comparison import Comparison, compare
 from asterism.shape.shape import Shape

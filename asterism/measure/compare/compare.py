@@ -10,7 +10,6 @@ from typing import IO, Any
 import numpy as np
 import shapely
 
-from asterism import __version__
 from asterism.measure.compare import outline
 from asterism.measure.compare.comparison_picture import draw_outline, draw_scan
 from asterism.measure.compare.errors import ScanError, check_file
@@ -19,6 +18,7 @@ from asterism.measure.compare.scan import extent, read_scan
 from asterism.measure.compare.scan_comparison import ScanComparison, compare_scan
 from asterism.measure.compare.silhouette import OutlineFit, fit_outline, silhouette
 from asterism.measure.compare.units import check_size
+from asterism.process.version import __version__
 from asterism.results.files import LAST, OutputError, check_writable, holds_result, staged_result
 from asterism.shape.diameter import diameter
 from asterism.shape.read_shape import folder_of, read_shape

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from asterism import __version__
 from asterism.measure.strips import statement
 from asterism.measure.strips.curvature_model import KappaBarKind, StripFormula
 from asterism.measure.strips.fit_picture import draw_fit
 from asterism.measure.strips.material_file import check_ours, material_text
 from asterism.measure.strips.strip_fit import FLAT_HEIGHT_MM, StripFit, fit_readings
 from asterism.measure.strips.strip_table import read_strips
+from asterism.process.version import __version__
 from asterism.results.files import OutputError, staged
 from pattern.design.errors import one_line
 from pattern.design.materials import Plastic

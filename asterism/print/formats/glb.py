@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from asterism import __version__
 from asterism.print.formats.registry import export_format
+from asterism.process.version import __version__
 from asterism.shape.shape import Shape
 from pattern.geometry.normals import vertex_normals
 

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from asterism import __version__
 from asterism.cli.verify import table_rows
 from asterism.exact.simulation import simulate
 from asterism.previews.run import preview
+from asterism.process.version import __version__
 from asterism.reports.verification_files import write_verification
 from asterism.reports.verification_page import verification_page
 from asterism.reports.write_results import write_results
