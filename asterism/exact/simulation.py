@@ -209,7 +209,7 @@ def _record(
         self_intersections=self_intersections(shape.positions, shape.triangles),
         self_contact=_contact(model, found),
         fabric_bending=model.design.fabric.bending,
-        fabric_bending_n_mm=sum(found.energies.get(part, 0.0) for part in ("hinges", "plate", "folds")),
+        fabric_bending_n_mm=model.bending.energy(found.energies),
         iterations=found.iterations,
         factorisations=found.factorisations,
         saddles_left=found.saddles_left,

@@ -51,8 +51,8 @@ def calibrate(
     CampaignError
         There is no law: too many cells without an answer, or workers that have ended.
     """
-    if material.fabric.bending == "none":
-        raise DesignError("fabric.bending", WITHOUT_BENDING, "none")
+    if not material.fabric.has_bending:
+        raise DesignError("fabric.bending", WITHOUT_BENDING, material.fabric.bending)
     check_writable(output.parent, output.name)
     versions = _versions()
     folder = samples_folder(output)

@@ -41,7 +41,7 @@ class Elements:
     @property
     def n(self) -> int:
         """Dofs of one element."""
-        return self.dofs.shape[1]
+        return int(self.dofs.shape[1])
 
     def energies(self, configuration: Array) -> Array:
         """(E,) N mm."""

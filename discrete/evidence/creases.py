@@ -11,9 +11,6 @@ from discrete.energies.membrane import invariants, volumetric
 from discrete.model.model import Model
 from discrete.model.state import State
 
-# of the plate of the fabric's thickness: the paper's hinges on equilateral triangles, bent to a cylinder
-STIFFENED = {"paper": 3.0, "consistent": 1.0, "none": 0.0}
-
 RESOLVED = 0.7  # largest edge over the width
 
 
@@ -48,7 +45,7 @@ def creases(model: Model, state: State) -> Creases:
     fabric = model.design.fabric
     bending = fabric.modulus_mpa * fabric.thickness_mm**3 / (12.0 * (1.0 - fabric.poisson**2))
     tension = float(_tension(model, state, 0.5 * twice)[beside].mean())
-    width = np.sqrt(STIFFENED[fabric.bending] * bending / tension) if tension > 0.0 else np.inf
+    width = np.sqrt(model.bending.crease_factor * bending / tension) if tension > 0.0 else np.inf
     return Creases(float(width), float(np.median(height[at_arm])))
 
 

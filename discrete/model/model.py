@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from discrete.energies.bending.hinges import Hinges, fold_coefficients, interior_edges, paper_coefficients
-from discrete.energies.bending.plate import Plate
+from discrete.energies.bending.fabric_bending import BendingMesh, FabricPlate
+from discrete.energies.bending.registry import FABRIC_BENDING
 from discrete.energies.elements import Array, Elements
 from discrete.energies.membrane import Membrane, membrane_params
 from discrete.energies.rods.bend import RodBend
@@ -42,25 +42,32 @@ class Model(System):
 
     Attributes
     ----------
-    parts : membrane; hinges, or plate and folds, if the fabric bends; rod_bending, rod_stretch, rod_twist.
+    bending : entry of the fabric's bending energy in the registry.
+    parts : the energies by name: membrane, those of `bending`, rod_bending, rod_stretch, rod_twist.
     release : 0 is the stretched print, 1 the released design; see `set_release`.
     progress : how much of their way the pins have gone; that of the release, but for pins that take hold after it.
     """
 
     def __init__(self, design: Design, layout: Layout, mesh: Mesh, compiled: bool = True) -> None:
         self.design, self.layout, self.mesh, self.compiled = design, layout, mesh, compiled
+        self.bending = FABRIC_BENDING[design.fabric.bending]
         self.network = rod_network(mesh.rods, layout.arm_star, mesh.points)
         self.edge_thickness = _along(self.network, layout.arm_thickness)
         self.edge_width = _along(self.network, layout.arm_width)
         self.constraints = pin_constraints(layout, mesh)
         edges = self.network.edges
         held = np.concatenate([self.constraints.held.ravel(), np.zeros(len(edges), dtype=bool)])
-        parts = _fabric(design, mesh, compiled) | self._rods(compiled)
+        parts = self._fabric(compiled) | self._rods(compiled)
         super().__init__(parts, len(mesh.points), edges, held)
         self.level = self.constraints.level
         self._weight = self._dead_load()
         self.set_release(1.0)
         self._reconstruction: Reconstruction | None = None
+
+    def _fabric(self, compiled: bool) -> dict[str, Elements]:
+        mesh, plate, incompressible = self.mesh, self.fabric_plate, self.design.fabric.model == "incompressible"
+        membrane = Membrane(mesh.triangles, mesh.points, *plate, incompressible, compiled)
+        return {"membrane": membrane} | self.bending.build(BendingMesh(mesh.triangles, mesh.points), plate, compiled)
 
     def _rods(self, compiled: bool) -> dict[str, Elements]:
         net, points, plastic = self.network, self.mesh.points, self.design.plastic
@@ -105,11 +112,9 @@ class Model(System):
             fabric.poisson,
             fabric.model == "incompressible",
         )
-        plate = self.parts.get("plate")
-        if isinstance(plate, Plate):
-            plate.set_rest_area(1.0 / (sx * sy))
-        if len(set(fabric.stretch_xy)) > 1:  # hinges follow the shape of the fabric at rest, not its size
-            self._set_rest_shape(self.mesh.points / (sx / sy, 1.0))
+        # a rest shape similar to the print changes no coefficient
+        rest_shape = self.mesh.points / (sx / sy, 1.0) if len(set(fabric.stretch_xy)) > 1 else None
+        self.bending.set_rest(self.parts, self.fabric_plate, 1.0 / (sx * sy), rest_shape)
         net = self.network
         step = self.mesh.points[net.edges[:, 1]] - self.mesh.points[net.edges[:, 0]]
         length = np.linalg.norm(step, axis=1)
@@ -120,13 +125,11 @@ class Model(System):
         # what nothing holds would fall: it lies on the ground until its first pins take hold
         self.load = release * self._weight if self.constraints.held.any() else np.zeros_like(self._weight)
 
-    def _set_rest_shape(self, rest: Array) -> None:
-        """Coefficients of the fabric's hinges for a rest shape (V, 2) mm of any size."""
+    @property
+    def fabric_plate(self) -> FabricPlate:
+        """Thickness, modulus and Poisson's ratio of the fabric."""
         fabric = self.design.fabric
-        for name, column, coefficients in (("hinges", 0, paper_coefficients), ("folds", 1, fold_coefficients)):
-            if isinstance(hinges := self.parts.get(name), Hinges):
-                sheet = (fabric.thickness_mm, fabric.modulus_mpa, fabric.poisson)
-                hinges.params[:, column] = coefficients(hinges.vertices, rest, *sheet)
+        return FabricPlate(fabric.thickness_mm, fabric.modulus_mpa, fabric.poisson)
 
     @property
     def spacing(self) -> float:
@@ -172,20 +175,4 @@ class Model(System):
 
 def _along(network: RodNetwork, ends: Array) -> Array:
     """(R,) values at the middle of every rod edge, linear from the start to the tip (A, 2)."""
-    return ends[network.rod, 0] + network.middle * (ends[network.rod, 1] - ends[network.rod, 0])
-
-
-def _fabric(design: Design, mesh: Mesh, compiled: bool) -> dict[str, Elements]:
-    fabric = design.fabric
-    sheet = (fabric.thickness_mm, fabric.modulus_mpa, fabric.poisson)
-    parts: dict[str, Elements] = {
-        "membrane": Membrane(mesh.triangles, mesh.points, *sheet, fabric.model == "incompressible", compiled)
-    }
-    if fabric.bending != "none":
-        hinges = interior_edges(mesh.triangles)
-    if fabric.bending == "consistent":
-        parts["plate"] = Plate(mesh.triangles, mesh.points, *sheet, compiled=compiled)
-        parts["folds"] = Hinges(hinges, 0.0, compiled, fold_coefficients(hinges, mesh.points, *sheet))
-    if fabric.bending == "paper":
-        parts["hinges"] = Hinges(hinges, paper_coefficients(hinges, mesh.points, *sheet), compiled)
-    return parts
+    return np.asarray(ends[network.rod, 0] + network.middle * (ends[network.rod, 1] - ends[network.rod, 0]))

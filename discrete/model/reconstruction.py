@@ -153,14 +153,14 @@ def triangle_spin(f: Array, df: Array) -> Array:
     lift = (n[:, :, None] * df).sum(axis=1)
     turned = -lift[:, :1] * g1 - lift[:, 1:] * g2
     curl = np.cross(g1, df[:, :, 0]) + np.cross(g2, df[:, :, 1])
-    return np.cross(n, turned) + 0.5 * (n * curl).sum(axis=1, keepdims=True) * n
+    return np.asarray(np.cross(n, turned) + 0.5 * (n * curl).sum(axis=1, keepdims=True) * n)
 
 
 def rotated(spin: Array, vectors: Array) -> Array:
     """Vectors (E, k, 3) turned by exp(spin), spin (E, 3) rad."""
     sinc, versine, w = _rodrigues(spin)
     first = np.cross(w, vectors)
-    return vectors + sinc * first + versine * np.cross(w, first)
+    return np.asarray(vectors + sinc * first + versine * np.cross(w, first))
 
 
 def bent_away(spin: Array, vectors: Array, change: Array) -> Array:
@@ -170,7 +170,7 @@ def bent_away(spin: Array, vectors: Array, change: Array) -> Array:
     """
     sinc, versine, w = _rodrigues(spin)
     first, more = np.cross(w, vectors), np.cross(w, change)
-    return (sinc - 1.0) * first + sinc * more + versine * np.cross(w, first + more)
+    return np.asarray((sinc - 1.0) * first + sinc * more + versine * np.cross(w, first + more))
 
 
 def _rodrigues(spin: Array) -> tuple[Array, Array, Array]:

@@ -23,7 +23,7 @@ def bump_heights(model: Model, state: State) -> Array:
     arms = np.bincount(stars, minlength=n_stars)[:, None]
     centre = state.positions[mesh.star_vertices]
     drop = np.where(arms > 0, centre - tips / np.maximum(arms, 1), 0.0)
-    return (drop * star_normals(model, state)).sum(axis=1)
+    return np.asarray((drop * star_normals(model, state)).sum(axis=1))
 
 
 def star_normals(model: Model, state: State) -> Array:

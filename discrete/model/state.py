@@ -31,7 +31,7 @@ class State:
 def tangents(positions: Array, edges: Array) -> Array:
     """(R, 3) unit vectors along the edges (R, 2)."""
     e = positions[edges[:, 1]] - positions[edges[:, 0]]
-    return e / np.sqrt((e * e).sum(axis=1, keepdims=True))
+    return np.asarray(e / np.sqrt((e * e).sum(axis=1, keepdims=True)))
 
 
 def carried(state: State, edges: Array, positions: Array, turn: Array) -> State:
@@ -54,4 +54,4 @@ def transported(directors: Array, before: Array, after: Array) -> Array:
 def across(directors: Array, along: Array) -> Array:
     """(R, 3) directors with what they have along the unit tangents (R, 3) taken out, again of unit length."""
     d = directors - (directors * along).sum(axis=1, keepdims=True) * along
-    return d / np.sqrt((d * d).sum(axis=1, keepdims=True))
+    return np.asarray(d / np.sqrt((d * d).sum(axis=1, keepdims=True)))

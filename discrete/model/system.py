@@ -107,7 +107,7 @@ class System:
         size_mm = float(np.linalg.norm(state.positions - state.positions.mean(axis=0)))
         tiny = ROUNDING * np.abs(data[self.pattern.diagonal]).max() + np.linalg.norm(self.gradient(state)) / size_mm
         _, size, rows = np.linalg.svd(stiffness, full_matrices=False)
-        return modes @ rows[size < tiny].T
+        return np.asarray(modes @ rows[size < tiny].T)
 
     def factor(self, backend: str = "auto") -> Factor:
         """A solver for the Hessians of this system."""

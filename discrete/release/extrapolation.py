@@ -41,7 +41,7 @@ def rotation_vectors(before: Array, after: Array) -> Array:
     sine = 0.5 * np.linalg.norm(skew, axis=1)
     angle = np.arctan2(sine, 0.5 * (np.trace(q, axis1=1, axis2=2) - 1.0))
     # half a turn has no axis here, and nothing turns that far between two meshes: it is left where it is
-    return (0.5 * angle / np.maximum(sine, 1e-12))[:, None] * skew
+    return np.asarray((0.5 * angle / np.maximum(sine, 1e-12))[:, None] * skew)
 
 
 def _spatial(f: Array) -> Array:

@@ -22,4 +22,5 @@ def lowest_mode(model: Model, state: State, factor: Factor, seed: int) -> Eigenp
 
 def left(model: Model, state: State, pair: Eigenpair) -> State:
     """The state moved along a negative mode, to the lower side, while the energy falls, by a ninth of the spacing."""
-    return leave_saddle(model, state, pair.vector, unit(model) * LARGEST_MOVE_MM)
+    away: State = leave_saddle(model, state, pair.vector, unit(model) * LARGEST_MOVE_MM)
+    return away

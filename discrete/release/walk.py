@@ -115,7 +115,8 @@ class Walk:
             iterations += result.iterations
         here = (step, model.release, model.progress, model.n_vertices)
         self.effort.path.append(PathStep(*here, result.energy, iterations, kicks))
-        return result.state
+        reached: State = result.state
+        return reached
 
     def _certified(self, model: Model, state: State, factor: Factor, blend: float = 0.0) -> Equilibrium:
         """Minimise tightly, find the smallest eigenvalue, and while it is negative leave along its mode."""

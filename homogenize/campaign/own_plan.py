@@ -38,8 +38,8 @@ def own_plan(design: Design, sizes: Floats, edge_mm: float | None = None) -> Mat
         raise DesignError("stars", "must be at least one: bare fabric needs no law")
     if not np.isfinite(sizes).all():
         raise DesignError("stars", "must have sizes that are finite numbers")
-    if design.fabric.bending == "none":
-        raise DesignError("fabric.bending", WITHOUT_BENDING, "none")
+    if not design.fabric.has_bending:
+        raise DesignError("fabric.bending", WITHOUT_BENDING, design.fabric.bending)
     sx, sy = design.fabric.stretch_xy
     if not math.isclose(sx, sy):
         raise DesignError("fabric.stretch", "must be one number: cells are stretched alike in x and y", [sx, sy])

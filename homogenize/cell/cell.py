@@ -9,9 +9,9 @@ from dataclasses import replace
 import numpy as np
 import scipy.sparse as sp
 
-from discrete.energies.bending.hinges import Hinges, fold_coefficients, paper_coefficients
-from discrete.energies.bending.plate import Plate
+from discrete.energies.bending.fabric_bending import BendingMesh
 from discrete.energies.bending.plate_patches import patches
+from discrete.energies.bending.registry import FABRIC_BENDING, NO_BENDING
 from discrete.energies.elements import Array, Elements
 from discrete.model.model import Model
 from discrete.model.state import State, carried, tangents
@@ -265,14 +265,12 @@ def _unfolded_model(design: Design, torus: Torus, printed: Array) -> Model:
     )
     mesh = Mesh(printed, torus.triangles, torus.rods, torus.star_vertices, np.empty(0, dtype=np.int64), (), "aligned")
     fabric = design.fabric
-    sheet = (fabric.thickness_mm, fabric.modulus_mpa, fabric.poisson)
-    limp = design.model_copy(update={"fabric": fabric.model_copy(update={"bending": "none"})})
-    model = Model(limp, layout, mesh)
-    if fabric.bending == "paper":
-        model.parts["hinges"] = Hinges(torus.hinges, paper_coefficients(torus.hinges, printed, *sheet))
-    if fabric.bending == "consistent":
-        model.parts["plate"] = Plate(torus.triangles, printed, *sheet, around=torus.around)
-        model.parts["folds"] = Hinges(torus.hinges, 0.0, fold=fold_coefficients(torus.hinges, printed, *sheet))
+    unbent = design.model_copy(update={"fabric": fabric.model_copy(update={"bending": NO_BENDING.name})})
+    model = Model(unbent, layout, mesh)
+    model.bending = FABRIC_BENDING[fabric.bending]
+    model.parts |= model.bending.build(
+        BendingMesh(torus.triangles, printed, torus.hinges, torus.around), model.fabric_plate, True
+    )
     model.set_release(1.0)  # the parts that were added are those of the print so far
     return model
 

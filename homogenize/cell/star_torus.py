@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from discrete.energies.bending.registry import FABRIC_BENDING
 from homogenize.cell.torus import SAME, Torus, torus_mesh
 from homogenize.cell.torus_free import AROUND, free_torus
 from pattern.design.design import Design
@@ -27,7 +28,7 @@ def star_torus(design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1),
         Their arms overlap, or would print as one where they do not lie on lattice lines; or no mesh follows them.
     """
     lattice, vectors = design.lattice, np.asarray(design.lattice.vectors)
-    length, surrounded = constant(design, "length_mm"), design.fabric.bending == "consistent"
+    length, surrounded = constant(design, "length_mm"), FABRIC_BENDING[design.fabric.bending].needs_neighbours
     on_lines = lattice_lines(lattice)
     if on_lines is not None:
         directions = on_lines if length else on_lines[:0]

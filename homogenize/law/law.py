@@ -87,8 +87,8 @@ class Law:
         LawError
             No law can hold the design's fabric.
         """
-        if design.fabric.bending == "none":
-            raise LawError(f"fabric.bending = none: {WITHOUT_BENDING}")
+        if not design.fabric.has_bending:
+            raise LawError(f"fabric.bending = {design.fabric.bending}: {WITHOUT_BENDING}")
         sx, sy = design.fabric.stretch_xy
         if not _same(sx, sy):
             raise LawError(f"fabric.stretch = {[sx, sy]}: {WITH_TWO_STRETCHES}")

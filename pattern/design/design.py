@@ -104,7 +104,7 @@ class Design(Section):
 
     @model_validator(mode="after")
     def _bends_alike_everywhere(self) -> Self:
-        if self.mesh.graded and self.fabric.bending == "paper":
+        if self.mesh.graded and self.fabric.bending_follows_mesh:
             message = (
                 'needs fabric.bending = "consistent" or "none": the stiffness of the paper\'s hinges follows the mesh'
             )

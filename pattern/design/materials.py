@@ -12,6 +12,8 @@ from pattern.design.errors import DesignError
 from pattern.design.kept_curvature import KappaBar, kept_curvature
 from pattern.design.section import Number, NumberOrPair, Section
 
+MESH_DEPENDENT_BENDING = ("paper",)  # bending energies whose stiffness depends on the mesh
+
 
 class Fabric(Section):
     """The stretched fabric.
@@ -45,6 +47,16 @@ class Fabric(Section):
         """Stretch along x and along y."""
         x, y = np.broadcast_to(self.stretch, 2)
         return float(x), float(y)
+
+    @property
+    def has_bending(self) -> bool:
+        """The fabric resists bending."""
+        return self.bending != "none"
+
+    @property
+    def bending_follows_mesh(self) -> bool:
+        """The bending stiffness depends on the mesh, so the mesh must be even."""
+        return self.bending in MESH_DEPENDENT_BENDING
 
     @property
     def printed_mass(self) -> float:

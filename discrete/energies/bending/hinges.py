@@ -150,7 +150,7 @@ def paper_coefficients(hinges: Array, rest: Array, thickness: float, modulus: fl
     x0, x1, x2, x3 = (rest[hinges[:, i]] for i in range(4))
     e, a, b = x1 - x0, x2 - x0, x3 - x0
     areas = 0.5 * (np.abs(e[:, 0] * a[:, 1] - e[:, 1] * a[:, 0]) + np.abs(e[:, 0] * b[:, 1] - e[:, 1] * b[:, 0]))
-    return modulus * thickness**3 / (24.0 * (1.0 - poisson**2)) * 3.0 * np.einsum("ij,ij->i", e, e) / areas
+    return np.asarray(modulus * thickness**3 / (24.0 * (1.0 - poisson**2)) * 3.0 * np.einsum("ij,ij->i", e, e) / areas)
 
 
 def fold_coefficients(hinges: Array, rest: Array, thickness: float, modulus: float, poisson: float) -> Array:

@@ -82,7 +82,7 @@ def _products(first: Array) -> Array:
 def _barycentric(points: Array, triangles: Array, first: Array, others: Array) -> Array:
     """(T, 3, 3) barycentric coordinates (last axis) of the other three vertices."""
     step = points[others] - points[triangles[:, :1]]
-    return np.einsum("tjk,tqk->tqj", first, step) + np.array([1.0, 0.0, 0.0])
+    return np.asarray(np.einsum("tjk,tqk->tqj", first, step) + np.array([1.0, 0.0, 0.0]))
 
 
 def _second(

@@ -125,7 +125,7 @@ def twist_params(
 def stencil_length(network: RodNetwork, printed: Array) -> Array:
     """(S,) mm, printed length of a stencil's two edges together."""
     length = np.linalg.norm(printed[network.edges[:, 1]] - printed[network.edges[:, 0]], axis=1)
-    return length[network.stencil_edges].sum(axis=1)
+    return np.asarray(length[network.stencil_edges].sum(axis=1))
 
 
 def stencil_inputs(network: RodNetwork, n_vertices: int) -> tuple[Array, Array]:
@@ -141,8 +141,8 @@ def curvatures(network: RodNetwork, positions: Array, directors: Array, printed:
     t = tangents(positions, network.edges)[network.stencil_edges] * network.signs[:, :, None]
     width = np.cross(directors[network.stencil_edges], t)
     binormal = 2.0 * np.cross(t[:, 0], t[:, 1]) / (1.0 + (t[:, 0] * t[:, 1]).sum(axis=1))[:, None]
-    return (binormal * width.sum(axis=1)).sum(axis=1) / stencil_length(network, printed)
+    return np.asarray((binormal * width.sum(axis=1)).sum(axis=1) / stencil_length(network, printed))
 
 
 def _mean(network: RodNetwork, values: Array) -> Array:
-    return values[network.stencil_edges].mean(axis=1)
+    return np.asarray(values[network.stencil_edges].mean(axis=1))

@@ -15,4 +15,4 @@ def torsion_constant(width: Array, thickness: Array) -> Array:
     a, b = np.maximum(width, thickness), np.minimum(width, thickness)
     n = np.arange(1, 200, 2).reshape(-1, *([1] * np.ndim(a)))
     series = (np.tanh(n * np.pi * a / (2.0 * b)) / n**5).sum(axis=0)
-    return a * b**3 * (1.0 / 3.0 - 64.0 / np.pi**5 * (b / a) * series)
+    return np.asarray(a * b**3 * (1.0 / 3.0 - 64.0 / np.pi**5 * (b / a) * series))

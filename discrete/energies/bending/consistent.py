@@ -1,0 +1,31 @@
+"""Fabric bending `consistent`: the plate of the fabric's thickness, and hinges that make sharp folds expensive."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import cast
+
+from discrete.energies.bending.fabric_bending import BendingMesh, FabricBending, FabricPlate
+from discrete.energies.bending.hinges import Hinges, fold_coefficients
+from discrete.energies.bending.plate import Plate
+from discrete.energies.elements import Array, Elements
+
+
+def _build(mesh: BendingMesh, plate: FabricPlate, compiled: bool) -> dict[str, Elements]:
+    hinges = mesh.hinges
+    return {
+        "plate": Plate(mesh.triangles, mesh.printed, *plate, compiled=compiled, around=mesh.around),
+        "folds": Hinges(hinges, 0.0, compiled, fold_coefficients(hinges, mesh.printed, *plate)),
+    }
+
+
+def _set_rest(parts: Mapping[str, Elements], plate: FabricPlate, area_ratio: float, shape: Array | None) -> None:
+    cast(Plate, parts["plate"]).set_rest_area(area_ratio)
+    if shape is not None:
+        folds = cast(Hinges, parts["folds"])
+        folds.params[:, 1] = fold_coefficients(folds.vertices, shape, *plate)
+
+
+CONSISTENT = FabricBending(
+    "consistent", ("plate", "folds"), _build, _set_rest, crease_factor=1.0, needs_neighbours=True
+)

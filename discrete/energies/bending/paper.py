@@ -1,0 +1,25 @@
+"""Fabric bending `paper`: the paper's hinges. Their stiffness depends on the mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import cast
+
+from discrete.energies.bending.fabric_bending import BendingMesh, FabricBending, FabricPlate
+from discrete.energies.bending.hinges import Hinges, paper_coefficients
+from discrete.energies.elements import Array, Elements
+
+
+def _build(mesh: BendingMesh, plate: FabricPlate, compiled: bool) -> dict[str, Elements]:
+    hinges = mesh.hinges
+    return {"hinges": Hinges(hinges, paper_coefficients(hinges, mesh.printed, *plate), compiled)}
+
+
+def _set_rest(parts: Mapping[str, Elements], plate: FabricPlate, area_ratio: float, shape: Array | None) -> None:
+    if shape is not None:
+        hinges = cast(Hinges, parts["hinges"])
+        hinges.params[:, 0] = paper_coefficients(hinges.vertices, shape, *plate)
+
+
+# On equilateral triangles, bent to a cylinder, these hinges are three times as stiff as the plate.
+PAPER = FabricBending("paper", ("hinges",), _build, _set_rest, crease_factor=3.0)
