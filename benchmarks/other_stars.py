@@ -34,7 +34,7 @@ from homogenize.errors import CampaignError
 from homogenize.law.law import Law
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
-from pattern.design.lattice import DEFAULT_SPACING
+from pattern.design.lattice import DEFAULT_SPACING_MM
 from pattern.layout.build import layout
 from pattern.layout.symmetries import symmetries
 
@@ -65,8 +65,8 @@ def other_stars(number: int) -> Design:
     kind, arms, turn = STARS[number % len(STARS)]
     held = _held(number)
     while True:
-        r = DEFAULT_SPACING * rng.uniform(2.2, 3.2)
-        length = DEFAULT_SPACING * rng.uniform(0.33, 0.5)
+        r = DEFAULT_SPACING_MM * rng.uniform(2.2, 3.2)
+        length = DEFAULT_SPACING_MM * rng.uniform(0.33, 0.5)
         field = {"profile": "radial", "from": length, "to": length * rng.uniform(0.6, 1.0), "over_mm": r}
         hexagon = [[-r, -0.6 * r], [0, -r], [r, -0.6 * r], [r, 0.6 * r], [0, r], [-r, 0.6 * r]]
         outline = {"polygon_mm": hexagon} if rng.random() < 0.5 else {"rectangle_mm": [2 * r, r * rng.uniform(1.4, 2)]}

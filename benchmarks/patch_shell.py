@@ -36,7 +36,7 @@ def shell_stars(design: Design, stars: Sample, bare: Sample) -> tuple[np.ndarray
     of_stars = {name: both[:, q] for q, name in enumerate(NAMES)}
     alike = np.empty((count + 1, 0))
     values = StarValues(of_stars, none, none, (), (), (), none, none, of_stars["kappa"], alike)
-    outline = sheet_mesh(plan.border, EDGE)
+    outline = sheet_mesh(plan.outline, EDGE)
     space = Argyris(MeshTri(outline.points.T.copy(), outline.triangles.T.copy()))
     points = space.tabulate(QUADRATURE_ORDER).points
     weights = StarCells(plan, design.lattice).shares(points.reshape(-1, 2))(np.full(count, stars.length_mm))

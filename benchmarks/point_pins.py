@@ -17,7 +17,7 @@ from scipy.sparse.linalg import spsolve
 from skfem import MeshTri
 
 from asterism.previews.model import PREVIEW_MODEL
-from asterism.previews.supports.conditions import conditions, held_sides
+from asterism.previews.supports.conditions import conditions
 from asterism.previews.supports.point_pins import around, softened, spot
 from benchmarks.report import markdown, write_report
 from discrete.energies.membrane import Membrane
@@ -111,7 +111,7 @@ def exact_stiffness(angle: float, edge_mm: float, turned: float) -> float:
 def shell_stiffness(angle: float, edge_mm: float, amount: float) -> tuple[float, float]:
     """N/mm, of a shell with a softness at the point; and the mean edge there, mm."""
     plan, point = layout(wedge(angle, EXACT_MM[0])), np.zeros((1, 2))
-    mesh = sheet_mesh(plan.border, edge_mm, point, held_sides(plan))
+    mesh = sheet_mesh(plan.outline, edge_mm, point, plan.supported_edge_groups)
     edge = float(around(mesh, point)[0][0])
     space = Argyris(MeshTri(np.ascontiguousarray(mesh.points.T), np.ascontiguousarray(mesh.triangles.T)))
     at = space.tabulate(QUADRATURE_ORDER).points

@@ -9,7 +9,7 @@ import numpy as np
 from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
 from pattern.geometry.arrays import Floats, Ints
-from pattern.geometry.planar import turns
+from pattern.geometry.planar import turning_angles
 
 # over the diameter of the sheet
 BALL, TUBE = 0.011, 0.0045
@@ -25,11 +25,11 @@ def pin_marks(shape: Shape) -> Marks:
     plan = shape.layout if shape.held else None
     if plan is None or not plan.pins:
         return _together([])
-    size, border = diameter(shape.positions), plan.border
+    size, border = diameter(shape.positions), plan.outline
     points = plan.pin_points
-    runs = [run for pin in plan.pins for run in _runs(pin.edges, len(border))]
+    runs = [run for pin in plan.pins for run in pin.chains(len(border))]
     lines = [_line(border, run, LONG * TUBE * size) for run in runs]
-    sharp = np.flatnonzero(np.abs(turns(border)) > SHARP)
+    sharp = np.flatnonzero(np.abs(turning_angles(border)) > SHARP)
     joints = [border[[corner for corner in run if corner in sharp or corner in (run[0], run[-1])]] for run in runs]
     try:
         there = shape.at(np.concatenate([points, *lines, *joints]))
@@ -40,18 +40,6 @@ def pin_marks(shape: Shape) -> Marks:
     parts = [_ball(place, BALL * size) for place in balls]
     parts += [_tube(line, TUBE * size) for line in others[: len(lines)]]
     return _together(parts + [_ball(place, TUBE * size) for joint in others[len(lines) :] for place in joint])
-
-
-def _runs(edges: tuple[int, ...], count: int) -> list[list[int]]:
-    """The corners, of so many, along edges that follow each other; the first one again where they go all around."""
-    held = set(edges)
-    found = []
-    for first in [edge for edge in edges if (edge - 1) % count not in held] or list(edges[:1]):
-        run = [first]
-        while run[-1] in held and not (len(run) > 1 and run[-1] == first):
-            run.append((run[-1] + 1) % count)
-        found.append(run)
-    return found
 
 
 def _line(border: Floats, corners: list[int], step: float) -> Floats:

@@ -33,8 +33,9 @@ from equilibrium.linear.backends import check_backend
 from equilibrium.threads import one_blas_thread
 from pattern.design.design import Design
 from pattern.design.section import is_whole
-from pattern.layout.build import check_carried, layout
+from pattern.layout.build import layout
 from pattern.layout.layout import Layout
+from pattern.layout.weight_support import check_weight_is_supported
 from pattern.mesh.meshing import mesh_layout
 
 Say = Callable[[str], None]
@@ -90,7 +91,7 @@ def simulate(
     plan = plan if plan is not None else layout(design)
     if design.solver.contact:
         ipc_toolkit()  # before anything else takes time
-    check_carried(design, plan)
+    check_weight_is_supported(design, plan)
     mesh = mesh_layout(plan, design.mesh.edge_mm, design.mesh.kind, design.mesh.seed, design.mesh.graded)
     tell(f"{len(plan.centres)} stars on {len(mesh.triangles)} triangles ({mesh.kind} mesh)")
     meshed = time.perf_counter()

@@ -24,7 +24,7 @@ def exact_warnings(summary: Mapping[str, Any], layout: Layout) -> list[str]:
         least = summary["smallest_eigenvalue"]
         lines.append(f"not an equilibrium: smallest eigenvalue {least:.1e} N/mm is not positive")
     lines += passes_through(summary)
-    rolls = not layout.is_pulled and summary["roll_axis_deg"] is not None
+    rolls = not layout.is_supported_in_plane and summary["roll_axis_deg"] is not None
     if rolls and summary["edge_mm"] > FINE * layout.spacing_mm:
         depends = "the radius of a free roll depends on the mesh"
         lines.append(f"{depends}: that of the gallery's tube by a quarter between edges of 2 and 0.5 mm (docs: mesh)")

@@ -7,8 +7,9 @@ from pathlib import Path
 from homogenize.campaign.plan import load_material
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
-from pattern.layout.build import check_carried, layout
+from pattern.layout.build import layout
 from pattern.layout.load_design import load_design
+from pattern.layout.weight_support import check_weight_is_supported
 
 
 def read_design(path: Path, material: Path | None) -> Design:
@@ -22,7 +23,7 @@ def read_design(path: Path, material: Path | None) -> Design:
     design = with_material(load_design(path), material)
     try:
         if design.gravity.on:
-            check_carried(design, layout(design))
+            check_weight_is_supported(design, layout(design))
     except DesignError as error:
         raise error.within(path) from None
     return design

@@ -36,12 +36,13 @@ from fem.search.sides import Side, check_side, side_of
 from fem.shell.shell import Shell
 from homogenize.law.file import load_law
 from homogenize.law.law import Law
-from pattern.design.arguments import check_kind
+from pattern.design.arguments import check_type
 from pattern.design.design import Design
 from pattern.design.section import is_whole
-from pattern.layout.build import check_carried, layout
+from pattern.layout.build import layout
 from pattern.layout.layout import Layout
 from pattern.layout.symmetries import Symmetry
+from pattern.layout.weight_support import check_weight_is_supported
 
 Say = Callable[[str], None]
 PATIENCE_TRIANGLES = 300  # a line of text announces that a larger sheet takes long: some need hundreds of iterations
@@ -120,14 +121,14 @@ class Preview:
                 f"triangles = {triangles!r}: must be a whole number, at least 1 and at most {MAX_ASKED_TRIANGLES}"
             )
         if law is not None:
-            check_kind(law, Law, "load_law reads one from a file")
+            check_type(law, Law, "load_law reads one from a file")
         self._say = say or (lambda text: None)
         self._triangles = triangles
         self._edits = 0
         self._clock = Clock()
         law = law if law is not None else self._clock("law", paper_law)
         plan = plan if plan is not None else self._clock("layout", layout, design)
-        check_carried(design, plan)
+        check_weight_is_supported(design, plan)
         values: StarValues = self._clock("law", star_values, design, plan, law, model)
         self.state = self._new_state(design, plan, values, law, side, model)
 
@@ -163,7 +164,7 @@ class Preview:
         TypeError
             It is no design; at once.
         """
-        check_kind(design, Design, "load_design reads one from a file")
+        check_type(design, Design, "load_design reads one from a file")
         return self._stages(design)
 
     def update(self, design: Design) -> Shape:
@@ -176,7 +177,7 @@ class Preview:
         with one_blas_thread():
             self._clock = Clock()
             plan = self._clock("layout", layout, design)
-            check_carried(design, plan)
+            check_weight_is_supported(design, plan)
             state, response = self.state, None
             values = self._clock("law", star_values, design, plan, state.law, state.model)
             if state.sheet.is_same_print(design, plan):

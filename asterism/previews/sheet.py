@@ -19,7 +19,7 @@ from asterism.previews.fields.sheet_fields import free_length_share, sheet_field
 from asterism.previews.fields.star_cells import Shares, StarCells
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from asterism.previews.supports.conditions import conditions, held_sides, pinned_points, weight
+from asterism.previews.supports.conditions import conditions, weight
 from asterism.previews.supports.point_pins import giving_way, softness
 from fem.elements.argyris import Argyris
 from fem.elements.tabulation import Floats, Tabulation
@@ -67,7 +67,7 @@ class StarShares:
         shares = cells.shares(points)
         back = model.arm_setback * lattice.spacing_mm
         along = tuple((arm, cells.shares(points - back * arm)) for arm in lattice.arm_directions)
-        normals, curls = free_normals(layout, points, model), model.has_rim_arms and not layout.is_pulled
+        normals, curls = free_normals(layout, points, model), model.has_rim_arms and not layout.is_supported_in_plane
         part = carried(layout, lattice.arm_directions, model) if curls else None
         return cls(cells, shares, along, normals, part)
 
@@ -108,7 +108,7 @@ class Sheet:
         """Whether a design has the print of this one, but for its stars and material."""
         places = zip(layout.pins, self.layout.pins, strict=False)
         return (
-            np.array_equal(layout.border, self.layout.border)
+            np.array_equal(layout.outline, self.layout.outline)
             and design.pins == self.design.pins
             # pins beside an arm are on it, and move with it
             and all(np.array_equal(new.points, old.points) for new, old in places)
@@ -134,8 +134,8 @@ class Sheet:
     @cached_property
     def _pin_softness(self) -> Floats | None:
         """(T, Q) softness around single points that pull at the sheet; None without any."""
-        pins = pinned_points(self.layout)
-        pulls = self.layout.is_pulled and len(pins) > 0
+        pins = self.layout.in_plane_pin_points
+        pulls = self.layout.is_supported_in_plane and len(pins) > 0
         return softness(self.mesh, pins, self.table.points, self.design.mesh.edge_mm, self.model) if pulls else None
 
     def fields(self, values: StarValues) -> Fields:
@@ -150,7 +150,7 @@ class Sheet:
         arms = [(along, shares(length)) for along, shares in stars.along_arms]
         shares = stars.shares(length)
         early: float | Floats = model.supported_length_share
-        if not self.layout.is_pulled:
+        if not self.layout.is_supported_in_plane:
             early = free_length_share(values, spacing, model)
         gaussian, shape = gaussian_moduli(values, spacing, model), self.table.weights.shape
         fields = sheet_fields(
@@ -187,7 +187,7 @@ class Sheet:
             The supports contradict each other.
         """
         # a sheet without supports would fall: it has no weight until its first supports take hold
-        is_carried = any(pins.step <= step for pins in self.layout.pins)
+        is_carried = self.layout.is_supported(step)
         loads = self.loads() if self.design.gravity.on and is_carried else None
         try:
             return Shell(self.space, fields, conditions(self.layout, self.mesh, self.space.mesh, step), loads)
@@ -209,10 +209,10 @@ def sheet_of(
     MeshError
         The outline cannot be meshed.
     """
-    area = polygon_area(layout.border)
+    area = polygon_area(layout.outline)
     usual = np.clip(area / _equilateral(EDGE_SPACINGS * design.lattice.spacing_mm), MIN_TRIANGLES, MAX_TRIANGLES)
     edge = float(np.sqrt(area / (triangles or usual) / _equilateral(1.0)))
-    mesh = sheet_mesh(layout.border, edge, layout.pin_points, held_sides(layout))
+    mesh = sheet_mesh(layout.outline, edge, layout.pin_points, layout.supported_edge_groups)
     space = Argyris(MeshTri(np.ascontiguousarray(mesh.points.T), np.ascontiguousarray(mesh.triangles.T)))
     table = space.tabulate(QUADRATURE_ORDER)
     stars = StarShares.at(table.points.reshape(-1, 2), design, layout, model)

@@ -75,4 +75,4 @@ class PreviewState:
     @property
     def is_supported(self) -> bool:
         """Whether supports act along the print; a sheet that slides on all of its supports counts as free."""
-        return self.layout.is_pulled
+        return self.layout.is_supported_in_plane

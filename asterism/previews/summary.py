@@ -14,7 +14,7 @@ from asterism.shape.contraction import contraction
 from asterism.shape.self_intersections import meets_itself, self_intersections
 from asterism.shape.shape import Shape
 from asterism.shape.tube import roll_radius
-from pattern.layout.likeness import rolled_about
+from pattern.layout.roll_axis import roll_axis_from_normals
 from pattern.mesh.mesh import Mesh
 
 EQUAL_AXES_DEG = 2.0  # axes that differ by less are one
@@ -25,7 +25,7 @@ def summary(
 ) -> dict[str, Any]:
     """Keys as in a simulation's summary where they mean the same; `mesh` is that of the shape."""
     equilibrium, layout, law, values = state.equilibrium, state.layout, state.law, state.values
-    axis = rolled_about(layout, shape.point_fields["normal"][shape.star_vertices])
+    axis = roll_axis_from_normals(layout, shape.point_fields["normal"][shape.star_vertices])
     surface = shape.positions, shape.triangles
     crossings = self_intersections(*surface) if meets_itself(shape.printed, *surface) else 0
     return {

@@ -73,8 +73,8 @@ def _about_supports(state: PreviewState, estimate: ErrorEstimate, height_mm: flo
     layout, ratio = state.layout, estimate.size_ratio
     yield from pin_warnings(layout, state.design.gravity.on)
     if MAX_SIZE_RATIO < ratio < np.inf and height_mm / estimate.diameter_mm < MIN_HEIGHT_RATIO:
-        scales = {pin.scale for pin in layout.pins if pin.target_mm is None}
-        narrower = f": a scale of about {scales.pop() / ratio:.2g} lets it rise" if len(scales) == 1 else ""
+        scale = layout.common_pin_scale
+        narrower = "" if scale is None else f": a scale of about {scale / ratio:.2g} lets it rise"
         yield f"the pins hold the sheet {ratio:.2f} times as wide as its stars want it, nearly flat{narrower}"
     if inverted := layout.star_number[layout.star_branch < 0].tolist():
         yield f"the law's stars bump up, but {len(inverted)} of the design start down: {star_numbers(inverted)}"

@@ -30,7 +30,7 @@ def star_terraces(plan: Layout, arms: Sequence[ArmPiece]) -> tuple[Terrace, ...]
 
 def border_terrace(plan: Layout, stars: Sequence[Terrace], rounding: Rounding) -> Terrace:
     """A line to cut along: one line wide, one layer high, its inner edge on the border; it goes with the waste."""
-    sheet = shapely.polygons(plan.border)
+    sheet = shapely.polygons(plan.outline)
     around = sheet.buffer(rounding.line_mm, join_style="mitre", mitre_limit=5).difference(sheet)
     # plastic that reaches over the border must not hang on the line
     clear = around.difference(stars[0].region.buffer(rounding.line_mm))

@@ -61,7 +61,7 @@ def place_on_bed(
     bed, frame = np.asarray(printer.bed_mm), np.asarray(printer.frame.size_mm)
     opening, room = np.asarray(printer.frame.opening_mm), room_mm(printer)
     turned = BedPlacement(turn_deg, np.zeros(2))
-    plastic, sheet = turned.points(corners), turned.points(plan.border)
+    plastic, sheet = turned.points(corners), turned.points(plan.outline)
     least, most = _shifts(plastic, sheet, room, frame)
     size, fabric = np.ptp(plastic, axis=0), np.ptp(sheet, axis=0)
     problem = ""
@@ -71,11 +71,11 @@ def place_on_bed(
     elif (size > opening + 1e-6).any():
         problem = f"must be within the {_times(opening)} mm between the bars of the frame"
     if problem:
-        advice = _advice(corners, plan.border, room, frame) if may_turn else ""
+        advice = _advice(corners, plan.outline, room, frame) if may_turn else ""
         raise DesignError("stars", problem + advice, f"{_times(size)} mm of plastic")
     if (least > most + 1e-6).any():
         problem = f"must be within the frame of {_times(frame)} mm, with the plastic where it can be printed"
-        advice = _advice(corners, plan.border, room, frame) if may_turn else ""
+        advice = _advice(corners, plan.outline, room, frame) if may_turn else ""
         raise DesignError("border", problem + advice, f"{_times(fabric)} mm of fabric")
     stays = (least <= 0.0) & (most >= 0.0)
     middle = np.round(-(sheet.min(axis=0) + sheet.max(axis=0)) / 2, 3)

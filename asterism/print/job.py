@@ -250,7 +250,7 @@ def _has_room(step: Terrace, printer: Printer) -> bool:
 
 def _check_same_sheet(design: Design, plan: Layout, shape: Shape) -> None:
     """Refuse a shape of another print: another outline, other stars, or, where its summary is there, other entries."""
-    box = np.array([plan.border.min(axis=0), plan.border.max(axis=0)])
+    box = np.array([plan.outline.min(axis=0), plan.outline.max(axis=0)])
     other = np.array([shape.printed.min(axis=0), shape.printed.max(axis=0)])
     if np.abs(box - other).max() > 1e-3:
         sides = [" x ".join(f"{side:.1f}" for side in sizes) for sizes in (np.ptp(box, axis=0), np.ptp(other, axis=0))]

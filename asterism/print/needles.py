@@ -11,7 +11,8 @@ import numpy as np
 from asterism.shape.shape import Shape
 from pattern.geometry.arrays import Floats
 from pattern.geometry.planar import distance_to_outline, distance_to_segment
-from pattern.layout.layout import Layout, PinSet
+from pattern.layout.layout import Layout
+from pattern.layout.supports import PinSet
 
 # by which a sheet may hang below the base: it is as thick
 VISIBLE_SAG_MM = 0.5
@@ -59,15 +60,15 @@ def needles(plan: Layout, spacing_mm: float, shape: Shape | None = None) -> tupl
     """
     found: list[Needle] = []
     for pins in plan.pins:
-        along = [_along(plan.border, edge, spacing_mm) for edge in sorted(pins.edges)]
+        along = [_along(plan.outline, edge, spacing_mm) for edge in sorted(pins.edges)]
         printed = np.concatenate([pins.points, *along])
         places = _places(pins, printed, shape)
         for k, point in enumerate(printed):
             # neighbouring edges share a corner
             if all(np.linalg.norm(point - needle.printed) > 1e-6 for needle in found):
                 place = None if places is None else places[k]
-                found.append(Needle(len(found) + 1, point, place, _slides(pins), pins.step))
-    if not any(pins.fixed[2] for pins in plan.pins):
+                found.append(Needle(len(found) + 1, point, place, pins.slide or "", pins.step))
+    if not any(pins.holds_height for pins in plan.pins):
         # nothing says how high the sheet is: the lowest needle stands on the base
         low = min((needle.height_mm for needle in found if needle.height_mm is not None), default=0.0)
         found = [one if one.place is None else replace(one, place=one.place - [0.0, 0.0, low]) for one in found]
@@ -91,17 +92,11 @@ def _places(pins: PinSet, printed: Floats, shape: Shape | None) -> Floats | None
     return np.where(held, pins.places(printed), shape.at(printed))
 
 
-def _slides(pins: PinSet) -> str:
-    if all(pins.fixed):
-        return ""
-    return "z" if pins.fixed[0] else "plane"
-
-
 def needles_near_edge(plan: Layout, some: Sequence[Needle]) -> list[int]:
     """Numbers of those that stand so near to the cut line that the fabric would tear there."""
     if not some:
         return []
-    away = distance_to_outline(np.array([needle.printed for needle in some]), plan.border)
+    away = distance_to_outline(np.array([needle.printed for needle in some]), plan.outline)
     return [needle.number for needle, far in zip(some, away, strict=True) if far < MIN_EDGE_DISTANCE_MM]
 
 

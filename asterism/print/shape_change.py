@@ -8,7 +8,7 @@ from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
 from pattern.design.design import Design
 from pattern.layout.layout import Layout
-from pattern.layout.likeness import distances
+from pattern.layout.symmetric_distance import symmetric_distances
 from pattern.layout.symmetries import symmetries
 
 
@@ -28,7 +28,7 @@ def shape_change(drawn: Shape, printed: Shape, design: Design, plan: Layout) -> 
     is to be known of the printed one.
     """
     before, after = drawn.positions[drawn.star_vertices], printed.positions[printed.star_vertices]
-    distance = float(distances(before, after, symmetries(design, plan)).min()) if len(before) > 2 else 0.0
+    distance = float(symmetric_distances(before, after, symmetries(design, plan)).min()) if len(before) > 2 else 0.0
     return {
         "height_mm": [drawn.height_mm, printed.height_mm],
         "extent_mm": [list(drawn.extent_mm), list(printed.extent_mm)],

@@ -24,7 +24,7 @@ def layout_sheet(job: Job) -> Drawing:
     items: DrawingItems = [*_areas(job.stars[0], STARS)]
     if job.border is not None:
         items += _areas(job.border, GUIDE)
-    items += [Polyline(CUT, job.placement.points(job.plan.border), closed=True)]
+    items += [Polyline(CUT, job.placement.points(job.plan.outline), closed=True)]
     items += [rectangle(FRAME, frame), rectangle(OPENING, job.printer.frame.opening_mm), rectangle(BED, bed)]
     items += _marks(frame, bed)
     items += check_squares(job)
@@ -85,7 +85,7 @@ def needle_sheet(job: Job) -> Drawing | None:
     items: DrawingItems = []
     points = np.array([place[:2] for _, place in known])
     if job.shape is not None:
-        outline = job.shape.at(_dense(job.plan.border))[:, :2]
+        outline = job.shape.at(_dense(job.plan.outline))[:, :2]
         items.append(Polyline(OUTLINE, outline, closed=True))
         points = np.concatenate([points, outline])
     low, high = np.minimum(points.min(axis=0), 0.0), np.maximum(points.max(axis=0), 0.0)

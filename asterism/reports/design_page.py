@@ -98,7 +98,7 @@ def _facts(figure: Figure, to_page: Transform, found: Facts) -> None:
 
 def _layout(figure: Figure, to_page: Transform, job: Job) -> float:
     """The layout as it is printed, seen from the plastic side, with its needles."""
-    border = job.plan.border
+    border = job.plan.outline
     low, high = border.min(axis=0), border.max(axis=0)
     parts = next((n for n in SCALES if ((high - low) / n <= LAYOUT_MM).all()), SCALES[-1])
     middle = LAYOUT_AT + LAYOUT_MM / 2

@@ -11,7 +11,7 @@ from asterism.previews.uncertainty.height_error import in_words
 from asterism.print.job import Job
 from asterism.print.needles import VISIBLE_SAG_MM
 from pattern.design.design import Design
-from pattern.design.kept_curvature import KeptCurvature
+from pattern.design.residual_curvature import ResidualCurvature
 from pattern.layout.layout import Layout
 
 Facts = dict[str, list[str]]
@@ -49,12 +49,12 @@ def _fabric(design: Design) -> list[str]:
 def _plastic(design: Design) -> list[str]:
     plastic = design.plastic
     kept = plastic.kappa_bar_per_mm
-    bar = "by thickness" if isinstance(kept, KeptCurvature) else f"{kept:g} /mm"
+    bar = "by thickness" if isinstance(kept, ResidualCurvature) else f"{kept:g} /mm"
     return [f"E1/E2 {plastic.modulus_ratio:g}, {plastic.rest_curvature}", f"kappa_bar {bar}"]
 
 
 def _stars(plan: Layout, design: Design) -> list[str]:
-    width, height = np.ptp(plan.border, axis=0)
+    width, height = np.ptp(plan.outline, axis=0)
     return [
         f"{len(plan.centres)}, {design.lattice.arms} arms, {design.lattice.spacing_mm:.4g} mm apart",
         f"length {_range(plan.arm_length)} mm",

@@ -23,7 +23,7 @@ INSIDE = 0.999
 def distance_map(comparison: Comparison) -> bytes:
     """PNG: distance of the cell means in % of the diameter over the print, star centres on top."""
     reference, layout = comparison.reference, comparison.layout
-    width, height = np.ptp(layout.border, axis=0)
+    width, height = np.ptp(layout.outline, axis=0)
     # a long sheet has no bar of colours that towers over it
     figure = Figure(figsize=(5.6, float(np.clip(1.0 + 4.0 * height / width, 2.2, 4.6))), dpi=130, layout="constrained")
     FigureCanvasAgg(figure)
@@ -35,7 +35,7 @@ def distance_map(comparison: Comparison) -> bytes:
     stars = 100.0 * comparison.star_distance_mm / comparison.diameter_mm
     x, y = layout.centres.T
     axes.scatter(x, y, c=stars, cmap=COLOURS, vmin=0, vmax=filled.get_clim()[1], s=24, edgecolors="0.4")
-    axes.plot(*np.vstack([layout.border, layout.border[:1]]).T, color="0.3", linewidth=0.8)
+    axes.plot(*np.vstack([layout.outline, layout.outline[:1]]).T, color="0.3", linewidth=0.8)
     axes.set(aspect="equal", xlabel="x on the print, mm", ylabel="y on the print, mm")
     return _png(figure)
 
@@ -71,7 +71,7 @@ def profile_cut(comparison: Comparison, direction: Floats) -> tuple[Floats, Floa
 
     Where that is off the sheet, as in an L, through the star nearest to it.
     """
-    border, centres = comparison.layout.border, comparison.layout.centres
+    border, centres = comparison.layout.outline, comparison.layout.centres
     middle = centres.mean(axis=0)
     if not inside(middle[None], border)[0]:
         middle = centres[np.linalg.norm(centres - middle, axis=1).argmin()]

@@ -9,7 +9,7 @@ from asterism.reports.verification_page import verification_page
 from asterism.results.files import LAST, staged_result
 from asterism.shape.vtu import write_shape_vtu
 from asterism.verification.verification import Verification
-from pattern.design.arguments import check_kind
+from pattern.design.arguments import check_type
 from pattern.design.files import plain
 
 
@@ -25,7 +25,7 @@ def write_verification(found: Verification, directory: str | Path) -> list[str]:
     OutputError
         They cannot be written there.
     """
-    check_kind(found, Verification, "verify makes them")
+    check_type(found, Verification, "verify makes them")
     with staged_result(directory) as folder:
         # the command holds names of files, which may be no text
         (folder / "report.html").write_text(verification_page(found), encoding="utf-8", errors="backslashreplace")

@@ -9,7 +9,7 @@ from asterism.draw.picture import draw_shape
 from asterism.results.files import LAST, staged_result
 from asterism.shape.shape import Shape
 from asterism.shape.vtu import write_rods_vtu, write_shape_vtu
-from pattern.design.arguments import check_kind
+from pattern.design.arguments import check_type
 
 
 def write_results(shape: Shape, directory: str | Path) -> list[str]:
@@ -20,7 +20,7 @@ def write_results(shape: Shape, directory: str | Path) -> list[str]:
     OutputError
         They cannot be written there.
     """
-    check_kind(shape, Shape, "simulate and preview make them")
+    check_type(shape, Shape, "simulate and preview make them")
     with staged_result(directory) as folder:
         write_shape_vtu(shape, folder / "shape.vtu")
         write_rods_vtu(shape, folder / "rods.vtu")

@@ -9,7 +9,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from asterism.previews.supports.conditions import held_edges
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
@@ -18,9 +17,9 @@ from asterism.shape.tube import tube_radius
 from pattern.geometry.arrays import Floats
 from pattern.geometry.normals import triangle_normals, vertex_normals
 from pattern.geometry.rigid_fit import rigid_fit
+from pattern.layout.free_rotations import count_free_tilts
 from pattern.layout.layout import Layout
-from pattern.layout.likeness import rolled_about
-from pattern.layout.pin_freedom import tilts
+from pattern.layout.roll_axis import roll_axis_from_normals
 from pattern.layout.symmetries import Symmetry
 
 SAMPLES = 500  # vertices by which the nearest image is chosen
@@ -131,10 +130,10 @@ class Comparison:
 
         Beside one that is, a sheet that is almost rolled counts as rolled: where that begins must not part two alike.
         """
-        axes = [rolled_about(self.layout, normals) for normals in self._normals]
+        axes = [roll_axis_from_normals(self.layout, normals) for normals in self._normals]
         nearly = None in axes and axes != [None, None]
         one, other = (
-            rolled_about(self.layout, normals, nearly=True) if nearly and axis is None else axis
+            roll_axis_from_normals(self.layout, normals, almost=True) if nearly and axis is None else axis
             for normals, axis in zip(self._normals, axes, strict=True)
         )
         return one, other
@@ -215,7 +214,7 @@ def compare(
     near_mean = mean(near.at(reference.printed))
     rotation, shift = rigid_fit(near_mean, reference_mean, reference.weights)
     laid, laid_mean = replace(near, positions=near.positions @ rotation.T + shift), near_mean @ rotation.T + shift
-    standing, standing_mean = (laid, laid_mean) if tilts(layout) and not weighs else (near, near_mean)
+    standing, standing_mean = (laid, laid_mean) if count_free_tilts(layout) and not weighs else (near, near_mean)
     return Comparison(
         reference,
         laid,
@@ -232,9 +231,9 @@ def compare(
 
 def _held(layout: Layout) -> Floats:
     """(n, 2) mm, printed points that are held, and the ends of held sides."""
-    sides = np.array(held_edges(layout), dtype=np.int64)
-    ends = np.unique(np.concatenate([sides, (sides + 1) % len(layout.border)]))
-    return np.concatenate([layout.pin_points, layout.border[ends]])
+    sides = layout.supported_edges
+    ends = np.unique(np.concatenate([sides, (sides + 1) % len(layout.outline)]))
+    return np.concatenate([layout.pin_points, layout.outline[ends]])
 
 
 def image(shape: Shape, symmetry: Symmetry) -> Shape:

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from pattern.layout.free_rotations import count_free_tilts
 from pattern.layout.layout import Layout
-from pattern.layout.pin_freedom import tilts
-from pattern.layout.pin_places import pin_places
+from pattern.layout.support_samples import support_samples
 
 WIDER = 1.05  # times the printed size
 
@@ -16,14 +16,14 @@ WIDER = 1.05  # times the printed size
 def pin_warnings(layout: Layout, weighs: bool) -> Iterator[str]:
     """One line each; `weighs`: the sheet has weight, which says how it hangs."""
     yield from held_wide(layout)
-    if layout.pins and not weighs and (axes := tilts(layout)):
+    if layout.pins and not weighs and (axes := count_free_tilts(layout)):
         about = "a point" if axes > 1 else "a line"
         yield f"the pins let the sheet turn about {about}: how it lies, and so how high it is, is chance"
 
 
 def held_wide(layout: Layout) -> Iterator[str]:
     """Pins that pull the sheet wider than it was printed: mostly a slip, such as a scale in percent."""
-    printed, places, _ = pin_places(layout)
+    printed, places, _ = support_samples(layout)
     held = ~np.isnan(places[:, :2]).any(axis=1)
     if not held.any():
         return

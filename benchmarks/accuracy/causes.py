@@ -12,7 +12,6 @@ from homogenize.law.law import Law
 from pattern.design.design import Design
 from pattern.geometry.planar import polygon_area
 from pattern.layout.build import layout
-from pattern.layout.likeness import print_diameter
 
 # the largest on each sheet
 CAUSES = {
@@ -38,8 +37,8 @@ def causes(design: Design, law: Law) -> dict[str, Any]:
     i, j = plan.neighbours.T
     return {
         "held": "free" if not plan.pins else "held",
-        "across": print_diameter(plan) / spacing,
-        "rim": 1.0 - len(plan.centres) * cell / polygon_area(plan.border),
+        "across": plan.diameter_mm / spacing,
+        "rim": 1.0 - len(plan.centres) * cell / polygon_area(plan.outline),
         "gradient": 100.0 * float(np.abs(np.log(lam[i] / lam[j])).max(initial=0.0)),
         "bend_step": float(np.abs(turn[i] - turn[j]).max(initial=0.0)),
         "turn": float(np.abs(turn).max()),

@@ -98,7 +98,7 @@ def _rows(some: Sequence[Design], folder: Path, law: Law, as_is: bool) -> list[R
             continue
         one = kept(design, folder, law, starts=False, as_is=as_is)
         plan = layout(design)
-        share = amplitude_share(plan.is_pulled, symmetries(design, plan))
+        share = amplitude_share(plan.is_supported_in_plane, symmetries(design, plan))
         amplitude = float(np.linalg.norm(one["preview"]["soft_amplitudes_percent"]))
         unequal = unequal_stars_percent(one["preview"]["contrast_percent"])
         rows.append(one | {"kind": IN_USE.index(share), "share": share, "amplitude": amplitude, "unequal": unequal})

@@ -5,9 +5,9 @@ from __future__ import annotations
 from discrete.model.model import Model
 from discrete.model.star_bumps import star_normals
 from discrete.model.state import State
-from pattern.layout.likeness import rolled_about
+from pattern.layout.roll_axis import roll_axis_from_normals
 
 
 def roll_axis_deg(model: Model, state: State) -> float | None:
     """Axis of a rolled sheet in print coordinates, 0 to 180 deg from the x axis; None for other shapes."""
-    return rolled_about(model.layout, star_normals(model, state))
+    return roll_axis_from_normals(model.layout, star_normals(model, state))

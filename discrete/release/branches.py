@@ -16,7 +16,7 @@ from discrete.release.starts import beginnings
 from discrete.release.walk import Report, named
 from equilibrium.newton.regularisation import Method
 from pattern.design.errors import DesignError
-from pattern.layout.likeness import distances, print_diameter
+from pattern.layout.symmetric_distance import symmetric_distances
 from pattern.layout.symmetries import Symmetry, symmetries
 
 SAME_PERCENT = 0.5  # of the diameter: minima nearer than this are one
@@ -152,7 +152,7 @@ def distinct(branches: list[Branch], same: list[Symmetry]) -> list[Branch]:
 
 def _percent(first: Branch, second: Branch, same: list[Symmetry]) -> tuple[float, bool]:
     """Distance in percent of the diameter, and whether it is to an image with the same stars up."""
-    apart = 100.0 * distances(first.centres, second.centres, same) / print_diameter(first.model.layout)
+    apart = 100.0 * symmetric_distances(first.centres, second.centres, same) / first.model.layout.diameter_mm
     sides, other = first.found.sides, second.found.sides
     alike = np.array([np.array_equal(sides, other[symmetry.star]) for symmetry in same])
     if alike.any() and apart[alike].min() < SAME_PERCENT:

@@ -18,7 +18,7 @@ def held_until(model: Model, step: int) -> Model:
     """The model with the pins of the steps up to this one only; itself if all pins hold from the print on."""
     if model.layout.pin_steps == (0,):
         return model
-    kept = [i for i, pin in enumerate(model.layout.pins) if pin.step <= step]
+    kept = [i for i, pin in enumerate(model.layout.pins) if pin.is_active(step)]
     if len(kept) == len(model.layout.pins):
         return copy.copy(model)  # its constraints will be its own
     layout = replace(model.layout, pins=tuple(model.layout.pins[i] for i in kept))

@@ -12,7 +12,7 @@ from discrete.energies.elements import Array
 from discrete.model.model import Model
 from discrete.model.star_bumps import bump_heights, bumped
 from discrete.model.state import State, carried
-from pattern.design.lattice import DEFAULT_SPACING
+from pattern.design.lattice import DEFAULT_SPACING_MM
 
 Bend = Literal["none", "roll", "dome", "saddle"]
 
@@ -109,7 +109,7 @@ class Beginning:
 
 def unit(model: Model) -> float:
     """The model's spacing of the stars over the paper's: larger stars start as larger bumps, and smaller as smaller."""
-    return model.spacing / float(DEFAULT_SPACING)
+    return model.spacing / float(DEFAULT_SPACING_MM)
 
 
 def beginnings(n_stars: int, count: int, bumps: bool = True, seed: int = 0) -> list[Beginning]:

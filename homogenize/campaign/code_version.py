@@ -16,7 +16,8 @@ SOURCES = {
     discrete: ("**/*.py",),
     equilibrium: ("**/*.py",),
     pattern: (
-        "rods/arms.py", "design/kept_curvature.py", "design/lattice.py", "layout/layout.py", "design/materials.py",
+        "rods/arms.py", "design/lattice.py", "design/materials.py", "design/residual_curvature.py", "layout/layout.py",
+        "layout/supports.py", "geometry/plane_lattice.py",
         "mesh/mesh.py", "geometry/arrays.py", "geometry/normals.py", "geometry/planar.py", "design/rounding.py",
     ),
     homogenize: ("cell/*.py",),

@@ -11,7 +11,7 @@ from homogenize.law.interpolation import Floats
 from homogenize.law.law import WITHOUT_BENDING
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
-from pattern.design.stars import SHORTEST_ARM_MM, THICKNESS_MM, WIDTH_MM
+from pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
 
 # of cells along an arm's spacing, as in the law that comes with the package: edges of 1.15 mm for the paper's lattice
 EDGES = 15
@@ -47,9 +47,9 @@ def own_plan(design: Design, sizes: Floats, edge_mm: float | None = None) -> Mat
     edge = edge_mm or max(round(spacing / EDGES, 4), LEAST_EDGE_MM)
     length, thickness, width = sizes.T
     nodes = {
-        "lengths_mm": _lengths(np.clip(length, SHORTEST_ARM_MM, spacing), spacing),
-        "thicknesses_mm": _growing(np.clip(thickness, *THICKNESS_MM), THICKER),
-        "widths_mm": _growing(np.clip(width, *WIDTH_MM), WIDER),
+        "lengths_mm": _lengths(np.clip(length, MIN_ARM_MM, spacing), spacing),
+        "thicknesses_mm": _growing(np.clip(thickness, *THICKNESS_RANGE_MM), THICKER),
+        "widths_mm": _growing(np.clip(width, *WIDTH_RANGE_MM), WIDER),
     }
     one = all(len(each) == 1 for each in nodes.values())
     data = design.to_dict()

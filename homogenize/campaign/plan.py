@@ -18,7 +18,7 @@ from pattern.design.files import read_table
 from pattern.design.lattice import Lattice
 from pattern.design.materials import Fabric, Plastic
 from pattern.design.section import Line, Number, Point, Section, Whole
-from pattern.design.stars import SHORTEST_ARM_MM, THICKNESS_MM, WIDTH_MM
+from pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
 
 PAPER = Path(__file__).parents[1] / "data" / "paper.toml"
 MOST_SAMPLES = 100_000
@@ -84,8 +84,8 @@ class Plan(Section):
     @classmethod
     def _are_lengths(cls, values: Nodes) -> Nodes:
         printed = [v for v in values if v != 0]
-        if not all(v >= SHORTEST_ARM_MM for v in printed):
-            raise DesignError("", f"must be at least {SHORTEST_ARM_MM:g}: shorter arms are not printed", list(values))
+        if not all(v >= MIN_ARM_MM for v in printed):
+            raise DesignError("", f"must be at least {MIN_ARM_MM:g}: shorter arms are not printed", list(values))
         if not printed:
             raise DesignError("", "must hold a length above 0: the bare fabric is always there", list(values))
         return values
@@ -93,12 +93,12 @@ class Plan(Section):
     @field_validator("thicknesses_mm", "thickness_range_mm")
     @classmethod
     def _are_thicknesses(cls, values: Nodes) -> Nodes:
-        return _within(values, THICKNESS_MM) or ()
+        return _within(values, THICKNESS_RANGE_MM) or ()
 
     @field_validator("widths_mm", "width_range_mm")
     @classmethod
     def _are_widths(cls, values: Nodes) -> Nodes:
-        return _within(values, WIDTH_MM) or ()
+        return _within(values, WIDTH_RANGE_MM) or ()
 
     @field_validator("length_range_mm", "thickness_range_mm", "width_range_mm")
     @classmethod
@@ -147,7 +147,7 @@ class Plan(Section):
     def tests(self, spacing_mm: float) -> list[tuple[float, float, float]]:
         """Length, thickness and width of the held-out cells, of the lengths that the law answers for."""
         (_, longest), *others = self.ranges
-        low = max(min(max(SHORTEST_ARM_MM, 1.5), longest), self.least_length_mm(spacing_mm))
+        low = max(min(max(MIN_ARM_MM, 1.5), longest), self.least_length_mm(spacing_mm))
         points = np.random.default_rng(self.seed + 1).random((self.held_out, 3))
         return _rows(points, ((low, longest), *others))
 

@@ -252,7 +252,7 @@ def _unfolded_model(design: Design, torus: Torus, printed: Array) -> Model:
     tips = printed[[rod[-1] for rod in torus.rods]]
     ends = np.ones((len(tips), 2))
     layout = Layout(
-        border=np.empty((0, 2)),
+        outline=np.empty((0, 2)),
         centres=centres,
         arm_star=torus.arm_star,
         arm_tip=tips,

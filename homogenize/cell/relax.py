@@ -11,10 +11,10 @@ from discrete.model.star_bumps import bump_heights
 from discrete.model.state import State, across, carried, tangents
 from equilibrium.newton.minimise import NewtonResult, minimise
 from homogenize.cell.cell import Cell
-from pattern.design.lattice import DEFAULT_SPACING
+from pattern.design.lattice import DEFAULT_SPACING_MM
 
 RELEASES = (0.03, 0.1, 0.2, 0.3, 0.4, 0.5, 0.62, 0.75, 0.88, 1.0)
-BUMP = 1.0 / DEFAULT_SPACING  # of the start, over the spacing of the stars
+BUMP = 1.0 / DEFAULT_SPACING_MM  # of the start, over the spacing of the stars
 WIDTH = 0.35  # of the bump, over that too
 ROUGH, CERTAIN = 1e-5, 1e-8  # of the force scale, gradient at the steps before the last, and at the last
 

@@ -9,8 +9,9 @@ from homogenize.cell.torus import SAME, Torus, torus_mesh
 from homogenize.cell.torus_free import AROUND, free_torus
 from pattern.design.design import Design
 from pattern.design.errors import MeshError
-from pattern.design.lattice import DIRECTIONS, Lattice
+from pattern.design.lattice import Lattice
 from pattern.geometry.arrays import Floats, Ints
+from pattern.geometry.plane_lattice import GRID_DIRECTIONS
 from pattern.rods.arms import check_clear
 
 # a star, and those around whose arms may touch its own, by lattice vectors
@@ -42,8 +43,8 @@ def star_torus(design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1),
 
 
 def lattice_lines(lattice: Lattice) -> Ints | None:
-    """(arms,) the lines, numbers in `DIRECTIONS`, that the arms lie on; None unless all lie on one."""
-    along = DIRECTIONS @ np.asarray(lattice.vectors)
+    """(arms,) the lines, numbers in `GRID_DIRECTIONS`, that the arms lie on; None unless all lie on one."""
+    along = GRID_DIRECTIONS @ np.asarray(lattice.vectors)
     along = along / np.linalg.norm(along, axis=1, keepdims=True)
     match = np.asarray(lattice.arm_directions) @ along.T
     return match.argmax(axis=1) if (match.max(axis=1) > 1.0 - 1e-9).all() else None

@@ -17,8 +17,8 @@ from scipy.sparse.linalg import spsolve
 
 from homogenize.cell.unfolding import Unfolding, others
 from pattern.design.errors import MeshError
-from pattern.design.lattice import DIRECTIONS
 from pattern.geometry.arrays import Floats, Ints
+from pattern.geometry.plane_lattice import GRID_DIRECTIONS
 
 # of the spacing, closer than which the ends of arms are one point
 SAME = 1e-6
@@ -74,7 +74,7 @@ def torus_mesh(
     Parameters
     ----------
     lattice_vectors : (2, 2) mm, rows, as of `Lattice.vectors`.
-    directions : (N,) of the arms, indices into `DIRECTIONS`.
+    directions : (N,) of the arms, indices into `GRID_DIRECTIONS`.
     lengths : (N,) mm, up to the distance to the next star in that direction.
     edge_mm : of the grid, about.
     segments : edges of every arm but those whose tips meet; the nearest number to its length by default.
@@ -111,7 +111,7 @@ def torus_mesh(
     for number, (si, sj) in enumerate(stars):
         for direction in directions:
             along = np.arange(links.segments[direction] + 1)
-            di, dj = DIRECTIONS[direction]
+            di, dj = GRID_DIRECTIONS[direction]
             rods.append(numbering(si + along * di, sj + along * dj))
             owner.append(number)
     centres = np.array([int(numbering(np.array([a]), np.array([b]))[0]) for a, b in stars])
@@ -139,7 +139,7 @@ def torus_mesh(
 
 def divisions(lattice_vectors: Floats, directions: Ints, lengths: Floats, edge_mm: float) -> int:
     """Grid edges between neighbouring stars, an even number where tips meet in the middle; see `torus_mesh`."""
-    wish = float(np.linalg.norm(DIRECTIONS @ lattice_vectors, axis=1).min()) / edge_mm
+    wish = float(np.linalg.norm(GRID_DIRECTIONS @ lattice_vectors, axis=1).min()) / edge_mm
     if _meet(_reach(lattice_vectors, directions, lengths)).any():
         return max(4, 2 * round(wish / 2))
     return max(3, round(wish))
@@ -148,7 +148,7 @@ def divisions(lattice_vectors: Floats, directions: Ints, lengths: Floats, edge_m
 def _reach(lattice_vectors: Floats, directions: Ints, lengths: Floats) -> Floats:
     """(6,) of the way to the neighbour in each direction that an arm takes, 0 without one."""
     reach = np.zeros(6)
-    reach[directions] = lengths / np.linalg.norm(DIRECTIONS @ lattice_vectors, axis=1)[directions]
+    reach[directions] = lengths / np.linalg.norm(GRID_DIRECTIONS @ lattice_vectors, axis=1)[directions]
     return reach
 
 
@@ -197,17 +197,17 @@ def _displacement(n: int, m: int, k: int, lattice_vectors: Floats, links: _Links
     number = np.arange(size).reshape(n, m)
     shift, known = np.zeros((size, 2)), np.zeros(size, dtype=bool)
     for direction in range(3):
-        di, dj = DIRECTIONS[direction]
+        di, dj = GRID_DIRECTIONS[direction]
         for a in range(0, n, k):
             for b in range(0, m, k):
                 along = np.arange(k + 1)
                 points = number[(a + along * di) % n, (b + along * dj) % m]
                 off = links.fractions[direction] - along / k
-                shift[points] = off[:, None] * (DIRECTIONS[direction] @ lattice_vectors)
+                shift[points] = off[:, None] * (GRID_DIRECTIONS[direction] @ lattice_vectors)
                 known[points] = True
     if not known.all():
         rows = np.repeat(np.arange(size), 6)
-        columns = np.column_stack([number[(i + di) % n, (j + dj) % m] for di, dj in DIRECTIONS]).ravel()
+        columns = np.column_stack([number[(i + di) % n, (j + dj) % m] for di, dj in GRID_DIRECTIONS]).ravel()
         graph = sp.csr_matrix((np.ones(6 * size), (rows, columns)), shape=(size, size))
         laplacian = (sp.diags(np.asarray(graph.sum(axis=1)).ravel()) - graph).tocsc()
         free = ~known

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 
-def check_kind(given: Any, kind: type, hint: str) -> None:
+def check_type(given: Any, kind: type, hint: str) -> None:
     """Raise TypeError unless `given` is of the kind; `hint` says where one comes from."""
     if not isinstance(given, kind):
         raise TypeError(f"a {kind.__name__} is needed, not {type(given).__name__}: {hint}")

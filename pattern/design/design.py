@@ -9,7 +9,7 @@ from typing import Any, Literal, Self
 import numpy as np
 from pydantic import Field, ValidationError, field_validator, model_validator
 
-from pattern.design.arguments import check_kind
+from pattern.design.arguments import check_type
 from pattern.design.border import Border
 from pattern.design.errors import DesignError, from_validation
 from pattern.design.files import write_table
@@ -138,5 +138,5 @@ def save_design(design: Design, path: str | Path) -> None:
     OSError
         It cannot be written.
     """
-    check_kind(design, Design, "load_design reads one from a file, new one from the gallery")
+    check_type(design, Design, "load_design reads one from a file, new one from the gallery")
     write_table(design.to_dict(), Path(path))

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import Field, field_validator
 
 from pattern.design.errors import DesignError
-from pattern.design.kept_curvature import KappaBar, kept_curvature
+from pattern.design.residual_curvature import KappaBar, residual_curvature
 from pattern.design.section import Number, NumberOrPair, Section
 
 MESH_DEPENDENT_BENDING = ("paper",)  # bending energies whose stiffness depends on the mesh
@@ -102,10 +102,12 @@ def rest_curvature(
     """
     h1 = np.asarray(thickness_mm, dtype=float)
     mismatch = _metric_mismatch(fabric.stretch_xy, direction)
-    kept = kept_curvature(h1, plastic.kappa_bar_per_mm)
+    residual = residual_curvature(h1, plastic.kappa_bar_per_mm)
     if plastic.rest_curvature == "none":
-        return kept + np.zeros(np.shape(mismatch))
-    return bilayer_curvature(h1, fabric.thickness_mm, plastic.modulus_ratio, mismatch, plastic.rest_curvature) + kept
+        return residual + np.zeros(np.shape(mismatch))
+    return (
+        bilayer_curvature(h1, fabric.thickness_mm, plastic.modulus_ratio, mismatch, plastic.rest_curvature) + residual
+    )
 
 
 def bilayer_curvature(

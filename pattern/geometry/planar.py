@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from pattern.geometry.arrays import Floats, Ints
 
-TABLE = 2_000_000  # entries of a table of distances
-STRAIGHT = 1e-6  # rad: an outline that turns by less has no corner there
+MAX_TABLE_ENTRIES = 2_000_000  # entries of a table of distances
+STRAIGHT_TURN_RAD = 1e-6  # rad: an outline that turns by less has no corner there
 
 
 def cross(a: Floats, b: Floats) -> Floats:
@@ -22,7 +22,7 @@ def polygon_area(polygon: Floats) -> float:
     return float(cross(polygon, np.roll(polygon, -1, axis=0)).sum() / 2)
 
 
-def turns(ring: Floats) -> Floats:
+def turning_angles(ring: Floats) -> Floats:
     """(n,) rad, how much a ring (n, 2) turns left at each point."""
     ahead, behind = np.roll(ring, -1, axis=0) - ring, ring - np.roll(ring, 1, axis=0)
     return np.arctan2(cross(behind, ahead), (behind * ahead).sum(axis=1))
@@ -68,7 +68,7 @@ def mean_circumcentres(points: Floats, triangles: Ints) -> Floats:
     return np.column_stack(weighted) / np.bincount(corner, weight, len(points))[:, None]
 
 
-def among(numbers: Ints, ordered: Ints) -> NDArray[np.bool_]:
+def is_in_sorted(numbers: Ints, ordered: Ints) -> NDArray[np.bool_]:
     """Which numbers (n,) are among sorted ones (m,): `np.isin` hashes, which takes several times as long."""
     if len(ordered) == 0:
         return np.zeros(len(numbers), dtype=bool)
@@ -92,14 +92,14 @@ def distance_to_segment(points: Floats, a: Floats, b: Floats) -> Floats:
     return np.asarray(np.sqrt((x - t * along_x) ** 2 + (y - t * along_y) ** 2))
 
 
-def pieces(points: Floats, against: int) -> list[Floats]:
+def split_for_table(points: Floats, against: int) -> list[Floats]:
     """Points (n, 2) cut up so that a table of each piece against so many others stays small."""
-    return np.array_split(points, len(points) * against // TABLE + 1)
+    return np.array_split(points, len(points) * against // MAX_TABLE_ENTRIES + 1)
 
 
 def nearest_segment(points: Floats, a: Floats, b: Floats) -> Ints:
     """(n,) number of the segment from `a` to `b` (s, 2) that each point (n, 2) is nearest to, the first of equals."""
-    far = (distance_to_segment(some[:, None], a, b) for some in pieces(points, len(a)))
+    far = (distance_to_segment(some[:, None], a, b) for some in split_for_table(points, len(a)))
     return np.concatenate([each.argmin(axis=1) for each in far])
 
 

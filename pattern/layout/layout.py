@@ -1,4 +1,4 @@
-"""The layout of a design: stars, arms, border and pins in print coordinates (mm on the stretched fabric)."""
+"""The layout of a design: stars, arms, outline and supports in printed coordinates (mm on the stretched fabric)."""
 
 from __future__ import annotations
 
@@ -7,66 +7,32 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pattern.geometry.arrays import Floats, Ints
-
-
-@dataclass(frozen=True)
-class PinSet:
-    """Places of the sheet held in space, all in the same way.
-
-    Attributes
-    ----------
-    points : (P, 2) mm, isolated printed points (corners of the border included).
-    edges : border edges held along their whole length; edge `i` runs from `border[i]` to `border[i + 1]`.
-    fixed : which of x, y, z are held; the others are free to slide.
-    scale : x and y are held at `scale` times the printed place (about the origin of the print), z at 0.
-    offset_mm : added to the place given by `scale`.
-    target_mm : (P, 3) places in space, one a point; takes the place of `scale` and `offset_mm`.
-    step : 0 holds the sheet during its release; 1, 2, ... take hold of the released sheet, in this order.
-    """
-
-    points: Floats
-    edges: tuple[int, ...]
-    fixed: tuple[bool, bool, bool]
-    scale: float = 1.0
-    offset_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    target_mm: Floats | None = None
-    step: int = 0
-
-    @property
-    def is_along_print(self) -> bool:
-        """It holds x or y, and does not let its places slide in the plane."""
-        return self.fixed[0] or self.fixed[1]
-
-    def places(self, printed: Floats) -> Floats:
-        """Where the printed points (n, 2) are held, (n, 3) mm; only the components in `fixed` count."""
-        if self.target_mm is not None:
-            # one target a point: printed points come from the mesh in the order of `points`
-            return np.asarray(self.target_mm, dtype=float)
-        flat = np.column_stack([self.scale * printed, np.zeros(len(printed))])
-        return flat + np.asarray(self.offset_mm)
+from pattern.geometry.planar import distance_to_segment, split_for_table
+from pattern.geometry.plane_lattice import PlaneLattice
+from pattern.layout.supports import PinSet, all_points
 
 
 @dataclass(frozen=True)
 class Layout:
-    """What is printed, and where the sheet is held.
+    """All that is printed, and where the sheet is supported. It holds all geometry that later steps need.
 
     Attributes
     ----------
-    border : (B, 2) mm, simple polygon, counterclockwise, not closed.
-    centres : (S, 2) mm, star centres; stars without arms (length 0, removed) are not listed.
+    outline : (B, 2) mm, simple polygon, counterclockwise, not closed.
+    centres : (S, 2) mm, star centres. Stars without arms (length 0, removed) are left out.
     arm_star : (A,) the star of each arm; the arms of a star follow each other counterclockwise.
-    arm_tip : (A, 2) mm, tip of each arm, after cutting at the border.
+    arm_tip : (A, 2) mm, tip of each arm, after cutting at the outline.
     arm_thickness, arm_width : (A, 2) mm, at the star's centre and at the tip, linear between.
-    neighbours : (N, 2) pairs of stars a step of the lattice's shortest basis apart, or as near as its longer one.
-    pins : how the sheet is held; empty for a free sheet.
-    lattice_vectors : (2, 2) mm, rows, as of `Lattice.vectors`; star centres are integer combinations of them plus
+    neighbours : (N, 2) pairs of neighbouring stars, see `PlaneLattice.neighbours`.
+    pins : supports; empty for a free sheet.
+    lattice_vectors : (2, 2) mm, rows, as of `Lattice.vectors`. Star centres are integer combinations of them plus
         `lattice_origin`.
     lattice_origin : (2,) mm.
-    star_branch : (S,) side to which each star starts: 1 up, to the plastic's side (the default), -1 down, 0 neither.
-    star_number : (S,) by which the design, and whoever reads results, knows each star; in order.
+    star_branch : (S,) side to which each star starts: 1 up, to the plastic's side (the default), -1 down, 0 flat.
+    star_number : (S,) increasing, the number of each star in the design and in results.
     """
 
-    border: Floats
+    outline: Floats
     centres: Floats
     arm_star: Ints
     arm_tip: Floats
@@ -86,30 +52,77 @@ class Layout:
             object.__setattr__(self, "star_number", np.arange(len(self.centres)))
 
     @property
-    def pin_steps(self) -> tuple[int, ...]:
-        """Steps in which the sheet is held: 0, its release, then those of later pins in order."""
-        return tuple(sorted({0, *(pin.step for pin in self.pins)}))
-
-    @property
-    def pin_points(self) -> Floats:
-        """(P, 2) mm, the points of all pins, one set after the other."""
-        return np.concatenate([np.empty((0, 2)), *(pin.points for pin in self.pins)])
-
-    @property
-    def is_pulled(self) -> bool:
-        """Pins hold more than one place along the print.
-
-        Where all of them slide there, or a single point is held, the sheet shapes itself as a free one does.
-        """
-        along = [pin for pin in self.pins if pin.is_along_print]
-        return any(pin.edges for pin in along) or sum(len(pin.points) for pin in along) > 1
+    def lattice(self) -> PlaneLattice:
+        """All places where stars can stand."""
+        return PlaneLattice(self.lattice_vectors, self.lattice_origin)
 
     @property
     def spacing_mm(self) -> float:
-        """Of the stars: the shorter of the lattice's vectors."""
+        """Distance of nearest neighbours: length of the shorter lattice vector."""
         return float(np.linalg.norm(self.lattice_vectors, axis=1).min())
+
+    @property
+    def diameter_mm(self) -> float:
+        """Largest distance of two corners of the outline."""
+        return float(np.linalg.norm(self.outline[:, None] - self.outline[None], axis=2).max())
 
     @property
     def arm_length(self) -> Floats:
         """(A,) mm."""
-        return np.linalg.norm(self.arm_tip - self.centres[self.arm_star], axis=1)
+        return np.asarray(np.linalg.norm(self.arm_tip - self.centres[self.arm_star], axis=1))
+
+    @property
+    def pin_steps(self) -> tuple[int, ...]:
+        """Steps at which supports take hold: 0, the release, then those of later pins in order."""
+        return tuple(sorted({0, *(pin.step for pin in self.pins)}))
+
+    @property
+    def pin_points(self) -> Floats:
+        """(P, 2) mm, the single points of all pins, one set after the other."""
+        return all_points(self.pins)
+
+    @property
+    def in_plane_pin_points(self) -> Floats:
+        """(P, 2) mm, the single points that are supported along x or y."""
+        return all_points(tuple(pin for pin in self.pins if pin.holds_in_plane))
+
+    @property
+    def supported_edge_groups(self) -> list[tuple[int, ...]]:
+        """Supported edges of the outline, one group for each pin set that has any."""
+        return [pin.edges for pin in self.pins if pin.edges]
+
+    @property
+    def supported_edges(self) -> Ints:
+        """(E,) numbers of the supported edges of the outline, one pin set after the other."""
+        return np.array([edge for group in self.supported_edge_groups for edge in group], dtype=np.int64)
+
+    @property
+    def is_supported_in_plane(self) -> bool:
+        """Whether supports hold more than one place along x or y.
+
+        A sheet that slides in the plane everywhere, or is held there at a single point, takes the shape of a free one.
+        """
+        in_plane = [pin for pin in self.pins if pin.holds_in_plane]
+        return any(pin.edges for pin in in_plane) or sum(len(pin.points) for pin in in_plane) > 1
+
+    @property
+    def common_pin_scale(self) -> float | None:
+        """The scale of all pins that have one; None if there are several, or pins with targets only."""
+        scales = {pin.scale for pin in self.pins if pin.target_mm is None}
+        return scales.pop() if len(scales) == 1 else None
+
+    def is_supported(self, step: int) -> bool:
+        """Whether any pin supports the sheet in a step."""
+        return any(pin.is_active(step) for pin in self.pins)
+
+    def distance_to_supports(self, points: Floats) -> Floats:
+        """(n,) mm from printed points (n, 2) to the nearest supported place; infinite on a free sheet."""
+        edges, pins = self.supported_edges, self.pin_points
+        start, end = self.outline[edges], np.roll(self.outline, -1, axis=0)[edges]
+
+        def nearest(chunk: Floats) -> Floats:
+            distance = np.hstack([distance_to_segment(chunk, start, end), np.linalg.norm(chunk - pins, axis=-1)])
+            return np.asarray(distance.min(axis=1, initial=np.inf))
+
+        chunks = split_for_table(np.asarray(points), len(start) + len(pins))
+        return np.concatenate([nearest(chunk[:, None]) for chunk in chunks])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pattern.design.errors import MeshError
-from pattern.geometry.planar import among, polygon_area, triangle_angles, triangle_areas
+from pattern.geometry.planar import is_in_sorted, polygon_area, triangle_angles, triangle_areas
 from pattern.layout.layout import Layout
 from pattern.mesh.mesh import Mesh
 
@@ -17,7 +17,7 @@ def check_edge(layout: Layout, edge_mm: float) -> None:
     if not (np.isfinite(edge_mm) and edge_mm > 0):
         raise MeshError(f"the mesh edge must be positive, got {edge_mm}")
     # equilateral triangles
-    expected = abs(polygon_area(layout.border)) / (np.sqrt(3) / 4 * float(edge_mm) ** 2)
+    expected = abs(polygon_area(layout.outline)) / (np.sqrt(3) / 4 * float(edge_mm) ** 2)
     if not expected <= MOST_TRIANGLES:
         raise MeshError(
             f"edges of {edge_mm:g} mm make about {expected:.2g} triangles, more than {MOST_TRIANGLES}: use longer ones"
@@ -27,7 +27,7 @@ def check_edge(layout: Layout, edge_mm: float) -> None:
 def checked(mesh: Mesh, layout: Layout, smallest_angle_deg: float) -> Mesh:
     """The mesh itself, if its triangles fill the sheet, are not too flat, and the arms run along their edges."""
     areas = triangle_areas(mesh.points, mesh.triangles)
-    total = polygon_area(layout.border)
+    total = polygon_area(layout.outline)
     if areas.min() <= 0 or abs(areas.sum() - total) > 1e-6 * total:
         raise MeshError("the mesh does not fill the sheet without overlaps")
     angle = float(triangle_angles(mesh.points, mesh.triangles).min())
@@ -38,7 +38,7 @@ def checked(mesh: Mesh, layout: Layout, smallest_angle_deg: float) -> Mesh:
     path = np.concatenate([np.zeros(0, dtype=np.int64), *mesh.rods])
     arm = np.repeat(np.arange(len(mesh.rods)), [len(rod) for rod in mesh.rods])
     rods = np.column_stack([path[:-1], path[1:]])[arm[1:] == arm[:-1]]
-    off = ~among(np.sort(rods, axis=1) @ [n, 1], np.sort(edges))
+    off = ~is_in_sorted(np.sort(rods, axis=1) @ [n, 1], np.sort(edges))
     if off.any():
         x, y = mesh.points[rods[np.argmax(off), 0]]
         raise MeshError(f"the arm at ({x:.2f}, {y:.2f}) mm is not on edges of the mesh")

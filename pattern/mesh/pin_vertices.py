@@ -17,8 +17,8 @@ SAME_PLACE_MM = 1e-5
 def pins_on_sheet(layout: Layout) -> Floats:
     """The layout's pin points (P, 2) in mm; those off the sheet are refused."""
     points = layout.pin_points
-    on_border = distance_to_outline(points, layout.border) <= SAME_PLACE_MM
-    off = ~(on_border | inside(points, layout.border))
+    on_border = distance_to_outline(points, layout.outline) <= SAME_PLACE_MM
+    off = ~(on_border | inside(points, layout.outline))
     if off.any():
         x, y = points[np.argmax(off)]
         raise MeshError(f"the pin at ({x:g}, {y:g}) mm is not on the sheet")
@@ -38,7 +38,7 @@ def pin_vertices(layout: Layout, points: Floats, border_vertices: Ints) -> tuple
             raise MeshError(f"no mesh vertex at the pin at ({x:g}, {y:g}) mm")
         held = [np.asarray(at, dtype=np.int64)]
         for edge in pin.edges:
-            a, b = layout.border[edge], layout.border[(edge + 1) % len(layout.border)]
+            a, b = layout.outline[edge], layout.outline[(edge + 1) % len(layout.outline)]
             on = distance_to_segment(points[border_vertices], a, b) <= SAME_PLACE_MM
             held.append(border_vertices[on])
         vertices = np.concatenate(held)

@@ -10,7 +10,7 @@ from discrete.model.model import Model
 from discrete.release.solve import relax
 from discrete.release.starts import Beginning
 from pattern.design.design import Design
-from pattern.design.lattice import DEFAULT_SPACING
+from pattern.design.lattice import DEFAULT_SPACING_MM
 from pattern.layout.build import layout
 from pattern.mesh.meshing import mesh_layout
 
@@ -21,7 +21,7 @@ def model(size: float, stiff: float = 1.0, branch: str = "up", thickness: float 
     """Stars and fabric whose lengths are `size` times those of the paper."""
     data = {
         "fabric": {"thickness_mm": 0.8 * size, "modulus_mpa": 7.1875 * stiff},
-        "lattice": {"spacing_mm": size * float(DEFAULT_SPACING)},
+        "lattice": {"spacing_mm": size * float(DEFAULT_SPACING_MM)},
         "stars": {"length_mm": 9.0 * size, "thickness_mm": thickness * size, "width_mm": 1.2 * size, "branch": branch},
         "border": {"rings": rings, "tip_margin_mm": 0.5 * size},
         "mesh": {"edge_mm": 3.5 * size},

@@ -8,7 +8,7 @@ import pytest
 from homogenize.cell.cell import Cell
 from homogenize.cell.relax import Flat, relax
 from pattern.design.design import Design
-from pattern.design.lattice import DEFAULT_SPACING
+from pattern.design.lattice import DEFAULT_SPACING_MM
 
 EDGE = 5.0
 
@@ -17,7 +17,7 @@ def flat(size: float, stiff: float) -> Flat:
     """Of a cell with `size` times the paper's lengths and `stiff` times its moduli."""
     data = {
         "fabric": {"thickness_mm": 0.8 * size, "modulus_mpa": 7.1875 * stiff},
-        "lattice": {"spacing_mm": size * float(DEFAULT_SPACING)},
+        "lattice": {"spacing_mm": size * float(DEFAULT_SPACING_MM)},
         "stars": {"length_mm": 8.5 * size, "thickness_mm": 0.3 * size, "width_mm": 1.2 * size},
         "border": {"rings": 0, "tip_margin_mm": 0.5 * size},
     }

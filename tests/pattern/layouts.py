@@ -9,7 +9,8 @@ from numpy.typing import ArrayLike
 
 from pattern.geometry.arrays import Floats
 from pattern.geometry.planar import distance_to_outline, inside
-from pattern.layout.layout import Layout, PinSet
+from pattern.layout.layout import Layout
+from pattern.layout.supports import PinSet
 
 D = 10 * np.sqrt(3)
 THREE = (-90.0, 30.0, 150.0)
@@ -51,7 +52,7 @@ def layout(
     apart = np.linalg.norm(centres[i] - centres[j], axis=1)
     near = apart < 1.01 * np.linalg.norm(vectors, axis=1).min()
     return Layout(
-        border=np.asarray(border, dtype=float),
+        outline=np.asarray(border, dtype=float),
         centres=centres,
         arm_star=star,
         arm_tip=tip,

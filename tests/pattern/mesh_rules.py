@@ -31,7 +31,7 @@ def edges_of(triangles: Ints) -> tuple[Ints, Ints]:
 def obey(layout: Layout, mesh: Mesh) -> None:
     """Assert all of it."""
     points, triangles, border = mesh.points, mesh.triangles, mesh.border_vertices
-    area = polygon_area(layout.border)
+    area = polygon_area(layout.outline)
     areas = triangle_areas(points, triangles)
     assert areas.min() > 0
     assert abs(areas.sum() - area) < 1e-8 * area
@@ -44,10 +44,10 @@ def obey(layout: Layout, mesh: Mesh) -> None:
     outer = {*map(tuple, edges[count == 1].tolist())}
     around = np.sort(np.column_stack([border, np.roll(border, -1)]), axis=1)
     assert outer == {*map(tuple, around.tolist())}, "the outline is the border"
-    assert np.allclose(points[border[0]], layout.border[0], atol=1e-9)
+    assert np.allclose(points[border[0]], layout.outline[0], atol=1e-9)
     assert polygon_area(points[border]) > 0
-    assert distance_to_outline(points[border], layout.border).max() < 1e-4
-    assert cKDTree(points[border]).query(layout.border)[0].max() < 1e-9, "corners are vertices"
+    assert distance_to_outline(points[border], layout.outline).max() < 1e-4
+    assert cKDTree(points[border]).query(layout.outline)[0].max() < 1e-9, "corners are vertices"
 
     assert np.allclose(points[mesh.star_vertices], layout.centres, rtol=0, atol=1e-4)
     assert len(mesh.rods) == len(layout.arm_star)
@@ -63,7 +63,7 @@ def obey(layout: Layout, mesh: Mesh) -> None:
     for pin, held in zip(layout.pins, mesh.pin_vertices, strict=True):
         assert np.allclose(points[held[: len(pin.points)]], pin.points, rtol=0, atol=1e-4)
         for edge in pin.edges:
-            a, b = layout.border[edge], layout.border[(edge + 1) % len(layout.border)]
+            a, b = layout.outline[edge], layout.outline[(edge + 1) % len(layout.outline)]
             on = np.flatnonzero(distance_to_segment(points, a, b) < 1e-6)
             assert {*on.tolist()} <= {*held.tolist()}
 

@@ -64,7 +64,7 @@ BAD = [
     ([("stars.width_mm", 11)], "stars.width_mm", "from 0.1 to 10"),
     ([("stars.vary_along_arms", 1)], "stars.vary_along_arms", "true or false"),
     ([("stars.length_mm", {})], "stars.length_mm", "profile"),
-    ([("stars.length_mm", {"profile": "conic"})], "stars.length_mm.profile", "radial, linear, axis, table"),
+    ([("stars.length_mm", {"profile": "conic"})], "stars.length_mm.profile", "axis, linear, radial, table"),
     ([("stars.length_mm", {"profile": "radial", "from": 1, "to": 2})], "stars.length_mm.over_mm", "missing"),
     ([("stars.length_mm", {**RADIAL, "over_mm": 0})], "stars.length_mm.over_mm", "greater than 0"),
     ([("stars.length_mm", {**RADIAL, "from": "x"})], "stars.length_mm.from", "number"),

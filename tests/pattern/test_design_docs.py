@@ -8,9 +8,8 @@ from typing import get_args
 import pytest
 from pydantic import BaseModel
 
-from pattern.design import sizing_fields as fields
 from pattern.design.design import Design
-from pattern.design.image import Picture
+from pattern.design.sizing.profiles import PROFILES
 from pattern.design.stars import Override
 from pattern.layout.build import layout
 
@@ -35,8 +34,7 @@ def _sections(model: type[BaseModel]) -> list[type[BaseModel]]:
 
 
 def test_every_key_is_documented():
-    profiles = [fields.Radial, fields.Linear, fields.Axis, fields.Table, fields.Formula, Picture]
-    sections = [*_sections(Design), Override, *profiles]
+    sections = [*_sections(Design), Override, *PROFILES.values()]
     assert len(sections) >= 17
     keys = {field.alias or key for model in sections for key, field in model.model_fields.items()}
     assert {key for key in keys if not re.search(rf"\b{key}\b", TEXT)} == set()

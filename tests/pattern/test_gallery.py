@@ -28,7 +28,7 @@ def test_design(name, tmp_path):
     assert design.name == name and design.mesh.edge_mm == 2.0
     assert gallery.path(name).read_text(encoding="utf-8").startswith("# ")
     sheet = layout(design)
-    assert np.ptp(sheet.border, axis=0).max() <= FRAME_MM
+    assert np.ptp(sheet.outline, axis=0).max() <= FRAME_MM
     for suffix in ("toml", "json"):
         save_design(design, tmp_path / f"again.{suffix}")
         again = load_design(tmp_path / f"again.{suffix}")

@@ -135,7 +135,7 @@ def model(data: dict[str, Array]) -> Model:
     points, rod_paths = data["vertices_flat"][:, :2], paths(data)
     centres, star = np.unique([path[0] for path in rod_paths], return_inverse=True)
     layout = Layout(
-        border=data["border"],
+        outline=data["border"],
         centres=points[centres],
         arm_star=star,
         arm_tip=points[[path[-1] for path in rod_paths]],

@@ -14,8 +14,8 @@ from asterism.draw.chart_axes import add_grid, style_axes
 from asterism.draw.colours import INK, PALE
 from asterism.measure.strips.reading import Reading
 from asterism.measure.strips.strip_fit import StripFit
-from pattern.design.kept_curvature import kept_curvature
 from pattern.design.materials import Fabric, Plastic, bilayer_curvature, rest_curvature
+from pattern.design.residual_curvature import residual_curvature
 from pattern.geometry.arrays import Floats
 
 WITH, PEELED, WRONG = "#2a6f97", "#c8553d", "#9d1f1f"
@@ -50,7 +50,7 @@ def _over_thickness(axes: Axes, fit: StripFit) -> None:
     axes.fill_between(h, with_fabric[1], with_fabric[2], color=WITH, alpha=0.2, linewidth=0)
     axes.plot(h, with_fabric[0], color=WITH, linewidth=1.2)
     if fit.kappa_bar:
-        axes.plot(h, kept_curvature(h, fit.plastic().kappa_bar_per_mm), color=PEELED, linewidth=1.2)
+        axes.plot(h, residual_curvature(h, fit.plastic().kappa_bar_per_mm), color=PEELED, linewidth=1.2)
     for peeled, colour, label in ((False, WITH, "with fabric"), (True, PEELED, "peeled")):
         some = [r for r in fit.used if r.peeled == peeled]
         bent = [r for r in some if r.curvature_per_mm is not None]
@@ -113,4 +113,4 @@ def _kappa(readings: list[Reading]) -> Floats:
 
 
 def _kept(readings: list[Reading], fit: StripFit) -> Floats:
-    return kept_curvature(_h(readings), fit.plastic().kappa_bar_per_mm)
+    return residual_curvature(_h(readings), fit.plastic().kappa_bar_per_mm)

@@ -16,7 +16,7 @@ from asterism.print.profiles import load_printer
 from asterism.print.solid import Solid, Terrace, terraced_solid
 from asterism.results.files import OutputError, staged
 from pattern.design.errors import DesignError
-from pattern.design.stars import THICKNESS_MM
+from pattern.design.stars import THICKNESS_RANGE_MM
 from pattern.geometry.arrays import Floats, Ints
 
 FILES = ("start.gcode", "strips.3mf", "strips.csv", "strips.pdf", "strips.stl")
@@ -81,8 +81,10 @@ def new_strips(
     directory = Path(directory)
     machine = load_printer(printer) if isinstance(printer, str) else printer
     for h in thicknesses_mm:
-        if not THICKNESS_MM[0] <= h <= THICKNESS_MM[1]:
-            raise DesignError("--thickness", f"must be from {THICKNESS_MM[0]:g} to {THICKNESS_MM[1]:g} mm", h)
+        if not THICKNESS_RANGE_MM[0] <= h <= THICKNESS_RANGE_MM[1]:
+            raise DesignError(
+                "--thickness", f"must be from {THICKNESS_RANGE_MM[0]:g} to {THICKNESS_RANGE_MM[1]:g} mm", h
+            )
     if len(set(thicknesses_mm)) < len(thicknesses_mm):
         raise DesignError("--thickness", "must not be given twice", max(thicknesses_mm, key=thicknesses_mm.count))
     heights = layer_heights(thicknesses_mm, machine.nozzle_mm)

@@ -8,7 +8,7 @@ from pathlib import Path
 from asterism.measure.strips import arc
 from asterism.measure.strips.reading import Reading
 from asterism.results.csv_cells import Row, TableError, read_rows
-from pattern.design.stars import THICKNESS_MM
+from pattern.design.stars import THICKNESS_RANGE_MM
 
 GIVEN = ("strip", "thickness_mm", "length_mm", "stretch", "fabric_thickness_mm")
 BOXES = ("box_width_mm", "box_height_mm", "peeled_box_width_mm", "peeled_box_height_mm")
@@ -79,7 +79,7 @@ Measured = tuple[Reading, tuple[float, float] | None]
 
 def _readings(row: Row, name: str, stretch: float | None, fabric_mm: float | None, outside: bool) -> list[Measured]:
     """What was measured of one strip, and the box: nothing, or with its fabric, peeled, or both."""
-    thickness = _needed(row, "thickness_mm", THICKNESS_MM)
+    thickness = _needed(row, "thickness_mm", THICKNESS_RANGE_MM)
     length = _needed(row, "length_mm", LENGTH_MM)
     fabric = _needed(row, "fabric_thickness_mm", FABRIC_MM, fabric_mm, "--fabric-thickness")
     stretched = _needed(row, "stretch", STRETCH, stretch, "--stretch")

@@ -24,7 +24,6 @@ from scipy.spatial import cKDTree
 
 from asterism.previews.fields.star_arms import are_last_arms
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from asterism.previews.supports.conditions import distance_to_held
 from asterism.previews.surface.smooth_surface import smooth_surface
 from equilibrium.compiled import loop
 from fem.elements.argyris import Argyris
@@ -54,7 +53,7 @@ class Arms:
         self._spacing = layout.spacing_mm
         self.last = are_last_arms(layout, self._centre, self.direction, model)
         self.at_centres, self._at_tips = space.locate(layout.centres), space.locate(layout.arm_tip)
-        self._room = np.maximum(distance_to_held(layout, layout.arm_tip), NOTHING)
+        self._room = np.maximum(layout.distance_to_supports(layout.arm_tip), NOTHING)
         self._pins = layout.pin_points
 
     def moves(self, x: Floats, kappa: Floats) -> tuple[Floats, Floats]:

@@ -31,9 +31,8 @@ from asterism.previews.fields.holes import in_holes
 from asterism.previews.fields.star_cells import long_arms
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from asterism.previews.supports.conditions import held_edges, pinned_points
 from pattern.geometry.arrays import Floats, Ints
-from pattern.geometry.planar import STRAIGHT, distance_to_segment, nearest_segment, turns
+from pattern.geometry.planar import STRAIGHT_TURN_RAD, distance_to_segment, nearest_segment, turning_angles
 from pattern.layout.layout import Layout
 
 ALONE = 0.02  # share of the stars below which a place has no star beside it
@@ -44,17 +43,17 @@ def free_normals(layout: Layout, points: Floats, model: PreviewModel = PREVIEW_M
 
     A side is held along its length, or at a point of it in a sheet that is held along the print at two points or more.
     """
-    start, end = layout.border, np.roll(layout.border, -1, axis=0)
+    start, end = layout.outline, np.roll(layout.outline, -1, axis=0)
     along = end - start
     nearest = nearest_segment(points, start, end)
     normal = np.column_stack([along[:, 1], -along[:, 0]]) / np.linalg.norm(along, axis=1)[:, None]
-    normal[held_edges(layout)] = 0.0
-    pins = pinned_points(layout)
+    normal[layout.supported_edges] = 0.0
+    pins = layout.in_plane_pin_points
     if len(pins) > 1:
         near = model.rim_pin_distance * layout.spacing_mm
         held = (distance_to_segment(pins[:, None], start, end) < near).any(axis=0)
         # a side in several pieces is one
-        side = np.cumsum(np.abs(turns(layout.border)) > STRAIGHT)
+        side = np.cumsum(np.abs(turning_angles(layout.outline)) > STRAIGHT_TURN_RAD)
         side[side == 0] = side[-1]
         normal[np.isin(side, side[held])] = 0.0
     return np.where(in_holes(layout, points, model)[:, None], 0.0, normal[nearest])

@@ -10,10 +10,9 @@ from __future__ import annotations
 import numpy as np
 
 from asterism.previews.sheet import Sheet
-from asterism.previews.supports.conditions import held_edges
 from fem.elements.tabulation import Floats
 from fem.supports.conditions import EdgeSupport
-from pattern.geometry.planar import STRAIGHT, distance_to_outline, nearest_segment, turns
+from pattern.geometry.planar import STRAIGHT_TURN_RAD, distance_to_outline, nearest_segment, turning_angles
 
 EQUAL_SIDES = 1e-6  # spacings: sides of the design that are nearer to those of the mesh are the same
 
@@ -23,8 +22,8 @@ class HeldRim:
 
     def __init__(self, sheet: Sheet, points: Floats) -> None:
         plan, width = sheet.layout, sheet.model.supported_rim_width
-        held = np.array(held_edges(plan), dtype=np.int64)
-        start, end = plan.border[held], np.roll(plan.border, -1, axis=0)[held]
+        held = plan.supported_edges
+        start, end = plan.outline[held], np.roll(plan.outline, -1, axis=0)[held]
         self._count, self._moved = len(points), np.empty(0, dtype=np.int64)
         if width == 0.0 or not len(held) or not _is_round(sheet, start):
             return
@@ -50,8 +49,8 @@ class HeldRim:
 
 def _is_round(sheet: Sheet, start: Floats) -> bool:
     """Whether the shell is held elsewhere than along sides that begin at some points (s, 2)."""
-    turn = np.abs(turns(sheet.outline))
-    if ((turn > STRAIGHT) & (turn <= np.radians(EdgeSupport.corner_deg))).any():
+    turn = np.abs(turning_angles(sheet.outline))
+    if ((turn > STRAIGHT_TURN_RAD) & (turn <= np.radians(EdgeSupport.corner_deg))).any():
         return True
     return bool((distance_to_outline(start, sheet.outline) > EQUAL_SIDES * sheet.layout.spacing_mm).any())
 

@@ -36,7 +36,7 @@ def carried(layout: Layout, directions: Floats, model: PreviewModel = PREVIEW_MO
     start, full = model.rim_arm_start, model.rim_arm_full
     part = np.empty((len(layout.centres), len(directions)))
     for k, along in enumerate(directions):
-        width = distance_along(layout.centres, along, layout.border) / layout.spacing_mm
+        width = distance_along(layout.centres, along, layout.outline) / layout.spacing_mm
         last = are_last_arms(layout, layout.centres, np.broadcast_to(along, layout.centres.shape), model)
         part[:, k] = np.where(last, np.clip((width - start) / (full - start), 0.0, 1.0), model.rim_arm_among)
     return part

@@ -34,11 +34,11 @@ class CellGrid:
     def __init__(self, layout: Layout, lattice: Lattice, step: float, margin: float) -> None:
         self.step = step
         margin = (np.ceil(margin / step) + 1) * step
-        low, high = layout.border.min(axis=0) - margin, layout.border.max(axis=0) + margin
+        low, high = layout.outline.min(axis=0) - margin, layout.outline.max(axis=0) + margin
         middle = np.asarray(lattice.origin_mm) + 0.5 * step
         self.origin = middle + step * np.floor((low - middle) / step)
         shape = np.ceil((high - self.origin) / step).astype(int) + 1
-        cells = lattice.nearest(layout.centres)
+        cells = lattice.sites.nearest(layout.centres)
         first = cells.min(axis=0) - 1
         star = np.full(cells.max(axis=0) - first + 2, len(cells))
         star[tuple((cells - first).T)] = np.arange(len(cells))
@@ -47,7 +47,7 @@ class CellGrid:
         vectors = lattice.vectors
         at = self.origin - np.asarray(lattice.origin_mm)
         lattice_of = at, np.linalg.inv(vectors), vectors, first, star
-        _fill(step, *lattice_of, self.origin, layout.border, self.owner, self.count, self.ends)
+        _fill(step, *lattice_of, self.origin, layout.outline, self.owner, self.count, self.ends)
 
 
 @loop

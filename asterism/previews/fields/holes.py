@@ -36,7 +36,7 @@ def hole_sites(layout: Layout, model: PreviewModel = PREVIEW_MODEL) -> Floats:
     region, _ = label(empty, joined)
     places = layout.lattice_origin + (np.argwhere(empty) + first) @ vectors
     of = region[empty]
-    sheet = shapely.polygons(layout.border)
+    sheet = shapely.polygons(layout.outline)
     near = model.hole_rim_distance * layout.spacing_mm
-    rim = ~shapely.contains_xy(sheet, places) | (distance_to_outline(places, layout.border) < near)
+    rim = ~shapely.contains_xy(sheet, places) | (distance_to_outline(places, layout.outline) < near)
     return np.asarray(places[~np.isin(of, of[rim])])

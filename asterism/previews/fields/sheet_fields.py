@@ -59,11 +59,11 @@ from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from fem.shell.density import Density, isotropic
 from fem.shell.fields import Fields
 from homogenize.law.anisotropy import POISSON, least
-from pattern.design.lattice import DEFAULT_SPACING
+from pattern.design.lattice import DEFAULT_SPACING_MM
 from pattern.geometry.arrays import Floats
 
-MIN_SATURATION_TURN_RAD = 1e-3 * DEFAULT_SPACING  # over a spacing
-MIN_CURLED_TURN_RAD = 3e-3 * DEFAULT_SPACING  # over a spacing: the lengths of flatter stars do not follow curvature
+MIN_SATURATION_TURN_RAD = 1e-3 * DEFAULT_SPACING_MM  # over a spacing
+MIN_CURLED_TURN_RAD = 3e-3 * DEFAULT_SPACING_MM  # over a spacing: the lengths of flatter stars do not follow curvature
 MAX_GAUSSIAN_SHARE = 0.95  # of the Gaussian modulus that leaves the bending energy indefinite
 _PLAIN = ("kappa", "a12", "c3")
 
@@ -77,7 +77,7 @@ def sheet_fields(
     early: float | Floats = PREVIEW_MODEL.supported_length_share,
     carried: Floats | None = None,
     gaussian: Floats | None = None,
-    spacing: float = DEFAULT_SPACING,
+    spacing: float = DEFAULT_SPACING_MM,
     model: PreviewModel = PREVIEW_MODEL,
 ) -> Fields:
     """The fields at places where stars count with weights (n, S), bare fabric with what is missing to 1.

@@ -10,36 +10,8 @@ from fem.elements.deformation import affine
 from fem.supports.conditions import Condition, EdgeSupport, PointSupport, vertices_at
 from pattern.design.design import Design
 from pattern.geometry.arrays import Floats, Ints
-from pattern.geometry.planar import distance_to_segment, pieces
 from pattern.layout.layout import Layout
 from pattern.mesh.coarse.sheet_mesh import SheetMesh
-
-
-def pinned_points(layout: Layout) -> Floats:
-    """(n, 2) mm, the single points that are held along the print."""
-    return np.concatenate([np.empty((0, 2)), *(pin.points for pin in layout.pins if pin.is_along_print)])
-
-
-def held_sides(layout: Layout) -> list[tuple[int, ...]]:
-    """Sides of the border that are held, by pin."""
-    return [pin.edges for pin in layout.pins if pin.edges]
-
-
-def held_edges(layout: Layout) -> list[int]:
-    """Sides of the border that are held, by whatever pin."""
-    return [edge for sides in held_sides(layout) for edge in sides]
-
-
-def distance_to_held(layout: Layout, points: Floats) -> Floats:
-    """(n,) mm from printed points (n, 2) to the nearest place that is held; infinite where nothing is."""
-    held, pins = held_edges(layout), layout.pin_points
-    start, end = layout.border[held], np.roll(layout.border, -1, axis=0)[held]
-
-    def nearest(some: Floats) -> Floats:
-        far = np.hstack([distance_to_segment(some, start, end), np.linalg.norm(some - pins, axis=-1)])
-        return np.asarray(far.min(axis=1, initial=np.inf))
-
-    return np.concatenate([nearest(some[:, None]) for some in pieces(np.asarray(points), len(start) + len(pins))])
 
 
 def conditions(layout: Layout, sheet: SheetMesh, mesh: MeshTri, step: int) -> list[Condition]:
@@ -47,13 +19,13 @@ def conditions(layout: Layout, sheet: SheetMesh, mesh: MeshTri, step: int) -> li
     found: list[Condition] = []
     facets = _facets(mesh, sheet.rim)
     for number, pin in enumerate(layout.pins):
-        if pin.step > step:
+        if not pin.is_active(step):
             continue
-        directions, name = np.eye(3)[list(pin.fixed)], f"pins[{number}]"
+        directions, name = pin.directions, f"pins[{number}]"
         if len(pin.points):
             found.append(PointSupport(vertices_at(mesh, pin.points), pin.places(pin.points), directions, name))
         if pin.edges:
-            placement = affine(pin.scale * np.eye(3)[:, :2], pin.offset_mm)
+            placement = affine(*pin.affine_motion)
             found.append(EdgeSupport(facets[np.isin(sheet.side, pin.edges)], placement, directions, name=name))
     return found
 

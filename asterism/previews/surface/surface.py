@@ -11,7 +11,6 @@ from asterism.previews.edges.free_rim import beyond_stars
 from asterism.previews.edges.held_rim import HeldRim
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.sheet import Sheet
-from asterism.previews.supports.conditions import distance_to_held
 from asterism.previews.surface.smooth_surface import SmoothSurface, smooth_surface
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import cell_fields
@@ -56,7 +55,7 @@ class Lens:
         self._model = sheet.model
         self._waves = waves(self.points - sheet.layout.lattice_origin)
         self._spacing, self._held = sheet.layout.spacing_mm, bool(sheet.layout.pins)
-        self._stays = held_still(distance_to_held(sheet.layout, self.points), self._spacing, sheet.model)
+        self._stays = held_still(sheet.layout.distance_to_supports(self.points), self._spacing, sheet.model)
         self._at, self._rim = sheet.space.locate(self.points), HeldRim(sheet, self.points)
         self._shares = sheet.stars.cells.shares(self.points)
         self._beyond, self._nearest = beyond_stars(sheet.layout, self.points, sheet.model)

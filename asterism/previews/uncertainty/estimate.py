@@ -20,7 +20,7 @@ from fem.elements.tabulation import Floats
 from fem.search.mean_fields import mean_fields
 from homogenize.cell.directions import is_threefold, left_out
 from pattern.geometry.planar import polygon_area
-from pattern.layout.pin_freedom import tilts
+from pattern.layout.free_rotations import count_free_tilts
 
 # share of the stars: with more of them outside the law, strongly anisotropic or inverted no estimate is available
 MAX_FOREIGN_SHARE = 0.1
@@ -72,12 +72,12 @@ def estimate_error(state: PreviewState, shape: Shape, up: Floats, clock: Clock) 
     is_supported = state.is_supported
     doubts, sensitivity = None, 0.0
     # supports that let the sheet tilt leave open what counts as its height, unless weight decides
-    has_height = state.design.gravity.on or not layout.pins or not tilts(layout)
+    has_height = state.design.gravity.on or not layout.pins or not count_free_tilts(layout)
     if equilibrium.is_minimum and has_height:
         doubts = clock("expected height", height_doubts, state, shape, up)
     if equilibrium.is_minimum and not is_supported:
         sensitivity = clock("contrast", strain_sensitivity, state)
-    area, across = polygon_area(layout.border), diameter(shape.positions)
+    area, across = polygon_area(layout.outline), diameter(shape.positions)
     amplitudes = amplitudes_percent(equilibrium.soft_modes, equilibrium.absolute_energy, area, across)
     means = mean_fields(state.shell) if is_supported else None
     size_ratio = means.chord / means.stretch if means else np.inf

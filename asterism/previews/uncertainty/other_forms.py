@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from asterism.previews.state import PreviewState
-from pattern.layout.likeness import distances
+from pattern.layout.symmetric_distance import symmetric_distances
 
 MIN_STARS = 3  # star centres that tell forms apart
 EQUAL_FORM_PERCENT = 2.0  # of the diameter, rms distance within which two minima are one form
@@ -44,7 +44,7 @@ def other_forms(state: PreviewState, diameter_mm: float) -> list[OtherForm]:
     known, forms = [stars @ shown.x], []
     for trial in minima:
         centres = stars @ trial.x
-        apart = [100.0 / diameter_mm * distances(form, centres, state.symmetries).min() for form in known]
+        apart = [100.0 / diameter_mm * symmetric_distances(form, centres, state.symmetries).min() for form in known]
         if min(apart) > EQUAL_FORM_PERCENT:
             gap = (trial.energy - shown.energy) / shown.absolute_energy
             forms.append(OtherForm(trial.name, trial.energy, gap, float(apart[0])))

@@ -69,7 +69,7 @@ def _hexagon_mesh(layout: Layout, grid: LatticeGrid, hexagon: HexagonBorder, gra
     ring = patch.index(hexagon.ring)
     taken, known, places = prescribed(patch, stations, ring, outline)
     points = moved(patch, taken, known, places, pins_on_sheet(layout), grading)
-    first = int(np.argmin(np.linalg.norm(points[ring] - layout.border[0], axis=1)))
+    first = int(np.argmin(np.linalg.norm(points[ring] - layout.outline[0], axis=1)))
     border_vertices = np.roll(ring, -first)
     return Mesh(
         points=points,

@@ -40,7 +40,7 @@ def cut_mesh(layout: Layout, grid: LatticeGrid, enough: float = np.inf) -> Mesh:
     patch = _patch_around(layout, grid)
     stations = arm_stations(layout, grid, _ends_on_border(layout, grid, tolerance))
     taken, known, places = prescribed(patch, stations)
-    points = moved(patch, taken, known, places, pins[distance_to_outline(pins, layout.border) > tolerance])
+    points = moved(patch, taken, known, places, pins[distance_to_outline(pins, layout.outline) > tolerance])
 
     arms = patch.paths(stations.arms)
     points, arms = _halved(points, arms, layout, grid.edge_mm)
@@ -48,14 +48,14 @@ def cut_mesh(layout: Layout, grid: LatticeGrid, enough: float = np.inf) -> Mesh:
     fixed[np.concatenate([patch.index(stations.centres), *arms])] = True
     away, at_pin = cKDTree(points).query(pins)
     fixed[at_pin[away <= tolerance]] = True
-    distance = distance_to_outline(points, layout.border)
+    distance = distance_to_outline(points, layout.outline)
     on_border = fixed & (distance <= tolerance)
-    clear = inside(points, layout.border) & (distance >= ARM_MARGIN * grid.edge_mm)
+    clear = inside(points, layout.outline) & (distance >= ARM_MARGIN * grid.edge_mm)
     if (fixed & ~on_border & ~clear).any():
         raise MeshError("an arm or a pin is closer to the border than a mesh edge allows")
     wanted = np.concatenate([layout.arm_tip, layout.centres, pins])
-    outline = outline_points(layout.border, grid.edge_mm, wanted, tolerance, points[fixed & ~on_border])
-    keep = (inside(points, layout.border) & (distance > MARGIN * grid.edge_mm)) | fixed & ~on_border
+    outline = outline_points(layout.outline, grid.edge_mm, wanted, tolerance, points[fixed & ~on_border])
+    keep = (inside(points, layout.outline) & (distance > MARGIN * grid.edge_mm)) | fixed & ~on_border
     vertex = np.full(len(points), -1)
     vertex[keep] = np.arange(keep.sum()) + len(outline)
     vertex[on_border] = cKDTree(outline).query(points[on_border])[1]
@@ -79,17 +79,17 @@ def cut_mesh(layout: Layout, grid: LatticeGrid, enough: float = np.inf) -> Mesh:
 
 def _patch_around(layout: Layout, grid: LatticeGrid) -> GridPatch:
     """Grid points on the sheet, and enough around it for every arm and for moves across the border."""
-    ij = grid.window(layout.border.min(axis=0), layout.border.max(axis=0))
+    ij = grid.window(layout.outline.min(axis=0), layout.outline.max(axis=0))
     places = grid.place(ij)
-    near = inside(places, layout.border)
-    near[~near] = distance_to_outline(places[~near], layout.border) < 2 * grid.edge_mm
+    near = inside(places, layout.outline)
+    near[~near] = distance_to_outline(places[~near], layout.outline) < 2 * grid.edge_mm
     return GridPatch(grid, ij[near])
 
 
 def _ends_on_border(layout: Layout, grid: LatticeGrid, tolerance: float) -> Border:
     """For arms that end on the border: their number of edges and their tip."""
     steps = grid.directions(layout)
-    on = distance_to_outline(layout.arm_tip, layout.border) <= tolerance
+    on = distance_to_outline(layout.arm_tip, layout.outline) <= tolerance
     count = np.maximum(np.rint(layout.arm_length / np.linalg.norm(steps @ grid.basis, axis=1) * grid.k), 1)
     count = np.where(on, count.astype(np.int64), np.iinfo(np.int64).max)
     return lambda start, step: (count, layout.arm_tip)
@@ -97,7 +97,7 @@ def _ends_on_border(layout: Layout, grid: LatticeGrid, tolerance: float) -> Bord
 
 def _halved(points: Floats, arms: list[Ints], layout: Layout, edge_mm: float) -> tuple[Floats, list[Ints]]:
     """Halve the edges of arms that end just inside the border, where triangles must be small; points are added."""
-    gap = distance_to_outline(layout.arm_tip, layout.border)
+    gap = distance_to_outline(layout.arm_tip, layout.outline)
     arms = list(arms)
     for arm in np.flatnonzero((gap > ON_LINE * edge_mm) & (gap < HALVED * edge_mm)):
         start, end = arms[arm][:-1], arms[arm][1:]

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from pattern.design.errors import MeshError
-from pattern.design.lattice import DIRECTIONS
 from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import distance_to_outline
+from pattern.geometry.plane_lattice import GRID_DIRECTIONS
 from pattern.layout.layout import Layout
 from pattern.mesh.aligned.lattice_grid import ON_LINE, GridPatch, LatticeGrid
 
@@ -22,7 +22,7 @@ class HexagonBorder:
     ----------
     centre : (2,) grid point.
     rows : grid edges from the centre to a corner, and along a side.
-    corners : (6, 2) mm, in the order of DIRECTIONS.
+    corners : (6, 2) mm, in the order of GRID_DIRECTIONS.
     ring : (6 rows, 2) grid points on the outline, counterclockwise from the first corner.
     """
 
@@ -34,20 +34,20 @@ class HexagonBorder:
     @classmethod
     def of(cls, layout: Layout, grid: LatticeGrid) -> HexagonBorder | None:
         """The border of a layout as such a hexagon, None if it is something else."""
-        if len(layout.border) != 6:
+        if len(layout.outline) != 6:
             return None
-        middle = layout.border.mean(axis=0)
+        middle = layout.outline.mean(axis=0)
         about = grid.lattice_coordinates(middle[None] - grid.origin)[0]
-        corners = grid.lattice_coordinates(layout.border - middle)
+        corners = grid.lattice_coordinates(layout.outline - middle)
         first = int(np.argmax(corners @ [2, 1]))
-        corners, places = np.roll(corners, -first, axis=0), np.roll(layout.border, -first, axis=0)
+        corners, places = np.roll(corners, -first, axis=0), np.roll(layout.outline, -first, axis=0)
         radius = float(corners[0, 0])
-        if np.abs(about - np.rint(about)).max() > ON_LINE or np.abs(corners - radius * DIRECTIONS).max() > ON_LINE:
+        if np.abs(about - np.rint(about)).max() > ON_LINE or np.abs(corners - radius * GRID_DIRECTIONS).max() > ON_LINE:
             return None
         rows = max(round(radius * grid.k), 1)
         centre = np.rint(about).astype(np.int64) * grid.k
         side = np.arange(rows)[:, None]
-        ring = [centre + rows * DIRECTIONS[q] + side * DIRECTIONS[(q + 2) % 6] for q in range(6)]
+        ring = [centre + rows * GRID_DIRECTIONS[q] + side * GRID_DIRECTIONS[(q + 2) % 6] for q in range(6)]
         return cls(centre, rows, places, np.concatenate(ring))
 
     def patch(self, grid: LatticeGrid) -> GridPatch:
@@ -74,13 +74,13 @@ class HexagonBorder:
         """Places (6 rows, 2) of the ring: evenly spaced between corners, tips and pins on the border."""
         taken: dict[int, float] = {q * self.rows: float(q * self.rows) for q in range(6)}
         tolerance = ON_LINE * grid.edge_mm * grid.k
-        tips = np.flatnonzero(distance_to_outline(layout.arm_tip, layout.border) <= tolerance)
+        tips = np.flatnonzero(distance_to_outline(layout.arm_tip, layout.outline) <= tolerance)
         starts, steps = grid.centres(layout)[layout.arm_star[tips]], grid.directions(layout)[tips]
         stations = starts + self.exit(starts, steps)[:, None] * steps
         for arm, station in zip(tips, self.on_ring(stations).tolist(), strict=True):
             self._take(taken, station, self._along(layout.arm_tip[arm]))
         points = layout.pin_points
-        for point in points[distance_to_outline(points, layout.border) <= tolerance]:
+        for point in points[distance_to_outline(points, layout.outline) <= tolerance]:
             at = self._along(point)
             if not any(abs(at - t) < 1e-5 for t in taken.values()):
                 self._take(taken, round(at) % len(self.ring), at)

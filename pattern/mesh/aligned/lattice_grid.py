@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pattern.design.errors import MeshError
-from pattern.design.lattice import DIRECTIONS
 from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import cross
+from pattern.geometry.plane_lattice import GRID_DIRECTIONS
 from pattern.layout.layout import Layout
 from pattern.mesh.aligned.springs import means_of_neighbours
 
@@ -65,7 +65,7 @@ class LatticeGrid:
 
     def directions(self, layout: Layout) -> Ints:
         """Grid direction (A, 2) along which each arm points."""
-        step = DIRECTIONS @ self.basis
+        step = GRID_DIRECTIONS @ self.basis
         unit = step / np.linalg.norm(step, axis=1, keepdims=True)
         arm = layout.arm_tip - layout.centres[layout.arm_star]
         best = np.argmax(arm @ unit.T, axis=1)
@@ -73,7 +73,7 @@ class LatticeGrid:
         if off.any():
             star = layout.star_number[layout.arm_star[np.argmax(off)]]
             raise MeshError(f"an arm of star {star} does not lie on a line of the lattice")
-        return DIRECTIONS[best]
+        return GRID_DIRECTIONS[best]
 
     def window(self, low: Floats, high: Floats) -> Ints:
         """Grid points (n, 2) in the box from `low` to `high` (2,) in mm and a little around it, sorted."""
@@ -105,7 +105,7 @@ class GridPatch:
     def _ahead(self) -> Ints:
         """(3, n) the neighbours of all points in the first three directions, -1 for those outside."""
         at = (self.ij - self.low).T
-        return np.array([self.table[at[0] + i, at[1] + j] for i, j in DIRECTIONS[:3].tolist()])
+        return np.array([self.table[at[0] + i, at[1] + j] for i, j in GRID_DIRECTIONS[:3].tolist()])
 
     def paths(self, lines: Sequence[Ints]) -> list[Ints]:
         """Numbers of the grid points of each line (n, 2), all at once."""

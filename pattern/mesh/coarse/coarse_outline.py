@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 
 from pattern.geometry.arrays import Floats, Ints
-from pattern.geometry.planar import polygon_area, turns
+from pattern.geometry.planar import polygon_area, turning_angles
 
 # a line that turns by more has a corner there
 CORNER_DEG = 35.0
@@ -43,7 +43,7 @@ def coarse_outline(border: Floats, edge_mm: float, fixed: Ints) -> CoarseOutline
     edge_mm : what counts as short.
     fixed : corners that must stay.
     """
-    kept = np.union1d(fixed, np.flatnonzero(np.abs(turns(border)) > np.radians(CORNER_DEG))).astype(np.int64)
+    kept = np.union1d(fixed, np.flatnonzero(np.abs(turning_angles(border)) > np.radians(CORNER_DEG))).astype(np.int64)
     whole = np.arange(len(border))
     if len(kept) == len(border):
         return CoarseOutline(border, whole)

@@ -57,7 +57,7 @@ def delaunay_mesh(layout: Layout, edge_mm: float, seed: int = 0, graded: bool = 
     length = layout.arm_length
     frame = _Frame(
         outline_points(
-            layout.border, edge_mm, np.concatenate([layout.arm_tip, layout.centres, pins]), tolerance, np.zeros((0, 2))
+            layout.outline, edge_mm, np.concatenate([layout.arm_tip, layout.centres, pins]), tolerance, np.zeros((0, 2))
         ),
         length / np.maximum(np.rint(length / (GRADED * edge_mm if graded else edge_mm)), 2),
     )
@@ -135,10 +135,10 @@ def _merged(points: Floats, tolerance: float) -> tuple[Floats, Ints]:
 def _scattered(layout: Layout, points: Floats, edge_mm: float, seed: int) -> Floats:
     """A few random points inside, one edge away from all others; they make each seed's mesh different."""
     rng = np.random.default_rng(seed)
-    low, high = layout.border.min(axis=0), layout.border.max(axis=0)
+    low, high = layout.outline.min(axis=0), layout.outline.max(axis=0)
     scattered = low + (high - low) * rng.random((max(len(layout.centres), 8), 2))
     clear = cKDTree(points).query(scattered)[0] > 1.5 * edge_mm
-    clear &= inside(scattered, layout.border) & (distance_to_outline(scattered, layout.border) > edge_mm)
+    clear &= inside(scattered, layout.outline) & (distance_to_outline(scattered, layout.outline) > edge_mm)
     scattered = scattered[clear]
     close = cKDTree(scattered).query_pairs(edge_mm, output_type="ndarray")
     return np.delete(scattered, np.unique(close[:, 1]), axis=0)

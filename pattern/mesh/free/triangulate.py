@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from pattern.design.errors import MeshError
 from pattern.geometry.arrays import Floats, Ints
-from pattern.geometry.planar import among, distance_to_segment, triangle_areas
+from pattern.geometry.planar import distance_to_segment, is_in_sorted, triangle_areas
 
 # closer than this, relative to the extent of the input, points count as one and segments as touching
 TOLERANCE = 1e-8
@@ -205,7 +205,10 @@ def _check_result(p: Floats, t: Ints, s: Ints, area: float) -> None:
     codes = _codes(s, len(p))
     used = np.bincount(t.ravel(), minlength=len(p)) > 0
     if not (
-        used.all() and among(codes, edges).all() and among(edges[count == 1], np.sort(codes)).all() and count.max() <= 2
+        used.all()
+        and is_in_sorted(codes, edges).all()
+        and is_in_sorted(edges[count == 1], np.sort(codes)).all()
+        and count.max() <= 2
     ):
         raise MeshError("the mesh does not follow the segments")
 

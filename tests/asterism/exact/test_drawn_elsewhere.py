@@ -9,7 +9,7 @@ import pytest
 
 import asterism
 from pattern.design.design import Design
-from pattern.design.lattice import DEFAULT_SPACING
+from pattern.design.lattice import DEFAULT_SPACING_MM
 from pattern.geometry.rigid_fit import rigid_fit
 from pattern.layout.build import layout
 
@@ -27,7 +27,7 @@ def turned(degrees: float) -> np.ndarray:
 def drawn(shift: tuple[float, float] = (0.0, 0.0), turn_deg: float = 0.0) -> Design:
     """Unequal stars on five corners, held at three points, with their weight; turned, then shifted."""
     turn, at = turned(turn_deg), list(shift)
-    vectors = float(DEFAULT_SPACING) * np.array([[np.sqrt(0.75), 0.5], [0.0, 1.0]]) @ turn.T
+    vectors = float(DEFAULT_SPACING_MM) * np.array([[np.sqrt(0.75), 0.5], [0.0, 1.0]]) @ turn.T
     places = np.column_stack([0.8 * HELD @ turn.T + shift, np.zeros(len(HELD))])
     data = {
         "fabric": {"modulus_mpa": 2.0},

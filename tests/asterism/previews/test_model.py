@@ -53,7 +53,7 @@ def test_a_part_that_is_turned_off_is_another_model(part: str) -> None:
 def test_a_part_that_is_turned_off_changes_a_free_sheet(part: str) -> None:
     design = Design.from_dict(FREE)
     on, off = (Preview(design, plain_law(), model=model) for model in (PREVIEW_MODEL, without(part)))
-    points = np.vstack([on.sheet.layout.arm_tip, 0.99 * on.sheet.layout.border])
+    points = np.vstack([on.sheet.layout.arm_tip, 0.99 * on.sheet.layout.outline])
     assert np.abs(on.at(points).bumpy - off.at(points).bumpy).max() > 1e-6
 
 

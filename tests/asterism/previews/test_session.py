@@ -94,7 +94,7 @@ def test_bumps_are_as_high_as_the_law_says(curly: Preview, monkeypatch: pytest.M
 
 def test_the_shape_covers_the_whole_print(curly: Preview) -> None:
     shape, plan = curly.shape(), layout(CURLY)
-    assert shape.at(plan.border).shape == (6, 3)
+    assert shape.at(plan.outline).shape == (6, 3)
     assert len(shape.rods) == 3 * len(plan.centres) and len(shape.star_vertices) == len(plan.centres)
     assert shape.rod_fields["thickness_mm"] == pytest.approx(0.25)
     assert len(shape.rod_fields["arm"]) == len(shape.rod_edges)
@@ -237,16 +237,16 @@ def test_where_pins_leave_the_height_open_the_lowest_stands_at_zero() -> None:
     one, other = (design(stars={"length_mm": size}, pins=corners, mesh={"edge_mm": 4.0}) for size in (8.0, 8.4))
     preview = Preview(one)
     for stage in preview.edit(other):
-        held = preview.at(preview.sheet.layout.border, stage.x).smooth[:, 2]
+        held = preview.at(preview.sheet.layout.outline, stage.x).smooth[:, 2]
         assert held.min() == pytest.approx(0.0, abs=1e-9) and np.ptp(held) < 20.0
     fresh, exact = Preview(other).shape(), simulate(other)
     assert preview.shape().positions == pytest.approx(fresh.positions, abs=1e-3 * np.ptp(fresh.positions))
-    assert exact.at(preview.sheet.layout.border)[:, 2].min() == pytest.approx(0.0, abs=1e-9)
+    assert exact.at(preview.sheet.layout.outline)[:, 2].min() == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_held_border_is_where_it_is_held() -> None:
     preview = Preview(gallery.load("dome"), plain_law())
-    border = preview.sheet.layout.border
+    border = preview.sheet.layout.outline
     share = np.linspace(0, 1, 7)[:, None, None]
     rim = (border + share * (np.roll(border, -1, axis=0) - border)).reshape(-1, 2)
     places = preview.at(rim).smooth
@@ -257,7 +257,7 @@ def test_a_held_border_is_where_it_is_held() -> None:
 def test_bumps_leave_what_is_held_in_its_place(pin: dict[str, Any]) -> None:
     stars = {"length_mm": 8.0, "thickness_mm": 0.3}
     preview = Preview(design(stars=stars, border={"rings": 1}, pins=[pin | {"scale": 0.78}]))
-    border = preview.sheet.layout.border
+    border = preview.sheet.layout.outline
     held = np.array(pin.get("points_mm") or np.concatenate([border, 0.5 * (border + np.roll(border, 1, axis=0))]))
     found = preview.at(held)
     assert found.bumpy == pytest.approx(np.column_stack([0.78 * held, np.zeros(len(held))]), abs=1e-9)
@@ -286,7 +286,7 @@ def test_targets_and_later_steps() -> None:
 @pytest.mark.parametrize("turn", [("z", 180.0), ("x", 90.0), ("y", 150.0)])
 def test_pins_that_are_turned_in_space_turn_the_shape(turn: tuple[str, float]) -> None:
     """Stood upright or laid on its back: without weight the energy is the same."""
-    corners = layout(design()).border[::2]
+    corners = layout(design()).outline[::2]
     places = np.column_stack([0.8 * corners, np.zeros(3)])
     turned = places @ Rotation.from_euler(*turn, degrees=True).as_matrix().T
     one, other = (
@@ -358,7 +358,7 @@ def test_a_sheet_weighs_what_is_printed(border: dict[str, Any]) -> None:
     pulled = pulled @ sheet.loads()[:, 2]
     volume = (plan.arm_length * plan.arm_thickness.mean(axis=1) * plan.arm_width.mean(axis=1)).sum()
     plastic = 1e-9 * heavy.plastic.density_kg_m3 * volume
-    fabric = heavy.fabric.printed_mass * polygon_area(plan.border)
+    fabric = heavy.fabric.printed_mass * polygon_area(plan.outline)
     assert pulled == pytest.approx(-9.81 * (plastic + fabric), rel=2e-3)
 
 

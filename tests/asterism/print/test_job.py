@@ -161,7 +161,7 @@ def test_wider_arms_that_run_into_each_other_are_refused() -> None:
 
 def test_needles_along_edges_are_evenly_spaced_and_not_doubled() -> None:
     one = job(design(pins=[{"edges": [0, 1], "scale": 0.8}]), needle_spacing_mm=10.0)
-    corners = one.plan.border[[0, 1, 2]]
+    corners = one.plan.outline[[0, 1, 2]]
     printed = np.array([needle.printed for needle in one.needles])
     side = np.linalg.norm(corners[1] - corners[0])
     pieces = int(np.ceil(side / 10.0))
@@ -183,7 +183,7 @@ def test_needles_that_slide_need_a_shape() -> None:
     fixed, free = needles(plan, 20.0, flat)
     assert fixed.place == pytest.approx([1.0, 2.0, 3.0])
     # x and y from the shape, z held on the ground
-    assert free.place == pytest.approx([*(0.5 * plan.border[3]), 0.0])
+    assert free.place == pytest.approx([*(0.5 * plan.outline[3]), 0.0])
 
 
 def test_needles_that_slide_along_z_have_a_place_and_no_height(tmp_path: Path) -> None:

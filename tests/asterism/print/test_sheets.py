@@ -134,7 +134,7 @@ def test_dxf_has_the_right_sizes_on_the_right_layers(one: Job, folder: Path) -> 
         assert np.ptp(outline, axis=0) == pytest.approx(size, abs=SAME_MM)
         assert outline.mean(axis=0) == pytest.approx((0.0, 0.0), abs=SAME_MM)
     (cut,) = outlines("cut")
-    assert cut == pytest.approx(one.plan.border, abs=SAME_MM)
+    assert cut == pytest.approx(one.plan.outline, abs=SAME_MM)
     stars = sum(shapely.Polygon(outline).area for outline in outlines("stars"))
     assert stars == pytest.approx(one.stars[0].region.area, rel=1e-6)
     needles = [circle.dxf.center for circle in space.query("CIRCLE") if circle.dxf.layer == "needles"]

@@ -93,7 +93,7 @@ def test_a_tapered_arm_is_a_staircase_of_whole_layers() -> None:
 
 def test_the_printed_border_stays_outside_the_sheet_and_clear_of_stars() -> None:
     plan = job(design(pins=[]))
-    sheet = shapely.Polygon(plan.plan.border)
+    sheet = shapely.Polygon(plan.plan.outline)
     assert plan.border is not None
     assert plan.border.region.intersection(sheet).area < 1e-3 * plan.border.region.area
     assert plan.border.region.distance(plan.stars[0].region) >= plan.rounding.line_mm - 0.002
@@ -104,7 +104,7 @@ def test_the_printed_border_stays_outside_the_sheet_and_clear_of_stars() -> None
 
 def test_the_border_gives_way_to_plastic_that_reaches_over_it() -> None:
     plan = layout(design(pins=[]))
-    over = Terrace(0.2, shapely.Point(plan.border[0]).buffer(2.0))
+    over = Terrace(0.2, shapely.Point(plan.outline[0]).buffer(2.0))
     line = border_terrace(plan, [over], RULE)
     assert line.region.distance(over.region) >= RULE.line_mm - 0.002
 

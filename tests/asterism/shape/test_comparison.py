@@ -211,7 +211,7 @@ def test_cell_means_have_no_relief():
 def test_a_rise_counts_from_what_is_held_whatever_hangs_below_or_beside_it(side):
     """A vault on two sides, which lie 2 mm high, with a dent of 1 mm at a corner that is free."""
     of = design(pins=[{"edges": [0, 3], "scale": 0.8, "offset_mm": [0.0, 0.0, 2.0]}])
-    border = layout(of).border
+    border = layout(of).outline
     across = border[0] + border[1]
     across /= across @ border[0]
 

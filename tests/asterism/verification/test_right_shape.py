@@ -63,10 +63,10 @@ def test_profiles_of_an_l_stay_on_the_sheet() -> None:
     legs = [[-60, -60], [60, -60], [60, -32], [-32, -32], [-32, 60], [-60, 60]]
     border = {"polygon_mm": legs, "star_margin_mm": 3}
     plan = layout(Design.from_dict({"stars": {"length_mm": 8.0}, "border": border}))
-    assert not inside(plan.centres.mean(axis=0)[None], plan.border)[0]
+    assert not inside(plan.centres.mean(axis=0)[None], plan.outline)[0]
     seen: list[np.ndarray] = []
     sheet = SimpleNamespace(at=seen.append)
     for direction in np.eye(2):
         profile_cut(SimpleNamespace(layout=plan, reference=sheet, other=sheet), direction)  # type: ignore[arg-type]
-    assert len(seen) == 4 and all(inside(points, plan.border).all() for points in seen)
+    assert len(seen) == 4 and all(inside(points, plan.outline).all() for points in seen)
     assert all(np.ptp(points, axis=0).max() > 25.0 for points in seen)

@@ -19,7 +19,7 @@ from pattern import gallery
 from pattern.design.design import Design
 from pattern.geometry.normals import vertex_normals
 from pattern.layout.build import layout
-from pattern.layout.likeness import distances
+from pattern.layout.symmetric_distance import symmetric_distances
 from pattern.layout.symmetries import Symmetry, symmetries
 from pattern.mesh.meshing import mesh_layout
 
@@ -57,12 +57,12 @@ def test_images_of_a_shape_have_its_energy_and_are_no_distance_away() -> None:
     for symmetry in same:
         other = image(m, state, symmetry)
         assert m.energy(other) == pytest.approx(m.energy(state), rel=1e-10)
-        apart = distances(state.positions[centres], other.positions[centres], same)
+        apart = symmetric_distances(state.positions[centres], other.positions[centres], same)
         assert apart.min() < 1e-9
         assert np.sort(apart)[1] > 0.05
     # reflected in space only, it is another shape: its stars are elsewhere on the sheet
     kept = State(state.positions @ MIRROR, state.directors @ MIRROR)
-    assert distances(state.positions[centres], kept.positions[centres], same[:1])[0] > 0.05
+    assert symmetric_distances(state.positions[centres], kept.positions[centres], same[:1])[0] > 0.05
 
 
 @pytest.mark.parametrize("bend", ["roll", "dome", "saddle"])

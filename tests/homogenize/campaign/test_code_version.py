@@ -8,12 +8,14 @@ from pathlib import Path
 
 from homogenize.campaign.code_version import SOURCES
 
+PROFILE_FILES = ("axis", "formula", "linear", "picture", "radial", "table")
 # of pattern: what solves a cell imports these too, and takes no number from them
 ASIDE = (
     # designs and their files: what they say is among the inputs that a sample is named by
     *("design.arguments", "design.design", "design.errors", "design.files", "design.section", "design.stars"),
     # sizes that vary, outlines and pins: a cell has none
-    *("design.border", "design.formula", "design.image", "design.pins", "design.sizing_fields"),
+    *("design.border", "design.pins", "design.sizing.field", "design.sizing.profile", "design.sizing.expression"),
+    *("design.sizing.grey_image", *(f"design.sizing.profiles.{key}" for key in PROFILE_FILES)),
 )
 
 

@@ -9,8 +9,8 @@ from homogenize.cell.arm_segments import arm_segments
 from homogenize.cell.star_torus import lattice_lines, star_torus
 from homogenize.cell.torus import torus_mesh
 from pattern.design.errors import MeshError
-from pattern.design.lattice import DIRECTIONS
 from pattern.geometry.planar import triangle_areas
+from pattern.geometry.plane_lattice import GRID_DIRECTIONS
 from tests.homogenize.cells import design
 
 VECTORS = np.asarray(design().lattice.vectors)
@@ -65,7 +65,7 @@ def test_hinges_are_between_triangles():
 def test_arms_that_overlap_are_refused():
     with pytest.raises(MeshError, match="overlap"):
         torus_mesh(VECTORS, np.arange(6), np.full(6, 9.0), 2.5)
-    assert len(torus_mesh(VECTORS, np.arange(6), np.full(6, 8.0), 2.5).rods) == len(DIRECTIONS)
+    assert len(torus_mesh(VECTORS, np.arange(6), np.full(6, 8.0), 2.5).rods) == len(GRID_DIRECTIONS)
 
 
 @pytest.mark.parametrize(

@@ -24,9 +24,10 @@ def test_nearest_site_is_the_nearest_of_all(first: tuple[float, float], second: 
     except ValueError:
         assume(False)
     points = np.random.default_rng(0).uniform(-80.0, 80.0, (100, 2))
-    sites = lattice.place(lattice.cells_within(points.min(axis=0) - 120.0, points.max(axis=0) + 120.0))
+    places = lattice.sites
+    sites = places.place(places.cells_within(points.min(axis=0) - 120.0, points.max(axis=0) + 120.0))
     least = np.linalg.norm(points[:, None] - sites, axis=2).min(axis=1)
-    assert np.allclose(np.linalg.norm(lattice.place(lattice.nearest(points)) - points, axis=1), least)
+    assert np.allclose(np.linalg.norm(places.place(places.nearest(points)) - points, axis=1), least)
 
 
 @pytest.mark.parametrize("basis", [[[17, 0], [0, 17]], [[14, 0], [4, 21]], [[15, 7.5], [0, 18]], [[14, 0], [7, 13]]])
@@ -40,6 +41,6 @@ def test_every_basis_becomes_the_same_kind(basis: Floats) -> None:
         assert a @ b > -1e-9 * (a @ a) and np.linalg.det(lattice.vectors) > 0
         assert sorted(np.linalg.norm(lattice.vectors, axis=1)) == pytest.approx(sorted(np.linalg.norm(basis, axis=1)))
         own = np.rint(cells @ basis @ np.linalg.inv(lattice.vectors)).astype(np.int64)
-        links = lattice.place(own)[lattice.neighbours(own)]
+        links = lattice.sites.place(own)[lattice.sites.neighbours(own)]
         ahead = np.round(links[:, 1] - links[:, 0], 6)
         assert len(links) and ((ahead[:, 0] > 0) | ((ahead[:, 0] == 0) & (ahead[:, 1] > 0))).all()

@@ -112,7 +112,7 @@ def test_pins_that_pull(tables, pulled):
     assert (
         layout(
             Design.from_dict({"stars": {"length_mm": 10}, "border": {"rectangle_mm": [100, 60]}, "pins": tables})
-        ).is_pulled
+        ).is_supported_in_plane
         == pulled
     )
 

@@ -105,7 +105,7 @@ def test_what_ends_at_a_held_side_and_what_is_pinned_stay() -> None:
     places = preview.at(mesh.points)
     corners = places.smooth[mesh.triangles], places.bumpy[mesh.triangles]
     smooth, bumpy = (np.linalg.norm(np.cross(c[:, 1] - c[:, 0], c[:, 2] - c[:, 0]), axis=1) for c in corners)
-    assert distance_to_outline(preview.sheet.layout.arm_tip, preview.sheet.layout.border).min() < 1.0
+    assert distance_to_outline(preview.sheet.layout.arm_tip, preview.sheet.layout.outline).min() < 1.0
     assert (bumpy / smooth).max() < 2.0
     pinned = sheet([{"points_mm": [[0.0, -4.0], [20.0, 20.0], [-20.0, 20.0]], "scale": 0.8}])
     out, lifted = pinned.sheet.arms.beside(np.array([[0.0, -4.0]]))
@@ -124,7 +124,7 @@ def _from_star(cell: Cell) -> np.ndarray:
     lattice = cell.design.lattice
     offset = cell.printed[: cell.torus.n_base] - cell.printed[cell.torus.star_vertices[0]]
     place = offset + np.asarray(lattice.origin_mm)
-    return np.asarray(offset - lattice.nearest(place) @ np.asarray(lattice.vectors))
+    return np.asarray(offset - lattice.sites.nearest(place) @ np.asarray(lattice.vectors))
 
 
 def test_tips_lie_further_out_by_what_the_sheet_shrinks_and_no_further_where_it_is_wider() -> None:

@@ -20,7 +20,6 @@ from asterism.previews.edges.free_rim import (
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.session import Preview
-from asterism.previews.supports.conditions import distance_to_held
 from pattern import gallery
 from pattern.design.design import Design
 from pattern.layout.build import layout
@@ -44,7 +43,7 @@ def test_normals_are_those_of_the_nearest_side_and_vanish_where_it_is_held() -> 
     free = layout(rectangle([]))
     expected = np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
     assert free_normals(free, places) == pytest.approx(expected)
-    middle = 0.5 * (free.border + np.roll(free.border, -1, axis=0))
+    middle = 0.5 * (free.outline + np.roll(free.outline, -1, axis=0))
     held = int(middle[:, 0].argmax())
     plan = layout(rectangle([{"edges": [held], "scale": 0.8}]))
     assert free_normals(plan, places) == pytest.approx(expected * np.array([[0.0], [1.0], [1.0], [1.0]]))
@@ -83,7 +82,7 @@ def test_the_bare_rim_lies_as_low_as_the_tips() -> None:
 
 def test_free_rims_go_on_down_by_their_distance_from_the_stars() -> None:
     free, held = layout(rectangle([])), layout(rectangle([{"where": "border", "scale": 0.78}]))
-    corner = free.border.max(axis=0)
+    corner = free.outline.max(axis=0)
     far = np.linalg.norm(free.centres - corner, axis=1).min() - 0.5 * SPACING
     assert far > 0.0
     places = np.vstack([corner, free.centres[0]])
@@ -112,7 +111,7 @@ def test_rims_of_free_sheets_turn_down_and_those_of_held_ones_stay(
     design = rectangle(pins)
     plan = layout(design)
     # a little inside of each side, in its middle
-    middle = 0.97 * 0.5 * (plan.border + np.roll(plan.border, -1, axis=0))
+    middle = 0.97 * 0.5 * (plan.outline + np.roll(plan.outline, -1, axis=0))
 
     def tilt(model: PreviewModel) -> np.ndarray:
         normals = Preview(design, plain_law(), model=model).at(np.vstack([0.6 * middle, middle])).surface.normals
@@ -129,7 +128,7 @@ def test_rims_of_free_sheets_turn_down_and_those_of_held_ones_stay(
 def test_the_rim_of_a_lone_star_is_as_deep_as_in_the_exact_model() -> None:
     design = Design.from_dict(gallery.load("star").to_dict() | {"mesh": {"edge_mm": 1.15}})
     preview = Preview(design)
-    tips, corners = preview.sheet.layout.arm_tip, preview.sheet.layout.border
+    tips, corners = preview.sheet.layout.arm_tip, preview.sheet.layout.outline
 
     def fall(places: Callable[[np.ndarray], np.ndarray]) -> float:
         """From the plane through the tips to the sheet's corners, mm."""
@@ -150,16 +149,16 @@ def test_outlines_of_many_corners_are_asked_in_pieces(monkeypatch: pytest.Monkey
     held = Design.from_dict(TUBE.to_dict() | {"pins": [{"edges": [0, 1]}, {"corners": [3], "scale": 0.9}]})
     plan = layout(held)
     points = np.random.default_rng(2).uniform(-60.0, 60.0, (300, 2))
-    whole = free_normals(plan, points), distance_to_held(plan, points)
-    monkeypatch.setattr("pattern.geometry.planar.TABLE", 100)
+    whole = free_normals(plan, points), plan.distance_to_supports(points)
+    monkeypatch.setattr("pattern.geometry.planar.MAX_TABLE_ENTRIES", 100)
     np.testing.assert_array_equal(free_normals(plan, points), whole[0])
-    np.testing.assert_array_equal(distance_to_held(plan, points), whole[1])
-    assert len(distance_to_held(plan, points[:0])) == 0 and np.isinf(distance_to_held(PLAN, points)).all()
+    np.testing.assert_array_equal(plan.distance_to_supports(points), whole[1])
+    assert len(plan.distance_to_supports(points[:0])) == 0 and np.isinf(PLAN.distance_to_supports(points)).all()
 
 
 def test_a_side_in_pieces_is_one_side() -> None:
     """Held at a corner it keeps no curl along its whole length, however many corners lie on it."""
-    corners = PLAN.border
+    corners = PLAN.outline
     pieces = np.concatenate(
         [np.linspace(a, b, 5)[:-1] for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True)]
     )

@@ -54,7 +54,7 @@ def test_sides_that_slide_are_moved_along_what_is_held_only() -> None:
 def test_straight_sides_are_held_by_the_shell() -> None:
     data = gallery.load("dome").to_dict()
     preview = Preview(Design.from_dict(data), plain_law())
-    points = 0.99 * preview.sheet.layout.border
+    points = 0.99 * preview.sheet.layout.outline
     np.testing.assert_allclose(preview.at(points).smooth, on_shell(preview, points), atol=1e-9)
 
 

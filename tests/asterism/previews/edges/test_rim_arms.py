@@ -82,7 +82,7 @@ def test_corners_under_arms_hang_from_a_free_hexagon() -> None:
         }
     )
     exact = simulate(design)
-    corners = 0.99 * Preview(design).sheet.layout.border
+    corners = 0.99 * Preview(design).sheet.layout.outline
 
     def turns(places: np.ndarray) -> float:
         """mm, by how much three corners of the hexagon lie higher than the other three."""
@@ -106,7 +106,7 @@ def test_a_wide_rim_hangs_under_the_arms_that_point_into_it() -> None:
         }
     )
     exact = simulate(design)
-    border = Preview(design).sheet.layout.border
+    border = Preview(design).sheet.layout.outline
     corners = 0.98 * border[np.argsort(border[:, 1])]
 
     def hang(places: np.ndarray) -> float:

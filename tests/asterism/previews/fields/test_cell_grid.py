@@ -38,7 +38,7 @@ def test_the_nearest_star_owns_a_place() -> None:
 def test_counts_tell_inside_from_outside_in_a_dented_sheet() -> None:
     plan = layout(DENTED)
     grid = CellGrid(plan, DENTED.lattice, 0.7, 5.0)
-    inside = shapely.contains_xy(shapely.polygons(plan.border), points(grid).reshape(-1, 2)).reshape(grid.count.shape)
+    inside = shapely.contains_xy(shapely.polygons(plan.outline), points(grid).reshape(-1, 2)).reshape(grid.count.shape)
     assert np.array_equal(grid.count, np.where(inside, 1.0, OFF))
 
 

@@ -29,13 +29,13 @@ def bordered(polygon: list[list[float]]) -> Layout:
 def test_a_whole_pattern_has_no_holes() -> None:
     plan = layout(TUBE)
     assert len(hole_sites(plan)) == 0
-    assert not in_holes(plan, plan.border).any()
+    assert not in_holes(plan, plan.outline).any()
 
 
 def test_places_nearer_to_a_removed_star_than_to_others_are_in_its_hole() -> None:
     plan = layout(without(0))
     assert hole_sites(plan) == pytest.approx(np.zeros((1, 2)), abs=1e-9)
-    there = np.array([[0.0, 0.0], [0.0, 0.49 * SPACING], [0.0, 0.51 * SPACING], plan.border[0]])
+    there = np.array([[0.0, 0.0], [0.0, 0.49 * SPACING], [0.0, 0.51 * SPACING], plan.outline[0]])
     assert in_holes(plan, there).tolist() == [True, True, False, False]
 
 

@@ -84,7 +84,7 @@ def test_a_tongue_narrower_than_the_grid_has_an_answer() -> None:
 
 def test_long_arms_reach_out_of_their_cells_and_short_ones_do_not() -> None:
     cells = StarCells(PLAN, TUBE.lattice)
-    corner = PLAN.border[np.abs(PLAN.border).argmax(axis=0)[0]]
+    corner = PLAN.outline[np.abs(PLAN.outline).argmax(axis=0)[0]]
     line = np.linspace(0.0, 1.0, 400)[:, None] * corner
     shares = cells.shares(line)
     spacing = TUBE.lattice.spacing_mm

@@ -111,7 +111,7 @@ def test_a_held_sheet_that_is_soft_in_two_ways_is_pushed_to_a_lower_form() -> No
     assert found.is_minimum and found.guess == "pushed" and cap.name == "cap"
     assert found.energy < 0.97 * cap.energy
     assert {trial.name for trial in others} == {"pushed"}
-    corners = preview.at(0.999 * preview.sheet.layout.border).smooth[:, 2]
+    corners = preview.at(0.999 * preview.sheet.layout.outline).smooth[:, 2]
     assert (corners[1::2] < corners[::2] - 10.0).all()
 
 

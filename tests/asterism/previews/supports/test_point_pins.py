@@ -8,7 +8,6 @@ import pytest
 from asterism.exact.simulation import simulate
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.session import Preview
-from asterism.previews.supports.conditions import pinned_points
 from asterism.previews.supports.point_pins import amounts_of, softened
 from asterism.shape.comparison import compare
 from benchmarks.point_pins import TURNED_DEG, exact_stiffness, measured, shell_stiffness
@@ -98,10 +97,10 @@ def test_an_edited_mesh_is_that_of_a_new_preview() -> None:
 
 
 def test_only_points_that_are_held_along_the_print_count() -> None:
-    assert len(pinned_points(layout(pinned()))) == 4
-    assert len(pinned_points(layout(pinned(slide="z")))) == 4
-    assert len(pinned_points(layout(pinned(slide="plane")))) == 0
-    assert len(pinned_points(layout(pinned(edges=[0, 1], scale=0.85)))) == 0
+    assert len(layout(pinned()).in_plane_pin_points) == 4
+    assert len(layout(pinned(slide="z")).in_plane_pin_points) == 4
+    assert len(layout(pinned(slide="plane")).in_plane_pin_points) == 0
+    assert len(layout(pinned(edges=[0, 1], scale=0.85)).in_plane_pin_points) == 0
 
 
 def test_a_sheet_without_them_has_the_fields_of_its_law() -> None:

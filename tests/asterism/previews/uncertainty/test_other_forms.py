@@ -13,7 +13,7 @@ from asterism.previews.uncertainty.distance_error import distance_error_percent
 from asterism.previews.uncertainty.other_forms import OtherForm, close_form, other_forms
 from fem.search.evidence import Trial
 from pattern.design.design import Design
-from pattern.layout.likeness import distances
+from pattern.layout.symmetric_distance import symmetric_distances
 from pattern.layout.symmetries import Symmetry
 from tests.asterism.previews.laws import plain_law
 
@@ -80,9 +80,9 @@ def test_forms_are_told_from_each_other_and_measured_from_the_one_that_is_shown(
     state = SimpleNamespace(equilibrium=shown, sheet=SimpleNamespace(space=space), layout=plan, symmetries=same)
     (found,) = other_forms(state, 100.0)  # type: ignore[arg-type]
     assert (found.start, found.energy_n_mm, found.gap) == ("arc 1", 11.0, 1.0 / 20.0)
-    assert found.distance_percent == pytest.approx(distances(rolls[0], rolls[1], same)[0])
+    assert found.distance_percent == pytest.approx(symmetric_distances(rolls[0], rolls[1], same)[0])
     # a third one beside the second, further from it than EQUAL
     shown.trials.append(Trial("arc 3", 14.0, True, 1, 1.1 * rolls[1]))
     third = other_forms(state, 100.0)[1]  # type: ignore[arg-type]
-    apart = [distances(roll, 1.1 * rolls[1], same)[0] for roll in rolls[:2]]
+    apart = [symmetric_distances(roll, 1.1 * rolls[1], same)[0] for roll in rolls[:2]]
     assert third.distance_percent == pytest.approx(apart[0]) and apart[1] < 0.9 * apart[0]

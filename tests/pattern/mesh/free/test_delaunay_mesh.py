@@ -48,7 +48,7 @@ def test_edges_are_as_long_as_wished(edge):
     """As many triangles as equilateral ones of that edge would fill the sheet, within a quarter."""
     sheet = rings(2, 10.0)
     mesh = delaunay_mesh(sheet, edge)
-    assert len(mesh.triangles) == pytest.approx(polygon_area(sheet.border) / (np.sqrt(3) / 4 * edge**2), rel=0.25)
+    assert len(mesh.triangles) == pytest.approx(polygon_area(sheet.outline) / (np.sqrt(3) / 4 * edge**2), rel=0.25)
 
 
 @pytest.mark.parametrize("border", [L_SHAPE, SLANTED, RECTANGLE, ROUND])

@@ -12,8 +12,8 @@ import numpy as np
 
 from pattern.geometry.arrays import Floats
 
-LONGEST = 500
-DEEPEST = 40
+MAX_CHARACTERS = 500
+MAX_NESTING = 40
 VARIABLES = ("x", "y", "r", "theta")
 CONSTANTS = {"pi": np.pi}
 
@@ -51,12 +51,12 @@ _FUNCTIONS: dict[str, tuple[Callable[..., Any], int]] = {
 }
 
 
-class FormulaError(ValueError):
+class ExpressionError(ValueError):
     """What is wrong with a formula."""
 
 
 def check(text: str) -> None:
-    """Raise `FormulaError` unless the formula is made of known names, numbers and operations."""
+    """Raise `ExpressionError` unless the formula is made of known names, numbers and operations."""
     evaluate(text, {name: np.ones(1) for name in VARIABLES})
 
 
@@ -70,20 +70,20 @@ def evaluate(text: str, variables: Mapping[str, Floats]) -> Floats:
 
 
 def _parsed(text: str) -> ast.expr:
-    if len(text) > LONGEST:
-        raise FormulaError(f"must be at most {LONGEST} characters long")
+    if len(text) > MAX_CHARACTERS:
+        raise ExpressionError(f"must be at most {MAX_CHARACTERS} characters long")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             return ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
-        raise FormulaError("is not a formula: check brackets and operators (powers are **)") from None
+        raise ExpressionError("is not a formula: check brackets and operators (powers are **)") from None
 
 
 def _value(node: ast.expr, variables: Mapping[str, Floats], depth: int) -> Any:
     """Floating-point value of a node; powers overflow to inf, they never grow."""
-    if depth > DEEPEST:
-        raise FormulaError(f"must be nested at most {DEEPEST} deep")
+    if depth > MAX_NESTING:
+        raise ExpressionError(f"must be nested at most {MAX_NESTING} deep")
 
     def inner(child: ast.expr) -> Any:
         return _value(child, variables, depth + 1)
@@ -95,12 +95,12 @@ def _value(node: ast.expr, variables: Mapping[str, Floats], depth: int) -> Any:
             try:
                 return np.float64(number)
             except OverflowError:
-                raise FormulaError("has a number too large to work with") from None
+                raise ExpressionError("has a number too large to work with") from None
         case ast.Name(id=name) if name in variables or name in CONSTANTS:
             return variables[name] if name in variables else np.float64(CONSTANTS[name])
         case ast.Name(id=name):
             known = ", ".join([*VARIABLES, *CONSTANTS])
-            raise FormulaError(f"has an unknown name {name}; known are {known}")
+            raise ExpressionError(f"has an unknown name {name}; known are {known}")
         case ast.BinOp(left=left, op=op, right=right) if type(op) in _BINARY:
             # a sum of many terms is nested to the left, and is not deep
             return _BINARY[type(op)](_value(left, variables, depth), inner(right))
@@ -111,14 +111,14 @@ def _value(node: ast.expr, variables: Mapping[str, Floats], depth: int) -> Any:
         case ast.Call(func=ast.Name(id=name), args=arguments, keywords=[]) if name in _FUNCTIONS:
             function, count = _FUNCTIONS[name]
             if len(arguments) != count:
-                raise FormulaError(f"has {name} with {len(arguments)} arguments, it takes {count}")
+                raise ExpressionError(f"has {name} with {len(arguments)} arguments, it takes {count}")
             return function(*(inner(argument) for argument in arguments))
         case ast.Call(func=ast.Name(id=name)) if name in _FUNCTIONS:
-            raise FormulaError(f"has {name} with arguments by name, it takes them in order")
+            raise ExpressionError(f"has {name} with arguments by name, it takes them in order")
         case ast.Call(func=ast.Name(id=name)):
-            raise FormulaError(f"has an unknown function {name}; known are {', '.join(_FUNCTIONS)}")
+            raise ExpressionError(f"has an unknown function {name}; known are {', '.join(_FUNCTIONS)}")
         case _:
             pass
-    raise FormulaError(
+    raise ExpressionError(
         "may only hold numbers, + - * / % **, < <= > >=, brackets and the known functions; powers are **"
     )

@@ -7,7 +7,7 @@ from pydantic import TypeAdapter
 
 from pattern.design.design import Design, save_design
 from pattern.design.errors import DesignError
-from pattern.design.sizing_fields import SizingField, sample
+from pattern.design.sizing.field import SizingField, sample
 from pattern.layout.load_design import load_design
 
 POINTS = np.array([[0.0, 0.0], [5.0, 0.0], [0.0, -10.0], [30.0, 40.0]])

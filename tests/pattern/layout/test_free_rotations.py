@@ -9,13 +9,13 @@ import pytest
 
 from pattern.design.design import Design
 from pattern.layout.build import layout
-from pattern.layout.pin_freedom import free_turns, tilts
+from pattern.layout.free_rotations import count_free_tilts, free_rotation_axes
 
 
 def turns(*pins: dict[str, Any]) -> tuple[np.ndarray, int]:
     border = {"rectangle_mm": [100, 60]}
     plan = layout(Design.from_dict({"stars": {"length_mm": 8}, "border": border, "pins": list(pins)}))
-    return free_turns(plan), tilts(plan)
+    return free_rotation_axes(plan), count_free_tilts(plan)
 
 
 @pytest.mark.parametrize("target", [[30.0, 5.0, 0.0], [30.0, 5.0, 20.0], [8.0, -20.0, 35.0]])

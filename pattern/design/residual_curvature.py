@@ -1,24 +1,25 @@
-"""The curvature that plastic keeps when it is peeled off its fabric: one number, or a table over the thickness."""
+"""Residual curvature: the curvature of plastic that is peeled off its fabric."""
 
 from __future__ import annotations
 
 from typing import Annotated, Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from pattern.design.errors import DesignError
 from pattern.design.section import Number, Section
+from pattern.geometry.arrays import Floats
 
-PerMm = Annotated[Number, Field(ge=-1, le=1)]
+CurvaturePerMm = Annotated[Number, Field(ge=-1, le=1)]
 
 
-class KeptCurvature(Section):
-    """Curvature over the plastic's thickness, linear between the entries, constant beyond them."""
+class ResidualCurvature(Section):
+    """Residual curvature over the thickness of the plastic, linear between the entries, constant beyond them."""
 
     thickness_mm: tuple[Number, ...] = Field(min_length=1, max_length=100)
-    per_mm: tuple[PerMm, ...] = Field(min_length=1, max_length=100)
+    per_mm: tuple[CurvaturePerMm, ...] = Field(min_length=1, max_length=100)
 
     @model_validator(mode="after")
     def _is_a_table(self) -> Self:
@@ -29,19 +30,26 @@ class KeptCurvature(Section):
         return self
 
 
-def _is_table(value: Any) -> str:
+def _branch(value: Any) -> str:
     return "kind:table" if isinstance(value, dict | Section) else "kind:number"
 
 
 # a number, or a table over the thickness
 KappaBar = Annotated[
-    Annotated[PerMm, Tag("kind:number")] | Annotated[KeptCurvature, Tag("kind:table")], Discriminator(_is_table)
+    Annotated[CurvaturePerMm, Tag("kind:number")] | Annotated[ResidualCurvature, Tag("kind:table")],
+    Discriminator(_branch),
 ]
 
 
-def kept_curvature(thickness_mm: ArrayLike, kappa_bar: float | KeptCurvature) -> NDArray[np.float64]:
-    """Curvature (1/mm) of peeled plastic of the given thicknesses (...); positive bends the tips down."""
+def residual_curvature(thickness_mm: ArrayLike, kappa_bar: float | ResidualCurvature) -> Floats:
+    """(...) 1/mm, residual curvature of plastic of the thicknesses (...); positive bends the tips down.
+
+    Examples
+    --------
+    >>> residual_curvature([0.2, 0.3], 0.01).tolist()
+    [0.01, 0.01]
+    """
     h1 = np.asarray(thickness_mm, dtype=float)
-    if isinstance(kappa_bar, KeptCurvature):
+    if isinstance(kappa_bar, ResidualCurvature):
         return np.asarray(np.interp(h1, kappa_bar.thickness_mm, kappa_bar.per_mm))
     return np.full(h1.shape, float(kappa_bar))

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pattern.design.formula import FormulaError, check, evaluate
+from pattern.design.sizing.expression import ExpressionError, check, evaluate
 
 AT = {
     "x": np.array([3.0, -1.0]),
@@ -49,7 +49,7 @@ def test_values(text, expected):
     ],
 )  # fmt: skip
 def test_refused(text):
-    with pytest.raises(FormulaError):
+    with pytest.raises(ExpressionError):
         check(text)
 
 
@@ -63,17 +63,17 @@ def test_no_value_is_not_finite_and_quick(text):
 def test_any_text_is_a_value_or_refused(text):
     try:
         values = evaluate(text, AT)
-    except FormulaError:
+    except ExpressionError:
         return
     assert values.shape == (2,) and values.dtype == float
 
 
 def test_long_sums_are_not_deep() -> None:
     assert evaluate("+".join(["0.1*x"] * 80), AT) == pytest.approx(8.0 * AT["x"])
-    with pytest.raises(FormulaError, match="nested at most 40 deep"):
+    with pytest.raises(ExpressionError, match="nested at most 40 deep"):
         check("-" * 60 + "1")
 
 
 def test_functions_take_their_arguments_in_order() -> None:
-    with pytest.raises(FormulaError, match="has min with arguments by name"):
+    with pytest.raises(ExpressionError, match="has min with arguments by name"):
         check("min(x=1, y=2)")

@@ -7,7 +7,8 @@ import pytest
 
 from pattern.design.design import Design
 from pattern.layout.build import layout
-from pattern.layout.likeness import distances, rolled_about
+from pattern.layout.roll_axis import roll_axis_from_normals
+from pattern.layout.symmetric_distance import symmetric_distances
 from pattern.layout.symmetries import Symmetry
 
 
@@ -18,7 +19,7 @@ def test_rolls_are_seen_on_lattices_of_two_lengths(second: list[float]) -> None:
     plan = layout(Design.from_dict({"lattice": lattice, "stars": {"length_mm": 6.0}, "border": border}))
     turn = plan.centres[:, 1] / 25.0
     normal = np.column_stack([0.0 * turn, np.sin(turn), np.cos(turn)])
-    axis = rolled_about(plan, normal)
+    axis = roll_axis_from_normals(plan, normal)
     assert axis is not None and min(axis, 180.0 - axis) < 1.0
 
 
@@ -30,12 +31,12 @@ def test_a_wave_is_no_roll(waves: float, is_roll: bool) -> None:
     turn = 1.2 * np.sin(2.0 * np.pi * waves * x / 200.0) if waves else x / 60.0
     normal = np.column_stack([np.sin(turn), 0.0 * turn, np.cos(turn)])
     for nearly in (False, True):
-        assert (rolled_about(plan, normal, nearly) is not None) is is_roll
+        assert (roll_axis_from_normals(plan, normal, nearly) is not None) is is_roll
 
 
 def test_a_star_of_the_second_shape_stands_where_the_symmetry_takes_it() -> None:
     """A third of a turn takes star 0 to where star 1 was; the other way round it is another symmetry."""
     first = np.random.default_rng(0).normal(size=(6, 3))
     there, back = np.array([1, 2, 0, 4, 5, 3]), np.array([2, 0, 1, 5, 3, 4])
-    found = distances(first, first[back], [Symmetry(np.eye(2), np.zeros(2), star) for star in (there, back)])
+    found = symmetric_distances(first, first[back], [Symmetry(np.eye(2), np.zeros(2), star) for star in (there, back)])
     assert found[0] == pytest.approx(0.0, abs=1e-9) and found[1] > 0.1

@@ -1,0 +1,1 @@
+"""Sizing profiles: quantities that vary over the sheet."""

@@ -1,0 +1,29 @@
+"""Sizes that vary with the distance from a centre line."""
+
+from __future__ import annotations
+
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from pattern.design.section import Point
+from pattern.design.sizing.profile import DistanceMm, GradientProfile
+from pattern.geometry.arrays import Floats
+
+
+class AxisProfile(GradientProfile):
+    """From the value on the centre line to the value at `over_mm` on both sides of it.
+
+    `axis = "x"` varies along x: the distance is |x - centre x|.
+    """
+
+    key: ClassVar[str] = "axis"
+    profile: Literal["axis"]
+    axis: Literal["x", "y"]
+    over_mm: DistanceMm
+    centre_mm: Point = (0.0, 0.0)
+
+    def at(self, points: Floats) -> Floats:
+        """(n,) values at the printed points (n, 2) mm."""
+        component = "xy".index(self.axis)
+        return self._between(np.abs(points[:, component] - self.centre_mm[component]) / self.over_mm)

@@ -1,0 +1,35 @@
+"""Sizes that vary along a line."""
+
+from __future__ import annotations
+
+from typing import ClassVar, Literal, Self
+
+import numpy as np
+from pydantic import model_validator
+
+from pattern.design.errors import DesignError
+from pattern.design.section import Point
+from pattern.design.sizing.profile import GradientProfile
+from pattern.geometry.arrays import Floats
+
+MIN_GRADIENT_LENGTH_MM = 1e-6
+
+
+class LinearProfile(GradientProfile):
+    """From the value at `start_mm` to the value at `end_mm`, constant across."""
+
+    key: ClassVar[str] = "linear"
+    profile: Literal["linear"]
+    start_mm: Point
+    end_mm: Point
+
+    @model_validator(mode="after")
+    def _has_a_direction(self) -> Self:
+        if np.linalg.norm(np.subtract(self.end_mm, self.start_mm)) < MIN_GRADIENT_LENGTH_MM:
+            raise DesignError("end_mm", "must differ from start_mm", self.end_mm)
+        return self
+
+    def at(self, points: Floats) -> Floats:
+        """(n,) values at the printed points (n, 2) mm."""
+        way = np.subtract(self.end_mm, self.start_mm)
+        return self._between((points - np.asarray(self.start_mm)) @ way / (way @ way))

@@ -1,0 +1,46 @@
+"""Rigid rotations that the supports leave to a sheet."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pattern.geometry.arrays import Floats
+from pattern.layout.layout import Layout
+from pattern.layout.support_samples import support_samples
+
+# Of the size of the supports: a rotation that moves them by less leaves them in place.
+RIGID_MOTION_TOLERANCE = 1e-6
+
+
+def free_rotation_axes(layout: Layout) -> Floats:
+    """(k, 3) orthonormal axes of the rotations, with or without a translation, that all supports together leave free.
+
+    All three axes for a free sheet, no axis where the supports determine how it lies. Gravity plays no part.
+    """
+    printed, places, _ = support_samples(layout)
+    fixed = ~np.isnan(places)
+    if not fixed.any():
+        return np.eye(3)
+    # where the sheet slides, assume places near those of the print, at heights that no plane has
+    x, y = (printed - printed.mean(axis=0)).T / max(float(np.ptp(printed, axis=0).max()), 1e-9)
+    assumed = np.column_stack([printed, np.ptp(printed) * (0.07 * x**2 + 0.13 * y**2 + 0.09 * x * y)])
+    points = np.where(fixed, places, assumed)
+    arms = points - points.mean(axis=0)
+    size = max(float(np.abs(arms).max()), 1e-9)
+    rows = []
+    for (ax, ay, az), held in zip(arms / size, fixed, strict=True):
+        # a rotation w moves the point by w x arm
+        rotation = np.array([[0.0, az, -ay], [-az, 0.0, ax], [ay, -ax, 0.0]])
+        rows.append(np.hstack([np.eye(3), rotation])[held])
+    _, sizes, motions = np.linalg.svd(np.concatenate(rows))
+    free = motions[np.count_nonzero(sizes > RIGID_MOTION_TOLERANCE) :]
+    _, sizes, axes = np.linalg.svd(free[:, 3:])
+    return np.asarray(axes[: np.count_nonzero(sizes > RIGID_MOTION_TOLERANCE)])
+
+
+def count_free_tilts(layout: Layout) -> int:
+    """Number of independent horizontal axes about which the supports let the sheet rotate.
+
+    If it is above 0, only gravity determines how the sheet lies.
+    """
+    return int(np.linalg.matrix_rank(free_rotation_axes(layout)[:, :2], RIGID_MOTION_TOLERANCE))

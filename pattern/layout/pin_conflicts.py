@@ -1,0 +1,115 @@
+"""Conflicts between pins: no place is held twice, and pins that share a corner must hold it in the same way."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+
+from pattern.design.errors import DesignError
+from pattern.geometry.arrays import Floats
+from pattern.layout.pin_placement import PIN_TOLERANCE_MM, rounded_place
+from pattern.layout.supports import PinSet, all_points, set_of_point
+
+
+class _Conflict(NamedTuple):
+    """An error, and the number of the pin set that it is reported for."""
+
+    number: int
+    error: DesignError
+
+
+def check_conflicts(sets: Sequence[PinSet], corners: Floats) -> None:
+    """Refuse a place that is held twice. Edges of two sets may share a corner that both hold in the same way.
+
+    Parameters
+    ----------
+    corners : (B, 2) mm, the outline.
+
+    Raises
+    ------
+    DesignError
+        Of several conflicts, that of the first set.
+    """
+    sets = tuple(sets)
+    tolerance = 1e-6 * float(np.ptp(corners, axis=0).max())
+    # corners of a finely drawn outline may be closer than a pin is thick
+    shortest = float(np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1).min())
+    distance = max(tolerance, min(PIN_TOLERANCE_MM, 0.99 * shortest))
+    conflicts = [*_points_twice(sets, distance), *_edges_twice(sets)]
+    conflicts += _points_on_edges(sets, corners, distance, tolerance)
+    conflicts += _corners_differ(sets, corners, tolerance)
+    if conflicts:
+        raise min(conflicts, key=lambda conflict: conflict.number).error
+
+
+def _repeated(new: int, old: int, value: object) -> _Conflict:
+    return _Conflict(new, DesignError(f"pins[{new}]", f"must not hold what pins[{old}] holds already", value))
+
+
+def _points_twice(sets: tuple[PinSet, ...], distance: float) -> Iterator[_Conflict]:
+    """Points closer to each other than `distance` (mm)."""
+    points, owner = all_points(sets), set_of_point(sets)
+    if len(points) < 2:
+        return
+    from scipy.spatial import cKDTree  # slow to import; designs without pins do without it
+
+    # one partner for each point is enough, however many points share a place
+    away, near = cKDTree(points).query(points, k=2, distance_upper_bound=distance * (1.0 + 1e-12))
+    number = np.arange(len(points))
+    partner = np.where((near[:, 0] == number) | np.isinf(away[:, 0]), near[:, 1], near[:, 0])
+    close = partner < len(points)
+    pairs = np.sort(np.column_stack([number, partner])[close], axis=1)
+    for first, second in pairs[np.lexsort(pairs.T)][:1].tolist():
+        if owner[first] == owner[second]:
+            allowed = f"must not hold the same place twice, within {distance:.2g} mm"
+            error = DesignError(f"pins[{owner[second]}]", allowed, rounded_place(points[second]))
+            yield _Conflict(int(owner[second]), error)
+        else:
+            yield _repeated(int(owner[second]), int(owner[first]), rounded_place(points[second]))
+
+
+def _edges_twice(sets: tuple[PinSet, ...]) -> Iterator[_Conflict]:
+    holder: dict[int, int] = {}
+    for number, pins in enumerate(sets):
+        for edge in sorted(pins.edges):
+            if edge in holder:
+                yield _repeated(number, holder[edge], f"edge {edge}")
+            holder.setdefault(edge, number)
+
+
+def _points_on_edges(
+    sets: tuple[PinSet, ...], corners: Floats, distance: float, tolerance: float
+) -> Iterator[_Conflict]:
+    """Points closer to a held edge than `distance` (mm), or on it within `tolerance` (mm) for earlier points."""
+    points, owner = all_points(sets), set_of_point(sets)
+    edges = np.array([edge for pins in sets for edge in pins.edges], dtype=int)
+    holder = np.array([number for number, pins in enumerate(sets) for _ in pins.edges], dtype=int)
+    if not (len(points) and len(edges)):
+        return
+    lines = shapely.linestrings(np.stack([corners[edges], np.roll(corners, -1, axis=0)[edges]], axis=1))
+    point, line = shapely.STRtree(lines).query(shapely.points(points), predicate="dwithin", distance=distance)
+    away = shapely.distance(shapely.points(points[point]), lines[line])
+    # an edge may begin beside a point of an earlier set
+    conflict = (owner[point] > holder[line]) | (away <= tolerance)
+    for k, edge in sorted(zip(point[conflict], line[conflict], strict=True)):
+        old, new = sorted((int(owner[k]), int(holder[edge])))
+        yield _repeated(new, old, rounded_place(points[k]))
+
+
+def _corners_differ(sets: tuple[PinSet, ...], corners: Floats, tolerance: float) -> Iterator[_Conflict]:
+    """Corners between held edges of two sets that hold them in different directions or at different places."""
+    holder: dict[int, int] = {}
+    for number, new in enumerate(sets):
+        for corner in sorted({corner % len(corners) for edge in new.edges for corner in (edge, edge + 1)}):
+            first = holder.setdefault(corner, number)
+            if first == number:
+                continue
+            # along directions in which the sheet slides, the places may differ
+            old, place, fixed = sets[first], corners[[corner]], np.array(new.fixed)
+            new_place, old_place = (pins.places(place)[:, fixed] for pins in (new, old))
+            if new.fixed != old.fixed or not np.allclose(new_place, old_place, atol=tolerance):
+                allowed = f"must hold the corner as pins[{first}] does"
+                yield _Conflict(number, DesignError(f"pins[{number}]", allowed, rounded_place(corners[corner])))

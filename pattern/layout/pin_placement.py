@@ -1,0 +1,111 @@
+"""Where the pins of a design are on its sheet."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import shapely
+
+from pattern.design.errors import DesignError
+from pattern.design.pins import Pins
+from pattern.geometry.arrays import Floats
+from pattern.layout.supports import FIXED_BY_SLIDE, PinSet
+
+# Pins closer than this to a corner, the outline, an arm or another pin are there: a needle is thicker.
+PIN_TOLERANCE_MM = 0.25
+_NO_POINTS: Floats = np.empty((0, 2))
+
+
+def pin_set(pins: Pins, corners: Floats, name: str) -> PinSet:
+    """The pins of one entry of `[[pins]]`.
+
+    Parameters
+    ----------
+    corners : (B, 2) mm, the outline.
+    name : of the entry in messages, e.g. `pins[0]`.
+
+    Raises
+    ------
+    DesignError
+        An edge or a corner does not exist, a point is off the sheet, or points and targets differ in number.
+    """
+    points, edges = _selected(pins, corners, name)
+    target = None
+    if pins.target_mm is not None:
+        target = np.asarray(pins.target_mm)
+        if len(target) != len(points):
+            raise DesignError(f"{name}.target_mm", f"must have {len(points)} places, one a point", pins.target_mm)
+    return PinSet(points, edges, FIXED_BY_SLIDE[pins.slide], pins.scale, pins.offset_mm, target, pins.step)
+
+
+def _selected(pins: Pins, corners: Floats, name: str) -> tuple[Floats, tuple[int, ...]]:
+    """Points (P, 2) and edges that an entry selects."""
+    count = len(corners)
+    if pins.where == "border":
+        return _NO_POINTS, tuple(range(count))
+    if pins.where == "corners":
+        return corners[list(range(count))], ()
+    if pins.corners is not None:
+        return corners[list(_numbers(pins.corners, count, f"{name}.corners"))], ()
+    if pins.edges is not None:
+        return _NO_POINTS, _numbers(pins.edges, count, f"{name}.edges")
+    return _snapped_to_outline(np.asarray(pins.points_mm), corners, f"{name}.points_mm"), ()
+
+
+def _numbers(numbers: tuple[int, ...], count: int, field: str) -> tuple[int, ...]:
+    """Numbers of edges or corners, if all exist and differ."""
+    for k, number in enumerate(numbers):
+        if not 0 <= number < count:
+            raise DesignError(f"{field}[{k}]", f"must be from 0 to {count - 1}", number)
+        if number in numbers[:k]:
+            raise DesignError(f"{field}[{k}]", "must not be listed twice", number)
+    return numbers
+
+
+def _snapped_to_outline(points: Floats, corners: Floats, field: str) -> Floats:
+    """Points (P, 2) on the sheet; those beside a corner or an edge, as written with few digits, are moved onto it.
+
+    The space between a pin and the outline would be too narrow for good triangles.
+    """
+    tolerance = max(PIN_TOLERANCE_MM, 1e-6 * float(np.ptp(corners, axis=0).max()))
+    places = shapely.points(points)
+    off_sheet = shapely.distance(shapely.polygons(corners), places) > tolerance
+    if off_sheet.any():
+        k = int(off_sheet.argmax())
+        raise DesignError(f"{field}[{k}]", "must be on the sheet", rounded_place(points[k]))
+    ring = shapely.linearrings(corners)
+    beside = shapely.distance(ring, places) <= tolerance
+    feet = shapely.get_coordinates(shapely.line_interpolate_point(ring, shapely.line_locate_point(ring, places)))
+    distance = np.linalg.norm(points[:, None] - corners, axis=2)
+    corner = corners[distance.argmin(axis=1)]
+    at_corner = distance.min(axis=1) <= tolerance
+    return np.where(at_corner[:, None], corner, np.where(beside[:, None], feet, points))
+
+
+def snapped_to_arms(pins: PinSet, corners: Floats, centres: Floats, tips: Floats) -> PinSet:
+    """The same pins; points beside a star's centre, a tip or an arm are moved onto it, except those on the outline.
+
+    Parameters
+    ----------
+    corners : (B, 2) mm, the outline.
+    centres, tips : (A, 2) mm, both ends of every arm.
+    """
+    if not len(pins.points):
+        return pins
+    places = shapely.points(pins.points)
+    inside = shapely.distance(shapely.linearrings(corners), places) > 1e-6 * float(np.ptp(corners, axis=0).max())
+    ends = np.concatenate([centres, tips])
+    end = ends[shapely.STRtree(shapely.points(ends)).nearest(places)]
+    at_end = np.linalg.norm(pins.points - end, axis=1) <= PIN_TOLERANCE_MM
+    arms = shapely.linestrings(np.stack([centres, tips], axis=1))
+    arm = arms[shapely.STRtree(arms).nearest(places)]
+    foot = shapely.get_coordinates(shapely.line_interpolate_point(arm, shapely.line_locate_point(arm, places)))
+    beside = inside & (shapely.distance(arm, places) <= PIN_TOLERANCE_MM)
+    on_arm = np.where(at_end[:, None], end, foot)
+    return replace(pins, points=np.where(beside[:, None], on_arm, pins.points))
+
+
+def rounded_place(point: Floats) -> list[float]:
+    """A place as messages show it."""
+    return [round(float(c), 4) for c in point]

@@ -1,0 +1,48 @@
+"""Sample points of all supports, printed and in space."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from pattern.geometry.arrays import Floats, Ints
+from pattern.layout.layout import Layout
+
+
+class SupportSamples(NamedTuple):
+    """Places at which supports act.
+
+    Attributes
+    ----------
+    printed : (P, 2) mm.
+    places : (P, 3) mm in space, not a number along directions in which the sheet slides.
+    kind : (P,) equal for points of equal directions, step and shape (point or edge).
+    """
+
+    printed: Floats
+    places: Floats
+    kind: Ints
+
+
+def support_samples(layout: Layout) -> SupportSamples:
+    """All single points, and both ends and the middle of every straight stretch of supported edges.
+
+    Places are affine along an edge. So the samples of a stretch determine all of its places.
+    """
+    printed, places, kinds = [np.empty((0, 2))], [np.empty((0, 3))], [np.empty(0, dtype=np.int64)]
+    for pin in layout.pins:
+        fixed = np.asarray(pin.fixed)
+        kind = 2 * int(fixed @ [1, 2, 4]) + 20 * pin.step
+        edges = [np.vstack([ends, ends.mean(axis=0)]) for ends in pin.straight_stretches(layout.outline)]
+        for points, kind_of_points in [(pin.points, kind), *((edge, kind + 1) for edge in edges)]:
+            if len(points):
+                printed.append(points)
+                places.append(np.where(fixed, pin.places(points), np.nan))
+                kinds.append(np.full(len(points), kind_of_points))
+    all_printed, all_kinds = np.concatenate(printed), np.concatenate(kinds)
+    if len(all_printed) == 0:
+        return SupportSamples(all_printed, places[0], all_kinds)
+    # neighbouring edges share a corner
+    _, first = np.unique(np.round(np.column_stack([all_printed, all_kinds]), 6), axis=0, return_index=True)
+    return SupportSamples(all_printed[first], np.concatenate(places)[first], all_kinds[first])

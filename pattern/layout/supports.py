@@ -1,0 +1,138 @@
+"""Supports of the sheet: which printed places are supported, in which directions, and where they stand in space.
+
+A `PinSet` answers the questions that meshes, models, drawings and needles ask. So a new kind of pin is defined here and
+in `pattern.layout.pin_placement`, and its users stay as they are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from pattern.geometry.arrays import Floats, Ints
+from pattern.geometry.planar import STRAIGHT_TURN_RAD, turning_angles
+
+# Which of x, y, z are supported, by the value of `slide` in the design file.
+FIXED_BY_SLIDE = {None: (True, True, True), "z": (True, True, False), "plane": (False, False, True)}
+
+
+@dataclass(frozen=True)
+class PinSet:
+    """Places of the sheet that are all supported in the same way.
+
+    Attributes
+    ----------
+    points : (P, 2) mm, single printed points (corners of the outline included).
+    edges : edges of the outline that are supported along their whole length. Edge `i` runs from `outline[i]` to
+        `outline[i + 1]`.
+    fixed : which of x, y, z are supported. The sheet slides freely along the others.
+    scale : x and y are held at `scale` times the printed place (about the origin of the print), z at 0.
+    offset_mm : added to the place given by `scale`.
+    target_mm : (P, 3) places in space, one a point; in place of `scale` and `offset_mm`.
+    step : 0 supports the sheet during its release; 1, 2, ... move the released sheet, in this order.
+
+    Examples
+    --------
+    >>> pins = PinSet(np.array([[10.0, -20.0]]), (), FIXED_BY_SLIDE["z"], scale=0.5)
+    >>> pins.places(pins.points).tolist()
+    [[5.0, -10.0, 0.0]]
+    >>> pins.holds_in_plane, pins.slide
+    (True, 'z')
+    """
+
+    points: Floats
+    edges: tuple[int, ...]
+    fixed: tuple[bool, bool, bool]
+    scale: float = 1.0
+    offset_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    target_mm: Floats | None = None
+    step: int = 0
+
+    @property
+    def holds_in_plane(self) -> bool:
+        """Whether x or y is supported."""
+        return self.fixed[0] or self.fixed[1]
+
+    @property
+    def holds_height(self) -> bool:
+        """Whether z is supported."""
+        return self.fixed[2]
+
+    @property
+    def slide(self) -> str | None:
+        """`z` or `plane` where the sheet is free to slide, None if it is not."""
+        return next(slide for slide, fixed in FIXED_BY_SLIDE.items() if fixed == self.fixed)
+
+    @property
+    def directions(self) -> Floats:
+        """(k, 3) unit vectors of the supported directions."""
+        return np.eye(3)[list(self.fixed)]
+
+    @property
+    def affine_motion(self) -> tuple[Floats, Floats]:
+        """Matrix (3, 2) and shift (3,) mm from printed points to their places, for pins without `target_mm`."""
+        return self.scale * np.eye(3)[:, :2], np.asarray(self.offset_mm, dtype=float)
+
+    def places(self, printed: Floats) -> Floats:
+        """(n, 3) mm, places in space of the printed points (n, 2); only the components in `fixed` count.
+
+        With `target_mm`, `printed` must be `points`.
+        """
+        if self.target_mm is not None:
+            return np.asarray(self.target_mm, dtype=float)
+        flat = np.column_stack([self.scale * printed, np.zeros(len(printed))])
+        return np.asarray(flat + np.asarray(self.offset_mm))
+
+    def is_active(self, step: int) -> bool:
+        """Whether these pins support the sheet in a step."""
+        return self.step <= step
+
+    def chains(self, corner_count: int) -> list[list[int]]:
+        """Corners of the outline along edges that follow each other, chain by chain.
+
+        A chain all around the outline ends with its first corner.
+
+        Examples
+        --------
+        >>> PinSet(np.empty((0, 2)), (5, 0, 2), FIXED_BY_SLIDE[None]).chains(6)
+        [[5, 0, 1], [2, 3]]
+        """
+        held = set(self.edges)
+        chains = []
+        for first in [edge for edge in self.edges if (edge - 1) % corner_count not in held] or list(self.edges[:1]):
+            chain = [first]
+            while chain[-1] in held and not (len(chain) > 1 and chain[-1] == first):
+                chain.append((chain[-1] + 1) % corner_count)
+            chains.append(chain)
+        return chains
+
+    def segments(self, outline: Floats) -> Iterator[tuple[Floats, Floats]]:
+        """Both ends (2,) mm of every edge."""
+        for edge in self.edges:
+            yield outline[edge], outline[(edge + 1) % len(outline)]
+
+    def straight_stretches(self, outline: Floats) -> list[Floats]:
+        """(2, 2) mm, both ends of every straight stretch of edges; the outline (B, 2) may have corners on a stretch."""
+        held, count = set(self.edges), len(outline)
+        continues = np.abs(turning_angles(outline)) <= STRAIGHT_TURN_RAD  # at corner i, from edge i - 1 to edge i
+        stretches = []
+        for edge in self.edges:
+            if continues[edge] and (edge - 1) % count in held:
+                continue
+            last = edge
+            while continues[(last + 1) % count] and (last + 1) % count in held:
+                last = (last + 1) % count
+            stretches.append(np.array([outline[edge], outline[(last + 1) % count]]))
+        return stretches
+
+
+def all_points(pins: tuple[PinSet, ...]) -> Floats:
+    """(P, 2) mm, the single points of several pin sets, one set after the other."""
+    return np.concatenate([np.empty((0, 2)), *(pin.points for pin in pins)])
+
+
+def set_of_point(pins: tuple[PinSet, ...]) -> Ints:
+    """(P,) number of the pin set of each of `all_points`."""
+    return np.repeat(np.arange(len(pins)), [len(pin.points) for pin in pins])
