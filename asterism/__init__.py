@@ -19,7 +19,7 @@ from asterism.process.version import __version__
 if TYPE_CHECKING:
     from asterism.exact.simulation import simulate
     from asterism.laws.calibrate import calibrate
-    from asterism.laws.show import show as show_law
+    from asterism.laws.show_law import show_law as show_law
     from asterism.measure.compare.compare import compare, write_comparison
     from asterism.measure.strips.fit_strips import fit_strips, write_material
     from asterism.measure.strips.new_strips import new_strips
@@ -34,9 +34,9 @@ if TYPE_CHECKING:
     from asterism.verification.run import verify
     from asterism.verification.verification import Verification
     from equilibrium.errors import Error
-    from homogenize.campaign.plan import load_material
-    from homogenize.law.file import load_law
     from homogenize.law.law import Law
+    from homogenize.law.law_file import load_law
+    from homogenize.law.material import load_material
     from pattern.design.design import Design, save_design
     from pattern.gallery import load as new
     from pattern.layout.load_design import load_design
@@ -54,15 +54,15 @@ _HOMES = {
     "export": ("asterism.print.export", "export"),
     "fit_strips": ("asterism.measure.strips.fit_strips", "fit_strips"),
     "load_design": ("pattern.layout.load_design", "load_design"),
-    "load_law": ("homogenize.law.file", "load_law"),
-    "load_material": ("homogenize.campaign.plan", "load_material"),
+    "load_law": ("homogenize.law.law_file", "load_law"),
+    "load_material": ("homogenize.law.plan", "load_material"),
     "new": ("pattern.gallery", "load"),
     "new_strips": ("asterism.measure.strips.new_strips", "new_strips"),
     "preview": ("asterism.previews.run", "preview"),
     "read_shape": ("asterism.shape.read_shape", "read_shape"),
     "report": ("asterism.reports.design_report", "report"),
     "save_design": ("pattern.design.design", "save_design"),
-    "show_law": ("asterism.laws.show", "show"),
+    "show_law": ("asterism.laws.show_law", "show"),
     "simulate": ("asterism.exact.simulation", "simulate"),
     "verify": ("asterism.verification.run", "verify"),
     "write_comparison": ("asterism.measure.compare.compare", "write_comparison"),

@@ -13,10 +13,10 @@ import numpy as np
 
 from benchmarks.report import markdown, write_report
 from homogenize.cell.arm_segments import arm_segments
-from homogenize.cell.cell import Cell
-from homogenize.cell.natural import curl
-from homogenize.cell.relax import relax
-from homogenize.cell.sample import respond
+from homogenize.cell.flat_cell import relax_flat_cell
+from homogenize.cell.natural_curvature import trace_tubes
+from homogenize.cell.sample import solve_cell
+from homogenize.cell.unit_cell import UnitCell
 from pattern.design.design import Design
 
 SPACING = 10.0 * np.sqrt(3.0)
@@ -28,7 +28,7 @@ RUNS = 3
 
 
 def main() -> None:
-    respond(sheet(5.0, 0.4), 2.1)  # compiles
+    solve_cell(sheet(5.0, 0.4), 2.1)  # compiles
     costs = [cost(length, thickness, edge) for length, thickness in SIZES for edge in EDGES]
     text = f"Seconds of the processor for one sample by part, one thread, median of {RUNS}:\n\n{cost_table(costs)}\n\n"
     meshes = [answers(length, thickness, edge) for length, thickness in SIZES for edge in FINER]
@@ -50,7 +50,7 @@ def cost(length: float, thickness: float, edge: float) -> dict[str, Any]:
     runs = []
     for _ in range(RUNS):
         start, wall = time.process_time(), time.perf_counter()
-        sample = respond(sheet(length, thickness), edge)
+        sample = solve_cell(sheet(length, thickness), edge)
         spent, wall = time.process_time() - start, time.perf_counter() - wall
         runs.append({part: seconds * spent / wall for part, seconds in sample.seconds.items()} | {"all": spent})
     seconds = {part: statistics.median(run[part] for run in runs) for part in runs[0]}
@@ -63,7 +63,7 @@ def cost(length: float, thickness: float, edge: float) -> dict[str, Any]:
 
 def answers(length: float, thickness: float, edge: float) -> dict[str, Any]:
     """What a cell says at an edge length."""
-    sample = respond(sheet(length, thickness), edge).to_dict()
+    sample = solve_cell(sheet(length, thickness), edge).to_dict()
     stretch = np.sqrt(np.multiply(sample["natural_hoop"], sample["natural_axial"]))
     return {
         "length_mm": length, "thickness_mm": thickness, "edge_mm": edge, "lam": sample["lam"],
@@ -77,8 +77,8 @@ def either(edge: float, length: float, thickness: float) -> dict[str, Any]:
     low = int(length / edge)
 
     def natural(arm: float, segments: int) -> float:
-        cell = Cell(sheet(arm, thickness), edge, (1, 1), segments)
-        tube = curl(cell, relax(cell)[0], 0.0).natural
+        cell = UnitCell(sheet(arm, thickness), edge, (1, 1), segments)
+        tube = trace_tubes(cell, relax_flat_cell(cell)[0], 0.0).natural
         cell.close()
         return 0.0 if tube is None else tube.contracted
 

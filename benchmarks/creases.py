@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from benchmarks.report import markdown, write_report
-from homogenize.cell.cell import Cell
-from homogenize.cell.natural import curl
-from homogenize.cell.relax import relax
+from homogenize.cell.flat_cell import relax_flat_cell
+from homogenize.cell.natural_curvature import trace_tubes
+from homogenize.cell.unit_cell import UnitCell
 from pattern import gallery
 from pattern.design.design import Design
 
@@ -35,15 +35,15 @@ def run(kind: str, k: int) -> dict[str, Any]:
     bending = "paper" if kind == THIRD else kind
     data = gallery.load("tube").to_dict()
     data["fabric"] = data["fabric"] | {"bending": bending}
-    cell = Cell(Design.from_dict(data), SPACING / k)
+    cell = UnitCell(Design.from_dict(data), SPACING / k)
     if kind == THIRD:
         cell.model.parts["hinges"].params[:, 0] /= 3.0
     try:
-        flat, _ = relax(cell)
+        flat, _ = relax_flat_cell(cell)
         found = {"kind": kind, "edge_mm": SPACING / k, "vertices": cell.torus.n_base}
         found |= {"contraction": flat.stretch, "bump_mm": float(flat.bump[0]), "energy_n_mm": flat.energy * cell.area}
         for name, angle in ANGLES.items():
-            natural = curl(cell, flat, angle).natural
+            natural = trace_tubes(cell, flat, angle).natural
             found[f"radius_{name}_mm"] = None if natural is None else natural.radius
         return found
     finally:

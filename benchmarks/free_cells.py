@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from homogenize.cell.directions import AROUND
-from homogenize.cell.sample import Sample, respond
+from homogenize.cell.sample import Sample, solve_cell
+from homogenize.cell.tube_directions import ALL_ANGLES_RAD
 from pattern.design.design import Design
 
 STARS = ((10.0, 0.4), (10.0, 0.6), (7.0, 0.3))
@@ -43,23 +43,25 @@ def main() -> None:
     print("| star, mm | edge mm | lambda % | kappa % | D % |\n| --- | ---: | ---: | ---: | ---: |")
     for length, thickness in STARS:
         for edge in EDGES:
-            grid, free = (respond(star(length, thickness, orientation_deg=turn), edge) for turn in (0.0, OFF))
+            grid, free = (solve_cell(star(length, thickness, orientation_deg=turn), edge) for turn in (0.0, OFF))
             off = [_percent(f, g) for f, g in zip(_mean(free), _mean(grid), strict=True)]
             print(f"| h {thickness:g}, l {length:g} | {edge:g} | " + " | ".join(f"{x:+.2f}" for x in off) + " |")
     print("\noff a cubic over the length, 6 to 8.4 mm in steps of .2, h 0.4; rms and largest\n")
     print("| star | edge mm | lambda % | kappa % |\n| --- | ---: | ---: | ---: |")
     for name, lattice in NOISY.items():
         for edge in EDGES:
-            rows = np.log([_mean(respond(star(x, 0.4, **lattice), edge))[:2] for x in LENGTHS])
+            rows = np.log([_mean(solve_cell(star(x, 0.4, **lattice), edge))[:2] for x in LENGTHS])
             off = np.array([100.0 * (row - Polynomial.fit(LENGTHS, row, 3)(LENGTHS)) for row in rows.T])
             cells = [f"{np.sqrt((x**2).mean()):.2f}, {np.abs(x).max():.2f}" for x in off]
             print(f"| {name} | {edge:g} | " + " | ".join(cells) + " |")
     print("\nnatural curvature by direction, 1/mm, h 0.4, edges of 1.15 mm\n")
-    print("| arms, lattice | l mm | " + " | ".join(f"{np.degrees(a):.0f}" for a in AROUND) + " | anisotropy % |")
+    print(
+        "| arms, lattice | l mm | " + " | ".join(f"{np.degrees(a):.0f}" for a in ALL_ANGLES_RAD) + " | anisotropy % |"
+    )
     print("| --- | ---: |" + " ---: |" * 7)
     for name, lattice, lengths in DIRECTED:
         for length in lengths:
-            found = respond(star(length, 0.4, **lattice), 1.15)
+            found = solve_cell(star(length, 0.4, **lattice), 1.15)
             assert found.natural_curvature is not None and found.anisotropy is not None
             values = " | ".join(f"{x:.4f}" for x in found.natural_curvature)
             print(f"| {name} | {length:g} | {values} | {100.0 * found.anisotropy:.1f} |")

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.report import markdown, write_report
-from homogenize.law.file import load_law
-from homogenize.law.table import NAMES
+from homogenize.law.law_file import load_law
+from homogenize.law.law_table import QUANTITY_NAMES
 
 STARS, TIMES = 200, 500
 
@@ -30,18 +30,18 @@ def main() -> None:
             table(*sizes)
             seconds.append(time.perf_counter() - start)
         held = law.residuals[f"{table.stretch:g}"]["held_out"]
-        errors = {name: held["errors"][name]["rms_percent"] for name in NAMES}
+        errors = {name: held["errors"][name]["rms_percent"] for name in QUANTITY_NAMES}
         row = {"stretch": table.stretch, "median_ms": 1e3 * float(np.median(seconds)), "rms_percent": errors}
         row["membrane_percent"] = 100 * max(
             _off(cell) for cell in held["cells"] if cell["inside"] and not cell["tight"]
         )
         rows.append({**row, "cell_s": law.made["cell_seconds"] / len(law.samples), "solved": float(table.good.mean())})
     header = ["stretch", f"ms for {STARS} stars", "cells with an answer", "s a cell", "membrane tensor largest %"]
-    header += [*(f"{n} rms %" for n in NAMES)]
+    header += [*(f"{n} rms %" for n in QUANTITY_NAMES)]
     body = [
         [f"{r['stretch']:g}", f"{r['median_ms']:.2f}", f"{100 * r['solved']:.0f} %", f"{r['cell_s']:.1f}"]
         + [f"{r['membrane_percent']:.2f}"]
-        + [f"{r['rms_percent'][n]:.2f}" for n in NAMES]
+        + [f"{r['rms_percent'][n]:.2f}" for n in QUANTITY_NAMES]
         for r in rows
     ]
     table_text = markdown(header, body)

@@ -6,7 +6,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from asterism.laws.calibrate import calibrate, default_jobs
-from asterism.laws.own_law import own_material
+from asterism.laws.design_law import material_for_design
 from homogenize.errors import ForeignLaw
 from homogenize.law.law import Law
 from pattern.design.design import Design
@@ -18,5 +18,5 @@ def law_of(design: Design, paper: Law) -> Law:
         paper.check(design)
     except ForeignLaw:
         with TemporaryDirectory() as folder:
-            return calibrate(own_material(design), Path(folder) / "law.npz", default_jobs())
+            return calibrate(material_for_design(design), Path(folder) / "law.npz", default_jobs())
     return paper

@@ -13,11 +13,11 @@ from asterism.previews.session import Preview
 from benchmarks.cells import sheet
 from benchmarks.report import markdown, write_report
 from equilibrium.newton.minimise import minimise
-from homogenize.cell.cell import Cell
-from homogenize.cell.natural import curl
-from homogenize.cell.relax import relax, tolerance
-from homogenize.cell.rolled_membrane import rolled_membrane
+from homogenize.cell.flat_cell import gradient_tolerance, relax_flat_cell
+from homogenize.cell.natural_curvature import trace_tubes
 from homogenize.cell.rolling import Tube
+from homogenize.cell.tube_membrane import tube_membrane_stiffness
+from homogenize.cell.unit_cell import UnitCell
 from pattern import gallery
 
 DESIGNS = ("tube", "dome", "fig8-l-decreasing", "fig8-h-increasing", "doubly-curved", "bell", "fig9-linear", "roof")
@@ -68,10 +68,10 @@ def strains(name: str) -> dict[str, Any]:
 
 def secants(length: float, thickness: float) -> dict[str, Any]:
     """The natural tube around the print's y axis."""
-    cell = Cell(sheet(length, thickness), EDGE)
-    found = curl(cell, relax(cell)[0], 0.0)
+    cell = UnitCell(sheet(length, thickness), EDGE)
+    found = trace_tubes(cell, relax_flat_cell(cell)[0], 0.0)
     tube = found.natural or found.tubes[0]
-    modulus = float(1.0 / np.linalg.inv(rolled_membrane(cell, tube))[0, 0])
+    modulus = float(1.0 / np.linalg.inv(tube_membrane_stiffness(cell, tube))[0, 0])
     ratios = {}
     for side in (-1.0, 1.0):
         ratios |= _along(cell, tube, modulus, [strain for strain in STRAINS if strain * side > 0])
@@ -82,7 +82,7 @@ def secants(length: float, thickness: float) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _along(cell: Cell, tube: Tube, modulus: float, strains: list[float]) -> dict[float, float | None]:
+def _along(cell: UnitCell, tube: Tube, modulus: float, strains: list[float]) -> dict[float, float | None]:
     """Secant over tangent at growing pulls; None where there is no equilibrium."""
     cell.tube(tube.curvature, tube.angle)
     macro = slice(3 * cell.torus.n_base, None, 3)
@@ -93,7 +93,7 @@ def _along(cell: Cell, tube: Tube, modulus: float, strains: list[float]) -> dict
         pull = modulus * strain * tube.axial  # N/mm per printed length, conjugate to the stretch
         cell.load = np.zeros(3 * cell.n_vertices)
         cell.load[macro] = pull * cell.area * share
-        at = minimise(cell, state, cell.factor(), tolerance(cell))
+        at = minimise(cell, state, cell.factor(), gradient_tolerance(cell))
         if not at.converged:
             break
         state = at.state

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from asterism.laws.calibrate import calibrate
-from asterism.laws.own_law import own_material
+from asterism.laws.design_law import material_for_design
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.run import preview
 from asterism.shape.comparison import compare
@@ -93,7 +93,7 @@ def other_stars(number: int) -> Design:
 def row(number: int, folder: Path, shares: Sequence[float] = SHARES) -> dict[str, Any]:
     """How far the previews of a design, with each of the shares, are from its lowest exact shape."""
     design = other_stars(number)
-    law = calibrate(own_material(design, EDGE_MM), folder / "laws" / f"{design.name}.npz", jobs=2)
+    law = calibrate(material_for_design(design, EDGE_MM), folder / "laws" / f"{design.name}.npz", jobs=2)
     plan = layout(design)
     shown = [_preview(design, law, share) for share in shares]
     starts = {"": None, "-plain": shown[0], "-directed": shown[1]}

@@ -12,9 +12,9 @@ from fem.elements.argyris import Argyris
 from fem.search.relax import relax
 from fem.search.simple_shapes import SimpleShape
 from fem.shell.shell import QUADRATURE_ORDER, Shell
+from homogenize.campaign.fit_law import sample_quantities
 from homogenize.cell.sample import Sample
-from homogenize.law.fit import row
-from homogenize.law.table import NAMES
+from homogenize.law.law_table import QUANTITY_NAMES
 from pattern.design.design import Design
 from pattern.layout.build import layout
 from pattern.mesh.coarse.sheet_mesh import sheet_mesh
@@ -30,10 +30,10 @@ def shell_stars(design: Design, stars: Sample, bare: Sample) -> tuple[np.ndarray
     """
     plan = layout(design)
     count = len(plan.centres)
-    ours, fabric = (row(sample.to_dict(), sample.stretch) for sample in (stars, bare))
+    ours, fabric = (sample_quantities(sample.to_dict(), sample.stretch) for sample in (stars, bare))
     both = np.vstack([np.tile(ours, (count, 1)), fabric])
     none = np.empty(0)
-    of_stars = {name: both[:, q] for q, name in enumerate(NAMES)}
+    of_stars = {name: both[:, q] for q, name in enumerate(QUANTITY_NAMES)}
     alike = np.empty((count + 1, 0))
     values = StarValues(of_stars, none, none, (), (), (), none, none, of_stars["kappa"], alike)
     outline = sheet_mesh(plan.outline, EDGE)

@@ -17,7 +17,7 @@ from discrete.model.model import Model
 from discrete.model.star_bumps import bumped
 from discrete.model.state import State, carried
 from discrete.release.solve import relax
-from homogenize.cell.sample import Sample, respond
+from homogenize.cell.sample import Sample, solve_cell
 from pattern.design.design import Design
 from pattern.layout.build import layout
 from pattern.mesh.meshing import mesh_layout
@@ -62,9 +62,9 @@ def sheet(length: float, thickness: float, rings: int, edge: float = EDGE, rim: 
 
 def compare(length: float, thickness: float, rim: bool = True) -> list[dict[str, Any]]:
     """Patches of growing size against the cell."""
-    sample = respond(sheet(length, thickness, 1), EDGE)
+    sample = solve_cell(sheet(length, thickness, 1), EDGE)
     best = int(np.argmin(sample.natural_energy))
-    bare = respond(sheet(0.0, thickness, 1), EDGE)
+    bare = solve_cell(sheet(0.0, thickness, 1), EDGE)
     vectors = sheet(length, thickness, 1).lattice.vectors
     expected = measure(vectors, on_tube(sample, best))
     rows = []

@@ -16,7 +16,7 @@ from benchmarks.gallery import picture
 from benchmarks.laws import law_of
 from benchmarks.report import RESULTS, markdown, write_report
 from homogenize.errors import LawError
-from homogenize.law.file import load_law
+from homogenize.law.law_file import load_law
 from pattern import gallery
 
 PAGE = Path(__file__).parent.parent / "docs" / "reference" / "preview-gallery.md"

@@ -36,15 +36,15 @@ def calibrate(
     from asterism.cli.common.mistake import Mistake
     from asterism.cli.common.stop import stop
     from asterism.laws import calibrate as calibration
-    from asterism.laws.own_law import is_design, law_path, material_of
+    from asterism.laws.design_law import is_design, law_output_path, material_from_file
     from pattern.design.errors import DesignError
 
-    path = law_path(file, output, material)
+    path = law_output_path(file, output, material)
     if path.suffix != ".npz":
         raise Mistake(f"--output: {str(path)!r} must end with .npz")
     if jobs is not None and dask is not None:
         raise Mistake("--jobs: applies to processes of this machine, not to --dask")
-    chosen = material_of(file, material)
+    chosen = material_from_file(file, material)
     line = " ".join(["asterism calibrate", *([file.name] if file else [])])
     line += f" --material {material.name}" if material else ""
     try:
@@ -56,7 +56,7 @@ def calibrate(
         stop(f"interrupted; finished cells are in {folder}, and the same command continues from there", 130)
     except DesignError as error:
         raise error.within(material or file or "") from None
-    run.lines(calibration.report_lines(law, path))
+    run.lines(calibration.calibration_lines(law, path))
     if is_design(file):
         other = f" --material {quote(str(material))}" if material else ""
         run.lines([f"now run  asterism preview {quote(str(file))}{other} --law {quote(str(path))}"])

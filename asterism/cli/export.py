@@ -42,8 +42,8 @@ def export(
     Thicknesses are rounded to layers and widths to lines; rounded.toml is what is printed. What rounding does to the
     shape is said by the preview, or with --simulate by the exact model.
     """
-    from asterism.laws.material import with_material
-    from asterism.laws.own_law import law_for
+    from asterism.laws.design_law import law_for_design
+    from asterism.laws.replace_material import with_material
     from asterism.print.export import check_shape_request
     from asterism.print.export import export as write
     from asterism.print.export_table import export_rows
@@ -56,7 +56,7 @@ def export(
     check_kept(design, directory, ROUNDED, EXPORT)
     check_writable(directory, EXPORT)
     check_shape_request(directory, shape, preview, simulate)
-    sheet = law_for(plan, law, design, material) if preview or law else None
+    sheet = law_for_design(plan, law, design, material) if preview or law else None
     with run.computing():
         exported = write(
             plan,

@@ -22,7 +22,7 @@ def show(
     output: Annotated[Path | None, output_option("Directory (the law's name).")] = None,
 ) -> None:
     """Print a law as a table, and draw it with its errors in law.png."""
-    from asterism.laws.show import show as show_law
+    from asterism.laws.show_law import show_law as show_law
 
     run.lines(show_law(path, output))
 

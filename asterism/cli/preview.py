@@ -29,14 +29,14 @@ def preview(
     Writes summary.json, shape.vtu, rods.vtu and shape.png. The exit status is 1 if no minimum was found.
     """
     from asterism.cli.common.results_folder import results_folder
-    from asterism.laws.material import read_design
-    from asterism.laws.own_law import law_for
+    from asterism.laws.design_law import law_for_design
+    from asterism.laws.replace_material import read_design
     from asterism.previews.run import preview as compute
     from asterism.reports.write_results import write_results
 
     chosen = read_design(design, material)
     directory = results_folder(design, output, design.with_suffix(""))
-    chosen_law = law_for(chosen, law, design, material)
+    chosen_law = law_for_design(chosen, law, design, material)
     with run.computing():
         shape = compute(chosen, chosen_law, side, run.say)
     files = write_results(shape, directory)

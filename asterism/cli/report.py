@@ -25,8 +25,8 @@ def report(
     law: LawFile = None,
 ) -> None:
     """Write one page about a design as PDF: parameters, picture, layout, needles, accuracy, material."""
-    from asterism.laws.material import read_design
-    from asterism.laws.own_law import law_for
+    from asterism.laws.design_law import law_for_design
+    from asterism.laws.replace_material import read_design
     from asterism.reports.design_report import report as write
     from homogenize.errors import LawError
 
@@ -41,7 +41,7 @@ def report(
         beside=design.with_suffix(""),
         printer=printer,
         plastic=plastic,
-        law=law_for(plan, law, design, material) if law else None,
+        law=law_for_design(plan, law, design, material) if law else None,
         say=run.warn,
     )
     run.lines([f"{path}: layout 1:{written.scale:g}; shape: {written.source}"])

@@ -46,7 +46,7 @@ def simulate(
     from asterism.cli.common.overrides import with_overrides
     from asterism.cli.common.results_folder import results_folder
     from asterism.exact.simulation import simulate as compute
-    from asterism.laws.material import read_design
+    from asterism.laws.replace_material import read_design
     from asterism.reports.write_results import write_results
 
     changed = with_overrides(

@@ -34,8 +34,8 @@ def verify(
     """
     from asterism.cli.common.overrides import with_overrides
     from asterism.cli.common.results_folder import results_folder
-    from asterism.laws.material import read_design
-    from asterism.laws.own_law import law_for
+    from asterism.laws.design_law import law_for_design
+    from asterism.laws.replace_material import read_design
     from asterism.reports.verification_files import write_verification
     from asterism.verification.run import verify as compute
     from equilibrium.linear.backends import check_backend
@@ -47,7 +47,7 @@ def verify(
     check_backend(backend)
     # simulate and preview write to the design's name, and a summary belongs to the files beside it
     directory = results_folder(design, output, design.with_name(f"{design.stem}-verified"))
-    chosen_law = law_for(chosen, law, design, material)  # before anything takes time
+    chosen_law = law_for_design(chosen, law, design, material)  # before anything takes time
     with run.computing():
         line = shlex.join(["asterism", *sys.argv[1:]])
         verification = compute(chosen, chosen_law, backend, run.report, run.say, command=line)

@@ -11,17 +11,17 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, TextIO
 
-from asterism.laws.table import law_table
+from asterism.laws.law_text import law_lines
 from asterism.process import interruption
 from asterism.process.version import __version__
 from asterism.results.files import OutputError, check_writable, write_file
 from equilibrium.compiled import HAVE_NUMBA
-from homogenize.campaign import campaign
+from homogenize.campaign.campaign import CampaignProgress, run_campaign
 from homogenize.campaign.code_version import code_version
-from homogenize.campaign.plan import Material
-from homogenize.law import file as law_file
-from homogenize.law.fit import fit
+from homogenize.campaign.fit_law import fit_law
 from homogenize.law.law import WITHOUT_BENDING, Law
+from homogenize.law.law_file import law_bytes, law_digest
+from homogenize.law.material import Material
 from pattern.design.errors import DesignError
 
 
@@ -37,7 +37,7 @@ def calibrate(
 
     Parameters
     ----------
-    material : with its plan, see `asterism.laws.own_law`.
+    material : with its plan, see `asterism.laws.design_law`.
     jobs : processes of this machine.
     dask : address of a scheduler to use in their place.
     command : that the law's file names as its origin.
@@ -56,10 +56,10 @@ def calibrate(
     check_writable(output.parent, output.name)
     versions = _versions()
     folder = samples_folder(output)
-    watch = CampaignProgress()
+    watch = ProgressLine()
     start = time.perf_counter()
     try:
-        records = campaign.run(material, folder, jobs, dask, watch.report)
+        records = run_campaign(material, folder, jobs, dask, watch.report)
     except OSError as error:
         raise OutputError(f"cannot write {folder}: {(error.strerror or str(error)).lower()}") from None
     finally:
@@ -75,8 +75,8 @@ def calibrate(
         "cell_seconds": sum(record.seconds for record in records),
         "wall_seconds_of_last_run": time.perf_counter() - start,
     }
-    law = fit(material, records, made)
-    write_file(output, law_file.to_bytes(law))
+    law = fit_law(material, records, made)
+    write_file(output, law_bytes(law))
     return law
 
 
@@ -91,7 +91,7 @@ def default_jobs() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-class CampaignProgress:
+class ProgressLine:
     """One line that changes on a terminal; elsewhere a line every half minute. Failed cells have lines of their own."""
 
     every_s = 30.0
@@ -102,7 +102,7 @@ class CampaignProgress:
         self._open = False
         self._next = 0.0
 
-    def report(self, progress: campaign.Progress) -> None:
+    def report(self, progress: CampaignProgress) -> None:
         """A cell is finished, or the campaign begins."""
         interruption.check()
         record = progress.last
@@ -130,7 +130,7 @@ class CampaignProgress:
         self._open = False
 
 
-def _state(progress: campaign.Progress) -> str:
+def _state(progress: CampaignProgress) -> str:
     text = f"  {progress.done} of {progress.total} cells"
     if progress.failed:
         text += f", {progress.failed} without an answer"
@@ -140,17 +140,17 @@ def _state(progress: campaign.Progress) -> str:
     return text
 
 
-def report_lines(law: Law, output: Path) -> list[str]:
+def calibration_lines(law: Law, output: Path) -> list[str]:
     """What the command prints at its end."""
-    return [*law_table(law), f"{output}: the law; its cells stay in {samples_folder(output)}"]
+    return [*law_lines(law), f"{output}: the law; its cells stay in {samples_folder(output)}"]
 
 
-def summary(law: Law) -> dict[str, Any]:
+def law_summary(law: Law) -> dict[str, Any]:
     """What a law says about itself, as plain data."""
     problems = [s for s in law.samples if s["problem"] is not None]
     return {
         "material": law.material.to_dict(),
-        "digest": law_file.digest(law),
+        "digest": law_digest(law),
         "made": law.made,
         "residuals": law.residuals,
         "cells": len(law.samples),

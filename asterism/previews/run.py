@@ -27,7 +27,7 @@ def preview(
     Parameters
     ----------
     design : from `load_design`, `new` or `Design.from_dict`.
-    law : from `homogenize.law.file.load_law`; that of the paper's material by default.
+    law : from `homogenize.law.law_file.load_law`; that of the paper's material by default.
     side : to which the edges go: `down`, with the plastic outside, or `up`; `auto` leaves it to the stars.
     say : called with a line of text when something begins.
     model : constants of the preview model.

@@ -34,8 +34,8 @@ from fem.search.evidence import ShellEquilibrium
 from fem.search.mean_fields import mean_fields
 from fem.search.sides import Side, check_side, side_of
 from fem.shell.shell import Shell
-from homogenize.law.file import load_law
 from homogenize.law.law import Law
+from homogenize.law.law_file import load_law
 from pattern.design.arguments import check_type
 from pattern.design.design import Design
 from pattern.design.section import is_whole

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from asterism.laws.directions_line import directions_line
-from asterism.laws.error_lines import coarse_line, mesh_line, pleats_line
+from asterism.laws.directions_warning import directions_warning
+from asterism.laws.law_warnings import held_out_warning, mesh_warning, pleat_warning
 from asterism.previews.search.alternatives import MIN_SIZE_RATIO
 from asterism.previews.solve import EDIT_START
 from asterism.previews.state import PreviewState
@@ -53,7 +53,7 @@ def _about_stars(state: PreviewState) -> Iterator[str]:
         yield f"{len(values.outside)} of {count} stars are outside the law, such as {values.outside[0]}"
     else:
         yield from values.outside
-    for line in (directions_line, coarse_line, mesh_line, pleats_line):
+    for line in (directions_warning, held_out_warning, mesh_warning, pleat_warning):
         if text := line(state.law):
             yield text
     if values.tight and not state.is_supported:  # supported sheets are as accurate with them

@@ -26,8 +26,8 @@ from benchmarks.accuracy.row import quick_row, whole_row
 from benchmarks.laws import law_of
 from benchmarks.report import write_report
 from homogenize.errors import LawError
-from homogenize.law.file import digest, load_law
 from homogenize.law.law import Law
+from homogenize.law.law_file import law_digest, load_law
 from pattern.design.design import Design
 from pattern.design.files import plain
 
@@ -67,7 +67,7 @@ def main() -> None:
 
 def kept(design: Design, folder: Path, law: Law, starts: bool, as_is: bool) -> dict[str, Any]:
     """The row of a design, from the folder if nothing that makes the preview has changed since."""
-    made_by = hashlib.sha256(b"".join([digest(law).encode(), *_code()])).hexdigest()[:16]
+    made_by = hashlib.sha256(b"".join([law_digest(law).encode(), *_code()])).hexdigest()[:16]
     path = _path(folder, design, starts)
     if path.exists():
         row = json.loads(path.read_text(encoding="utf-8"))

@@ -36,8 +36,8 @@ from benchmarks.accuracy.report import HEADER, announced, missed, put_into_docs,
 from benchmarks.accuracy.unlike import unlike
 from benchmarks.report import markdown, write_report
 from homogenize.errors import LawError
-from homogenize.law.file import load_law
 from homogenize.law.law import Law
+from homogenize.law.law_file import load_law
 from pattern.design.design import Design
 from pattern.layout.build import layout
 from pattern.layout.symmetries import symmetries

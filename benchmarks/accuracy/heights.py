@@ -21,8 +21,8 @@ from benchmarks.accuracy.designs import RANDOM, designs, drawn
 from benchmarks.accuracy.exact import lowest
 from benchmarks.report import markdown, write_report
 from homogenize.errors import LawError
-from homogenize.law.file import load_law
 from homogenize.law.law import Law
+from homogenize.law.law_file import load_law
 from pattern.design.design import Design
 from pattern.layout.build import layout
 from pattern.layout.symmetries import symmetries

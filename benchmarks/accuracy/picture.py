@@ -21,8 +21,8 @@ from asterism.shape.comparison import compare
 from benchmarks.accuracy.designs import EDGE_MM, meshed
 from benchmarks.accuracy.exact import exact
 from benchmarks.accuracy.report import DOCS
-from homogenize.law.file import load_law
 from homogenize.law.law import Law
+from homogenize.law.law_file import load_law
 from pattern import gallery
 from pattern.layout.build import layout
 from pattern.layout.symmetries import symmetries

@@ -16,20 +16,21 @@ from pathlib import Path
 from typing import Any
 
 from homogenize.campaign.code_version import code_version
-from homogenize.campaign.plan import Material, Task
-from homogenize.campaign.workers import local, on_dask
+from homogenize.campaign.workers import dask_workers, local_workers
+from homogenize.law.material import Material
+from homogenize.law.plan import CellTask
 from pattern.design.design import Design
 from pattern.design.errors import DesignError, MeshError
 from pattern.design.files import plain, read_table, write_table
 
 # raised when a sample's file means something else than before
-FORMAT = 1
+SAMPLE_FORMAT = 1
 
-Respond = Callable[[Design, float], Any]
+SolveCell = Callable[[Design, float], Any]
 
 
 @dataclass(frozen=True)
-class Record:
+class SampleRecord:
     """What is known of one cell.
 
     Attributes
@@ -40,7 +41,7 @@ class Record:
     seconds : the cell took.
     """
 
-    task: Task
+    task: CellTask
     sample: dict[str, Any] | None
     failed: str | None
     crashed: bool
@@ -48,24 +49,24 @@ class Record:
 
 
 @dataclass(frozen=True)
-class Progress:
+class CampaignProgress:
     """How far a campaign is: cells done, of how many, those that failed, seconds left (None: not known yet)."""
 
     done: int
     total: int
     failed: int
     seconds_left: float | None
-    last: Record | None
+    last: SampleRecord | None
 
 
-def run(
+def run_campaign(
     material: Material,
     folder: Path,
     jobs: int = 1,
     dask: str | None = None,
-    report: Callable[[Progress], None] | None = None,
-    respond: Respond | None = None,
-) -> list[Record]:
+    report: Callable[[CampaignProgress], None] | None = None,
+    respond: SolveCell | None = None,
+) -> list[SampleRecord]:
     """Solve every cell of the plan that has no file in `folder` yet.
 
     Parameters
@@ -100,7 +101,9 @@ def run(
     if not missing:
         tell(begin)
     else:
-        workers: AbstractContextManager[Any] = local(min(jobs, len(missing))) if dask is None else on_dask(dask)
+        workers: AbstractContextManager[Any] = (
+            local_workers(min(jobs, len(missing))) if dask is None else dask_workers(dask)
+        )
         missing = _longest_first(missing)
         with workers as submit_all:
             tell(begin)
@@ -108,7 +111,7 @@ def run(
                 _one, [(solve, material.design(task), edge, code_version()) for task in missing]
             ):
                 task = missing[number]
-                records[task] = Record(task, *outcome)
+                records[task] = SampleRecord(task, *outcome)
                 if not records[task].crashed:
                     records[task] = _write(material, records[task], folder, respond)
                 pace = (time.perf_counter() - start) / (len(records) - before)
@@ -116,14 +119,14 @@ def run(
     return [records[task] for task in tasks]
 
 
-def key(material: Material, task: Task, respond: Respond | None = None) -> str:
+def sample_name(material: Material, task: CellTask, respond: SolveCell | None = None) -> str:
     """Name of a sample's file: a hash of what goes into it, and of the name of what solves it in place of `sample`."""
-    made = {"format": FORMAT, "code": code_version()}
+    made = {"format": SAMPLE_FORMAT, "code": code_version()}
     text = json.dumps({**made, **_inputs(material, task, respond)}, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:24]
 
 
-def _inputs(material: Material, task: Task, respond: Respond | None) -> dict[str, Any]:
+def _inputs(material: Material, task: CellTask, respond: SolveCell | None) -> dict[str, Any]:
     design = material.design(task).to_dict()
     parts = {name: design[name] for name in ("fabric", "plastic", "lattice", "stars")}
     other = {} if respond is None else {"respond": f"{respond.__module__}.{respond.__qualname__}"}
@@ -131,13 +134,13 @@ def _inputs(material: Material, task: Task, respond: Respond | None) -> dict[str
 
 
 def _respond(design: Design, edge_mm: float) -> Any:
-    from homogenize.cell.sample import respond
+    from homogenize.cell.sample import solve_cell
 
-    return respond(design, edge_mm)
+    return solve_cell(design, edge_mm)
 
 
 def _one(
-    respond: Respond, design: Design, edge_mm: float, code: str
+    respond: SolveCell, design: Design, edge_mm: float, code: str
 ) -> tuple[dict[str, Any] | None, str | None, bool, float]:
     """Solve one cell, in a worker: the fields of its record after the task."""
     start, crashed = time.perf_counter(), False
@@ -154,21 +157,23 @@ def _one(
     return sample if reason is None else None, reason, crashed, time.perf_counter() - start
 
 
-def _longest_first(tasks: Sequence[Task]) -> list[Task]:
+def _longest_first(tasks: Sequence[CellTask]) -> list[CellTask]:
     """Long arms take longest: begun first, they do not keep one worker busy at the end."""
     return sorted(tasks, key=lambda task: (-task.length_mm, task))
 
 
-def _progress(records: dict[Task, Record], tasks: list[Task], left: float | None, last: Record | None) -> Progress:
+def _progress(
+    records: dict[CellTask, SampleRecord], tasks: list[CellTask], left: float | None, last: SampleRecord | None
+) -> CampaignProgress:
     failed = sum(record.failed is not None for record in records.values())
-    return Progress(len(records), len(tasks), failed, left, last)
+    return CampaignProgress(len(records), len(tasks), failed, left, last)
 
 
-def _write(material: Material, record: Record, folder: Path, respond: Respond | None) -> Record:
+def _write(material: Material, record: SampleRecord, folder: Path, respond: SolveCell | None) -> SampleRecord:
     """Write a record, and return it as it will be read again."""
     sample = json.loads(json.dumps(plain(record.sample)))
     content = {
-        "format": FORMAT,
+        "format": SAMPLE_FORMAT,
         "code": code_version(),
         "inputs": _inputs(material, record.task, respond),
         "sample": sample,
@@ -178,13 +183,13 @@ def _write(material: Material, record: Record, folder: Path, respond: Respond | 
     }
     # another run of the same law may have found the folder empty when it ended, and taken it away
     folder.mkdir(parents=True, exist_ok=True)
-    write_table(content, folder / f"{key(material, record.task, respond)}.json")
+    write_table(content, folder / f"{sample_name(material, record.task, respond)}.json")
     return replace(record, sample=sample)
 
 
-def _read(material: Material, task: Task, folder: Path, respond: Respond | None) -> Record | None:
+def _read(material: Material, task: CellTask, folder: Path, respond: SolveCell | None) -> SampleRecord | None:
     """The record of a finished sample; None if there is no whole one."""
-    path = folder / f"{key(material, task, respond)}.json"
+    path = folder / f"{sample_name(material, task, respond)}.json"
     if not path.is_file():
         return None
     try:
@@ -192,7 +197,7 @@ def _read(material: Material, task: Task, folder: Path, respond: Respond | None)
         inputs = json.loads(json.dumps(_inputs(material, task, respond)))
         if content["inputs"] != inputs or content["check"] != _check(content["sample"]):
             return None
-        return Record(task, content["sample"], content["failed"], False, float(content["seconds"]))
+        return SampleRecord(task, content["sample"], content["failed"], False, float(content["seconds"]))
     except (DesignError, KeyError, TypeError, ValueError):
         return None
 

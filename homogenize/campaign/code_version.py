@@ -12,7 +12,7 @@ import homogenize
 import pattern
 
 # what of the packages shapes the answer of a cell
-SOURCES = {
+SAMPLE_SOURCES = {
     discrete: ("**/*.py",),
     equilibrium: ("**/*.py",),
     pattern: (
@@ -28,7 +28,7 @@ SOURCES = {
 def code_version() -> str:
     """Hash of the sources; the same wherever the same code is installed."""
     known = hashlib.sha256()
-    for package, names in SOURCES.items():
+    for package, names in SAMPLE_SOURCES.items():
         folder = Path(package.__path__[0])
         for file in sorted(path for name in names for path in folder.glob(name)):
             known.update(f"{package.__name__}/{file.relative_to(folder).as_posix()}\n".encode())

@@ -24,10 +24,10 @@ Arrivals = Iterator[tuple[int, Any]]
 SubmitAll = Callable[[Callable[..., Any], Sequence[tuple[Any, ...]]], Arrivals]
 
 # a cluster is looked at so often, and given up after so long without a worker
-LOOK_S, PATIENCE_S = 0.05, 30.0
+POLL_INTERVAL_S, MAX_WAIT_FOR_WORKERS_S = 0.05, 30.0
 # One thread each: as many processes as cores are quicker than threads in any of them, and sums are taken in the same
 # order whatever the number of workers. MKL may otherwise choose its path by where an array happens to lie in memory.
-ENVIRONMENT = {
+WORKER_ENVIRONMENT = {
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
     "MKL_NUM_THREADS": "1",
@@ -38,9 +38,9 @@ ENVIRONMENT = {
 
 
 @contextmanager
-def local(jobs: int) -> Iterator[SubmitAll]:
+def local_workers(jobs: int) -> Iterator[SubmitAll]:
     """Processes of this machine, started afresh so that they share nothing with this one."""
-    with _environment(ENVIRONMENT):
+    with _environment(WORKER_ENVIRONMENT):
         context = multiprocessing.get_context("spawn")
         pool = concurrent.futures.ProcessPoolExecutor(jobs, context, _begin)
 
@@ -67,7 +67,7 @@ def local(jobs: int) -> Iterator[SubmitAll]:
 
 
 @contextmanager
-def on_dask(address: str) -> Iterator[SubmitAll]:
+def dask_workers(address: str) -> Iterator[SubmitAll]:
     """The workers of a running Dask cluster, which must have asterism installed in the same version."""
     try:
         from distributed import CancelledError, Client, KilledWorker, as_completed
@@ -105,9 +105,11 @@ def on_dask(address: str) -> Iterator[SubmitAll]:
                         last_seen = time.monotonic()
                     elif client.scheduler_info()["workers"]:
                         last_seen = time.monotonic()
-                    elif time.monotonic() > last_seen + PATIENCE_S:  # the cells would wait for new ones for ever
+                    elif (
+                        time.monotonic() > last_seen + MAX_WAIT_FOR_WORKERS_S
+                    ):  # the cells would wait for new ones for ever
                         raise CampaignError("the workers are gone; finished samples are kept")
-                    time.sleep(LOOK_S)
+                    time.sleep(POLL_INTERVAL_S)
             except (KilledWorker, CancelledError, CommClosedError) as error:
                 raise CampaignError(f"the workers are gone ({type(error).__name__})") from None
             finally:

@@ -13,14 +13,14 @@ from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import mean_circumcentres, triangle_angles, triangle_areas
 
 # of the edge, by which points are moved to decide between triangulations that are equally good
-TIE = 1e-6
+TIE_BREAK_RATIO = 1e-6
 # of the edge, around the cell, that images are taken from
-MARGIN = 4.0
+DELAUNAY_MARGIN_EDGES = 4.0
 _STEPS = np.array([[i, j] for i in (-1, 0, 1) for j in (-1, 0, 1)])
 
 
 @dataclass(frozen=True)
-class Triangles:
+class PeriodicTriangles:
     """One triangle of each class of images, counterclockwise.
 
     Attributes
@@ -85,7 +85,7 @@ class Triangles:
         return np.asarray(((a * len(self.points) + b) * 9 + step[..., 0] + 4) * 9 + step[..., 1] + 4)
 
 
-def periodic_delaunay(points: Floats, vectors: Floats, edge_mm: float) -> Triangles:
+def periodic_delaunay(points: Floats, vectors: Floats, edge_mm: float) -> PeriodicTriangles:
     """Triangles of points (N, 2) of one cell, which repeat with the lattice vectors; N is 3 or more.
 
     Where several triangulations are Delaunay's, one is taken that depends on the points' numbers only.
@@ -96,11 +96,11 @@ def periodic_delaunay(points: Floats, vectors: Floats, edge_mm: float) -> Triang
         They leave a hole: points are further apart than a few edges.
     """
     inverse = np.linalg.inv(vectors)
-    tie = TIE * edge_mm * np.random.default_rng(0).normal(size=points.shape)
+    tie = TIE_BREAK_RATIO * edge_mm * np.random.default_rng(0).normal(size=points.shape)
     base = np.tile(np.arange(len(points)), len(_STEPS))
     image = np.repeat(_STEPS, len(points), axis=0)
     copies = points[base] + image @ vectors
-    margin = MARGIN * edge_mm * np.linalg.norm(inverse, axis=0)
+    margin = DELAUNAY_MARGIN_EDGES * edge_mm * np.linalg.norm(inverse, axis=0)
     near = (np.abs(copies @ inverse - 0.5) < 0.5 + margin).all(axis=1)
     base, image, copies = base[near], image[near], copies[near]
     found = Delaunay(copies + tie[base]).simplices
@@ -110,7 +110,7 @@ def periodic_delaunay(points: Floats, vectors: Floats, edge_mm: float) -> Triang
     order = (base * 3 + image[:, 0] + 1) * 3 + image[:, 1] + 1
     first = found[np.arange(len(found)), order[found].argmin(axis=1)]
     own = found[(image[first] == 0).all(axis=1)]
-    triangles = Triangles(points, vectors, base[own], image[own])
+    triangles = PeriodicTriangles(points, vectors, base[own], image[own])
     area = abs(np.linalg.det(vectors))
     if not (len(own) == 2 * len(points) and abs(triangles.areas.sum() - area) < 1e-9 * area):
         raise MeshError("the points of the cell leave a hole")

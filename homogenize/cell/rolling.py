@@ -16,8 +16,8 @@ from discrete.energies.elements import Array
 from discrete.model.star_bumps import bump_heights
 from discrete.model.state import State
 from equilibrium.newton.minimise import minimise
-from homogenize.cell.cell import Cell
-from homogenize.cell.relax import Flat, clean, tolerance
+from homogenize.cell.flat_cell import FlatCell, gradient_tolerance, with_orthogonal_directors
+from homogenize.cell.unit_cell import UnitCell
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class Tube:
 
 
 @dataclass(frozen=True)
-class Unrolled:
+class UnrolledCell:
     """A state as printed directions see it: along the axis, around it (as length on the mean surface) and outwards."""
 
     positions: Array
@@ -61,28 +61,28 @@ class Unrolled:
     hoop: float
 
 
-def unrolled_flat(flat: Flat, angle: float) -> Unrolled:
+def unrolled_flat_cell(flat: FlatCell, angle: float) -> UnrolledCell:
     """A flat cell seen along the axis of a tube."""
     return _along(flat.state.positions, flat.state.directors, flat.deformation, angle)
 
 
-def unrolled_towards(cell: Cell, tube: Tube, angle: float) -> Unrolled:
+def unrolled_in_direction(cell: UnitCell, tube: Tube, angle: float) -> UnrolledCell:
     """A tube, laid flat and seen along the axis of a tube in another direction."""
-    sheet = unrolled(cell, tube)
+    sheet = unroll(cell, tube)
     deformation = np.linalg.solve(cell.cell_vectors, sheet.positions[cell.torus.n_base :, :2]).T
     return _along(sheet.positions, sheet.directors, deformation, angle)
 
 
-def _along(positions: Array, directors: Array, deformation: Array, angle: float) -> Unrolled:
+def _along(positions: Array, directors: Array, deformation: Array, angle: float) -> UnrolledCell:
     """A laid-out cell turned so that lines of equal angle on the tube are lines of equal y."""
     across = np.linalg.solve(deformation.T, np.array([-np.sin(angle), np.cos(angle)]))
     hoop = 1.0 / float(np.linalg.norm(across))
     (x, y) = hoop * across
     turn = np.array([[y, -x, 0.0], [x, y, 0.0], [0.0, 0.0, 1.0]])
-    return Unrolled(positions @ turn.T, directors @ turn.T, hoop)
+    return UnrolledCell(positions @ turn.T, directors @ turn.T, hoop)
 
 
-def unrolled(cell: Cell, tube: Tube) -> Unrolled:
+def unroll(cell: UnitCell, tube: Tube) -> UnrolledCell:
     """A tube, slit and laid flat: arc lengths at the mean radius, heights above it. The cell takes on its images."""
     cell.tube(tube.curvature, tube.angle)
     n, k = cell.torus.n_base, tube.curvature
@@ -93,10 +93,10 @@ def unrolled(cell: Cell, tube: Tube) -> Unrolled:
     macro = x[n:].copy()
     macro[:, 1] = tube.hoop * _around(cell, cell.cell_vectors)
     middle = _middles(cell, cell.images.unfold(x), k)
-    return Unrolled(np.vstack([flat, macro]), _turned(tube.state.directors, -middle), tube.hoop)
+    return UnrolledCell(np.vstack([flat, macro]), _turned(tube.state.directors, -middle), tube.hoop)
 
 
-def rolled(cell: Cell, sheet: Unrolled, curvature: float, angle: float) -> State:
+def rolled_state(cell: UnitCell, sheet: UnrolledCell, curvature: float, angle: float) -> State:
     """The laid-out cell rolled to a tube; the cell takes on the tube's images."""
     cell.tube(curvature, angle)
     n = cell.torus.n_base
@@ -107,13 +107,13 @@ def rolled(cell: Cell, sheet: Unrolled, curvature: float, angle: float) -> State
     positions[:n] = np.column_stack([base[:, 0], out * np.sin(turn), out * np.cos(turn)])
     positions[n:, 0] = sheet.positions[n:, 0]
     middle = _middles(cell, cell.images.unfold(positions), curvature)
-    return clean(cell, State(positions, _turned(sheet.directors, middle)))
+    return with_orthogonal_directors(cell, State(positions, _turned(sheet.directors, middle)))
 
 
-def roll(cell: Cell, sheet: Unrolled, curvature: float, angle: float) -> Tube:
+def roll_cell(cell: UnitCell, sheet: UnrolledCell, curvature: float, angle: float) -> Tube:
     """Roll the laid-out cell and find its equilibrium."""
-    start = rolled(cell, sheet, curvature, angle)
-    found = minimise(cell, start, cell.factor(), tolerance(cell))
+    start = rolled_state(cell, sheet, curvature, angle)
+    found = minimise(cell, start, cell.factor(), gradient_tolerance(cell))
     if not found.converged:
         raise ArithmeticError(f"tube: no equilibrium at curvature {curvature:.4g}/mm")
     k = curvature
@@ -137,18 +137,18 @@ def roll(cell: Cell, sheet: Unrolled, curvature: float, angle: float) -> Tube:
     )
 
 
-def heights(cell: Cell, tube: Tube) -> Array:
+def heights_over_mean_surface(cell: UnitCell, tube: Tube) -> Array:
     """(V,) mm, of the base points over the tube's mean surface, towards the plastic."""
     y, z = tube.state.positions[: cell.torus.n_base, 1:].T
     return np.asarray(np.sign(tube.curvature) * np.hypot(y, z) - tube.radius)
 
 
-def centre_offset(cell: Cell, tube: Tube) -> float:
+def centre_offset(cell: UnitCell, tube: Tube) -> float:
     """mm, of the first star's centre over the tube's mean surface, towards the plastic."""
-    return float(heights(cell, tube)[cell.torus.star_vertices[0]])
+    return float(heights_over_mean_surface(cell, tube)[cell.torus.star_vertices[0]])
 
 
-def _angles(cell: Cell, points: Array, curvature: float) -> Array:
+def _angles(cell: UnitCell, points: Array, curvature: float) -> Array:
     """(V,) rad about the axis, on the turn that the printed place says."""
     sign = np.sign(curvature)
     star = int(cell.torus.star_vertices[0])
@@ -157,12 +157,12 @@ def _angles(cell: Cell, points: Array, curvature: float) -> Array:
     return printed + off - 2.0 * np.pi * np.round(off / (2.0 * np.pi))
 
 
-def _around(cell: Cell, printed: Array) -> Array:
+def _around(cell: UnitCell, printed: Array) -> Array:
     """(n,) mm, component of printed vectors (n, 2) around the tube."""
     return np.asarray(printed @ cell.turn[1])
 
 
-def _middles(cell: Cell, points: Array, curvature: float) -> Array:
+def _middles(cell: UnitCell, points: Array, curvature: float) -> Array:
     """(R,) rad, angle of every rod edge's middle."""
     middle = points[cell.edges].mean(axis=1)
     sign = np.sign(curvature)

@@ -11,18 +11,18 @@ import numpy as np
 from discrete.energies.elements import Array
 from equilibrium.clock import Clock
 from homogenize.cell.arm_segments import arm_segments
-from homogenize.cell.blend import blended
-from homogenize.cell.cell import Cell
-from homogenize.cell.directions import CURLED, directions, is_threefold
-from homogenize.cell.isotropy import off_isotropic
-from homogenize.cell.natural import Curling, curl
-from homogenize.cell.objective import Linear, linear_response, mean_height
-from homogenize.cell.relax import Flat, relax
-from homogenize.cell.relief import Waves
-from homogenize.cell.rolled_membrane import rolled_membrane
-from homogenize.cell.rolling import Tube, centre_offset, heights
-from homogenize.cell.stability import Stability, stability
-from homogenize.cell.star_torus import constant
+from homogenize.cell.blend_responses import blend_responses
+from homogenize.cell.cell_mesh import star_size
+from homogenize.cell.cell_stability import CellStability, cell_stability
+from homogenize.cell.corrugation_waves import CorrugationWaves
+from homogenize.cell.effective_stiffness import EffectiveStiffness, effective_stiffness, mean_height
+from homogenize.cell.flat_cell import FlatCell, relax_flat_cell
+from homogenize.cell.isotropy import distance_from_isotropy
+from homogenize.cell.natural_curvature import TubeBranch, trace_tubes
+from homogenize.cell.rolling import Tube, centre_offset, heights_over_mean_surface
+from homogenize.cell.tube_directions import MIN_RESOLVED_CURL, is_threefold, tube_angles
+from homogenize.cell.tube_membrane import tube_membrane_stiffness
+from homogenize.cell.unit_cell import UnitCell
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
 
@@ -33,7 +33,7 @@ class Sample:
 
     Curvatures are positive where the plastic is outside: with the plastic up, the sheet's edges go down. Energies are
     per printed area, relative to the flat relaxed cell. "Natural" means the tube on which the moment vanishes; where
-    that is hardly curved (`homogenize.cell.natural.SLIGHT`), stretches, relief and membrane are those of a tube of
+    that is hardly curved (`natural_curvature.MIN_NATURAL_CURL`), stretches, relief and membrane are those of a tube of
     little curvature. The mean surface is that of all points of the fabric, weighted by printed area. D directions,
     angles counterclockwise from the print's y axis to the printed direction that runs around the tube.
 
@@ -53,8 +53,8 @@ class Sample:
     natural_print_curvature : (D,) 1/mm, angle around the tube per printed length; the above times the hoop stretch.
     natural_energy : (D,) N/mm.
     natural_hoop, natural_axial : (D,) stretches of the mean surface on the natural tube.
-    natural_membrane : (D, 3, 3) N/mm, tangent on the natural tube, see `homogenize.cell.rolled_membrane`.
-    relief : (2, W), amplitudes of the waves of the star's heights over the mean surface, see `homogenize.cell.relief`:
+    natural_membrane : (D, 3, 3) N/mm, tangent on the natural tube, see `homogenize.cell.tube_membrane`.
+    relief : (2, W), amplitudes of the waves of the star's heights over the mean surface, see `corrugation_waves`:
         mm on the flat cell, and mm^2, by how much more per curvature of the contracted sheet on the natural tubes (mean
         of the directions).
     bending : (D,) N mm, `D = 2 (psi_0 - psi_c)/kappa_c^2`; with a slight curvature only, the tangent by kappa.
@@ -62,7 +62,7 @@ class Sample:
         curvature; 0 without natural curvature, and for stars without threefold symmetry.
     curve_curvature, curve_energy, curve_moment, curve_hoop : per direction, all tubes solved by growing curvature:
         1/mm of the print, N/mm, N (derivative by the print's curvature) and the hoop stretch.
-    stiffness : (6, 6) `[A B; B^T D]` of strain and curvature of the mean surface, see `homogenize.cell.objective`.
+    stiffness : (6, 6) `[A B; B^T D]` of strain and curvature of the mean surface, see `effective_stiffness`.
     rest_curvature : (3,) 1/mm, Voigt curvature b_r at which the linear response has no moment.
     moment : (3,) N, of the flat relaxed cell, conjugate to the Voigt curvature.
     centre_offset_mm : star centre over the mean surface, flat; natural_centre_offset_mm : (D,) on the natural tube.
@@ -142,10 +142,10 @@ def _arrays(name: str, value: Any) -> Any:
     return [np.array(one) for one in value] if name.startswith("curve_") else np.array(value)
 
 
-def respond(design: Design, edge_mm: float, angles: tuple[float, ...] | None = None) -> Sample:
+def solve_cell(design: Design, edge_mm: float, angles: tuple[float, ...] | None = None) -> Sample:
     """Solve the cell of the design's star; what cannot be solved is said in `failed`.
 
-    `angles`: of the tubes, rad; by default those that a law needs (`homogenize.cell.directions`), for fabric that is
+    `angles`: of the tubes, rad; by default those that a law needs (`tube_directions`), for fabric that is
     stretched alike in x and y. `sixfold` compares the first with the last.
 
     Raises
@@ -163,11 +163,11 @@ def respond(design: Design, edge_mm: float, angles: tuple[float, ...] | None = N
     sx, sy = design.fabric.stretch_xy
     if angles is None and sx != sy:
         raise DesignError("fabric.stretch", "must be one number where no angles are given", [sx, sy])
-    angles = directions(design.lattice) if angles is None else angles
+    angles = tube_angles(design.lattice) if angles is None else angles
     cuts = arm_segments(design, edge_mm)
     each: list[dict[str, Any]] = []
     for segments, _ in cuts:
-        cell: Cell = clock("mesh and model", Cell, design, edge_mm, (1, 1), segments)
+        cell: UnitCell = clock("mesh and model", UnitCell, design, edge_mm, (1, 1), segments)
         found: dict[str, Any] = {"angles_rad": np.array(angles), "iterations": 0}
         try:
             _measure(clock, cell, angles, found)
@@ -178,9 +178,9 @@ def respond(design: Design, edge_mm: float, angles: tuple[float, ...] | None = N
         each.append(found)
     weights = np.array([weight for _, weight in cuts])
     return Sample(
-        length_mm=constant(design, "length_mm"),
-        thickness_mm=constant(design, "thickness_mm"),
-        width_mm=constant(design, "width_mm"),
+        length_mm=star_size(design, "length_mm"),
+        thickness_mm=star_size(design, "thickness_mm"),
+        width_mm=star_size(design, "width_mm"),
         stretch=sx,
         edge_mm=edge_mm,
         spacing_mm=cell.spacing,
@@ -189,7 +189,7 @@ def respond(design: Design, edge_mm: float, angles: tuple[float, ...] | None = N
         segment_weights=weights,
         meshes_apart=_apart(each, cell.spacing),
         seconds=clock.seconds,
-        **blended(each, weights),
+        **blend_responses(each, weights),
     )
 
 
@@ -199,32 +199,34 @@ def _apart(each: list[dict[str, Any]], spacing: float) -> float | None:
         return None
     kappa = [float(np.mean(found["natural_curvature"])) for found in each]
     largest = float(np.abs(kappa).max())
-    return 0.0 if largest * spacing < CURLED else float(np.ptp(kappa)) / largest
+    return 0.0 if largest * spacing < MIN_RESOLVED_CURL else float(np.ptp(kappa)) / largest
 
 
-def _measure(clock: Clock, cell: Cell, angles: tuple[float, ...], found: dict[str, Any]) -> None:
-    flat: Flat
-    flat, other = clock("flat", relax, cell)
+def _measure(clock: Clock, cell: UnitCell, angles: tuple[float, ...], found: dict[str, Any]) -> None:
+    flat: FlatCell
+    flat, other = clock("flat", relax_flat_cell, cell)
     found["rest_metric"] = flat.deformation @ flat.deformation
     found["lam"] = flat.stretch
     found["bump_mm"] = float(flat.bump[0])
-    linear: Linear = clock("stiffness", linear_response, cell, flat)
+    linear: EffectiveStiffness = clock("stiffness", effective_stiffness, cell, flat)
     found["stiffness"], found["membrane"] = linear.stiffness, linear.stiffness[:3, :3]
     found["moment"], found["rest_curvature"] = linear.moment, linear.rest_curvature
-    found["anisotropy"] = max(off_isotropic(linear.stiffness[:3, :3]), off_isotropic(linear.stiffness[3:, 3:]))
+    found["anisotropy"] = max(
+        distance_from_isotropy(linear.stiffness[:3, :3]), distance_from_isotropy(linear.stiffness[3:, 3:])
+    )
     found["centre_offset_mm"] = -mean_height(cell, flat.state)
     found["iterations"] = flat.iterations
-    own: Stability = clock("stability", stability, cell, flat.state)
+    own: CellStability = clock("stability", cell_stability, cell, flat.state)
     found["eigenvalue"], found["eigenvalue_error"] = own.cell, own.cell_error
     found["supercell_eigenvalue"], found["supercell_eigenvalue_error"] = own.supercell, own.supercell_error
     if other is not None:
         found["down_energy"] = other.energy - flat.energy
-    curves: list[Curling] = []
+    curves: list[TubeBranch] = []
     sx, sy = cell.design.fabric.stretch_xy
     threefold = is_threefold(cell.design.lattice)
     alike = sx == sy and threefold  # else the next direction's natural tube may be another form
     for angle in angles:
-        curves.append(clock("tubes", curl, cell, flat, angle, curves[-1] if alike and curves else None))
+        curves.append(clock("tubes", trace_tubes, cell, flat, angle, curves[-1] if alike and curves else None))
         found["iterations"] += sum(tube.iterations for tube in curves[-1].tubes)
     found |= _bending(flat, curves, threefold)
     ends = [curve.natural or curve.tubes[0] for curve in curves]
@@ -232,29 +234,31 @@ def _measure(clock: Clock, cell: Cell, angles: tuple[float, ...], found: dict[st
     part = np.array([curve.slight / curve.tubes[0].curvature for curve in curves])
     between = found["centre_offset_mm"] + part * (offsets - found["centre_offset_mm"])
     found["natural_centre_offset_mm"] = np.where([curve.natural is None for curve in curves], between, offsets)
-    found["natural_membrane"] = np.array([clock("stiffness", rolled_membrane, cell, tube) for tube in ends])
+    found["natural_membrane"] = np.array([clock("stiffness", tube_membrane_stiffness, cell, tube) for tube in ends])
     found["relief"] = _relief(cell, flat, ends)
     lowest = [clock("stability", _tube_stability, cell, tube) for tube in ends]
     found["natural_eigenvalue"] = np.array([one.cell for one in lowest])
     found["natural_supercell_eigenvalue"] = np.array([one.supercell for one in lowest])
 
 
-def _relief(cell: Cell, flat: Flat, tubes: list[Tube]) -> Array:
+def _relief(cell: UnitCell, flat: FlatCell, tubes: list[Tube]) -> Array:
     """(2, W) mm and mm^2, on the flat cell and more by curvature."""
-    waves = Waves.of(cell.design.lattice)
+    waves = CorrugationWaves.of(cell.design.lattice)
     n, star = cell.torus.n_base, cell.torus.star_vertices[0]
     offsets = cell.printed[:n] - cell.printed[star]
     lying = waves.amplitudes(offsets, flat.state.positions[:n, 2], cell.weights)
-    rolled = waves.amplitudes(offsets, np.mean([heights(cell, tube) for tube in tubes], axis=0), cell.weights)
+    rolled = waves.amplitudes(
+        offsets, np.mean([heights_over_mean_surface(cell, tube) for tube in tubes], axis=0), cell.weights
+    )
     return np.array([lying, (rolled - lying) / np.mean([tube.contracted for tube in tubes])])
 
 
-def _tube_stability(cell: Cell, tube: Tube) -> Stability:
+def _tube_stability(cell: UnitCell, tube: Tube) -> CellStability:
     cell.tube(tube.curvature, tube.angle)
-    return stability(cell, tube.state)
+    return cell_stability(cell, tube.state)
 
 
-def _bending(flat: Flat, curves: list[Curling], threefold: bool) -> dict[str, Any]:
+def _bending(flat: FlatCell, curves: list[TubeBranch], threefold: bool) -> dict[str, Any]:
     """What the tubes say; `threefold`: of stars and a lattice that repeat after a third of a turn."""
     ends = [curve.natural or curve.tubes[0] for curve in curves]
     hoop = np.array([tube.hoop for tube in ends])

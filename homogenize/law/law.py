@@ -1,6 +1,6 @@
 """The law of the sheet: what a cell's star makes of it, as smooth functions of the star's sizes.
 
-A law belongs to one material, lattice and edge length, and has a table (`homogenize.law.table`) for each stretch.
+A law belongs to one material, lattice and edge length, and has a table (`homogenize.law.law_table`) for each stretch.
 """
 
 from __future__ import annotations
@@ -14,17 +14,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from homogenize.campaign.plan import Material
-from homogenize.cell.relief import Waves
+from homogenize.cell.corrugation_waves import CorrugationWaves
 from homogenize.errors import ForeignLaw, LawError
-from homogenize.law.table import QUANTITIES, Table, Values
+from homogenize.law.law_table import QUANTITIES, LawTable, LawValues
+from homogenize.law.material import Material
 from pattern.design.design import Design
 from pattern.design.lattice import Lattice
 from pattern.geometry.arrays import Floats
 
 # parts by which numbers of a design may differ from the law's: rounding of the machine's, and of what is printed of a
 # measured material, whose curvature a law knows less well
-EXACT, MEASURED = 1e-6, 2e-3
+LATTICE_TOLERANCE, MATERIAL_TOLERANCE = 1e-6, 2e-3
 # tried: bare fabric then has no stiffness or no answer at all, and the natural curvature of the paper's star is .027 to
 # .079 per mm at edges from 3.5 to .8 mm, in no order
 WITHOUT_BENDING = (
@@ -43,12 +43,12 @@ class Law:
     material : with the plan.
     tables : one per stretch.
     samples : all records of the campaign as plain data, in the plan's order.
-    residuals : see `homogenize.law.residuals`.
+    residuals : see `homogenize.law.law_residuals`.
     made : versions, command, machine, seconds.
     """
 
     material: Material
-    tables: tuple[Table, ...]
+    tables: tuple[LawTable, ...]
     samples: Sequence[dict[str, Any]]
     residuals: dict[str, Any]
     made: dict[str, Any] = field(default_factory=dict)
@@ -59,11 +59,11 @@ class Law:
         return self.material.plan.edge_mm
 
     @cached_property
-    def waves(self) -> Waves:
+    def waves(self) -> CorrugationWaves:
         """Of which `Table.relief` gives the amplitudes."""
-        return Waves.of(self.material.lattice)
+        return CorrugationWaves.of(self.material.lattice)
 
-    def at(self, stretch: float) -> Table:
+    def at(self, stretch: float) -> LawTable:
         """The table of a stretch."""
         for table in self.tables:
             if _same(table.stretch, stretch):
@@ -75,7 +75,7 @@ class Law:
         """Those of the tables."""
         return tuple(table.stretch for table in self.tables)
 
-    def check(self, design: Design) -> Table:
+    def check(self, design: Design) -> LawTable:
         """The table for a design.
 
         Moduli and densities may differ: without gravity only the ratio of the moduli matters, see `evaluate`.
@@ -101,7 +101,7 @@ class Law:
                 if _same_sites(self.material.lattice, design.lattice):
                     ours |= {key: theirs[key] for key in ("kind", "spacing_mm", "vectors_mm")}
             for key in ours:
-                part = EXACT if section == "lattice" else MEASURED
+                part = LATTICE_TOLERANCE if section == "lattice" else MATERIAL_TOLERANCE
                 if key not in free.get(section, ()) and not _same(ours[key], theirs[key], part):
                     other = "lattice" if section == "lattice" else "material"
                     raise ForeignLaw(f"{section}.{key} = {theirs[key]}: the law is for another {other}, of {ours[key]}")
@@ -118,14 +118,14 @@ class Law:
         """(N, K) `Table.anisotropy` for a design's stars, which is the same after half a turn."""
         return self.check(design).anisotropy(length_mm, thickness_mm, width_mm)
 
-    def evaluate(self, design: Design, length_mm: ArrayLike, thickness_mm: ArrayLike, width_mm: ArrayLike) -> Values:
+    def evaluate(self, design: Design, length_mm: ArrayLike, thickness_mm: ArrayLike, width_mm: ArrayLike) -> LawValues:
         """The law for a design's material at stars of these sizes, stiffnesses in the design's own moduli."""
         values = self.check(design)(length_mm, thickness_mm, width_mm)
         scale = design.fabric.modulus_mpa / self.material.fabric.modulus_mpa
         if scale == 1.0:
             return values
         factor = {name: scale if quantity.per_modulus else 1.0 for name, quantity in QUANTITIES.items()}
-        return Values(
+        return LawValues(
             {name: value * factor[name] for name, value in values.value.items()},
             {name: slope * factor[name] for name, slope in values.slope.items()},
             values.inside,
@@ -155,7 +155,7 @@ def _same_sites(one: Lattice, other: Lattice) -> bool:
     return bool(np.abs(steps - np.rint(steps)).max() < 1e-6 and round(abs(np.linalg.det(steps))) == 1)
 
 
-def _same(a: Any, b: Any, part: float = EXACT) -> bool:
+def _same(a: Any, b: Any, part: float = LATTICE_TOLERANCE) -> bool:
     """Whether numbers differ by no more than a part of them, also in lists and tables."""
     if isinstance(a, int | float) and isinstance(b, int | float):
         return math.isclose(a, b, rel_tol=part, abs_tol=1e-12)

@@ -10,9 +10,9 @@ import scipy.sparse as sp
 
 from discrete.energies.elements import Array
 from discrete.model.state import State
-from homogenize.cell.cell import Cell
-from homogenize.cell.relax import Flat, relax
-from homogenize.cell.sample import Sample, respond
+from homogenize.cell.flat_cell import FlatCell, relax_flat_cell
+from homogenize.cell.sample import Sample, solve_cell
+from homogenize.cell.unit_cell import UnitCell
 from pattern.design.design import Design
 
 EDGE = 2.9  # six edges between stars
@@ -24,19 +24,19 @@ def design(length: float = 10.0, thickness: float = 0.4, **more: Any) -> Design:
 
 
 @functools.cache
-def relaxed(length: float, thickness: float, edge: float = EDGE, turn: float = 0.0) -> tuple[Cell, Flat]:
+def relaxed(length: float, thickness: float, edge: float = EDGE, turn: float = 0.0) -> tuple[UnitCell, FlatCell]:
     """A flat relaxed cell; a test that rolls it must not expect it flat afterwards."""
-    cell = Cell(design(length, thickness, lattice={"orientation_deg": turn}), edge)
-    return cell, relax(cell)[0]
+    cell = UnitCell(design(length, thickness, lattice={"orientation_deg": turn}), edge)
+    return cell, relax_flat_cell(cell)[0]
 
 
 @functools.cache
 def sample(length: float, thickness: float, edge: float = EDGE) -> Sample:
     """Responses, solved once."""
-    return respond(design(length, thickness), edge)
+    return solve_cell(design(length, thickness), edge)
 
 
-def shaken(cell: Cell, state: State, size: float = 0.1) -> State:
+def shaken(cell: UnitCell, state: State, size: float = 0.1) -> State:
     """The state after a random step of its free dofs."""
     direction = np.random.default_rng(3).normal(size=len(cell.free))
     return cell.path(state, direction)[0](size)

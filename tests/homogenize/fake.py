@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from homogenize.cell.directions import directions
+from homogenize.cell.tube_directions import tube_angles
 from pattern.design.design import Design
 
 
@@ -23,7 +23,7 @@ class Answer:
         return {**self.data, "failed": self.failed}
 
 
-def respond(design: Design, edge_mm: float) -> Answer:
+def solve_cell(design: Design, edge_mm: float) -> Answer:
     """A sheet that stiffens and curls with longer arms."""
     l, h, w = (float(getattr(design.stars, f"{n}_mm")) for n in ("length", "thickness", "width"))  # type: ignore[arg-type]  # noqa: E741
     s = design.fabric.stretch_xy[0]
@@ -31,7 +31,7 @@ def respond(design: Design, edge_mm: float) -> Answer:
     kappa = 0.002 * l**2 / (1 + 0.1 * l**2) * (0.3 / h) ** 2 * w**0.1
     a = 11.5 * np.exp(-0.02 * l)
     membrane = np.array([[a, 0.3 * a, 0], [0.3 * a, a, 0], [0, 0, 0.35 * a]])
-    angles = directions(design.lattice)
+    angles = tube_angles(design.lattice)
     each = np.ones(len(angles))
     data = {
         "length_mm": l,
@@ -55,7 +55,7 @@ def respond(design: Design, edge_mm: float) -> Answer:
 
 def curls_more(design: Design, edge_mm: float) -> Answer:
     """Four times the curvature."""
-    answer = respond(design, edge_mm)
+    answer = solve_cell(design, edge_mm)
     answer.data["natural_curvature"] = [4 * kappa for kappa in answer.data["natural_curvature"]]
     return answer
 
@@ -64,7 +64,7 @@ def fails_when_thin(design: Design, edge_mm: float) -> Answer:
     """No equilibrium for long thin arms."""
     if float(design.stars.length_mm) >= 10.0 and design.stars.thickness_mm == 0.2:  # type: ignore[arg-type]
         return Answer({}, "tube: still curling at 0.13/mm, the tightest tried")
-    return respond(design, edge_mm)
+    return solve_cell(design, edge_mm)
 
 
 def fails(design: Design, edge_mm: float) -> Answer:
@@ -79,25 +79,25 @@ def mended() -> bool:
 def breaks(design: Design, edge_mm: float) -> Answer:
     if design.stars.length_mm == 10.0 and not mended():
         raise ZeroDivisionError("a bug")
-    return respond(design, edge_mm)
+    return solve_cell(design, edge_mm)
 
 
 def dies(design: Design, edge_mm: float) -> Answer:
     if design.stars.length_mm == 5.0 and not mended():
         os._exit(3)
-    return respond(design, edge_mm)
+    return solve_cell(design, edge_mm)
 
 
 def slow(design: Design, edge_mm: float) -> Answer:
     time.sleep(0.2)
-    return respond(design, edge_mm)
+    return solve_cell(design, edge_mm)
 
 
 def matrix(design: Design, edge_mm: float) -> Answer:
     """With sums that would depend on the number of threads."""
     rng = np.random.default_rng(int(1000 * float(design.stars.thickness_mm)))  # type: ignore[arg-type]
     big = rng.random((400, 400))
-    answer = respond(design, edge_mm)
+    answer = solve_cell(design, edge_mm)
     answer.data["sixfold"] = float(np.linalg.norm(big @ big @ big) * 1e-9)
     return answer
 

@@ -8,8 +8,8 @@ from scipy.spatial import cKDTree
 
 from discrete.energies.elements import Array
 from discrete.model.state import State
-from homogenize.cell.cell import Cell
-from homogenize.cell.rolling import roll, unrolled_flat
+from homogenize.cell.rolling import roll_cell, unrolled_flat_cell
+from homogenize.cell.unit_cell import UnitCell
 from tests.homogenize.cells import EDGE, design, relaxed, shaken
 
 THIRD = np.array([[-0.5, -np.sqrt(0.75)], [np.sqrt(0.75), -0.5]])
@@ -26,7 +26,7 @@ def _on_lattice(known: Array, asked: Array, vectors: Array) -> tuple[Array, Arra
     return index, np.round((asked - known[index]) @ inverse)
 
 
-def _turns(cell: Cell, count: Array) -> Array:
+def _turns(cell: UnitCell, count: Array) -> Array:
     """(n, 3, 3) of the images that many lattice vectors away."""
     if cell.curvature is None:
         return np.broadcast_to(np.eye(3), (len(count), 3, 3))
@@ -38,7 +38,7 @@ def _turns(cell: Cell, count: Array) -> Array:
     return turn
 
 
-def _moved(one: Cell, state: State, other: Cell, symmetry: Array) -> State:
+def _moved(one: UnitCell, state: State, other: UnitCell, symmetry: Array) -> State:
     """The sheet of a state of `one`, its print moved by a symmetry (2, 2), as a state of the cell `other`."""
     n, vectors = one.torus.n_base, one.cell_vectors
     macro = state.positions[n:]
@@ -72,8 +72,8 @@ def test_a_moved_print_has_the_same_energy_and_forces(symmetry: Array) -> None:
 @pytest.mark.parametrize("repeat", [(2, 2), (1, 3)])
 def test_a_tube_of_several_cells_is_the_same_tube(repeat: tuple[int, int]) -> None:
     cell, flat = relaxed(10.0, 0.4)
-    tube = roll(cell, unrolled_flat(flat, 0.3), 0.05, 0.3)
-    several = Cell(design(10.0, 0.4), EDGE, repeat=repeat)
+    tube = roll_cell(cell, unrolled_flat_cell(flat, 0.3), 0.05, 0.3)
+    several = UnitCell(design(10.0, 0.4), EDGE, repeat=repeat)
     several.tube(0.05, 0.3)
     state = _moved(cell, tube.state, several, np.eye(2))
     count = repeat[0] * repeat[1]

@@ -10,13 +10,13 @@ from scipy.linalg import block_diag
 
 from discrete.energies.bending.hinges import paper_coefficients
 from discrete.model.state import State
-from homogenize.cell.cell import Cell
-from homogenize.cell.natural import curl
-from homogenize.cell.objective import linear_response
-from homogenize.cell.relax import Flat, relax
-from homogenize.cell.rolling import roll, rolled, unrolled_flat
-from homogenize.cell.sample import respond
-from homogenize.cell.stability import stability
+from homogenize.cell.cell_stability import cell_stability
+from homogenize.cell.effective_stiffness import effective_stiffness
+from homogenize.cell.flat_cell import FlatCell, relax_flat_cell
+from homogenize.cell.natural_curvature import trace_tubes
+from homogenize.cell.rolling import roll_cell, rolled_state, unrolled_flat_cell
+from homogenize.cell.sample import solve_cell
+from homogenize.cell.unit_cell import UnitCell
 from tests.homogenize.cells import EDGE, design, full, shaken
 from tests.homogenize.test_cell_symmetry import _moved
 
@@ -24,25 +24,25 @@ FIVE = {"lattice": {"arms": 5}}
 KINDS = pytest.mark.parametrize("tube", [False, True], ids=["flat", "tube"])
 
 
-def five(length: float = 7.0, thickness: float = 0.4, **more: Any) -> Cell:
-    return Cell(design(length, thickness, **(FIVE | more)), EDGE)
+def five(length: float = 7.0, thickness: float = 0.4, **more: Any) -> UnitCell:
+    return UnitCell(design(length, thickness, **(FIVE | more)), EDGE)
 
 
 @pytest.fixture(scope="module")
-def relaxed() -> tuple[Cell, Flat]:
+def relaxed() -> tuple[UnitCell, FlatCell]:
     cell = five()
-    return cell, relax(cell)[0]
+    return cell, relax_flat_cell(cell)[0]
 
 
-def bent(cell: Cell, flat: Flat, tube: bool) -> State:
+def bent(cell: UnitCell, flat: FlatCell, tube: bool) -> State:
     """A state away from equilibrium."""
     cell.flat()
-    state = rolled(cell, unrolled_flat(flat, 0.3), 0.06, 0.3) if tube else flat.state
+    state = rolled_state(cell, unrolled_flat_cell(flat, 0.3), 0.06, 0.3) if tube else flat.state
     return shaken(cell, state, 0.05)
 
 
 @KINDS
-def test_gradient_and_hessian_are_the_energys(relaxed: tuple[Cell, Flat], tube: bool) -> None:
+def test_gradient_and_hessian_are_the_energys(relaxed: tuple[UnitCell, FlatCell], tube: bool) -> None:
     """V1: complex step for the gradient, second differences for the Hessian along a path."""
     cell, flat = relaxed
     state = bent(cell, flat, tube)
@@ -57,7 +57,7 @@ def test_gradient_and_hessian_are_the_energys(relaxed: tuple[Cell, Flat], tube: 
 
 def test_elements_with_two_images_of_one_point() -> None:
     """On the coarsest meshes; the Hessian against that of the unfolded points, folded by a matrix."""
-    cell = Cell(design(7.0, 0.4, lattice={"arms": 5, "orientation_deg": 7}, fabric={"bending": "consistent"}), 5.77)
+    cell = UnitCell(design(7.0, 0.4, lattice={"arms": 5, "orientation_deg": 7}, fabric={"bending": "consistent"}), 5.77)
     torus, rods = cell.torus, len(cell.edges)
     assert any(len(np.unique(row)) < len(row) for part in cell.parts.values() for row in part.dofs)
     cell.set_release(0.6)
@@ -73,7 +73,7 @@ def test_elements_with_two_images_of_one_point() -> None:
 
 
 @KINDS
-def test_the_sheet_may_be_moved(relaxed: tuple[Cell, Flat], tube: bool) -> None:
+def test_the_sheet_may_be_moved(relaxed: tuple[UnitCell, FlatCell], tube: bool) -> None:
     """V2: turns in space, or about the tube's axis, and shifts along it change nothing."""
     cell, flat = relaxed
     state = bent(cell, flat, tube)
@@ -90,11 +90,11 @@ def test_the_sheet_may_be_moved(relaxed: tuple[Cell, Flat], tube: bool) -> None:
 @pytest.mark.parametrize("lattice", [{"arms": 5}, {"arms": 8, "kind": "square"}, {"orientation_deg": 20}])
 def test_without_arms_it_is_the_fabric(lattice: dict[str, Any]) -> None:
     """Also next to the points where arms would be: those of short ones stay in the mesh."""
-    bare = respond(design(0.0, lattice=lattice), EDGE, (0.0, 0.5))
+    bare = solve_cell(design(0.0, lattice=lattice), EDGE, (0.0, 0.5))
     np.testing.assert_allclose(bare.rest_metric, 1.35**-2 * np.eye(2), atol=1e-9)
     assert bare.lam == pytest.approx(1.0 / 1.35, abs=1e-8)
     np.testing.assert_array_equal(bare.natural_curvature, 0.0)
-    short = relax(Cell(design(1.0, 0.2, lattice=lattice), EDGE))[0].stretch
+    short = relax_flat_cell(UnitCell(design(1.0, 0.2, lattice=lattice), EDGE))[0].stretch
     assert 0.0 < short - bare.lam < 0.01
 
 
@@ -143,31 +143,31 @@ def test_uniform_sheets_have_their_closed_form(tube: bool) -> None:
                                                  (10.0, {"orientation_deg": 10})])  # fmt: skip
 def test_stars_in_any_direction_have_equilibria(length: float, lattice: dict[str, Any]) -> None:
     """A flat one, a stable natural tube, curled with the plastic outside, and a stiffness."""
-    cell = Cell(design(length, 0.4, lattice=lattice), EDGE)
-    flat = relax(cell)[0]
+    cell = UnitCell(design(length, 0.4, lattice=lattice), EDGE)
+    flat = relax_flat_cell(cell)[0]
     assert 1.0 / 1.35 < flat.stretch < 1.0
     assert flat.bump[0] > 0.0
-    natural = curl(cell, flat, 0.2).natural
+    natural = trace_tubes(cell, flat, 0.2).natural
     assert natural is not None and natural.curvature > 0.0 and natural.definite
     cell.tube(natural.curvature, 0.2)
-    assert stability(cell, natural.state).stable
-    stiffness = linear_response(cell, flat).stiffness
+    assert cell_stability(cell, natural.state).stable
+    stiffness = effective_stiffness(cell, flat).stiffness
     assert np.linalg.eigvalsh(stiffness[:3, :3])[0] > 0.0
 
 
 def test_a_star_turned_onto_itself_responds_alike() -> None:
-    one, other = (relax(five(lattice={"arms": 5, "orientation_deg": angle}))[0] for angle in (3.0, 75.0))
+    one, other = (relax_flat_cell(five(lattice={"arms": 5, "orientation_deg": angle}))[0] for angle in (3.0, 75.0))
     np.testing.assert_allclose(one.deformation, other.deformation, rtol=1e-10)
 
 
 @KINDS
 def test_two_cells_have_twice_the_energy_and_no_forces(tube: bool) -> None:
     cell = five()
-    flat = relax(cell)[0]
-    two = Cell(design(7.0, 0.4, **FIVE), EDGE, repeat=(2, 1))
+    flat = relax_flat_cell(cell)[0]
+    two = UnitCell(design(7.0, 0.4, **FIVE), EDGE, repeat=(2, 1))
     state, energy, error = flat.state, flat.energy, flat.gradient_norm
     if tube:
-        found = roll(cell, unrolled_flat(flat, 0.3), 0.05, 0.3)
+        found = roll_cell(cell, unrolled_flat_cell(flat, 0.3), 0.05, 0.3)
         state, energy, error = found.state, found.energy, found.gradient_norm
         two.tube(0.05, 0.3)
     moved = _moved(cell, state, two, np.eye(2))
@@ -179,10 +179,10 @@ def test_two_cells_have_twice_the_energy_and_no_forces(tube: bool) -> None:
 def test_free_and_aligned_meshes_agree(monkeypatch: pytest.MonkeyPatch, thickness: float) -> None:
     """Three-armed stars, edges of 1.92 mm: within what another mesh makes of it."""
     star = design(10.0, thickness)
-    aligned = respond(star, 1.92, (0.0, np.pi / 6))
+    aligned = solve_cell(star, 1.92, (0.0, np.pi / 6))
     for module in ("star_torus", "arm_segments"):
         monkeypatch.setattr(f"homogenize.{module}.lattice_lines", lambda lattice: None)
-    free = respond(star, 1.92, (0.0, np.pi / 6))
+    free = solve_cell(star, 1.92, (0.0, np.pi / 6))
     assert len(free.segments) == 1
     assert free.lam == pytest.approx(aligned.lam, rel=2e-3)
     np.testing.assert_allclose(free.natural_curvature, aligned.natural_curvature, rtol=0.04)
@@ -193,7 +193,7 @@ def test_triangles_that_bend_with_their_neighbours_repeat_too() -> None:
     """Consistent bending: two cells have twice the energy, whatever their state."""
     fabric = {"fabric": {"bending": "consistent"}}
     one = five(**fabric)
-    two = Cell(design(7.0, 0.4, **FIVE, **fabric), EDGE, repeat=(1, 2))
+    two = UnitCell(design(7.0, 0.4, **FIVE, **fabric), EDGE, repeat=(1, 2))
     state = shaken(one, one.printed_state(), 0.2)
     moved = _moved(one, state, two, np.eye(2))
     for name in ("plate", "folds"):

@@ -7,10 +7,10 @@ import time
 import numpy as np
 import pytest
 
-from homogenize.campaign.plan import PAPER, load_material
-from homogenize.law.file import load_law
 from homogenize.law.law import Law
-from homogenize.law.table import TIGHT
+from homogenize.law.law_file import load_law
+from homogenize.law.law_table import MAX_SEPARATED_CURL
+from homogenize.law.material import PAPER_MATERIAL, load_material
 
 
 @pytest.fixture(scope="module")
@@ -20,7 +20,7 @@ def law() -> Law:
 
 def test_it_is_of_the_plan_that_comes_with_it(law: Law) -> None:
     """And says by which command, with which versions, on what machine and in what time."""
-    assert law.material.to_dict() == load_material(PAPER).to_dict()
+    assert law.material.to_dict() == load_material(PAPER_MATERIAL).to_dict()
     assert law.made["command"] == "asterism calibrate"
     assert {"asterism", "numpy", "scipy"} <= set(law.made["versions"]) and law.made["machine"]["cores"] > 0
     assert law.made["cell_seconds"] > 0.0
@@ -54,7 +54,7 @@ def test_every_cell_of_the_stated_range_is_stable_and_bumps_up(law: Law) -> None
         found = cell["sample"]
         assert found is not None, cell
         curl = np.mean(found["natural_curvature"]) * found["spacing_mm"]
-        if curl > TIGHT or cell["length_mm"] == 0.0:
+        if curl > MAX_SEPARATED_CURL or cell["length_mm"] == 0.0:
             continue
         seen += 1
         assert cell["problem"] is None, cell

@@ -9,12 +9,12 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from homogenize.cell.arm_segments import arm_segments
-from homogenize.cell.isotropy import isotropic, off_isotropic
-from homogenize.cell.objective import linear_response
-from homogenize.cell.relief import Waves
-from homogenize.cell.rolled_membrane import rolled_membrane
-from homogenize.cell.rolling import heights, roll, unrolled_flat
-from homogenize.cell.sample import Sample, respond
+from homogenize.cell.corrugation_waves import CorrugationWaves
+from homogenize.cell.effective_stiffness import effective_stiffness
+from homogenize.cell.isotropy import distance_from_isotropy, isotropic_constants
+from homogenize.cell.rolling import heights_over_mean_surface, roll_cell, unrolled_flat_cell
+from homogenize.cell.sample import Sample, solve_cell
+from homogenize.cell.tube_membrane import tube_membrane_stiffness
 from pattern.design.lattice import Lattice
 from tests.homogenize.cells import EDGE, design, relaxed
 
@@ -25,9 +25,9 @@ SPACING = 10.0 * np.sqrt(3.0)
 @pytest.mark.parametrize("length", [0.0, 10.0])
 def test_membrane_of_hardly_curved_tubes_is_that_of_the_flat_cell(length: float, angle: float) -> None:
     cell, flat = relaxed(length, 0.6)
-    expected = linear_response(cell, flat)
+    expected = effective_stiffness(cell, flat)
     moment = abs(expected.moment).max() / flat.stretch**2  # a fixed moment's share
-    found = rolled_membrane(cell, roll(cell, unrolled_flat(flat, angle), 1e-5, angle))
+    found = tube_membrane_stiffness(cell, roll_cell(cell, unrolled_flat_cell(flat, angle), 1e-5, angle))
     np.testing.assert_allclose(found, expected.stiffness[:3, :3], atol=1e-4 * found.max() + 1e-3 * moment)
 
 
@@ -35,9 +35,9 @@ def test_membrane_of_a_tube_says_what_a_dead_pull_does() -> None:
     """Equilibria of the tube pulled along its axis, all else free: the strains of `E = (F^T F - I)/2` follow the
     compliance, where F takes the print to the tube laid flat, which is sheared."""
     cell, flat = relaxed(10.0, 0.4)
-    tube = roll(cell, unrolled_flat(flat, 0.2), 0.04, 0.2)
+    tube = roll_cell(cell, unrolled_flat_cell(flat, 0.2), 0.04, 0.2)
     turn = _turned_strains(cell.turn)  # in the tube's axes of those in the print's
-    compliance = turn @ np.linalg.inv(rolled_membrane(cell, tube)) @ turn.T
+    compliance = turn @ np.linalg.inv(tube_membrane_stiffness(cell, tube)) @ turn.T
     n, pull = cell.torus.n_base, 1e-3
     slopes = cell.turn @ np.linalg.inv(cell.cell_vectors)
     ends = []
@@ -71,7 +71,7 @@ def _turned_strains(turn: np.ndarray) -> np.ndarray:
 @given(st.lists(st.floats(-2.0, 2.0), min_size=12, max_size=12), st.integers(0, 5))
 @settings(max_examples=20, deadline=None)
 def test_reliefs_are_found_again_and_have_the_symmetry_of_the_star(amplitudes: list[float], turns: int) -> None:
-    waves = Waves.of(Lattice())
+    waves = CorrugationWaves.of(Lattice())
     cell = relaxed(10.0, 0.4, 1.44)[0]
     offsets = cell.printed[: cell.torus.n_base] - cell.printed[cell.torus.star_vertices[0]]
     field = waves(offsets) @ amplitudes
@@ -87,7 +87,7 @@ def test_reliefs_are_found_again_and_have_the_symmetry_of_the_star(amplitudes: l
 def test_waves_are_orthogonal_over_a_cell(arms: int, kind: str) -> None:
     """On a fine grid of the lattice: no mean, none counted twice, none missing up to the longest."""
     lattice = Lattice.model_validate({"arms": arms, "kind": kind})
-    waves = Waves.of(lattice)
+    waves = CorrugationWaves.of(lattice)
     grid = np.stack(np.meshgrid(np.arange(24), np.arange(24)), axis=-1).reshape(-1, 2) / 24.0
     values = waves(grid @ np.asarray(lattice.vectors))
     assert np.abs(values.mean(axis=0)).max() < 1e-12
@@ -97,17 +97,17 @@ def test_waves_are_orthogonal_over_a_cell(arms: int, kind: str) -> None:
 
 
 def test_the_relief_of_a_sample_is_near_its_flat_cell_and_its_tubes() -> None:
-    found = respond(design(10.0, 0.4), 1.44)
-    waves = Waves.of(Lattice())
+    found = solve_cell(design(10.0, 0.4), 1.44)
+    waves = CorrugationWaves.of(Lattice())
     cell, flat = relaxed(10.0, 0.4, 1.44)
     curvature = float(found.natural_print_curvature.mean())
-    tube = roll(cell, unrolled_flat(flat, 0.0), curvature, 0.0)
+    tube = roll_cell(cell, unrolled_flat_cell(flat, 0.0), curvature, 0.0)
     offsets = cell.printed[: cell.torus.n_base] - cell.printed[cell.torus.star_vertices[0]]
     lying, more = found.relief
     rolled = lying + found.natural_curvature.mean() * more
     z = flat.state.positions[: cell.torus.n_base, 2]
     centre = (waves(np.zeros((1, 2))) @ np.array([lying, rolled]).T)[0]
-    for real, amplitudes in ((z - cell.weights @ z, lying), (heights(cell, tube), rolled)):
+    for real, amplitudes in ((z - cell.weights @ z, lying), (heights_over_mean_surface(cell, tube), rolled)):
         left = real - waves(offsets) @ amplitudes
         assert np.sqrt(cell.weights @ left**2) < 0.6 * np.sqrt(cell.weights @ real**2)
     assert centre[0] == pytest.approx(found.centre_offset_mm, rel=0.05)
@@ -133,7 +133,7 @@ def _response(found: Sample, name: str) -> np.ndarray:
 
 def test_responses_do_not_jump_where_the_number_of_edges_changes() -> None:
     edge = SPACING / 6
-    below, at, above = (respond(design(part * edge, 0.4), EDGE) for part in (2.997, 3.0, 3.003))
+    below, at, above = (solve_cell(design(part * edge, 0.4), EDGE) for part in (2.997, 3.0, 3.003))
     assert [len(found.segments) for found in (below, at, above)] == [2, 1, 2]
     for name in ("lam", "natural_curvature", "bending", "natural_membrane", "relief of the tube"):
         one, middle, other = (_response(found, name) for found in (below, at, above))
@@ -144,11 +144,11 @@ def test_responses_do_not_jump_where_the_number_of_edges_changes() -> None:
 
 def test_the_nearest_isotropic_tensor() -> None:
     plane = np.array([[3.0, 1.0, 0.0], [1.0, 3.0, 0.0], [0.0, 0.0, 1.0]])
-    assert isotropic(plane) == pytest.approx((3.0, 1.0)) and off_isotropic(plane) < 1e-15
+    assert isotropic_constants(plane) == pytest.approx((3.0, 1.0)) and distance_from_isotropy(plane) < 1e-15
     stiffer = plane + np.diag([1.0, 0.0, 0.0])
-    assert isotropic(stiffer) == pytest.approx((3.375, 1.125)) and 0.1 < off_isotropic(stiffer) < 0.3
+    assert isotropic_constants(stiffer) == pytest.approx((3.375, 1.125)) and 0.1 < distance_from_isotropy(stiffer) < 0.3
     # neither depends on the axes; strains turn as forms do
     turn = _turned_strains(Rotation.from_euler("z", 0.4).as_matrix()[:2, :2])
     turned = turn.T @ stiffer @ turn
-    assert isotropic(turned) == pytest.approx(isotropic(stiffer))
-    assert off_isotropic(turned) == pytest.approx(off_isotropic(stiffer))
+    assert isotropic_constants(turned) == pytest.approx(isotropic_constants(stiffer))
+    assert distance_from_isotropy(turned) == pytest.approx(distance_from_isotropy(stiffer))

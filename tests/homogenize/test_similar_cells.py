@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from homogenize.cell.cell import Cell
-from homogenize.cell.relax import Flat, relax
+from homogenize.cell.flat_cell import FlatCell, relax_flat_cell
+from homogenize.cell.unit_cell import UnitCell
 from pattern.design.design import Design
 from pattern.design.lattice import DEFAULT_SPACING_MM
 
 EDGE = 5.0
 
 
-def flat(size: float, stiff: float) -> Flat:
+def flat(size: float, stiff: float) -> FlatCell:
     """Of a cell with `size` times the paper's lengths and `stiff` times its moduli."""
     data = {
         "fabric": {"thickness_mm": 0.8 * size, "modulus_mpa": 7.1875 * stiff},
@@ -21,7 +21,7 @@ def flat(size: float, stiff: float) -> Flat:
         "stars": {"length_mm": 8.5 * size, "thickness_mm": 0.3 * size, "width_mm": 1.2 * size},
         "border": {"rings": 0, "tip_margin_mm": 0.5 * size},
     }
-    return relax(Cell(Design.from_dict(data), EDGE * size))[0]
+    return relax_flat_cell(UnitCell(Design.from_dict(data), EDGE * size))[0]
 
 
 @pytest.mark.parametrize("size, stiff", [(8.0, 1.0), (1.0, 1e4), (0.3, 1e-3)])

@@ -7,13 +7,13 @@ from functools import cache
 import numpy as np
 
 from asterism.exact.simulation import simulate
-from asterism.laws.own_law import own_material
+from asterism.laws.design_law import material_for_design
 from asterism.previews.run import preview
 from asterism.shape.comparison import Comparison, compare
 from asterism.shape.shape import Shape
-from homogenize.campaign.campaign import Record
-from homogenize.cell.sample import respond
-from homogenize.law.fit import fit
+from homogenize.campaign.campaign import SampleRecord
+from homogenize.campaign.fit_law import fit_law
+from homogenize.cell.sample import solve_cell
 from homogenize.law.law import Law
 from pattern import gallery
 from pattern.design.design import Design
@@ -122,9 +122,9 @@ def contractions(found: Comparison, shape: Shape) -> tuple[Floats, Floats]:
 @cache
 def own_law(name: str) -> Law:
     """The law of a design's own stars, from cells on the design's mesh."""
-    material = own_material(figure(name), EDGE)
+    material = material_for_design(figure(name), EDGE)
     records = []
     for task in material.tasks():
-        found = respond(material.design(task), material.plan.edge_mm)
-        records.append(Record(task, found.to_dict(), found.failed, False, sum(found.seconds.values())))
-    return fit(material, records)
+        found = solve_cell(material.design(task), material.plan.edge_mm)
+        records.append(SampleRecord(task, found.to_dict(), found.failed, False, sum(found.seconds.values())))
+    return fit_law(material, records)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from asterism.measure.strips.strip_fit import StripFit
 from asterism.results.files import OutputError
-from homogenize.campaign.plan import Material
+from homogenize.law.material import Material
 
 # a file that begins with this line is ours, and may be written over
 FIRST_LINE = "# Written by asterism strips fit, which writes over this file as long as this line is here."

@@ -1,7 +1,7 @@
 """The bumps of the stars, laid on the smooth surface of the shell.
 
 The law gives each star the heights of its cell over the mean surface, as amplitudes of a few waves of the lattice
-(`homogenize.cell.relief`): those of the flat cell, and how they change as the sheet curls to its natural tube.
+(`homogenize.cell.corrugation_waves`): of the flat cell, and how they change as the sheet curls to its natural tube.
 Amplitudes are shared between stars as everything else is, so that the relief has no jumps. The bare rim lies as low as
 the tips of the arms beside it, and goes on down where it is free (`asterism.previews.edges.free_rim`). A printed point
 moves by its height along the shell's normal.

@@ -8,7 +8,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from homogenize.law.anisotropy import BENDING, MOMENT, PLATE, ROUND, matrices, natural
+from homogenize.law.anisotropy import (
+    BENDING_COLUMNS,
+    ISOTROPIC_PLATE,
+    MOMENT_COLUMNS,
+    SPHERICAL,
+    natural_curvatures,
+    voigt_matrices,
+)
 from pattern.geometry.arrays import Floats
 
 # the strongest direction is sought on both sides of the best one so far: in steps of 15 degrees, then ever closer
@@ -18,7 +25,8 @@ CLOSER, TIMES = 6.0, 4
 
 def tensors(kappa: Floats, anisotropy: Floats) -> tuple[Floats, Floats]:
     """Q (..., 3, 3) and m (..., 3), 1/mm, for the mean natural curvature kappa (...) and K numbers (..., K)."""
-    return PLATE + matrices(anisotropy[..., BENDING]), kappa[..., None] * ROUND + anisotropy[..., MOMENT]
+    q = ISOTROPIC_PLATE + voigt_matrices(anisotropy[..., BENDING_COLUMNS])
+    return q, kappa[..., None] * SPHERICAL + anisotropy[..., MOMENT_COLUMNS]
 
 
 def tilted(stiffness: Floats, bending: Floats, q: Floats) -> Floats:
@@ -42,6 +50,6 @@ def strongest(kappa: Floats, anisotropy: Floats) -> Floats:
     best, half = np.zeros((len(kappa), 1)), 0.5 * np.pi
     for _ in range(TIMES):
         tried = best + half * STEPS
-        chosen = natural(q, m, tried)[1].argmax(axis=-1)[:, None]
+        chosen = natural_curvatures(q, m, tried)[1].argmax(axis=-1)[:, None]
         best, half = np.take_along_axis(tried, chosen, axis=-1), half / CLOSER
-    return np.asarray(natural(q, m, best)[0][:, 0])
+    return np.asarray(natural_curvatures(q, m, best)[0][:, 0])

@@ -58,7 +58,7 @@ from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from fem.shell.density import Density, isotropic
 from fem.shell.fields import Fields
-from homogenize.law.anisotropy import POISSON, least
+from homogenize.law.anisotropy import BENDING_POISSON, min_bending_ratio
 from pattern.design.lattice import DEFAULT_SPACING_MM
 from pattern.geometry.arrays import Floats
 
@@ -108,14 +108,14 @@ def sheet_fields(
     if arms and model.has_rosette_metric:
         along = [np.exp(mean(np.log(natural), shares)) for _, shares in arms]
         metric = arm_metric(lam, np.stack(along, axis=-1), np.array([direction for direction, _ in arms]))
-    bend = -kappa * square / (1.0 + POISSON)
-    stiffness = isotropic(a11, bending / lam**4, a12 / a11, POISSON)
+    bend = -kappa * square / (1.0 + BENDING_POISSON)
+    stiffness = isotropic(a11, bending / lam**4, a12 / a11, BENDING_POISSON)
     curvature = np.stack([bend, bend, zero], axis=-1)
     # of the natural tubes, and of the softest bending over the isotropic
     curl, firm = values.value["kappa"], np.ones(shape)
     if values.anisotropy.shape[1]:
         q, m = tensors(kappa, np.asarray(weights @ values.anisotropy[:-1]).reshape(*shape, -1))
-        stiffness, firm = tilted(stiffness, bending / lam**4, q), least(q)
+        stiffness, firm = tilted(stiffness, bending / lam**4, q), min_bending_ratio(q)
         curvature, curl = bends(lam, q, m), values.curl
     strength = mean(np.abs(curl))
     # parts of lam^2: by how much a flat sheet's metric is larger, and how much of that the trace of b takes away
@@ -133,13 +133,16 @@ def sheet_fields(
     if normals is not None:
         rim = rim_curvature(weights, values, normals, model)
         if carried is not None:
-            rim += arm_curvature(weights, values, normals, arms, carried) / (1.0 + POISSON)
+            rim += arm_curvature(weights, values, normals, arms, carried) / (1.0 + BENDING_POISSON)
         curvature -= square[..., None] * rim.reshape(*shape, 3)
     if gaussian is None:
         return Fields(density, metric, curvature)
     saved = (np.minimum(stars_share(weights), 1.0) * np.asarray(weights @ gaussian)).reshape(shape)
     return Fields(
-        density, metric, curvature, -np.minimum(saved, MAX_GAUSSIAN_SHARE * firm * (1.0 + POISSON) * bending / lam**4)
+        density,
+        metric,
+        curvature,
+        -np.minimum(saved, MAX_GAUSSIAN_SHARE * firm * (1.0 + BENDING_POISSON) * bending / lam**4),
     )
 
 

@@ -10,9 +10,9 @@ import numpy as np
 from asterism.previews.fields.directional import strongest
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from homogenize.errors import LawError
-from homogenize.law.interpolation import Bools
+from homogenize.law.hermite_grid import Bools
 from homogenize.law.law import Law
-from homogenize.law.table import NAMES, TIGHT
+from homogenize.law.law_table import MAX_SEPARATED_CURL, QUANTITY_NAMES
 from pattern.design.design import Design
 from pattern.geometry.arrays import Floats
 from pattern.layout.layout import Layout
@@ -79,13 +79,15 @@ def star_values(design: Design, layout: Layout, law: Law, model: PreviewModel = 
         f"star {number} at [{x:.1f}, {y:.1f}]"
         for number, (x, y) in zip(layout.star_number, layout.centres, strict=True)
     ]
-    _check(where, {name: found.value[name][:-1] for name in NAMES})
+    _check(where, {name: found.value[name][:-1] for name in QUANTITY_NAMES})
     outside = tuple(_placed(line, where) for line in found.outside)
     differs = law.anisotropy(design, *asked.T)
     anisotropy = model.anisotropy_share * differs
     curl = strongest(found.value["kappa"], anisotropy)
     # tight are those whose cells are
-    curls = found.tight | (np.abs(strongest(found.value["kappa"], differs)) * design.lattice.spacing_mm > TIGHT)
+    curls = found.tight | (
+        np.abs(strongest(found.value["kappa"], differs)) * design.lattice.spacing_mm > MAX_SEPARATED_CURL
+    )
     tight = tuple(layout.star_number[curls[:-1]].tolist())
     relief = law.relief(design, *asked.T)
     tips, caps = _bumps(design, law, asked[:, 0], relief, found.value["kappa"], model)

@@ -15,7 +15,7 @@ from asterism.previews.surface.smooth_surface import SmoothSurface, smooth_surfa
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import cell_fields
 from fem.elements.tabulation import Floats
-from homogenize.cell.relief import Waves
+from homogenize.cell.corrugation_waves import CorrugationWaves
 from pattern.mesh.mesh import Mesh
 from pattern.mesh.meshing import mesh_layout
 
@@ -50,7 +50,7 @@ class Places:
 class Lens:
     """Takes shells of one sheet to a set of printed points (n, 2)."""
 
-    def __init__(self, sheet: Sheet, waves: Waves, points: Floats) -> None:
+    def __init__(self, sheet: Sheet, waves: CorrugationWaves, points: Floats) -> None:
         self.points = np.atleast_2d(np.asarray(points, dtype=float))
         self._model = sheet.model
         self._waves = waves(self.points - sheet.layout.lattice_origin)

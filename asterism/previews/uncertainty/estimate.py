@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asterism.laws.error_lines import mesh_line, pleats_line
+from asterism.laws.law_warnings import mesh_warning, pleat_warning
 from asterism.previews.search.near_zero_modes import amplitudes_percent, has_two_near_zero_modes
 from asterism.previews.state import PreviewState
 from asterism.previews.uncertainty.distance_error import amplitude_share, buckling_weight, distance_error_percent
@@ -18,7 +18,7 @@ from asterism.shape.shape import Shape
 from equilibrium.clock import Clock
 from fem.elements.tabulation import Floats
 from fem.search.mean_fields import mean_fields
-from homogenize.cell.directions import is_threefold, left_out
+from homogenize.cell.tube_directions import is_threefold, omitted_anisotropy
 from pattern.geometry.planar import polygon_area
 from pattern.layout.free_rotations import count_free_tilts
 
@@ -112,6 +112,6 @@ def _is_within_experience(state: PreviewState) -> bool:
     inverted = int(np.count_nonzero(state.layout.star_branch < 0))
     foreign = max(len(state.values.outside), len(state.values.uneven), inverted)
     lattice = state.design.lattice
-    is_turned = is_threefold(lattice) and bool(left_out(lattice))
-    is_known = not (is_turned or mesh_line(state.law) or pleats_line(state.law))
+    is_turned = is_threefold(lattice) and bool(omitted_anisotropy(lattice))
+    is_known = not (is_turned or mesh_warning(state.law) or pleat_warning(state.law))
     return is_known and foreign <= MAX_FOREIGN_SHARE * len(state.layout.centres)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from homogenize.law.file import to_bytes
+from homogenize.law.law_file import law_bytes
 from tests.asterism.cli.test_main import run
 from tests.asterism.commands import command
 from tests.asterism.previews.laws import plain_law
@@ -24,7 +24,7 @@ edge_mm = 3.5
 
 def test_verify_writes_a_report_and_a_table(tmp_path: Path) -> None:
     (tmp_path / "d.toml").write_text(SEVEN)
-    (tmp_path / "law.npz").write_bytes(to_bytes(plain_law()))
+    (tmp_path / "law.npz").write_bytes(law_bytes(plain_law()))
     (tmp_path / "d-verified").mkdir()
     for earlier in ("summary.json", "shape.vtu", "rods.vtu", "shape.png"):
         (tmp_path / "d-verified" / earlier).write_text('{"version": "of simulate"}')

@@ -17,10 +17,10 @@ import pytest
 from PIL import Image
 
 from asterism.laws import calibrate as calibrate_command
-from asterism.laws.calibrate import CampaignProgress
-from homogenize.campaign import campaign
-from homogenize.campaign.plan import Material
-from homogenize.law.file import load_law
+from asterism.laws.calibrate import ProgressLine
+from homogenize.campaign.campaign import run_campaign
+from homogenize.law.law_file import load_law
+from homogenize.law.material import Material
 from tests.asterism.commands import command
 from tests.homogenize import fake
 
@@ -65,12 +65,12 @@ def test_the_same_plan_gives_the_same_law_from_the_start(
     place: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """With one process and fresh cells: bit for bit."""
-    from homogenize.law.file import digest
+    from homogenize.law.law_file import law_digest
 
     (tmp_path / "m.toml").write_text(PLAN)
     monkeypatch.chdir(tmp_path)
     assert command(["calibrate", "m.toml", "--jobs", "1"], capsys, monkeypatch).status == 0
-    assert digest(load_law(tmp_path / "m.npz")) == digest(load_law(place / "m.npz"))
+    assert law_digest(load_law(tmp_path / "m.npz")) == law_digest(load_law(place / "m.npz"))
 
 
 def test_a_law_is_made_without_numba(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -83,7 +83,7 @@ def test_a_law_is_made_without_numba(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
     monkeypatch.setattr(calibrate_command, "version", version)
     monkeypatch.setattr(calibrate_command, "HAVE_NUMBA", False)
-    monkeypatch.setattr(campaign, "run", functools.partial(campaign.run, respond=fake.respond))
+    monkeypatch.setattr(calibrate_command, "run_campaign", functools.partial(run_campaign, respond=fake.solve_cell))
     plan = {"lengths_mm": [5.0, 10.0], "thicknesses_mm": [0.2, 0.4], "widths_mm": [1.0, 1.4], "held_out": 2}
     law = calibrate_command.calibrate(Material.from_dict({"name": "test", "plan": plan}), tmp_path / "law.npz")
     assert sorted(law.made["versions"]) == ["asterism", "numpy", "scipy"]
@@ -166,11 +166,11 @@ def test_cells_that_all_fail_are_status_one(
 def test_interrupted_before_a_cell_is_finished(
     place: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def interrupted(watch: CampaignProgress, progress: object) -> None:
+    def interrupted(watch: ProgressLine, progress: object) -> None:
         raise KeyboardInterrupt
 
     (tmp_path / "m.toml").write_text(PLAN)
-    monkeypatch.setattr(CampaignProgress, "report", interrupted)
+    monkeypatch.setattr(ProgressLine, "report", interrupted)
     ended = command(["calibrate", str(tmp_path / "m.toml"), "--jobs", "1"], capsys, monkeypatch)
     assert ended.status == 130 and ended.line == "asterism: interrupted; nothing was written"
     assert [file.name for file in tmp_path.iterdir()] == ["m.toml"]

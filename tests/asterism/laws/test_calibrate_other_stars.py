@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from asterism.laws.directions_line import directions_line
+from asterism.laws.directions_warning import directions_warning
 from asterism.previews.session import Preview
 from homogenize.errors import LawError
-from homogenize.law.anisotropy import COUNT, anisotropy
-from homogenize.law.file import load_law, to_bytes
+from homogenize.law.anisotropy import ANISOTROPY_SIZE, sample_anisotropy
 from homogenize.law.law import Law
+from homogenize.law.law_file import law_bytes, load_law
 from pattern.design.design import Design
-from tests.asterism.test_calibrate import PLAN, run
+from tests.asterism.laws.test_calibrate import PLAN, run
 
 LEFT = "previews follow most of that"
 
@@ -38,7 +38,7 @@ def sheet(arms: int, length: float = 6.0) -> Design:
 
 def test_the_law_says_what_it_leaves_out(five: tuple[Law, str]) -> None:
     law, printed = five
-    line = directions_line(law)
+    line = directions_warning(law)
     assert line is not None and LEFT in line and "% at most" in line
     assert line in printed
     samples = [cell["sample"] for cell in law.samples if cell["sample"] and cell["length_mm"] > 0]
@@ -71,17 +71,17 @@ def test_previews_warn_and_say_what_they_expect(five: tuple[Law, str]) -> None:
 def test_the_law_holds_what_differs_between_directions(five: tuple[Law, str], tmp_path: Path) -> None:
     law = five[0]
     table = law.at(1.35)
-    assert table.anisotropies.shape == (*table.nodes.shape[:3], COUNT)
+    assert table.anisotropies.shape == (*table.nodes.shape[:3], ANISOTROPY_SIZE)
     assert not table.anisotropy(0.0, 0.3, 1.2).any()
     cell = next(cell["sample"] for cell in law.samples if cell["length_mm"] == 7.0 and cell["sample"])
     sizes = (cell[name] for name in ("length_mm", "thickness_mm", "width_mm"))
-    np.testing.assert_allclose(law.anisotropy(sheet(5), *sizes)[0], anisotropy(cell), rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(law.anisotropy(sheet(5), *sizes)[0], sample_anisotropy(cell), rtol=1e-9, atol=1e-12)
     without = replace(law, tables=(replace(table, anisotropies=np.empty((*table.nodes.shape[:3], 0))),))
-    (tmp_path / "old.npz").write_bytes(to_bytes(without))
+    (tmp_path / "old.npz").write_bytes(law_bytes(without))
     with pytest.raises(LawError, match=r"old\.npz: lacks what differs between directions; make it again"):
         load_law(tmp_path / "old.npz")
     residuals = {"1.35": {name: entry for name, entry in law.residuals["1.35"].items() if name != "tubes"}}
-    (tmp_path / "old.npz").write_bytes(to_bytes(replace(law, residuals=residuals)))
+    (tmp_path / "old.npz").write_bytes(law_bytes(replace(law, residuals=residuals)))
     with pytest.raises(LawError, match=r"old\.npz: lacks how many of its cells are stable; make it again"):
         load_law(tmp_path / "old.npz")
 

@@ -6,11 +6,11 @@ import copy
 from dataclasses import replace
 
 import asterism
-from asterism.laws.error_lines import coarse_line, mesh_line, pleats_line
-from asterism.laws.table import law_table
-from homogenize.law.file import load_law
+from asterism.laws.law_text import law_lines
+from asterism.laws.law_warnings import held_out_warning, mesh_warning, pleat_warning
 from homogenize.law.law import Law
-from homogenize.law.residuals import unstable_tubes
+from homogenize.law.law_file import load_law
+from homogenize.law.law_residuals import unstable_tubes
 
 
 def missed(kappa: float, bending: float) -> Law:
@@ -24,17 +24,17 @@ def missed(kappa: float, bending: float) -> Law:
 
 def test_a_law_that_misses_its_cells_says_so_wherever_it_is_used() -> None:
     law = missed(8.5, 2.0)
-    line = coarse_line(law)
+    line = held_out_warning(law)
     assert line is not None and "at stretch 1.75" in line and "curvature by 8 % and bending stiffness by 2 %" in line
-    assert f"  {line}" in law_table(law)
+    assert f"  {line}" in law_lines(law)
     assert line in asterism.preview(asterism.new("dome"), law).summary["warnings"]
 
 
 def test_a_law_that_does_not_is_silent() -> None:
-    assert coarse_line(load_law()) is None and coarse_line(missed(4.9, 4.9)) is None
+    assert held_out_warning(load_law()) is None and held_out_warning(missed(4.9, 4.9)) is None
     assert not any("test cells" in line for line in asterism.preview(asterism.new("dome")).summary["warnings"])
     untested = replace(load_law(), residuals={"1.35": {"held_out": {"count": 0, "errors": {}}}})
-    assert coarse_line(untested) is None
+    assert held_out_warning(untested) is None
 
 
 def differing(percent: float) -> Law:
@@ -47,17 +47,17 @@ def differing(percent: float) -> Law:
 
 
 def test_a_law_of_cells_that_depend_on_their_mesh_says_so_wherever_it_is_used() -> None:
-    line = mesh_line(differing(150.0))
+    line = mesh_warning(differing(150.0))
     assert line is not None and "l 7.275, h 0.4, w 1.2 mm curls to the other side" in line
-    assert "curls by 30 % more or less" in (mesh_line(differing(30.0)) or "")
-    assert f"  {line}" in law_table(differing(150.0))
+    assert "curls by 30 % more or less" in (mesh_warning(differing(30.0)) or "")
+    assert f"  {line}" in law_lines(differing(150.0))
     summary = asterism.preview(asterism.new("dome"), differing(150.0)).summary
     assert line in summary["warnings"]
     assert summary["expected_rms_percent"] is None and summary["expected_height_percent"] is None
 
 
 def test_a_law_of_cells_that_do_not_is_silent() -> None:
-    assert mesh_line(load_law()) is None and mesh_line(differing(12.0)) is None
+    assert mesh_warning(load_law()) is None and mesh_warning(differing(12.0)) is None
 
 
 def unstable(count: int) -> Law:
@@ -70,16 +70,16 @@ def unstable(count: int) -> Law:
 
 
 def test_a_law_whose_stars_would_rise_and_fall_in_turn_says_so_wherever_it_is_used() -> None:
-    line = pleats_line(unstable(5))
+    line = pleat_warning(unstable(5))
     assert line is not None and "of 5 of the law's 40 cells" in line
-    assert f"  {line}" in law_table(unstable(5))
+    assert f"  {line}" in law_lines(unstable(5))
     summary = asterism.preview(asterism.new("dome"), unstable(5)).summary
     assert line in summary["warnings"]
     assert summary["expected_rms_percent"] is None and summary["expected_height_percent"] is None
 
 
 def test_a_law_of_few_such_cells_is_silent() -> None:
-    assert pleats_line(unstable(4)) is None and pleats_line(load_law()) is None
+    assert pleat_warning(unstable(4)) is None and pleat_warning(load_law()) is None
 
 
 def test_what_a_law_keeps_of_its_cells_stability_is_what_its_cells_say() -> None:

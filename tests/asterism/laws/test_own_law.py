@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from homogenize.law.file import load_law, to_bytes
+from homogenize.law.law_file import law_bytes, load_law
 from tests.asterism.commands import command
 from tests.asterism.previews.laws import plain_law
 
@@ -93,7 +93,7 @@ def test_a_law_for_something_else_is_named(
     folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """And so is the package's own, where that one would do."""
-    (folder / "foreign.npz").write_bytes(to_bytes(plain_law(1.2)))
+    (folder / "foreign.npz").write_bytes(law_bytes(plain_law(1.2)))
     advice = "; without --law the package's own is taken"
     for thickness, papers in ((0.8, True), (1.0, False)):
         write(folder / "d.toml", thickness)

@@ -6,10 +6,10 @@ from functools import cache
 
 import numpy as np
 
-from homogenize.campaign.plan import Material
-from homogenize.cell.relief import Waves
+from homogenize.cell.corrugation_waves import CorrugationWaves
 from homogenize.law.law import Law
-from homogenize.law.table import NAMES, Table, units
+from homogenize.law.law_table import QUANTITY_NAMES, LawTable, quantity_units
+from homogenize.law.material import Material
 
 SPACING = 10.0 * np.sqrt(3.0)
 
@@ -31,12 +31,14 @@ def plain_law(stretch: float = 1.35) -> Law:
         "c3": 0.02 * l**2,
         "offset_mm": 0.1 * l,
     }
-    nodes = np.stack([value[name] for name in NAMES], axis=-1)
-    waves = Waves.of(material.lattice)
+    nodes = np.stack([value[name] for name in QUANTITY_NAMES], axis=-1)
+    waves = CorrugationWaves.of(material.lattice)
     reliefs = np.zeros((*l.shape, 2, len(waves)))
     reliefs[..., 0, 0] = 0.1 * l / waves(np.zeros((1, 2)))[0, 0]
     reliefs[..., 1, 0] = 0.5 * l / waves(np.zeros((1, 2)))[0, 0]
-    unit = units(nodes[0, 0, 0], SPACING)
+    unit = quantity_units(nodes[0, 0, 0], SPACING)
     axes = (lengths, thicknesses, widths)
-    table = Table(stretch, SPACING, axes, nodes, reliefs, np.ones(l.shape, dtype=bool), unit, np.empty((*l.shape, 0)))
+    table = LawTable(
+        stretch, SPACING, axes, nodes, reliefs, np.ones(l.shape, dtype=bool), unit, np.empty((*l.shape, 0))
+    )
     return Law(material, (table,), (), {})

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from asterism.results.records.preview import PreviewRecord
-from homogenize.law.file import to_bytes
+from homogenize.law.law_file import law_bytes
 from tests.asterism.commands import command
 from tests.asterism.previews.laws import plain_law
 
@@ -27,7 +27,7 @@ edge_mm = 5.0
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "small.toml").write_text(DESIGN)
-    (tmp_path / "plain.npz").write_bytes(to_bytes(plain_law()))
+    (tmp_path / "plain.npz").write_bytes(law_bytes(plain_law()))
     monkeypatch.chdir(tmp_path)
     return tmp_path
 

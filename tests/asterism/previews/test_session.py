@@ -26,7 +26,7 @@ from asterism.previews.warnings import warnings
 from asterism.shape.comparison import compare
 from equilibrium.clock import Clock
 from homogenize.errors import LawError
-from homogenize.law.table import NAMES
+from homogenize.law.law_table import QUANTITY_NAMES
 from pattern import gallery
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
@@ -224,7 +224,7 @@ def test_a_sheet_that_goes_up_by_itself_is_flipped_down() -> None:
     law = plain_law()
     dome, table = gallery.load("dome"), law.tables[0]
     nodes = table.nodes.copy()
-    nodes[..., NAMES.index("kappa")] *= -1.0
+    nodes[..., QUANTITY_NAMES.index("kappa")] *= -1.0
     preview = Preview(dome, replace(law, tables=(replace(table, nodes=nodes), *law.tables[1:])))
     before = preview.at([0.0, 0.0]).smooth[0, 2]
     assert preview.flip() == "down"
@@ -457,7 +457,7 @@ def test_neighbours_that_no_sheet_can_join_are_refused_with_star_and_value() -> 
     law = plain_law(3.0)
     table = law.tables[0]
     nodes = table.nodes.copy()
-    nodes[7:, ..., NAMES.index("lam_n")] = 0.99
+    nodes[7:, ..., QUANTITY_NAMES.index("lam_n")] = 0.99
     law = replace(law, tables=(replace(table, nodes=nodes),))
     short = [{"star": star, "length_mm": 1.0} for star in range(1, 37)]
     same = design(fabric={"stretch": 3.0}, stars={"length_mm": 1.0})
@@ -618,7 +618,7 @@ def test_pins_that_a_free_sheet_meets_anyway_cost_nothing(pins: dict[str, object
 def test_a_sixfold_term_that_outweighs_the_bending_is_bounded_and_told() -> None:
     law = plain_law()
     nodes = law.tables[0].nodes.copy()
-    nodes[..., NAMES.index("c3")] *= 1e4
+    nodes[..., QUANTITY_NAMES.index("c3")] *= 1e4
     wild = replace(law, tables=(replace(law.tables[0], nodes=nodes),))
     plan = layout(TUBE)
     values = star_values(TUBE, plan, wild)

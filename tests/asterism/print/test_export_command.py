@@ -11,7 +11,7 @@ import pytest
 
 import asterism
 from asterism.print.shape_change import shape_change
-from homogenize.law.file import PAPER
+from homogenize.law.law_file import PAPER_LAW
 from pattern.design.design import save_design
 from pattern.layout.build import layout
 from pattern.layout.load_design import load_design
@@ -230,13 +230,13 @@ def test_where_the_preview_knows_no_law_the_print_is_exported_all_the_same(file:
     result = run("export", "d.toml", "-o", "out")
     assert result.status == 0, result.err
     assert "not computed (" in result.out
-    for words in (["--preview"], ["--law", str(PAPER)]):
+    for words in (["--preview"], ["--law", str(PAPER_LAW)]):
         assert "equal stretch in x and y" in mistake(run("export", "d.toml", "-o", "other", *words))
 
 
 def test_the_preview_takes_a_law(file: Path, run: Run) -> None:
     save_design(design(fabric={}, border={"rings": 1}, pins=[]), file)
-    result = run("export", "d.toml", "-o", "out", "--preview", "--law", str(PAPER))
+    result = run("export", "d.toml", "-o", "out", "--preview", "--law", str(PAPER_LAW))
     assert result.status == 0, result.err
     assert "none.npz" in mistake(run("export", "d.toml", "-o", "other", "--preview", "--law", "none.npz"))
 

@@ -12,7 +12,7 @@ import pytest
 from asterism.previews.run import preview
 from asterism.reports.design_page import LAYOUT_AT, LAYOUT_MM
 from asterism.reports.write_results import write_results
-from homogenize.law.file import PAPER, load_law
+from homogenize.law.law_file import PAPER_LAW, load_law
 from pattern.layout.load_design import load_design
 from tests.asterism.commands import command
 
@@ -168,10 +168,10 @@ def test_without_a_law_there_is_no_picture(design: Path, capsys, monkeypatch) ->
     assert done.status == 0 and done.line.endswith("asterism simulate; give --results")
     design.write_text(DESIGN + "[plastic]\nmodulus_ratio = 2000.0\n")
     # a law for something else says what would make one
-    refused = command(["report", str(design), "--law", str(PAPER)], capsys, monkeypatch)
+    refused = command(["report", str(design), "--law", str(PAPER_LAW)], capsys, monkeypatch)
     assert refused.status == 2 and "asterism calibrate" in refused.line
     design.write_text(DESIGN)
-    done = command(["report", str(design), "--law", str(PAPER)], capsys, monkeypatch)
+    done = command(["report", str(design), "--law", str(PAPER_LAW)], capsys, monkeypatch)
     assert done.status == 0 and "by the preview" in done.out
 
 
@@ -212,9 +212,9 @@ def test_a_law_that_is_given_makes_the_preview(design: Path, tmp_path: Path, cap
     shape = preview(plan, load_law(None))
     write_results(replace(shape, summary={**shape.summary, "height_mm": 77.7}), tmp_path / "d")
     words = ["report", str(design), "-o", str(tmp_path / "r.pdf")]
-    for given, told in (([], True), (["--law", str(PAPER)], False)):
+    for given, told in (([], True), (["--law", str(PAPER_LAW)], False)):
         assert command([*words, *given], capsys, monkeypatch).status == 0
         text, _ = page(tmp_path / "r.pdf")
         assert ("height 77.7 mm" in text) == told and "law: paper, edges of 1.15 mm" in text
-    both = command([*words, "--law", str(PAPER), "--results", str(tmp_path / "d")], capsys, monkeypatch)
+    both = command([*words, "--law", str(PAPER_LAW), "--results", str(tmp_path / "d")], capsys, monkeypatch)
     assert both.status == 2 and "--law: is for a new preview" in both.line

@@ -17,11 +17,11 @@ from typing import Any
 import pytest
 
 from homogenize.campaign import campaign, workers
-from homogenize.campaign.campaign import Progress, Record, run
-from homogenize.campaign.plan import Material
+from homogenize.campaign.campaign import CampaignProgress, SampleRecord, run_campaign
+from homogenize.campaign.fit_law import fit_law
 from homogenize.errors import AddressError, CampaignError
-from homogenize.law.file import digest, to_bytes
-from homogenize.law.fit import fit
+from homogenize.law.law_file import law_bytes, law_digest
+from homogenize.law.material import Material
 from tests.homogenize import fake
 
 SMALL = {"lengths_mm": [5.0, 10.0], "thicknesses_mm": [0.2, 0.4], "widths_mm": [1.0, 1.4], "held_out": 2}
@@ -32,36 +32,38 @@ def material(**plan: Any) -> Material:
 
 
 @pytest.fixture(scope="module")
-def once(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Record]]:
+def once(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[SampleRecord]]:
     """A folder of samples, and their records."""
     folder = tmp_path_factory.mktemp("campaign") / "samples"
-    return folder, run(material(), folder, 1, respond=fake.respond)
+    return folder, run_campaign(material(), folder, 1, respond=fake.solve_cell)
 
 
 @pytest.fixture
-def samples(once: tuple[Path, list[Record]], tmp_path: Path) -> Path:
+def samples(once: tuple[Path, list[SampleRecord]], tmp_path: Path) -> Path:
     """A copy of the folder to go on from, or to spoil."""
     return Path(shutil.copytree(once[0], tmp_path / "samples"))
 
 
 @pytest.fixture
-def records(once: tuple[Path, list[Record]]) -> list[Record]:
+def records(once: tuple[Path, list[SampleRecord]]) -> list[SampleRecord]:
     """A copy of the records."""
     return copy.deepcopy(once[1])
 
 
 def test_the_law_does_not_depend_on_the_number_of_workers(tmp_path: Path) -> None:
-    laws = [fit(material(), run(material(), tmp_path / str(n), jobs=n, respond=fake.matrix)) for n in (1, 3)]
-    assert to_bytes(laws[0]) == to_bytes(laws[1]) and digest(laws[0]) == digest(laws[1])
+    laws = [
+        fit_law(material(), run_campaign(material(), tmp_path / str(n), jobs=n, respond=fake.matrix)) for n in (1, 3)
+    ]
+    assert law_bytes(laws[0]) == law_bytes(laws[1]) and law_digest(laws[0]) == law_digest(laws[1])
     # and once more from the files alone
-    told: list[Progress] = []
-    again = fit(material(), run(material(), tmp_path / "3", report=told.append, respond=fake.matrix))
-    assert to_bytes(again) == to_bytes(laws[0]) and [p.done for p in told] == [p.total for p in told]
+    told: list[CampaignProgress] = []
+    again = fit_law(material(), run_campaign(material(), tmp_path / "3", report=told.append, respond=fake.matrix))
+    assert law_bytes(again) == law_bytes(laws[0]) and [p.done for p in told] == [p.total for p in told]
 
 
 def test_progress_counts_and_estimates(tmp_path: Path) -> None:
-    told: list[Progress] = []
-    records = run(material(), tmp_path, 2, report=told.append, respond=fake.fails_when_thin)
+    told: list[CampaignProgress] = []
+    records = run_campaign(material(), tmp_path, 2, report=told.append, respond=fake.fails_when_thin)
     assert [p.done for p in told] == list(range(len(records) + 1)) and told[0].total == len(records) == 11
     assert told[0].seconds_left is None and told[-1].seconds_left == 0.0 and told[3].seconds_left > 0
     assert told[-1].failed == 2
@@ -69,46 +71,46 @@ def test_progress_counts_and_estimates(tmp_path: Path) -> None:
     assert reasons == {"tube: still curling at 0.13/mm, the tightest tried"}
 
 
-def test_files_are_reused_only_for_the_same_inputs(samples: Path, records: list[Record]) -> None:
+def test_files_are_reused_only_for_the_same_inputs(samples: Path, records: list[SampleRecord]) -> None:
     assert len(fake.files(samples)) == len(records)
     # more cells: only the new ones are solved
-    told: list[Progress] = []
-    run(material(lengths_mm=[5.0, 7.0, 10.0]), samples, 1, report=told.append, respond=fake.respond)
+    told: list[CampaignProgress] = []
+    run_campaign(material(lengths_mm=[5.0, 7.0, 10.0]), samples, 1, report=told.append, respond=fake.solve_cell)
     assert told[0].done == len(records)
     # another material, mesh or version of the format shares nothing
     other = Material.from_dict({"plan": SMALL, "plastic": {"modulus_ratio": 3000.0}})
-    keys = {campaign.key(m, t) for m in (material(), other, material(edge_mm=2.1)) for t in m.tasks()}
+    keys = {campaign.sample_name(m, t) for m in (material(), other, material(edge_mm=2.1)) for t in m.tasks()}
     assert len(keys) == 3 * len(records)
 
 
 def test_samples_belong_to_what_solved_them(samples: Path) -> None:
-    told: list[Progress] = []
-    other = run(material(), samples, 1, report=told.append, respond=fake.curls_more)
+    told: list[CampaignProgress] = []
+    other = run_campaign(material(), samples, 1, report=told.append, respond=fake.curls_more)
     assert told[0].done == 0
-    again = run(material(), samples, 1, report=told.append, respond=fake.curls_more)
+    again = run_campaign(material(), samples, 1, report=told.append, respond=fake.curls_more)
     assert told[-1].done == told[-1].total and [r.sample for r in again] == [r.sample for r in other]
     task = material().tasks()[0]
-    assert campaign.key(material(), task) != campaign.key(material(), task, fake.respond)
+    assert campaign.sample_name(material(), task) != campaign.sample_name(material(), task, fake.solve_cell)
 
 
 def test_samples_belong_to_the_code_that_made_them(samples: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("homogenize.campaign.campaign.code_version", lambda: "other code")
-    told: list[Progress] = []
-    records = run(material(), samples, 1, report=told.append, respond=fake.respond)
+    told: list[CampaignProgress] = []
+    records = run_campaign(material(), samples, 1, report=told.append, respond=fake.solve_cell)
     assert told[0].done == 0
     # workers that have not changed with it are found out
     assert {record.failed for record in records} == {"RuntimeError: the worker has another version of asterism"}
 
 
-def test_a_damaged_file_is_solved_again(samples: Path, records: list[Record]) -> None:
+def test_a_damaged_file_is_solved_again(samples: Path, records: list[SampleRecord]) -> None:
     files = sorted(samples.iterdir())
     files[0].write_text('{"inputs": ')
     files[1].write_text('{"inputs": {}, "sample": null}')
     spoilt = json.loads(files[2].read_text())
     spoilt["sample"]["lam"] = "a"
     files[2].write_text(json.dumps(spoilt))
-    told: list[Progress] = []
-    assert [r.sample for r in run(material(), samples, 1, report=told.append, respond=fake.respond)] == [
+    told: list[CampaignProgress] = []
+    assert [r.sample for r in run_campaign(material(), samples, 1, report=told.append, respond=fake.solve_cell)] == [
         r.sample for r in records
     ]
     assert told[0].done == len(records) - 3
@@ -116,24 +118,24 @@ def test_a_damaged_file_is_solved_again(samples: Path, records: list[Record]) ->
 
 def test_at_least_one_job_is_needed(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="at least 1"):
-        run(material(), tmp_path, 0, respond=fake.respond)
+        run_campaign(material(), tmp_path, 0, respond=fake.solve_cell)
 
 
-def test_bare_fabric_without_an_answer_says_why(records: list[Record]) -> None:
+def test_bare_fabric_without_an_answer_says_why(records: list[SampleRecord]) -> None:
     wrong = [
         replace(r, sample={**r.sample, "bending": [-1.0, -1.0, -1.0]}) if r.sample and not r.task.length_mm else r
         for r in records
     ]
     with pytest.raises(CampaignError, match=r"the bare fabric at stretch .* has no answer: bending = -1 is no answer"):
-        fit(material(), wrong)
+        fit_law(material(), wrong)
 
 
 def test_an_exception_is_a_failed_cell_and_tried_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    records = run(material(), tmp_path, 2, respond=fake.breaks)
+    records = run_campaign(material(), tmp_path, 2, respond=fake.breaks)
     assert {r.failed for r in records if r.task.length_mm == 10.0} == {"ZeroDivisionError: a bug"}
     assert all(r.failed is None for r in records if r.task.length_mm != 10.0)
     monkeypatch.setenv("ASTERISM_FAKE_MENDED", "")
-    assert all(r.failed is None for r in run(material(), tmp_path, 2, respond=fake.breaks))
+    assert all(r.failed is None for r in run_campaign(material(), tmp_path, 2, respond=fake.breaks))
 
 
 def test_arms_that_overlap_are_a_failed_cell_and_not_tried_again(tmp_path: Path) -> None:
@@ -141,8 +143,8 @@ def test_arms_that_overlap_are_a_failed_cell_and_not_tried_again(tmp_path: Path)
     plan = {"lengths_mm": [12.0], "thicknesses_mm": [0.3], "widths_mm": [1.2], "edge_mm": 4.0, "held_out": 0}
     crossed = Material.from_dict({"lattice": square, "plan": plan})
     for _ in range(2):
-        told: list[Progress] = []
-        records = run(crossed, tmp_path, report=told.append)
+        told: list[CampaignProgress] = []
+        records = run_campaign(crossed, tmp_path, report=told.append)
         assert [record.failed for record in records] == [None, "arms of neighbouring stars overlap"]
         assert not any(record.crashed for record in records)
     assert told[0].done == 2
@@ -150,15 +152,15 @@ def test_arms_that_overlap_are_a_failed_cell_and_not_tried_again(tmp_path: Path)
 
 def test_a_worker_that_dies_ends_the_campaign_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(CampaignError, match="worker process has ended"):
-        run(material(), tmp_path, 2, respond=fake.dies)
+        run_campaign(material(), tmp_path, 2, respond=fake.dies)
     monkeypatch.setenv("ASTERISM_FAKE_MENDED", "")
-    assert all(r.failed is None for r in run(material(), tmp_path, 2, respond=fake.dies))
+    assert all(r.failed is None for r in run_campaign(material(), tmp_path, 2, respond=fake.dies))
 
 
 def test_no_law_from_too_few_answers(tmp_path: Path) -> None:
-    records = run(material(), tmp_path, 1, respond=fake.fails)
+    records = run_campaign(material(), tmp_path, 1, respond=fake.fails)
     with pytest.raises(CampaignError, match=r"bare fabric .* no equilibrium at all"):
-        fit(material(), records)
+        fit_law(material(), records)
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
@@ -167,8 +169,8 @@ def test_interrupted_campaigns_leave_whole_files_and_no_workers(number: int, tmp
     script = tmp_path / "campaign.py"
     script.write_text(
         "import sys\nfrom pathlib import Path\nfrom tests.homogenize import fake\n"
-        "from tests.homogenize.campaign.test_campaign import material, run\n"
-        "if __name__ == '__main__':\n    run(material(), Path(sys.argv[1]), 2, respond=fake.slow)\n"
+        "from tests.homogenize.campaign.test_campaign import material, run_campaign\n"
+        "if __name__ == '__main__':\n    run_campaign(material(), Path(sys.argv[1]), 2, respond=fake.slow)\n"
     )
     root = Path(__file__).parents[3]
     samples = tmp_path / "samples"
@@ -183,42 +185,44 @@ def test_interrupted_campaigns_leave_whole_files_and_no_workers(number: int, tmp
     process.send_signal(number)
     process.wait(timeout=20)
     assert not psutil.wait_procs(children, timeout=10)[1]
-    told: list[Progress] = []
-    records = run(material(), samples, 2, report=told.append, respond=fake.slow)
+    told: list[CampaignProgress] = []
+    records = run_campaign(material(), samples, 2, report=told.append, respond=fake.slow)
     assert 2 <= told[0].done < len(records) and all(record.failed is None for record in records)
 
 
 def test_dask_gives_the_same_law(tmp_path: Path) -> None:
     distributed = pytest.importorskip("distributed")
-    own = fit(material(), run(material(), tmp_path / "own", 2, respond=fake.respond))
+    own = fit_law(material(), run_campaign(material(), tmp_path / "own", 2, respond=fake.solve_cell))
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
     ) as cluster:  # fmt: skip
-        records = run(material(), tmp_path / "dask", dask=cluster.scheduler_address, respond=fake.respond)
-        assert to_bytes(fit(material(), records)) == to_bytes(own)
+        records = run_campaign(material(), tmp_path / "dask", dask=cluster.scheduler_address, respond=fake.solve_cell)
+        assert law_bytes(fit_law(material(), records)) == law_bytes(own)
         # a second run has nothing left to ask the cluster for
-        run(material(), tmp_path / "dask", dask="tcp://127.0.0.1:1", respond=fake.respond)
+        run_campaign(material(), tmp_path / "dask", dask="tcp://127.0.0.1:1", respond=fake.solve_cell)
 
-        async def notebook() -> list[Record]:
-            return run(material(), tmp_path / "notebook", dask=cluster.scheduler_address, respond=fake.respond)
+        async def notebook() -> list[SampleRecord]:
+            return run_campaign(
+                material(), tmp_path / "notebook", dask=cluster.scheduler_address, respond=fake.solve_cell
+            )
 
-        assert to_bytes(fit(material(), asyncio.run(notebook()))) == to_bytes(own)
+        assert law_bytes(fit_law(material(), asyncio.run(notebook()))) == law_bytes(own)
 
 
 def test_a_cluster_whose_workers_have_gone_is_given_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its scheduler would keep the cells for workers to come."""
     distributed = pytest.importorskip("distributed")
-    monkeypatch.setattr(workers, "PATIENCE_S", 1.0)
+    monkeypatch.setattr(workers, "MAX_WAIT_FOR_WORKERS_S", 1.0)
     with distributed.LocalCluster(
         n_workers=1, threads_per_worker=1, processes=True, dashboard_address=None
     ) as cluster:  # fmt: skip
 
-        def leave(progress: Progress) -> None:
+        def leave(progress: CampaignProgress) -> None:
             if progress.done == 1:
                 cluster.scale(0)
 
         with pytest.raises(CampaignError, match="the workers are gone; finished samples are kept"):
-            run(material(), tmp_path, dask=cluster.scheduler_address, respond=fake.slow, report=leave)
+            run_campaign(material(), tmp_path, dask=cluster.scheduler_address, respond=fake.slow, report=leave)
     assert len(list(tmp_path.iterdir())) >= 1
 
 
@@ -226,11 +230,11 @@ def test_a_folder_that_another_run_took_away_is_made_again(tmp_path: Path) -> No
     """A run that ends before its first cell leaves no empty folder, but others may be about to write there."""
     folder = tmp_path / "law.samples"
 
-    def gone(progress: Progress) -> None:
+    def gone(progress: CampaignProgress) -> None:
         if progress.done == 0:
             folder.rmdir()
 
-    records = run(material(), folder, 1, report=gone, respond=fake.respond)
+    records = run_campaign(material(), folder, 1, report=gone, respond=fake.solve_cell)
     assert all(record.failed is None for record in records)
     assert len(list(folder.iterdir())) == len(records)
 
@@ -241,7 +245,7 @@ def test_a_cluster_that_is_not_there(notebook: bool, tmp_path: Path) -> None:
     pytest.importorskip("distributed")
 
     def ask() -> None:
-        run(material(), tmp_path, dask="nonsense://x", respond=fake.respond)
+        run_campaign(material(), tmp_path, dask="nonsense://x", respond=fake.solve_cell)
 
     async def ask_from_a_notebook() -> None:
         ask()

@@ -6,7 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from homogenize.campaign.code_version import SOURCES
+from homogenize.campaign.code_version import SAMPLE_SOURCES
 
 PROFILE_FILES = ("axis", "formula", "linear", "picture", "radial", "table")
 # of pattern: what solves a cell imports these too, and takes no number from them
@@ -31,7 +31,7 @@ def test_every_module_that_decides_answers_is_in_it() -> None:
         ".".join([package.__name__, *file.relative_to(package.__path__[0]).with_suffix("").parts]).removesuffix(
             ".__init__"
         )
-        for package, names in SOURCES.items()
+        for package, names in SAMPLE_SOURCES.items()
         for pattern in names
         for file in Path(package.__path__[0]).glob(pattern)
     }

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from homogenize.campaign.own_plan import own_plan
-from homogenize.law.fit import fit
+from homogenize.campaign.design_plan import plan_for_sizes
+from homogenize.campaign.fit_law import fit_law
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
 from pattern.layout.build import layout
@@ -25,7 +25,7 @@ size = st.tuples(st.floats(1.0, SPACING), st.floats(0.2, 0.6), st.floats(0.8, 1.
 @settings(max_examples=60, deadline=None)
 def test_all_stars_lie_within_the_law(rows: list[tuple[float, float, float]]) -> None:
     sizes = np.array(rows)
-    plan = own_plan(design(), sizes).plan
+    plan = plan_for_sizes(design(), sizes).plan
     for name, nodes, values in zip(
         ("length", "thickness", "width"),
         (plan.lengths_mm, plan.thicknesses_mm, plan.widths_mm),
@@ -40,10 +40,12 @@ def test_all_stars_lie_within_the_law(rows: list[tuple[float, float, float]]) ->
 
 
 def test_equal_stars_take_one_cell_and_the_bare_fabric() -> None:
-    material = own_plan(design(stars__length_mm=10.0, stars__thickness_mm=0.4), np.tile([10 + 2e-15, 0.4, 1.2], (7, 1)))
+    material = plan_for_sizes(
+        design(stars__length_mm=10.0, stars__thickness_mm=0.4), np.tile([10 + 2e-15, 0.4, 1.2], (7, 1))
+    )
     assert [(t.length_mm, t.held_out) for t in material.tasks()] == [(0.0, False), (10.0, False)]
     assert material.plan.edge_mm == pytest.approx(SPACING / 15, abs=1e-4)
-    law = fit(material, answers(material, fake.respond))
+    law = fit_law(material, answers(material, fake.solve_cell))
     assert law.at(1.35)(10 + 2e-15, 0.4, 1.2).inside.all()
     assert law.check(design(stars__thickness_mm=0.4)) is law.at(1.35)
 
@@ -53,21 +55,21 @@ def test_the_law_is_for_the_designs_material_and_lattice() -> None:
         fabric__stretch=1.5, fabric__thickness_mm=1.0, plastic__rest_curvature="none",
         lattice__spacing_mm=12.0, lattice__origin_mm=[3.0, 1.0], lattice__arms=4,
     )  # fmt: skip
-    material = own_plan(own, np.array([[4.0, 0.3, 1.2], [5.0, 0.3, 1.2]]))
+    material = plan_for_sizes(own, np.array([[4.0, 0.3, 1.2], [5.0, 0.3, 1.2]]))
     assert material.stretches == (1.5,) and material.plan.held_out > 0 and material.plan.edge_mm == 0.8
-    fit(material, answers(material, fake.respond)).check(own)
+    fit_law(material, answers(material, fake.solve_cell)).check(own)
 
 
 @pytest.mark.parametrize("spacing", [1.0, 2.9, 500.0])
 def test_every_spacing_has_a_plan(spacing: float) -> None:
-    plan = own_plan(design(lattice__spacing_mm=spacing), np.array([[1.0, 0.3, 0.3]])).plan
+    plan = plan_for_sizes(design(lattice__spacing_mm=spacing), np.array([[1.0, 0.3, 0.3]])).plan
     assert plan.edge_mm == pytest.approx(max(spacing / 15, 0.2), abs=1e-4)
 
 
 def test_sizes_at_their_limit_but_for_rounding_are_so() -> None:
     """On the sheet, too: its law answers for them."""
     own = design(stars__width_mm=10.000005, stars__thickness_mm=5.000002)
-    plan = own_plan(own, np.array([[5.0, 5.000002, 10.000005]])).plan
+    plan = plan_for_sizes(own, np.array([[5.0, 5.000002, 10.000005]])).plan
     assert (plan.thicknesses_mm, plan.widths_mm) == ((5.0,), (10.0,))
     sheet = layout(own)
     assert sheet.arm_thickness.max() == 5.0 and sheet.arm_width.max() == 10.0
@@ -84,4 +86,4 @@ def test_sizes_at_their_limit_but_for_rounding_are_so() -> None:
 )
 def test_what_has_no_law(changes: dict[str, Any], sizes: np.ndarray, said: str) -> None:
     with pytest.raises(DesignError, match=said):
-        own_plan(Design.from_dict(design(**changes).to_dict()), sizes)
+        plan_for_sizes(Design.from_dict(design(**changes).to_dict()), sizes)

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from homogenize.campaign.plan import PAPER, Material, load_material
+from homogenize.law.material import PAPER_MATERIAL, Material, load_material
 from pattern.design.errors import DesignError
 
 
 def test_the_papers_plan_covers_its_range() -> None:
-    for path in (PAPER, PAPER.with_name("paper-coarse.toml")):
+    for path in (PAPER_MATERIAL, PAPER_MATERIAL.with_name("paper-coarse.toml")):
         material = load_material(path)
         assert material.stretches == (1.35, 1.75)
         assert material.plan.ranges == ((0.0, 13.0), (0.2, 0.6), (0.8, 1.6))
@@ -43,7 +43,12 @@ def test_held_out_cells_are_as_long_as_those_the_law_answers_for() -> None:
 
 @pytest.mark.parametrize(
     "data",
-    [{}, {"plan": {"kind": "sobol", "count": 16}}, {"fabric": {"stretch": 1.5}}, tomllib.loads(PAPER.read_text())],
+    [
+        {},
+        {"plan": {"kind": "sobol", "count": 16}},
+        {"fabric": {"stretch": 1.5}},
+        tomllib.loads(PAPER_MATERIAL.read_text()),
+    ],
     ids=["default", "sobol", "own stretch", "paper"],
 )
 def test_plain_data_makes_the_same_material(data: dict) -> None:

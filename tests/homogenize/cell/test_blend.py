@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from homogenize.cell.blend import blended
+from homogenize.cell.blend_responses import blend_responses
 
 
 def responses(**changes: Any) -> list[dict[str, Any]]:
@@ -21,7 +21,7 @@ def responses(**changes: Any) -> list[dict[str, Any]]:
 def test_quantities_are_weighted_and_certificates_are_the_worse_ones() -> None:
     for each in (responses(), responses()[::-1]):
         first = 0.25 if each[0]["lam"] == 0.8 else 0.75
-        found = blended(each, np.array([first, 1.0 - first]))
+        found = blend_responses(each, np.array([first, 1.0 - first]))
         assert found["lam"] == pytest.approx(0.875)
         assert found["bending"] == pytest.approx([1.75, 3.5])
         assert (found["eigenvalue"], found["eigenvalue_error"]) == (2.0, 0.3)
@@ -29,5 +29,5 @@ def test_quantities_are_weighted_and_certificates_are_the_worse_ones() -> None:
 
 
 def test_what_one_mesh_has_no_answer_to_has_none() -> None:
-    assert blended(responses(offset=None), np.array([0.5, 0.5]))["offset"] is None
-    assert blended(responses(failed="no root"), np.array([0.5, 0.5])) == {"failed": "no root", "iterations": 12}
+    assert blend_responses(responses(offset=None), np.array([0.5, 0.5]))["offset"] is None
+    assert blend_responses(responses(failed="no root"), np.array([0.5, 0.5])) == {"failed": "no root", "iterations": 12}

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from discrete.model.state import State
-from homogenize.cell.cell import Cell
-from homogenize.cell.relax import clean, relax
-from homogenize.cell.rolling import Unrolled, roll, rolled, unrolled, unrolled_flat
-from homogenize.cell.stability import stability
+from homogenize.cell.cell_stability import cell_stability
+from homogenize.cell.flat_cell import relax_flat_cell, with_orthogonal_directors
+from homogenize.cell.rolling import UnrolledCell, roll_cell, rolled_state, unroll, unrolled_flat_cell
+from homogenize.cell.unit_cell import UnitCell
 from tests.homogenize.cells import EDGE, design, full, relaxed, shaken
 
 KINDS = pytest.mark.parametrize("tube", [False, True], ids=["flat", "tube"])
@@ -21,7 +21,7 @@ def bumpy(request):
     """A cell, flat or a tube, and a state of it away from equilibrium."""
     cell, flat = relaxed(10.0, 0.4)
     if request.param:
-        state = rolled(cell, unrolled_flat(flat, 0.3), 0.06, 0.3)
+        state = rolled_state(cell, unrolled_flat_cell(flat, 0.3), 0.06, 0.3)
     else:
         cell.flat()
         state = flat.state
@@ -59,11 +59,11 @@ def test_hessian_by_differences_of_the_energy(bumpy):
 @pytest.mark.parametrize("bending", ["paper", "consistent"])
 def test_hessian_is_the_slope_of_the_gradient(tube, bending):
     """Without rods there is no holonomy: every entry can be compared."""
-    cell = Cell(design(0.0, fabric={"bending": bending}), EDGE)
+    cell = UnitCell(design(0.0, fabric={"bending": bending}), EDGE)
     state = cell.printed_state()
     if tube:
-        sheet = Unrolled(state.positions, state.directors, 1.0)
-        state = rolled(cell, sheet, 0.06, 0.0)
+        sheet = UnrolledCell(state.positions, state.directors, 1.0)
+        state = rolled_state(cell, sheet, 0.06, 0.0)
     state = shaken(cell, state, 0.1)
     hessian = full(cell.pattern.lower(cell.hessian(state, 0.0)))
     columns = []
@@ -86,7 +86,7 @@ def test_flat_energy_does_not_know_where_it_is():
 
 def test_tube_energy_does_not_know_its_turn_and_place_on_the_axis():
     cell, flat = relaxed(10.0, 0.4)
-    state = shaken(cell, rolled(cell, unrolled_flat(flat, 0.3), 0.06, 0.3), 0.05)
+    state = shaken(cell, rolled_state(cell, unrolled_flat_cell(flat, 0.3), 0.06, 0.3), 0.05)
     cos, sin = np.cos(1.3), np.sin(1.3)
     q = np.array([[1.0, 0.0, 0.0], [0.0, cos, -sin], [0.0, sin, cos]])
     x = state.positions @ q.T
@@ -101,7 +101,7 @@ def test_uniform_sheets_have_their_closed_form(tube):
     bare = design(0.0)
     fabric = bare.fabric
     mu, lam = fabric.modulus_mpa / 2.6, fabric.modulus_mpa * 0.3 / 0.91
-    cell = Cell(bare, EDGE)
+    cell = UnitCell(bare, EDGE)
     if not tube:
         deformation = np.array([[0.8, 0.07], [0.02, 0.93], [0.1, -0.2]])
         x = np.vstack([cell.printed[: cell.torus.n_base], cell.cell_vectors]) @ deformation.T
@@ -154,7 +154,7 @@ def test_uniform_sheets_have_their_closed_form(tube):
 def test_supercell_has_four_times_the_energy_and_no_forces():
     one, flat = relaxed(10.0, 0.4)
     one.flat()
-    four = Cell(design(10.0, 0.4), EDGE, repeat=(2, 2))
+    four = UnitCell(design(10.0, 0.4), EDGE, repeat=(2, 2))
     n, m = (2 * round(np.sqrt(one.torus.n_base)),) * 2
     i, j = (index.ravel() for index in np.indices((n, m)))
     single = (i % (n // 2)) * (m // 2) + j % (m // 2)
@@ -170,7 +170,7 @@ def test_supercell_has_four_times_the_energy_and_no_forces():
     modes = four.rigid_modes(state)
     keep = np.linalg.svd(modes, full_matrices=True)[0][:, modes.shape[1] :]
     smallest = np.linalg.eigvalsh(keep.T @ low @ keep)[0]
-    found = stability(one, flat.state)
+    found = cell_stability(one, flat.state)
     assert (found.supercell > 0.0) == (smallest > 0.0)
     assert found.supercell <= found.cell
 
@@ -178,39 +178,41 @@ def test_supercell_has_four_times_the_energy_and_no_forces():
 def test_moment_is_the_slope_of_the_energy():
     cell, flat = relaxed(10.0, 0.4)
     step = 1e-4
-    ahead, here, behind = (roll(cell, unrolled_flat(flat, 0.2), 0.03 + side * step, 0.2) for side in (1, 0, -1))
+    ahead, here, behind = (
+        roll_cell(cell, unrolled_flat_cell(flat, 0.2), 0.03 + side * step, 0.2) for side in (1, 0, -1)
+    )
     assert here.moment == pytest.approx((ahead.energy - behind.energy) / (2.0 * step), rel=1e-4)
 
 
 def test_rolling_and_unrolling_give_the_state_back():
     cell, flat = relaxed(10.0, 0.4)
-    tube = roll(cell, unrolled_flat(flat, 0.4), 0.08, 0.4)
-    again = rolled(cell, unrolled(cell, tube), 0.08, 0.4)
+    tube = roll_cell(cell, unrolled_flat_cell(flat, 0.4), 0.08, 0.4)
+    again = rolled_state(cell, unroll(cell, tube), 0.08, 0.4)
     np.testing.assert_allclose(again.positions, tube.state.positions, atol=1e-9)
     np.testing.assert_allclose(again.directors, tube.state.directors, atol=1e-9)
 
 
 def test_the_same_start_gives_the_same_digits():
-    found = [relax(Cell(design(7.0, 0.3), EDGE))[0] for _ in range(2)]
+    found = [relax_flat_cell(UnitCell(design(7.0, 0.3), EDGE))[0] for _ in range(2)]
     np.testing.assert_array_equal(found[0].state.positions, found[1].state.positions)
 
 
 def test_cells_that_cannot_be_are_refused():
     with pytest.raises(ValueError, match=r"arms of the stars at .* overlap"):
-        Cell(design(12.0, lattice={"arms": 4}), EDGE)
+        UnitCell(design(12.0, lattice={"arms": 4}), EDGE)
     with pytest.raises(ValueError, match="length_mm must be a number"):
-        Cell(design(stars={"length_mm": {"formula": "4 + 0.1*r"}}), EDGE)
+        UnitCell(design(stars={"length_mm": {"formula": "4 + 0.1*r"}}), EDGE)
     with pytest.raises(ValueError, match="weight"):
-        Cell(design(gravity={"on": True}, fabric={"modulus_mpa": 7.0}), EDGE)
+        UnitCell(design(gravity={"on": True}, fabric={"modulus_mpa": 7.0}), EDGE)
     for change in ({"remove": True}, {"length_mm": 2.0}, {"thickness_mm": 0.3}, {"width_mm": 1.0}):
         override = [{"star": 3, "branch": "down"}, {"star": 1, **change}]
         with pytest.raises(ValueError, match=r"^stars.override\[1\] must not change a star in a cell"):
-            Cell(design(stars={"length_mm": 10.0, "override": override}), EDGE)
+            UnitCell(design(stars={"length_mm": 10.0, "override": override}), EDGE)
 
 
 def test_cells_of_uneven_stretch_are_released_from_the_beginning():
     """Paper's hinges follow the shape of the fabric at rest, before any release is set."""
-    cell = Cell(design(7.0, 0.4, fabric={"stretch": [1.1, 1.6]}), EDGE)
+    cell = UnitCell(design(7.0, 0.4, fabric={"stretch": [1.1, 1.6]}), EDGE)
     state = shaken(cell, cell.printed_state(), 0.1)
     before = cell.energy(state)
     cell.set_release(1.0)
@@ -221,7 +223,7 @@ def test_stars_have_the_sizes_that_are_printed():
     """Of layers and lines; the side that a star starts to is found, not asked for."""
     stars = {"length_mm": 10.0, "thickness_mm": 0.37, "override": [{"star": 0, "branch": "down"}]}
     layers = {"first_layer_mm": 0.3, "layer_mm": 0.2, "line_mm": 0.5}
-    layout = Cell(design(stars={**stars, "rounding": layers}), EDGE).model.layout
+    layout = UnitCell(design(stars={**stars, "rounding": layers}), EDGE).model.layout
     np.testing.assert_allclose(layout.arm_thickness, 0.3)
     np.testing.assert_allclose(layout.arm_width, 1.0)
 
@@ -229,7 +231,7 @@ def test_stars_have_the_sizes_that_are_printed():
 def test_triangles_that_bend_with_their_neighbours_repeat_too():
     """Consistent bending of a distorted mesh: the supercell's energy is four times the cell's, whatever its state."""
     fabric = {"fabric": {"bending": "consistent"}}
-    one, four = (Cell(design(9.0, 0.4, **fabric), EDGE, repeat=(n, n)) for n in (1, 2))
+    one, four = (UnitCell(design(9.0, 0.4, **fabric), EDGE, repeat=(n, n)) for n in (1, 2))
     assert len(one.parts["plate of images"]) and len(one.model.parts["plate"]) == len(one.torus.triangles)
     k = round(np.sqrt(one.torus.n_base))
     i, j = (index.ravel() for index in np.indices((2 * k, 2 * k)))
@@ -249,7 +251,7 @@ def test_triangles_that_bend_with_their_neighbours_repeat_too():
 def test_directors_stay_orthogonal():
     cell, flat = relaxed(10.0, 0.4)
     cell.flat()
-    state = clean(cell, shaken(cell, flat.state))
+    state = with_orthogonal_directors(cell, shaken(cell, flat.state))
     x = cell.images.unfold(state.positions)
     along = x[cell.edges[:, 1]] - x[cell.edges[:, 0]]
     assert np.abs((along * state.directors).sum(axis=1)).max() < 1e-12

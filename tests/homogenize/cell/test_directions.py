@@ -7,11 +7,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from homogenize.cell.directions import AROUND, THREEFOLD, averaged, directions, left_out, spread
-from homogenize.cell.sample import respond
-from homogenize.law.anisotropy import followed
-from homogenize.law.fit import row
-from homogenize.law.table import NAMES
+from homogenize.campaign.fit_law import sample_quantities
+from homogenize.cell.sample import solve_cell
+from homogenize.cell.tube_directions import (
+    ALL_ANGLES_RAD,
+    THREEFOLD_ANGLES_RAD,
+    averaged_directions,
+    curvature_misfit,
+    omitted_anisotropy,
+    tube_angles,
+)
+from homogenize.law.anisotropy import predicted_curvatures
+from homogenize.law.law_table import QUANTITY_NAMES
 from pattern.design.lattice import Lattice
 from tests.homogenize.cells import EDGE, design
 
@@ -33,8 +40,8 @@ TURNED = [[17.0 * np.cos(a), 17.0 * np.sin(a)] for a in np.radians((10.0, 70.0))
 )
 def test_what_a_lattice_needs(lattice: dict[str, Any], threefold: bool, said: str | None) -> None:
     found = Lattice(**lattice)
-    assert directions(found) == (THREEFOLD if threefold else AROUND)
-    missing = left_out(found)
+    assert tube_angles(found) == (THREEFOLD_ANGLES_RAD if threefold else ALL_ANGLES_RAD)
+    missing = omitted_anisotropy(found)
     assert missing is None if said is None else said in str(missing)
 
 
@@ -42,12 +49,12 @@ def test_six_directions_have_the_mean_of_all() -> None:
     def curl(angle: np.ndarray) -> np.ndarray:
         return 0.05 + 0.01 * np.cos(2 * angle - 1.0) + 0.004 * np.sin(4 * angle) + 0.003 * np.cos(6 * angle)
 
-    values = curl(np.array(AROUND))
-    assert values[averaged(values)].mean() == pytest.approx(0.05, rel=1e-12)
-    three = 0.05 + 0.003 * np.cos(6 * np.array(THREEFOLD))
-    assert averaged(three) == [0, -1]
-    assert spread(three) == pytest.approx(0.0, abs=1e-12)
-    assert spread(three + 0.002 * np.sin(6 * np.array(THREEFOLD))) == pytest.approx(0.04, rel=1e-9)
+    values = curl(np.array(ALL_ANGLES_RAD))
+    assert values[averaged_directions(values)].mean() == pytest.approx(0.05, rel=1e-12)
+    three = 0.05 + 0.003 * np.cos(6 * np.array(THREEFOLD_ANGLES_RAD))
+    assert averaged_directions(three) == [0, -1]
+    assert curvature_misfit(three) == pytest.approx(0.0, abs=1e-12)
+    assert curvature_misfit(three + 0.002 * np.sin(6 * np.array(THREEFOLD_ANGLES_RAD))) == pytest.approx(0.04, rel=1e-9)
 
 
 def test_a_law_of_five_arms_follows_its_directions() -> None:
@@ -61,7 +68,7 @@ def test_a_law_of_five_arms_follows_its_directions() -> None:
     turned = lattice @ np.array([[cos, sin], [-sin, cos]])
     custom = {"kind": "custom", "arms": 5}
     stars = [{"vectors_mm": lattice.tolist()}, {"vectors_mm": turned.tolist(), "orientation_deg": 30.0}]
-    rows = [respond(design(6.0, 0.5, lattice={**custom, **star}), EDGE).to_dict() for star in stars]
+    rows = [solve_cell(design(6.0, 0.5, lattice={**custom, **star}), EDGE).to_dict() for star in stars]
     assert [len(one["angles_rad"]) for one in rows] == [6, 6]
     curvature = [np.array(one["natural_curvature"]) for one in rows]
     same = np.roll(curvature[0], 1)
@@ -70,7 +77,7 @@ def test_a_law_of_five_arms_follows_its_directions() -> None:
     assert np.ptp(curvature[0]) > 1e-3 * abs(curvature[0].mean())
     for found in rows:
         kappa = np.array(found["natural_curvature"])
-        assert np.abs(followed(found) - kappa).max() < 0.5 * np.ptp(kappa)
-    one, other = (row(found, 1.35) for found in rows)
-    assert one[NAMES.index("c3")] == other[NAMES.index("c3")] == 0.0
+        assert np.abs(predicted_curvatures(found) - kappa).max() < 0.5 * np.ptp(kappa)
+    one, other = (sample_quantities(found, 1.35) for found in rows)
+    assert one[QUANTITY_NAMES.index("c3")] == other[QUANTITY_NAMES.index("c3")] == 0.0
     np.testing.assert_allclose(other, one, rtol=1e-3)

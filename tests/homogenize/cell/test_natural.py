@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from homogenize.cell.natural import CLOSE, SOUGHT, Curling, curl
-from homogenize.cell.rolling import Tube, roll, unrolled, unrolled_flat, unrolled_towards
+from homogenize.cell.natural_curvature import MAX_SEARCHED_CURL, ROOT_TOLERANCE, TubeBranch, trace_tubes
+from homogenize.cell.rolling import Tube, roll_cell, unroll, unrolled_flat_cell, unrolled_in_direction
 from tests.homogenize.cells import relaxed
 
 # length, thickness: from hardly to strongly curling, and tight
@@ -16,16 +16,16 @@ STARS = [(10.0, 0.6), (10.0, 0.4), (7.0, 0.3), (10.0, 0.2)]
 OTHER = np.pi / 6
 
 
-def _natural(found: Curling) -> Tube:
+def _natural(found: TubeBranch) -> Tube:
     assert found.natural is not None
     return found.natural
 
 
-def _same(one: Curling, other: Curling) -> None:
+def _same(one: TubeBranch, other: TubeBranch) -> None:
     a, b = _natural(one), _natural(other)
-    assert a.curvature == pytest.approx(b.curvature, rel=2 * CLOSE)
+    assert a.curvature == pytest.approx(b.curvature, rel=2 * ROOT_TOLERANCE)
     for name in ("energy", "hoop", "axial", "radius"):
-        assert getattr(a, name) == pytest.approx(getattr(b, name), rel=2 * CLOSE), name
+        assert getattr(a, name) == pytest.approx(getattr(b, name), rel=2 * ROOT_TOLERANCE), name
     assert a.bump == pytest.approx(b.bump, rel=1e-3)
     assert a.definite and b.definite
 
@@ -33,8 +33,8 @@ def _same(one: Curling, other: Curling) -> None:
 @pytest.mark.parametrize(("length", "thickness"), STARS)
 def test_both_ways_end_at_the_same_tube(length: float, thickness: float) -> None:
     cell, flat = relaxed(length, thickness)
-    first = curl(cell, flat, 0.0)
-    alone, helped = curl(cell, flat, OTHER), curl(cell, flat, OTHER, first)
+    first = trace_tubes(cell, flat, 0.0)
+    alone, helped = trace_tubes(cell, flat, OTHER), trace_tubes(cell, flat, OTHER, first)
     _same(alone, helped)
     assert abs(_natural(helped).moment) < 1e-4 * max(abs(tube.moment) for tube in alone.tubes)
     assert sum(tube.iterations for tube in helped.tubes) <= sum(tube.iterations for tube in alone.tubes)
@@ -43,8 +43,8 @@ def test_both_ways_end_at_the_same_tube(length: float, thickness: float) -> None
 def test_the_short_way_skips_the_steps_between() -> None:
     """It goes from the first small curvature to where the other direction's natural one was."""
     cell, flat = relaxed(7.0, 0.3)
-    first = curl(cell, flat, 0.0)
-    alone, helped = curl(cell, flat, OTHER), curl(cell, flat, OTHER, first)
+    first = trace_tubes(cell, flat, 0.0)
+    alone, helped = trace_tubes(cell, flat, OTHER), trace_tubes(cell, flat, OTHER, first)
     assert len(helped.tubes) < len(alone.tubes)
     assert np.diff([tube.curvature for tube in helped.tubes]).max() > 0.7 * _natural(first).curvature
 
@@ -52,33 +52,33 @@ def test_the_short_way_skips_the_steps_between() -> None:
 def test_a_tight_tube_is_no_guide() -> None:
     """Tight curls differ from direction to direction, and may be on another branch: the long way is taken."""
     cell, flat = relaxed(10.0, 0.2)
-    first = curl(cell, flat, 0.0)
-    assert _natural(first).curvature * cell.spacing > SOUGHT
-    alone, helped = curl(cell, flat, OTHER), curl(cell, flat, OTHER, first)
+    first = trace_tubes(cell, flat, 0.0)
+    assert _natural(first).curvature * cell.spacing > MAX_SEARCHED_CURL
+    alone, helped = trace_tubes(cell, flat, OTHER), trace_tubes(cell, flat, OTHER, first)
     assert [tube.curvature for tube in helped.tubes] == pytest.approx([tube.curvature for tube in alone.tubes])
 
 
-def _wrong_sign(first: Curling) -> Curling:
+def _wrong_sign(first: TubeBranch) -> TubeBranch:
     """Says that the sheet curls to the other side."""
     cell, flat = relaxed(10.0, 0.4)
     k = _natural(first).curvature
-    tubes = [roll(cell, unrolled_flat(flat, 0.0), share * k, 0.0) for share in (-0.3, -0.2)]
-    return Curling(tubes, tubes[0])
+    tubes = [roll_cell(cell, unrolled_flat_cell(flat, 0.0), share * k, 0.0) for share in (-0.3, -0.2)]
+    return TubeBranch(tubes, tubes[0])
 
 
-def _falling_moment(first: Curling) -> Curling:
+def _falling_moment(first: TubeBranch) -> TubeBranch:
     """Says that the moment falls with curvature."""
     return replace(first, tubes=[replace(tube, moment=-tube.moment) for tube in first.tubes])
 
 
-def _far_too_little(first: Curling) -> Curling:
+def _far_too_little(first: TubeBranch) -> TubeBranch:
     """Says that the sheet hardly curls."""
-    return Curling(first.tubes, first.tubes[0])
+    return TubeBranch(first.tubes, first.tubes[0])
 
 
-def _slight(first: Curling) -> Curling:
+def _slight(first: TubeBranch) -> TubeBranch:
     """Has no natural tube."""
-    return Curling(first.tubes[:1], None, 1e-4, 1.0)
+    return TubeBranch(first.tubes[:1], None, 1e-4, 1.0)
 
 
 @pytest.mark.parametrize(
@@ -86,8 +86,8 @@ def _slight(first: Curling) -> Curling:
 )
 def test_a_useless_tube_does_no_harm(useless, long_way: bool) -> None:  # type: ignore[no-untyped-def]
     cell, flat = relaxed(10.0, 0.4)
-    alone = curl(cell, flat, OTHER)
-    misled = curl(cell, flat, OTHER, useless(curl(cell, flat, 0.0)))
+    alone = trace_tubes(cell, flat, OTHER)
+    misled = trace_tubes(cell, flat, OTHER, useless(trace_tubes(cell, flat, 0.0)))
     _same(misled, alone)
     if long_way:
         assert [tube.curvature for tube in misled.tubes] == pytest.approx([tube.curvature for tube in alone.tubes])
@@ -96,8 +96,8 @@ def test_a_useless_tube_does_no_harm(useless, long_way: bool) -> None:  # type: 
 @pytest.mark.parametrize("angle", [0.0, 0.4])
 def test_towards_its_own_direction_a_tube_is_just_unrolled(angle: float) -> None:
     cell, flat = relaxed(10.0, 0.4)
-    tube = roll(cell, unrolled_flat(flat, angle), 0.05, angle)
-    same, turned = unrolled(cell, tube), unrolled_towards(cell, tube, angle)
+    tube = roll_cell(cell, unrolled_flat_cell(flat, angle), 0.05, angle)
+    same, turned = unroll(cell, tube), unrolled_in_direction(cell, tube, angle)
     np.testing.assert_allclose(turned.positions, same.positions, atol=1e-10)
     np.testing.assert_allclose(turned.directors, same.directors, atol=1e-12)
     assert turned.hoop == pytest.approx(same.hoop, rel=1e-12)
@@ -106,7 +106,7 @@ def test_towards_its_own_direction_a_tube_is_just_unrolled(angle: float) -> None
 def test_towards_an_equivalent_direction_it_is_the_same_tube_again() -> None:
     """A third of a turn is a symmetry of the star: rolled that way the sheet reaches the same energy."""
     cell, flat = relaxed(10.0, 0.4)
-    tube = roll(cell, unrolled_flat(flat, 0.2), 0.05, 0.2)
-    again = roll(cell, unrolled_towards(cell, tube, 0.2 + 2 * np.pi / 3), 0.05, 0.2 + 2 * np.pi / 3)
+    tube = roll_cell(cell, unrolled_flat_cell(flat, 0.2), 0.05, 0.2)
+    again = roll_cell(cell, unrolled_in_direction(cell, tube, 0.2 + 2 * np.pi / 3), 0.05, 0.2 + 2 * np.pi / 3)
     assert again.energy - flat.energy == pytest.approx(tube.energy - flat.energy, rel=1e-6)
     assert (again.hoop, again.axial) == pytest.approx((tube.hoop, tube.axial), rel=1e-6)

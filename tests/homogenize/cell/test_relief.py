@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from homogenize.cell.relief import Waves
+from homogenize.cell.corrugation_waves import CorrugationWaves
 from pattern.design.lattice import Lattice
 
 LATTICES = {
@@ -18,7 +18,7 @@ LATTICES = {
 
 @pytest.mark.parametrize("name", LATTICES)
 def test_waves_are_means_over_the_turns(name: str) -> None:
-    waves = Waves.of(LATTICES[name])
+    waves = CorrugationWaves.of(LATTICES[name])
     offsets = np.random.default_rng(0).uniform(-80.0, 80.0, (50, 2))
     phase = np.einsum("wgk,nk->nwg", waves.reciprocal, offsets)
     expected = np.where(waves.odd, np.sin(phase).mean(axis=2), np.cos(phase).mean(axis=2))
@@ -27,18 +27,18 @@ def test_waves_are_means_over_the_turns(name: str) -> None:
 
 def test_waves_repeat_from_star_to_star() -> None:
     lattice = LATTICES["triangular"]
-    waves, offsets = Waves.of(lattice), np.random.default_rng(1).uniform(-5.0, 5.0, (20, 2))
+    waves, offsets = CorrugationWaves.of(lattice), np.random.default_rng(1).uniform(-5.0, 5.0, (20, 2))
     assert np.allclose(waves(offsets + np.array([2, -3]) @ lattice.vectors), waves(offsets), atol=1e-12)
 
 
 @pytest.mark.parametrize("name", LATTICES)
 def test_no_wave_vanishes_everywhere(name: str) -> None:
-    waves = Waves.of(LATTICES[name])
+    waves = CorrugationWaves.of(LATTICES[name])
     assert (np.abs(waves(np.random.default_rng(2).uniform(-20.0, 20.0, (200, 2)))).max(axis=0) > 0.1).all()
 
 
 def test_amplitudes_are_of_heights_over_their_mean_and_weights_count_as_often_as_they_say() -> None:
-    waves, rng = Waves.of(LATTICES["triangular"]), np.random.default_rng(3)
+    waves, rng = CorrugationWaves.of(LATTICES["triangular"]), np.random.default_rng(3)
     offsets, heights, times = rng.uniform(-9.0, 9.0, (90, 2)), rng.normal(size=90), rng.integers(1, 5, 90)
     found = waves.amplitudes(offsets, heights, times.astype(float))
     assert np.allclose(waves.amplitudes(offsets, heights + 7.0, times.astype(float)), found)

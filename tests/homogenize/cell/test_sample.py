@@ -7,12 +7,12 @@ import json
 import numpy as np
 import pytest
 
-from homogenize.cell.cell import Cell
-from homogenize.cell.objective import linear_response, mean_height
-from homogenize.cell.relax import relax
-from homogenize.cell.rolling import roll, unrolled_flat
-from homogenize.cell.sample import Sample, respond
-from homogenize.law.residuals import mesh_differences
+from homogenize.cell.effective_stiffness import effective_stiffness, mean_height
+from homogenize.cell.flat_cell import relax_flat_cell
+from homogenize.cell.rolling import roll_cell, unrolled_flat_cell
+from homogenize.cell.sample import Sample, solve_cell
+from homogenize.cell.unit_cell import UnitCell
+from homogenize.law.law_residuals import mesh_differences
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
 from tests.homogenize.cells import EDGE, design, relaxed, sample
@@ -48,7 +48,7 @@ def test_bare_fabric(edge):
 
 def test_bare_fabric_that_bends_as_a_plate():
     """Both constants of the plate, which the paper's hinges do not have."""
-    bare = respond(design(0.0, fabric={"bending": "consistent"}), EDGE, (0.2,))
+    bare = solve_cell(design(0.0, fabric={"bending": "consistent"}), EDGE, (0.2,))
     assert bare.lam == pytest.approx(1.0 / STRETCH, abs=1e-8)
     plate = (
         MODULUS * THICK**3 / (12.0 * (1.0 - POISSON**2)) * np.array([[1, POISSON, 0], [POISSON, 1, 0], [0, 0, 0.35]])
@@ -75,7 +75,9 @@ def test_three_arms_make_isotropic_linear_responses(length, thickness):
 def test_tubes_have_the_symmetry_of_the_star():
     """Three turns by 60 degrees and the mirror, beyond the linear response."""
     cell, flat = relaxed(10.0, 0.4)
-    energies = [roll(cell, unrolled_flat(flat, angle), 0.04, angle).energy for angle in (0.2, 0.2 + np.pi / 3, -0.2)]
+    energies = [
+        roll_cell(cell, unrolled_flat_cell(flat, angle), 0.04, angle).energy for angle in (0.2, 0.2 + np.pi / 3, -0.2)
+    ]
     rise = energies[0] - flat.energy
     np.testing.assert_allclose(energies, energies[0], atol=1e-6 * abs(rise))
 
@@ -88,7 +90,7 @@ def test_linear_objective_cell_against_tubes(length, thickness, turn):
     without force, and what the force `-M k/hoop` costs.
     """
     cell, flat = relaxed(length, thickness, turn=turn)
-    linear = linear_response(cell, flat)
+    linear = effective_stiffness(cell, flat)
     a, b, d = linear.stiffness[:3, :3], linear.stiffness[:3, 3:], linear.stiffness[3:, 3:]
     free = d - b.T @ np.linalg.solve(a, b)
     for angle in (0.0, 0.3, np.pi / 6):
@@ -97,7 +99,7 @@ def test_linear_objective_cell_against_tubes(length, thickness, turn):
         moment = form @ linear.moment
         pairs = []
         for k in (1e-4, -1e-4):
-            tube = roll(cell, unrolled_flat(flat, angle), k, angle)
+            tube = roll_cell(cell, unrolled_flat_cell(flat, angle), k, angle)
             bent = k * tube.hoop
             pairs.append(([bent, 0.5 * bent**2], tube.energy - flat.energy))
         slope, stiffness = np.linalg.solve([pair[0] for pair in pairs], [pair[1] for pair in pairs])
@@ -111,13 +113,13 @@ def test_linear_objective_cell_against_tubes(length, thickness, turn):
 def test_membrane_against_tubes_of_hardly_any_curvature():
     """Poisson's ratio of the tangent, by the axial stretch that follows the hoop stretch; and no force at rest."""
     cell, flat = relaxed(10.0, 0.6)
-    linear = linear_response(cell, flat)
+    linear = effective_stiffness(cell, flat)
     cell.flat()
     macro = cell.full_gradient(flat.state)[3 * cell.torus.n_base : 3 * cell.torus.n_base + 6]
     assert np.abs(macro).max() < 1e-5
     # a rim that is pulled by the moment: E = A^-1 (n - B K), n = -M k/hoop in the hoop direction only
     k = 1e-4
-    tubes = [roll(cell, unrolled_flat(flat, 0.0), side * k, 0.0) for side in (1.0, -1.0)]
+    tubes = [roll_cell(cell, unrolled_flat_cell(flat, 0.0), side * k, 0.0) for side in (1.0, -1.0)]
     slopes = [(tubes[0].axial - tubes[1].axial) / (2 * k), (tubes[0].hoop - tubes[1].hoop) / (2 * k)]
     bent = np.array([0.0, flat.stretch, 0.0])
     force = np.array([0.0, -linear.moment[1] / flat.stretch, 0.0])
@@ -142,7 +144,7 @@ def test_natural_tube_has_no_moment_and_the_least_energy():
 
 def test_rest_curvature_of_the_linear_cell_is_that_of_slightly_curled_tubes():
     """A cylinder takes `(1 + nu)` times the isotropic rest curvature, nu of the bending at free membrane."""
-    found = respond(design(SPACING / 3.0, 0.55), 1.92, (0.0, np.pi / 6))
+    found = solve_cell(design(SPACING / 3.0, 0.55), 1.92, (0.0, np.pi / 6))
     assert 0.05 < SPACING * found.natural_curvature[0] < 0.15
     np.testing.assert_allclose(found.rest_curvature, found.rest_curvature[0] * np.array([1, 1, 0]), atol=1e-9)
     a, b, d = found.stiffness[:3, :3], found.stiffness[:3, 3:], found.stiffness[3:, 3:]
@@ -156,8 +158,8 @@ def test_slight_curvatures_continue_those_that_are_looked_for(length, monkeypatc
     """The parabola of the energy against the tube without a moment, for a star that both can treat."""
     found = {}
     for slight in (0.5, 1e-3):
-        monkeypatch.setattr("homogenize.cell.natural.SLIGHT", slight)
-        found[slight] = respond(design(length, 0.6), 1.92, (0.0, np.pi / 6))
+        monkeypatch.setattr("homogenize.cell.natural_curvature.MIN_NATURAL_CURL", slight)
+        found[slight] = solve_cell(design(length, 0.6), 1.92, (0.0, np.pi / 6))
     rough, exact = found[0.5], found[1e-3]
     assert 0.01 < SPACING * exact.natural_curvature[0] < 0.1
     for name, tolerance in (("natural_curvature", 2e-3), ("bending", 5e-3), ("natural_centre_offset_mm", 0.02)):
@@ -191,9 +193,9 @@ def test_hardly_buckled_stars_find_the_up_branch_at_finite_curvature():
 
 def test_other_stars():
     """Six arms are as isotropic as three; four on the square lattice as symmetric as the mesh's diagonals let them."""
-    six = respond(design(6.0, 0.4, lattice={"arms": 6}), 1.92, (0.0,))
+    six = solve_cell(design(6.0, 0.4, lattice={"arms": 6}), 1.92, (0.0,))
     np.testing.assert_allclose(six.rest_metric, six.rest_metric[0, 0] * np.eye(2), atol=1e-6)
-    four = relax(Cell(design(6.0, 0.5, lattice={"arms": 4, "kind": "square"}), EDGE))[0]
+    four = relax_flat_cell(UnitCell(design(6.0, 0.5, lattice={"arms": 4, "kind": "square"}), EDGE))[0]
     metric = four.deformation @ four.deformation
     assert metric[0, 0] == pytest.approx(metric[1, 1], rel=1e-6)
 
@@ -201,24 +203,24 @@ def test_other_stars():
 @pytest.mark.parametrize("edge, angles", [(0.0, None), (-1.0, None), (np.nan, None), (EDGE, ()), (EDGE, (np.inf,))])
 def test_edges_and_angles_that_are_none(edge, angles):
     with pytest.raises(ValueError, match="must be"):
-        respond(design(7.0, 0.4), edge, angles)
+        solve_cell(design(7.0, 0.4), edge, angles)
 
 
 def test_sixfold_compares_the_first_direction_with_the_last():
     """However many lie between, and for stars with threefold symmetry only."""
     angles = tuple(np.linspace(0.0, np.pi / 6, 6))
-    six, three = respond(design(7.0, 0.4), EDGE, angles), sample(7.0, 0.4)
+    six, three = solve_cell(design(7.0, 0.4), EDGE, angles), sample(7.0, 0.4)
     assert three.sixfold != 0.0
     assert six.sixfold == pytest.approx(three.sixfold, rel=1e-3)
     square = {"kind": "square", "arms": 4}
-    assert respond(design(5.0, 0.5, lattice=square), EDGE, (0.0, np.pi / 4)).sixfold == 0.0
+    assert solve_cell(design(5.0, 0.5, lattice=square), EDGE, (0.0, np.pi / 4)).sixfold == 0.0
 
 
 def test_uneven_stretch():
-    bare = respond(design(0.0, fabric={"stretch": [1.2, 1.5]}), EDGE, (0.0,))
+    bare = solve_cell(design(0.0, fabric={"stretch": [1.2, 1.5]}), EDGE, (0.0,))
     np.testing.assert_allclose(bare.rest_metric, np.diag([1.2**-2, 1.5**-2]), atol=1e-8)
     with pytest.raises(DesignError, match=r"^fabric.stretch = \[1.2, 1.5\]: must be one number"):
-        respond(design(0.0, fabric={"stretch": [1.2, 1.5]}), EDGE)
+        solve_cell(design(0.0, fabric={"stretch": [1.2, 1.5]}), EDGE)
 
 
 def test_sample_goes_through_json():
@@ -233,8 +235,8 @@ def test_failed_samples_have_a_reason_and_no_numbers(monkeypatch):
     def fails(*args):
         raise ArithmeticError("flat cell: no equilibrium at 50 % release")
 
-    monkeypatch.setattr("homogenize.cell.sample.curl", fails)
-    found = respond(design(), EDGE)
+    monkeypatch.setattr("homogenize.cell.sample.trace_tubes", fails)
+    found = solve_cell(design(), EDGE)
     assert found.failed == "flat cell: no equilibrium at 50 % release"
     assert found.lam is None
     assert found.natural_curvature is None
@@ -247,7 +249,7 @@ def test_cells_say_how_far_their_two_meshes_are_apart(arms, length, width, apart
     """Six arms whose tips nearly meet curl to opposite sides on them; three arms hardly differ."""
     stars = {"length_mm": length, "thickness_mm": 0.4, "width_mm": width}
     data = design(length, 0.4).to_dict() | {"lattice": {"arms": arms}, "stars": stars}
-    found = respond(Design.from_dict(data), SPACING / 15, (0.0,))
+    found = solve_cell(Design.from_dict(data), SPACING / 15, (0.0,))
     assert found.failed is None and len(found.segments) == 2
     assert apart[0] < found.meshes_apart < apart[1]
     again = mesh_differences(
@@ -256,4 +258,4 @@ def test_cells_say_how_far_their_two_meshes_are_apart(arms, length, width, apart
     assert again == {"count": 1, "largest_percent": pytest.approx(100 * found.meshes_apart), **stars}
     if arms == 3:
         whole = Design.from_dict(data | {"stars": stars | {"length_mm": WHOLE}})
-        assert respond(whole, EDGE, (0.0,)).meshes_apart is None
+        assert solve_cell(whole, EDGE, (0.0,)).meshes_apart is None

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from homogenize.cell.aligned_cell_mesh import aligned_cell_mesh
 from homogenize.cell.arm_segments import arm_segments
-from homogenize.cell.star_torus import lattice_lines, star_torus
-from homogenize.cell.torus import torus_mesh
+from homogenize.cell.cell_mesh import cell_mesh, lattice_lines
 from pattern.design.errors import MeshError
 from pattern.geometry.planar import triangle_areas
 from pattern.geometry.plane_lattice import GRID_DIRECTIONS
@@ -21,7 +21,7 @@ SPACING = float(np.linalg.norm(VECTORS[0]))
 @pytest.mark.parametrize("length", [1.0, 5.0, 8.66, 10.0, 13.0, SPACING])
 @pytest.mark.parametrize("repeat", [(1, 1), (2, 2), (1, 3)])
 def test_invariants(length, repeat):
-    torus = torus_mesh(VECTORS, THREE, np.full(3, length), 2.5, repeat)
+    torus = aligned_cell_mesh(VECTORS, THREE, np.full(3, length), 2.5, repeat)
     stars = repeat[0] * repeat[1]
     corner = torus.points[torus.triangles]
     e1, e2 = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
@@ -48,7 +48,7 @@ def test_invariants(length, repeat):
 
 def test_hinges_are_between_triangles():
     """Every hinge folds two triangles of the mesh about an edge that both have."""
-    torus = torus_mesh(VECTORS, THREE, np.full(3, 9.0), 2.5)
+    torus = aligned_cell_mesh(VECTORS, THREE, np.full(3, 9.0), 2.5)
 
     def place(vertices):
         """Classes of triangles modulo the lattice, by their middle."""
@@ -64,8 +64,8 @@ def test_hinges_are_between_triangles():
 
 def test_arms_that_overlap_are_refused():
     with pytest.raises(MeshError, match="overlap"):
-        torus_mesh(VECTORS, np.arange(6), np.full(6, 9.0), 2.5)
-    assert len(torus_mesh(VECTORS, np.arange(6), np.full(6, 8.0), 2.5).rods) == len(GRID_DIRECTIONS)
+        aligned_cell_mesh(VECTORS, np.arange(6), np.full(6, 9.0), 2.5)
+    assert len(aligned_cell_mesh(VECTORS, np.arange(6), np.full(6, 8.0), 2.5).rods) == len(GRID_DIRECTIONS)
 
 
 @pytest.mark.parametrize(
@@ -81,7 +81,7 @@ def test_arms_along_the_lattice_are_so_in_any_basis(basis, arms):
     """Left-handed and obtuse ones too."""
     star = design(7.0, lattice={"kind": "custom", "vectors_mm": basis, "arms": arms})
     assert lattice_lines(star.lattice) is not None
-    torus = star_torus(star, 3.0)
+    torus = cell_mesh(star, 3.0)
     assert triangle_areas(torus.points, torus.triangles).min() > 0.0
 
 
@@ -99,7 +99,7 @@ def test_arms_have_their_length(lattice, length, edge):
     """On links with arms from both ends too, whether or not the tips meet."""
     star = design(length, lattice=lattice)
     for segments, _ in arm_segments(star, edge):
-        torus = star_torus(star, edge, segments=segments)
+        torus = cell_mesh(star, edge, segments=segments)
         for rod in torus.rods:
             assert np.linalg.norm(torus.points[rod[-1]] - torus.points[rod[0]]) == pytest.approx(length, rel=1e-9)
 
@@ -108,7 +108,7 @@ def test_arms_have_their_length(lattice, length, edge):
 @pytest.mark.parametrize("edge", [1.155, 3.0, 3.5, 5.8])
 def test_tips_that_meet_are_one_point(miss, edge):
     """In the middle of a link, whatever the number of edges that would suit it best; but for rounding."""
-    torus = torus_mesh(VECTORS, np.arange(6), np.full(6, SPACING * (0.5 + miss)), edge, segments=2)
+    torus = aligned_cell_mesh(VECTORS, np.arange(6), np.full(6, SPACING * (0.5 + miss)), edge, segments=2)
     assert len(np.unique(torus.base[[rod[-1] for rod in torus.rods]])) == 3
     area = triangle_areas(torus.points, torus.triangles)
     assert area.min() > 0.5 * area.mean()

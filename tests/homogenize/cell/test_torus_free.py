@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from homogenize.cell.cell_mesh import cell_mesh, lattice_lines
+from homogenize.cell.free_cell_mesh import MIN_CELL_ANGLE_DEG
 from homogenize.cell.periodic_delaunay import periodic_delaunay
-from homogenize.cell.star_torus import lattice_lines, star_torus
-from homogenize.cell.torus import Torus
-from homogenize.cell.torus_free import LEAST_ANGLE_DEG
+from homogenize.cell.periodic_mesh import PeriodicMesh
 from pattern.design.errors import DesignError, MeshError
 from pattern.geometry.planar import triangle_angles, triangle_areas
 from tests.homogenize.cells import design
@@ -29,13 +29,13 @@ STARS = [
 ]
 
 
-def mesh(lattice: dict[str, Any], length: float, edge: float = 1.92, repeat: tuple[int, int] = (1, 1)) -> Torus:
+def mesh(lattice: dict[str, Any], length: float, edge: float = 1.92, repeat: tuple[int, int] = (1, 1)) -> PeriodicMesh:
     star = design(length, lattice=lattice)
     assert lattice_lines(star.lattice) is None
-    return star_torus(star, edge, repeat)
+    return cell_mesh(star, edge, repeat)
 
 
-def edges(torus: Torus, triangles: np.ndarray) -> set[tuple[int, ...]]:
+def edges(torus: PeriodicMesh, triangles: np.ndarray) -> set[tuple[int, ...]]:
     """Directed edges as (base point, base point, images between them)."""
     ends = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     step = torus.image[ends[:, 1]] - torus.image[ends[:, 0]]
@@ -48,7 +48,7 @@ def test_invariants(lattice: dict[str, Any], length: float, edge: float) -> None
     torus = mesh(lattice, length, edge)
     assert triangle_areas(torus.points, torus.triangles).sum() == pytest.approx(torus.area, rel=1e-12)
     assert triangle_areas(torus.points, torus.triangles).min() > 0.0
-    assert triangle_angles(torus.points, torus.triangles).min() >= LEAST_ANGLE_DEG
+    assert triangle_angles(torus.points, torus.triangles).min() >= MIN_CELL_ANGLE_DEG
     # Euler on the torus, and every edge with one triangle on either side
     assert len(torus.triangles) == 2 * torus.n_base
     assert len(torus.hinges) == 3 * torus.n_base
@@ -77,7 +77,7 @@ def test_several_cells_are_the_same_mesh_again() -> None:
     """Every point, triangle, hinge and arm of 2 x 3 cells lies on one of the single cell."""
     one, many = (mesh({"arms": 5}, 6.0, 2.9, repeat) for repeat in ((1, 1), (2, 3)))
 
-    def places(torus: Torus, vertices: np.ndarray) -> np.ndarray:
+    def places(torus: PeriodicMesh, vertices: np.ndarray) -> np.ndarray:
         middle = torus.points[vertices].mean(axis=1) @ np.linalg.inv(one.cell_vectors)
         return np.round(middle % 1.0, 7) % 1.0
 
@@ -112,7 +112,7 @@ def test_arms_are_cut_finer_beside_others() -> None:
 def test_tips_that_meet_are_one_point() -> None:
     """Two of the eight arms on a square lattice end where their neighbours' do."""
     star = design(0.5 * 10 * np.sqrt(3.0), lattice={"arms": 8, "kind": "square"})
-    torus = star_torus(star, 1.92)
+    torus = cell_mesh(star, 1.92)
     tips = torus.base[[rod[-1] for rod in torus.rods]]
     assert len(np.unique(tips)) == 6
 

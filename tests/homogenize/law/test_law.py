@@ -13,15 +13,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from homogenize.campaign.campaign import Record
-from homogenize.campaign.plan import Material, Task
+from homogenize.campaign.campaign import SampleRecord
+from homogenize.campaign.fit_law import fill_failed_rows, fit_law, sample_quantities
 from homogenize.errors import CampaignError, ForeignLaw, LawError
-from homogenize.law.file import digest, load_law, to_bytes
-from homogenize.law.fit import filled, fit, row
-from homogenize.law.interpolation import Grid
+from homogenize.law.hermite_grid import HermiteGrid
 from homogenize.law.law import Law
-from homogenize.law.residuals import residuals
-from homogenize.law.table import NAMES
+from homogenize.law.law_file import law_bytes, law_digest, load_law
+from homogenize.law.law_residuals import law_residuals
+from homogenize.law.law_table import QUANTITY_NAMES
+from homogenize.law.material import Material
+from homogenize.law.plan import CellTask
 from pattern.design.design import Design
 from tests.homogenize import fake
 
@@ -34,17 +35,17 @@ PLAN = {
 }
 
 
-def law(respond: Any = fake.respond, **plan: Any) -> Law:
+def law(respond: Any = fake.solve_cell, **plan: Any) -> Law:
     material = Material.from_dict({"name": "test", "plan": {**PLAN, **plan}})
-    return fit(material, answers(material, respond), {"command": "none"})
+    return fit_law(material, answers(material, respond), {"command": "none"})
 
 
-def answers(material: Material, respond: Any) -> list[Record]:
+def answers(material: Material, respond: Any) -> list[SampleRecord]:
     records = []
     for task in material.tasks():
         answer = respond(material.design(task), 2.0)
         sample = None if answer.failed else answer.to_dict()
-        records.append(Record(task, sample, answer.failed, False, 0.1))
+        records.append(SampleRecord(task, sample, answer.failed, False, 0.1))
     return records
 
 
@@ -73,7 +74,7 @@ def test_cells_of_the_plan_are_met_exactly() -> None:
     table = LAW.at(1.35)
     sizes = np.stack(np.meshgrid(*table.axes, indexing="ij"), axis=-1).reshape(-1, 3)
     values = table(*sizes.T)
-    for q, name in enumerate(NAMES):
+    for q, name in enumerate(QUANTITY_NAMES):
         nodes = table.nodes[..., q].ravel()
         assert np.abs(values.value[name] - nodes).max() <= 1e-13 * np.abs(nodes).max(), name
 
@@ -89,7 +90,7 @@ def test_slopes_are_derivatives(length: float, thickness: float, width: float) -
     found = table(*sizes)
     for axis in range(3):
         more, less = (table(*(sizes + sign * step * np.eye(3)[axis])) for sign in (1, -1))
-        for name in NAMES:
+        for name in QUANTITY_NAMES:
             slope = (more.value[name] - less.value[name]) / (2 * step)
             scale = 1e-4 * (1 + np.abs(found.value[name]) + np.abs(found.slope[name]).max())
             assert np.abs(slope - found.slope[name][:, axis]) < scale, name
@@ -102,7 +103,7 @@ def test_monotone_along_lines_of_the_grid(steps: list[float], a: float, b: float
     rise = np.cumsum(steps)
     scale = 1 + a * np.arange(3)[:, None] + b * np.arange(2)
     values = rise[:, None, None] * scale + np.array([0.0, 3.0, 1.0])[:, None]
-    grid = Grid([np.arange(float(len(steps))), np.arange(3.0), np.arange(2.0)], values[..., None], ["monotone"])
+    grid = HermiteGrid([np.arange(float(len(steps))), np.arange(3.0), np.arange(2.0)], values[..., None], ["monotone"])
     along = np.linspace(0, len(steps) - 1, 101)
     for j in range(3):
         found, slope = grid(np.column_stack([along, np.full(101, float(j)), np.zeros(101)]))
@@ -113,7 +114,7 @@ def test_monotone_along_lines_of_the_grid(steps: list[float], a: float, b: float
 def test_neighbouring_boxes_join_smoothly() -> None:
     rng = np.random.default_rng(1)
     axes = [np.array([0.0, 1, 3, 4]), np.array([0.0, 2, 3]), np.array([0.0, 1, 4])]
-    grid = Grid(axes, rng.random((4, 3, 3, 2)), ["monotone", "smooth"])
+    grid = HermiteGrid(axes, rng.random((4, 3, 3, 2)), ["monotone", "smooth"])
     for axis, node in ((0, 1.0), (0, 3.0), (1, 2.0), (2, 1.0)):
         points = rng.random((20, 3)) * [4, 3, 4]
         sides = []
@@ -152,10 +153,10 @@ def test_one_length_answers_for_itself_and_not_for_shorter_arms(lengths: list[fl
     its = "9" if len(lengths) == 1 else "9 to 10"
     assert values.outside[0].endswith(f"length_mm = 5 is outside the law's {its}")
     assert values.outside[1].endswith("thickness_mm = 0.31 is outside the law's 0.3")
-    cell = fake.respond(design(stars__length_mm=9.0, stars__thickness_mm=0.3, stars__width_mm=1.2), 2.0).data
+    cell = fake.solve_cell(design(stars__length_mm=9.0, stars__thickness_mm=0.3, stars__width_mm=1.2), 2.0).data
     assert values.value["lam"][1] == pytest.approx(cell["lam"], rel=1e-12)
     assert values.value["kappa"][1] == pytest.approx(cell["natural_curvature"][0], rel=1e-12)
-    (tmp_path / "own.npz").write_bytes(to_bytes(own))
+    (tmp_path / "own.npz").write_bytes(law_bytes(own))
     assert load_law(tmp_path / "own.npz").at(1.35)(9.0, 0.3, 1.2).inside.all()
 
 
@@ -180,16 +181,16 @@ def test_cells_without_an_answer_are_marked_with_their_surroundings() -> None:
 
 def test_the_contraction_of_a_tube_is_that_of_its_area() -> None:
     """The geometric mean of the stretches around and along it."""
-    sample = fake.respond(Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rings": 1}}), 2.0).data
+    sample = fake.solve_cell(Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rings": 1}}), 2.0).data
     sample |= {"natural_hoop": [0.9, 0.9, 0.8], "natural_axial": [0.8, 0.8, 0.9]}
-    assert row(sample, 1.35)[NAMES.index("lam_n")] == pytest.approx(np.sqrt(0.72), rel=1e-12)
+    assert sample_quantities(sample, 1.35)[QUANTITY_NAMES.index("lam_n")] == pytest.approx(np.sqrt(0.72), rel=1e-12)
 
 
 @pytest.mark.parametrize("fails", [lambda h: h < 0.3, lambda h: h > 0.3])
 def test_a_cell_with_an_answer_is_inside_whichever_side_has_none(fails: Any) -> None:
     def beside(design: Design, edge_mm: float) -> fake.Answer:
         lost = fails(design.stars.thickness_mm - 1e-9) and fails(design.stars.thickness_mm + 1e-9)
-        return fake.Answer({}, "no") if lost and design.stars.length_mm >= 8.0 else fake.respond(design, edge_mm)
+        return fake.Answer({}, "no") if lost and design.stars.length_mm >= 8.0 else fake.solve_cell(design, edge_mm)
 
     table = law(beside, thicknesses_mm=[0.2, 0.3, 0.4]).at(1.35)
     assert table(10.0, 0.3, 1.0).inside.all()
@@ -199,7 +200,7 @@ def test_a_cell_with_an_answer_is_inside_whichever_side_has_none(fails: Any) -> 
 def test_a_single_cell_without_an_answer_is_bridged_along_its_line() -> None:
     def one_gap(design: Design, edge_mm: float) -> fake.Answer:
         gap = design.stars.length_mm == 6.0 and design.stars.thickness_mm == 0.3
-        return fake.Answer({}, "no") if gap else fake.respond(design, edge_mm)
+        return fake.Answer({}, "no") if gap else fake.solve_cell(design, edge_mm)
 
     table = law(one_gap).at(1.35)
     assert (~table.good).sum() == 3
@@ -213,7 +214,7 @@ def test_beyond_the_last_answer_that_answer_stands() -> None:
     lengths = np.array([0.0, 1.0, 2.0, 4.0, 5.0, 6.0])
     stored = np.stack([lengths**2, -3.0 * lengths], axis=-1)[:, None, None]
     good = np.array([True, True, False, True, False, False])[:, None, None]
-    whole = filled(lengths, np.where(good[..., None], stored, np.nan), good)[:, 0, 0]
+    whole = fill_failed_rows(lengths, np.where(good[..., None], stored, np.nan), good)[:, 0, 0]
     np.testing.assert_array_equal(whole[[0, 1, 3]], stored[[0, 1, 3], 0, 0])
     np.testing.assert_allclose(whole[4:], [whole[3], whole[3]], rtol=1e-13)
     assert 1.0 < whole[2, 0] < 16.0 and whole[2, 1] == pytest.approx(-6.0)
@@ -221,10 +222,10 @@ def test_beyond_the_last_answer_that_answer_stands() -> None:
 
 def test_sheets_that_hardly_curl_have_no_sixfold_part() -> None:
     """The energies of two directions differ by rounding there, and a cubic makes much of it."""
-    cell = fake.respond(design(), 2.0).data
+    cell = fake.solve_cell(design(), 2.0).data
     for curl, sixfold in ((0.029, 0.0), (0.031, 7.0), (-0.031, 7.0)):
         rolled = {"natural_curvature": [curl / cell["spacing_mm"]] * 3, "sixfold": 7.0}
-        assert row(cell | rolled, 1.35)[NAMES.index("c3")] == sixfold
+        assert sample_quantities(cell | rolled, 1.35)[QUANTITY_NAMES.index("c3")] == sixfold
 
 
 def test_tight_sheets_are_marked_and_keep_their_values() -> None:
@@ -261,19 +262,21 @@ def test_errors_are_of_the_cell_or_of_a_part_of_the_largest() -> None:
     table = LAW.at(1.35)
     values = {name: float(value[0]) for name, value in table(7.0, 0.35, 1.0).value.items()}
     cell = values | {"lam": values["lam"] / 1.01, "a12": 0.0, "c3": 0.0, "offset_mm": 0.0}
-    task = Task(1.35, True, 7.0, 0.35, 1.0)
-    found = residuals([table], [[(task, np.array([cell[name] for name in NAMES]))]], "grid")["1.35"]["held_out"]
+    task = CellTask(1.35, True, 7.0, 0.35, 1.0)
+    found = law_residuals([table], [[(task, np.array([cell[name] for name in QUANTITY_NAMES]))]], "grid")["1.35"][
+        "held_out"
+    ]
     percent = found["cells"][0]["error_percent"]
     assert percent["lam"] == pytest.approx(1.0) and percent["kappa"] == 0.0
     for name, part in (("a12", 0.1), ("c3", 0.1), ("offset_mm", 0.03)):
-        largest = table.nodes[..., NAMES.index(name)].max()
+        largest = table.nodes[..., QUANTITY_NAMES.index(name)].max()
         assert percent[name] == pytest.approx(100.0 * values[name] / (part * largest)), name
     assert found["errors"]["c3"]["largest_percent"] == percent["c3"]
 
 
 def test_scattered_cells_make_a_law_too() -> None:
     material = Material.from_dict({"plan": SPREAD})
-    spread = fit(material, answers(material, fake.respond))
+    spread = fit_law(material, answers(material, fake.solve_cell))
     errors = spread.residuals["1.35"]["held_out"]["errors"]
     assert errors["lam"]["largest_percent"] < 1 and errors["kappa"]["rms_percent"] < 5
     values = spread.at(1.35)(0.0, 0.4, 1.0)
@@ -283,7 +286,7 @@ def test_scattered_cells_make_a_law_too() -> None:
 def test_scattered_cells_answer_for_their_own_lengths_only() -> None:
     """As a grid's: lengths that begin far from bare fabric are not joined to it, nor tested there."""
     far, near = (
-        fit(material, answers(material, fake.respond))
+        fit_law(material, answers(material, fake.solve_cell))
         for first in (9.0, 3.4)
         for material in [Material.from_dict({"plan": {**SPREAD, "length_range_mm": [first, 12.0]}})]
     )
@@ -296,10 +299,10 @@ def test_scattered_cells_answer_for_their_own_lengths_only() -> None:
 
 def test_scattered_cells_without_an_answer_are_marked_with_their_surroundings() -> None:
     def fails_when_long(design: Design, edge_mm: float) -> fake.Answer:
-        return fake.Answer({}, "no") if float(design.stars.length_mm) > 8.0 else fake.respond(design, edge_mm)  # type: ignore[arg-type]
+        return fake.Answer({}, "no") if float(design.stars.length_mm) > 8.0 else fake.solve_cell(design, edge_mm)  # type: ignore[arg-type]
 
     material = Material.from_dict({"plan": SPREAD})
-    table = fit(material, answers(material, fails_when_long)).at(1.35)
+    table = fit_law(material, answers(material, fails_when_long)).at(1.35)
     thin, wide = (column.ravel() for column in np.meshgrid(np.linspace(0.2, 0.6, 9), np.linspace(0.8, 1.6, 5)))
     for length, inside in ((0.0, True), (3.0, True), (5.0, True), (9.5, False), (12.0, False)):
         assert (table(length, thin, wide).inside == inside).all(), length
@@ -308,9 +311,9 @@ def test_scattered_cells_without_an_answer_are_marked_with_their_surroundings() 
 
 def test_a_file_holds_all_of_it(tmp_path: Path) -> None:
     path = tmp_path / "law.npz"
-    path.write_bytes(to_bytes(LAW))
+    path.write_bytes(law_bytes(LAW))
     again = load_law(path)
-    assert to_bytes(again) == to_bytes(LAW) and digest(again) == digest(LAW)
+    assert law_bytes(again) == law_bytes(LAW) and law_digest(again) == law_digest(LAW)
     assert again.made == {"command": "none"} and len(again.samples) == len(LAW.material.tasks())
     found, known = (one.at(1.75)(7.3, 0.33, 1.1).value for one in (again, LAW))
     assert found == known
@@ -318,7 +321,7 @@ def test_a_file_holds_all_of_it(tmp_path: Path) -> None:
 
 def test_files_that_are_no_laws(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "law.npz"
-    for content, word in ((b"", "not a law"), (b"PK nonsense", "not a law"), (to_bytes(LAW)[:900], "damaged")):
+    for content, word in ((b"", "not a law"), (b"PK nonsense", "not a law"), (law_bytes(LAW)[:900], "damaged")):
         path.write_bytes(content)
         with pytest.raises(LawError, match=word) as caught:
             load_law(path)
@@ -328,7 +331,7 @@ def test_files_that_are_no_laws(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         load_law(path)
     with pytest.raises(LawError, match="cannot be read: No such file"):
         load_law(tmp_path / "none.npz")
-    with np.load(io.BytesIO(to_bytes(LAW))) as archive:
+    with np.load(io.BytesIO(law_bytes(LAW))) as archive:
         gaps = {name: archive[name] for name in archive.files}
     gaps["0/nodes"][3, 2, 1, 0] = np.nan
     np.savez(path, **gaps)
@@ -337,15 +340,15 @@ def test_files_that_are_no_laws(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     np.savez(path, format=np.array({"a": 1}, dtype=object))
     with pytest.raises(LawError):
         load_law(path)
-    path.write_bytes(to_bytes(LAW))
-    monkeypatch.setattr("homogenize.law.file.FORMAT", 99)
+    path.write_bytes(law_bytes(LAW))
+    monkeypatch.setattr("homogenize.law.law_file.LAW_FORMAT", 99)
     with pytest.raises(LawError, match="has format 4, this version reads 99; make it again"):
         load_law(path)
 
 
 def test_a_byte_that_changed_is_told_in_one_line(tmp_path: Path) -> None:
     """Wherever it is: in the archive's own tables, or in what it packs."""
-    path, whole = tmp_path / "law.npz", to_bytes(LAW)
+    path, whole = tmp_path / "law.npz", law_bytes(LAW)
     rng = np.random.default_rng(3)
     told = 0
     for place in [*rng.integers(0, 3000, 60), *rng.integers(len(whole) - 3000, len(whole), 60)]:
@@ -370,7 +373,7 @@ def test_an_array_whose_header_is_cut_is_told_in_one_line(tmp_path: Path) -> Non
 @pytest.mark.filterwarnings("error::RuntimeWarning")
 @pytest.mark.parametrize("name", ["length_mm", "thickness_mm", "width_mm", "nodes", "units", "stretch", "spacing_mm"])
 def test_laws_of_impossible_numbers_are_damaged(name: str, tmp_path: Path) -> None:
-    with np.load(io.BytesIO(to_bytes(LAW))) as archive:
+    with np.load(io.BytesIO(law_bytes(LAW))) as archive:
         arrays = {key: archive[key] for key in archive.files}
     np.savez(tmp_path / "law.npz", **arrays | {f"0/{name}": 0.0 * arrays[f"0/{name}"]})
     with pytest.raises(LawError, match="damaged"):
@@ -388,7 +391,7 @@ def test_laws_of_impossible_numbers_are_damaged(name: str, tmp_path: Path) -> No
     ],
 )
 def test_laws_whose_parts_are_of_different_laws_are_damaged(name: str, changed: Any, tmp_path: Path) -> None:
-    (tmp_path / "law.npz").write_bytes(to_bytes(LAW))
+    (tmp_path / "law.npz").write_bytes(law_bytes(LAW))
     with np.load(tmp_path / "law.npz") as archive:
         arrays = dict(archive)
     arrays[name] = changed(arrays[name]) if callable(changed) else np.frombuffer(changed.encode(), np.uint8)
@@ -464,7 +467,7 @@ def test_stiffness_follows_the_modulus() -> None:
 
 def test_cells_that_are_held_out_do_not_make_the_law() -> None:
     def else_elsewhere(design: Design, edge_mm: float) -> fake.Answer:
-        answer = fake.respond(design, edge_mm)
+        answer = fake.solve_cell(design, edge_mm)
         sizes = tuple(getattr(design.stars, f"{name}_mm") for name in ("length", "thickness", "width"))
         answer.data["lam"] *= 2.0 if sizes in held_out else 1.0
         return answer
@@ -472,10 +475,10 @@ def test_cells_that_are_held_out_do_not_make_the_law() -> None:
     material = Material.from_dict({"plan": SPREAD})
     tasks = [task for task in material.tasks() if task.held_out]
     held_out = {(task.length_mm, task.thickness_mm, task.width_mm) for task in tasks}
-    cells = fit(material, answers(material, else_elsewhere)).at(1.35)
+    cells = fit_law(material, answers(material, else_elsewhere)).at(1.35)
     assert len(tasks) == 10
     sizes = np.array(sorted(held_out)).T
-    known = fit(material, answers(material, fake.respond)).at(1.35)(*sizes).value["lam"]
+    known = fit_law(material, answers(material, fake.solve_cell)).at(1.35)(*sizes).value["lam"]
     assert cells(*sizes).value["lam"] == pytest.approx(known, abs=1e-14)
 
 
@@ -483,7 +486,7 @@ def test_a_law_needs_an_answer_of_half_of_its_cells() -> None:
     def below(longest: float) -> Any:
         def some(design: Design, edge_mm: float) -> fake.Answer:
             short = float(design.stars.length_mm) <= longest  # type: ignore[arg-type]
-            return fake.respond(design, edge_mm) if short else fake.Answer({}, "no")
+            return fake.solve_cell(design, edge_mm) if short else fake.Answer({}, "no")
 
         return some
 
@@ -496,7 +499,7 @@ def test_a_law_needs_an_answer_of_half_of_its_cells() -> None:
 def test_bare_fabric_has_an_answer_where_short_arms_have_none() -> None:
     def fails_when_short(design: Design, edge_mm: float) -> fake.Answer:
         short = 0.0 < float(design.stars.length_mm) < 3.0  # type: ignore[arg-type]
-        return fake.Answer({}, "no") if short else fake.respond(design, edge_mm)
+        return fake.Answer({}, "no") if short else fake.solve_cell(design, edge_mm)
 
     table = law(fails_when_short).at(1.35)
     assert table([0.0, 0.5, 5.0], 0.3, 1.2).inside.tolist() == [True, False, True]

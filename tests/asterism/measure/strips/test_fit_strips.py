@@ -10,13 +10,13 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from asterism.laws.material import with_material
+from asterism.laws.replace_material import with_material
 from asterism.measure.strips import arc
 from asterism.measure.strips.material_file import material_text
 from asterism.measure.strips.reading import Reading
 from asterism.measure.strips.strip_fit import fit_readings
 from asterism.measure.strips.synthetic import synthetic_readings
-from homogenize.campaign.plan import load_material
+from homogenize.law.material import load_material
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
 from tests.asterism.commands import command

@@ -12,9 +12,9 @@ from asterism.previews.corrugation.arms import Arms
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.session import Preview
 from fem.search.simple_shapes import SimpleShape
-from homogenize.cell.cell import Cell
-from homogenize.cell.natural import curl
-from homogenize.cell.rolling import heights
+from homogenize.cell.natural_curvature import trace_tubes
+from homogenize.cell.rolling import heights_over_mean_surface
+from homogenize.cell.unit_cell import UnitCell
 from pattern import gallery
 from pattern.design.design import Design
 from pattern.geometry.planar import distance_to_outline
@@ -65,13 +65,13 @@ def test_fabric_beside_arms_follows_them_as_in_a_flat_cell(length: float, off: f
 def test_arms_of_a_rolled_cell_bend_by_a_part_of_the_mean(angle: float) -> None:
     length = 7.0
     cell, flat = relaxed(length, 0.3, EDGE)
-    tube = curl(cell, flat, angle).natural
+    tube = trace_tubes(cell, flat, angle).natural
     assert tube is not None
     offset = _from_star(cell)
     directions = np.asarray(cell.design.lattice.arm_directions)
     tips = [np.linalg.norm(offset - length * d, axis=1).argmin() for d in directions]
     around = (directions @ [-np.sin(angle), np.cos(angle)]) ** 2
-    lift = heights(cell, tube)[tips]
+    lift = heights_over_mean_surface(cell, tube)[tips]
     bend = 0.5 * length**2 * tube.contracted * (around - around.mean())
     assert (lift @ bend) / (bend @ bend) == pytest.approx(RIGID, abs=0.15)
 
@@ -119,7 +119,7 @@ def test_held_borders_stay() -> None:
     assert max(out.max(), lifted.max()) < 0.02
 
 
-def _from_star(cell: Cell) -> np.ndarray:
+def _from_star(cell: UnitCell) -> np.ndarray:
     """(n, 2) mm, of the cell's vertices from the centre of the star that they are nearest to."""
     lattice = cell.design.lattice
     offset = cell.printed[: cell.torus.n_base] - cell.printed[cell.torus.star_vertices[0]]

@@ -12,14 +12,22 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from asterism.previews.fields.directional import strongest, tensors
-from asterism.previews.fields.sheet_fields import POISSON, sheet_fields
+from asterism.previews.fields.sheet_fields import BENDING_POISSON, sheet_fields
 from asterism.previews.fields.star_values import StarValues, star_values
 from asterism.previews.session import Preview
-from homogenize.campaign.plan import Material
-from homogenize.cell.relief import Waves
-from homogenize.law.anisotropy import BENDING, COUNT, ENTRIES, MOMENT, PLATE, least, natural
+from homogenize.cell.corrugation_waves import CorrugationWaves
+from homogenize.law.anisotropy import (
+    ANISOTROPY_SIZE,
+    BENDING_COLUMNS,
+    ISOTROPIC_PLATE,
+    MOMENT_COLUMNS,
+    VOIGT_ENTRIES,
+    min_bending_ratio,
+    natural_curvatures,
+)
 from homogenize.law.law import Law
-from homogenize.law.table import TIGHT
+from homogenize.law.law_table import MAX_SEPARATED_CURL
+from homogenize.law.material import Material
 from pattern import gallery
 from pattern.design.design import Design
 from pattern.geometry.arrays import Floats
@@ -33,9 +41,9 @@ STARS = len(PLAN.centres)
 
 def values(along_x: float, moment: float = 0.0, gap: float = 0.0) -> StarValues:
     """Stars whose bending along x is `along_x` times the mean's, and along y `2 - along_x`; lengths differ by `gap`."""
-    own = np.zeros((STARS + 1, COUNT))
-    own[:-1, BENDING[:2]] = along_x - 1.0, 1.0 - along_x
-    own[:-1, MOMENT[:2]] = moment, -moment
+    own = np.zeros((STARS + 1, ANISOTROPY_SIZE))
+    own[:-1, BENDING_COLUMNS[:2]] = along_x - 1.0, 1.0 - along_x
+    own[:-1, MOMENT_COLUMNS[:2]] = moment, -moment
     kappa = PLAIN.value["kappa"]
     flat = PLAIN.value["lam_n"].copy()
     flat[:-1] *= 1.0 + gap
@@ -84,13 +92,13 @@ def test_bare_fabric_is_the_same_in_all_directions_and_stars_share_it_evenly() -
     stiffness = np.asarray(sheet_fields(weights, stars, (2, 1)).densities(np.zeros((2, 1, 2))).stiffness)[:, 0, 3:, 3:]
     assert stiffness[0, 0, 0] == stiffness[0, 1, 1]
     assert stiffness[1, 0, 0] / stiffness[1, 1, 1] == pytest.approx(0.6 / 1.4)
-    assert stiffness[1, 0, 1] == pytest.approx(POISSON * 0.5 * (stiffness[1, 0, 0] + stiffness[1, 1, 1]))
+    assert stiffness[1, 0, 1] == pytest.approx(BENDING_POISSON * 0.5 * (stiffness[1, 0, 0] + stiffness[1, 1, 1]))
 
 
 def test_caps_of_soft_directions_stay_stable() -> None:
     """However much Gaussian curvature saves."""
     stars = values(0.2)
-    low = least(tensors(stars.value["kappa"], stars.anisotropy)[0])
+    low = min_bending_ratio(tensors(stars.value["kappa"], stars.anisotropy)[0])
     assert low[0] < 0.21 and low[-1] == pytest.approx(1.0)
     weights = sp.csr_matrix(np.eye(1, STARS))
     fields = sheet_fields(weights, stars, (1, 1), gaussian=np.full(STARS, 1e6))
@@ -111,17 +119,17 @@ def test_the_tube_that_gains_most_is_found_in_whatever_direction_it_lies(
     """Nothing between the steps gains more, however the print is turned."""
     c, s = np.cos(turn), np.sin(turn)
     voigt = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
-    own = np.zeros((2, COUNT))
+    own = np.zeros((2, ANISOTROPY_SIZE))
     kappa = np.full(2, 0.02)
-    q = PLATE + np.diag([softer, -softer, shear])
+    q = ISOTROPIC_PLATE + np.diag([softer, -softer, shear])
     for number, bending in enumerate((q, voigt.T @ q @ voigt)):
-        own[number, BENDING] = [(bending - PLATE)[entry] for entry in ENTRIES]
+        own[number, BENDING_COLUMNS] = [(bending - ISOTROPIC_PLATE)[entry] for entry in VOIGT_ENTRIES]
     tensor = moment * np.array([[1.0, 0.0], [0.0, -1.0]])
     turned = np.array([[c, s], [-s, c]])
     for number, both in enumerate((tensor, turned.T @ tensor @ turned)):
-        own[number, MOMENT] = both[0, 0], both[1, 1], both[0, 1]
+        own[number, MOMENT_COLUMNS] = both[0, 0], both[1, 1], both[0, 1]
     found = strongest(kappa, own)
-    everywhere, gain = natural(*tensors(kappa, own), np.linspace(0.0, np.pi, 7200))
+    everywhere, gain = natural_curvatures(*tensors(kappa, own), np.linspace(0.0, np.pi, 7200))
     for number in range(2):
         as_good = everywhere[number][gain[number] > 0.9999 * gain[number].max()]  # two may gain alike
         assert np.abs(as_good - found[number]).min() < 0.01 * abs(found[number])
@@ -131,11 +139,11 @@ def other_law(lattice: dict[str, Any], along_x: float | None = None) -> Law:
     """The plain law for other stars, without bumps, with bending along x `along_x` times the mean's."""
     law = plain_law()
     table = law.tables[0]
-    own = np.zeros((*table.nodes.shape[:3], 0 if along_x is None else COUNT))
+    own = np.zeros((*table.nodes.shape[:3], 0 if along_x is None else ANISOTROPY_SIZE))
     if along_x is not None:
-        own[1:, ..., BENDING[0]] = along_x - 1.0
+        own[1:, ..., BENDING_COLUMNS[0]] = along_x - 1.0
     material = Material.from_dict({**law.material.to_dict(), "lattice": lattice})
-    flat = np.zeros((*table.reliefs.shape[:4], len(Waves.of(material.lattice))))
+    flat = np.zeros((*table.reliefs.shape[:4], len(CorrugationWaves.of(material.lattice))))
     return replace(law, material=material, tables=(replace(table, anisotropies=own, reliefs=flat),))
 
 
@@ -154,7 +162,7 @@ def test_stars_are_tight_where_their_cells_are_though_previews_follow_part_of_th
     for thickness, tight in ((0.3, True), (0.4, False)):
         design = sheet(thickness, lattice)
         found = star_values(design, layout(design), other_law(lattice, along_x=0.4))
-        assert np.abs(found.curl).max() * design.lattice.spacing_mm < TIGHT
+        assert np.abs(found.curl).max() * design.lattice.spacing_mm < MAX_SEPARATED_CURL
         assert bool(found.tight) is tight
 
 

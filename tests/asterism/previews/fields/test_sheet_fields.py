@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from asterism.previews.fields.sheet_fields import POISSON, free_length_share, sheet_fields
+from asterism.previews.fields.sheet_fields import BENDING_POISSON, free_length_share, sheet_fields
 from asterism.previews.fields.star_values import star_sizes, star_values
 from asterism.previews.model import PREVIEW_MODEL
 from fem.elements.tabulation import Floats
 from homogenize.errors import LawError
-from homogenize.law.table import NAMES
+from homogenize.law.law_table import QUANTITY_NAMES
 from pattern import gallery
 from pattern.design.design import Design
 from pattern.layout.build import layout
@@ -92,7 +92,7 @@ def test_the_rim_is_bare_fabric() -> None:
     stiffness: Floats = np.asarray(fields.densities(points).stiffness)[0, 0]
     bare = {name: VALUES.value[name][-1] for name in ("a11", "a12", "bending")}
     assert stiffness[0, :2] == pytest.approx([bare["a11"], bare["a12"]])
-    assert stiffness[3, 3:5] == pytest.approx(bare["bending"] * 1.35**4 * np.array([1.0, POISSON]))
+    assert stiffness[3, 3:5] == pytest.approx(bare["bending"] * 1.35**4 * np.array([1.0, BENDING_POISSON]))
 
 
 def test_caps_of_stars_cost_less_and_bare_fabric_has_no_modulus_of_gaussian_curvature() -> None:
@@ -159,7 +159,7 @@ def test_what_no_sheet_can_do_is_refused_with_star_and_value(name: str, value: f
     law = plain_law()
     table = law.tables[0]
     nodes = table.nodes.copy()
-    nodes[9:, ..., NAMES.index(name)] = value
+    nodes[9:, ..., QUANTITY_NAMES.index(name)] = value
     broken = replace(law, tables=(replace(table, nodes=nodes),))
     with pytest.raises(LawError, match=rf"star 0 at \[0.0, 0.0\]: the law's {said}"):
         star_values(TUBE, layout(TUBE), broken)

@@ -1,0 +1,105 @@
+"""What a law is made for: a material with its plan, or the stars of one design; and how a design comes by its law."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from shlex import quote
+
+from asterism.laws.replace_material import with_material
+from asterism.previews.fields.star_values import star_sizes
+from homogenize.campaign.design_plan import plan_for_sizes
+from homogenize.errors import ForeignLaw, LawError
+from homogenize.law.law import Law
+from homogenize.law.law_file import load_law
+from homogenize.law.material import PAPER_MATERIAL, Material, load_material
+from pattern.design.design import Design
+from pattern.design.errors import DesignError
+from pattern.design.files import read_table
+from pattern.layout.build import layout
+from pattern.layout.load_design import load_design
+
+
+def law_output_path(file: Path | None, output: Path | None, other: Path | None = None) -> Path:
+    """Where the law goes: as asked, or beside the file it is made from; the paper's into the working directory.
+
+    A design's own name is that of its results, so that its law has another; `other` is the file of another material.
+    """
+    if output is not None or file is None:
+        return output or Path("paper.npz")
+    return design_law_path(file, other) if is_design(file) else file.with_suffix(".npz")
+
+
+def design_law_path(design: Path, other: Path | None = None) -> Path:
+    """Where the law of a design's own stars goes; that of another material leaves the design's own where it is."""
+    of = "" if other is None else f"-{other.stem}"
+    return design.with_name(f"{design.stem}-law{of}.npz")
+
+
+def is_design(file: Path | None) -> bool:
+    """Whether a file holds a sheet, of whose stars a law can be made, and not a material with its plan."""
+    return file is not None and bool({"stars", "border"} & read_table(file).keys())
+
+
+def material_from_file(file: Path | None, other: Path | None = None) -> Material:
+    """The material and plan in a file; of a design, its own material, and cells for its own stars.
+
+    Parameters
+    ----------
+    file : the paper's material if there is none.
+    other : a material's file, whose fabric and plastic take the place of the design's.
+
+    Raises
+    ------
+    DesignError
+        The file is wrong, or there is no law of its material.
+    """
+    if file is None or not is_design(file):
+        if other is not None:
+            raise DesignError("--material", "goes with a design, whose fabric and plastic it replaces", str(other))
+        return load_material(file or PAPER_MATERIAL)
+    design = with_material(load_design(file), other)
+    try:
+        return material_for_design(design)
+    except DesignError as error:
+        raise error.within(file) from None
+
+
+def material_for_design(design: Design, edge_mm: float | None = None) -> Material:
+    """The material of a design, with a plan of cells for its own stars (`homogenize.campaign.design_plan`)."""
+    return plan_for_sizes(design, star_sizes(layout(design), design.lattice.arms), edge_mm)
+
+
+def law_for_design(design: Design, law: Path | None, file: Path, other: Path | None = None) -> Law:
+    """The law in a file (the paper's material's if there is none), if it is for the design.
+
+    Parameters
+    ----------
+    file, other : that the design was read from, and the material's file that changed it.
+
+    Raises
+    ------
+    LawError
+        The file is not a law, or one for something else; says what would make one for this design.
+    """
+    found = load_law(law)
+    try:
+        found.check(design)
+    except LawError as error:
+        material = f" --material {quote(str(other))}" if other else ""
+        refused = f"{file}{material}: {error}"
+        if isinstance(error, ForeignLaw):
+            refused += f" ({law})" if law else ""
+            refused += "; without --law the package's own is taken" if law and _is_papers(design) else ""
+            refused += f"; asterism calibrate {quote(str(file))}{material} makes its law"
+            refused += f", for --law {quote(str(design_law_path(file, other)))}"
+        raise LawError(refused) from None
+    return found
+
+
+def _is_papers(design: Design) -> bool:
+    """Whether the law that comes with the package is for the design."""
+    try:
+        load_law().check(design)
+    except ForeignLaw:
+        return False
+    return True

@@ -1,0 +1,103 @@
+"""A law as lines of text: its range, some of its values, its errors."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from asterism.laws.directions_warning import directions_warning
+from asterism.laws.law_warnings import held_out_warning, mesh_warning, pleat_warning
+from homogenize.law.law import Law
+from homogenize.law.law_residuals import unstable_tubes
+from homogenize.law.law_table import QUANTITY_NAMES, LawTable
+
+
+def law_lines(law: Law) -> list[str]:
+    """Lines to print."""
+    lines = []
+    for table in law.tables:
+        lines += ["", *_values(table), *_errors(law, table)]
+    return [*_head(law), *lines, *_branches(law), *_doubts(law), *_problems(law)]
+
+
+def _head(law: Law) -> list[str]:
+    fabric, plastic, made = law.material.fabric, law.material.plastic, law.made
+    rows = {
+        "material": f"{law.material.name}: fabric {fabric.thickness_mm:g} mm, modulus ratio {plastic.modulus_ratio:g}, "
+        f"bending {fabric.bending}, rest curvature {plastic.rest_curvature}",
+        "stretches": ", ".join(f"{s:g}" for s in law.stretches),
+        "cells": f"{len(law.samples)}, mesh edges of {law.edge_mm:g} mm, {made.get('cell_seconds', 0):.0f} s in all",
+        "made by": f"{made.get('command', '-')} (asterism {made.get('versions', {}).get('asterism', '-')})",
+    }
+    return [f"  {name:<11} {value}" for name, value in rows.items()]
+
+
+def _values(table: LawTable) -> list[str]:
+    lengths, thicknesses, widths = table.axes
+    w = float(widths[len(widths) // 2])
+    lines = [
+        f"  stretch {table.stretch:g}, width {w:g} mm",
+        "    l mm   h mm  lambda lambda_n   kappa 1/mm  D N mm  A11 N/mm  A12 N/mm  c3 N mm2  offset mm",
+    ]
+    for length in lengths[1:][:: max(1, (len(lengths) - 1) // 4)]:
+        for h in thicknesses[:: max(1, (len(thicknesses) - 1) // 3)]:
+            found = table(length, h, w)
+            v = {name: float(found.value[name][0]) for name in QUANTITY_NAMES}
+            numbers = (
+                f"{v['lam']:.4f}   {v['lam_n']:.4f}     {v['kappa']:8.5f} {v['bending']:7.3f} {v['a11']:9.3f} "
+                f"{v['a12']:9.3f} {v['c3']:9.3f} {v['offset_mm']:10.3f}"
+            )
+            mark = "  tight" if found.tight[0] else ""
+            lines.append(f"  {length:6.2f} {h:6.3f}  " + (numbers + mark if found.inside[0] else "no answer"))
+    return lines
+
+
+def _errors(law: Law, table: LawTable) -> list[str]:
+    lines = []
+    for kind, entry in law.residuals.get(f"{table.stretch:g}", {}).items():
+        if "errors" not in entry:
+            continue
+        errors = entry["errors"]
+        title = f"  {kind.replace('_', ' ')}, {entry['count']} cells; error in % of the cell's value"
+        if entry.get("tight", {}).get("count"):
+            title += f"; {entry['tight']['count']} more are tight"
+        lines += ["", title + ("" if errors else ": none"), *([f"  {'':11} median    rms  largest"] if errors else [])]
+        for name in QUANTITY_NAMES if errors else ():
+            e = errors[name]
+            lines.append(
+                f"    {name:<10} {e['median_percent']:5.2f} {e['rms_percent']:6.2f} {e['largest_percent']:8.2f}"
+            )
+    return lines
+
+
+def _branches(law: Law) -> list[str]:
+    """Counts of what cells.csv says of every cell."""
+    found = [s["sample"] for s in law.samples if s["problem"] is None and s["length_mm"] > 0]
+    if not found:
+        return []
+    many = len(found)
+    flat, tubes = sum(one["supercell_eigenvalue"] > 0 for one in found), many - unstable_tubes(law.samples)["unstable"]
+    return [
+        "",
+        f"  natural tubes that are stable, with 2 x 2 stars free to differ: {tubes} of {many} cells",
+        f"  flat sheets that are: {flat}; stars that can stay down there: "
+        f"{sum(one['down_energy'] is not None for one in found)}",
+        f"  flat stiffness, distance from isotropic: at most {max(one['anisotropy'] for one in found):.1e}",
+    ]
+
+
+def _doubts(law: Law) -> list[str]:
+    told = directions_warning(law), held_out_warning(law), mesh_warning(law), pleat_warning(law)
+    lines = [line for line in told if line]
+    return ["", *(f"  {line}" for line in lines)] if lines else []
+
+
+def _problems(law: Law) -> list[str]:
+    """Reasons without their numbers, counted."""
+    reasons = Counter(_kind(s["problem"]) for s in law.samples if s["problem"] is not None)
+    lines = [f"    {count:4d}  {reason}" for reason, count in reasons.most_common()]
+    return ["", "  cells without an answer", *lines] if lines else []
+
+
+def _kind(problem: str) -> str:
+    words = [w for w in problem.split() if not any(c.isdigit() for c in w)]
+    return " ".join(words).rstrip(":,")

@@ -1,0 +1,36 @@
+"""`asterism law show`: what a law says, as a table, a picture and numbers."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from asterism.laws.calibrate import law_summary
+from asterism.laws.cells_csv import cells_csv
+from asterism.laws.law_picture import draw_law
+from asterism.laws.law_text import law_lines
+from asterism.results.files import check_writable, staged_result
+from homogenize.law.law_file import PAPER_LAW, load_law
+
+
+def show_law(path: Path | None, output: Path | None) -> list[str]:
+    """Write law.png, cells.csv and summary.json, and return the lines to print.
+
+    Raises
+    ------
+    LawError
+        The file is not a law of this version.
+    """
+    law = load_law(path or PAPER_LAW)
+    directory = output or (Path("paper-law") if path is None else _beside(path))
+    check_writable(directory)
+    with staged_result(directory) as folder:
+        draw_law(law, folder / "law.png")
+        (folder / "cells.csv").write_text(cells_csv(law), encoding="utf-8")
+        (folder / "summary.json").write_text(json.dumps(law_summary(law), indent=1) + "\n", encoding="utf-8")
+    return [*law_lines(law), f"{directory}: law.png, cells.csv, summary.json"]
+
+
+def _beside(path: Path) -> Path:
+    """A folder for a law's picture: never that of a design's results, which has the design's name."""
+    return path.with_name(path.stem if path.stem.endswith("law") else f"{path.stem}-law")

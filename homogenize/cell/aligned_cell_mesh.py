@@ -1,0 +1,195 @@
+"""The mesh of a unit cell: a grid that refines the lattice, closed to a torus, with arms on its lines.
+
+The cell is the parallelogram of the lattice vectors A1, A2, or n x m of them. Grid point (i, j) lies at
+`i A1/k + j A2/k`; indices are taken modulo the cell, and what was taken off says by which lattice vectors the point is
+an image. Stars sit at the corners of the single cells; their arms run along A1, A2 or A2 - A1, either way, and may
+leave the cell.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.sparse.linalg import spsolve
+
+from homogenize.cell.image_numbering import ImageNumbering, new_triangles
+from homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, PeriodicMesh
+from pattern.design.errors import MeshError
+from pattern.geometry.arrays import Floats, Ints
+from pattern.geometry.plane_lattice import GRID_DIRECTIONS
+
+
+def aligned_cell_mesh(
+    lattice_vectors: Floats,
+    directions: Ints,
+    lengths: Floats,
+    edge_mm: float,
+    repeat: tuple[int, int] = (1, 1),
+    segments: int | None = None,
+    surrounded: bool = False,
+) -> PeriodicMesh:
+    """Mesh of `repeat` cells with equal stars.
+
+    Parameters
+    ----------
+    lattice_vectors : (2, 2) mm, rows, as of `Lattice.vectors`.
+    directions : (N,) of the arms, indices into `GRID_DIRECTIONS`.
+    lengths : (N,) mm, up to the distance to the next star in that direction.
+    edge_mm : of the grid, about.
+    segments : edges of every arm but those whose tips meet; the nearest number to its length by default.
+    surrounded : with the triangles around, whose points are then unfolded too.
+
+    Raises
+    ------
+    MeshError
+        Arms from both ends of a link overlap.
+    """
+    k = edges_per_spacing(lattice_vectors, directions, lengths, edge_mm)
+    n, m = repeat[0] * k, repeat[1] * k
+    links = _links(directions, _reach(lattice_vectors, directions, lengths), k, segments)
+    numbering = _Numbering(n, m)
+    i, j = (index.ravel() for index in np.indices((n, m)))
+    step = lattice_vectors / k
+    moved = (np.column_stack([i, j]) @ step) + _displacement(n, m, k, lattice_vectors, links)
+
+    def at(di: int, dj: int) -> Ints:
+        return numbering(i + di, j + dj)
+
+    lower = np.column_stack([at(0, 0), at(1, 0), at(0, 1)])
+    upper = np.column_stack([at(1, 0), at(1, 1), at(0, 1)])
+    triangles = np.concatenate([lower, upper])
+    hinges = np.concatenate(
+        [
+            np.column_stack([at(0, 0), at(1, 0), at(0, 1), at(1, -1)]),
+            np.column_stack([at(0, 0), at(0, 1), at(-1, 1), at(1, 0)]),
+            np.column_stack([at(1, 0), at(0, 1), at(0, 0), at(1, 1)]),
+        ]
+    )
+    stars = [(a * k, b * k) for a in range(repeat[0]) for b in range(repeat[1])]
+    rods, owner = [], []
+    for number, (si, sj) in enumerate(stars):
+        for direction in directions:
+            along = np.arange(links.segments[direction] + 1)
+            di, dj = GRID_DIRECTIONS[direction]
+            rods.append(numbering(si + along * di, sj + along * dj))
+            owner.append(number)
+    centres = np.array([int(numbering(np.array([a]), np.array([b]))[0]) for a, b in stars])
+    around = np.empty((0, 3), dtype=np.int64)
+    if surrounded:
+        near = [[(-1, 1), (0, 0), (0, 1)], [(1, -1), (1, 0), (0, 0)], [(1, 0), (2, 0), (1, 1)]]
+        near.append([(0, 1), (1, 1), (0, 2)])
+        around = new_triangles(
+            np.concatenate([np.column_stack([at(*step) for step in three]) for three in near]), triangles
+        )
+    base, image = numbering.unfolded()
+    cell = lattice_vectors * np.array(repeat)[:, None]
+    return PeriodicMesh(
+        points=moved[base] + image @ cell,
+        base=base,
+        image=image,
+        triangles=triangles,
+        around=around,
+        hinges=hinges,
+        rods=tuple(rods),
+        arm_star=np.array(owner, dtype=np.int64),
+        star_vertices=centres,
+        cell_vectors=cell,
+        n_base=n * m,
+    )
+
+
+def edges_per_spacing(lattice_vectors: Floats, directions: Ints, lengths: Floats, edge_mm: float) -> int:
+    """Grid edges between neighbouring stars, an even number where tips meet in the middle; see `aligned_cell_mesh`."""
+    wish = float(np.linalg.norm(GRID_DIRECTIONS @ lattice_vectors, axis=1).min()) / edge_mm
+    if _meet(_reach(lattice_vectors, directions, lengths)).any():
+        return max(4, 2 * round(wish / 2))
+    return max(3, round(wish))
+
+
+def _reach(lattice_vectors: Floats, directions: Ints, lengths: Floats) -> Floats:
+    """(6,) of the way to the neighbour in each direction that an arm takes, 0 without one."""
+    reach = np.zeros(6)
+    reach[directions] = lengths / np.linalg.norm(GRID_DIRECTIONS @ lattice_vectors, axis=1)[directions]
+    return reach
+
+
+def _meet(reach: Floats) -> NDArray[np.bool_]:
+    """(6,) where the tip meets that of the neighbour's arm."""
+    back = np.roll(reach, 3)
+    return (reach > 0) & (back > 0) & (reach + back > 1.0 - TOUCHING_TOLERANCE)
+
+
+@dataclass(frozen=True)
+class _Links:
+    """Where the grid points of the links from a star to its six neighbours are.
+
+    `segments` (6,) of the arm in each direction, 0 without one; `fractions` (6, k + 1) of the way to the neighbour.
+    """
+
+    segments: Ints
+    fractions: Floats
+
+
+def _links(directions: Ints, reach: Floats, k: int, wanted: int | None) -> _Links:
+    segments = np.zeros(6, dtype=np.int64)
+    for direction in directions:
+        # tips that do not meet are different points, whether there are arms from both ends or from one
+        both, touches = reach[(direction + 3) % 6] > 0, reach[direction] > 1.0 - TOUCHING_TOLERANCE
+        longest = (k - 1) // 2 if both else k if touches else k - 1
+        segments[direction] = min(max(wanted or round(reach[direction] * k), 1), longest)
+    segments[_meet(reach)] = k // 2
+    fractions = np.empty((6, k + 1))
+    for direction in range(6):
+        back = (direction + 3) % 6
+        near, far = segments[direction], segments[back]
+        if near + far > k or reach[direction] + reach[back] > 1.0 + TOUCHING_TOLERANCE:
+            raise MeshError("arms of neighbouring stars overlap")
+        known = [0, near, k - far, k]
+        place = [0.0, reach[direction], 1.0 - reach[back], 1.0]
+        where = np.unique(known, return_index=True)[1]
+        fractions[direction] = np.interp(np.arange(k + 1), np.array(known)[where], np.array(place)[where])
+    return _Links(segments, fractions)
+
+
+def _displacement(n: int, m: int, k: int, lattice_vectors: Floats, links: _Links) -> Floats:
+    """(n m, 2) mm: points on links go where the arms want them, all others follow harmonically."""
+    size = n * m
+    i, j = (index.ravel() for index in np.indices((n, m)))
+    number = np.arange(size).reshape(n, m)
+    shift, known = np.zeros((size, 2)), np.zeros(size, dtype=bool)
+    for direction in range(3):
+        di, dj = GRID_DIRECTIONS[direction]
+        for a in range(0, n, k):
+            for b in range(0, m, k):
+                along = np.arange(k + 1)
+                points = number[(a + along * di) % n, (b + along * dj) % m]
+                off = links.fractions[direction] - along / k
+                shift[points] = off[:, None] * (GRID_DIRECTIONS[direction] @ lattice_vectors)
+                known[points] = True
+    if not known.all():
+        rows = np.repeat(np.arange(size), 6)
+        columns = np.column_stack([number[(i + di) % n, (j + dj) % m] for di, dj in GRID_DIRECTIONS]).ravel()
+        graph = sp.csr_matrix((np.ones(6 * size), (rows, columns)), shape=(size, size))
+        laplacian = (sp.diags(np.asarray(graph.sum(axis=1)).ravel()) - graph).tocsc()
+        free = ~known
+        rhs = -laplacian[free][:, known] @ shift[known]
+        shift[free] = np.reshape(spsolve(laplacian[free][:, free].tocsc(), rhs), (-1, 2))
+    return shift
+
+
+class _Numbering:
+    """Numbers of unfolded grid points."""
+
+    def __init__(self, n: int, m: int) -> None:
+        self._n, self._m = n, m
+        self._number = ImageNumbering(n * m)
+
+    def __call__(self, i: Ints, j: Ints) -> Ints:
+        i, j = np.asarray(i), np.asarray(j)
+        return self._number((i % self._n) * self._m + j % self._m, i // self._n, j // self._m)
+
+    def unfolded(self) -> tuple[Ints, Ints]:
+        return self._number.unfolded()

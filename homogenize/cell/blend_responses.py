@@ -1,0 +1,41 @@
+"""One set of responses from the two meshes that an arm's length lies between."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from discrete.energies.elements import Array
+
+EIGENVALUE_KEYS = ("eigenvalue", "supercell_eigenvalue", "natural_eigenvalue", "natural_supercell_eigenvalue")
+
+
+def blend_responses(each: list[dict[str, Any]], weights: Array) -> dict[str, Any]:
+    """The weighted mean of responses; of curves those of the heavier mesh, of eigenvalues the lowest.
+
+    What one mesh has no answer to, has none.
+    """
+    first = each[int(np.argmax(weights))]
+    failed = next((found["failed"] for found in each if "failed" in found), None)
+    iterations = sum(found["iterations"] for found in each)
+    if failed is not None:
+        return {"failed": failed, "iterations": iterations}
+    out: dict[str, Any] = {}
+    for name, value in first.items():
+        values = [found[name] for found in each if found.get(name) is not None]
+        if name.startswith("curve_"):
+            out[name] = value
+        elif len(values) < len(each):
+            out[name] = None
+        elif name in EIGENVALUE_KEYS:
+            out[name] = _same_kind(value, np.min(values, axis=0))
+        elif name.endswith("_error"):
+            out[name] = float(np.max(values))
+        else:
+            out[name] = _same_kind(value, np.tensordot(weights, np.array(values), axes=1))
+    return out | {"iterations": iterations}
+
+
+def _same_kind(like: Any, value: Any) -> Any:
+    return np.asarray(value) if isinstance(like, np.ndarray) else float(value)

@@ -1,0 +1,145 @@
+"""Stiffness of the flat relaxed cell for strains and curvatures: the linear objective cell.
+
+The image of a lattice vector A is an infinitesimal rigid motion: with the strain E and the curvature K,
+
+    u(X + A) = u(X) + dF A + omega x x(X) - e3 (A . K A)/2,   omega = e3 x (F^-T K A),   dF = F^-T E,
+
+about the relaxed cell `a_m = F A_m`. `F^T F^-T K = K` is symmetric, so the images of all lattice vectors commute to
+first order. E and K are in the end those of the mean surface. The energy's second derivative by (E, K), everything
+else in equilibrium (static condensation), is
+
+    [A B; B^T D] = (H_ee - H_eq H_qq^-1 H_qe)/|cell|.
+
+The relaxed cell has inner forces, so the second order of the images counts too: rotations `omega x (omega x x)/2`, and
+for the shift that of a geodesic, `omega x (omega x F A)/6`. With them a cylinder's second derivative is exactly that of
+the tube's energy. The constant of Gaussian curvature, which no cylinder shows, takes the same terms.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.linalg import splu
+
+from discrete.energies.elements import Array
+from discrete.model.state import State
+from homogenize.cell.flat_cell import FlatCell
+from homogenize.cell.unit_cell import UnitCell
+
+# Voigt: 11, 22 and 2 x 12 as symmetric matrices
+VOIGT_BASIS = np.array([[[1.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 1.0]], [[0.0, 0.5], [0.5, 0.0]]])
+
+
+@dataclass(frozen=True)
+class EffectiveStiffness:
+    """Linear response of the flat relaxed cell, per printed area, in print coordinates.
+
+    `W = M . K + 1/2 E . A E + E . B K + 1/2 K . D K` with Voigt vectors (11, 22, 2 x 12) of the strain
+    `E = (a - a_r)/2` and of the second fundamental form K, positive where the plastic is outside.
+
+    Attributes
+    ----------
+    stiffness : (6, 6) `[A B; B^T D]`; A in N/mm, B in N, D in N mm.
+    moment : (3,) N, M.
+    """
+
+    stiffness: Array
+    moment: Array
+
+    @property
+    def rest_curvature(self) -> Array:
+        """(3,) 1/mm, K at which the linear response has neither force nor moment; a minimum only if D is positive."""
+        return np.asarray(np.linalg.solve(self.stiffness, np.concatenate([np.zeros(3), -self.moment]))[3:])
+
+
+def effective_stiffness(cell: UnitCell, flat: FlatCell) -> EffectiveStiffness:
+    """The full stiffness of the relaxed cell, and its moment."""
+    cell.flat()
+    state, torus = flat.state, cell.torus
+    n_points, n_base = len(torus.base), torus.n_base
+    place = state.positions[torus.base]
+    span = torus.image @ torus.cell_vectors  # (U, 2) A of every point
+    inverse = np.linalg.inv(flat.deformation)
+    rotations = np.zeros((6, n_points, 3))  # omega of every point, by the six
+    moves = np.zeros((6, n_points, 3))
+    for i, form in enumerate(VOIGT_BASIS):
+        moves[i, :, :2] = span @ (inverse.T @ form).T
+        rotations[3 + i] = _about(span @ (inverse.T @ form).T)
+        moves[3 + i] = np.cross(rotations[3 + i], place)
+        moves[3 + i, :, 2] -= 0.5 * np.einsum("ui,ij,uj->u", span, form, span)
+
+    hessian, force = cell.unfolded_hessian(state), cell.unfolded_gradient(state)
+    load = force[: 3 * n_points].reshape(-1, 3)
+    imposed = np.zeros((hessian.shape[0], 6))
+    imposed[: 3 * n_points] = moves.reshape(6, -1).T
+    pulled = hessian @ imposed
+    inner = reduction_matrix(torus.base, np.ones(n_points), None, n_base, len(cell.edges))
+    held = 3 * int(torus.star_vertices[0]) + np.arange(3)
+    free = np.setdiff1d(np.arange(inner.shape[1]), held)
+    coupling = inner.T @ pulled
+    for i in range(3, 6):  # the images turn what moves
+        torque = np.cross(load, rotations[i])
+        for axis in range(3):
+            coupling[axis : 3 * n_base : 3, i] += np.bincount(torus.base, torque[:, axis], n_base)
+    coupling = coupling[free]
+    stiff = (inner.T @ hessian @ inner).tocsc()[free][:, free]
+    whole = imposed.T @ pulled - coupling.T @ splu(stiff.tocsc()).solve(coupling)
+    whole += _second_order(load, rotations, place, span @ flat.deformation.T, span, inverse)
+    whole = 0.5 * (whole + whole.T) / cell.area
+    moment = np.einsum("ux,iux->i", load, moves[3:]) / cell.area
+    return EffectiveStiffness(_of_lower_surface(whole, moment, -mean_height(cell, state), inverse @ inverse), moment)
+
+
+def _of_lower_surface(stiffness: Array, moment: Array, depth: float, inverse_metric: Array) -> Array:
+    """(6, 6) of a surface lower by `depth` (mm) than that whose strain and curvature were imposed.
+
+    The upper one has the strain `E + z K` and the curvature `K + z K a^-1 K`.
+    """
+    shift = np.eye(6)
+    shift[:3, 3:] = depth * np.eye(3)
+    out = shift.T @ stiffness @ shift
+    for i, one in enumerate(VOIGT_BASIS):
+        for j, other in enumerate(VOIGT_BASIS):
+            square = one @ inverse_metric @ other
+            second = square + square.T
+            out[3 + i, 3 + j] += depth * (moment @ [second[0, 0], second[1, 1], 2.0 * second[0, 1]])
+    return out
+
+
+def mean_height(cell: UnitCell, state: State) -> float:
+    """mm, of a flat cell's points over the held star, weighted by printed area."""
+    z = state.positions[: cell.torus.n_base, 2]
+    return float(cell.weights @ z - z[cell.torus.star_vertices[0]])
+
+
+def reduction_matrix(base: Array, signs: Array, turn: Array | None, n_base: int, n_twists: int) -> sp.csr_matrix:
+    """(3 U + R, 3 V + R) unfolded dofs by those of the cell: turned (U, 3, 3) and times signs (U,)."""
+    count = len(base)
+    blocks = signs[:, None, None] * (np.broadcast_to(np.eye(3), (count, 3, 3)) if turn is None else turn)
+    points = sp.bsr_matrix((blocks, base, np.arange(count + 1)), shape=(3 * count, 3 * n_base))
+    return sp.block_diag([points, sp.identity(n_twists)], format="csr")
+
+
+def _about(tilt: Array) -> Array:
+    """(U, 3) e3 x tilt (U, 2)."""
+    return np.column_stack([-tilt[:, 1], tilt[:, 0], np.zeros(len(tilt))])
+
+
+def _second_order(load: Array, rotations: Array, place: Array, reach: Array, span: Array, inverse: Array) -> Array:
+    """(6, 6) forces (U, 3) on the second derivatives of the images."""
+    out = np.zeros((6, 6))
+    arm = place + np.pad(reach, ((0, 0), (0, 1))) / 3.0
+    twice = [np.cross(one, arm) for one in rotations]
+    for i in range(3, 6):
+        for j in range(3, 6):
+            both = 0.5 * (np.cross(rotations[i], twice[j]) + np.cross(rotations[j], twice[i]))
+            out[i, j] = (load * both).sum()
+    for i, strain in enumerate(VOIGT_BASIS):
+        # at a given K the slope of the images changes with F
+        for j, form in enumerate(VOIGT_BASIS):
+            change = -inverse.T @ strain @ inverse @ inverse.T @ form
+            out[i, 3 + j] = (load * np.cross(_about(span @ change.T), place)).sum()
+            out[3 + j, i] = out[i, 3 + j]
+    return out

@@ -1,0 +1,146 @@
+"""The flat cell at rest: the fabric is released step by step, the star follows the branch it was started on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from discrete.energies.elements import Array
+from discrete.model.star_bumps import bump_heights
+from discrete.model.state import State, across, carried, tangents
+from equilibrium.newton.minimise import NewtonResult, minimise
+from homogenize.cell.unit_cell import UnitCell
+from pattern.design.lattice import DEFAULT_SPACING_MM
+
+RELEASE_STEPS = (0.03, 0.1, 0.2, 0.3, 0.4, 0.5, 0.62, 0.75, 0.88, 1.0)
+BUMP_HEIGHT_RATIO = 1.0 / DEFAULT_SPACING_MM  # of the start, over the spacing of the stars
+BUMP_WIDTH_RATIO = 0.35  # of the bump, over that too
+INTERMEDIATE_GRADIENT_RATIO, FINAL_GRADIENT_RATIO = (
+    1e-5,
+    1e-8,
+)  # of the force scale, gradient at the steps before the last, and at the last
+
+
+@dataclass(frozen=True)
+class FlatCell:
+    """A flat cell in equilibrium, turned so that its deformation has no rotation.
+
+    Attributes
+    ----------
+    state : the star's centre at the origin, the cell vectors' images in the plane z = 0, plastic towards +z.
+    energy : N mm per mm^2 of print.
+    deformation : (2, 2) symmetric F in print coordinates, `a_m = F A_m`.
+    bump : (S,) mm, positive for a star that bumps to the plastic side.
+    gradient_norm : N; `definite`: the Hessian on the cell is positive definite, turns left out.
+    """
+
+    state: State
+    energy: float
+    deformation: Array
+    bump: Array
+    gradient_norm: float
+    definite: bool
+    iterations: int
+
+    @property
+    def stretch(self) -> float:
+        """lambda = sqrt(det F)."""
+        return float(np.sqrt(np.linalg.det(self.deformation)))
+
+
+def gradient_tolerance(cell: UnitCell, part: float = FINAL_GRADIENT_RATIO) -> float:
+    """N, gradient of a converged cell, of modulus times thickness times spacing: rounding is a hundredth of it."""
+    fabric = cell.design.fabric
+    return part * fabric.modulus_mpa * fabric.thickness_mm * cell.spacing
+
+
+def relax_flat_cell(cell: UnitCell) -> tuple[FlatCell, FlatCell | None]:
+    """The flat cell with its star up, and with its star down if it can stay there.
+
+    Stars that are only slightly buckled have one equilibrium, on whichever side, and no other: their branch is found at
+    finite curvature.
+
+    Raises
+    ------
+    ArithmeticError
+        A step did not converge.
+    """
+    flat = _released(cell)
+    other = _other_side(cell, flat) if flat.bump.any() else None
+    if other is not None and flat.bump[0] < 0.0:
+        flat, other = other, flat
+    return flat, other
+
+
+def _released(cell: UnitCell) -> FlatCell:
+    cell.flat()
+    state = with_bumps(cell, cell.printed_state(), BUMP_HEIGHT_RATIO * cell.spacing)
+    iterations = 0
+    for release in RELEASE_STEPS:
+        cell.set_release(release)
+        last = release == RELEASE_STEPS[-1]
+        found = minimise(
+            cell,
+            state,
+            cell.factor(),
+            gradient_tolerance(cell, FINAL_GRADIENT_RATIO if last else INTERMEDIATE_GRADIENT_RATIO),
+            check_definite=last,
+        )
+        iterations += found.iterations
+        if not found.converged:
+            raise ArithmeticError(f"flat cell: no equilibrium at {100 * release:g} % release")
+        state = found.state
+    return flat_cell_from_minimum(cell, found, iterations)
+
+
+def _other_side(cell: UnitCell, flat: FlatCell) -> FlatCell | None:
+    """The flat cell whose stars bump to the other side, from the mirrored state; None if they do not stay there."""
+    cell.flat()
+    mirror = np.array([1.0, 1.0, -1.0])
+    start = with_orthogonal_directors(cell, State(flat.state.positions * mirror, -flat.state.directors * mirror))
+    found = minimise(cell, start, cell.factor(), gradient_tolerance(cell))
+    if not found.converged:
+        return None
+    other = flat_cell_from_minimum(cell, found, found.iterations)
+    return other if (np.sign(other.bump) == -np.sign(flat.bump)).all() else None
+
+
+def flat_cell_from_minimum(cell: UnitCell, found: NewtonResult, iterations: int) -> FlatCell:
+    """A minimum of the flat cell in the pose and with the numbers that are kept of it."""
+    state, deformation = without_rotation(cell, found.state)
+    bump = bump_heights(cell.model, cell.unfolded(state))
+    energy = found.energy / cell.area
+    return FlatCell(state, energy, deformation, bump, found.gradient_norm, found.definite, iterations)
+
+
+def with_bumps(cell: UnitCell, state: State, height: float) -> State:
+    """The flat print with a smooth bump of this height (mm) at every star."""
+    base, stars = cell.printed[: cell.torus.n_base], cell.printed[cell.torus.star_vertices]
+    steps = np.array([[i, j] for i in (-1, 0, 1) for j in (-1, 0, 1)]) @ cell.cell_vectors
+    centres = (stars[:, None] + steps).reshape(-1, 2)
+    distance = np.linalg.norm(base[:, None] - centres, axis=2).min(axis=1)
+    positions = state.positions.copy()
+    positions[: len(base), 2] += height * (np.exp(-((distance / (BUMP_WIDTH_RATIO * cell.spacing)) ** 2)) - 1.0)
+    whole = carried(cell.unfolded(state), cell.edges, cell.images.unfold(positions), np.zeros(len(cell.edges)))
+    return State(positions, whole.directors)
+
+
+def without_rotation(cell: UnitCell, state: State) -> tuple[State, Array]:
+    """The state turned so that `a_m = F A_m` with a symmetric F (2, 2), and that F."""
+    n = cell.torus.n_base
+    images = state.positions[n:]
+    slope = np.linalg.solve(cell.cell_vectors, images).T  # (3, 2)
+    left, sizes, right = np.linalg.svd(slope, full_matrices=False)
+    rotation = np.empty((3, 3))
+    rotation[:, :2] = left @ right
+    rotation[:, 2] = np.cross(rotation[:, 0], rotation[:, 1])
+    base = (state.positions[:n] - state.positions[cell.torus.star_vertices[0]]) @ rotation
+    turned = State(np.vstack([base, images @ rotation]), state.directors @ rotation)
+    return with_orthogonal_directors(cell, turned), right.T @ np.diag(sizes) @ right
+
+
+def with_orthogonal_directors(cell: UnitCell, state: State) -> State:
+    """Directors made orthogonal to their edges again, after rounding or a change of the images."""
+    along = tangents(cell.images.unfold(state.positions), cell.edges)
+    return State(state.positions, across(state.directors, along))

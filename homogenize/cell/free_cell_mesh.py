@@ -1,0 +1,177 @@
+"""The mesh of a unit cell whose arms lie anywhere: points on the arms, others around them, closed to a torus."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from homogenize.cell.conforming_triangulation import MeshConstraints, conforming_triangulation
+from homogenize.cell.image_numbering import ImageNumbering, new_triangles
+from homogenize.cell.periodic_delaunay import PeriodicTriangles
+from homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, PeriodicMesh
+from pattern.design.errors import MeshError
+from pattern.geometry.arrays import Floats, Ints
+from pattern.geometry.planar import distance_to_segment
+
+# triangles flatter than this are refused
+MIN_CELL_ANGLE_DEG = 20.0
+# edges along an arm over its distance from another star's, and how they grow away from there
+MAX_EDGE_TO_GAP_RATIO, ARM_EDGE_GROWTH = 1.5, 0.6
+# of an edge, by which those of an arm may be longer altogether
+EDGE_COUNT_SLACK = 0.25
+# stars this many lattice vectors away have arms that may come close, none longer than the spacing
+NEIGHBOUR_STEPS = np.array([[i, j] for i in range(-3, 4) for j in range(-3, 4) if (i, j) != (0, 0)])
+_FINE = 256
+
+
+def free_cell_mesh(
+    lattice_vectors: Floats,
+    directions: Floats,
+    length: float,
+    edge_mm: float,
+    repeat: tuple[int, int] = (1, 1),
+    segments: int | None = None,
+    surrounded: bool = False,
+) -> PeriodicMesh:
+    """Mesh of `repeat` cells with equal stars: the mesh of one cell again and again.
+
+    Parameters
+    ----------
+    lattice_vectors : (2, 2) mm, rows, as of `Lattice.vectors`.
+    directions : (N, 2) unit vectors of the arms.
+    length : mm, of every arm, at most the spacing. Tips may meet; elsewhere arms of different stars keep apart.
+    edge_mm : of the mesh, about; shorter where arms of different stars come close.
+    segments : edges of an arm that is not close to others; the nearest number to its length by default.
+    surrounded : with the triangles around, whose points are then unfolded too.
+
+    Raises
+    ------
+    MeshError
+        There is no mesh with angles of `MIN_CELL_ANGLE_DEG` or more: arms nearly touch, or meet at a small angle.
+    """
+    vectors = np.asarray(lattice_vectors, dtype=float)
+    edge_mm = min(edge_mm, float(np.linalg.norm(vectors, axis=1).min()) / 3.0)
+    frame, arms = _frame(vectors, directions, length, edge_mm, segments)
+    found = conforming_triangulation(frame, edge_mm)
+    least = float(found.angles.min())
+    if least < MIN_CELL_ANGLE_DEG:
+        raise MeshError(f"the mesh of the cell would have angles of {least:.1f} degrees: use a shorter edge")
+    return _Tiles(found, repeat).torus(arms, surrounded)
+
+
+@dataclass(frozen=True)
+class _Arm:
+    """Points (n,) along an arm and their images (n, 2), from the star's centre, which is point 0."""
+
+    point: Ints
+    image: Ints
+
+
+def _frame(
+    vectors: Floats, directions: Floats, length: float, edge_mm: float, segments: int | None
+) -> tuple[MeshConstraints, list[_Arm]]:
+    """The points on the arms, and the arms' paths over them."""
+    inverse, same = np.linalg.inv(vectors), TOUCHING_TOLERANCE * float(np.linalg.norm(vectors, axis=1).min())
+    points, sizes, arms = [np.zeros(2)], [edge_mm], []
+    for direction in directions:
+        along = _stations(vectors, directions, direction, length, edge_mm, segments)
+        step = np.diff(along)
+        sizes[0] = min(sizes[0], step[0])
+        arm = _Arm(np.zeros(len(along), dtype=np.int64), np.zeros((len(along), 2), dtype=np.int64))
+        for k, place in enumerate(along[1:, None] * direction, start=1):
+            off = place - np.array(points)
+            image = np.round(off @ inverse).astype(np.int64)
+            met = np.flatnonzero(np.linalg.norm(off - image @ vectors, axis=1) < same)
+            if len(met):  # another star's tip
+                arm.point[k], arm.image[k] = met[0], image[met[0]]
+                continue
+            arm.point[k], arm.image[k] = len(points), np.floor(place @ inverse + 1e-9)
+            points.append(place - arm.image[k] @ vectors)
+            sizes.append(step[k - 1 : k + 1].min())
+        arms.append(arm)
+    none = np.empty(0, dtype=np.int64)
+    a = np.concatenate([none, *(arm.point[:-1] for arm in arms)])
+    b = np.concatenate([none, *(arm.point[1:] for arm in arms)])
+    steps = np.concatenate([none.reshape(0, 2), *(np.diff(arm.image, axis=0) for arm in arms)])
+    return MeshConstraints(vectors, np.array(points), np.array(sizes), a, b, steps), arms
+
+
+def _stations(
+    vectors: Floats, directions: Floats, direction: Floats, length: float, edge_mm: float, segments: int | None
+) -> Floats:
+    """(n + 1,) mm along an arm: even, and closer where arms of other stars are near."""
+    even = length / max(1, segments or round(length / edge_mm))
+    along = np.linspace(0.0, length, _FINE + 1)
+    stars = np.repeat(NEIGHBOUR_STEPS @ vectors, len(directions), axis=0)
+    tips = stars + length * np.tile(directions, (len(NEIGHBOUR_STEPS), 1))
+    apart = np.linalg.norm(tips - length * direction, axis=1) > TOUCHING_TOLERANCE * np.linalg.norm(vectors)
+    gap = distance_to_segment((along[:, None] * direction)[:, None], stars[apart], tips[apart]).min(axis=1)
+    wish = np.minimum(even, MAX_EDGE_TO_GAP_RATIO * gap)
+    wish = (wish + ARM_EDGE_GROWTH * np.abs(along[:, None] - along)).min(axis=1)
+    if wish.min() < 1e-3 * edge_mm:
+        raise MeshError("arms of neighbouring stars overlap")
+    count = np.concatenate([[0.0], np.cumsum(0.5 * (1.0 / wish[1:] + 1.0 / wish[:-1]) * np.diff(along))])
+    return np.interp(np.linspace(0.0, count[-1], max(1, math.ceil(count[-1] - EDGE_COUNT_SLACK)) + 1), count, along)
+
+
+class _Tiles:
+    """The triangles of one cell in each of n x m cells that close to a larger torus."""
+
+    def __init__(self, triangles: PeriodicTriangles, repeat: tuple[int, int]) -> None:
+        self._triangles = triangles
+        self._cells = np.array([[i, j] for i in range(repeat[0]) for j in range(repeat[1])])
+        self._repeat = np.array(repeat)
+        self._number = ImageNumbering(len(self._cells) * len(triangles.points))
+
+    def _all(self, point: Ints, image: Ints) -> Ints:
+        """(n m E, k) unfolded points for points (E, k) and their images (E, k, 2), in every cell."""
+        where = self._cells[:, None, None] + image
+        away, home = where // self._repeat, where % self._repeat
+        base = (home[..., 0] * self._repeat[1] + home[..., 1]) * len(self._triangles.points) + point
+        return self._number(base.ravel(), *away.reshape(-1, 2).T).reshape(-1, point.shape[1])
+
+    def torus(self, arms: list[_Arm], surrounded: bool) -> PeriodicMesh:
+        """The whole mesh, with these arms on every star."""
+        mesh = self._triangles
+        triangles = self._all(mesh.corner, mesh.image)
+        point, image = _pairs(mesh)
+        # a hinge from either side is the same: that whose edge has the lower name
+        there, back = mesh.edges()
+        once = there < back
+        from_base = image - image[:, :1]
+        hinges = self._all(point[once], from_base[once])
+        rods = [self._all(arm.point[None], arm.image[None]) for arm in arms]
+        around = np.empty((0, 3), dtype=np.int64)
+        if surrounded:
+            around = new_triangles(self._all(point[:, [1, 0, 3]], image[:, [1, 0, 3]]), triangles)
+        stars = self._all(np.zeros((1, 1), dtype=np.int64), np.zeros((1, 1, 2), dtype=np.int64))[:, 0]
+        base, away = self._number.unfolded()
+        cell = mesh.vectors * self._repeat[:, None]
+        tiled = (mesh.points + (self._cells @ mesh.vectors)[:, None]).reshape(-1, 2)
+        return PeriodicMesh(
+            points=tiled[base] + away @ cell,
+            base=base,
+            image=away,
+            triangles=triangles,
+            around=around,
+            hinges=hinges,
+            rods=tuple(rod for star in zip(*rods, strict=True) for rod in star),
+            arm_star=np.repeat(np.arange(len(stars)), len(arms)),
+            star_vertices=stars,
+            cell_vectors=cell,
+            n_base=len(tiled),
+        )
+
+
+def _pairs(mesh: PeriodicTriangles) -> tuple[Ints, Ints]:
+    """Points (3 T, 4) and images (3 T, 4, 2) of each edge of each triangle: its ends, and the apices left and right."""
+    there, back = mesh.edges()
+    order = np.argsort(there)
+    twin = order[np.searchsorted(there[order], back)]
+    turns = np.array([[0, 1, 2], [1, 2, 0], [2, 0, 1]])
+    corner, image = mesh.corner[:, turns].reshape(-1, 3), mesh.image[:, turns].reshape(-1, 3, 2)
+    # the twin's edge runs back: its second point is this one's first
+    right = image[:, 0] + image[twin, 2] - image[twin, 1]
+    return np.column_stack([corner, corner[twin, 2]]), np.concatenate([image, right[:, None]], axis=1)

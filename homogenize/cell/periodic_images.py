@@ -1,0 +1,127 @@
+"""Elements of an unfolded mesh as functions of the dofs of one cell.
+
+An unfolded point is `R_u x_b + B (m1 p1 + m2 p2)`: its base point, turned, plus macroscopic variables p1, p2 that the
+lattice's vectors stand for. For a flat sheet R is the identity and B too: p1, p2 are the images of the cell vectors.
+For a tube of given angles (objective images) R_u turns about the axis and B keeps the axial component: p1, p2 are
+axial shifts. Either way the map is linear, so an element's gradient is `T^T g` and its Hessian `T^T H T`.
+"""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from discrete.energies.elements import Array, Elements
+
+
+@dataclass(frozen=True)
+class PeriodicImages:
+    """How unfolded points hang on base points and on two macroscopic vectors, rows V and V + 1 of the positions.
+
+    Attributes
+    ----------
+    base : (U,), turn : (U, 3, 3), count : (U, 2) and axes : (3, 3), the B above.
+    n_base : V.
+    """
+
+    base: Array
+    turn: Array
+    count: Array
+    axes: Array
+    n_base: int
+    _last: list[tuple[Array, Array]] = field(default_factory=list, repr=False, compare=False)
+
+    def unfold(self, positions: Array) -> Array:
+        """(U, 3) unfolded points of positions (V + 2, 3)."""
+        own = np.einsum("uij,uj->ui", self.turn, positions[self.base])
+        return own + self.count @ (positions[self.n_base :] @ self.axes.T)
+
+    def unfold_packed(self, packed: Array) -> Array:
+        """Packed configuration of the unfolded mesh; several kinds of elements ask for the same one in turn."""
+        for known, whole in self._last:
+            if known is packed:
+                return whole
+        split = 3 * (self.n_base + 2)
+        whole = np.concatenate([self.unfold(packed[:split].reshape(-1, 3)).ravel(), packed[split:]])
+        self._last[:] = [(packed, whole)]
+        return whole
+
+
+class PeriodicElements:
+    """The elements of an unfolded mesh with the dofs of the cell: positions (V + 2 rows), then twists.
+
+    Parameters
+    ----------
+    part : elements over unfolded points (U) and rod edges.
+    images : of the unfolded points.
+    """
+
+    def __init__(self, part: Elements, images: PeriodicImages) -> None:
+        self.part, self.images = part, images
+        n_unfolded, rows = len(images.base), images.n_base + 2
+        positions = part.dofs < 3 * n_unfolded
+        nodes = part.dofs[:, positions[0]][:, ::3] // 3
+        twists = part.dofs[:, ~positions[0]] - 3 * n_unfolded
+        xyz = np.arange(3)
+        own = (3 * images.base[nodes][:, :, None] + xyz).reshape(len(nodes), -1)
+        macro = np.broadcast_to(3 * images.n_base + np.arange(6), (len(nodes), 6))
+        self.dofs = np.hstack([own, 3 * rows + twists, macro]).astype(np.int32)
+        self._transform = self._chain(nodes, twists.shape[1])
+        # on the coarsest meshes an element may hold two images of one point: what lies off the diagonal of its own
+        # Hessian, in a triangle that is summed once, is twice on that of the cell's
+        i, j = _lower(self.dofs.shape[1])
+        twice = (self.dofs[:, i] == self.dofs[:, j]) & (i != j)
+        self._twice = twice if twice.any() else None
+
+    def _chain(self, nodes: Array, n_twists: int) -> Array:
+        """(E, n, N) derivative of an element's own dofs by the cell's."""
+        count, size = nodes.shape
+        t = np.zeros((count, 3 * size + n_twists, 3 * size + n_twists + 6))
+        for a in range(size):
+            block = slice(3 * a, 3 * a + 3)
+            t[:, block, block] = self.images.turn[nodes[:, a]]
+            for p in range(2):
+                last = 3 * size + n_twists + 3 * p
+                shift = self.images.count[nodes[:, a], p]
+                t[:, block, last : last + 3] = shift[:, None, None] * self.images.axes
+        for a in range(n_twists):
+            t[:, 3 * size + a, 3 * size + a] = 1.0
+        return t
+
+    def __len__(self) -> int:
+        return len(self.part)
+
+    def _unfolded(self, packed: Array) -> Array:
+        return self.images.unfold_packed(packed)
+
+    def energies(self, packed: Array) -> Array:
+        """(E,) N mm."""
+        return self.part.energies(self._unfolded(packed))
+
+    def gradients(self, packed: Array) -> Array:
+        """(E, N)."""
+        return np.einsum("ei,eij->ej", self.part.gradients(self._unfolded(packed)), self._transform)
+
+    def hessians(self, packed: Array, blend: float = 0.0, rows: slice = slice(None)) -> Array:
+        """(E, N (N + 1)/2) packed lower triangles, of all elements or some rows."""
+        low = self.part.hessians(self._unfolded(packed), blend, rows)
+        transform = self._transform[rows]
+        n, big = transform.shape[1:]
+        full = np.empty((len(low), n, n), dtype=low.dtype)
+        i, j = _lower(n)
+        full[:, i, j] = low
+        full[:, j, i] = low
+        whole = np.matmul(transform.transpose(0, 2, 1), np.matmul(full, transform))
+        i, j = _lower(big)
+        packed_low = np.ascontiguousarray(whole[:, i, j])
+        if self._twice is not None:
+            packed_low[self._twice[rows]] *= 2.0
+        return packed_low
+
+
+@functools.cache
+def _lower(n: int) -> tuple[Array, Array]:
+    """Rows and columns of a lower triangle; as long in the making as a cell's Hessian."""
+    return np.tril_indices(n)

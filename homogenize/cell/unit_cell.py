@@ -1,0 +1,280 @@
+"""One star (or n x m of them) of an endless sheet: flat with free lattice vectors, or a tube of given angles."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import scipy.sparse as sp
+
+from discrete.energies.bending.fabric_bending import BendingMesh
+from discrete.energies.bending.plate_patches import patches
+from discrete.energies.bending.registry import FABRIC_BENDING, NO_BENDING
+from discrete.energies.elements import Array, Elements
+from discrete.model.model import Model
+from discrete.model.state import State, carried, tangents
+from discrete.model.system import System
+from equilibrium.linear.factor import Factor
+from equilibrium.linear.rigid_support import independent_dofs
+from equilibrium.linear.sparse_pattern import SparsePattern
+from homogenize.cell.cell_mesh import cell_mesh, star_size
+from homogenize.cell.periodic_images import PeriodicElements, PeriodicImages
+from homogenize.cell.periodic_mesh import PeriodicMesh
+from pattern.design.design import Design
+from pattern.geometry.planar import triangle_areas
+from pattern.layout.layout import Layout
+from pattern.mesh.mesh import Mesh
+
+
+class UnitCell(System):
+    """The exact model's energies on a periodic cell.
+
+    Positions are the V base points and two rows of macroscopic variables: flat, the images of the cell vectors A1 and
+    A2; on a tube (axis x, plastic outside), the axial shifts.
+
+    Parameters
+    ----------
+    design : materials, lattice, and the star: constant sizes.
+    edge_mm : of the mesh.
+    repeat : stars along A1 and A2.
+    segments : mesh edges of every arm; the nearest number to its length by default.
+
+    Attributes
+    ----------
+    curvature : of the tube, 1/mm of the print; None for a flat cell.
+    angle : rad, the printed direction around the tube is y turned by this.
+    """
+
+    def __init__(
+        self, design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1), segments: int | None = None
+    ) -> None:
+        self.design = design
+        self.torus = _inner_first(cell_mesh(design, edge_mm, repeat, segments))
+        self.printed, self.cell_vectors = self.torus.points, self.torus.cell_vectors
+        self.model = _unfolded_model(design, self.torus, self.printed)
+        self._known: dict[bool, tuple[Array, Array, SparsePattern]] = {}
+        self._factors: dict[bool, Factor] = {}
+        self._unfolded_pattern: SparsePattern | None = None
+        self.curvature: float | None = None
+        self.angle = 0.0
+        self._be(_flat_images(self.torus))
+
+    def _be(self, images: PeriodicImages) -> None:
+        """Take on other images: the same elements, hung up differently."""
+        self.images = images
+        parts: dict[str, Elements] = {}
+        for name, part in self.model.parts.items():
+            own = (part.dofs < 3 * images.n_base).all(axis=1)
+            inner = len(part) if own.all() else int(np.argmin(own))  # those in front
+            if inner:
+                parts[name] = _rows(part, slice(0, inner))
+            if len(part) > inner:
+                border = PeriodicElements(_rows(part, slice(inner, None)), images)
+                parts[f"{name} of images" if inner else name] = border  # type: ignore[assignment]
+        flat = self.curvature is None
+        if flat in self._known:  # the images have changed, what hangs together has not
+            self.parts = parts
+            self.held, self.free, self.pattern = self._known[flat]
+            return
+        rows = images.n_base + 2
+        held = np.zeros(3 * rows + len(self.model.edges), dtype=bool)
+        centre = 3 * int(self.torus.star_vertices[0])
+        if flat:
+            held[centre : centre + 3] = True
+        else:
+            held[centre : centre + 2] = True
+            held[3 * images.n_base : 3 * rows] = [False, True, True] * 2
+        super().__init__(parts, rows, self.model.edges, held)
+        self._known[flat] = (held, self.free, self.pattern)
+
+    def factor(self, backend: str = "auto") -> Factor:
+        """A factorisation for the cell as it is now, flat or a tube; kept, and freed by `close`."""
+        flat = self.curvature is None
+        if flat not in self._factors:
+            self._factors[flat] = super().factor(backend)
+        return self._factors[flat]
+
+    def close(self) -> None:
+        """Free the factorisations."""
+        for factor in self._factors.values():
+            factor.close()
+        self._factors.clear()
+
+    @property
+    def area(self) -> float:
+        """mm^2, printed."""
+        return self.torus.area
+
+    @property
+    def spacing(self) -> float:
+        """mm, nearest distance of two stars in the print."""
+        return float(np.linalg.norm(np.asarray(self.design.lattice.vectors), axis=1).min())
+
+    @property
+    def weights(self) -> Array:
+        """(V,) of the base points, adding up to 1: their shares of the printed area."""
+        share = np.repeat(triangle_areas(self.printed, self.torus.triangles) / 3.0, 3)
+        return np.bincount(self.torus.base[self.torus.triangles].ravel(), share, self.torus.n_base) / self.area
+
+    @property
+    def turn(self) -> Array:
+        """(2, 2) from print coordinates to (along the axis, around the tube)."""
+        cos, sin = np.cos(self.angle), np.sin(self.angle)
+        return np.array([[cos, sin], [-sin, cos]])
+
+    def set_release(self, release: float) -> None:
+        """Release the fabric from stretch 1 (0) to the design's (1)."""
+        self.model.set_release(release)
+
+    def flat(self) -> None:
+        """Flat-periodic images: `x(X + A_m) = x(X) + a_m`."""
+        self.curvature = None
+        self._be(_flat_images(self.torus))
+
+    def tube(self, curvature: float, angle: float = 0.0) -> None:
+        """Objective images `x(X + A_m) = R(phi_m) x(X) + tau_m e`, `phi_m = curvature (t . A_m)`, 1/mm of the print.
+
+        t is the printed direction y turned by `angle`.
+        """
+        self.curvature, self.angle = curvature, angle
+        torus, axial = self.torus, np.diag([1.0, 0.0, 0.0])
+        self._be(PeriodicImages(torus.base, self._turns(curvature)[0], torus.image, axial, torus.n_base))
+
+    def _turns(self, curvature: float) -> tuple[Array, Array]:
+        """(U, 3, 3) rotations of the images about the axis, and their derivative by the curvature."""
+        along = self.torus.image @ self.cell_vectors @ self.turn[1]
+        cos, sin, zero = np.cos(curvature * along), np.sin(curvature * along), np.zeros(len(along))
+        one = np.ones(len(along))
+        turn = np.array([[one, zero, zero], [zero, cos, sin], [zero, -sin, cos]]).transpose(2, 0, 1)
+        rate = np.array([[zero, zero, zero], [zero, -sin, cos], [zero, -cos, -sin]]).transpose(2, 0, 1)
+        return turn, along[:, None, None] * rate
+
+    def printed_state(self) -> State:
+        """The print: flat, macroscopic rows at the cell vectors."""
+        base = np.pad(self.printed[: self.torus.n_base], ((0, 0), (0, 1)))
+        macro = np.pad(self.cell_vectors, ((0, 0), (0, 1)))
+        return State(np.vstack([base, macro]), np.tile([0.0, 0.0, 1.0], (len(self.edges), 1)))
+
+    def unfolded(self, state: State) -> State:
+        """The same state on the unfolded mesh."""
+        return State(self.images.unfold(state.positions), state.directors)
+
+    def path(self, state: State, direction: Array, straight: bool = True) -> tuple[Callable[[float], State], float]:
+        """Straight steps, directors carried along the unfolded rod edges."""
+        move, turn = self.spread(direction)
+
+        def at(a: float) -> State:
+            positions = state.positions + a * move
+            whole = carried(self.unfolded(state), self.edges, self.images.unfold(positions), a * turn)
+            return State(positions, whole.directors)
+
+        fastest = float(np.sqrt((move[: self.torus.n_base] ** 2).sum(axis=1).max()))
+        return at, self._longest_move / max(fastest, 1e-30)
+
+    @property
+    def _longest_move(self) -> float:
+        """mm, of any point in one step: a tenth of the cell."""
+        return 0.1 * float(np.linalg.norm(self.torus.cell_vectors, axis=1).min())
+
+    def rigid_motions(self, state: State) -> Array:
+        """(free, k) motions without energy that nothing holds: turns of a flat cell about its held star."""
+        if self.curvature is not None:
+            return np.empty((len(self.free), 0))
+        centre = state.positions[self.torus.star_vertices[0]]
+        x = state.positions.copy()
+        x[: self.torus.n_base] -= centre
+        t = tangents(self.images.unfold(state.positions), self.edges)
+        motions = [np.concatenate([np.cross(axis, x).ravel(), t @ axis]) for axis in np.eye(3)]
+        return np.array(motions).T[self.free] / np.abs(x).max()
+
+    def rigid_modes(self, state: State) -> Array:
+        """(free, k) orthonormal."""
+        return np.linalg.qr(self.rigid_motions(state))[0]
+
+    def support(self, state: State) -> Array:
+        """(k,) free dofs that, held, leave no rigid motion."""
+        return independent_dofs(self.rigid_motions(state))
+
+    def unfolded_gradient(self, state: State) -> Array:
+        """(3 U + R,) N and N mm, forces of the elements on the unfolded points and on the twists."""
+        packed = self.unfolded(state).packed
+        size = 3 * len(self.torus.base) + len(self.edges)
+        force = np.zeros(size)
+        for part in self.model.parts.values():
+            force += np.bincount(part.dofs.ravel(), part.gradients(packed).ravel(), size)
+        return force
+
+    def unfolded_hessian(self, state: State) -> sp.csr_matrix:
+        """(3 U + R, 3 U + R) N/mm, of the elements by the unfolded points and the twists, both triangles."""
+        size = 3 * len(self.torus.base) + len(self.edges)
+        if self._unfolded_pattern is None:
+            dofs = [part.dofs for part in self.model.parts.values()]
+            self._unfolded_pattern = SparsePattern(dofs, size, np.arange(size))
+        packed = self.unfolded(state).packed
+        data = self._unfolded_pattern.assemble(part.hessians(packed) for part in self.model.parts.values())
+        return self._unfolded_pattern.full(data).tocsr()
+
+    def moment(self, state: State) -> float:
+        """N, dE/dk per printed area at fixed state: at equilibrium, the bending moment conjugate to the curvature."""
+        if self.curvature is None:
+            raise ValueError("a flat cell has no curvature to change")
+        rate = self._turns(self.curvature)[1]
+        moved = np.einsum("uij,uj->ui", rate, state.positions[self.images.base])
+        return float(self.unfolded_gradient(state)[: moved.size] @ moved.ravel()) / self.area
+
+
+def _rows(part: Elements, rows: slice) -> Elements:
+    """Some elements of a part, with a view of its parameters: they change when the part's do."""
+    some = copy.copy(part)
+    some.inputs, some.dofs, some.params = part.inputs[rows], part.dofs[rows], part.params[rows]
+    return some
+
+
+def _inner_first(torus: PeriodicMesh) -> PeriodicMesh:
+    """The same mesh, with the elements in front whose points are all base points."""
+
+    def order(vertices: Array) -> Array:
+        return np.argsort((vertices >= torus.n_base).any(axis=1), kind="stable")
+
+    reach = torus.triangles
+    if len(torus.around):  # triangles bend with their neighbours
+        reach = patches(torus.triangles, torus.points, torus.around).vertices
+    return replace(torus, triangles=torus.triangles[order(reach)], hinges=torus.hinges[order(torus.hinges)])
+
+
+def _unfolded_model(design: Design, torus: PeriodicMesh, printed: Array) -> Model:
+    """The exact model on the unfolded points, its hinges those of the closed mesh."""
+    if design.gravity.on:
+        raise ValueError("a cell has no weight: an endless sheet would fall")
+    centres = printed[torus.star_vertices]
+    tips = printed[[rod[-1] for rod in torus.rods]]
+    ends = np.ones((len(tips), 2))
+    layout = Layout(
+        outline=np.empty((0, 2)),
+        centres=centres,
+        arm_star=torus.arm_star,
+        arm_tip=tips,
+        arm_thickness=star_size(design, "thickness_mm") * ends,
+        arm_width=star_size(design, "width_mm") * ends,
+        neighbours=np.empty((0, 2), dtype=np.int64),
+        pins=(),
+        lattice_vectors=np.asarray(design.lattice.vectors),
+        lattice_origin=np.zeros(2),
+    )
+    mesh = Mesh(printed, torus.triangles, torus.rods, torus.star_vertices, np.empty(0, dtype=np.int64), (), "aligned")
+    fabric = design.fabric
+    unbent = design.model_copy(update={"fabric": fabric.model_copy(update={"bending": NO_BENDING.name})})
+    model = Model(unbent, layout, mesh)
+    model.bending = FABRIC_BENDING[fabric.bending]
+    model.parts |= model.bending.build(
+        BendingMesh(torus.triangles, printed, torus.hinges, torus.around), model.fabric_plate, True
+    )
+    model.set_release(1.0)  # the parts that were added are those of the print so far
+    return model
+
+
+def _flat_images(torus: PeriodicMesh) -> PeriodicImages:
+    turn = np.broadcast_to(np.eye(3), (len(torus.base), 3, 3))
+    return PeriodicImages(torus.base, turn, torus.image, np.eye(3), torus.n_base)
