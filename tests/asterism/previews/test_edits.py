@@ -138,7 +138,7 @@ def test_free_sheets_say_that_an_edit_keeps_their_form(name: str, said: bool) ->
     """They may have lower ones, which only starts meet."""
     preview = Preview(edited(name))
     told = [
-        any("a new preview looks for lower ones" in line for line in shape.summary["warnings"])
+        any("start a new preview" in line for line in shape.summary["warnings"])
         for shape in (preview.shape(), preview.update(edited(name, stars={"thickness_mm": 0.41})))
     ]
     assert told == [False, said]

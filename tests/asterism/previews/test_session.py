@@ -216,7 +216,8 @@ def test_a_sheet_without_another_side_stays_and_says_so() -> None:
     assert last.name == "equilibrium" and preview.equilibrium.iterations <= 1
     asked = Preview(bell, side="up").shape().summary
     assert asked["is_minimum"] and asked["energy_n_mm"] == pytest.approx(before.energy, rel=1e-6)
-    assert "the edges were asked to go up, but no such form was reached: they go down" in asked["warnings"]
+    (line,) = [line for line in asked["warnings"] if "edges" in line]
+    assert "go down" in line and "edges up" in line
 
 
 def test_a_sheet_that_goes_up_by_itself_is_flipped_down() -> None:
@@ -441,7 +442,7 @@ def test_warnings_name_stars_by_the_numbers_of_the_design() -> None:
     assert shape.summary["stars_outside_law"][0].startswith("star 5 at [")
     assert shape.star.max() == len(shape.star_vertices) and 0 not in shape.star[shape.star_vertices]
     down = Preview(design(stars={"override": [odd[0], {"star": 3, "branch": "down"}]}), plain_law()).shape()
-    assert any(line.endswith("start down: star 3") for line in down.summary["warnings"])
+    assert any("inverted" in line and line.endswith(": star 3") for line in down.summary["warnings"])
 
 
 def test_many_stars_beyond_the_law_are_one_warning() -> None:
@@ -627,7 +628,7 @@ def test_a_sixfold_term_that_outweighs_the_bending_is_bounded_and_told() -> None
     assert taken[:-1] == pytest.approx(SIXFOLD_MOST * values.value["bending"][:-1])
     summary = asterism.preview(TUBE, law=wild).summary
     assert summary["expected_rms_percent"] is None and summary["expected_height_percent"] is None
-    assert "37 of 37 stars curl far more in some directions than in others" in " ".join(summary["warnings"])
+    assert "37 of 37 stars curl far more in some directions" in " ".join(summary["warnings"])
     assert summary["energy_n_mm"] > 0.0
 
 
@@ -651,7 +652,7 @@ def test_pins_that_leave_no_length_for_a_rise_are_told() -> None:
         return found.height_mm, [line for line in found.summary["warnings"] if "nearly flat" in line]
 
     height, told = held(1.0)
-    (scale,) = re.findall(r"times as wide as its stars want it, nearly flat: a scale of about (\S+) lets", *told)
+    (scale,) = re.findall(r"a scale of about (\S+) ", *told)
     higher, silent = held(0.98 * float(scale))
     assert not silent and higher > 4.0 * height
 
@@ -674,7 +675,7 @@ def test_nothing_is_expected_of_stars_that_are_sent_down() -> None:
     one, five = (Preview(each, plain_law()).shape().summary for each in (few, many))
     assert one["stars"] == 37 and one["expected_rms_percent"] is not None
     assert five["expected_rms_percent"] is None and five["expected_height_percent"] is None
-    assert any("5 of the design start down" in line for line in five["warnings"])
+    assert any(line.startswith("5 stars") and "inverted" in line for line in five["warnings"])
 
 
 def test_a_lower_form_is_not_called_nearly_as_low(curly: Preview) -> None:
@@ -689,5 +690,5 @@ def test_a_lower_form_is_not_called_nearly_as_low(curly: Preview) -> None:
         next(line for line in warnings(curly.state, each, None, 0, 10.0) if "another form, " in line)
         for each in estimates
     )
-    assert "has nearly the same energy (-1.0 %): the exact model may take that one" in near
-    assert "has 29 % less energy: the exact model will likely take that one" in below
+    assert "nearly the same energy (-1.0 %)" in near and "9 % of the diameter" in near
+    assert "29 % less energy" in below and "9 % of the diameter" in below
