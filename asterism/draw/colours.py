@@ -2,4 +2,7 @@
 
 from __future__ import annotations
 
-INK, PALE = "#26262b", "#7a7a82"
+# titles, numbers and lines
+INK = "#26262b"
+# labels and notes of less weight
+PALE = "#7a7a82"

@@ -18,11 +18,19 @@ from asterism.draw.render import OBLIQUE, VIEWS, Camera, Scene, camera, render, 
 from asterism.shape.shape import Shape
 from pattern.geometry.arrays import Floats
 
-WIDTH, HEIGHT, DPI = 2000, 1120, 200
-MARGIN, CAPTION = 60, 150
-# the perspective view has the left part of the picture, the two drawings to scale the right one
-DIVISION = 1240
-LEAST = 1e-4  # N mm: less is rounding
+# size of the picture, pixels
+PICTURE_WIDTH_PX = 2000
+PICTURE_HEIGHT_PX = 1120
+# resolution: it sets the size of the text
+PICTURE_DPI = 200
+# empty border of the picture
+PICTURE_MARGIN_PX = 60
+# height of the title and the caption at the top
+CAPTION_HEIGHT_PX = 150
+# the perspective view fills the left part of the picture, the two drawings to scale fill the rest
+PERSPECTIVE_WIDTH_PX = 1240
+# a smaller energy is rounding and is written as 0
+MIN_SHOWN_ENERGY_N_MM = 1e-4
 
 
 def draw_shape(shape: Shape, title: str, path_or_file: str | Path | IO[bytes]) -> None:
@@ -36,20 +44,30 @@ def draw_shape(shape: Shape, title: str, path_or_file: str | Path | IO[bytes]) -
     path_or_file : where the PNG goes.
     """
     shape = shape if shape.held else shape.aligned()
-    figure = Figure(figsize=(WIDTH / DPI, HEIGHT / DPI), dpi=DPI, facecolor="none")
+    figure = Figure(
+        figsize=(PICTURE_WIDTH_PX / PICTURE_DPI, PICTURE_HEIGHT_PX / PICTURE_DPI), dpi=PICTURE_DPI, facecolor="none"
+    )
     words: Any = FigureCanvasAgg(figure)
-    canvas = np.ones((HEIGHT, WIDTH, 3))
+    canvas = np.ones((PICTURE_HEIGHT_PX, PICTURE_WIDTH_PX, 3))
     thing = scene(shape)
     low, high = shape.positions.min(axis=0), shape.positions.max(axis=0)
     _perspective(canvas, thing, (low + high) / 2, float(np.linalg.norm(high - low)))
     _to_scale(figure, canvas, thing, (low + high) / 2)
     # a long name is set smaller rather than cut
-    _text(figure, MARGIN, HEIGHT - 72, title, size=15 * min(1.0, 70 / max(len(title), 1)), weight="bold", color=INK)
-    _text(figure, MARGIN, HEIGHT - 112, caption(shape), size=8.5, color=PALE)
+    _text(
+        figure,
+        PICTURE_MARGIN_PX,
+        PICTURE_HEIGHT_PX - 72,
+        title,
+        size=15 * min(1.0, 70 / max(len(title), 1)),
+        weight="bold",
+        color=INK,
+    )
+    _text(figure, PICTURE_MARGIN_PX, PICTURE_HEIGHT_PX - 112, caption(shape), size=8.5, color=PALE)
     words.draw()
     picture = Image.fromarray(np.rint(255 * canvas[::-1]).astype(np.uint8)).convert("RGBA")
     picture.alpha_composite(Image.fromarray(np.asarray(words.buffer_rgba())))
-    picture.convert("RGB").save(path_or_file, format="png", dpi=(DPI, DPI))
+    picture.convert("RGB").save(path_or_file, format="png", dpi=(PICTURE_DPI, PICTURE_DPI))
 
 
 def shape_image(shape: Shape, title: str) -> Image.Image:
@@ -79,7 +97,7 @@ def caption(shape: Shape) -> str:
     if "energy_n_mm" in summary:
         energy = summary["energy_n_mm"]
         total = energy.get("total", sum(energy.values())) if isinstance(energy, Mapping) else energy
-        parts.append(f"energy {total if abs(total) >= LEAST else 0.0:.4g} N mm")
+        parts.append(f"energy {total if abs(total) >= MIN_SHOWN_ENERGY_N_MM else 0.0:.4g} N mm")
     if "is_minimum" in summary:
         certified = summary["is_minimum"] and summary.get("converged", True)
         sure = "certified minimum" if certified else "not certified"
@@ -100,28 +118,30 @@ def _of_preview(summary: Mapping[str, Any], certified: bool) -> str:
 def _perspective(canvas: Floats, thing: Scene, centre: Floats, diameter: float) -> None:
     """The large view on the left."""
     view = camera(*OBLIQUE, centre, distance_mm=2.6 * diameter)
-    room = np.array([DIVISION - 2 * MARGIN, HEIGHT - CAPTION - MARGIN])
+    room = np.array(
+        [PERSPECTIVE_WIDTH_PX - 2 * PICTURE_MARGIN_PX, PICTURE_HEIGHT_PX - CAPTION_HEIGHT_PX - PICTURE_MARGIN_PX]
+    )
     scale = float((room / _size(thing, view)).min())
-    _paste(canvas, render(thing, view, scale), DIVISION / 2, MARGIN + room[1] / 2)
+    _paste(canvas, render(thing, view, scale), PERSPECTIVE_WIDTH_PX / 2, PICTURE_MARGIN_PX + room[1] / 2)
 
 
 def _to_scale(figure: Figure, canvas: Floats, thing: Scene, centre: Floats) -> None:
     """From above, and below it from the front, both to the same scale, with its bar."""
     above, front = (camera(*VIEWS[name], centre) for name in ("above", "front"))
     (x, y), (_, z) = _size(thing, above), _size(thing, front)
-    column, bar_room, label_room = WIDTH - MARGIN - DIVISION, 70, 64
-    room = HEIGHT - CAPTION - MARGIN - bar_room - 2 * label_room
+    column, bar_room, label_room = PICTURE_WIDTH_PX - PICTURE_MARGIN_PX - PERSPECTIVE_WIDTH_PX, 70, 64
+    room = PICTURE_HEIGHT_PX - CAPTION_HEIGHT_PX - PICTURE_MARGIN_PX - bar_room - 2 * label_room
     scale = float(min(column / x, room / (y + z)))
-    middle = DIVISION + column / 2
+    middle = PERSPECTIVE_WIDTH_PX + column / 2
     gap = min((room - scale * (y + z)) / 3, 60.0)
     used = scale * (y + z) + bar_room + 2 * label_room + gap
 
-    bottom = MARGIN + (HEIGHT - CAPTION - MARGIN - used) / 2
+    bottom = PICTURE_MARGIN_PX + (PICTURE_HEIGHT_PX - CAPTION_HEIGHT_PX - PICTURE_MARGIN_PX - used) / 2
     _bar(figure, middle, bottom, scale, x)
     bottom += bar_room + label_room
     if scale * z < 1.0:  # less than a pixel: a line
-        ends = (middle + np.array([-x, x]) * scale / 2) / WIDTH
-        figure.add_artist(Line2D(ends, 2 * [bottom / HEIGHT], color=INK, linewidth=0.8))
+        ends = (middle + np.array([-x, x]) * scale / 2) / PICTURE_WIDTH_PX
+        figure.add_artist(Line2D(ends, 2 * [bottom / PICTURE_HEIGHT_PX], color=INK, linewidth=0.8))
     else:
         _paste(canvas, render(thing, front, scale), middle, bottom + scale * z / 2)
     _text(figure, middle, bottom - 36, "from the front", size=8, color=PALE, ha="center")
@@ -134,8 +154,8 @@ def _bar(figure: Figure, middle: float, bottom: float, scale: float, width_mm: f
     """A scale bar of a round length, about a third of the drawing."""
     power = 10.0 ** np.floor(np.log10(width_mm / 3))
     length = max(step * power for step in (1, 2, 5) if step * power <= width_mm / 3)
-    left, right = (middle + np.array([-1, 1]) * length * scale / 2) / WIDTH
-    y, tick = (bottom + 38) / HEIGHT, 7 / HEIGHT
+    left, right = (middle + np.array([-1, 1]) * length * scale / 2) / PICTURE_WIDTH_PX
+    y, tick = (bottom + 38) / PICTURE_HEIGHT_PX, 7 / PICTURE_HEIGHT_PX
     for ends in (([left, right], [y, y]), ([left, left], [y - tick, y + tick]), ([right, right], [y - tick, y + tick])):
         figure.add_artist(Line2D(*ends, color=INK, linewidth=1.1))
     _text(figure, middle, bottom, f"{length:g} mm", size=8, color=INK, ha="center")
@@ -157,4 +177,4 @@ def _paste(canvas: Floats, image: Floats, x: float, y: float) -> None:
 
 def _text(figure: Figure, x: float, y: float, text: str, **style: Any) -> None:
     """Text with its baseline at (x, y) pixels from the lower left; dollar signs are dollar signs."""
-    figure.text(x / WIDTH, y / HEIGHT, text, parse_math=False, **style)
+    figure.text(x / PICTURE_WIDTH_PX, y / PICTURE_HEIGHT_PX, text, parse_math=False, **style)

@@ -11,11 +11,18 @@ from asterism.shape.shape import Shape
 from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import turning_angles
 
-# over the diameter of the sheet
-BALL, TUBE = 0.011, 0.0045
-# rings of a ball, places around it and around a tube, and the longest part of a tube over its radius
-RINGS, AROUND, LONG = 5, 8, 4.0
-SHARP = 0.3  # rad: where a tube turns by more it has a joint
+# radius of a ball over the diameter of the sheet
+BALL_RADIUS_FACTOR = 0.011
+# radius of a tube over the diameter of the sheet
+TUBE_RADIUS_FACTOR = 0.0045
+# rings of points from pole to pole of a ball
+BALL_RINGS = 5
+# points around a ball and around a tube
+MARK_SIDES = 8
+# longest piece of a tube, in radii of the tube
+MAX_TUBE_STEP_RADII = 4.0
+# a tube that turns by more than this angle has a ball at the corner
+MIN_JOINT_ANGLE_RAD = 0.3
 
 Marks = tuple[Floats, Floats, Ints]  # points (n, 3) mm, their normals, triangles (m, 3) with these to the outside
 
@@ -28,8 +35,8 @@ def pin_marks(shape: Shape) -> Marks:
     size, border = diameter(shape.positions), plan.outline
     points = plan.pin_points
     runs = [run for pin in plan.pins for run in pin.chains(len(border))]
-    lines = [_line(border, run, LONG * TUBE * size) for run in runs]
-    sharp = np.flatnonzero(np.abs(turning_angles(border)) > SHARP)
+    lines = [_line(border, run, MAX_TUBE_STEP_RADII * TUBE_RADIUS_FACTOR * size) for run in runs]
+    sharp = np.flatnonzero(np.abs(turning_angles(border)) > MIN_JOINT_ANGLE_RAD)
     joints = [border[[corner for corner in run if corner in sharp or corner in (run[0], run[-1])]] for run in runs]
     try:
         there = shape.at(np.concatenate([points, *lines, *joints]))
@@ -37,9 +44,11 @@ def pin_marks(shape: Shape) -> Marks:
         return _together([])
     ends = np.cumsum([len(points), *map(len, lines), *map(len, joints)])[:-1]
     balls, *others = np.split(there, ends)
-    parts = [_ball(place, BALL * size) for place in balls]
-    parts += [_tube(line, TUBE * size) for line in others[: len(lines)]]
-    return _together(parts + [_ball(place, TUBE * size) for joint in others[len(lines) :] for place in joint])
+    parts = [_ball(place, BALL_RADIUS_FACTOR * size) for place in balls]
+    parts += [_tube(line, TUBE_RADIUS_FACTOR * size) for line in others[: len(lines)]]
+    return _together(
+        parts + [_ball(place, TUBE_RADIUS_FACTOR * size) for joint in others[len(lines) :] for place in joint]
+    )
 
 
 def _line(border: Floats, corners: list[int], step: float) -> Floats:
@@ -59,10 +68,12 @@ def _together(parts: list[Marks]) -> Marks:
 
 
 def _ball(centre: Floats, radius: float) -> Marks:
-    polar = np.linspace(0.0, np.pi, RINGS)
-    circles = np.stack([np.outer(np.sin(polar), one) for one in _circle()] + [np.outer(np.cos(polar), np.ones(AROUND))])
+    polar = np.linspace(0.0, np.pi, BALL_RINGS)
+    circles = np.stack(
+        [np.outer(np.sin(polar), one) for one in _circle()] + [np.outer(np.cos(polar), np.ones(MARK_SIDES))]
+    )
     normals = circles.reshape(3, -1).T
-    return centre + radius * normals, normals, _grid(RINGS)
+    return centre + radius * normals, normals, _grid(BALL_RINGS)
 
 
 def _tube(places: Floats, radius: float) -> Marks:
@@ -77,13 +88,13 @@ def _tube(places: Floats, radius: float) -> Marks:
 
 
 def _circle() -> tuple[Floats, Floats]:
-    angle = 2.0 * np.pi * np.arange(AROUND) / AROUND
+    angle = 2.0 * np.pi * np.arange(MARK_SIDES) / MARK_SIDES
     return np.cos(angle), np.sin(angle)
 
 
 def _grid(rows: int) -> Ints:
-    """Two triangles between neighbours of `AROUND` points in each of so many rows, row by row."""
-    here = np.arange((rows - 1) * AROUND)
-    turned = here // AROUND * AROUND + (here + 1) % AROUND
-    below = np.column_stack([here, here + AROUND, turned + AROUND])
-    return np.concatenate([below, np.column_stack([here, turned + AROUND, turned])])
+    """Two triangles between neighbours of `MARK_SIDES` points in each of so many rows, row by row."""
+    here = np.arange((rows - 1) * MARK_SIDES)
+    turned = here // MARK_SIDES * MARK_SIDES + (here + 1) % MARK_SIDES
+    below = np.column_stack([here, here + MARK_SIDES, turned + MARK_SIDES])
+    return np.concatenate([below, np.column_stack([here, turned + MARK_SIDES, turned])])

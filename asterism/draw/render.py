@@ -18,7 +18,7 @@ PLASTIC_SIDE = (0.985, 0.92, 0.80)
 FABRIC_SIDE = (0.63, 0.725, 0.845)
 ARMS = (0.20, 0.205, 0.24)
 PINS = (0.86, 0.25, 0.16)
-OUTLINE = (0.16, 0.16, 0.18)
+OUTLINE_COLOUR = (0.16, 0.16, 0.18)
 # from the upper left, in front; and where its reflection is seen
 KEY_LIGHT = np.array([-0.50, 0.62, 0.60]) / np.linalg.norm([-0.50, 0.62, 0.60])
 HALFWAY = (KEY_LIGHT + np.array([0.0, 0.0, 1.0])) / np.linalg.norm(KEY_LIGHT + np.array([0.0, 0.0, 1.0]))
@@ -121,7 +121,7 @@ def render(thing: Scene, view: Camera, pixels_per_mm: float) -> Floats:
         image[piece.pixels, :3] = colour * _open_sky(piece, around, fine)[:, None]
     image[raster.pixels, 3] = 1.0
     image = image.reshape(rows, columns, 4)
-    image[_outline(raster, fine)] = (*OUTLINE, 1.0)
+    image[_outline(raster, fine)] = (*OUTLINE_COLOUR, 1.0)
     image = _coarser(image)
     # the empty part of a pixel has no colour, so that edges do not darken
     image[..., :3] /= np.maximum(image[..., 3:], 1e-9)

@@ -10,9 +10,11 @@ from discrete.evidence.roll_axis import roll_axis_deg
 from discrete.model.model import Model
 from discrete.release.branches import Branch, Minima
 
-ONE_START, NEAR = "the default start's", "from a shape that was given"
-LOWEST = "lowest energy"
-KEPT = "lowest energy of those whose stars are all on their branch"
+# values of the key `result_is`: why this minimum is the result
+FROM_DEFAULT_START = "the default start's"
+FROM_GIVEN_SHAPE = "from a shape that was given"
+BY_ENERGY = "lowest energy"
+BY_ENERGY_ON_BRANCH = "lowest energy of those whose stars are all on their branch"
 
 
 def one_minimum(model: Model, found: Equilibrium, near: bool = False) -> dict[str, Any]:
@@ -21,7 +23,7 @@ def one_minimum(model: Model, found: Equilibrium, near: bool = False) -> dict[st
     entry = MinimumRecord(energy_n_mm=found.energy, stars_up=found.stars_up, roll_axis_deg=axis, starts=1)
     return {
         "starts": 1,
-        "result_is": NEAR if near else ONE_START,
+        "result_is": FROM_GIVEN_SHAPE if near else FROM_DEFAULT_START,
         "minima_seen": 1,
         "minima": [entry],
         "next_minimum_percent": None,
@@ -44,7 +46,7 @@ def many_minima(minima: Minima, starts: int) -> dict[str, Any]:
     return {
         "starts": starts,
         "starts_lost": minima.lost,
-        "result_is": LOWEST if by_energy else KEPT,
+        "result_is": BY_ENERGY if by_energy else BY_ENERGY_ON_BRANCH,
         "minima_seen": len(fine) + left_behind,
         "minima_not_carried": left_behind,
         "next_minimum_percent": 100.0 * (others[0] - lowest) / elastic if others else None,

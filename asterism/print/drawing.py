@@ -9,6 +9,8 @@ import numpy as np
 
 from pattern.geometry.arrays import Floats
 
+# width and height of a page of A4 paper
+A4_MM = (210.0, 297.0)
 # widths of signs over the size of the font, none of them wider in common fonts
 _WIDE, _USUAL = 1.15, 0.85
 

@@ -9,16 +9,18 @@ from typing import Any
 
 import numpy as np
 
-from asterism.print.drawing import Circle, Drawing, Label, Polyline, font_size_within
+from asterism.print.drawing import A4_MM, Circle, Drawing, Label, Polyline, font_size_within
 from asterism.print.job import Job
 from asterism.print.layers import TEXT
 from asterism.print.needles import VISIBLE_SAG_MM, Needle, needle_names, needles_near_edge, sag_in_words
 from asterism.print.printer import Printer
 
-_A4_MM = (210.0, 297.0)
-_MARGIN_MM = 18.0
-_LETTERS = 98
-_MOST_NAMED = 12
+# empty border of a page of instructions
+_INSTRUCTION_MARGIN_MM = 18.0
+# most letters in a line of the instructions
+_INSTRUCTION_LETTERS = 98
+# most tiny stars, and most different heights of needles, that the instructions list
+_MAX_LISTED = 12
 
 
 @dataclass(frozen=True)
@@ -105,8 +107,8 @@ def _slice(job: Job, tiny: list[dict[str, Any]]) -> Chapter:
         lines.append(f"{job.plastic.name}: nozzle about {job.plastic.nozzle_c:g} C{bed}; see the spool.")
     lines += job.plastic.advice
     if tiny:
-        places = "; ".join(f"[{x:g}, {y:g}]" for x, y in (star["at_mm"] for star in tiny[:_MOST_NAMED]))
-        more = f"; and {len(tiny) - _MOST_NAMED} more" if len(tiny) > _MOST_NAMED else ""
+        places = "; ".join(f"[{x:g}, {y:g}]" for x, y in (star["at_mm"] for star in tiny[:_MAX_LISTED]))
+        more = f"; and {len(tiny) - _MAX_LISTED} more" if len(tiny) > _MAX_LISTED else ""
         lines.append(
             f"Tiny stars may jump off the fabric. Watch those at {places}{more} (mm from the design's origin), or "
             "lengthen or remove them."
@@ -173,7 +175,7 @@ def _heights(needles: Sequence[Needle]) -> str:
             at.setdefault(f"{needle.height_mm:.1f}", []).append(needle.number)
     if not at:
         return ""
-    if len(at) > _MOST_NAMED:
+    if len(at) > _MAX_LISTED:
         return "They hold the sheet at heights over the base that are written beside their holes, and in needles.csv."
     each = "; ".join(f"{height} mm at {needle_names(numbers)}" for height, numbers in at.items())
     known = [needle for needle in needles if needle.height_mm is not None]
@@ -195,17 +197,17 @@ def as_pages(job: Job, parts: tuple[Chapter, ...]) -> list[Drawing]:
     """The instruction as A4 pages."""
     name = job.design.name
     pages: list[list[Polyline | Circle | Label]] = []
-    top, bottom = _A4_MM[1] - _MARGIN_MM, _MARGIN_MM
-    size = font_size_within(name, 6.5, _A4_MM[0] - 2 * _MARGIN_MM)
+    top, bottom = A4_MM[1] - _INSTRUCTION_MARGIN_MM, _INSTRUCTION_MARGIN_MM
+    size = font_size_within(name, 6.5, A4_MM[0] - 2 * _INSTRUCTION_MARGIN_MM)
     items: list[Polyline | Circle | Label] = [
-        Label(TEXT, np.array([_MARGIN_MM, top - 6.0]), name, size, bold=True),
-        Label(TEXT, np.array([_MARGIN_MM, top - 14.0]), f"How to print it on the {job.printer.name}", 4.2),
+        Label(TEXT, np.array([_INSTRUCTION_MARGIN_MM, top - 6.0]), name, size, bold=True),
+        Label(TEXT, np.array([_INSTRUCTION_MARGIN_MM, top - 14.0]), f"How to print it on the {job.printer.name}", 4.2),
     ]
     y = top - 24.0
     for part in parts:
         lines = [(part.title, True, False, 6.4)]
         for paragraph in part.paragraphs:
-            wrapped = textwrap.wrap(paragraph, _LETTERS) or [""]
+            wrapped = textwrap.wrap(paragraph, _INSTRUCTION_LETTERS) or [""]
             lines += [(line, False, False, 4.6) for line in wrapped[:-1]] + [(wrapped[-1], False, False, 6.1)]
         lines += [(line, False, True, 4.3) for line in part.code]
         # a chapter stays on one page
@@ -213,9 +215,9 @@ def as_pages(job: Job, parts: tuple[Chapter, ...]) -> list[Drawing]:
             pages.append(items)
             items, y = [], top - 6.0
         for line, bold, code, step in lines:
-            at = np.array([_MARGIN_MM + (6.0 if code else 0.0), y])
+            at = np.array([_INSTRUCTION_MARGIN_MM + (6.0 if code else 0.0), y])
             items.append(Label(TEXT, at, line, 4.1 if bold else 3.1 if code else 3.35, bold=bold, fixed_pitch=code))
             y -= step
         y -= 3.4
     pages.append(items)
-    return [Drawing(f"{name}: instruction", np.zeros(2), np.array(_A4_MM), tuple(items)) for items in pages]
+    return [Drawing(f"{name}: instruction", np.zeros(2), np.array(A4_MM), tuple(items)) for items in pages]

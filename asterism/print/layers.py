@@ -16,5 +16,7 @@ BEFORE = DrawingLayer(
 )
 AFTER = DrawingLayer("check-after-stretching", "#d98200", 0.3, meaning="the same square on the stretched fabric")
 NEEDLES = DrawingLayer("needles", "#a0109a", 0.3, meaning="needles")
-OUTLINE = DrawingLayer("outline", "#d01c1c", 0.2, (3.0, 1.5), meaning="edge of the sheet in space, seen from above")
+OUTLINE_IN_SPACE = DrawingLayer(
+    "outline", "#d01c1c", 0.2, (3.0, 1.5), meaning="edge of the sheet in space, seen from above"
+)
 TEXT = DrawingLayer("text", "#26262b")

@@ -13,10 +13,14 @@ from asterism.print.drawing import Circle, Drawing, DrawingLayer, Label, Polylin
 from asterism.print.layers import TEXT
 from pattern.geometry.arrays import Floats
 
-MARGIN_MM = 18.5
+# empty border around the drawing and the column
+PAGE_MARGIN_MM = 18.5
+# width of the column of text, with its margin
 COLUMN_MM = 123.0
-_LETTERS = 48  # in a line of the column
-_BAR_MM = 100.0
+# most letters in a line of the column
+_COLUMN_LETTERS = 48
+# length of the ruler that shows whether the page is printed at 100 %
+_RULER_MM = 100.0
 
 DrawingItems = list[Polyline | Circle | Label]
 
@@ -41,11 +45,11 @@ def sheet_page(
     table : lines in a fixed pitch, as they are.
     """
     half = np.asarray(field_mm) / 2
-    low = np.asarray(centre) - half - MARGIN_MM
-    high = np.asarray(centre) + half + MARGIN_MM + [COLUMN_MM, 0.0]
-    at = np.array([high[0] - COLUMN_MM, high[1] - MARGIN_MM - 6.0])
+    low = np.asarray(centre) - half - PAGE_MARGIN_MM
+    high = np.asarray(centre) + half + PAGE_MARGIN_MM + [COLUMN_MM, 0.0]
+    at = np.array([high[0] - COLUMN_MM, high[1] - PAGE_MARGIN_MM - 6.0])
     column = _column(at, items, name, what, paragraphs, table)
-    lowest = min(item.at[1] for item in column if isinstance(item, Label)) - MARGIN_MM / 2
+    lowest = min(item.at[1] for item in column if isinstance(item, Label)) - PAGE_MARGIN_MM / 2
     low[1] = min(low[1], lowest)
     return Drawing(title, low, high, (*items, *column))
 
@@ -53,7 +57,9 @@ def sheet_page(
 def _column(
     at: Floats, items: DrawingItems, name: str, what: str, paragraphs: Sequence[str], table: Sequence[str]
 ) -> list[Polyline | Circle | Label]:
-    column: DrawingItems = [Label(TEXT, at.copy(), name, font_size_within(name, 7.0, COLUMN_MM - MARGIN_MM), bold=True)]
+    column: DrawingItems = [
+        Label(TEXT, at.copy(), name, font_size_within(name, 7.0, COLUMN_MM - PAGE_MARGIN_MM), bold=True)
+    ]
     at = at - [0.0, 9.0]
     column.append(Label(TEXT, at.copy(), what, 4.5))
     at = at - [0.0, 12.0]
@@ -65,7 +71,7 @@ def _column(
             at = at - [0.0, 6.0]
     at = at - [0.0, 5.0]
     for paragraph in paragraphs:
-        for line in textwrap.wrap(paragraph, _LETTERS) or [""]:
+        for line in textwrap.wrap(paragraph, _COLUMN_LETTERS) or [""]:
             column.append(Label(TEXT, at.copy(), line, 3.6))
             at = at - [0.0, 5.2]
         at = at - [0.0, 2.2]
@@ -76,7 +82,7 @@ def _column(
 
 
 def _ruler(at: Floats) -> DrawingItems:
-    ends = offset_points(at, (0.0, 0.0), (_BAR_MM, 0.0))
+    ends = offset_points(at, (0.0, 0.0), (_RULER_MM, 0.0))
     pen = DrawingLayer("ruler", TEXT.colour, 0.3)
     ticks = [Polyline(pen, offset_points(end, (0.0, -2.0), (0.0, 2.0))) for end in ends]
     words = Label(TEXT, offset_points(at, (0.0, -6.5)), "100 mm: measure it. Print at 100 %.", 3.6)

@@ -8,7 +8,20 @@ import shapely
 from asterism.print.drawing import Circle, Drawing, DrawingLayer, Label, Polyline, cross_mark, offset_points, rectangle
 from asterism.print.formats.needle_table import fixed_point
 from asterism.print.job import Job
-from asterism.print.layers import AFTER, BED, BEFORE, CUT, FRAME, GUIDE, MARKS, NEEDLES, OPENING, OUTLINE, STARS, TEXT
+from asterism.print.layers import (
+    AFTER,
+    BED,
+    BEFORE,
+    CUT,
+    FRAME,
+    GUIDE,
+    MARKS,
+    NEEDLES,
+    OPENING,
+    OUTLINE_IN_SPACE,
+    STARS,
+    TEXT,
+)
 from asterism.print.sheet_page import DrawingItems, sheet_page
 from asterism.print.solid import Terrace
 from pattern.geometry.arrays import Floats
@@ -86,7 +99,7 @@ def needle_sheet(job: Job) -> Drawing | None:
     points = np.array([place[:2] for _, place in known])
     if job.shape is not None:
         outline = job.shape.at(_dense(job.plan.outline))[:, :2]
-        items.append(Polyline(OUTLINE, outline, closed=True))
+        items.append(Polyline(OUTLINE_IN_SPACE, outline, closed=True))
         points = np.concatenate([points, outline])
     low, high = np.minimum(points.min(axis=0), 0.0), np.maximum(points.max(axis=0), 0.0)
     items += cross_mark(MARKS, np.zeros(2), 8.0)

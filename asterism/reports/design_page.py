@@ -22,13 +22,16 @@ from shapely.geometry.base import BaseGeometry
 
 from asterism.draw.colours import INK, PALE
 from asterism.draw.picture import draw_shape
+from asterism.print.drawing import A4_MM
 from asterism.print.job import Job
 from asterism.reports.facts import Facts
 from asterism.shape.shape import Shape
 from pattern.geometry.arrays import Floats
 
-A4_MM = np.array([210.0, 297.0])
-MARGIN_MM = 15.0
+# width and height of the page
+PAGE_MM = np.array(A4_MM)
+# empty border of the page
+DESIGN_PAGE_MARGIN_MM = 15.0
 RED, SHEET = "#c8553d", "#f3f1ea"
 # room for the drawing, and the most needles that are listed
 LAYOUT_MM, LAYOUT_AT = np.array([112.0, 122.0]), np.array([83.0, 42.0])
@@ -41,11 +44,11 @@ _POINTS = 72 / 25.4
 
 def write_design_page(path: Path, job: Job, found: Facts, doubts: Sequence[str], shape: Shape | None) -> float:
     """Write the page as PDF, with doubts about the shape; returns n of the layout's scale 1:n."""
-    figure = Figure(figsize=tuple(A4_MM / 25.4), dpi=72.0, facecolor="white")
+    figure = Figure(figsize=tuple(PAGE_MM / 25.4), dpi=72.0, facecolor="white")
     FigureCanvasAgg(figure)
     to_page = Affine2D().scale(_POINTS)
     name = job.design.name
-    _text(figure, to_page, MARGIN_MM, 276.0, name, 7.0 * min(1.0, 40 / max(len(name), 1)), weight="bold")
+    _text(figure, to_page, DESIGN_PAGE_MARGIN_MM, 276.0, name, 7.0 * min(1.0, 40 / max(len(name), 1)), weight="bold")
     if shape is not None:
         _picture(figure, shape)
     _doubts(figure, to_page, doubts)
@@ -69,10 +72,10 @@ def _picture(figure: Figure, shape: Shape) -> None:
         # its head is said by the page
         pixels = np.asarray(image.convert("RGB"))[140:]
     height, width = pixels.shape[:2]
-    size = np.array([A4_MM[0] - 2 * MARGIN_MM, 0.0])
+    size = np.array([PAGE_MM[0] - 2 * DESIGN_PAGE_MARGIN_MM, 0.0])
     size[1] = size[0] * height / width
-    low = np.array([MARGIN_MM, 270.0 - size[1]])
-    axes = figure.add_axes((*(low / A4_MM), *(size / A4_MM)))
+    low = np.array([DESIGN_PAGE_MARGIN_MM, 270.0 - size[1]])
+    axes = figure.add_axes((*(low / PAGE_MM), *(size / PAGE_MM)))
     axes.imshow(pixels, interpolation="none")
     axes.axis("off")
 
@@ -83,16 +86,16 @@ def _doubts(figure: Figure, to_page: Transform, doubts: Sequence[str]) -> None:
     if len(lines) > DOUBT_LINES:
         lines = [*lines[: DOUBT_LINES - 1], "... and more: see the summary of the results"]
     for k, line in enumerate(lines):
-        _text(figure, to_page, MARGIN_MM, 181.5 - 3.2 * k, line, 2.3, color=RED)
+        _text(figure, to_page, DESIGN_PAGE_MARGIN_MM, 181.5 - 3.2 * k, line, 2.3, color=RED)
 
 
 def _facts(figure: Figure, to_page: Transform, found: Facts) -> None:
     y = 170.0
     for head, lines in found.items():
-        _text(figure, to_page, MARGIN_MM, y, head, 3.3, weight="bold")
+        _text(figure, to_page, DESIGN_PAGE_MARGIN_MM, y, head, 3.3, weight="bold")
         for line in lines:
             y -= 4.2
-            _text(figure, to_page, MARGIN_MM, y, line, 2.7)
+            _text(figure, to_page, DESIGN_PAGE_MARGIN_MM, y, line, 2.7)
         y -= 6.4
 
 
@@ -127,19 +130,19 @@ def _layout(figure: Figure, to_page: Transform, job: Job) -> float:
 def _needles(figure: Figure, to_page: Transform, job: Job) -> None:
     needles = job.needles
     if not needles:
-        _text(figure, to_page, MARGIN_MM, 33.0, "No needles: the sheet is free.", 2.7, color=PALE)
+        _text(figure, to_page, DESIGN_PAGE_MARGIN_MM, 33.0, "No needles: the sheet is free.", 2.7, color=PALE)
         return
-    _text(figure, to_page, MARGIN_MM, 35.0, f"Needles: {len(needles)}", 3.3, weight="bold")
+    _text(figure, to_page, DESIGN_PAGE_MARGIN_MM, 35.0, f"Needles: {len(needles)}", 3.3, weight="bold")
     if len(needles) > MOST_NEEDLES:
         text = "Red dots in the layout; asterism export writes their places (needles.csv) and a drilling template."
-        _text(figure, to_page, MARGIN_MM, 30.5, text, 2.7)
+        _text(figure, to_page, DESIGN_PAGE_MARGIN_MM, 30.5, text, 2.7)
         return
     for i, needle in enumerate(needles):
         column, row = divmod(i, 4)
         printed = _numbers(needle.printed)
         place = "slides" if needle.place is None else _numbers(needle.place)
         text = f"{needle.number}: printed ({printed}), stands at ({place})"
-        _text(figure, to_page, MARGIN_MM + 62.0 * column, 30.5 - 4.2 * row, text, 2.3)
+        _text(figure, to_page, DESIGN_PAGE_MARGIN_MM + 62.0 * column, 30.5 - 4.2 * row, text, 2.3)
 
 
 def _numbers(place: Floats) -> str:

@@ -9,13 +9,13 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
-from asterism.reports.views import COLOURS, ORANGE
+from asterism.reports.views import DISTANCE_COLOURS, ORANGE
 from asterism.shape.comparison import Comparison
 from pattern.geometry.arrays import Floats
 from pattern.geometry.planar import inside
 
 BLUE = "#4f6d92"
-SAMPLES = 241
+POINTS_PER_CUT = 241
 # cuts end this much before the outline, so that rounding does not take them over it
 INSIDE = 0.999
 
@@ -30,11 +30,11 @@ def distance_map(comparison: Comparison) -> bytes:
     axes = figure.subplots()
     percent = 100.0 * comparison.distance_mm / comparison.diameter_mm
     over = Triangulation(reference.printed[:, 0], reference.printed[:, 1], reference.triangles)
-    filled = axes.tripcolor(over, percent, shading="gouraud", cmap=COLOURS, vmin=0)
+    filled = axes.tripcolor(over, percent, shading="gouraud", cmap=DISTANCE_COLOURS, vmin=0)
     figure.colorbar(filled, label="distance, % of the diameter", shrink=0.85)
     stars = 100.0 * comparison.star_distance_mm / comparison.diameter_mm
     x, y = layout.centres.T
-    axes.scatter(x, y, c=stars, cmap=COLOURS, vmin=0, vmax=filled.get_clim()[1], s=24, edgecolors="0.4")
+    axes.scatter(x, y, c=stars, cmap=DISTANCE_COLOURS, vmin=0, vmax=filled.get_clim()[1], s=24, edgecolors="0.4")
     axes.plot(*np.vstack([layout.outline, layout.outline[:1]]).T, color="0.3", linewidth=0.8)
     axes.set(aspect="equal", xlabel="x on the print, mm", ylabel="y on the print, mm")
     return _png(figure)
@@ -75,7 +75,7 @@ def profile_cut(comparison: Comparison, direction: Floats) -> tuple[Floats, Floa
     middle = centres.mean(axis=0)
     if not inside(middle[None], border)[0]:
         middle = centres[np.linalg.norm(centres - middle, axis=1).argmin()]
-    printed = middle + np.linspace(*_ends(border, middle, direction), SAMPLES)[:, None] * direction
+    printed = middle + np.linspace(*_ends(border, middle, direction), POINTS_PER_CUT)[:, None] * direction
     return comparison.reference.at(printed), comparison.other.at(printed)
 
 

@@ -18,11 +18,11 @@ from asterism.verification.numbers import times
 from asterism.verification.origins import origins
 from asterism.verification.right_shape import SURE, gap
 from asterism.verification.verification import PREVIEW, RELEASE, Verification
-from asterism.verification.warnings import FLAT
+from asterism.verification.warnings import FLAT_HEIGHT_FACTOR
 
 MINIMA = ["exact model", "energy, N mm", "stars up", "certain to stay", "from the preview", "iterations"]
-LONGEST = 600  # characters of an entry of the design
-NAMES = {RELEASE: "released from the flat print", PREVIEW: "started from the preview"}
+MAX_ENTRY_LETTERS = 600  # characters of an entry of the design
+START_NAMES = {RELEASE: "released from the flat print", PREVIEW: "started from the preview"}
 
 
 def verification_page(found: Verification) -> str:
@@ -107,7 +107,9 @@ def _headline(s: Mapping[str, Any]) -> dict[str, str]:
 def _is_flat(s: Mapping[str, Any]) -> bool:
     """Heights of nothing, whose ratio says nothing."""
     exact, preview = s["heights_mm"]
-    return bool(abs(preview - exact) < FLAT * s["diameter_mm"] and abs(s["height_error_percent"] or 0.0) > 50.0)
+    return bool(
+        abs(preview - exact) < FLAT_HEIGHT_FACTOR * s["diameter_mm"] and abs(s["height_error_percent"] or 0.0) > 50.0
+    )
 
 
 def _mesh(error: float | None, change: float | None) -> dict[str, str]:
@@ -184,7 +186,7 @@ def _numbers(s: Mapping[str, Any]) -> list[list[str]]:
 def _minima(s: Mapping[str, Any]) -> list[list[str]]:
     return [
         [
-            NAMES[name] + (" (counts)" if name == s["result_from"] else ""),
+            START_NAMES[name] + (" (counts)" if name == s["result_from"] else ""),
             f"{one['energy_n_mm']:.4f}",
             str(one["stars_up"]),
             "yes" if one["is_minimum"] else "no",
@@ -200,7 +202,7 @@ def _agreement(s: Mapping[str, Any]) -> str:
         return "Neither start has come to a minimum that is certain to stay."
     if s["starts_agree"]:
         return "Both starts end in the same minimum."
-    lost = [NAMES[name] for name, one in s["starts"].items() if not one["is_minimum"]]
+    lost = [START_NAMES[name] for name, one in s["starts"].items() if not one["is_minimum"]]
     if lost:
         return f"One start ({lost[0]}) has come to no minimum that is certain to stay; the other one counts."
     apart = f"{s['starts_distance_percent']:.2g} % of the diameter apart and of different energy"
@@ -211,8 +213,8 @@ def _seconds(s: Mapping[str, Any]) -> list[list[str]]:
     names = {
         "preview_s": "preview, the first time",
         "preview_again_s": "preview, again",
-        "exact_s": "exact model, " + NAMES[RELEASE],
-        "exact_from_preview_s": "exact model, " + NAMES[PREVIEW],
+        "exact_s": "exact model, " + START_NAMES[RELEASE],
+        "exact_from_preview_s": "exact model, " + START_NAMES[PREVIEW],
     }
     return [[text, f"{s[key]:.3g}"] for key, text in names.items()]
 
@@ -230,7 +232,11 @@ def _design(design: Mapping[str, Any]) -> list[list[str]]:
 
 def _shortened(text: str) -> str:
     """Of a grey picture or an outline of many corners the beginning is enough."""
-    return text if len(text) <= LONGEST else f"{text[:LONGEST]} ... (all {len(text)} characters: summary.json)"
+    return (
+        text
+        if len(text) <= MAX_ENTRY_LETTERS
+        else f"{text[:MAX_ENTRY_LETTERS]} ... (all {len(text)} characters: summary.json)"
+    )
 
 
 def _pair(values: list[float], digits: int) -> list[str]:

@@ -12,7 +12,7 @@ from pattern.geometry.arrays import Floats
 
 ORANGE = (0.93, 0.47, 0.16)
 TALL, WIDE = 440, 640  # pixels: no picture is larger
-COLOURS = colormaps["magma_r"]
+DISTANCE_COLOURS = colormaps["magma_r"]
 
 
 def comparison_views(comparison: Comparison) -> dict[str, list[Floats]]:
@@ -41,7 +41,7 @@ def comparison_views(comparison: Comparison) -> dict[str, list[Floats]]:
 def colours_of(comparison: Comparison) -> Floats:
     """(V, 3) of the distance at the vertices of the exact sheet, from nothing to its largest."""
     far = max(float(comparison.distance_mm.max()), 1e-12)
-    return np.asarray(COLOURS(comparison.distance_mm / far))[:, :3]
+    return np.asarray(DISTANCE_COLOURS(comparison.distance_mm / far))[:, :3]
 
 
 def _together(one: Scene, other: Scene) -> Scene:

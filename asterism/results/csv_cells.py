@@ -11,7 +11,7 @@ from pathlib import Path
 from equilibrium.errors import Error
 from pattern.design.errors import one_line
 
-LARGEST_BYTES = 2_000_000
+MAX_TABLE_BYTES = 2_000_000
 
 
 class TableError(Error, ValueError):
@@ -116,12 +116,12 @@ def _lines(path: Path) -> list[tuple[int, str]]:
     """Numbered lines that are neither empty nor remarks."""
     try:
         with path.open("rb") as stream:
-            raw = stream.read(LARGEST_BYTES + 1)
+            raw = stream.read(MAX_TABLE_BYTES + 1)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise TableError(path, None, None, f"cannot be read: {reason.lower()}") from None
-    if len(raw) > LARGEST_BYTES:
-        raise TableError(path, None, None, f"is larger than {LARGEST_BYTES // 1_000_000} MB")
+    if len(raw) > MAX_TABLE_BYTES:
+        raise TableError(path, None, None, f"is larger than {MAX_TABLE_BYTES // 1_000_000} MB")
     try:
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:

@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 
 from pattern.geometry.arrays import Floats, Ints
 
-TIE = 1e-6  # of the spacing: on the rim of a cell
+CELL_RIM_TOLERANCE = 1e-6  # of the spacing: on the rim of a cell
 AT_ONCE = 2000  # points whose neighbourhoods are looked up together
 
 
@@ -31,8 +31,8 @@ class CellMean:
         steps = span @ lattice_vectors
         # no point of the plane is further from the lattice than half the diagonal of a rectangle of these sides
         reach = 0.5 * float(np.linalg.norm(lattice_vectors))
-        near = TIE * reach**2
-        reach *= 1.0 + TIE
+        near = CELL_RIM_TOLERANCE * reach**2
+        reach *= 1.0 + CELL_RIM_TOLERANCE
         tree = cKDTree(points)
         rows = []
         middles = points if at is None else points[at]

@@ -22,8 +22,8 @@ from pattern.layout.layout import Layout
 from pattern.layout.roll_axis import roll_axis_from_normals
 from pattern.layout.symmetries import Symmetry
 
-SAMPLES = 500  # vertices by which the nearest image is chosen
-WHOLE = 0.01  # of the spacing: a cell whose middle is further from its point is cut
+MAX_IMAGE_SAMPLES = 500  # vertices by which the nearest image is chosen
+MAX_CENTROID_OFFSET_SPACINGS = 0.01  # of the spacing: a cell whose middle is further from its point is cut
 
 
 @dataclass(frozen=True)
@@ -225,7 +225,8 @@ def compare(
         standing,
         standing_mean,
         diameter(reference.positions),
-        np.linalg.norm(mean(reference.printed) - reference.printed, axis=1) < WHOLE * layout.spacing_mm,
+        np.linalg.norm(mean(reference.printed) - reference.printed, axis=1)
+        < MAX_CENTROID_OFFSET_SPACINGS * layout.spacing_mm,
     )
 
 
@@ -264,7 +265,7 @@ def image(shape: Shape, symmetry: Symmetry) -> Shape:
 
 def _nearest(reference: Shape, other: Shape, symmetries: Sequence[Symmetry]) -> Symmetry:
     """The symmetry whose image is nearest; bumps are the same in all of them, so that the surface itself will do."""
-    some = slice(None, None, max(len(reference.printed) // SAMPLES, 1))
+    some = slice(None, None, max(len(reference.printed) // MAX_IMAGE_SAMPLES, 1))
     printed, places = reference.printed[some], reference.positions[some]
 
     def off(symmetry: Symmetry) -> float:

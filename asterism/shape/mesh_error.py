@@ -18,7 +18,8 @@ from pattern.geometry.rigid_fit import rms_distance
 # tips, and what aligned meshes show in docs/explanation/mesh.md
 ORDER = 1.0
 # observed orders in between are believed
-LOWEST, HIGHEST = 0.5, 2.5
+MIN_OBSERVED_ORDER = 0.5
+MAX_OBSERVED_ORDER = 2.5
 # meshes of nearly the same edge say nothing, and shapes further apart (% of the diameter) are different minima
 SMALLEST_RATIO = 1.2
 LARGEST_PERCENT = 10.0
@@ -74,7 +75,7 @@ def estimate(
         observed = _observed(edges, distances)
         order = observed or 0.0
     percent = None
-    if resolved and distances[-1] < LARGEST_PERCENT and LOWEST <= order <= HIGHEST:
+    if resolved and distances[-1] < LARGEST_PERCENT and MIN_OBSERVED_ORDER <= order <= MAX_OBSERVED_ORDER:
         percent = float(distances[-1] / ((edges[-2] / edges[-1]) ** order - 1.0))
     return MeshErrorEstimate(percent, observed, distances[-1])
 

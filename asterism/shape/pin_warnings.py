@@ -10,7 +10,7 @@ from pattern.layout.free_rotations import count_free_tilts
 from pattern.layout.layout import Layout
 from pattern.layout.support_samples import support_samples
 
-WIDER = 1.05  # times the printed size
+MAX_SIZE_OVER_PRINT = 1.05  # times the printed size
 
 
 def pin_warnings(layout: Layout, weighs: bool) -> Iterator[str]:
@@ -29,6 +29,6 @@ def held_wide(layout: Layout) -> Iterator[str]:
         return
     places = np.nan_to_num(places)  # what slides along z is as wide as along the print
     before, after = (np.linalg.norm(points[held] - points[held].mean(axis=0)) for points in (printed, places))
-    if after > WIDER * before > 0.0:
+    if after > MAX_SIZE_OVER_PRINT * before > 0.0:
         wide = f"{after / before:.3g} times as wide as it was printed"
         yield f"the pins hold the sheet {wide}: its fabric is stretched further than on the printer"

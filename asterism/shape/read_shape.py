@@ -18,7 +18,10 @@ from asterism.shape.shape import Shape
 from pattern.design.errors import DesignError
 from pattern.geometry.arrays import Floats, Ints
 
-SHAPE, EXACT = "shape.vtu", "exact.vtu"
+# name of the shape in the folder of a preview or a simulation
+SHAPE_FILE = "shape.vtu"
+# name of the exact shape in the folder of a verification
+EXACT_FILE = "exact.vtu"
 
 
 def read_shape(path: str | Path) -> Shape:
@@ -36,8 +39,8 @@ def read_shape(path: str | Path) -> Shape:
     path = Path(path)
     sheet = path
     if path.is_dir():
-        verified = not (path / SHAPE).exists() and (path / EXACT).exists()
-        sheet = path / (EXACT if verified else SHAPE)
+        verified = not (path / SHAPE_FILE).exists() and (path / EXACT_FILE).exists()
+        sheet = path / (EXACT_FILE if verified else SHAPE_FILE)
     mesh = _read(sheet)
     printed, triangles = _printed(mesh, sheet), _cells(mesh, "triangle", sheet)
     star = np.asarray(mesh.point_data.get("star", np.full(len(mesh.points), -1)), dtype=np.int64)

@@ -29,7 +29,7 @@ from pattern.layout.layout import Layout
 from pattern.layout.symmetries import Symmetry, symmetries
 
 AGAIN, LONG_S = 3, 2.0  # previews of which the fastest counts, once everything is loaded; fewer if they take so long
-KEPT = ("energy_n_mm", "is_minimum", "stars_up", "iterations", "factorisations")
+COPIED_KEYS = ("energy_n_mm", "is_minimum", "stars_up", "iterations", "factorisations")
 
 
 def verify(
@@ -143,7 +143,7 @@ def _summary(found: Verification, between: Comparison, agree: bool, seconds: dic
         "starts_agree": agree,
         "starts_distance_percent": between.rms_percent,
         "starts": {
-            name: numbers(found.comparisons[name]) | {key: shape.summary[key] for key in KEPT}
+            name: numbers(found.comparisons[name]) | {key: shape.summary[key] for key in COPIED_KEYS}
             for name, shape in found.exact.items()
         },
         "warnings": warnings(found, between.rms_percent),

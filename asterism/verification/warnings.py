@@ -16,7 +16,7 @@ from asterism.verification.verification import Verification
 ALIKE = 1.3  # largest ratio of two edge lengths that count as one
 SURPRISE = 2.0  # times the error that the preview expected
 HEIGHTS_PERCENT = 10.0  # by which heights may differ where it expected none
-FLAT = 1e-3  # part of the diameter: heights that differ by less are those of flat sheets
+FLAT_HEIGHT_FACTOR = 1e-3  # part of the diameter: heights that differ by less are those of flat sheets
 
 
 def warnings(found: Verification, apart_percent: float) -> list[str]:
@@ -73,7 +73,7 @@ def _high(comparison: Comparison, expected: float | None) -> Iterator[str]:
     """Heights that differ by more than the preview had said."""
     exact, preview = comparison.heights_mm
     off, most = 100.0 * abs(preview - exact), HEIGHTS_PERCENT if expected is None else SURPRISE * expected
-    if off > 100.0 * FLAT * comparison.diameter_mm and off > most * exact:
+    if off > 100.0 * FLAT_HEIGHT_FACTOR * comparison.diameter_mm and off > most * exact:
         heights = f"the preview is {preview:.1f} mm high, the exact shape {exact:.1f} mm"
         told = "" if expected is None else f", more than twice what it expected ({expected:.1f} %)"
         yield f"{heights}: {off / exact:.0f} % off{told}" if exact else heights

@@ -119,7 +119,7 @@ def compare(
         "scan": str(scan),
         "trim": trim,
     }
-    if scan.suffix.lower() in outline.FORMATS:
+    if scan.suffix.lower() in outline.OUTLINE_FORMATS:
         return _compare_outline(target, scan, units, view or "above", trim, title, about)
     if view is not None:
         raise ScanError(scan, "--view is for outlines (.svg, .csv): a scan may be in any pose")

@@ -23,10 +23,14 @@ from asterism.measure.compare.scan_comparison import ScanComparison
 from asterism.measure.compare.silhouette import OutlineFit
 from pattern.geometry.arrays import Floats
 
-SHAPE = INK
-COLOURS = colormaps["RdBu_r"]
+SHAPE_COLOUR = INK
+SIGNED_DISTANCE_COLOURS = colormaps["RdBu_r"]
 NOT_SCANNED = (0.86, 0.86, 0.88)
-DPI, WIDTH, HEIGHT = 100, 16.0, 8.6
+# resolution of the picture
+COMPARISON_DPI = 100
+# size of the picture, inches
+COMPARISON_WIDTH_IN = 16.0
+COMPARISON_HEIGHT_IN = 8.6
 # scan points this near to a section's plane are drawn in it
 _SLAB_MM = 1.0
 
@@ -38,7 +42,7 @@ def draw_scan(found: ScanComparison, title: str, path_or_file: str | Path | IO[b
     scale = Normalize(-far, far)
     _coloured(figure, found, scale)
     bar = figure.add_axes((0.06, 0.075, 0.4, 0.022))
-    figure.colorbar(ScalarMappable(scale, COLOURS), cax=bar, orientation="horizontal")
+    figure.colorbar(ScalarMappable(scale, SIGNED_DISTANCE_COLOURS), cax=bar, orientation="horizontal")
     bar.set_title("distance of the scan, mm; red: on the plastic side; grey: not scanned", fontsize=9, color=PALE)
     positions = found.shape.positions
     centre = (positions.min(axis=0) + positions.max(axis=0)) / 2
@@ -46,7 +50,7 @@ def draw_scan(found: ScanComparison, title: str, path_or_file: str | Path | IO[b
     for axes, along in zip(sections, (0, 1), strict=True):
         _section(axes, found, along, float(centre[1 - along]))
     _histogram(figure.add_axes((0.56, 0.09, 0.42, 0.19)), found)
-    figure.savefig(path_or_file, format="png", dpi=DPI)
+    figure.savefig(path_or_file, format="png", dpi=COMPARISON_DPI)
 
 
 def draw_outline(found: OutlineFit, title: str, words: str, path_or_file: str | Path | IO[bytes]) -> None:
@@ -54,18 +58,20 @@ def draw_outline(found: OutlineFit, title: str, words: str, path_or_file: str | 
     figure = _figure(title, words)
     axes = figure.add_axes((0.05, 0.09, 0.6, 0.77))
     axes.fill(*found.silhouette.T, color="#eceef2")
-    axes.plot(*np.vstack([found.silhouette, found.silhouette[:1]]).T, color=SHAPE, linewidth=1.2, label="shape")
+    axes.plot(*np.vstack([found.silhouette, found.silhouette[:1]]).T, color=SHAPE_COLOUR, linewidth=1.2, label="shape")
     far = max(float(np.quantile(np.abs(found.distance), 0.98)), 0.1)
     scale = Normalize(-far, far)
     # white, no distance, would be lost on white paper
     axes.plot(*np.vstack([found.places, found.places[:1]]).T, color="#b8b8c0", linewidth=4.5)
     ends = np.stack([found.places, np.roll(found.places, -1, axis=0)], axis=1)
-    axes.add_collection(LineCollection(list(ends), colors=COLOURS(scale(found.distance)), linewidths=3))
+    axes.add_collection(LineCollection(list(ends), colors=SIGNED_DISTANCE_COLOURS(scale(found.distance)), linewidths=3))
     axes.set_aspect("equal")
     axes.margins(0.05)
     style_axes(axes, "the outline in the colour of its distance, on the shape's silhouette", "mm")
     bar = figure.colorbar(
-        ScalarMappable(scale, COLOURS), cax=figure.add_axes((0.72, 0.62, 0.25, 0.025)), orientation="horizontal"
+        ScalarMappable(scale, SIGNED_DISTANCE_COLOURS),
+        cax=figure.add_axes((0.72, 0.62, 0.25, 0.025)),
+        orientation="horizontal",
     )
     bar.ax.set_title("distance, mm; red: outside", fontsize=9, color=PALE)
     below = figure.add_axes((0.72, 0.15, 0.25, 0.34))
@@ -74,11 +80,11 @@ def draw_outline(found: OutlineFit, title: str, words: str, path_or_file: str | 
     below.set_yticks([])
     for few in (bar.ax, below):  # there is room for so many numbers
         few.xaxis.set_major_locator(MaxNLocator(4))
-    figure.savefig(path_or_file, format="png", dpi=DPI)
+    figure.savefig(path_or_file, format="png", dpi=COMPARISON_DPI)
 
 
 def _figure(title: str, words: str) -> Figure:
-    figure = Figure(figsize=(WIDTH, HEIGHT), dpi=DPI, facecolor="white")
+    figure = Figure(figsize=(COMPARISON_WIDTH_IN, COMPARISON_HEIGHT_IN), dpi=COMPARISON_DPI, facecolor="white")
     FigureCanvasAgg(figure)
     size = 15 * min(1.0, 90 / max(len(title), 1))
     figure.text(0.025, 0.945, title, fontsize=size, weight="bold", color=INK, parse_math=False)
@@ -99,16 +105,21 @@ def _coloured(figure: Figure, found: ScanComparison, scale: Normalize) -> None:
     """The shape in perspective in the colours of the distance."""
     distance = found.vertex_distance
     known = np.isfinite(distance)
-    colours = np.where(known[:, None], COLOURS(scale(np.where(known, distance, 0.0)))[:, :3], NOT_SCANNED)
+    colours = np.where(
+        known[:, None], SIGNED_DISTANCE_COLOURS(scale(np.where(known, distance, 0.0)))[:, :3], NOT_SCANNED
+    )
     thing = bare(found.shape, colours)
     low, high = found.shape.positions.min(axis=0), found.shape.positions.max(axis=0)
     view = camera(*OBLIQUE, (low + high) / 2, 2.6 * float(np.linalg.norm(high - low)))
-    room = np.array([0.46 * WIDTH, 0.68 * HEIGHT]) * DPI
+    room = np.array([0.46 * COMPARISON_WIDTH_IN, 0.68 * COMPARISON_HEIGHT_IN]) * COMPARISON_DPI
     seen = np.maximum(np.ptp(view.project(thing.points)[:, :2], axis=0), 1e-3)
     image = render(thing, view, float((room / seen).min()))
     height, width = image.shape[:2]
     canvas = image[..., 3:] * image[..., :3] + 1 - image[..., 3:]
-    left, bottom = 0.27 * WIDTH * DPI - width / 2, 0.5 * HEIGHT * DPI - height / 2
+    left, bottom = (
+        0.27 * COMPARISON_WIDTH_IN * COMPARISON_DPI - width / 2,
+        0.5 * COMPARISON_HEIGHT_IN * COMPARISON_DPI - height / 2,
+    )
     figure.figimage(canvas, left, bottom, origin="lower")
 
 
@@ -119,7 +130,7 @@ def _section(axes: Axes, found: ScanComparison, along: int, level: float) -> Non
     near = np.abs(found.points[:, across] - level) < _SLAB_MM
     for some, colour in ((near & ~found.used, "#b0b0b8"), (near & found.used, "#c8553d")):
         axes.plot(*found.points[some][:, [along, 2]].T, ".", color=colour, markersize=2.5)
-    axes.add_collection(LineCollection(list(segments), colors=SHAPE, linewidths=1.2))
+    axes.add_collection(LineCollection(list(segments), colors=SHAPE_COLOUR, linewidths=1.2))
     positions = found.shape.positions[:, [along, 2]]
     low, high = positions.min(axis=0), positions.max(axis=0)
     room = 0.06 * float((high - low).max()) + 1.0

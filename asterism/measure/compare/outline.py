@@ -19,7 +19,7 @@ from asterism.results.csv_cells import read_rows
 from pattern.geometry.arrays import Floats
 from pattern.geometry.planar import polygon_area
 
-FORMATS = (".svg", ".csv")
+OUTLINE_FORMATS = (".svg", ".csv")
 _LARGEST = 1e6
 _PX = 25.4 / 96.0  # mm of a user unit without a viewBox, as SVG has it
 _UNSEEN = ("marker", "mask")  # elements whose content is no line of the drawing

@@ -14,7 +14,7 @@ from asterism.measure.compare.scan_file import check_scan_file
 from asterism.measure.compare.units import MM
 from pattern.geometry.arrays import Floats, Ints
 
-FORMATS = (".obj", ".stl", ".ply")
+SCAN_FORMATS = (".obj", ".stl", ".ply")
 MOST_POINTS = 20_000
 LARGEST = 1e9  # in the file's unit
 LINE = 1e-3  # width over length below which points are no surface
@@ -62,8 +62,8 @@ def read_scan(path: str | Path, unit: str = "mm", seed: int = 0) -> Scan:
         The file is not a scan, or empty.
     """
     path = Path(path)
-    if path.suffix.lower() not in FORMATS:
-        raise ScanError(path, f"must end in {', '.join(FORMATS)}, or in .svg or .csv for an outline")
+    if path.suffix.lower() not in SCAN_FORMATS:
+        raise ScanError(path, f"must end in {', '.join(SCAN_FORMATS)}, or in .svg or .csv for an outline")
     vertices, triangles = _read(path)
     if len(vertices) == 0:
         raise ScanError(path, "holds no points")

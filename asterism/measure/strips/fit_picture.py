@@ -18,7 +18,7 @@ from pattern.design.materials import Fabric, Plastic, bilayer_curvature, rest_cu
 from pattern.design.residual_curvature import residual_curvature
 from pattern.geometry.arrays import Floats
 
-WITH, PEELED, WRONG = "#2a6f97", "#c8553d", "#9d1f1f"
+WITH_FABRIC_COLOUR, PEELED_COLOUR, OUTLIER_COLOUR = "#2a6f97", "#c8553d", "#9d1f1f"
 # so stiff that the curvature is proportional to E2/E1 in both conventions
 _STIFF = 1e9
 
@@ -47,11 +47,11 @@ def _over_thickness(axes: Axes, fit: StripFit) -> None:
     one = fit.used[0]
     fabric = Fabric(stretch=one.stretch, thickness_mm=one.fabric_thickness_mm)
     with_fabric = [rest_curvature(h, fabric, plastic) for plastic in _plastics(fit)]
-    axes.fill_between(h, with_fabric[1], with_fabric[2], color=WITH, alpha=0.2, linewidth=0)
-    axes.plot(h, with_fabric[0], color=WITH, linewidth=1.2)
+    axes.fill_between(h, with_fabric[1], with_fabric[2], color=WITH_FABRIC_COLOUR, alpha=0.2, linewidth=0)
+    axes.plot(h, with_fabric[0], color=WITH_FABRIC_COLOUR, linewidth=1.2)
     if fit.kappa_bar:
-        axes.plot(h, residual_curvature(h, fit.plastic().kappa_bar_per_mm), color=PEELED, linewidth=1.2)
-    for peeled, colour, label in ((False, WITH, "with fabric"), (True, PEELED, "peeled")):
+        axes.plot(h, residual_curvature(h, fit.plastic().kappa_bar_per_mm), color=PEELED_COLOUR, linewidth=1.2)
+    for peeled, colour, label in ((False, WITH_FABRIC_COLOUR, "with fabric"), (True, PEELED_COLOUR, "peeled")):
         some = [r for r in fit.used if r.peeled == peeled]
         bent = [r for r in some if r.curvature_per_mm is not None]
         flat = [r for r in some if r.curvature_per_mm is None]
@@ -64,8 +64,8 @@ def _over_thickness(axes: Axes, fit: StripFit) -> None:
             )
     for out in fit.left_out:
         place = (out.reading.thickness_mm, out.reading.curvature_per_mm or 0.0)
-        axes.plot(*place, "x", color=WRONG, markersize=8)
-        axes.annotate(f"  {out.reading.strip}", place, fontsize=8, color=WRONG, va="center")
+        axes.plot(*place, "x", color=OUTLIER_COLOUR, markersize=8)
+        axes.annotate(f"  {out.reading.strip}", place, fontsize=8, color=OUTLIER_COLOUR, va="center")
     axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
     style_axes(axes, "curvature of the strips, 1/mm", "thickness of the plastic, mm")
     add_grid(axes)
@@ -75,7 +75,9 @@ def _over_thickness(axes: Axes, fit: StripFit) -> None:
 def _line(axes: Axes, fit: StripFit) -> None:
     """The fabric's part of the curvature over its factor in the formula."""
     bent = [r for r in fit.used if not r.peeled and r.curvature_per_mm is not None]
-    axes.plot(_factor(bent, fit), _kappa(bent) - _kept(bent, fit), "o", color=WITH, markersize=4, alpha=0.6)
+    axes.plot(
+        _factor(bent, fit), _kappa(bent) - _kept(bent, fit), "o", color=WITH_FABRIC_COLOUR, markersize=4, alpha=0.6
+    )
     one = bent[0]
     h = np.linspace(min(_h(bent)), max(_h(bent)) * 1.6, 200)
     factor = _STIFF * bilayer_curvature(h, one.fabric_thickness_mm, _STIFF, 1 - one.stretch**-2, fit.formula)
@@ -83,8 +85,8 @@ def _line(axes: Axes, fit: StripFit) -> None:
         bilayer_curvature(h, one.fabric_thickness_mm, p.modulus_ratio, 1 - one.stretch**-2, fit.formula)
         for p in _plastics(fit)
     ]
-    axes.fill_between(factor, curves[1], curves[2], color=WITH, alpha=0.2, linewidth=0)
-    axes.plot(factor, curves[0], color=WITH, linewidth=1.2)
+    axes.fill_between(factor, curves[1], curves[2], color=WITH_FABRIC_COLOUR, alpha=0.2, linewidth=0)
+    axes.plot(factor, curves[0], color=WITH_FABRIC_COLOUR, linewidth=1.2)
     axes.set_xlim(left=0)
     axes.set_ylim(bottom=0)
     share = "6" if fit.formula == "paper" else "3"

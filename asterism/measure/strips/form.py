@@ -10,19 +10,24 @@ import numpy as np
 from asterism.measure.strips import arc
 from asterism.measure.strips.specimen import PrintedStrip, Specimen
 from asterism.measure.strips.strip_table import BOXES, GIVEN
-from asterism.print.drawing import Drawing, DrawingLayer, Label, Polyline, rectangle
+from asterism.print.drawing import A4_MM, Drawing, DrawingLayer, Label, Polyline, rectangle
 from asterism.print.instructions import homing_advice
 from asterism.print.printer import Printer
 from pattern.design.materials import Fabric, Plastic, rest_curvature
 from pattern.geometry.arrays import Floats
 
-A4_MM = np.array([210.0, 297.0])
+# largest size of the map of the strips
 MAP_MM = (180.0, 115.0)
-INK = DrawingLayer("text", "#26262b", 0.2)
-PALE = DrawingLayer("help", "#7a7a82", 0.15)
-STRIP = DrawingLayer("strips", "#26262b", 0.2, filled=True)
-BOX = DrawingLayer("boxes", "#c8553d", 0.25, dash_mm=(1.5, 1.0))
-ARC = DrawingLayer("arcs", "#2a6f97", 0.8)
+# pens of the form: text and numbers
+TEXT_PEN = DrawingLayer("text", "#26262b", 0.2)
+# frames, rules and notes
+HELP_PEN = DrawingLayer("help", "#7a7a82", 0.15)
+# the printed strips on the map
+STRIP_PEN = DrawingLayer("strips", "#26262b", 0.2, filled=True)
+# the box around a curled strip
+BOX_PEN = DrawingLayer("boxes", "#c8553d", 0.25, dash_mm=(1.5, 1.0))
+# the curled strip, seen from its edge
+ARC_PEN = DrawingLayer("arcs", "#2a6f97", 0.8)
 
 Pair = tuple[float, float]
 _LETTERS = 108
@@ -64,15 +69,15 @@ def csv_text(specimen: Specimen, stretch: float, fabric_mm: float) -> str:
 
 def _first_page(specimen: Specimen, start: PrintStart, layers_mm: Pair, stretch: float, fabric_mm: float) -> Drawing:
     items: list[Polyline | Label] = [
-        Label(INK, np.array([15.0, 278.0]), "Strips to measure a plastic and a fabric", 6.0, bold=True)
+        Label(TEXT_PEN, np.array([15.0, 278.0]), "Strips to measure a plastic and a fabric", 6.0, bold=True)
     ]
     y = 268.0
     for line in instructions(specimen, start, layers_mm, stretch, fabric_mm):
-        items.append(Label(INK, np.array([15.0, y]), line, 3.0))
+        items.append(Label(TEXT_PEN, np.array([15.0, y]), line, 3.0))
         y -= 5.0
     items += _boxes(np.array([15.0, y - 34.0]))
     items += _map(specimen, start.printer.bed_mm)
-    return Drawing("Strips", np.zeros(2), A4_MM, tuple(items))
+    return Drawing("Strips", np.zeros(2), np.array(A4_MM), tuple(items))
 
 
 def _map(specimen: Specimen, bed_mm: tuple[float, float]) -> list[Polyline | Label]:
@@ -80,18 +85,18 @@ def _map(specimen: Specimen, bed_mm: tuple[float, float]) -> list[Polyline | Lab
     scales = (1, 2, 2.5, 3, 4, 5, 10, 20, 50)
     parts = next(n for n in scales if all(bed <= n * room for bed, room in zip(bed_mm, MAP_MM, strict=True)))
     width, depth = bed_mm[0] / parts, bed_mm[1] / parts
-    centre = (float(A4_MM[0]) / 2, 12.0 + depth / 2)
+    centre = (A4_MM[0] / 2, 12.0 + depth / 2)
     head = f"The print, 1:{parts:g}, seen from above: number and thickness"
     items: list[Polyline | Label] = [
-        Label(PALE, np.array([15.0, 14.5 + depth]), head, 3.0),
-        rectangle(PALE, (width, depth), centre),
+        Label(HELP_PEN, np.array([15.0, 14.5 + depth]), head, 3.0),
+        rectangle(HELP_PEN, (width, depth), centre),
     ]
     size = (specimen.length_mm / parts, specimen.width_mm / parts)
     for strip in specimen.strips:
         x, y = centre[0] + strip.centre_mm[0] / parts, centre[1] + strip.centre_mm[1] / parts
-        items.append(rectangle(STRIP, size, (x, y)))
+        items.append(rectangle(STRIP_PEN, size, (x, y)))
         label = f"{strip.number}: {strip.thickness_mm:g}"
-        items.append(Label(INK, np.array([x, y + size[1] / 2 + 0.6]), label, 2.3, end="middle"))
+        items.append(Label(TEXT_PEN, np.array([x, y + size[1] / 2 + 0.6]), label, 2.3, end="middle"))
     return items
 
 
@@ -142,10 +147,10 @@ def _boxes(corner: Floats) -> list[Polyline | Label]:
         line = radius * np.column_stack([np.sin(turn), np.cos(turn) - np.cos(angle / 2)])
         width, height = (float(side) for side in arc.box(1 / radius, length))
         middle = corner + np.array([30.0 + 60.0 * column, 6.0])
-        items.append(Polyline(ARC, middle + line))
-        items.append(rectangle(BOX, (width, height), (float(middle[0]), float(middle[1] + height / 2))))
-        items.append(Label(PALE, middle - [0.0, 3.2], f"width {width:.0f}, height {height:.0f}", 2.6, end="middle"))
-        items.append(Label(PALE, middle - [0.0, 6.6], name, 2.6, end="middle"))
+        items.append(Polyline(ARC_PEN, middle + line))
+        items.append(rectangle(BOX_PEN, (width, height), (float(middle[0]), float(middle[1] + height / 2))))
+        items.append(Label(HELP_PEN, middle - [0.0, 3.2], f"width {width:.0f}, height {height:.0f}", 2.6, end="middle"))
+        items.append(Label(HELP_PEN, middle - [0.0, 6.6], name, 2.6, end="middle"))
     return items
 
 
@@ -162,19 +167,19 @@ def _table_page(specimen: Specimen, strips: tuple[PrintedStrip, ...]) -> Drawing
     top, pitch = 280.0, 6.3
     items: list[Polyline | Label] = []
     for (name, below), left, right in zip(heads, edges[:-1], edges[1:], strict=True):
-        items.append(Label(INK, np.array([(left + right) / 2, top - 4.0]), name, 3.0, end="middle", bold=True))
-        items.append(Label(PALE, np.array([(left + right) / 2, top - 7.6]), below, 2.6, end="middle"))
+        items.append(Label(TEXT_PEN, np.array([(left + right) / 2, top - 4.0]), name, 3.0, end="middle", bold=True))
+        items.append(Label(HELP_PEN, np.array([(left + right) / 2, top - 7.6]), below, 2.6, end="middle"))
     for row in range(len(strips) + 1):
         y = top - 10.0 - pitch * row
-        items.append(Polyline(PALE, np.array([[edges[0], y], [edges[-1], y]])))
+        items.append(Polyline(HELP_PEN, np.array([[edges[0], y], [edges[-1], y]])))
         if row < len(strips):
             for text, left, right in (
                 (str(strips[row].number), 15.0, 30.0),
                 (f"{strips[row].thickness_mm:g}", 30.0, 50.0),
             ):
-                items.append(Label(INK, np.array([(left + right) / 2, y - pitch + 1.9]), text, 3.0, end="middle"))
+                items.append(Label(TEXT_PEN, np.array([(left + right) / 2, y - pitch + 1.9]), text, 3.0, end="middle"))
     bottom = top - 10.0 - pitch * len(strips)
-    items += [Polyline(PALE, np.array([[x, top], [x, bottom]])) for x in edges]
+    items += [Polyline(HELP_PEN, np.array([[x, top], [x, bottom]])) for x in edges]
     note = f"Boxes in mm; strips {specimen.length_mm:g} mm long. Type them into strips.csv."
-    items.append(Label(PALE, np.array([15.0, 285.0]), note, 3.0))
-    return Drawing("Strips", np.zeros(2), A4_MM, tuple(items))
+    items.append(Label(HELP_PEN, np.array([15.0, 285.0]), note, 3.0))
+    return Drawing("Strips", np.zeros(2), np.array(A4_MM), tuple(items))

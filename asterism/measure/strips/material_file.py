@@ -12,7 +12,7 @@ from homogenize.law.material import Material
 
 # a file that begins with this line is ours, and may be written over
 FIRST_LINE = "# Written by asterism strips fit, which writes over this file as long as this line is here."
-BESIDE = (".png", ".json")  # files of the same name that are written with it
+COMPANION_SUFFIXES = (".png", ".json")  # files of the same name that are written with it
 
 
 def material_text(fit: StripFit, name: str, remarks: list[str]) -> str:
@@ -42,7 +42,7 @@ def check_ours(path: Path) -> None:
                 foreign = path
     except FileNotFoundError:
         # a picture or numbers of the same name without a material are somebody else's
-        foreign = next((file for file in map(path.with_suffix, BESIDE) if file.exists()), None)
+        foreign = next((file for file in map(path.with_suffix, COMPANION_SUFFIXES) if file.exists()), None)
     except (OSError, UnicodeDecodeError):
         foreign = path
     if foreign:

@@ -15,7 +15,7 @@ from asterism.measure.strips.parameter_estimate import estimate_parameters, firs
 from pattern.geometry.arrays import Floats, Ints
 
 # the chance that one of all good readings is called an outlier
-FALSE_ALARM = 0.01
+OUTLIER_FALSE_ALARM = 0.01
 _BIWEIGHT = 4.685
 # marks of the ruler by which a good reading may differ: one at the width and one at the height of its box
 _MARKS = 1.5
@@ -97,7 +97,7 @@ def _outliers(model: CurvatureModel, data: StripData) -> tuple[np.ndarray, Float
         free = max(found.free, 2)
         alone = distance * np.sqrt(np.maximum((free - 1) / np.maximum(free - distance**2, 1e-9), 0.0))
         distance = np.where(good & ~data.flat, np.where(distance**2 < free, alone, np.inf), distance)
-        limit = student.ppf(1 - FALSE_ALARM / (2 * len(distance)), free - 1)
+        limit = student.ppf(1 - OUTLIER_FALSE_ALARM / (2 * len(distance)), free - 1)
         # the next mark of a ruler, at both sides of a box, is no contradiction, however many read the same one
         mark = data.step * sensitivity
         again = (distance <= limit) | (np.abs(_beyond(data, mean)) <= _MARKS * mark)

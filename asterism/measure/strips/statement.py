@@ -10,7 +10,7 @@ from scipy.stats import norm
 
 from asterism.measure.strips.curvature_model import FORMULAS, StripData
 from asterism.measure.strips.strip_fit import Interval, StripFit
-from asterism.measure.strips.systematic import FABRIC_MM, PLASTIC_MM, STRETCH_PERCENT, shared_errors
+from asterism.measure.strips.systematic import FABRIC_ERROR_MM, PLASTIC_ERROR_MM, STRETCH_ERROR_PERCENT, shared_errors
 from pattern.design.materials import bilayer_curvature
 
 
@@ -88,8 +88,9 @@ def fit_rows(fit: StripFit) -> dict[str, str]:
         f", {100 * fit.estimate.common.with_fabric:.1f} % from thickness to thickness"
     )
     rows["if all strips had"] = (
-        f"{STRETCH_PERCENT:g} % more stretch: E1/E2 {shared['stretch']:+.1f} %; fabric {FABRIC_MM:g} mm thicker: "
-        f"{shared['fabric_thickness']:+.1f} %; plastic {PLASTIC_MM:g} mm thicker: {shared['plastic_thickness']:+.1f} %"
+        f"{STRETCH_ERROR_PERCENT:g} % more stretch: E1/E2 {shared['stretch']:+.1f} %; "
+        f"fabric {FABRIC_ERROR_MM:g} mm thicker: {shared['fabric_thickness']:+.1f} %; "
+        f"plastic {PLASTIC_ERROR_MM:g} mm thicker: {shared['plastic_thickness']:+.1f} %"
     )
     return rows
 

@@ -15,7 +15,7 @@ BOXES = ("box_width_mm", "box_height_mm", "peeled_box_width_mm", "peeled_box_hei
 CURVATURES = ("curvature_per_mm", "peeled_curvature_per_mm")
 STRIP_COLUMNS = (*GIVEN, *BOXES, *CURVATURES)
 LENGTH_MM = (5.0, 1000.0)
-FABRIC_MM = (0.01, 10.0)
+FABRIC_RANGE_MM = (0.01, 10.0)
 STRETCH = (1.01, 3.0)
 MAX_BOX_MM = 2000.0
 # steps to which a ruler or a screen is read; of fewer sides than this nothing is concluded
@@ -81,7 +81,7 @@ def _readings(row: Row, name: str, stretch: float | None, fabric_mm: float | Non
     """What was measured of one strip, and the box: nothing, or with its fabric, peeled, or both."""
     thickness = _needed(row, "thickness_mm", THICKNESS_RANGE_MM)
     length = _needed(row, "length_mm", LENGTH_MM)
-    fabric = _needed(row, "fabric_thickness_mm", FABRIC_MM, fabric_mm, "--fabric-thickness")
+    fabric = _needed(row, "fabric_thickness_mm", FABRIC_RANGE_MM, fabric_mm, "--fabric-thickness")
     stretched = _needed(row, "stretch", STRETCH, stretch, "--stretch")
     plain = Reading(name, row.number, thickness, length, stretched, fabric, False, None)
     readings: list[Measured] = []

@@ -8,20 +8,25 @@ from asterism.measure.strips.curvature_model import StripData
 from asterism.measure.strips.parameter_estimate import estimate_parameters
 from asterism.measure.strips.strip_fit import StripFit
 
-STRETCH_PERCENT, FABRIC_MM, PLASTIC_MM = 1.0, 0.05, 0.01
+# assumed error of the stretch
+STRETCH_ERROR_PERCENT = 1.0
+# assumed error of the thickness of the fabric
+FABRIC_ERROR_MM = 0.05
+# assumed error of the thickness of the plastic
+PLASTIC_ERROR_MM = 0.01
 
 
 def shared_errors(fit: StripFit) -> dict[str, float]:
     """Change of E1/E2 in percent if the stretch, the fabric's or the plastic's thickness were larger than stated."""
     data = StripData.of(list(fit.used), fit.flat_height_mm)
-    stretch = (1 - data.mismatch) ** -0.5 * (1 + STRETCH_PERCENT / 100)
-    thicker = data.thickness + PLASTIC_MM
+    stretch = (1 - data.mismatch) ** -0.5 * (1 + STRETCH_ERROR_PERCENT / 100)
+    thicker = data.thickness + PLASTIC_ERROR_MM
     changed = {
         "stretch": (replace(data, mismatch=1 - stretch**-2), fit.model),
-        "fabric_thickness": (replace(data, fabric=data.fabric + FABRIC_MM), fit.model),
+        "fabric_thickness": (replace(data, fabric=data.fabric + FABRIC_ERROR_MM), fit.model),
         "plastic_thickness": (
             replace(data, thickness=thicker),
-            replace(fit.model, thicknesses=fit.model.thicknesses + PLASTIC_MM),
+            replace(fit.model, thicknesses=fit.model.thicknesses + PLASTIC_ERROR_MM),
         ),
     }
     before = 1 / float(fit.estimate.parameters[0])

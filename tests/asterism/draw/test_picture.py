@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from asterism.draw.picture import HEIGHT, WIDTH, caption, draw_shape
+from asterism.draw.picture import PICTURE_HEIGHT_PX, PICTURE_WIDTH_PX, caption, draw_shape
 from asterism.draw.render import FABRIC_SIDE, PLASTIC_SIDE, camera, render, scene
 from asterism.shape.shape import Shape
 from tests.asterism import sheets
@@ -39,7 +39,7 @@ def rough(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("place", [sheets.flat, sheets.dome, sheets.tube, sheets.saddle])
 def test_every_shape_gives_a_full_picture_on_white(place) -> None:  # type: ignore[no-untyped-def]
     image = image_of(sheets.sheet(place, edge=4.0))
-    assert image.shape == (HEIGHT, WIDTH, 3)
+    assert image.shape == (PICTURE_HEIGHT_PX, PICTURE_WIDTH_PX, 3)
     assert np.allclose(image[[0, -1]], 1) and np.allclose(image[:, [0, -1]], 1)
     assert (image[:, :1240] < 0.99).any(axis=-1).mean() > 0.1
     assert (image[:, 1240:] < 0.99).any(axis=-1).mean() > 0.1

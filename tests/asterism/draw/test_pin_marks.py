@@ -11,7 +11,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from asterism.draw.picture import shape_image
-from asterism.draw.pin_marks import BALL, TUBE, pin_marks
+from asterism.draw.pin_marks import BALL_RADIUS_FACTOR, TUBE_RADIUS_FACTOR, pin_marks
 from asterism.draw.render import PINS
 from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
@@ -36,7 +36,7 @@ def volume(points: np.ndarray, triangles: np.ndarray) -> float:
 def test_balls_at_points() -> None:
     shape = held({"points_mm": [[10.0, 5.0]]}, {"corners": [0, 2]})
     points, normals, triangles = pin_marks(shape)
-    radius = BALL * diameter(shape.positions)
+    radius = BALL_RADIUS_FACTOR * diameter(shape.positions)
     places = shape.at(np.array([[10.0, 5.0], [-50.0, -40.0], [50.0, 40.0]]))
     balls = points.reshape(3, -1, 3)
     assert np.linalg.norm(balls - places[:, None], axis=2) == pytest.approx(radius)
@@ -49,7 +49,7 @@ def test_balls_at_points() -> None:
 def test_tubes_along_sides() -> None:
     shape = held({"edges": [1]})
     points, normals, triangles = pin_marks(shape)
-    radius = TUBE * diameter(shape.positions)
+    radius = TUBE_RADIUS_FACTOR * diameter(shape.positions)
     side = shape.at(np.column_stack([np.full(400, 50.0), np.linspace(-40.0, 40.0, 400)]))
     away = np.linalg.norm(points[:, None] - side, axis=2).min(axis=1)
     assert away.max() < 1.2 * radius and np.median(away) > 0.8 * radius
