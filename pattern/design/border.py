@@ -10,9 +10,14 @@ from pydantic import Field, model_validator
 
 from pattern.design.errors import DesignError
 from pattern.design.section import Number, Point, Section, Whole
+from pattern.geometry.arrays import Floats
+from pattern.geometry.planar import distance_to_segment
 
 MAX_SHEET_MM = 5000.0
 MIN_CORNER_DISTANCE_MM = 1e-3
+# A spike or a slit is thinner than this, and much longer.
+MIN_SHEET_WIDTH_MM = 0.01
+MIN_SPIKE_ASPECT = 20.0
 
 
 class Border(Section):
@@ -74,6 +79,30 @@ def _check_polygon(polygon: tuple[Point, ...]) -> None:
         raise error("must not repeat a corner (nor the first at the end)", repeated)
     sheet = shapely.polygons(corners)
     if not shapely.is_valid(sheet):
-        raise error("must not cross or touch itself")
+        # shapely reports the place in square brackets
+        place = shapely.is_valid_reason(sheet).rpartition("[")[2].rstrip("]").split()
+        at = f", as at [{float(place[0]):.3f}, {float(place[1]):.3f}]" if len(place) == 2 else ""
+        raise error(f"must not cross or touch itself{at}")
     if shapely.area(sheet) < 1:
         raise error("must enclose at least 1 mm2")
+    if (corner := _thin_place(corners)) is not None:
+        x, y = corners[corner]
+        place = f"it has a spike or slit at [{x:g}, {y:g}]"
+        raise error(f"must be at least {MIN_SHEET_WIDTH_MM:g} mm wide everywhere: {place}")
+
+
+def _thin_place(corners: Floats) -> int | None:
+    """Number of a corner at which the sheet, or the space beside it, is much thinner than it is long."""
+    count = len(corners)
+    ends = np.roll(corners, -1, axis=0)
+    length = np.linalg.norm(ends - corners, axis=1)
+    along = np.concatenate([[0.0], np.cumsum(length)])
+    for corner in range(count):
+        edges = (corner + 1 + np.arange(count - 2)) % count  # all but the two edges that end here
+        distance = distance_to_segment(corners[corner], corners[edges], ends[edges])
+        # way along the outline to the nearer end of the edge, in either direction
+        ahead = (along[edges] - along[corner]) % along[-1]
+        way = np.minimum(ahead, along[-1] - ahead - length[edges])
+        if ((distance < MIN_SHEET_WIDTH_MM) & (way > MIN_SPIKE_ASPECT * MIN_SHEET_WIDTH_MM)).any():
+            return corner
+    return None

@@ -1,4 +1,4 @@
-"""The design: everything a user decides about a sheet, in one file that can be read and edited."""
+"""The design: all choices of a user about one sheet, as sections of one file."""
 
 from __future__ import annotations
 
@@ -19,9 +19,14 @@ from pattern.design.pins import Pins
 from pattern.design.section import Flag, Line, Number, Place, Section, Text, Whole
 from pattern.design.stars import Stars
 
+# keys that another table has too, but that stand for something else where they are misplaced
+MEANT_KEYS = {
+    ("plastic", "modulus_mpa"): "unknown key here, use modulus_ratio: the plastic's modulus over the fabric's"
+}
+
 
 class Gravity(Section):
-    """Weight of fabric and plastic; it needs the fabric's real modulus, not only the ratio."""
+    """Weight of fabric and plastic. It needs `fabric.modulus_mpa`, not only the ratio of the moduli."""
 
     on: Flag = False
     direction: Place = (0.0, 0.0, -1.0)
@@ -36,7 +41,15 @@ class Gravity(Section):
 
 
 class MeshChoice(Section):
-    """How the sheet is cut into triangles: length of their edges, kind of mesh, seed of its irregularity, grading."""
+    """The mesh of the exact model.
+
+    Attributes
+    ----------
+    edge_mm : length of the edges.
+    kind : aligned with the lattice, Delaunay, or aligned where possible (`auto`).
+    seed : of the Delaunay mesh.
+    graded : finer at the arms and their tips.
+    """
 
     edge_mm: Number = Field(2.0, ge=0.2, le=500)
     kind: Literal["auto", "aligned", "delaunay"] = "auto"
@@ -45,9 +58,13 @@ class MeshChoice(Section):
 
 
 class Solver(Section):
-    """Where the search for the shape starts: all stars bumped towards the plastic, or flat with noise.
+    """The search for the shape.
 
-    And whether the sheet may pass through itself on its way, and in the end.
+    Attributes
+    ----------
+    start : initial guess: all stars bumped towards the plastic, or flat with noise.
+    seed : of the noise.
+    contact : prevents the sheet from passing through itself.
     """
 
     start: Literal["bump", "flat"] = "bump"
@@ -56,7 +73,14 @@ class Solver(Section):
 
 
 class Design(Section):
-    """A sheet of plastic stars on stretched fabric; lengths in mm on the stretched fabric, moduli in MPa."""
+    """A sheet of plastic stars on stretched fabric; lengths in mm on the stretched fabric, moduli in MPa.
+
+    Examples
+    --------
+    >>> design = Design.from_dict({"stars": {"length_mm": 10}, "border": {"rings": 2}})
+    >>> design.lattice.arms, design.fabric.stretch
+    (3, 1.35)
+    """
 
     name: Line = Field("design", min_length=1, max_length=100)
     units: Text = "mm"
@@ -73,7 +97,7 @@ class Design(Section):
     @model_validator(mode="before")
     @classmethod
     def _keys_in_their_tables(cls, data: Any) -> Any:
-        """A key that is known elsewhere is told where: in TOML whatever follows a table's header is in that table."""
+        """Refuse a key in a wrong table, and name the right one: in TOML, a key belongs to the header above it."""
         if not isinstance(data, Mapping):
             return data
         kinds = {"": cls} | {name: field.annotation for name, field in cls.model_fields.items()}
@@ -83,6 +107,8 @@ class Design(Section):
             if not isinstance(entries, Mapping):
                 continue
             for key in entries:
+                if (name, key) in MEANT_KEYS:
+                    raise DesignError(f"{name}.{key}", MEANT_KEYS[name, key], entries[key])
                 homes = [home for home, other in tables.items() if key in other.model_fields]
                 if homes and name not in homes:
                     field = f"{name}.{key}" if name else key
@@ -97,13 +123,15 @@ class Design(Section):
         return units
 
     @model_validator(mode="after")
-    def _weighs_what_it_weighs(self) -> Self:
+    def _modulus_with_gravity(self) -> Self:
         if self.gravity.on and "modulus_mpa" not in self.fabric.model_fields_set:
-            raise DesignError("fabric.modulus_mpa", "must be given with gravity on: the default is a ratio's scale")
+            raise DesignError(
+                "fabric.modulus_mpa", "must be given with gravity on: the default only sets the scale of a ratio"
+            )
         return self
 
     @model_validator(mode="after")
-    def _bends_alike_everywhere(self) -> Self:
+    def _bending_of_graded_meshes(self) -> Self:
         if self.mesh.graded and self.fabric.bending_follows_mesh:
             message = (
                 'needs fabric.bending = "consistent" or "none": the stiffness of the paper\'s hinges follows the mesh'

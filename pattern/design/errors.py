@@ -1,4 +1,4 @@
-"""One line for every mistake in a design: the file, the field, its value and what is allowed."""
+"""Errors in designs: one line with the file, the field, its value and what is allowed."""
 
 from __future__ import annotations
 
@@ -10,19 +10,24 @@ from pydantic import ValidationError
 from equilibrium.errors import Error
 
 _NOTHING: Any = object()
-_LONGEST_VALUE = 60
-A_LIST = "must be a list"
+_MAX_VALUE_CHARACTERS = 60
+MUST_BE_A_LIST = "must be a list"
 
 
 class DesignError(Error, ValueError):
-    """A design that cannot be printed or read; `str` is one line.
+    """A design that cannot be read or printed. Its message is one line.
 
     Parameters
     ----------
     field : dotted, e.g. `stars.length_mm` or `pins[0].scale`; empty for the file as a whole.
-    allowed : what would be right, or what is wrong.
-    value : what was found there; left out if there is nothing to show.
-    file : where the design was read from, if it was.
+    allowed : what is allowed, or what is wrong.
+    value : the value in the design; optional.
+    file : file of the design; optional.
+
+    Examples
+    --------
+    >>> str(DesignError("mesh.edge_mm", "must be at most 17.3", 40.0, "dome.toml"))
+    'dome.toml: mesh.edge_mm = 40.0: must be at most 17.3'
     """
 
     def __init__(self, field: str, allowed: str, value: Any = _NOTHING, file: str | Path | None = None):
@@ -31,12 +36,12 @@ class DesignError(Error, ValueError):
         super().__init__(one_line(": ".join(part for part in (str(file or ""), place, allowed) if part)))
 
     def within(self, file: str | Path) -> DesignError:
-        """The same mistake, with its file named."""
+        """The same error with the name of its file."""
         return DesignError(self.field, self.allowed, self.value, file)
 
 
 def from_validation(error: ValidationError, file: str | Path | None = None) -> DesignError:
-    """The first of pydantic's complaints in our words."""
+    """The first of pydantic's errors as a `DesignError`."""
     first = error.errors(include_url=False)[0]
     context = first.get("ctx", {})
     field = _dotted(first["loc"], context.get("key"))
@@ -46,7 +51,7 @@ def from_validation(error: ValidationError, file: str | Path | None = None) -> D
         inner = ".".join(part for part in (field, cause.field) if part)
         return DesignError(inner, cause.allowed, cause.value, file)
     value, allowed = context.get("value", first["input"]), _allowed(first["type"], context, first["msg"])
-    if allowed == A_LIST and isinstance(value, dict) and field in ("pins", "stars.override"):
+    if allowed == MUST_BE_A_LIST and isinstance(value, dict) and field in ("pins", "stars.override"):
         allowed += f"; a table in it begins with [[{field}]]"
     return DesignError(field, allowed, value, file)
 
@@ -84,7 +89,7 @@ def _allowed(kind: str, context: dict[str, Any], message: str) -> str:
             commas = context.get("actual_length") == 2 * context["max_length"]
             return f"must have at most {context['max_length']} entries" + ("; decimals have a point" if commas else "")
         case "tuple_type" | "list_type":
-            return A_LIST
+            return MUST_BE_A_LIST
         case "model_type" | "dict_type" | "model_attributes_type":
             return "must be a table of keys and values"
         case _:
@@ -92,7 +97,7 @@ def _allowed(kind: str, context: dict[str, Any], message: str) -> str:
 
 
 def _dotted(location: tuple[int | str, ...], key: str | None) -> str:
-    """`stars.override[2].at_mm`; the branches of a union (written `kind:name`) are ours, not the user's."""
+    """`stars.override[2].at_mm`; branches of a union (written `kind:name`) are left out."""
     field = ""
     for part in (*location, *([key] if key is not None else [])):
         if isinstance(part, int):
@@ -105,13 +110,13 @@ def _dotted(location: tuple[int | str, ...], key: str | None) -> str:
 def _short(value: Any) -> str:
     try:
         text = repr(value)
-    except (ValueError, RecursionError):  # integers of thousands of digits, lists that contain themselves
+    except (ValueError, RecursionError):  # integers of thousands of digits, recursive lists
         text = f"a {type(value).__name__}"
-    return text if len(text) <= _LONGEST_VALUE else f"{text[: _LONGEST_VALUE - 3]}..."
+    return text if len(text) <= _MAX_VALUE_CHARACTERS else f"{text[: _MAX_VALUE_CHARACTERS - 3]}..."
 
 
 def one_line(text: str) -> str:
-    """A text with spaces for all that cannot be printed: files, keys and designs may be named anything."""
+    """A text on one line: names of files and keys may hold characters that cannot be printed."""
     return "".join(c if c.isprintable() else " " for c in text)
 
 

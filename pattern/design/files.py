@@ -14,7 +14,7 @@ from typing import Any
 
 from pattern.design.errors import DesignError
 
-LARGEST_BYTES = 10_000_000
+MAX_DESIGN_BYTES = 10_000_000
 
 
 def read_table(path: Path) -> dict[str, Any]:
@@ -28,11 +28,11 @@ def read_table(path: Path) -> dict[str, Any]:
         raise wrong("is a folder, not a design file")
     try:
         with path.open("rb") as stream:
-            raw = stream.read(LARGEST_BYTES + 1)
+            raw = stream.read(MAX_DESIGN_BYTES + 1)
     except (OSError, ValueError) as error:
         raise wrong(f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
-    if len(raw) > LARGEST_BYTES:
-        raise wrong(f"is larger than {LARGEST_BYTES // 1_000_000} MB")
+    if len(raw) > MAX_DESIGN_BYTES:
+        raise wrong(f"is larger than {MAX_DESIGN_BYTES // 1_000_000} MB")
     try:
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:

@@ -1,4 +1,4 @@
-"""The fabric, the plastic, and the curvature that the two layers of an arm want together."""
+"""The sections `[fabric]` and `[plastic]`, and the rest curvature of an arm of both layers."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class Fabric(Section):
 
     @property
     def printed_mass(self) -> float:
-        """kg per printed mm^2: of that much fabric 1/(sx sy) is at rest."""
+        """kg per printed mm^2: the released area of a printed mm^2 is 1/(sx sy)."""
         sx, sy = self.stretch_xy
         # kg/m^3 times mm is 1e-9 kg/mm^2
         return 1e-9 * self.density_kg_m3 * self.thickness_mm / (sx * sy)
@@ -74,7 +74,7 @@ class Plastic(Section):
     modulus_ratio : Young's modulus of the plastic over the fabric's, E1/E2; it goes with `rest_curvature`,
         which was used to measure it.
     rest_curvature : formula for the curvature of a released arm.
-    kappa_bar_per_mm : curvature that the plastic keeps when it is peeled off, one number or a table over the thickness.
+    kappa_bar_per_mm : residual curvature of plastic peeled off its fabric, one number or a table over the thickness.
     density_kg_m3 : used by gravity only.
     """
 
@@ -88,7 +88,7 @@ class Plastic(Section):
 def rest_curvature(
     thickness_mm: ArrayLike, fabric: Fabric, plastic: Plastic, direction: ArrayLike | None = None
 ) -> NDArray[np.float64]:
-    """Curvature (1/mm) about the width axis that a released arm has on its own; positive bends the tips down.
+    """Curvature (1/mm) about the width axis of a released arm without neighbours; positive bends the tips down.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def rest_curvature(
 
     Notes
     -----
-    `bilayer_curvature` plus `kappa_bar`; `none` is `kappa_bar` alone. Along an arm of direction t on a fabric
+    The sum of `bilayer_curvature` and `kappa_bar`; `none` is `kappa_bar` alone. Along an arm of direction t on a fabric
     stretched by sx and sy, `1/s^2` is the fabric's released metric `tx^2/sx^2 + ty^2/sy^2`.
     """
     h1 = np.asarray(thickness_mm, dtype=float)
@@ -113,7 +113,7 @@ def rest_curvature(
 def bilayer_curvature(
     h1: ArrayLike, h2: ArrayLike, ratio: ArrayLike, mismatch: ArrayLike, formula: Literal["paper", "timoshenko"]
 ) -> NDArray[np.float64]:
-    """Curvature (1/mm) of a strip of plastic and fabric, without what the plastic keeps; arrays that broadcast.
+    """Curvature (1/mm) of a strip of plastic and fabric, without residual curvature; arrays that broadcast.
 
     Parameters
     ----------
@@ -137,4 +137,4 @@ def _metric_mismatch(stretch: tuple[float, float], direction: ArrayLike | None) 
         if stretch[0] != stretch[1]:
             raise ValueError("a fabric stretched differently in x and y needs the direction of the arm")
         return np.asarray(1 - 1 / stretch[0] ** 2)
-    return 1 - np.sum((np.asarray(direction, dtype=float) / stretch) ** 2, axis=-1)
+    return np.asarray(1 - np.sum((np.asarray(direction, dtype=float) / stretch) ** 2, axis=-1))

@@ -27,11 +27,11 @@ class Rounding(Section):
         return np.round(self.height(np.maximum(_nearest(self.layers(exact_mm)), 0.0)), 9)
 
     def layers(self, height_mm: Floats) -> Floats:
-        """n of a height, with its fraction."""
+        """Number of layers above the first one for a height, with its fraction."""
         return np.asarray((height_mm - self.first_layer_mm) / self.layer_mm)
 
     def height(self, layers: Floats) -> Floats:
-        """mm, of a first layer and n more."""
+        """Height (mm) of a first layer and a number of layers above it."""
         return np.asarray(self.first_layer_mm + self.layer_mm * layers)
 
     def width(self, exact_mm: Floats) -> Floats:
@@ -40,5 +40,5 @@ class Rounding(Section):
 
 
 def _nearest(number: Floats) -> Floats:
-    # decimal fractions are not exact: a half stays a half
+    # decimal fractions are not exact: a value meant as a half goes up
     return np.asarray(np.floor(np.asarray(number, dtype=float) + 0.5 + 1e-9))

@@ -1,4 +1,4 @@
-"""What every table of the design file has in common: known keys only, frozen, numbers that are numbers."""
+"""The base of all tables of the design file: known keys only, immutable, strict numbers."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from pydantic_core import PydanticCustomError, PydanticKnownError
 
 from pattern.design.errors import DesignError
 
-MOST = 1e12  # what is larger is a slip, and its square may be no number
+# larger numbers are mistakes, and their squares may overflow
+MAX_NUMBER = 1e12
 
 
 def is_whole(value: Any) -> bool:
@@ -24,10 +25,10 @@ def _from_array(value: Any) -> Any:
 
 
 def _moderate(value: float) -> float:
-    if abs(value) <= MOST:
+    if abs(value) <= MAX_NUMBER:
         return value
     raise PydanticKnownError(
-        *(("less_than_equal", {"le": MOST}) if value > 0 else ("greater_than_equal", {"ge": -MOST}))
+        *(("less_than_equal", {"le": MAX_NUMBER}) if value > 0 else ("greater_than_equal", {"ge": -MAX_NUMBER}))
     )
 
 

@@ -1,1 +1,1 @@
-"""Plane and space geometry in numpy."""
+"""Plane and space geometry, without any knowledge of designs."""

@@ -18,7 +18,7 @@ def triangle_normals(positions: Floats, triangles: Ints) -> Floats:
 def vertex_normals(positions: Floats, triangles: Ints) -> Floats:
     """(V, 3) unit normals on the plastic side: mean of the triangles around, weighted by area."""
     normals = gather(triangles, np.repeat(triangle_normals(positions, triangles), 3, axis=0), len(positions))
-    # a vertex where the sheet is folded onto itself has no normal; any unit vector serves
+    # where the sheet is folded onto itself, the normal is undefined: use an arbitrary unit vector
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     return np.where(length > 0, normals / np.where(length > 0, length, 1.0), [0.0, 0.0, 1.0])
 

@@ -8,8 +8,10 @@ from numpy.typing import NDArray
 
 from pattern.geometry.arrays import Floats, Ints
 
-MAX_TABLE_ENTRIES = 2_000_000  # entries of a table of distances
-STRAIGHT_TURN_RAD = 1e-6  # rad: an outline that turns by less has no corner there
+# entries of a table of distances
+MAX_TABLE_ENTRIES = 2_000_000
+# an outline that turns by less has no corner there
+STRAIGHT_TURN_RAD = 1e-6
 
 
 def cross(a: Floats, b: Floats) -> Floats:
@@ -23,9 +25,15 @@ def polygon_area(polygon: Floats) -> float:
 
 
 def turning_angles(ring: Floats) -> Floats:
-    """(n,) rad, how much a ring (n, 2) turns left at each point."""
+    """(n,) rad, angle by which a ring (n, 2) turns left at each point.
+
+    Examples
+    --------
+    >>> turning_angles(np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])).round(4).tolist()
+    [1.5708, 1.5708, 1.5708, 1.5708]
+    """
     ahead, behind = np.roll(ring, -1, axis=0) - ring, ring - np.roll(ring, 1, axis=0)
-    return np.arctan2(cross(behind, ahead), (behind * ahead).sum(axis=1))
+    return np.asarray(np.arctan2(cross(behind, ahead), (behind * ahead).sum(axis=1)))
 
 
 def triangle_areas(points: Floats, triangles: Ints) -> Floats:
@@ -69,7 +77,7 @@ def mean_circumcentres(points: Floats, triangles: Ints) -> Floats:
 
 
 def is_in_sorted(numbers: Ints, ordered: Ints) -> NDArray[np.bool_]:
-    """Which numbers (n,) are among sorted ones (m,): `np.isin` hashes, which takes several times as long."""
+    """(n,) whether each number is among sorted ones (m,); several times as fast as `np.isin`."""
     if len(ordered) == 0:
         return np.zeros(len(numbers), dtype=bool)
     return np.asarray(ordered[np.minimum(np.searchsorted(ordered, numbers), len(ordered) - 1)] == numbers)
@@ -93,7 +101,7 @@ def distance_to_segment(points: Floats, a: Floats, b: Floats) -> Floats:
 
 
 def split_for_table(points: Floats, against: int) -> list[Floats]:
-    """Points (n, 2) cut up so that a table of each piece against so many others stays small."""
+    """Points (n, 2) in chunks whose tables of distances to `against` others stay small."""
     return np.array_split(points, len(points) * against // MAX_TABLE_ENTRIES + 1)
 
 
@@ -111,7 +119,7 @@ def distance_to_outline(points: Floats, polygon: Floats) -> Floats:
 
 
 def distance_along(points: Floats, direction: Floats, polygon: Floats) -> Floats:
-    """Distance (n,) from points to a polygon's outline along a unit vector (2,); infinite where that never meets it."""
+    """Distance (n,) from points to a polygon's outline along a unit vector (2,); infinite where the ray misses it."""
     start, edge = polygon, np.roll(polygon, -1, axis=0) - polygon
     to, turn = start - points[:, None], cross(direction, edge)
     crosses = np.abs(turn) > 1e-12 * np.linalg.norm(edge, axis=1)  # others run along

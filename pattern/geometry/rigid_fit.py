@@ -1,4 +1,4 @@
-"""The rigid motion that lays one set of points on another, and what distance is left."""
+"""The rigid motion that brings one set of points closest to another, and the remaining distance."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The layout of a design: stars, arms, outline and pins in print coordinates."""
+"""The layout of a design: stars, arms, outline and supports in printed coordinates."""

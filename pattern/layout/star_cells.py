@@ -10,7 +10,7 @@ from pattern.design.errors import DesignError
 from pattern.design.lattice import Lattice
 from pattern.geometry.arrays import Floats, Ints
 
-MAX_STARS = 5000
+MAX_STARS_OF_DESIGN = 5000
 # cells in the box around the sheet that may be listed before those outside the outline are dropped
 MAX_LISTED_CELLS = 5_000_000
 
@@ -30,7 +30,7 @@ def star_cells(border: Border, lattice: Lattice, corners: Floats) -> Ints:
     Raises
     ------
     DesignError
-        The outline has room for more than `MAX_STARS` stars.
+        The outline has room for more than `MAX_STARS_OF_DESIGN` stars.
     """
     sites = lattice.sites
     if border.rings is not None:
@@ -49,8 +49,8 @@ def star_cells(border: Border, lattice: Lattice, corners: Floats) -> Ints:
         # A star exactly at the margin stays, whatever the rounding error.
         inside[inside] = shapely.distance(sheet.exterior, centres[inside]) >= margin * (1 - 1e-9)
         cells = cells[inside]
-    if len(cells) > MAX_STARS:
-        raise DesignError("border", f"must hold at most {MAX_STARS} stars", f"{len(cells)} stars")
+    if len(cells) > MAX_STARS_OF_DESIGN:
+        raise DesignError("border", f"must hold at most {MAX_STARS_OF_DESIGN} stars", f"{len(cells)} stars")
     x, y = sites.place(cells).T
     distance = np.round(np.hypot(x, y) / lattice.spacing_mm, 6)
     angle = np.round(np.arctan2(y, x), 6) % round(2 * np.pi, 6)  # a star on the x axis comes first, despite rounding
@@ -66,5 +66,5 @@ def _check_count(lattice: Lattice, corners: Floats) -> None:
     low, high = _box(corners)
     cell = abs(np.linalg.det(lattice.vectors))
     cells = float(shapely.area(shapely.polygons(corners))) / cell
-    if cells > 20 * MAX_STARS or np.prod(high - low) / cell > MAX_LISTED_CELLS:
-        raise DesignError("border", f"must hold at most {MAX_STARS} stars", f"room for {cells:.0f} stars")
+    if cells > 20 * MAX_STARS_OF_DESIGN or np.prod(high - low) / cell > MAX_LISTED_CELLS:
+        raise DesignError("border", f"must hold at most {MAX_STARS_OF_DESIGN} stars", f"room for {cells:.0f} stars")

@@ -1,4 +1,4 @@
-"""What every mesh of a sheet must fulfil, checked before it is handed out."""
+"""Checks that every mesh of a sheet passes before it is used."""
 
 from __future__ import annotations
 
@@ -9,23 +9,28 @@ from pattern.geometry.planar import is_in_sorted, polygon_area, triangle_angles,
 from pattern.layout.layout import Layout
 from pattern.mesh.mesh import Mesh
 
-MOST_TRIANGLES = 2_000_000
+MAX_EXACT_TRIANGLES = 2_000_000
 
 
 def check_edge(layout: Layout, edge_mm: float) -> None:
-    """Refuse an edge that is not a length, or that makes more triangles than memory holds."""
+    """Refuse an edge that is not a positive length, or that makes more triangles than memory holds."""
     if not (np.isfinite(edge_mm) and edge_mm > 0):
         raise MeshError(f"the mesh edge must be positive, got {edge_mm}")
     # equilateral triangles
     expected = abs(polygon_area(layout.outline)) / (np.sqrt(3) / 4 * float(edge_mm) ** 2)
-    if not expected <= MOST_TRIANGLES:
-        raise MeshError(
-            f"edges of {edge_mm:g} mm make about {expected:.2g} triangles, more than {MOST_TRIANGLES}: use longer ones"
-        )
+    if not expected <= MAX_EXACT_TRIANGLES:
+        count = f"about {expected:.2g} triangles, more than {MAX_EXACT_TRIANGLES}"
+        raise MeshError(f"edges of {edge_mm:g} mm make {count}: use longer ones")
 
 
 def checked(mesh: Mesh, layout: Layout, smallest_angle_deg: float) -> Mesh:
-    """The mesh itself, if its triangles fill the sheet, are not too flat, and the arms run along their edges."""
+    """The mesh itself, if its triangles fill the sheet, are not too flat, and their edges follow the arms.
+
+    Raises
+    ------
+    MeshError
+        The message names the condition that fails, and the place or the angle.
+    """
     areas = triangle_areas(mesh.points, mesh.triangles)
     total = polygon_area(layout.outline)
     if areas.min() <= 0 or abs(areas.sum() - total) > 1e-6 * total:

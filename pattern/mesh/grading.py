@@ -15,16 +15,16 @@ from pattern.geometry.arrays import Floats
 from pattern.layout.layout import Layout
 from pattern.mesh.aligned.lattice_grid import GridPatch
 
-FINEST = 0.15  # edge at an arm, or at a tip, over the edge far from them
-REACH = 1 / 6  # distance at which that is, over the stars' distance
-SAMPLES = 200  # points to a lattice distance that stand for an arm
-# Rounds of moving all points: at most so many, or until nothing moves by more than this part of an edge
-ROUNDS, STILL = 30, 0.01
+GRADED_EDGE_FACTOR = 0.15  # edge at an arm or a tip over the edge far from both
+GRADING_REACH_SPACINGS = 1 / 6  # distance from the arms, in spacings, at which edges have their full length
+ARM_SAMPLES_A_SPACING = 200  # sample points of an arm on one spacing
+MAX_GRADING_ROUNDS = 30
+GRADING_STEP_EDGES = 0.01  # points that move by less have reached their places
 
 
 @dataclass(frozen=True)
 class Grading:
-    """Relative lengths of edges: `FINEST` at arms, growing with the distance up to 1 at `reach` (mm)."""
+    """Relative lengths of edges: `GRADED_EDGE_FACTOR` at arms, growing with the distance up to 1 at `reach` (mm)."""
 
     arms: cKDTree
     reach: float
@@ -35,8 +35,10 @@ class Grading:
         spacing = layout.spacing_mm
         start, step = layout.centres[layout.arm_star], layout.arm_tip - layout.centres[layout.arm_star]
         longest = float(layout.arm_length.max(initial=0.0))
-        along = np.linspace(0.0, 1.0, max(int(np.ceil(SAMPLES * longest / spacing)), 1) + 1)
-        return cls(cKDTree((start[:, None] + along[:, None] * step[:, None]).reshape(-1, 2)), REACH * spacing)
+        along = np.linspace(0.0, 1.0, max(int(np.ceil(ARM_SAMPLES_A_SPACING * longest / spacing)), 1) + 1)
+        return cls(
+            cKDTree((start[:, None] + along[:, None] * step[:, None]).reshape(-1, 2)), GRADING_REACH_SPACINGS * spacing
+        )
 
     def size(self, points: Floats) -> Floats:
         """(n,) of edges at points (n, 2)."""
@@ -50,7 +52,7 @@ class Grading:
         return np.interp(np.linspace(0.0, passed[-1], count + 1), passed, place)
 
     def _ramp(self, distance: Floats) -> Floats:
-        return FINEST + (1.0 - FINEST) * np.minimum(distance / self.reach, 1.0)
+        return GRADED_EDGE_FACTOR + (1.0 - GRADED_EDGE_FACTOR) * np.minimum(distance / self.reach, 1.0)
 
     def spread(self, patch: GridPatch, known: np.ndarray, places: Floats) -> Floats:
         """Places (n, 2) of all points of a patch, given for those `known` (n,): springs stiffer where edges are short.
@@ -60,12 +62,12 @@ class Grading:
         ends = patch.edges().T
         points = patch.grid.place(patch.ij)
         points = points + patch.harmonic(known, places - points)
-        for round_ in range(ROUNDS):
+        for round_ in range(MAX_GRADING_ROUNDS):
             stiff = 1.0 / self.size(0.5 * (points[ends[0]] + points[ends[1]]))
-            wanted = patch.harmonic(known, places, stiff)
-            step = wanted - points
-            # sizes follow the points: half the way keeps the two from swinging
-            points = wanted if round_ == 0 else points + 0.5 * step
-            if np.abs(step).max(initial=0.0) < STILL * patch.grid.edge_mm:
+            target = patch.harmonic(known, places, stiff)
+            step = target - points
+            # sizes follow the points: half steps avoid oscillation
+            points = target if round_ == 0 else points + 0.5 * step
+            if np.abs(step).max(initial=0.0) < GRADING_STEP_EDGES * patch.grid.edge_mm:
                 break
         return np.where(known[:, None], places, points)

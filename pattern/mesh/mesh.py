@@ -18,7 +18,7 @@ class Mesh:
     rods : one array an arm (in the layout's order): vertices from the star's centre to the tip;
         consecutive ones are edges of triangles.
     star_vertices : (S,) the vertex at each star's centre.
-    border_vertices : vertices on the outline, counterclockwise.
+    border_vertices : (n,) vertices on the outline, counterclockwise.
     pin_vertices : one array a pin set of the layout. For points: in their order. For edges: every mesh vertex on them.
     kind : "aligned" or "delaunay".
     """

@@ -7,7 +7,7 @@ from typing import Literal
 from pattern.design.errors import MeshError
 from pattern.layout.layout import Layout
 from pattern.mesh.aligned.aligned_mesh import aligned_mesh
-from pattern.mesh.free.delaunay_mesh import SPLITS, delaunay_mesh
+from pattern.mesh.free.delaunay_mesh import MAX_SPLITS, delaunay_mesh
 from pattern.mesh.mesh import Mesh
 
 Kind = Literal["auto", "aligned", "delaunay"]
@@ -19,7 +19,7 @@ def mesh_layout(
     """Mesh the sheet with edges of about `edge_mm`; "auto" prefers the aligned mesh (`seed` is the Delaunay one's).
 
     `graded`: finer at the arms and their tips; an aligned mesh has as many triangles as without, a Delaunay mesh more.
-    `draft`: good enough to look at, and sooner; triangles may be flatter where features or the border are close.
+    `draft`: good enough to look at, and faster; triangles may be flatter where features or the outline are close.
     """
     if kind not in ("auto", "aligned", "delaunay"):
         raise MeshError(f"the mesh kind must be auto, aligned or delaunay, got {kind!r}")
@@ -29,4 +29,4 @@ def mesh_layout(
         except MeshError as error:
             if kind == "aligned":
                 raise MeshError(f"mesh.kind = 'aligned': {error}; delaunay and auto mesh every sheet") from None
-    return delaunay_mesh(layout, edge_mm, seed, graded, 0 if draft else SPLITS)
+    return delaunay_mesh(layout, edge_mm, seed, graded, 0 if draft else MAX_SPLITS)

@@ -1,4 +1,4 @@
-"""The border of a sheet as points, evenly spaced, with corners, tips and pins among them."""
+"""Points along the outline of a sheet, evenly spaced, with corners, tips and pins among them."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from scipy.spatial import cKDTree
 from pattern.geometry.arrays import Floats
 from pattern.geometry.planar import distance_to_segment
 
-# the spacing shrinks towards points beside the border, to this part of the wished one at the least
-FINEST = 0.3
+# shortest edge beside vertices close to the outline, over the requested edge
+MIN_OUTLINE_EDGE_FACTOR = 0.3
 
 
 def outline_points(border: Floats, edge_mm: float, wanted: Floats, tolerance: float, beside: Floats) -> Floats:
@@ -20,9 +20,9 @@ def outline_points(border: Floats, edge_mm: float, wanted: Floats, tolerance: fl
     Parameters
     ----------
     border : (B, 2) mm.
-    edge_mm : wished spacing; even between corners and wanted points where nothing is beside the border.
-    wanted : (W, 2) mm, places that must be among the points if they are on the polygon within `tolerance` (mm).
-    beside : (N, 2) mm, vertices inside: the spacing is at most their distance.
+    edge_mm : requested edge length; edges are even between corners and wanted points, except beside `beside`.
+    wanted : (W, 2) mm, places that become points if they are on the polygon within `tolerance` (mm).
+    beside : (N, 2) mm, vertices inside: edges are at most as long as their distance.
     """
     pieces = []
     near = cKDTree(beside)
@@ -45,8 +45,8 @@ def _spread(start: Floats, end: Floats, edge_mm: float, near: cKDTree) -> Floats
     length = float(np.linalg.norm(end - start))
     samples = np.linspace(0, 1, max(int(np.ceil(16 * length / edge_mm)), 1) + 1)
     size = near.query(start + ((samples[1:] + samples[:-1]) / 2)[:, None] * (end - start))[0]
-    steps = np.cumsum(np.diff(samples) * length / np.clip(size, FINEST * edge_mm, edge_mm))
+    steps = np.cumsum(np.diff(samples) * length / np.clip(size, MIN_OUTLINE_EDGE_FACTOR * edge_mm, edge_mm))
     n = max(round(float(steps[-1])), 1)
     if size.min() >= edge_mm:
         return np.arange(n + 1) / n
-    return np.interp(np.arange(n + 1) / n * steps[-1], np.concatenate([[0.0], steps]), samples)
+    return np.asarray(np.interp(np.arange(n + 1) / n * steps[-1], np.concatenate([[0.0], steps]), samples))

@@ -1,4 +1,4 @@
-"""The vertices of a mesh at which the sheet is held."""
+"""The vertices of a mesh at which the sheet is supported."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import distance_to_outline, distance_to_segment, inside
 from pattern.layout.layout import Layout
 
-# places this close, in mm, are one
-SAME_PLACE_MM = 1e-5
+# a vertex this close to a pin is at the pin
+PIN_VERTEX_TOLERANCE_MM = 1e-5
 
 
 def pins_on_sheet(layout: Layout) -> Floats:
-    """The layout's pin points (P, 2) in mm; those off the sheet are refused."""
+    """The layout's pin points (P, 2) in mm; a point off the sheet is refused."""
     points = layout.pin_points
-    on_border = distance_to_outline(points, layout.outline) <= SAME_PLACE_MM
+    on_border = distance_to_outline(points, layout.outline) <= PIN_VERTEX_TOLERANCE_MM
     off = ~(on_border | inside(points, layout.outline))
     if off.any():
         x, y = points[np.argmax(off)]
@@ -26,20 +26,19 @@ def pins_on_sheet(layout: Layout) -> Floats:
 
 
 def pin_vertices(layout: Layout, points: Floats, border_vertices: Ints) -> tuple[Ints, ...]:
-    """Vertices of each pin set: those at its points, in their order, then those on its border edges."""
+    """Vertices of each pin set: those at its points, in their order, then those on its edges of the outline."""
     if not layout.pins:
         return ()
     tree = cKDTree(points)
     result = []
     for pin in layout.pins:
         distance, at = tree.query(pin.points)
-        if (distance > SAME_PLACE_MM).any():
+        if (distance > PIN_VERTEX_TOLERANCE_MM).any():
             x, y = pin.points[np.argmax(distance)]
             raise MeshError(f"no mesh vertex at the pin at ({x:g}, {y:g}) mm")
         held = [np.asarray(at, dtype=np.int64)]
-        for edge in pin.edges:
-            a, b = layout.outline[edge], layout.outline[(edge + 1) % len(layout.outline)]
-            on = distance_to_segment(points[border_vertices], a, b) <= SAME_PLACE_MM
+        for a, b in pin.segments(layout.outline):
+            on = distance_to_segment(points[border_vertices], a, b) <= PIN_VERTEX_TOLERANCE_MM
             held.append(border_vertices[on])
         vertices = np.concatenate(held)
         _, first = np.unique(vertices, return_index=True)

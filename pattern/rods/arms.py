@@ -8,7 +8,8 @@ import shapely
 from pattern.design.errors import DesignError
 from pattern.geometry.arrays import Floats, Ints
 
-MEANT_MM = 0.02  # ends that are nearer were to meet, and their length was rounded
+# ends closer than this are meant to meet, with a rounded length
+NEARLY_MEETING_MM = 0.02
 
 
 def cut(centres: Floats, tips: Floats, corners: Floats, margin: float) -> tuple[Floats, Ints]:
@@ -19,7 +20,7 @@ def cut(centres: Floats, tips: Floats, corners: Floats, margin: float) -> tuple[
     centres, tips : (A, 2) mm, both ends of every arm.
     corners : (B, 2) mm, outline of the sheet.
     """
-    # mitres would take long spikes out of the sheet before corners that point inwards
+    # mitres would cut long spikes out of the sheet at corners that point inwards
     inner = shapely.polygons(corners).buffer(-margin, join_style="round", quad_segs=16)
     arms = shapely.linestrings(np.stack([centres, tips], axis=1))
     shapely.prepare(inner)
@@ -40,14 +41,14 @@ def _first_exit(arm: shapely.LineString, centre: Floats, inner: shapely.Geometry
         ends = shapely.get_coordinates(part)
         distance = np.linalg.norm(ends - centre, axis=1)
         if len(ends) and distance.min() < 1e-9:
-            return ends[distance.argmax()]
+            return np.asarray(ends[distance.argmax()])
     return centre
 
 
 def check_clear(centres: Floats, tips: Floats, star: Ints, width: Floats, meeting: float) -> None:
-    """Refuse arms of different stars that cross, or that are so close that they print as one.
+    """Refuse arms of different stars that cross, or that are too close to print as two.
 
-    Ends that meet within `meeting` (mm) are joined on purpose and are fine, unless one of the arms lies on the other.
+    Ends that meet within `meeting` (mm) are joined on purpose. They are allowed unless one arm lies on the other.
 
     Parameters
     ----------
@@ -73,10 +74,10 @@ def check_clear(centres: Floats, tips: Floats, star: Ints, width: Floats, meetin
     here, there = (f"[{x:.2f}, {y:.2f}]" for x, y in (centres[i], centres[j]))
     apart = f"are {distance[bad[0]]:.3f} mm apart and would print as one"
     what = "overlap" if joined[bad[0]] or distance[bad[0]] == 0 else apart
-    meant = "; length_fraction makes ends meet" if gap[bad[0]].min() < MEANT_MM else ""
+    meant = "; length_fraction makes ends meet" if gap[bad[0]].min() < NEARLY_MEETING_MM else ""
     raise DesignError("stars", f"arms of the stars at {here} and {there} {what}; shorten or turn them{meant}")
 
 
 def _ends_on(ends: Floats, others: np.ndarray, near: float) -> Ints:
-    """(n,) how many of both ends (n, 2, 2) of an arm lie on another one; asked of an intersection, rounding decides."""
-    return np.count_nonzero(shapely.distance(shapely.points(ends), others[:, None]) <= near, axis=1)
+    """(n,) number of ends (n, 2, 2) within `near` (mm) of another arm; intersections would depend on rounding."""
+    return np.asarray(np.count_nonzero(shapely.distance(shapely.points(ends), others[:, None]) <= near, axis=1))

@@ -32,6 +32,13 @@ def changed(*changes):
 
 
 # what is changed; the field the message must name; words it must hold
+
+
+def thin(tip: float) -> dict[str, list[list[float]]]:
+    """A square with a spike or a slit, 0.002 mm thin."""
+    return {"polygon_mm": [[0, 0], [90, 0], [90, 40], [tip, 40.001], [90, 40.002], [90, 90], [0, 90]]}
+
+
 BAD = [
     ([("stars.length_mm", "long")], "stars.length_mm", "number"),
     ([("stars.length_mm", "7.5")], "stars.length_mm", "numbers have no quotes"),
@@ -150,6 +157,18 @@ BAD = [
     ([("border", {"polygon_mm": [[0, 0], [90, 90], [90, 0], [0, 90]]})], "border.polygon_mm", "cross"),
     ([("border", {"polygon_mm": [[0, 0], [90, 0], [0, 90], [0, 0]]})], "border.polygon_mm", "repeat"),
     ([("border", {"polygon_mm": [[0, 0], [90, 0], [180, 0]]})], "border.polygon_mm", "cross or touch"),
+    ([("border", {"polygon_mm": [[0, 0], [90, 90], [90, 0], [0, 90]]})], "border.polygon_mm", "at [45.000, 45.000]"),
+    (
+        [("border", thin(150.0))],
+        "border.polygon_mm",
+        "spike or slit at [90, 40]",
+    ),
+    (
+        [("border", thin(30.0))],
+        "border.polygon_mm",
+        "spike or slit at [90, 40]",
+    ),
+    ([("plastic.modulus_mpa", 3000)], "plastic.modulus_mpa", "use modulus_ratio"),
     ([("border", {"polygon_mm": [[0, 0], [90, 0], [0, 9e9]]})], "border.polygon_mm", "within 5000"),
     ([("border", {"polygon_mm": [[0, 0], [90, 0], [0, float("inf")]]})], "border.polygon_mm[2][1]", "finite"),
     ([("border", 3)], "border", "table"),

@@ -1,4 +1,4 @@
-"""Formulas of a sizing field: parsed, checked against a short list of what is allowed, never executed as code."""
+"""Formulas: parsed, checked against a short list of allowed operations, never executed as code."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ import numpy as np
 
 from pattern.geometry.arrays import Floats
 
-MAX_CHARACTERS = 500
-MAX_NESTING = 40
-VARIABLES = ("x", "y", "r", "theta")
-CONSTANTS = {"pi": np.pi}
+MAX_FORMULA_CHARACTERS = 500
+MAX_FORMULA_NESTING = 40
+FORMULA_VARIABLES = ("x", "y", "r", "theta")
+FORMULA_CONSTANTS = {"pi": np.pi}
 
 _BINARY: dict[type[ast.AST], Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
@@ -52,16 +52,22 @@ _FUNCTIONS: dict[str, tuple[Callable[..., Any], int]] = {
 
 
 class ExpressionError(ValueError):
-    """What is wrong with a formula."""
+    """A formula that cannot be evaluated; the message completes "the formula ..."."""
 
 
 def check(text: str) -> None:
     """Raise `ExpressionError` unless the formula is made of known names, numbers and operations."""
-    evaluate(text, {name: np.ones(1) for name in VARIABLES})
+    evaluate(text, {name: np.ones(1) for name in FORMULA_VARIABLES})
 
 
 def evaluate(text: str, variables: Mapping[str, Floats]) -> Floats:
-    """Values of the formula, of the shape of the variables; may be inf or nan where it has no value."""
+    """Values of the formula, of the shape of the variables; inf or nan where it has no value.
+
+    Examples
+    --------
+    >>> evaluate("where(x > 0, 2, 1)", {"x": np.array([-1.0, 1.0])}).tolist()
+    [1.0, 2.0]
+    """
     tree = _parsed(text)
     shape = np.broadcast_shapes(*(value.shape for value in variables.values()))
     with np.errstate(all="ignore"):
@@ -70,8 +76,8 @@ def evaluate(text: str, variables: Mapping[str, Floats]) -> Floats:
 
 
 def _parsed(text: str) -> ast.expr:
-    if len(text) > MAX_CHARACTERS:
-        raise ExpressionError(f"must be at most {MAX_CHARACTERS} characters long")
+    if len(text) > MAX_FORMULA_CHARACTERS:
+        raise ExpressionError(f"must be at most {MAX_FORMULA_CHARACTERS} characters long")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -81,9 +87,9 @@ def _parsed(text: str) -> ast.expr:
 
 
 def _value(node: ast.expr, variables: Mapping[str, Floats], depth: int) -> Any:
-    """Floating-point value of a node; powers overflow to inf, they never grow."""
-    if depth > MAX_NESTING:
-        raise ExpressionError(f"must be nested at most {MAX_NESTING} deep")
+    """Floating-point value of a node; powers overflow to inf."""
+    if depth > MAX_FORMULA_NESTING:
+        raise ExpressionError(f"must be nested at most {MAX_FORMULA_NESTING} deep")
 
     def inner(child: ast.expr) -> Any:
         return _value(child, variables, depth + 1)
@@ -96,10 +102,10 @@ def _value(node: ast.expr, variables: Mapping[str, Floats], depth: int) -> Any:
                 return np.float64(number)
             except OverflowError:
                 raise ExpressionError("has a number too large to work with") from None
-        case ast.Name(id=name) if name in variables or name in CONSTANTS:
-            return variables[name] if name in variables else np.float64(CONSTANTS[name])
+        case ast.Name(id=name) if name in variables or name in FORMULA_CONSTANTS:
+            return variables[name] if name in variables else np.float64(FORMULA_CONSTANTS[name])
         case ast.Name(id=name):
-            known = ", ".join([*VARIABLES, *CONSTANTS])
+            known = ", ".join([*FORMULA_VARIABLES, *FORMULA_CONSTANTS])
             raise ExpressionError(f"has an unknown name {name}; known are {known}")
         case ast.BinOp(left=left, op=op, right=right) if type(op) in _BINARY:
             # a sum of many terms is nested to the left, and is not deep

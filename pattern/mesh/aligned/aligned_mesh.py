@@ -1,4 +1,4 @@
-"""The lattice-aligned mesh: nearly equilateral triangles whose edges are a whole part of the stars' distance."""
+"""The lattice-aligned mesh: nearly equilateral triangles, a whole number of edges to a spacing."""
 
 from __future__ import annotations
 
@@ -17,43 +17,44 @@ from pattern.mesh.grading import Grading
 from pattern.mesh.mesh import Mesh
 from pattern.mesh.pin_vertices import pin_vertices, pins_on_sheet
 
-# flatter triangles than this (degrees) are left to the Delaunay mesh, which refines where it is narrow
-SMALLEST_ANGLE = 15.0
-# below this the grid's own connectivity gives way to a triangulation that adds points where they are missing
-WELL_SHAPED = 22.0
-# across an arm a graded mesh is much finer than along it
-GRADED = 8.0
+# meshes with a smaller angle are left to the Delaunay mesh, which refines narrow places
+MIN_ALIGNED_ANGLE_DEG = 15.0
+# if the grid itself has a smaller angle, a triangulation with additional points replaces it
+MIN_GRID_ANGLE_DEG = 22.0
+# triangles of a graded mesh are flatter: across an arm they are much finer than along it
+MIN_GRADED_ANGLE_DEG = 8.0
 
 
 def aligned_mesh(layout: Layout, edge_mm: float, graded: bool = False, draft: bool = False) -> Mesh:
-    """Refine the lattice of the stars and move the grid points near tips and border onto them.
+    """Refine the lattice of the stars and move the grid points near tips and outline onto them.
 
     Parameters
     ----------
-    edge_mm : wished length of an edge; the lattice distance is cut into the nearest whole number of edges.
+    edge_mm : requested edge length; the spacing is divided into the nearest whole number of edges.
     graded : as many triangles, but finer ones at arms and tips, see `pattern.mesh.grading`; for hexagons along the
         lattice.
-    draft : the strip along other borders is smoothed only until its triangles will do.
+    draft : the strip along other outlines is smoothed only until its angles pass the check.
 
     Raises
     ------
-    MeshError : where arms do not lie on lattice lines, or moving grid points would flatten triangles.
+    MeshError
+        Arms do not lie on lattice lines, or moving grid points would flatten triangles.
     """
     check_edge(layout, edge_mm)
     grid = LatticeGrid.of(layout, edge_mm)
     hexagon = HexagonBorder.of(layout, grid)
     if graded:
         if hexagon is None:
-            raise MeshError("a graded aligned mesh needs a hexagonal border along the lattice")
-        return checked(_hexagon_mesh(layout, grid, hexagon, Grading.of(layout)), layout, GRADED)
+            raise MeshError("a graded aligned mesh needs a hexagonal outline along the lattice")
+        return checked(_hexagon_mesh(layout, grid, hexagon, Grading.of(layout)), layout, MIN_GRADED_ANGLE_DEG)
     if hexagon is not None:
         try:
-            return checked(_hexagon_mesh(layout, grid, hexagon), layout, WELL_SHAPED)
+            return checked(_hexagon_mesh(layout, grid, hexagon), layout, MIN_GRID_ANGLE_DEG)
         except MeshError:
-            # tips close to the border, pins between grid points: they need points of their own
+            # tips close to the outline and pins between grid points need additional points
             pass
-    strip = cut_mesh(layout, grid, SMALLEST_ANGLE) if draft else cut_mesh(layout, grid)
-    return checked(strip, layout, SMALLEST_ANGLE)
+    strip = cut_mesh(layout, grid, MIN_ALIGNED_ANGLE_DEG) if draft else cut_mesh(layout, grid)
+    return checked(strip, layout, MIN_ALIGNED_ANGLE_DEG)
 
 
 def _hexagon_mesh(layout: Layout, grid: LatticeGrid, hexagon: HexagonBorder, grading: Grading | None = None) -> Mesh:

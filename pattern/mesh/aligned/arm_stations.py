@@ -1,4 +1,4 @@
-"""Where arms, and the gaps behind their tips, take their vertices on the lines of the lattice grid."""
+"""Grid points that carry the arms and the gaps behind their tips, and the places to which they move."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ import numpy as np
 from pattern.design.errors import MeshError
 from pattern.geometry.arrays import Floats, Ints
 from pattern.layout.layout import Layout
-from pattern.mesh.aligned.lattice_grid import ON_LINE, LatticeGrid
+from pattern.mesh.aligned.lattice_grid import ON_LINE_TOLERANCE, LatticeGrid
 from pattern.mesh.grading import Grading
 
-# the grid's edges along arms and gaps may not be squeezed below this part of their length
-SMALLEST_EDGE = 0.25
+# shortest edge along arms and gaps, over the edge of the grid
+MIN_STATION_EDGE_FACTOR = 0.25
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Stations:
 
 
 @dataclass
-class _Links:
+class _ArmLinks:
     """The grid points ahead of the star of each arm (A, ...): `count` edges to the place `end` (mm), `taken` by it."""
 
     start: Ints
@@ -51,7 +51,7 @@ Border = Callable[[Ints, Ints], tuple[Ints, Floats]]
 def arm_stations(layout: Layout, grid: LatticeGrid, border: Border, grading: Grading | None = None) -> Stations:
     """Spread every arm evenly over grid edges, and the gap behind its tip over those left on its link.
 
-    With a grading arms have their vertices where it wants them, and the gaps are left free.
+    A grading decides where vertices lie on an arm; then the gaps stay free.
 
     Parameters
     ----------
@@ -62,7 +62,7 @@ def arm_stations(layout: Layout, grid: LatticeGrid, border: Border, grading: Gra
     centre, tip, length = layout.centres[layout.arm_star], layout.arm_tip, layout.arm_length
     other = _others(links)
     facing = other >= 0
-    tolerance = ON_LINE * grid.edge_mm * grid.k
+    tolerance = ON_LINE_TOLERANCE * grid.edge_mm * grid.k
     overlap = facing & (length + length[other] > np.linalg.norm(links.end - centre, axis=1) + tolerance)
     if overlap.any():
         one = int(np.argmax(overlap))
@@ -75,8 +75,8 @@ def arm_stations(layout: Layout, grid: LatticeGrid, border: Border, grading: Gra
     end = np.where(facing[:, None], tip[other], links.end)
     edge = length / links.taken
     edge = np.where(left > 0, np.minimum(edge, np.linalg.norm(end - tip, axis=1) / np.maximum(left, 1)), edge)
-    if (edge < SMALLEST_EDGE * grid.edge_mm).any():
-        one = int(np.argmax(edge < SMALLEST_EDGE * grid.edge_mm))
+    if (edge < MIN_STATION_EDGE_FACTOR * grid.edge_mm).any():
+        one = int(np.argmax(edge < MIN_STATION_EDGE_FACTOR * grid.edge_mm))
         raise MeshError(f"arm {one} leaves too little room for a mesh edge at its tip")
     arm, number = _numbered(links.taken)
     on_arms = links.start[arm] + number[:, None] * links.step[arm]
@@ -95,12 +95,12 @@ def arm_stations(layout: Layout, grid: LatticeGrid, border: Border, grading: Gra
     return Stations(centres, arms, np.concatenate(ij), np.concatenate(places))
 
 
-def _links(layout: Layout, grid: LatticeGrid, border: Border) -> _Links:
+def _links(layout: Layout, grid: LatticeGrid, border: Border) -> _ArmLinks:
     """The link of every arm: up to the lattice point at or behind its tip, or to the border."""
     centres, step, length = grid.centres(layout), grid.directions(layout), layout.arm_length
     start, centre = centres[layout.arm_star], layout.centres[layout.arm_star]
     spacing = np.linalg.norm(step @ grid.basis, axis=1)
-    steps = np.maximum(np.ceil(length / spacing - ON_LINE), 1).astype(np.int64)
+    steps = np.maximum(np.ceil(length / spacing - ON_LINE_TOLERANCE), 1).astype(np.int64)
     stars = {(*ij,) for ij in centres.tolist()}
     for arm in np.flatnonzero(steps > 1).tolist():
         if any((*(start[arm] + n * grid.k * step[arm]).tolist(),) in stars for n in range(1, steps[arm])):
@@ -111,17 +111,17 @@ def _links(layout: Layout, grid: LatticeGrid, border: Border) -> _Links:
     cut = to_border < count
     count[cut], end[cut] = to_border[cut], there[cut]
     reach = np.linalg.norm(end - centre, axis=1)
-    off = (length <= 0) | (count < 1) | (length > reach + ON_LINE * spacing)
+    off = (length <= 0) | (count < 1) | (length > reach + ON_LINE_TOLERANCE * spacing)
     if off.any():
         raise MeshError(f"arm {np.argmax(off)} has no length, or leaves the sheet")
     part = np.clip(np.rint(length / reach * count), 1, count - 1).astype(np.int64)
-    taken = np.where(np.linalg.norm(end - layout.arm_tip, axis=1) > ON_LINE * spacing, part, count)
+    taken = np.where(np.linalg.norm(end - layout.arm_tip, axis=1) > ON_LINE_TOLERANCE * spacing, part, count)
     if not taken.all():
         raise MeshError(f"arm {np.argmin(taken)} needs a shorter mesh edge")
-    return _Links(start, step, count, end, taken)
+    return _ArmLinks(start, step, count, end, taken)
 
 
-def _others(links: _Links) -> Ints:
+def _others(links: _ArmLinks) -> Ints:
     """(A,) the arm that comes from the other end of each link, -1 for none."""
     ends = {(*row,): arm for arm, row in enumerate(np.hstack([links.start, links.step]).tolist())}
     ahead = np.hstack([links.start + links.count[:, None] * links.step, -links.step])

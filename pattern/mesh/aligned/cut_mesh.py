@@ -1,4 +1,4 @@
-"""The lattice grid cut along any border: equilateral inside, fitted to evenly spaced border points in a strip."""
+"""The lattice grid cut along any outline: equilateral inside, fitted to evenly spaced outline points in a strip."""
 
 from __future__ import annotations
 
@@ -12,22 +12,23 @@ from pattern.geometry.planar import distance_to_outline, inside, mean_circumcent
 from pattern.layout.layout import Layout
 from pattern.mesh.aligned.arm_stations import Border, arm_stations
 from pattern.mesh.aligned.grid_motion import moved, prescribed
-from pattern.mesh.aligned.lattice_grid import ON_LINE, GridPatch, LatticeGrid
+from pattern.mesh.aligned.lattice_grid import ON_LINE_TOLERANCE, GridPatch, LatticeGrid
 from pattern.mesh.free.triangulate import triangulate
 from pattern.mesh.mesh import Mesh
 from pattern.mesh.outline_points import outline_points
 from pattern.mesh.pin_vertices import pin_vertices, pins_on_sheet
 
-# distances to the border, in grid edges: free grid points keep this far from it,
-MARGIN = 0.7
-# arms and pins so far, unless they are on it,
-ARM_MARGIN = 0.1
-# arms with tips nearer than this get edges of half the length,
-HALVED = 0.3
-# and points nearer than this are smoothed, so many times at most
-STRIP, SMOOTHINGS = 2.6, 4
-# points are added at flatter triangles (degrees): beside tips that end close to the border
-REFINE_DEG = 28.0
+# free grid points keep this distance from the outline, in grid edges
+GRID_MARGIN_EDGES = 0.7
+# arms and pins keep this distance from the outline unless they are on it, in grid edges
+ARM_MARGIN_EDGES = 0.1
+# arms whose tips are closer to the outline, in grid edges, get edges of half the length
+HALVED_GAP_EDGES = 0.3
+# points closer to the outline, in grid edges, are smoothed
+SMOOTHED_STRIP_EDGES = 2.6
+MAX_SMOOTHINGS = 4
+# points are added at triangles with a smaller angle: beside tips that end close to the outline
+REFINED_ANGLE_DEG = 28.0
 
 
 def cut_mesh(layout: Layout, grid: LatticeGrid, enough: float = np.inf) -> Mesh:
@@ -35,7 +36,7 @@ def cut_mesh(layout: Layout, grid: LatticeGrid, enough: float = np.inf) -> Mesh:
 
     The strip along the border is smoothed until all angles are `enough` (degrees).
     """
-    tolerance = ON_LINE * grid.edge_mm * grid.k
+    tolerance = ON_LINE_TOLERANCE * grid.edge_mm * grid.k
     pins = pins_on_sheet(layout)
     patch = _patch_around(layout, grid)
     stations = arm_stations(layout, grid, _ends_on_border(layout, grid, tolerance))
@@ -50,12 +51,12 @@ def cut_mesh(layout: Layout, grid: LatticeGrid, enough: float = np.inf) -> Mesh:
     fixed[at_pin[away <= tolerance]] = True
     distance = distance_to_outline(points, layout.outline)
     on_border = fixed & (distance <= tolerance)
-    clear = inside(points, layout.outline) & (distance >= ARM_MARGIN * grid.edge_mm)
+    clear = inside(points, layout.outline) & (distance >= ARM_MARGIN_EDGES * grid.edge_mm)
     if (fixed & ~on_border & ~clear).any():
-        raise MeshError("an arm or a pin is closer to the border than a mesh edge allows")
+        raise MeshError("an arm or a pin is closer to the outline than a mesh edge allows")
     wanted = np.concatenate([layout.arm_tip, layout.centres, pins])
     outline = outline_points(layout.outline, grid.edge_mm, wanted, tolerance, points[fixed & ~on_border])
-    keep = (inside(points, layout.outline) & (distance > MARGIN * grid.edge_mm)) | fixed & ~on_border
+    keep = (inside(points, layout.outline) & (distance > GRID_MARGIN_EDGES * grid.edge_mm)) | fixed & ~on_border
     vertex = np.full(len(points), -1)
     vertex[keep] = np.arange(keep.sum()) + len(outline)
     vertex[on_border] = cKDTree(outline).query(points[on_border])[1]
@@ -64,7 +65,9 @@ def cut_mesh(layout: Layout, grid: LatticeGrid, enough: float = np.inf) -> Mesh:
     segments = np.concatenate(
         [np.column_stack([border, np.roll(border, -1)]), *(np.column_stack([r[:-1], r[1:]]) for r in rods)]
     )
-    still = np.concatenate([np.ones(len(outline), dtype=bool), fixed[keep] | (distance[keep] > STRIP * grid.edge_mm)])
+    still = np.concatenate(
+        [np.ones(len(outline), dtype=bool), fixed[keep] | (distance[keep] > SMOOTHED_STRIP_EDGES * grid.edge_mm)]
+    )
     points, triangles = _smoothed(np.concatenate([outline, points[keep]]), segments, still, enough)
     return Mesh(
         points=points,
@@ -78,7 +81,7 @@ def cut_mesh(layout: Layout, grid: LatticeGrid, enough: float = np.inf) -> Mesh:
 
 
 def _patch_around(layout: Layout, grid: LatticeGrid) -> GridPatch:
-    """Grid points on the sheet, and enough around it for every arm and for moves across the border."""
+    """Grid points on the sheet, and enough around it for every arm and for moves across the outline."""
     ij = grid.window(layout.outline.min(axis=0), layout.outline.max(axis=0))
     places = grid.place(ij)
     near = inside(places, layout.outline)
@@ -87,7 +90,7 @@ def _patch_around(layout: Layout, grid: LatticeGrid) -> GridPatch:
 
 
 def _ends_on_border(layout: Layout, grid: LatticeGrid, tolerance: float) -> Border:
-    """For arms that end on the border: their number of edges and their tip."""
+    """For arms that end on the outline: their number of edges and their tip."""
     steps = grid.directions(layout)
     on = distance_to_outline(layout.arm_tip, layout.outline) <= tolerance
     count = np.maximum(np.rint(layout.arm_length / np.linalg.norm(steps @ grid.basis, axis=1) * grid.k), 1)
@@ -96,10 +99,10 @@ def _ends_on_border(layout: Layout, grid: LatticeGrid, tolerance: float) -> Bord
 
 
 def _halved(points: Floats, arms: list[Ints], layout: Layout, edge_mm: float) -> tuple[Floats, list[Ints]]:
-    """Halve the edges of arms that end just inside the border, where triangles must be small; points are added."""
+    """Halve the edges of arms that end just inside the outline, where triangles must be small; points are added."""
     gap = distance_to_outline(layout.arm_tip, layout.outline)
     arms = list(arms)
-    for arm in np.flatnonzero((gap > ON_LINE * edge_mm) & (gap < HALVED * edge_mm)):
+    for arm in np.flatnonzero((gap > ON_LINE_TOLERANCE * edge_mm) & (gap < HALVED_GAP_EDGES * edge_mm)):
         start, end = arms[arm][:-1], arms[arm][1:]
         arms[arm] = np.append(np.column_stack([start, len(points) + np.arange(len(start))]).ravel(), end[-1])
         points = np.concatenate([points, (points[start] + points[end]) / 2])
@@ -108,10 +111,10 @@ def _halved(points: Floats, arms: list[Ints], layout: Layout, edge_mm: float) ->
 
 def _smoothed(points: Floats, segments: Ints, still: NDArray[np.bool_], enough: float) -> tuple[Floats, Ints]:
     """Triangulate, and move the points that are not still to where their triangles are best, a few times."""
-    points, triangles = triangulate(points, segments, min_angle_deg=REFINE_DEG)
+    points, triangles = triangulate(points, segments, min_angle_deg=REFINED_ANGLE_DEG)
     still = np.pad(still, (0, len(points) - len(still)))
     best, best_angle = (points, triangles), triangle_angles(points, triangles).min()
-    for _ in range(SMOOTHINGS):
+    for _ in range(MAX_SMOOTHINGS):
         if best_angle >= enough:
             break
         points = np.where(still[:, None], points, mean_circumcentres(points, triangles))

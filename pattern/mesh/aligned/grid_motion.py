@@ -9,29 +9,32 @@ from scipy.spatial import cKDTree
 from pattern.design.errors import MeshError
 from pattern.geometry.arrays import Floats, Ints
 from pattern.mesh.aligned.arm_stations import Stations
-from pattern.mesh.aligned.lattice_grid import ON_LINE, GridPatch
+from pattern.mesh.aligned.lattice_grid import ON_LINE_TOLERANCE, GridPatch
 from pattern.mesh.grading import Grading
-from pattern.mesh.pin_vertices import SAME_PLACE_MM
+from pattern.mesh.pin_vertices import PIN_VERTEX_TOLERANCE_MM
 
-NOTHING = np.zeros(0, dtype=np.int64)
-NOWHERE = np.zeros((0, 2))
+NO_POINTS = np.zeros(0, dtype=np.int64)
+NO_PLACES = np.zeros((0, 2))
 
 
 def prescribed(
-    patch: GridPatch, stations: Stations, ring: Ints = NOTHING, outline: Floats = NOWHERE
+    patch: GridPatch, stations: Stations, ring: Ints = NO_POINTS, outline: Floats = NO_PLACES
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_], Floats]:
     """Which points of a patch are on arms or the outline (n,), which have a place (gaps too), and all places (n, 2).
 
     Parameters
     ----------
-    ring, outline : points of the patch (m,) on the border, and their places (m, 2) in mm.
+    ring, outline : points of the patch (m,) on the outline, and their places (m, 2) in mm.
     """
     at = patch.index(stations.ij)
     known, places = np.zeros(len(patch.ij), dtype=bool), patch.grid.place(patch.ij)
     known[ring], places[ring] = True, outline
     known[at[at >= 0]] = True
     places[at[at >= 0]] = stations.places[at >= 0]
-    if np.abs(places[at] - stations.places)[at >= 0].max(initial=0) > ON_LINE * patch.grid.edge_mm * patch.grid.k:
+    if (
+        np.abs(places[at] - stations.places)[at >= 0].max(initial=0)
+        > ON_LINE_TOLERANCE * patch.grid.edge_mm * patch.grid.k
+    ):
         raise MeshError("arms want the same grid points")
     taken = np.zeros_like(known)
     taken[ring] = True
@@ -55,7 +58,7 @@ def moved(
     Pins (P, 2) get the nearest points that are not taken.
     """
     points = _spread(patch, known, places, grading)
-    missing = pins[cKDTree(points[taken]).query(pins)[0] > SAME_PLACE_MM] if len(pins) else pins
+    missing = pins[cKDTree(points[taken]).query(pins)[0] > PIN_VERTEX_TOLERANCE_MM] if len(pins) else pins
     if not len(missing):
         return points
     taken, known, places = taken.copy(), known.copy(), places.copy()

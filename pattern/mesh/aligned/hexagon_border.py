@@ -11,7 +11,7 @@ from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import distance_to_outline
 from pattern.geometry.plane_lattice import GRID_DIRECTIONS
 from pattern.layout.layout import Layout
-from pattern.mesh.aligned.lattice_grid import ON_LINE, GridPatch, LatticeGrid
+from pattern.mesh.aligned.lattice_grid import ON_LINE_TOLERANCE, GridPatch, LatticeGrid
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class HexagonBorder:
 
     @classmethod
     def of(cls, layout: Layout, grid: LatticeGrid) -> HexagonBorder | None:
-        """The border of a layout as such a hexagon, None if it is something else."""
+        """The outline of a layout as such a hexagon; None for other outlines."""
         if len(layout.outline) != 6:
             return None
         middle = layout.outline.mean(axis=0)
@@ -42,7 +42,10 @@ class HexagonBorder:
         first = int(np.argmax(corners @ [2, 1]))
         corners, places = np.roll(corners, -first, axis=0), np.roll(layout.outline, -first, axis=0)
         radius = float(corners[0, 0])
-        if np.abs(about - np.rint(about)).max() > ON_LINE or np.abs(corners - radius * GRID_DIRECTIONS).max() > ON_LINE:
+        if (
+            np.abs(about - np.rint(about)).max() > ON_LINE_TOLERANCE
+            or np.abs(corners - radius * GRID_DIRECTIONS).max() > ON_LINE_TOLERANCE
+        ):
             return None
         rows = max(round(radius * grid.k), 1)
         centre = np.rint(about).astype(np.int64) * grid.k
@@ -71,9 +74,9 @@ class HexagonBorder:
         return np.asarray(order[np.minimum(np.searchsorted(codes[order], wanted), len(order) - 1)])
 
     def places(self, layout: Layout, grid: LatticeGrid) -> Floats:
-        """Places (6 rows, 2) of the ring: evenly spaced between corners, tips and pins on the border."""
+        """Places (6 rows, 2) of the ring: evenly spaced between corners, tips and pins on the outline."""
         taken: dict[int, float] = {q * self.rows: float(q * self.rows) for q in range(6)}
-        tolerance = ON_LINE * grid.edge_mm * grid.k
+        tolerance = ON_LINE_TOLERANCE * grid.edge_mm * grid.k
         tips = np.flatnonzero(distance_to_outline(layout.arm_tip, layout.outline) <= tolerance)
         starts, steps = grid.centres(layout)[layout.arm_star[tips]], grid.directions(layout)[tips]
         stations = starts + self.exit(starts, steps)[:, None] * steps
@@ -87,11 +90,11 @@ class HexagonBorder:
         ordered = sorted(taken)
         stations, along = np.array([*ordered, len(self.ring)]), np.array([*(taken[k] for k in ordered), len(self.ring)])
         if (np.diff(along) <= 0).any():
-            raise MeshError("tips and pins on the border are closer together than the mesh edges")
+            raise MeshError("tips and pins on the outline are closer together than the mesh edges")
         t = np.interp(np.arange(len(self.ring)), stations, along)
         side = np.minimum(t // self.rows, 5).astype(int)
         part = (t / self.rows - side)[:, None]
-        return (1 - part) * self.corners[side] + part * self.corners[(side + 1) % 6]
+        return np.asarray((1 - part) * self.corners[side] + part * self.corners[(side + 1) % 6])
 
     def _along(self, point: Floats) -> float:
         """How far along the outline a point on it is, in grid edges from the first corner."""
@@ -104,5 +107,5 @@ class HexagonBorder:
     def _take(taken: dict[int, float], station: int, along: float) -> None:
         """Note that a point of the ring has its place; two places for one are refused."""
         if abs(taken.get(station, along) - along) > 1e-5:
-            raise MeshError("two tips, pins or corners on the border want the same mesh vertex")
+            raise MeshError("two tips, pins or corners on the outline need the same mesh vertex")
         taken.setdefault(station, along)

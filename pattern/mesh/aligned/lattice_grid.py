@@ -16,8 +16,8 @@ from pattern.geometry.plane_lattice import GRID_DIRECTIONS
 from pattern.layout.layout import Layout
 from pattern.mesh.aligned.springs import means_of_neighbours
 
-# how far from a grid line counts as on it, in lattice distances
-ON_LINE = 1e-6
+# points this close to a grid line are on it, in spacings
+ON_LINE_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -59,9 +59,11 @@ class LatticeGrid:
         """Grid points (S, 2) of the stars."""
         where = self.lattice_coordinates(layout.centres - self.origin)
         off = np.abs(where - np.rint(where)).max(axis=1, initial=0)
-        if (off > ON_LINE).any():
-            raise MeshError(f"star {layout.star_number[np.argmax(off > ON_LINE)]} is not at a point of the lattice")
-        return np.rint(where).astype(np.int64) * self.k
+        if (off > ON_LINE_TOLERANCE).any():
+            raise MeshError(
+                f"star {layout.star_number[np.argmax(off > ON_LINE_TOLERANCE)]} is not at a point of the lattice"
+            )
+        return np.asarray(np.rint(where).astype(np.int64) * self.k)
 
     def directions(self, layout: Layout) -> Ints:
         """Grid direction (A, 2) along which each arm points."""
@@ -69,11 +71,11 @@ class LatticeGrid:
         unit = step / np.linalg.norm(step, axis=1, keepdims=True)
         arm = layout.arm_tip - layout.centres[layout.arm_star]
         best = np.argmax(arm @ unit.T, axis=1)
-        off = np.abs(cross(arm, unit[best])) > ON_LINE * np.linalg.norm(self.basis[0])
+        off = np.abs(cross(arm, unit[best])) > ON_LINE_TOLERANCE * np.linalg.norm(self.basis[0])
         if off.any():
             star = layout.star_number[layout.arm_star[np.argmax(off)]]
             raise MeshError(f"an arm of star {star} does not lie on a line of the lattice")
-        return GRID_DIRECTIONS[best]
+        return np.asarray(GRID_DIRECTIONS[best])
 
     def window(self, low: Floats, high: Floats) -> Ints:
         """Grid points (n, 2) in the box from `low` to `high` (2,) in mm and a little around it, sorted."""
@@ -99,7 +101,7 @@ class GridPatch:
         shifted = ij - self.low
         known = ((shifted >= 0) & (shifted < self.table.shape)).all(axis=-1)
         shifted = np.where(known[..., None], shifted, 0)
-        return np.where(known, self.table[shifted[..., 0], shifted[..., 1]], -1)
+        return np.asarray(np.where(known, self.table[shifted[..., 0], shifted[..., 1]], -1))
 
     @cached_property
     def _ahead(self) -> Ints:
@@ -117,13 +119,13 @@ class GridPatch:
         """Triangles (T, 3), counterclockwise, all of whose corners are in the patch."""
         own, ahead = np.arange(len(self.ij)), self._ahead
         triangles = np.concatenate([np.column_stack([own, ahead[q], ahead[q + 1]]) for q in (0, 1)])
-        return triangles[triangles.min(axis=1) >= 0]
+        return np.asarray(triangles[triangles.min(axis=1) >= 0])
 
     def edges(self) -> Ints:
         """Pairs (E, 2) of neighbouring grid points in the patch."""
         ends = self._ahead.ravel()
         own = np.tile(np.arange(len(self.ij)), 3)
-        return np.column_stack([own, ends])[ends >= 0]
+        return np.asarray(np.column_stack([own, ends])[ends >= 0])
 
     def harmonic(self, known: NDArray[np.bool_], values: Floats, stiff: Floats | None = None) -> Floats:
         """Values (n, 2), given at `known` points, continued to the others so that each is its neighbours' mean.

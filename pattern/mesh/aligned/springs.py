@@ -10,10 +10,10 @@ from scipy.sparse.linalg import splu
 
 from pattern.geometry.arrays import Floats, Ints
 
-# weight that keeps what is connected to no known point where it is; too small to matter elsewhere
-HOLD = 1e-9
-# points of the largest piece up to which all pieces are solved as small dense systems
-SMALL = 64
+# small weight that keeps points in place if no path connects them to a known point
+HOLDING_WEIGHT = 1e-9
+# largest connected piece that is solved as a dense system
+MAX_DENSE_POINTS = 64
 
 
 def means_of_neighbours(edges: Ints, stiff: Floats, known: NDArray[np.bool_], values: Floats) -> Floats:
@@ -33,7 +33,7 @@ def means_of_neighbours(edges: Ints, stiff: Floats, known: NDArray[np.bool_], va
     pull = np.concatenate([stiff, stiff])
     of_free = ~known[own]
     row, to, pull = number[own[of_free]], other[of_free], pull[of_free]
-    diagonal = np.bincount(row, pull, len(free)).astype(np.float64) + HOLD
+    diagonal = np.bincount(row, pull, len(free)).astype(np.float64) + HOLDING_WEIGHT
     given = known[to]
     pulled = [np.bincount(row[given], pull[given] * v[to[given]], len(free)) for v in result.T]
     right = np.column_stack(pulled).astype(np.float64)
@@ -42,7 +42,7 @@ def means_of_neighbours(edges: Ints, stiff: Floats, known: NDArray[np.bool_], va
     entries = -pull[inner]
     between = csc_array((entries, (row, column)), shape=(len(free), len(free)))
     pieces, piece = connected_components(between, directed=False)
-    if np.bincount(piece).max() <= SMALL:
+    if np.bincount(piece).max() <= MAX_DENSE_POINTS:
         result[free] = _by_pieces(pieces, piece, diagonal, row, column, entries, right)
         return result
     every = np.arange(len(free))

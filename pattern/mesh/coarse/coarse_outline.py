@@ -1,7 +1,7 @@
 """The outline of a sheet with as few points as a coarse mesh needs, and the same area.
 
-Corners and the ends of what is held stay where they are. Between them a line of many short sides becomes one of few
-longer ones, and moves outwards or inwards by the little that gives the sheet its area back.
+Corners and the ends of supported edges keep their places. Between them, a line of many short edges becomes a line of
+few longer ones. It moves outwards or inwards until the area of the sheet is restored.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ import shapely
 from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import polygon_area, turning_angles
 
-# a line that turns by more has a corner there
-CORNER_DEG = 35.0
-# how far a line may be from the outline before it is moved, over the edge length
-TOLERANCE = 0.06
+# an outline that turns by more has a corner there
+OUTLINE_CORNER_DEG = 35.0
+# largest distance of the simplified line from the outline, before it is moved, in mesh edges
+OUTLINE_DEVIATION_EDGES = 0.06
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,9 @@ def coarse_outline(border: Floats, edge_mm: float, fixed: Ints) -> CoarseOutline
     edge_mm : what counts as short.
     fixed : corners that must stay.
     """
-    kept = np.union1d(fixed, np.flatnonzero(np.abs(turning_angles(border)) > np.radians(CORNER_DEG))).astype(np.int64)
+    kept = np.union1d(fixed, np.flatnonzero(np.abs(turning_angles(border)) > np.radians(OUTLINE_CORNER_DEG))).astype(
+        np.int64
+    )
     whole = np.arange(len(border))
     if len(kept) == len(border):
         return CoarseOutline(border, whole)
@@ -53,7 +55,7 @@ def coarse_outline(border: Floats, edge_mm: float, fixed: Ints) -> CoarseOutline
     for start, end in zip(starts, np.roll(starts, -1), strict=True):
         count = (end - start) % len(border) or len(border)
         numbers = (start + np.arange(count + 1)) % len(border)
-        chosen = _simplified(border[numbers], TOLERANCE * edge_mm)
+        chosen = _simplified(border[numbers], OUTLINE_DEVIATION_EDGES * edge_mm)
         points.append(border[numbers[chosen[:-1]]])
         sides.append(numbers[chosen[:-1]])
         moves = np.full(len(chosen) - 1, len(chosen) <= count)

@@ -15,9 +15,9 @@ from pattern.mesh.coarse.coarse_outline import coarse_outline
 from pattern.mesh.free.triangulate import triangulate
 from pattern.mesh.outline_points import outline_points
 
-# inner points keep this distance from the outline and from held points, over the edge length
-CLEAR = 0.6
-SWEEPS = 4
+# inner points keep this distance from the outline and from supported points, in mesh edges
+CLEARANCE_EDGES = 0.6
+MAX_RELAXATION_SWEEPS = 4
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class SheetMesh:
 
     Attributes
     ----------
-    points : (P, 2) mm; held points are among them.
+    points : (P, 2) mm; supported points are among them.
     triangles : (T, 3), counterclockwise.
     rim : (R, 2) points at the ends of the outline's mesh edges.
     side : (R,) the border's side each of them is on.
@@ -50,8 +50,9 @@ def sheet_mesh(
     ----------
     border : (B, 2) mm, simple polygon, counterclockwise.
     edge_mm : length of the mesh's edges, about.
-    held_points : (n, 2) mm, on the sheet; they become points of the mesh.
-    held_sides : groups of sides of the border that are held alike; where a group ends there is a point of the mesh.
+    held_points : (n, 2) mm, supported points on the sheet; they become points of the mesh.
+    held_sides : groups of edges of the outline that are supported alike. Where a group ends, there is a point of the
+        mesh.
 
     Raises
     ------
@@ -110,20 +111,20 @@ def _filling(ring: Floats, fixed: Floats, edge_mm: float) -> Floats:
     points = ring[longest] + grid.reshape(-1, 2) @ basis
     points = points[inside(points, ring)]
     if not len(points):
-        return points
+        return np.empty((0, 2))
     away = np.minimum(distance_to_outline(points, ring), cKDTree(fixed).query(points)[0])
-    return np.asarray(points[away > CLEAR * edge_mm])
+    return np.asarray(points[away > CLEARANCE_EDGES * edge_mm])
 
 
 def _relaxed(fixed: Floats, free: Floats, rim: Ints, edge_mm: float) -> tuple[Floats, Ints]:
     """Points and triangles, the free points moved so that triangles are nearly equilateral."""
     points, triangles = triangulate(np.concatenate([fixed, free]), rim)
-    for _ in range(SWEEPS if len(free) else 0):
+    for _ in range(MAX_RELAXATION_SWEEPS if len(free) else 0):
         moved = mean_circumcentres(points, triangles)[len(fixed) :]
         if np.abs(moved - points[len(fixed) :]).max() < 0.02 * edge_mm:
             break
         try:
             points, triangles = triangulate(np.concatenate([fixed, moved]), rim)
-        except MeshError:  # a point was pushed over the outline
+        except MeshError:  # a point left the outline
             break
     return points, triangles

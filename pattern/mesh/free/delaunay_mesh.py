@@ -1,4 +1,4 @@
-"""The constrained Delaunay mesh: any border, arms in any direction, refined where features are close together."""
+"""The constrained Delaunay mesh: any outline, arms in any direction, refined where features are close together."""
 
 from __future__ import annotations
 
@@ -21,33 +21,35 @@ from pattern.mesh.mesh import Mesh
 from pattern.mesh.outline_points import outline_points
 from pattern.mesh.pin_vertices import pin_vertices, pins_on_sheet
 
-MIN_ANGLE_DEG = 30.0
-# arms and border are split where they touch flatter triangles than this, at most so often by default
+REFINEMENT_ANGLE_DEG = 30.0
+# arms and outline are split where they touch triangles with a smaller angle
 POOR_ANGLE_DEG = 25.0
-SPLITS = 3
-# in units of the edge squared: refinement leaves a mean area of .6 of it, that of an equilateral triangle
-LARGEST_AREA = 0.7
+MAX_SPLITS = 3
+# in units of the edge squared: refinement leaves a mean area of 0.6 of it, that of an equilateral triangle
+MAX_AREA_EDGES_SQUARED = 0.7
 # edges along arms of a graded mesh, over those far from them; quality makes all sizes between
-GRADED = 0.2
+ARM_EDGE_FACTOR = 0.2
 # points closer than this part of the lattice distance are one vertex
-MERGE = 1e-6
+MERGE_DISTANCE_SPACINGS = 1e-6
 
 
 @dataclass(frozen=True)
 class _Frame:
-    """What the mesh must contain: `outline` (n, 2) along the border, the step (mm) of each arm's segments."""
+    """Lines of the mesh: points (n, 2) mm along the outline, and the length (mm) of each arm's segments."""
 
     outline: Floats
     step: Floats
 
 
-def delaunay_mesh(layout: Layout, edge_mm: float, seed: int = 0, graded: bool = False, splits: int = SPLITS) -> Mesh:
-    """Triangles of about 30 degrees or more, with even segments along every arm and the border.
+def delaunay_mesh(
+    layout: Layout, edge_mm: float, seed: int = 0, graded: bool = False, splits: int = MAX_SPLITS
+) -> Mesh:
+    """Triangles of about 30 degrees or more, with even segments along every arm and the outline.
 
     Parameters
     ----------
     edge_mm : wished length of an edge. Arms get at least two segments, and shorter ones where tips come close to
-        other arms or to the border.
+        other arms or to the outline.
     seed : another seed gives another mesh of the same quality, to see how much a result depends on the mesh.
     graded : arms get edges of a fifth of the length, so that the triangles beside them are small.
     splits : how often segments beside flat triangles are halved at most.
@@ -59,7 +61,7 @@ def delaunay_mesh(layout: Layout, edge_mm: float, seed: int = 0, graded: bool = 
         outline_points(
             layout.outline, edge_mm, np.concatenate([layout.arm_tip, layout.centres, pins]), tolerance, np.zeros((0, 2))
         ),
-        length / np.maximum(np.rint(length / (GRADED * edge_mm if graded else edge_mm)), 2),
+        length / np.maximum(np.rint(length / (ARM_EDGE_FACTOR * edge_mm if graded else edge_mm)), 2),
     )
     best, best_angle = None, -1.0
     for _ in range(splits + 1):
@@ -87,7 +89,9 @@ def _mesh(layout: Layout, frame: _Frame, pins: Floats, edge_mm: float, seed: int
         [np.column_stack([border, np.roll(border, -1)]), *(np.column_stack([r[:-1], r[1:]]) for r in rods)]
     )
     points = np.concatenate([points, _scattered(layout, points, edge_mm, seed)])
-    points, triangles = triangulate(points, segments, min_angle_deg=MIN_ANGLE_DEG, max_area=LARGEST_AREA * edge_mm**2)
+    points, triangles = triangulate(
+        points, segments, min_angle_deg=REFINEMENT_ANGLE_DEG, max_area=MAX_AREA_EDGES_SQUARED * edge_mm**2
+    )
     return Mesh(points, triangles, tuple(rods), stars, border, pin_vertices(layout, points, border), "delaunay")
 
 
@@ -146,4 +150,4 @@ def _scattered(layout: Layout, points: Floats, edge_mm: float, seed: int) -> Flo
 
 def _tolerance(layout: Layout) -> float:
     """Places closer than this, in mm, are one vertex."""
-    return MERGE * layout.spacing_mm
+    return MERGE_DISTANCE_SPACINGS * layout.spacing_mm

@@ -1,4 +1,4 @@
-"""The one guarded call of the `triangle` package, whose C code ends the process on input it does not like."""
+"""The only call of the `triangle` package. Its C code ends the process on bad input, so all input is checked first."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import distance_to_segment, is_in_sorted, triangle_areas
 
 # closer than this, relative to the extent of the input, points count as one and segments as touching
-TOLERANCE = 1e-8
-MAX_TRIANGLES = 2_000_000
-MAX_ANGLE_DEG = 33.0
+COINCIDENCE_TOLERANCE = 1e-8
+MAX_REFINED_TRIANGLES = 2_000_000
+MAX_REFINEMENT_ANGLE_DEG = 33.0
 
 # loose ends that are taken off lines of segments, one segment at a time, before loops are looked for
-PEELED = 30
+MAX_PEELED_SEGMENTS = 30
 
 
 def triangulate(
@@ -49,7 +49,8 @@ def triangulate(
 
     Raises
     ------
-    MeshError : where the input is not such a set of points and segments, or the mesh would be too large.
+    MeshError
+        The input is not such a set of points and segments, or the mesh would be too large.
     """
     p, s, h = _arrays(points, segments, holes)
     centre = (p.min(axis=0) + p.max(axis=0)) / 2
@@ -90,7 +91,7 @@ def _arrays(points: ArrayLike, segments: ArrayLike, holes: ArrayLike) -> tuple[F
     if not (np.isfinite(p).all() and np.isfinite(h).all()):
         raise MeshError("points and holes must be finite")
     if not (1e-100 < np.abs(p).max() < 1e100):
-        raise MeshError("points must be of an ordinary size")
+        raise MeshError("points must be between 1e-100 and 1e100 in size")
     if s.min() < 0 or s.max() >= len(p):
         raise MeshError(f"segments must name points 0 to {len(p) - 1}, got {s.min()} to {s.max()}")
     return p, s.astype(np.int64), h.reshape(-1, 2)
@@ -98,12 +99,12 @@ def _arrays(points: ArrayLike, segments: ArrayLike, holes: ArrayLike) -> tuple[F
 
 def _check_geometry(p: Floats, s: Ints) -> None:
     """Refuse points that are not distinct, and segments that meet elsewhere than at points."""
-    same = cKDTree(p).query_pairs(TOLERANCE)
+    same = cKDTree(p).query_pairs(COINCIDENCE_TOLERANCE)
     if same:
         i, j = min(same)
         raise MeshError(f"points {i} and {j} are the same")
     spread = np.linalg.svd(p - p.mean(axis=0), compute_uv=False)
-    if spread[1] < TOLERANCE * spread[0]:
+    if spread[1] < COINCIDENCE_TOLERANCE * spread[0]:
         raise MeshError("the points lie on one line")
     if (s[:, 0] == s[:, 1]).any():
         raise MeshError(f"segment {np.argmax(s[:, 0] == s[:, 1])} has no length")
@@ -111,11 +112,11 @@ def _check_geometry(p: Floats, s: Ints) -> None:
         raise MeshError("a segment is given twice")
     lines = shapely.linestrings(p[s])
     # pairs whose boxes meet, without the many that belong together, before their geometry is looked at
-    low, high = p[s].min(axis=1) - TOLERANCE, p[s].max(axis=1) + TOLERANCE
+    low, high = p[s].min(axis=1) - COINCIDENCE_TOLERANCE, p[s].max(axis=1) + COINCIDENCE_TOLERANCE
     owner, on = shapely.STRtree(shapely.points(p)).query(shapely.box(*low.T, *high.T))
     other = (s[owner] != on[:, None]).all(axis=1)
     owner, on = owner[other], on[other]
-    touching = np.flatnonzero(distance_to_segment(p[on], p[s[owner, 0]], p[s[owner, 1]]) <= TOLERANCE)
+    touching = np.flatnonzero(distance_to_segment(p[on], p[s[owner, 0]], p[s[owner, 1]]) <= COINCIDENCE_TOLERANCE)
     if len(touching):
         k = touching[0]
         raise MeshError(f"point {on[k]} lies on segment {owner[k]} between its ends")
@@ -134,18 +135,20 @@ def _check_region(p: Floats, s: Ints, holes: Floats) -> float:
     faces = shapely.get_parts(shapely.polygonize(shapely.linestrings(p[_closed(s, len(p))])))
     if len(holes):
         inside, face = shapely.STRtree(faces).query(shapely.points(holes), predicate="within")
-        beside = distance_to_segment(holes[:, None], *p[s].swapaxes(0, 1)).min(axis=1) <= TOLERANCE
+        beside = distance_to_segment(holes[:, None], *p[s].swapaxes(0, 1)).min(axis=1) <= COINCIDENCE_TOLERANCE
         bad = np.isin(np.arange(len(holes)), inside, invert=True) | beside
         if bad.any():
             raise MeshError(f"hole {np.argmax(bad)} is not inside a loop of segments")
         faces = np.delete(faces, face)
     if not len(faces):
-        raise MeshError("the segments enclose nothing")
+        raise MeshError("the segments enclose no region")
     shapely.prepare(faces)
     middles = p[s].mean(axis=1)
     out = _outside(faces, middles)
     # the middles of the loops' own segments
-    on = shapely.STRtree(shapely.points(middles[out])).query(faces, predicate="dwithin", distance=TOLERANCE)[1]
+    on = shapely.STRtree(shapely.points(middles[out])).query(
+        faces, predicate="dwithin", distance=COINCIDENCE_TOLERANCE
+    )[1]
     out[np.flatnonzero(out)[on]] = False
     if out.any():
         raise MeshError(f"segment {np.argmax(out)} lies outside what the segments enclose")
@@ -159,7 +162,7 @@ def _check_region(p: Floats, s: Ints, holes: Floats) -> float:
 
 def _closed(s: Ints, n: int) -> Ints:
     """The segments that may be part of a loop: most of a sheet's belong to arms, which end freely."""
-    for _ in range(PEELED):
+    for _ in range(MAX_PEELED_SEGMENTS):
         kept = (np.bincount(s.ravel(), minlength=n)[s] > 1).all(axis=1)
         if kept.all():
             break
@@ -182,16 +185,20 @@ def _options(p: Floats, min_angle_deg: float | None, max_area: float | None) -> 
     expected = 20.0 * len(p)
     options = "pYY"
     if min_angle_deg is not None:
-        if not 0 <= min_angle_deg <= MAX_ANGLE_DEG:
-            raise MeshError(f"the smallest angle must be 0 to {MAX_ANGLE_DEG:g} degrees, got {min_angle_deg}")
+        if not 0 <= min_angle_deg <= MAX_REFINEMENT_ANGLE_DEG:
+            raise MeshError(
+                f"the smallest angle must be 0 to {MAX_REFINEMENT_ANGLE_DEG:g} degrees, got {min_angle_deg}"
+            )
         options += f"q{min_angle_deg:.6f}"
     if max_area is not None:
         if not 0 < max_area < np.inf:
             raise MeshError(f"the largest area must be positive, got {max_area}")
         expected += 2 * np.prod(np.ptp(p, axis=0)) / max_area
         options += f"a{max_area:.20f}"
-    if expected > MAX_TRIANGLES:
-        raise MeshError(f"about {expected:.2g} triangles would be needed, more than {MAX_TRIANGLES}: use a longer edge")
+    if expected > MAX_REFINED_TRIANGLES:
+        raise MeshError(
+            f"about {expected:.2g} triangles would be needed, more than {MAX_REFINED_TRIANGLES}: use a longer edge"
+        )
     room = int(expected)
     return f"{options}S{room}", room
 
@@ -216,7 +223,7 @@ def _check_result(p: Floats, t: Ints, s: Ints, area: float) -> None:
 def _codes(pairs: Ints, n: int) -> Ints:
     """One number for every unordered pair of indices below n."""
     one, two = pairs.T
-    return np.minimum(one, two) * n + np.maximum(one, two)
+    return np.asarray(np.minimum(one, two) * n + np.maximum(one, two))
 
 
 def _edges(t: Ints, n: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

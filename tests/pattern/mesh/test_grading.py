@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from pattern.design.errors import MeshError
-from pattern.mesh.aligned.aligned_mesh import GRADED, aligned_mesh
+from pattern.mesh.aligned.aligned_mesh import MIN_GRADED_ANGLE_DEG, aligned_mesh
 from pattern.mesh.free.delaunay_mesh import delaunay_mesh
-from pattern.mesh.grading import FINEST, Grading
+from pattern.mesh.grading import GRADED_EDGE_FACTOR, Grading
 from tests.pattern.layouts import L_SHAPE, D, rings, stars_on, unit
 from tests.pattern.mesh_rules import obey, same_after, smallest_angle
 
@@ -28,7 +28,7 @@ def test_as_many_triangles_but_finer_at_the_arms(k, length):
     even, mesh = aligned_mesh(sheet, D / k), aligned_mesh(sheet, D / k, graded=True)
     obey(sheet, mesh)
     assert len(mesh.triangles) == len(even.triangles)
-    assert smallest_angle(mesh) > GRADED
+    assert smallest_angle(mesh) > MIN_GRADED_ANGLE_DEG
     height, middle = sizes(mesh)
     near = Grading.of(sheet).size(middle) < 0.5
     assert near.any()
@@ -39,7 +39,7 @@ def test_vertices_crowd_at_the_tip():
     grading = Grading.of(rings(1, 10.0))
     steps = np.diff(grading.along(10.0, 40)) * 10.0
     assert (np.diff(steps) <= 1e-9).all()
-    assert steps[-1] / steps[0] == pytest.approx(FINEST, rel=0.15)
+    assert steps[-1] / steps[0] == pytest.approx(GRADED_EDGE_FACTOR, rel=0.15)
     assert steps.sum() == pytest.approx(10.0)
 
 

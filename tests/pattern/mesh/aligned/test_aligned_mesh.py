@@ -13,7 +13,7 @@ from pattern import gallery
 from pattern.design.errors import MeshError
 from pattern.geometry.planar import triangle_angles
 from pattern.layout import build
-from pattern.mesh.aligned.aligned_mesh import SMALLEST_ANGLE, aligned_mesh
+from pattern.mesh.aligned.aligned_mesh import MIN_ALIGNED_ANGLE_DEG, aligned_mesh
 from tests.pattern.layouts import (
     L_SHAPE,
     RECTANGLE,
@@ -163,7 +163,7 @@ def test_a_draft_will_do(name):
     sheet = build.layout(gallery.load(name))
     draft, whole = (aligned_mesh(sheet, 2.5, draft=draft) for draft in (True, False))
     obey(sheet, draft)
-    assert SMALLEST_ANGLE <= smallest_angle(draft) <= smallest_angle(whole)
+    assert MIN_ALIGNED_ANGLE_DEG <= smallest_angle(draft) <= smallest_angle(whole)
     assert len(draft.points) == len(whole.points)
 
 
@@ -249,7 +249,7 @@ def test_sound_or_refused(n, length, edge, directions):
         return
     obey(sheet, mesh)
     assert even_rods(mesh)
-    assert smallest_angle(mesh) >= SMALLEST_ANGLE
+    assert smallest_angle(mesh) >= MIN_ALIGNED_ANGLE_DEG
 
 
 def test_fast():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pattern.mesh.aligned.springs import SMALL, means_of_neighbours
+from pattern.mesh.aligned.springs import MAX_DENSE_POINTS, means_of_neighbours
 
 
 def square(side: int) -> np.ndarray:
@@ -22,7 +22,9 @@ def test_free_points_are_means(every: int) -> None:
     stiff, values = rng.uniform(0.5, 2.0, len(edges)), rng.standard_normal((side * side, 2))
     i, j = np.indices((side, side)).reshape(2, -1)
     known = (i % every == 0) | (j % every == 0) | (i == side - 1) | (j == side - 1)
-    assert (np.sum(~known) > SMALL) == (every > side) or every == 3  # one piece beyond what is solved densely
+    assert (np.sum(~known) > MAX_DENSE_POINTS) == (
+        every > side
+    ) or every == 3  # one piece beyond what is solved densely
     found = means_of_neighbours(edges, stiff, known, values)
     assert np.array_equal(found[known], values[known])
     weight, total = np.zeros(side * side), np.zeros((side * side, 2))
