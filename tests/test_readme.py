@@ -91,6 +91,8 @@ def test_links_lead_somewhere(page: Path, link: str) -> None:
     path, _, anchor = link.partition("#")
     target = page.parent / path if path else page
     assert target.exists(), f"{page.name} links to {link}, which does not exist"
+    if ROOT / "docs" in page.parents:
+        return  # headings of the site, some of them generated, are checked when it is built: mkdocs build --strict
     assert not anchor or anchor in anchors(target), f"{target.name} has no heading {anchor}"
 
 

@@ -62,7 +62,7 @@ def main() -> None:
     if not options.names:
         report.plot(rows, report.DOCS / "pictures" / "accuracy.png")
         write_report("accuracy", rows, text.replace("](../pictures/", "](../../docs/pictures/"))
-        report.put_into_docs(text)
+        report.put_into_docs(report.in_brief(rows))
 
 
 def kept(design: Design, folder: Path, law: Law, starts: bool, as_is: bool) -> dict[str, Any]:

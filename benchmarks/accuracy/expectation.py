@@ -32,7 +32,7 @@ from benchmarks.accuracy.__main__ import kept
 from benchmarks.accuracy.designs import RANDOM, designs, drawn, even, ribbons
 from benchmarks.accuracy.exact import exact, lowest
 from benchmarks.accuracy.expected_heights import AFTERWARDS, PREDICTED
-from benchmarks.accuracy.report import HEADER, announced, missed, put_into_docs, row
+from benchmarks.accuracy.report import HEADER, announced, missed, row
 from benchmarks.accuracy.unlike import unlike
 from benchmarks.report import markdown, write_report
 from homogenize.errors import LawError
@@ -46,7 +46,6 @@ OTHERS = 40  # designs of other outlines and pins
 FITTED, UNSEEN = 24, 12  # designs with the seeds that follow the study's, and with those that follow them
 LATER, LAST = range(600, 640), range(640, 690)  # seeds: two of the former set CONTRAST, the latter came after it
 SYMMETRIC = 3  # kind of the sheets with a rotation and of supported ones, see IN_USE
-BEGIN, END = "<!-- expectation of the preview -->", "<!-- end of expectation of the preview -->"
 # columns of the study's table
 NAMES = [
     "design", "stars", "held", "rms %", "expected %", "same form", "height %", "expected height %", "warnings",
@@ -82,7 +81,6 @@ def main() -> None:
     text = section(known, small, unseen, narrow, others, later, last)
     print(text)
     write_report("accuracy.expectation", [*known, *small, *unseen, *narrow, *others, *later, *last], text)
-    put_into_docs(text, BEGIN, END)
 
 
 def _rows(some: Sequence[Design], folder: Path, law: Law, as_is: bool) -> list[Row]:

@@ -1,4 +1,4 @@
-"""The study's tables and plots, and its section of docs/explanation/accuracy.md."""
+"""The study's tables and plots, and the table in brief of docs/explanation/accuracy.md."""
 
 from __future__ import annotations
 
@@ -186,11 +186,28 @@ def section(rows: list[dict[str, Any]], left_out: dict[str, str]) -> str:
     )
 
 
+def in_brief(rows: list[dict[str, Any]]) -> str:
+    """Distances and heights of the study in four rows."""
+    supported = [r for r in rows if r["causes"].get("held") == "held"]
+    free = [r for r in rows if r["causes"].get("held") == "free"]
+    lines = [
+        ["rms distance, all designs", *_spread(_known(rows, "rms_percent"))],
+        ["rms distance, supported sheets", *_spread(_known(supported, "rms_percent"))],
+        ["rms distance, free sheets", *_spread(_known(free, "rms_percent"))],
+        ["height, all designs", *_spread(_known(rows, "height_error_percent"))],
+    ]
+    return markdown(["", "designs", "median, %", "nine in ten within, %", "largest, %"], lines)
+
+
 def put_into_docs(text: str, begin: str = BEGIN, end: str = END) -> None:
-    """Replaces what stands between two comments in docs/explanation/accuracy.md."""
+    """Replaces the text between two comments in docs/explanation/accuracy.md."""
     path = DOCS / "explanation" / "accuracy.md"
     before, rest = path.read_text(encoding="utf-8").split(begin)
     write_file(path, f"{before}{begin}\n\n{text}\n\n{end}{rest.split(end)[1]}")
+
+
+def _spread(errors: np.ndarray) -> list[str]:
+    return [str(len(errors)), *(f"{np.quantile(errors, share):.2f}" for share in (0.5, 0.9, 1.0))]
 
 
 def _cause(r: dict[str, Any], name: str) -> float | None:
