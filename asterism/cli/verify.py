@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import shlex
 import sys
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -53,51 +52,7 @@ def verify(
         verification = compute(chosen, chosen_law, backend, run.report, run.say, command=line)
         run.say("writing the report")
     files = write_verification(verification, directory)
-    run.table(table_rows(verification.summary))
+    run.table(verification.summary.table())
     run.files(directory, files)
     run.warn(*verification.summary["warnings"])
     return DONE if verification.summary["exact"]["is_minimum"] else NO_ANSWER
-
-
-def table_rows(s: Mapping[str, Any]) -> dict[str, str]:
-    """The numbers of a summary by name, as the command prints them."""
-    from asterism.shape.mesh_error import in_words
-    from asterism.verification.numbers import times
-
-    radius, rms, height = (
-        s[name] for name in ("roll_radius_error_percent", "expected_rms_percent", "expected_height_percent")
-    )
-    release, near = s["starts"]["release"], s["starts"]["preview"]
-    apart = f"two minima, {s['starts_distance_percent']:.2g} % apart"
-    if not (release["is_minimum"] and near["is_minimum"]):
-        apart = "one start in a minimum"
-    agree = "both starts in one minimum" if s["starts_agree"] else apart
-    if not s["exact"]["is_minimum"]:
-        agree = "no minimum"
-    return {
-        "same form": {True: "yes", False: "no", None: "not known: no certified exact shape"}[s["same_branch"]],
-        "distance": f"{s['rms_percent']:.2f} % of the diameter rms, {s['max_percent']:.1f} % at most",
-        "expected": f"{_expected(rms)}, height {_height(height, s['heights_mm'][1])}",
-        "star centres": f"{s['rms_stars_percent']:.2f} % rms, {s['max_stars_percent']:.1f} % at most",
-        "height": _mm(s["heights_mm"]),
-        "rise over the pins": "-" if s["rises_mm"] is None else _mm(s["rises_mm"]),
-        "radius of the roll": "-" if radius is None else _mm(s["roll_radii_mm"]),
-        "exact mesh error": in_words(s["exact"]),
-        "exact model": f"{agree}; {release['iterations']} iterations, {near['iterations']} from the preview",
-        "seconds": f"preview {s['preview_s']:.2f}, again {s['preview_again_s']:.3f}; exact {s['exact_s']:.1f}",
-        "speed-up": times(s["speedup"]),
-    }
-
-
-def _expected(percent: float | None) -> str:
-    return "not known" if percent is None else f"{percent:.1f} %"
-
-
-def _height(percent: float | None, height_mm: float) -> str:
-    from asterism.previews.uncertainty.height_error import in_words
-
-    return "not known" if percent is None else in_words(percent, height_mm)
-
-
-def _mm(pair: list[float]) -> str:
-    return f"{pair[1]:.1f} mm, exact {pair[0]:.1f} mm"

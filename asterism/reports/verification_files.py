@@ -10,7 +10,6 @@ from asterism.results.files import LAST, staged_result
 from asterism.shape.vtu import write_shape_vtu
 from asterism.verification.verification import Verification
 from pattern.design.arguments import check_type
-from pattern.design.files import plain
 
 
 def write_verification(found: Verification, directory: str | Path) -> list[str]:
@@ -31,5 +30,5 @@ def write_verification(found: Verification, directory: str | Path) -> list[str]:
         (folder / "report.html").write_text(verification_page(found), encoding="utf-8", errors="backslashreplace")
         write_shape_vtu(found.comparison.reference, folder / "exact.vtu")
         write_shape_vtu(found.comparison.other, folder / "preview.vtu")
-        (folder / LAST).write_text(json.dumps(plain(found.summary), indent=2, allow_nan=False) + "\n")
+        (folder / LAST).write_text(json.dumps(found.summary.to_json(), indent=2, allow_nan=False) + "\n")
         return sorted(file.name for file in folder.iterdir())

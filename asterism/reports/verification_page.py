@@ -11,10 +11,9 @@ from asterism.previews.uncertainty.height_error import in_words as height_in_wor
 from asterism.reports.html import figures, html_page, html_table, png, tiles
 from asterism.reports.plots import distance_map, profiles
 from asterism.reports.views import comparison_views
-from asterism.results.words import small_percent
+from asterism.results.words import small_percent, times
 from asterism.shape.mesh_error import in_words
 from asterism.shape.tube import degrees
-from asterism.verification.numbers import times
 from asterism.verification.origins import origins
 from asterism.verification.right_shape import SURE, gap
 from asterism.verification.verification import PREVIEW, RELEASE, Verification

@@ -9,11 +9,16 @@ from typing import Any, Union, get_args, get_origin
 from asterism.results.record import Record, is_record, keys_of, value_types
 from asterism.results.records.exact import ExactRecord
 from asterism.results.records.preview import PreviewRecord
+from asterism.results.records.verification import VerificationRecord
 
 # what the page is about, and the text above its table
 SUMMARIES: dict[type[Record], tuple[str, str]] = {
     ExactRecord: ("Exact shape", "`summary.json` of `asterism simulate`, and `shape.summary` of `asterism.simulate`."),
     PreviewRecord: ("Preview", "`summary.json` of `asterism preview`, and `shape.summary` of `asterism.preview`."),
+    VerificationRecord: (
+        "Verification",
+        "`summary.json` of `asterism verify`, and `verification.summary` of `asterism.verify`.",
+    ),
 }
 _NAMES = {str: "text", int: "integer", float: "number", bool: "true or false", NoneType: "null", Any: "any"}
 

@@ -1,9 +1,8 @@
-"""What a comparison says, as plain numbers."""
+"""The numbers of a comparison of two shapes, and whether they are of one form."""
 
 from __future__ import annotations
 
-from typing import Any
-
+from asterism.results.records.verification import DifferenceRecord
 from asterism.shape.comparison import Comparison
 
 # shapes further apart than this, in % of the diameter, or rolled about axes that differ by more, or with normals that
@@ -13,30 +12,30 @@ LIKE_PERCENT, LIKE_DEG, LIKE_NORMALS_DEG = 10.0, 20.0, 30.0
 FORM_PERCENT = 2.5
 
 
-def numbers(comparison: Comparison) -> dict[str, Any]:
-    """Entries of summary.json; errors are those of the other shape against the reference, None where not defined."""
+def numbers(comparison: Comparison) -> DifferenceRecord:
+    """Keys of summary.json; errors are those of the other shape against the reference, None where not defined."""
     reference, other = comparison.heights_mm
     radii, volumes, rises = comparison.roll_radii_mm, comparison.volumes_mm3, comparison.rises_mm
-    return {
-        "rms_percent": comparison.rms_percent,
-        "max_percent": comparison.max_percent,
-        "rms_stars_percent": comparison.rms_stars_percent,
-        "max_stars_percent": comparison.max_stars_percent,
-        "diameter_mm": comparison.diameter_mm,
-        "height_error_percent": _relative(reference, other),
-        "mean_height_error_percent": _relative(*comparison.mean_heights_mm),
-        "heights_mm": [reference, other],
-        "relief_error_percent": comparison.relief_error_percent,
-        "rise_error_percent": None if rises is None else _relative(*rises),
-        "rises_mm": None if rises is None else list(rises),
-        "volume_error_percent": None if volumes is None else _relative(*volumes),
-        "volumes_mm3": None if volumes is None else list(volumes),
-        "roll_radius_error_percent": None if radii is None else _relative(*radii),
-        "roll_radii_mm": None if radii is None else list(radii),
-        "roll_axes_deg": list(comparison.roll_axes_deg),
-        "normals_rms_deg": comparison.normals_rms_deg,
-        "mirrored": comparison.symmetry.mirrors,
-    }
+    return DifferenceRecord(
+        rms_percent=comparison.rms_percent,
+        max_percent=comparison.max_percent,
+        rms_stars_percent=comparison.rms_stars_percent,
+        max_stars_percent=comparison.max_stars_percent,
+        diameter_mm=comparison.diameter_mm,
+        height_error_percent=_relative(reference, other),
+        mean_height_error_percent=_relative(*comparison.mean_heights_mm),
+        heights_mm=[reference, other],
+        relief_error_percent=comparison.relief_error_percent,
+        rise_error_percent=None if rises is None else _relative(*rises),
+        rises_mm=None if rises is None else list(rises),
+        volume_error_percent=None if volumes is None else _relative(*volumes),
+        volumes_mm3=None if volumes is None else list(volumes),
+        roll_radius_error_percent=None if radii is None else _relative(*radii),
+        roll_radii_mm=None if radii is None else list(radii),
+        roll_axes_deg=list(comparison.roll_axes_deg),
+        normals_rms_deg=comparison.normals_rms_deg,
+        mirrored=comparison.symmetry.mirrors,
+    )
 
 
 def alike(comparison: Comparison) -> bool:
@@ -65,11 +64,6 @@ def same_branch(comparison: Comparison, with_other: Comparison | None, apart_per
     """
     nearer = with_other is None or comparison.rms_percent <= with_other.rms_percent
     return bool((nearer or apart_percent < FORM_PERCENT) and alike(comparison))
-
-
-def times(speedup: float) -> str:
-    """A ratio of seconds: whole, where that says enough."""
-    return f"{speedup:.0f}" if speedup >= 10.0 else f"{speedup:.2g}"
 
 
 def _relative(right: float, other: float) -> float | None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -14,6 +13,8 @@ from asterism.previews.run import preview
 from asterism.process.compiling import clock_without_compiling
 from asterism.process.version import __version__
 from asterism.results.files import VERIFICATION
+from asterism.results.records.exact import ExactRecord
+from asterism.results.records.verification import VerificationRecord, VerifiedStartRecord
 from asterism.shape.comparison import Comparison, compare
 from asterism.shape.shape import Shape
 from asterism.verification.numbers import numbers, same_branch
@@ -122,33 +123,37 @@ def _same_stars_down(exact: Mapping[str, Shape], plan: Layout, same: Sequence[Sy
     return any(np.array_equal(first, second[symmetry.star]) for symmetry in same)
 
 
-def _summary(found: Verification, between: Comparison, agree: bool, seconds: dict[str, float]) -> dict[str, Any]:
+def _summary(found: Verification, between: Comparison, agree: bool, seconds: dict[str, float]) -> VerificationRecord:
     result, other = found.result, next(name for name in found.exact if name != found.result)
-    exact = found.exact[result].summary
+    exact = ExactRecord.from_json(found.exact[result].summary)
     # where a start has stopped at no minimum there is no form that the sheet could rest in
     with_other = found.comparisons[other] if found.exact[other].summary["is_minimum"] else None
-    form = same_branch(found.comparison, with_other, between.rms_percent) if exact["is_minimum"] else None
-    return {
-        "model": VERIFICATION,
-        **numbers(found.comparison),
-        "same_branch": form,
-        "speedup": seconds["exact_s"] / seconds["preview_again_s"],
-        "speedup_cold": seconds["exact_s"] / seconds["preview_s"],
-        **seconds,
-        "mesh_error_percent": exact["mesh_error_percent"],
-        "mesh_change_percent": exact.get("mesh_change_percent"),
-        "expected_rms_percent": found.preview.summary.get("expected_rms_percent"),
-        "expected_height_percent": found.preview.summary.get("expected_height_percent"),
-        "result_from": result,
-        "starts_agree": agree,
-        "starts_distance_percent": between.rms_percent,
-        "starts": {
-            name: numbers(found.comparisons[name]) | {key: shape.summary[key] for key in COPIED_KEYS}
-            for name, shape in found.exact.items()
-        },
-        "warnings": warnings(found, between.rms_percent),
-        "version": __version__,
-        "preview": dict(found.preview.summary),
-        "exact": dict(exact),
-        "design": found.design.to_dict(),
-    }
+    form = same_branch(found.comparison, with_other, between.rms_percent) if exact.is_minimum else None
+    return VerificationRecord.from_json(
+        {
+            "model": VERIFICATION,
+            **numbers(found.comparison),
+            "same_branch": form,
+            "speedup": seconds["exact_s"] / seconds["preview_again_s"],
+            "speedup_cold": seconds["exact_s"] / seconds["preview_s"],
+            **seconds,
+            "mesh_error_percent": exact.mesh_error_percent,
+            "mesh_change_percent": exact.get("mesh_change_percent"),
+            "expected_rms_percent": found.preview.summary.get("expected_rms_percent"),
+            "expected_height_percent": found.preview.summary.get("expected_height_percent"),
+            "result_from": result,
+            "starts_agree": agree,
+            "starts_distance_percent": between.rms_percent,
+            "starts": {
+                name: VerifiedStartRecord.from_json(
+                    {**numbers(found.comparisons[name]), **{key: shape.summary[key] for key in COPIED_KEYS}}
+                )
+                for name, shape in found.exact.items()
+            },
+            "warnings": warnings(found, between.rms_percent),
+            "version": __version__,
+            "preview": found.preview.summary,
+            "exact": exact,
+            "design": found.design.to_dict(),
+        }
+    )

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
+from asterism.results.records.verification import VerificationRecord
 from asterism.shape.comparison import Comparison
 from asterism.shape.shape import Shape
 from asterism.verification.right_shape import right_shape
@@ -31,7 +31,7 @@ class Verification:
     preview: Shape
     exact: dict[str, Shape]
     comparisons: dict[str, Comparison]
-    summary: dict[str, Any] = field(default_factory=dict)
+    summary: VerificationRecord = field(default_factory=lambda: VerificationRecord.from_json({}))
 
     @property
     def result(self) -> str:

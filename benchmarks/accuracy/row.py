@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +36,7 @@ def quick_row(design: Design, folder: Path, law: Law) -> dict[str, Any]:
     form = same_branch(comparison, None)
     if other and other[0].summary["is_minimum"]:
         form = same_branch(comparison, with_other[0], compare(right, other[0], plan, same).rms_percent)
-    return numbers(comparison) | {
+    return dict(numbers(comparison)) | {
         "name": design.name,
         "stars_down": len(right.summary["stars_down"]),
         "same_branch": form,
@@ -47,7 +48,7 @@ def quick_row(design: Design, folder: Path, law: Law) -> dict[str, Any]:
     }
 
 
-def _short(summary: dict[str, Any]) -> dict[str, Any]:
+def _short(summary: Mapping[str, Any]) -> dict[str, Any]:
     exact_kept = ("stars_total", "stars_up", "stars_down", "vertices", "edge_mm", "is_minimum", "energy_n_mm")
     return {key: value for key, value in summary.items() if key not in ("design", "exact", "preview")} | {
         "exact": {key: summary["exact"][key] for key in exact_kept},

@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from asterism.cli.verify import table_rows
 from asterism.exact.simulation import simulate
 from asterism.previews.run import preview
 from asterism.process.version import __version__
@@ -199,7 +198,7 @@ def test_a_start_without_a_minimum_is_no_other_form(found, monkeypatch):
     one = run.verify(OF, shown=lambda _: bold, released=moved, near=stopped)
     assert one.result == "release" and one.summary["starts"]["preview"]["rms_percent"] < one.summary["rms_percent"]
     assert one.summary["same_branch"] and not one.summary["starts_agree"]
-    lines = "\n".join(table_rows(one.summary | {"expected_height_percent": None}).values())
+    lines = "\n".join((one.summary | {"expected_height_percent": None}).table().values())
     assert "one start in a minimum" in lines and "two minima" not in lines
     monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
     assert "has come to no minimum that is certain to stay; the other one counts" in verification_page(one)
@@ -213,7 +212,7 @@ def test_nothing_is_said_against_a_preview_where_the_exact_model_has_failed(foun
     lost = run.verify(OF, shown=lambda _: bold, released=failed, near=failed)
     assert lost.summary["same_branch"] is None
     assert lost.summary["warnings"] == [*bold.summary["warnings"], "the exact shape is not certified to be a minimum"]
-    lines = "\n".join(table_rows(lost.summary | {"expected_height_percent": None}).values())
+    lines = "\n".join((lost.summary | {"expected_height_percent": None}).table().values())
     assert "not known: no certified exact shape" in lines and "no minimum; " in lines
     monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
     text = verification_page(lost)
@@ -265,7 +264,7 @@ def test_heights_of_nothing_are_no_percent(found, monkeypatch):
     text = verification_page(replace(found, summary=s))
     assert "height of the preview, against" not in text and "-96.7" not in text
     assert "40000" not in text and "0.4 mm" in text
-    assert "height 0.4 mm" in "\n".join(table_rows(s | {"expected_rms_percent": 0.6}).values())
+    assert "height 0.4 mm" in "\n".join((s | {"expected_rms_percent": 0.6}).table().values())
 
 
 def test_an_axis_that_was_taken_to_an_equivalent_one_is_told(found, monkeypatch):

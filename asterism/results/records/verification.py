@@ -1,0 +1,181 @@
+"""The summary of a verification: the preview compared with the exact model."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from asterism.results.record import ABSENT, Record, key
+from asterism.results.records.exact import ExactRecord, mesh_error_in_words
+from asterism.results.records.preview import PreviewRecord
+from asterism.results.words import height_error, times
+
+
+def _same_form(record: VerificationRecord) -> str:
+    if record.same_branch is None:
+        return "not known: no certified exact shape"
+    return "yes" if record.same_branch else "no"
+
+
+def _expected(record: VerificationRecord) -> str:
+    rms, height = record.expected_rms_percent, record.expected_height_percent
+    distance = "not known" if rms is None else f"{rms:.1f} %"
+    return f"{distance}, height {'not known' if height is None else height_error(height, record.heights_mm[1])}"
+
+
+def _exact_model(record: VerificationRecord) -> str:
+    release, near = record.starts["release"], record.starts["preview"]
+    if not record.exact.is_minimum:
+        agreement = "no minimum"
+    elif record.starts_agree:
+        agreement = "both starts in one minimum"
+    elif release.is_minimum and near.is_minimum:
+        agreement = f"two minima, {record.starts_distance_percent:.2g} % apart"
+    else:
+        agreement = "one start in a minimum"
+    return f"{agreement}; {release.iterations} iterations, {near.iterations} from the preview"
+
+
+class DifferenceRecord(Record):
+    """Differences of a shape from a reference shape, after the best rigid motion.
+
+    Pairs hold the value of the reference first. Distances in percent are of the reference's diameter.
+    """
+
+    rms_percent: float = key(
+        "Rms distance of the surfaces, without the corrugation, over the printed area.",
+        unit="%",
+        label="distance",
+        show="{rms_percent:.2f} % of the diameter rms, {max_percent:.1f} % at most",
+    )
+    max_percent: float = key("Largest distance of the surfaces, without the corrugation.", unit="%")
+    rms_stars_percent: float = key(
+        "Rms distance of the star centres.",
+        unit="%",
+        label="star centres",
+        show="{rms_stars_percent:.2f} % rms, {max_stars_percent:.1f} % at most",
+    )
+    max_stars_percent: float = key("Largest distance of two star centres.", unit="%")
+    diameter_mm: float = key("Largest distance of two points of the reference.", unit="mm")
+    height_error_percent: float | None = key(
+        "Error of the height, in percent of the reference's; null if that is zero.", unit="%"
+    )
+    mean_height_error_percent: float | None = key(
+        "The same for the surfaces without the corrugation; null if the reference is flat.",
+        unit="%",
+    )
+    heights_mm: list[float] = key(
+        "Extents of both shapes along z, with the corrugation.",
+        unit="mm",
+        label="height",
+        show="{heights_mm[1]:.1f} mm, exact {heights_mm[0]:.1f} mm",
+    )
+    relief_error_percent: float | None = key(
+        "Rms distance of the corrugations, in percent of the rms height of the reference's own; null without one.",
+        unit="%",
+    )
+    rise_error_percent: float | None = key("Error of the rise, in percent of the reference's.", unit="%")
+    rises_mm: list[float] | None = key(
+        "Rises of both shapes from the mean level of the supports to the furthest point on the reference's higher "
+        "side; null with fewer than two supported points.",
+        unit="mm",
+        label="rise over the pins",
+        show="{rises_mm[1]:.1f} mm, exact {rises_mm[0]:.1f} mm",
+    )
+    volume_error_percent: float | None = key("Error of the volume, in percent of the reference's.", unit="%")
+    volumes_mm3: list[float] | None = key(
+        "Volumes between the surfaces and the level of their outlines; null if a sheet is rolled.", unit="mm^3"
+    )
+    roll_radius_error_percent: float | None = key("Error of the roll's radius, in percent.", unit="%")
+    roll_radii_mm: list[float] | None = key(
+        "Radii of both rolls; null unless both sheets are rolled.",
+        unit="mm",
+        label="radius of the roll",
+        show="{roll_radii_mm[1]:.1f} mm, exact {roll_radii_mm[0]:.1f} mm",
+    )
+    roll_axes_deg: list[float | None] = key(
+        "Axes about which both sheets are rolled, on the print; null for a sheet that is not rolled.", unit="deg"
+    )
+    normals_rms_deg: float = key("Rms angle between the normals of the surfaces.", unit="deg")
+    mirrored: bool = key("The nearest image of the shape under the design's symmetries is a mirror image.")
+
+
+class VerifiedStartRecord(DifferenceRecord):
+    """Differences of the preview from the exact shape of one start, and how that start went."""
+
+    energy_n_mm: float = key("Energy of the exact shape.", unit="N mm")
+    is_minimum: bool = key("The exact shape is certified.")
+    stars_up: int = key("Stars of the exact shape that bump to the plastic side.")
+    iterations: int = key("Newton iterations of the start.")
+    factorisations: int = key("Factorisations of the Hessian.")
+
+
+class VerificationRecord(DifferenceRecord):
+    """The summary of a verification. Its differences are those of the preview from the exact shape that counts."""
+
+    model_name = "verification"
+    last = ("warnings", "version", "preview", "exact", "design", "command")
+    rows = (
+        "same_branch",
+        "rms_percent",
+        "expected_rms_percent",
+        "rms_stars_percent",
+        "heights_mm",
+        "rises_mm",
+        "roll_radii_mm",
+        "mesh_error_percent",
+        "starts_agree",
+        "preview_s",
+        "speedup",
+    )
+
+    model: str = key("Always `verification`.")
+    same_branch: bool | None = key(
+        "The preview shows the form of the exact shape; null without a certified exact shape.",
+        label="same form",
+        show=_same_form,
+    )
+    speedup: float = key(
+        "Time of the exact model over that of a repeated preview.",
+        label="speed-up",
+        show=lambda record: times(record.speedup),
+    )
+    speedup_cold: float = key("Time of the exact model over that of the first preview.")
+    preview_s: float = key(
+        "Time of the first preview with its layout, without compilation.",
+        unit="s",
+        label="seconds",
+        show="preview {preview_s:.2f}, again {preview_again_s:.3f}; exact {exact_s:.1f}",
+    )
+    preview_again_s: float = key("Time of the fastest repeated preview with its layout.", unit="s")
+    exact_s: float = key("Time of the exact model from the flat print, with its layout.", unit="s")
+    exact_from_preview_s: float = key("Time of the exact model from the preview, with its layout.", unit="s")
+    mesh_error_percent: float | None = key(
+        "Estimated mesh error of the exact shape, in percent of the diameter; null if not known.",
+        unit="%",
+        label="exact mesh error",
+        show=lambda record: mesh_error_in_words(record.exact),
+    )
+    mesh_change_percent: float | None = key(
+        "Rms distance of the exact shape to that on the next coarser mesh; null if one mesh was solved.", unit="%"
+    )
+    expected_rms_percent: float | None = key(
+        "Estimated rms error of the preview, in percent of the diameter; null if not known.",
+        unit="%",
+        label="expected",
+        show=_expected,
+    )
+    expected_height_percent: float | None = key(
+        "Estimated error of the preview's height, in percent of it; null if not known.", unit="%"
+    )
+    result_from: str = key("Start of the exact shape that counts: `release` or `preview`.")
+    starts_agree: bool = key("Both starts ended in one minimum.", label="exact model", show=_exact_model)
+    starts_distance_percent: float = key(
+        "Rms distance of the exact shapes of both starts, in percent of the diameter.", unit="%"
+    )
+    starts: dict[str, VerifiedStartRecord] = key("Both starts by name: `release` and `preview`.")
+    warnings: list[str] = key("What to know before the numbers are trusted.")
+    version: str = key("Version of asterism.")
+    preview: PreviewRecord | ExactRecord = key("Summary of the preview.")
+    exact: ExactRecord = key("Summary of the exact shape that counts.")
+    design: dict[str, Any] = key("The design with all defaults, as in a design file.")
+    command: str | None = key("Command line of the verification; null if it ran in Python.", default=ABSENT)
