@@ -15,11 +15,11 @@ from typing import Any
 
 from asterism.exact.minima import many_minima
 from benchmarks.report import markdown, write_report
-from discrete.model.model import Model
-from discrete.release.branches import Branch, distinct, find_minima
-from discrete.release.levels import coarser
-from discrete.release.solve import relax
-from discrete.release.starts import Beginning
+from discrete.model.discrete_model import DiscreteModel
+from discrete.release.branches import ExactForm, distinct_forms, find_minima
+from discrete.release.levels import coarser_models
+from discrete.release.release_start import ReleaseStart
+from discrete.release.single_mesh import solve_on_mesh
 from pattern import gallery
 from pattern.layout.build import layout
 from pattern.layout.symmetries import symmetries
@@ -60,18 +60,18 @@ def run(name: str) -> dict[str, Any]:
     """Seeds on the coarse mesh; other starts there, and what they found on the fine one."""
     design = gallery.load(name)
     plan = layout(design)
-    model = Model(
+    model = DiscreteModel(
         design, plan, mesh_layout(plan, design.mesh.edge_mm, design.mesh.kind, design.mesh.seed, design.mesh.graded)
     )
     begun = time.perf_counter()
-    coarse = next(iter([*coarser(model), model]))
-    seeds = [Branch(relax(coarse, Beginning(seed=s)), coarse, (f"seed {s}",), s == 0) for s in SEEDS]
+    coarse = next(iter([*coarser_models(model), model]))
+    seeds = [ExactForm(solve_on_mesh(coarse, ReleaseStart(seed=s)), coarse, (f"seed {s}",), s == 0) for s in SEEDS]
     starts = FEWER.get(name, STARTS)
     minima = find_minima(model, starts)
     return {
         "name": name,
         "seed_energies_n_mm": [b.found.energy for b in seeds],
-        "seed_minima": len(distinct(seeds, symmetries(design, plan))),
+        "seed_minima": len(distinct_forms(seeds, symmetries(design, plan))),
         **many_minima(minima, starts),
         "instabilities_passed": [b.found.instabilities_passed for b in minima.fine],
         "seconds": time.perf_counter() - begun,

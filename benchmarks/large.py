@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 
 from benchmarks.report import markdown, write_report
-from discrete.model.model import Model
-from discrete.release.prolongation import prolonged
-from discrete.release.solve import relax
+from discrete.model.discrete_model import DiscreteModel
+from discrete.release.prolongation import prolong
+from discrete.release.single_mesh import solve_on_mesh
 from equilibrium.linear.backends import make_factor
 from equilibrium.linear.factor import IterativeFactor
 from equilibrium.linear.rigid_support import stiffen
@@ -43,10 +43,10 @@ def tube(divisions: int) -> Design:
     return Design.from_dict(data)
 
 
-def built(design: Design) -> Model:
+def built(design: Design) -> DiscreteModel:
     """Its exact model."""
     plan = layout(design)
-    return Model(design, plan, mesh_layout(plan, design.mesh.edge_mm, design.mesh.kind, design.mesh.seed))
+    return DiscreteModel(design, plan, mesh_layout(plan, design.mesh.edge_mm, design.mesh.kind, design.mesh.seed))
 
 
 def memory_mb(field: str, reset: bool = False) -> float:
@@ -63,7 +63,7 @@ def system(divisions: int, backend: str) -> dict[str, Any]:
     begun = time.perf_counter()
     model = built(tube(divisions))
     pattern_s = time.perf_counter() - begun
-    state = prolonged(coarse, relax(coarse).state, model)
+    state = prolong(coarse, solve_on_mesh(coarse).state, model)
     model.hessian(state, 1.0)
     begun = time.perf_counter()
     data = model.hessian(state, 1.0)

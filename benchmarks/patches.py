@@ -13,10 +13,10 @@ import numpy as np
 
 from benchmarks.patch_shell import shell_stars
 from benchmarks.report import markdown, write_report
-from discrete.model.model import Model
-from discrete.model.star_bumps import bumped
-from discrete.model.state import State, carried
-from discrete.release.solve import relax
+from discrete.model.discrete_model import DiscreteModel
+from discrete.model.star_bumps import add_bumps
+from discrete.model.state import State, moved_state
+from discrete.release.single_mesh import solve_on_mesh
 from homogenize.cell.sample import Sample, solve_cell
 from pattern.design.design import Design
 from pattern.layout.build import layout
@@ -71,7 +71,7 @@ def compare(length: float, thickness: float, rim: bool = True) -> list[dict[str,
     for rings in RINGS:
         design = sheet(length, thickness, rings, rim=rim)
         model, start = rolled_up(design, sample, best)
-        solved = relax(model, start=start)
+        solved = solve_on_mesh(model, start=start)
         stars = model.mesh.star_vertices
         places = solved.state.positions[stars]
         near = core(rings, model.mesh.points[stars], places)
@@ -94,10 +94,10 @@ def compare(length: float, thickness: float, rim: bool = True) -> list[dict[str,
     return rows
 
 
-def rolled_up(design: Design, sample: Sample, direction: int) -> tuple[Model, State]:
+def rolled_up(design: Design, sample: Sample, direction: int) -> tuple[DiscreteModel, State]:
     """The patch's model, and the patch rolled as the cell's natural tube is, its stars bumped up."""
     plan = layout(design)
-    model = Model(design, plan, mesh_layout(plan, EDGE))
+    model = DiscreteModel(design, plan, mesh_layout(plan, EDGE))
     angle, curvature = sample.angles_rad[direction], sample.natural_print_curvature[direction]
     x, y = model.mesh.points.T
     along, turn = x * np.cos(angle) + y * np.sin(angle), curvature * (y * np.cos(angle) - x * np.sin(angle))
@@ -105,8 +105,8 @@ def rolled_up(design: Design, sample: Sample, direction: int) -> tuple[Model, St
     tube = [sample.natural_axial[direction] * along, radius * np.sin(turn), radius * np.cos(turn)]
     middle = turn[model.edges].mean(axis=1)
     state = State(np.column_stack(tube), np.column_stack([0.0 * middle, np.sin(middle), np.cos(middle)]))
-    state = carried(state, model.edges, state.positions, np.zeros(len(model.edges)))
-    return model, bumped(model, state, np.full(len(plan.centres), sample.natural_bump_mm[direction]))
+    state = moved_state(state, model.edges, state.positions, np.zeros(len(model.edges)))
+    return model, add_bumps(model, state, np.full(len(plan.centres), sample.natural_bump_mm[direction]))
 
 
 def on_tube(sample: Sample, direction: int) -> np.ndarray:

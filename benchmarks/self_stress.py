@@ -21,7 +21,7 @@ from asterism.previews.fields.star_values import StarValues, star_values
 from asterism.previews.session import paper_law
 from asterism.previews.sheet import sheet_of
 from benchmarks.report import markdown, write_report
-from discrete.model.model import Model
+from discrete.model.discrete_model import DiscreteModel
 from discrete.model.state import State
 from discrete.model.system import System
 from equilibrium.newton.minimise import minimise
@@ -87,7 +87,7 @@ def exact_integral(design: Design) -> float:
     """N mm^2, of the exact model that may not leave its plane."""
     plan = layout(design)
     mesh = mesh_layout(plan, design.mesh.edge_mm)
-    model = Model(design, plan, mesh)
+    model = DiscreteModel(design, plan, mesh)
     held = np.ones(model.n_dofs, dtype=bool)
     held[: 3 * model.n_vertices].reshape(-1, 3)[:, :2] = False
     inside = System(

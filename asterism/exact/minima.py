@@ -7,8 +7,8 @@ from typing import Any
 from asterism.results.records.exact import MinimumRecord
 from discrete.evidence.equilibrium import Equilibrium
 from discrete.evidence.roll_axis import roll_axis_deg
-from discrete.model.model import Model
-from discrete.release.branches import Branch, Minima
+from discrete.model.discrete_model import DiscreteModel
+from discrete.release.branches import ExactForm, Minima
 
 # values of the key `result_is`: why this minimum is the result
 FROM_DEFAULT_START = "the default start's"
@@ -17,7 +17,7 @@ BY_ENERGY = "lowest energy"
 BY_ENERGY_ON_BRANCH = "lowest energy of those whose stars are all on their branch"
 
 
-def one_minimum(model: Model, found: Equilibrium, near: bool = False) -> dict[str, Any]:
+def one_minimum(model: DiscreteModel, found: Equilibrium, near: bool = False) -> dict[str, Any]:
     """Entries for a single start: the default one, or `near` a shape."""
     axis = roll_axis_deg(model, found.state)
     entry = MinimumRecord(energy_n_mm=found.energy, stars_up=found.stars_up, roll_axis_deg=axis, starts=1)
@@ -60,7 +60,7 @@ def many_minima(minima: Minima, starts: int) -> dict[str, Any]:
     }
 
 
-def _entry(branch: Branch, minima: Minima) -> MinimumRecord:
+def _entry(branch: ExactForm, minima: Minima) -> MinimumRecord:
     found = branch.found
     return MinimumRecord(
         energy_n_mm=found.energy,

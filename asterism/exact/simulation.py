@@ -21,14 +21,14 @@ from asterism.shape.surface_fields import cell_fields, point_fields
 from asterism.shape.tube import roll_radius
 from discrete.energies.contact import ipc_toolkit
 from discrete.energies.rods.network import curvatures
-from discrete.evidence.creases import creases
+from discrete.evidence.creases import measure_creases
 from discrete.evidence.equilibrium import Equilibrium
 from discrete.evidence.roll_axis import roll_axis_deg
 from discrete.model.contact_model import ContactModel
-from discrete.model.model import Model
+from discrete.model.discrete_model import DiscreteModel
 from discrete.release.branches import find_minima, stars_off_branch
-from discrete.release.levels import Level, find_equilibrium
-from discrete.release.walk import Report
+from discrete.release.continuation import Report
+from discrete.release.levels import MeshLevel, find_equilibrium
 from equilibrium.linear.backends import check_backend
 from equilibrium.threads import one_blas_thread
 from pattern.design.design import Design
@@ -95,7 +95,7 @@ def simulate(
     mesh = mesh_layout(plan, design.mesh.edge_mm, design.mesh.kind, design.mesh.seed, design.mesh.graded)
     tell(f"{len(plan.centres)} stars on {len(mesh.triangles)} triangles ({mesh.kind} mesh)")
     meshed = time.perf_counter()
-    model = (ContactModel if design.solver.contact else Model)(design, plan, mesh)
+    model = (ContactModel if design.solver.contact else DiscreteModel)(design, plan, mesh)
     built = time.perf_counter()
     tell(f"minimising the energy over {len(model.free)} degrees of freedom")
     solver = design.solver
@@ -117,9 +117,9 @@ def simulate(
 
 
 def _shape(
-    model: Model,
+    model: DiscreteModel,
     found: Equilibrium,
-    levels: list[Level],
+    levels: list[MeshLevel],
     seconds: dict[str, float],
     wall: float,
     minima: dict[str, Any],
@@ -148,7 +148,7 @@ def _shape(
     return replace(shape, point_fields=fields, cell_fields=strains, summary=summary)
 
 
-def _grounded(model: Model, positions: np.ndarray) -> np.ndarray:
+def _grounded(model: DiscreteModel, positions: np.ndarray) -> np.ndarray:
     """(V, 3) where pins leave the height open with the lowest vertex that they hold at z = 0."""
     held = model.constraints.held
     if held[:, 2].any() or not held.any():
@@ -156,7 +156,7 @@ def _grounded(model: Model, positions: np.ndarray) -> np.ndarray:
     return np.asarray(positions - [0.0, 0.0, positions[held.any(axis=1), 2].min()])
 
 
-def _rod_fields(model: Model, found: Equilibrium) -> dict[str, np.ndarray]:
+def _rod_fields(model: DiscreteModel, found: Equilibrium) -> dict[str, np.ndarray]:
     net = model.network
     bend = np.zeros(len(net.edges))
     touched = np.zeros(len(net.edges))
@@ -175,16 +175,16 @@ def _rod_fields(model: Model, found: Equilibrium) -> dict[str, np.ndarray]:
 
 
 def _record(
-    model: Model,
+    model: DiscreteModel,
     found: Equilibrium,
     shape: Shape,
-    levels: list[Level],
+    levels: list[MeshLevel],
     seconds: dict[str, float],
     wall: float,
     minima: dict[str, Any],
 ) -> ExactRecord:
     number, axis = model.layout.star_number, roll_axis_deg(model, found.state)
-    folds = creases(model, found.state)
+    folds = measure_creases(model, found.state)
     error = mesh_error(shape, [(level.printed, level.positions) for level in levels[:-1]], folds.resolved)
     record = ExactRecord(
         model=ExactRecord.model_name,
@@ -236,7 +236,7 @@ def _record(
     return record.changed(**found.energies)  # scripts read the parts as keys of their own
 
 
-def _contact(model: Model, found: Equilibrium) -> ContactRecord | None:
+def _contact(model: DiscreteModel, found: Equilibrium) -> ContactRecord | None:
     """Contact in the shape; None if the model ran without contact."""
     if not isinstance(model, ContactModel):
         return None

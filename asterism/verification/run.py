@@ -21,8 +21,8 @@ from asterism.verification.numbers import numbers, same_branch
 from asterism.verification.right_shape import same_energy
 from asterism.verification.verification import PREVIEW, RELEASE, Verification
 from asterism.verification.warnings import warnings
-from discrete.release.branches import SAME_PERCENT
-from discrete.release.walk import Report
+from discrete.release.branches import SAME_FORM_PERCENT
+from discrete.release.continuation import Report
 from homogenize.law.law import Law
 from pattern.design.design import Design
 from pattern.layout.build import layout
@@ -94,10 +94,10 @@ def verify(
         "exact_from_preview_s": near_s + layout_s,
     }
     certain = all(shape.summary["is_minimum"] for shape in exact.values())
-    agree = certain and between.rms_percent < SAME_PERCENT and _same_stars_down(exact, plan, same)
+    agree = certain and between.rms_percent < SAME_FORM_PERCENT and _same_stars_down(exact, plan, same)
     if agree and not same_energy(*(shape.summary["energy_n_mm"] for shape in exact.values())):
         # an image of a minimum may have another energy, as the mesh may be less symmetric than the design
-        agree = compare(released, near, plan, same[:1], weighs).rms_percent >= SAME_PERCENT
+        agree = compare(released, near, plan, same[:1], weighs).rms_percent >= SAME_FORM_PERCENT
     return replace(found, summary=_summary(found, between, agree, seconds) | {"command": command})
 
 

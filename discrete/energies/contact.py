@@ -17,9 +17,10 @@ from discrete.energies.elements import Array
 from pattern.design.errors import DesignError
 from pattern.mesh.mesh import Mesh
 
-CLOSEST = 0.5  # least distance of the middle surfaces, over the distance at which contact begins
-NEIGHBOURS = 1.5  # printed distance within which parts are neighbours, over longest edge plus contact distance
-CCD_STEPS = 1000  # of the search for the first contact on a way (Li et al. 2021, additive CCD)
+MIN_DISTANCE_FRACTION = 0.5  # smallest distance of the middle surfaces over the distance at which contact begins
+# printed distance within which parts are neighbours, over the longest edge plus the contact distance
+NEIGHBOUR_DISTANCE_FACTOR = 1.5
+MAX_CCD_ITERATIONS = 1000  # of the search for the first contact along a step (Li et al. 2021, additive CCD)
 
 
 def ipc_toolkit() -> Any:
@@ -39,12 +40,12 @@ def ipc_toolkit() -> Any:
     return ipctk
 
 
-class Contact:
+class ContactBarrier:
     """Barrier between all parts of a sheet that are not neighbours.
 
-    Parts closer to each other than `NEIGHBOURS` times the longest edge plus the contact distance, as printed, are
-    neighbours and never in contact: the mesh may be finer than the fabric is thick, and folds with a radius of about a
-    thickness are the business of bending.
+    Parts are neighbours if their printed distance is below NEIGHBOUR_DISTANCE_FACTOR times the longest edge plus the
+    contact distance. Neighbours are never in contact: the mesh may be finer than the fabric is thick, and bending alone
+    governs folds with a radius of about a thickness.
 
     Parameters
     ----------
@@ -56,13 +57,13 @@ class Contact:
 
     def __init__(self, mesh: Mesh, distance: float, stretch: float, modulus: float) -> None:
         self._ipc = ipc_toolkit()
-        self.distance, self.closest = distance, CLOSEST * distance
+        self.distance, self.closest = distance, MIN_DISTANCE_FRACTION * distance
         self._range = distance - self.closest
         triangles = mesh.triangles.astype(np.int32)
         edges = self._ipc.edges(triangles).astype(np.int32)
         printed = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
         longest = float(np.linalg.norm(printed[edges[:, 1]] - printed[edges[:, 0]], axis=1).max())
-        self.neighbourhood = NEIGHBOURS * (longest + stretch * distance)
+        self.neighbourhood = NEIGHBOUR_DISTANCE_FACTOR * (longest + stretch * distance)
         self._mesh = self._ipc.CollisionMesh(*(np.asfortranarray(a) for a in (printed, edges, triangles)))
         pairs = np.sort(cKDTree(mesh.points).query_pairs(self.neighbourhood, output_type="ndarray"), axis=1)
         number = np.arange(len(mesh.points)).astype(object)  # every number once, however many pairs it is in
@@ -115,7 +116,7 @@ class Contact:
         """How far the straight way to `target` (V, 3) is free, as a fraction of it; 1 for all of it."""
         way = (np.asfortranarray(x) for x in (positions, target))
         # additive, because its steps are safe however few they are; others may search for ever in flat sheets
-        search = self._ipc.AdditiveCCD(max_iterations=CCD_STEPS)
+        search = self._ipc.AdditiveCCD(max_iterations=MAX_CCD_ITERATIONS)
         return float(self._ipc.compute_collision_free_stepsize(self._mesh, *way, self.closest, narrow_phase_ccd=search))
 
     def apart(self, positions: Array) -> bool:

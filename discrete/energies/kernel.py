@@ -15,7 +15,7 @@ import numpy as np
 
 from equilibrium.compiled import HAVE_NUMBA, formula, loop
 
-__all__ = ["HAVE_NUMBA", "combine", "cross", "dot", "formula", "point", "scaled", "sub", "sweep"]
+__all__ = ["HAVE_NUMBA", "combine", "cross", "dot", "formula", "multiply", "point", "sub", "sweep"]
 
 
 @formula
@@ -37,7 +37,7 @@ def combine(s, a, t, b):  # type: ignore[no-untyped-def]
 
 
 @formula
-def scaled(s, a):  # type: ignore[no-untyped-def]
+def multiply(s, a):  # type: ignore[no-untyped-def]
     """s a."""
     return (s * a[0], s * a[1], s * a[2])
 

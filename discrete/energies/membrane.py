@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from discrete.energies.elements import Array, Elements
-from discrete.energies.kernel import combine, cross, dot, formula, point, scaled, sweep
+from discrete.energies.kernel import combine, cross, dot, formula, multiply, point, sweep
 from pattern.geometry.planar import triangle_areas, triangle_gradients
 
 
@@ -68,7 +68,7 @@ def membrane_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
     a, a_prime = volumetric(p, log_j)
     det = c11 * c22 - c12 * c12
     j = np.sqrt(det)
-    n = scaled(1.0 / j, cross(f1, f2))
+    n = multiply(1.0 / j, cross(f1, f2))
     g1 = combine(c22 / det, f1, -c12 / det, f2)
     g2 = combine(c11 / det, f2, -c12 / det, f1)
     # eigenvalues of the stress and its negative part, a polynomial of the stress itself

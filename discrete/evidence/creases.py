@@ -8,10 +8,10 @@ import numpy as np
 
 from discrete.energies.elements import Array
 from discrete.energies.membrane import invariants, volumetric
-from discrete.model.model import Model
+from discrete.model.discrete_model import DiscreteModel
 from discrete.model.state import State
 
-RESOLVED = 0.7  # largest edge over the width
+MAX_EDGE_OVER_WIDTH = 0.7  # largest edge over the width
 
 
 @dataclass(frozen=True)
@@ -28,10 +28,10 @@ class Creases:
     @property
     def resolved(self) -> bool:
         """A crease spans more than one triangle: from there on tubes converge (see the page on the mesh)."""
-        return self.edge <= RESOLVED * self.width
+        return self.edge <= MAX_EDGE_OVER_WIDTH * self.width
 
 
-def creases(model: Model, state: State) -> Creases:
+def measure_creases(model: DiscreteModel, state: State) -> Creases:
     """Of a sheet at rest; the width is zero for fabric without bending, and infinite where there is no tension."""
     triangles, edges = model.mesh.triangles, np.sort(model.edges, axis=1)
     corner = state.positions[triangles]
@@ -49,7 +49,7 @@ def creases(model: Model, state: State) -> Creases:
     return Creases(float(width), float(np.median(height[at_arm])))
 
 
-def _tension(model: Model, state: State, area: Array) -> Array:
+def _tension(model: DiscreteModel, state: State, area: Array) -> Array:
     """(T,) N/mm of deformed length, mean of the principal ones."""
     fabric = model.parts["membrane"]
     p = fabric.params.T

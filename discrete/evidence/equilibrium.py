@@ -11,7 +11,7 @@ from discrete.evidence.effort import PathStep
 from discrete.model.state import State
 from pattern.geometry.arrays import Ints
 
-FLAT_MM = 1e-6  # a bump that is lower is on neither side
+MIN_SIDE_BUMP_MM = 1e-6  # a bump that is lower is on neither side
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Equilibrium:
     @property
     def sides(self) -> Ints:
         """(S,) 1 for stars that bump to the plastic side, -1 for the other one, 0 for flat ones."""
-        return np.where(np.abs(self.bumps) > FLAT_MM, np.sign(self.bumps), 0.0).astype(np.int64)
+        return np.where(np.abs(self.bumps) > MIN_SIDE_BUMP_MM, np.sign(self.bumps), 0.0).astype(np.int64)
 
     @property
     def stars_up(self) -> int:

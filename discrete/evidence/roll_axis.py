@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from discrete.model.model import Model
+from discrete.model.discrete_model import DiscreteModel
 from discrete.model.star_bumps import star_normals
 from discrete.model.state import State
 from pattern.layout.roll_axis import roll_axis_from_normals
 
 
-def roll_axis_deg(model: Model, state: State) -> float | None:
+def roll_axis_deg(model: DiscreteModel, state: State) -> float | None:
     """Axis of a rolled sheet in print coordinates, 0 to 180 deg from the x axis; None for other shapes."""
     return roll_axis_from_normals(model.layout, star_normals(model, state))

@@ -6,10 +6,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from discrete.energies.contact import Contact
+from discrete.energies.contact import ContactBarrier
 from discrete.energies.elements import Array
-from discrete.model.model import Model
-from discrete.model.state import State, carried
+from discrete.model.discrete_model import DiscreteModel
+from discrete.model.state import State, moved_state
 from equilibrium.linear.extended_pattern import ExtendedPattern, entry_keys, sorted_union
 from equilibrium.linear.factor import Factor
 from equilibrium.linear.reanalysing_factor import ReanalysingFactor
@@ -19,17 +19,18 @@ from pattern.geometry.rigid_fit import rigid_fit
 from pattern.layout.layout import Layout
 from pattern.mesh.mesh import Mesh
 
-THICKEST = 0.1  # contact begins at the fabric's thickness, at most at this fraction of the spacing of the stars
-KEPT = 0.9  # of a way that is free
+# Contact begins at the thickness of the fabric, or at this fraction of the spacing if that is smaller.
+MAX_CONTACT_DISTANCE_FRACTION = 0.1
+SAFE_STEP_FRACTION = 0.9  # of a step without intersections
 
 
-def keeps_apart(model: Model, state: State) -> bool:
+def is_intersection_free(model: DiscreteModel, state: State) -> bool:
     """Whether no parts of a state pass through each other, where the model has contact."""
     return not isinstance(model, ContactModel) or model.contact.apart(state.positions)
 
 
-class ContactModel(Model):
-    """`Model` with the energy of `Contact`, and curves of states that nothing stops; parameters as there.
+class ContactModel(DiscreteModel):
+    """`DiscreteModel` with a contact barrier. Its paths are free of intersections. Parameters as there.
 
     Attributes
     ----------
@@ -40,8 +41,8 @@ class ContactModel(Model):
     def __init__(self, design: Design, layout: Layout, mesh: Mesh, compiled: bool = True) -> None:
         super().__init__(design, layout, mesh, compiled)
         fabric = design.fabric
-        distance = min(fabric.thickness_mm, THICKEST * self.spacing)
-        self.contact = Contact(mesh, distance, max(fabric.stretch_xy), fabric.modulus_mpa)
+        distance = min(fabric.thickness_mm, MAX_CONTACT_DISTANCE_FRACTION * self.spacing)
+        self.contact = ContactBarrier(mesh, distance, max(fabric.stretch_xy), fabric.modulus_mpa)
         self._fixed = self.pattern
         self._extra: Array = np.empty(0, dtype=np.int64)
         self._fits: Array | None = None  # positions whose contacts the pattern holds
@@ -116,7 +117,7 @@ class ContactModel(Model):
                 known[a] = target
                 break
             # shorter steps along the curve, which turns where a straight way would stretch
-            a *= max(KEPT * free, 0.1)
+            a *= max(SAFE_STEP_FRACTION * free, 0.1)
         return safe, a
 
     def towards(self, state: State, target: State) -> State:
@@ -125,11 +126,11 @@ class ContactModel(Model):
         if free >= 1.0:
             return target
         aligned = self._aligned(state.positions, target.positions)
-        positions = state.positions + KEPT * free * (aligned - state.positions)
-        return carried(state, self.edges, positions, np.zeros(len(self.edges)))
+        positions = state.positions + SAFE_STEP_FRACTION * free * (aligned - state.positions)
+        return moved_state(state, self.edges, positions, np.zeros(len(self.edges)))
 
     def moved_pins(self, state: State) -> State:
-        """As in `Model`.
+        """As in `DiscreteModel`.
 
         Raises
         ------

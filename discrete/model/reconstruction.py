@@ -14,12 +14,12 @@ from collections.abc import Callable
 import numpy as np
 
 from discrete.energies.elements import Array
-from discrete.model.state import State, carried, tangents, transported
+from discrete.model.state import State, edge_tangents, moved_state, parallel_transport
 from equilibrium.linear.backends import make_factor
 from equilibrium.linear.factor import Factor
 from equilibrium.linear.sparse_pattern import SparsePattern
 
-LARGEST_TURN = 1.0  # rad in one step
+MAX_STEP_ROTATION_RAD = 1.0  # rad in one step
 
 
 class Reconstruction:
@@ -101,7 +101,7 @@ class Reconstruction:
         """The state with its held components as in `guess` (V, 3), everything else deformed as little as possible."""
         f, e = self.gradients(state.positions - guess)
         positions = guess + self.correction(f, e)
-        return carried(state, self._edges, positions, np.zeros(len(e)))
+        return moved_state(state, self._edges, positions, np.zeros(len(e)))
 
     def fitted(self, positions: Array, edge_target: Array) -> Array:
         """(V, 3) positions with the gradients of the given ones, but rod edges like `edge_target` (R, 3)."""
@@ -119,20 +119,22 @@ class Reconstruction:
         spin = triangle_spin(f, df)
         columns = f.transpose(0, 2, 1)
         rate = df.transpose(0, 2, 1) - np.cross(spin[:, None, :], columns)
-        t = tangents(state.positions, self._edges)
+        t = edge_tangents(state.positions, self._edges)
         # with its part about the edge itself: without it the arms of a star would turn out of each other's way
         edge_spin = np.cross(t, de) / np.linalg.norm(e, axis=1, keepdims=True) + turn[:, None] * t
         edge_rate = (de * t).sum(axis=1, keepdims=True) * t
 
         def at(a: float) -> State:
-            lack = bent_away(a * spin, columns, a * rate).transpose(0, 2, 1)
-            edge_lack = bent_away(a * edge_spin, e[:, None, :], a * edge_rate[:, None, :])[:, 0, :]
+            lack = rotation_remainder(a * spin, columns, a * rate).transpose(0, 2, 1)
+            edge_lack = rotation_remainder(a * edge_spin, e[:, None, :], a * edge_rate[:, None, :])[:, 0, :]
             positions = state.positions + (a * move + self.correction(lack, edge_lack))
-            t_turned, directors = rotated(a * edge_spin, np.stack([t, state.directors], axis=1)).transpose(1, 0, 2)
-            return State(positions, transported(directors, t_turned, tangents(positions, self._edges)))
+            t_turned, directors = rotate_vectors(a * edge_spin, np.stack([t, state.directors], axis=1)).transpose(
+                1, 0, 2
+            )
+            return State(positions, parallel_transport(directors, t_turned, edge_tangents(positions, self._edges)))
 
         fastest = np.sqrt(max((w**2).sum(axis=1).max(initial=0.0) for w in (spin, edge_spin)))
-        return at, LARGEST_TURN / max(fastest, 1e-30)
+        return at, MAX_STEP_ROTATION_RAD / max(fastest, 1e-30)
 
     def gradients(self, positions: Array) -> tuple[Array, Array]:
         """Deformation gradients (T, 3, 2) of the triangles and edge vectors (R, 3)."""
@@ -156,14 +158,14 @@ def triangle_spin(f: Array, df: Array) -> Array:
     return np.asarray(np.cross(n, turned) + 0.5 * (n * curl).sum(axis=1, keepdims=True) * n)
 
 
-def rotated(spin: Array, vectors: Array) -> Array:
+def rotate_vectors(spin: Array, vectors: Array) -> Array:
     """Vectors (E, k, 3) turned by exp(spin), spin (E, 3) rad."""
     sinc, versine, w = _rodrigues(spin)
     first = np.cross(w, vectors)
     return np.asarray(vectors + sinc * first + versine * np.cross(w, first))
 
 
-def bent_away(spin: Array, vectors: Array, change: Array) -> Array:
+def rotation_remainder(spin: Array, vectors: Array, change: Array) -> Array:
     """`exp(spin) (v + c) - (v + spin x v + c)` of vectors and their changes (E, k, 3), spin (E, 3) rad.
 
     What a turning step has beyond a straight one; its rounding is that of the small quantities it is made of.

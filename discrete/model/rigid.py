@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from discrete.energies.elements import Array
-from discrete.model.state import State, tangents
+from discrete.model.state import State, edge_tangents
 
 
 def rigid_motions(state: State, edges: Array, held: Array, free: Array) -> Array:
@@ -17,7 +17,7 @@ def rigid_motions(state: State, edges: Array, held: Array, free: Array) -> Array
     x = state.positions - state.positions.mean(axis=0)
     size = np.sqrt((x**2).sum(axis=1).mean()) + 1e-30  # turns and shifts of about the same length
     modes = np.zeros((3 * n + len(edges), 6))
-    t = tangents(state.positions, edges)
+    t = edge_tangents(state.positions, edges)
     for i, axis in enumerate(np.eye(3)):
         modes[: 3 * n, i] = np.tile(axis, n)
         modes[: 3 * n, 3 + i] = np.cross(axis, x).ravel() / size

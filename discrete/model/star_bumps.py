@@ -6,12 +6,12 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from discrete.energies.elements import Array
-from discrete.model.model import Model
-from discrete.model.state import State, carried
+from discrete.model.discrete_model import DiscreteModel
+from discrete.model.state import State, moved_state
 from pattern.geometry.normals import vertex_normals
 
 
-def bump_heights(model: Model, state: State) -> Array:
+def bump_heights(model: DiscreteModel, state: State) -> Array:
     """(S,) mm, height of each star's centre over the mean of its tips, along its plastic normal; 0 without arms.
 
     Positive: the star bumps to the plastic side (up).
@@ -26,7 +26,7 @@ def bump_heights(model: Model, state: State) -> Array:
     return np.asarray((drop * star_normals(model, state)).sum(axis=1))
 
 
-def star_normals(model: Model, state: State) -> Array:
+def star_normals(model: DiscreteModel, state: State) -> Array:
     """(S, 3) mean plastic normal of every star's arms, of unit length; zero without arms."""
     normal = np.zeros((len(model.layout.centres), 3))
     np.add.at(normal, model.layout.arm_star[model.network.rod], state.directors)
@@ -34,7 +34,7 @@ def star_normals(model: Model, state: State) -> Array:
     return normal / np.where(length > 0.0, length, 1.0)
 
 
-def bumped(model: Model, state: State, heights: Array) -> State:
+def add_bumps(model: DiscreteModel, state: State, heights: Array) -> State:
     """The state with a smooth bump at every star, `heights` (S,) mm to the plastic side; 0 leaves a star alone.
 
     Held components stay where they are.
@@ -46,4 +46,4 @@ def bumped(model: Model, state: State, heights: Array) -> State:
     lift = heights[chosen][nearest] * np.exp(-((distance / (0.35 * model.spacing)) ** 2))
     positions = state.positions + lift[:, None] * vertex_normals(state.positions, model.mesh.triangles)
     positions = np.where(model.constraints.held, state.positions, positions)
-    return carried(state, model.edges, positions, np.zeros(len(model.edges)))
+    return moved_state(state, model.edges, positions, np.zeros(len(model.edges)))

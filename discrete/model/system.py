@@ -8,14 +8,14 @@ import numpy as np
 
 from discrete.energies.elements import Array, Elements
 from discrete.model.rigid import rigid_modes, rigid_motions
-from discrete.model.state import State, carried
+from discrete.model.state import State, moved_state
 from equilibrium.linear.backends import make_solver
 from equilibrium.linear.factor import Factor
 from equilibrium.linear.rigid_support import independent_dofs
 from equilibrium.linear.sparse_pattern import SparsePattern
 
-ROUNDING = 1e-13  # of the Hessian's largest entry: what it does to a rigid motion where no force acts
-PIECE = 8192  # elements whose Hessians are in memory, and in the processor's cache, at a time
+HESSIAN_ROUNDING = 1e-13  # of the Hessian's largest entry: what it does to a rigid motion where no force acts
+ELEMENTS_PER_BATCH = 8192  # elements whose Hessians are in memory, and in the processor's cache, at a time
 
 
 class System:
@@ -76,9 +76,9 @@ class System:
         """(nnz,) entries of the lower triangle in `pattern`; see `Elements.hessians` for `blend`."""
         packed = state.packed
         return self.pattern.assemble(
-            part.hessians(packed, blend, slice(start, start + PIECE))
+            part.hessians(packed, blend, slice(start, start + ELEMENTS_PER_BATCH))
             for part in self.parts.values()
-            for start in range(0, len(part), PIECE)
+            for start in range(0, len(part), ELEMENTS_PER_BATCH)
         )
 
     def spread(self, direction: Array) -> tuple[Array, Array]:
@@ -90,7 +90,7 @@ class System:
     def path(self, state: State, direction: Array, straight: bool) -> tuple[Callable[[float], State], float]:
         """Curve of states leaving `state` in `direction` (free,), and the longest step along it."""
         move, turn = self.spread(direction)
-        return (lambda a: carried(state, self.edges, state.positions + a * move, a * turn)), 1.0
+        return (lambda a: moved_state(state, self.edges, state.positions + a * move, a * turn)), 1.0
 
     def rigid_modes(self, state: State) -> Array:
         """(free, k) orthonormal rigid motions that what is held leaves free, and that cost nothing.
@@ -105,7 +105,10 @@ class System:
         data = self.hessian(state, 0.0)
         stiffness = self.pattern.product(data, modes)
         size_mm = float(np.linalg.norm(state.positions - state.positions.mean(axis=0)))
-        tiny = ROUNDING * np.abs(data[self.pattern.diagonal]).max() + np.linalg.norm(self.gradient(state)) / size_mm
+        tiny = (
+            HESSIAN_ROUNDING * np.abs(data[self.pattern.diagonal]).max()
+            + np.linalg.norm(self.gradient(state)) / size_mm
+        )
         _, size, rows = np.linalg.svd(stiffness, full_matrices=False)
         return np.asarray(modes @ rows[size < tiny].T)
 

@@ -8,14 +8,14 @@ from __future__ import annotations
 import numpy as np
 
 from discrete.energies.elements import Array
-from discrete.model.model import Model
-from discrete.model.reconstruction import rotated
-from discrete.model.state import State, tangents
+from discrete.model.discrete_model import DiscreteModel
+from discrete.model.reconstruction import rotate_vectors
+from discrete.model.state import State, edge_tangents
 from discrete.release.prolongation import plastic_normals
 from pattern.geometry.rigid_fit import rigid_fit
 
 
-def extrapolated(model: Model, before: State, state: State, share: float) -> State:
+def extrapolate(model: DiscreteModel, before: State, state: State, share: float) -> State:
     """The state moved on by a share of the way from `before` to it, both on the model's mesh.
 
     Every triangle and every rod edge goes on turning about the axis of its turn from the one to the other, as the
@@ -27,8 +27,8 @@ def extrapolated(model: Model, before: State, state: State, share: float) -> Sta
     spin = share * rotation_vectors(_spatial(f0), _spatial(f1))
     edge_spin = share * rotation_vectors(*(_frames(model, s) for s in (old, state)))
     columns = f1.transpose(0, 2, 1)
-    lack = (rotated(spin, columns) - columns).transpose(0, 2, 1)
-    edge_lack = rotated(edge_spin, e1[:, None])[:, 0] - e1
+    lack = (rotate_vectors(spin, columns) - columns).transpose(0, 2, 1)
+    edge_lack = rotate_vectors(edge_spin, e1[:, None])[:, 0] - e1
     positions = state.positions + model.reconstruction.correction(lack, edge_lack)
     return State(positions, plastic_normals(model, positions))
 
@@ -50,7 +50,7 @@ def _spatial(f: Array) -> Array:
     return np.concatenate([f, (normal / np.linalg.norm(normal, axis=1, keepdims=True))[:, :, None]], axis=2)
 
 
-def _frames(model: Model, state: State) -> Array:
+def _frames(model: DiscreteModel, state: State) -> Array:
     """(R, 3, 3) tangent, director and width direction of every rod edge, as columns."""
-    t = tangents(state.positions, model.edges)
+    t = edge_tangents(state.positions, model.edges)
     return np.stack([t, state.directors, np.cross(t, state.directors)], axis=2)

@@ -7,14 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from discrete.model.model import Model
+from discrete.model.discrete_model import DiscreteModel
 from discrete.model.state import State
 from pattern.geometry.rigid_fit import rigid_fit
 
-WEAK = 1e-6  # weight of the rest of the sheet where the pins leave a turn undecided
+FREE_VERTEX_WEIGHT = 1e-6  # weight of the rest of the sheet where the pins leave a turn undecided
 
 
-def held_until(model: Model, step: int) -> Model:
+def model_with_pins_until(model: DiscreteModel, step: int) -> DiscreteModel:
     """The model with the pins of the steps up to this one only; itself if all pins hold from the print on."""
     if model.layout.pin_steps == (0,):
         return model
@@ -26,7 +26,7 @@ def held_until(model: Model, step: int) -> Model:
     return type(model)(model.design, layout, mesh, model.compiled)
 
 
-def taken(model: Model, state: State, was_free: bool) -> State:
+def attach_pins(model: DiscreteModel, state: State, was_free: bool) -> State:
     """The state as the model's pins take hold of it: from here they move to their places (`model.progress`).
 
     A sheet that was free is first laid where its pins are nearest to their places.
@@ -40,10 +40,10 @@ def taken(model: Model, state: State, was_free: bool) -> State:
     return state
 
 
-def _laid(model: Model, state: State) -> State:
+def _laid(model: DiscreteModel, state: State) -> State:
     """Rigid motion that brings the held components closest to their targets (Kabsch), plastic up if they allow it."""
     components = model.constraints.held.sum(axis=1)
     most = components == components.max()
-    weight = np.where(most, 1.0 / most.sum(), WEAK / model.n_vertices)
+    weight = np.where(most, 1.0 / most.sum(), FREE_VERTEX_WEIGHT / model.n_vertices)
     rotation, shift = rigid_fit(state.positions, model.constraints.target, weight)
     return State(state.positions @ rotation.T + shift, state.directors @ rotation.T)

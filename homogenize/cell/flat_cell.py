@@ -8,7 +8,7 @@ import numpy as np
 
 from discrete.energies.elements import Array
 from discrete.model.star_bumps import bump_heights
-from discrete.model.state import State, across, carried, tangents
+from discrete.model.state import State, edge_tangents, moved_state, orthonormal_to_tangents
 from equilibrium.newton.minimise import NewtonResult, minimise
 from homogenize.cell.unit_cell import UnitCell
 from pattern.design.lattice import DEFAULT_SPACING_MM
@@ -122,7 +122,7 @@ def with_bumps(cell: UnitCell, state: State, height: float) -> State:
     distance = np.linalg.norm(base[:, None] - centres, axis=2).min(axis=1)
     positions = state.positions.copy()
     positions[: len(base), 2] += height * (np.exp(-((distance / (BUMP_WIDTH_RATIO * cell.spacing)) ** 2)) - 1.0)
-    whole = carried(cell.unfolded(state), cell.edges, cell.images.unfold(positions), np.zeros(len(cell.edges)))
+    whole = moved_state(cell.unfolded(state), cell.edges, cell.images.unfold(positions), np.zeros(len(cell.edges)))
     return State(positions, whole.directors)
 
 
@@ -142,5 +142,5 @@ def without_rotation(cell: UnitCell, state: State) -> tuple[State, Array]:
 
 def with_orthogonal_directors(cell: UnitCell, state: State) -> State:
     """Directors made orthogonal to their edges again, after rounding or a change of the images."""
-    along = tangents(cell.images.unfold(state.positions), cell.edges)
-    return State(state.positions, across(state.directors, along))
+    along = edge_tangents(cell.images.unfold(state.positions), cell.edges)
+    return State(state.positions, orthonormal_to_tangents(state.directors, along))

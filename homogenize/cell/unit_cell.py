@@ -13,8 +13,8 @@ from discrete.energies.bending.fabric_bending import BendingMesh
 from discrete.energies.bending.plate_patches import patches
 from discrete.energies.bending.registry import FABRIC_BENDING, NO_BENDING
 from discrete.energies.elements import Array, Elements
-from discrete.model.model import Model
-from discrete.model.state import State, carried, tangents
+from discrete.model.discrete_model import DiscreteModel
+from discrete.model.state import State, edge_tangents, moved_state
 from discrete.model.system import System
 from equilibrium.linear.factor import Factor
 from equilibrium.linear.rigid_support import independent_dofs
@@ -167,7 +167,7 @@ class UnitCell(System):
 
         def at(a: float) -> State:
             positions = state.positions + a * move
-            whole = carried(self.unfolded(state), self.edges, self.images.unfold(positions), a * turn)
+            whole = moved_state(self.unfolded(state), self.edges, self.images.unfold(positions), a * turn)
             return State(positions, whole.directors)
 
         fastest = float(np.sqrt((move[: self.torus.n_base] ** 2).sum(axis=1).max()))
@@ -185,7 +185,7 @@ class UnitCell(System):
         centre = state.positions[self.torus.star_vertices[0]]
         x = state.positions.copy()
         x[: self.torus.n_base] -= centre
-        t = tangents(self.images.unfold(state.positions), self.edges)
+        t = edge_tangents(self.images.unfold(state.positions), self.edges)
         motions = [np.concatenate([np.cross(axis, x).ravel(), t @ axis]) for axis in np.eye(3)]
         return np.array(motions).T[self.free] / np.abs(x).max()
 
@@ -244,7 +244,7 @@ def _inner_first(torus: PeriodicMesh) -> PeriodicMesh:
     return replace(torus, triangles=torus.triangles[order(reach)], hinges=torus.hinges[order(torus.hinges)])
 
 
-def _unfolded_model(design: Design, torus: PeriodicMesh, printed: Array) -> Model:
+def _unfolded_model(design: Design, torus: PeriodicMesh, printed: Array) -> DiscreteModel:
     """The exact model on the unfolded points, its hinges those of the closed mesh."""
     if design.gravity.on:
         raise ValueError("a cell has no weight: an endless sheet would fall")
@@ -266,7 +266,7 @@ def _unfolded_model(design: Design, torus: PeriodicMesh, printed: Array) -> Mode
     mesh = Mesh(printed, torus.triangles, torus.rods, torus.star_vertices, np.empty(0, dtype=np.int64), (), "aligned")
     fabric = design.fabric
     unbent = design.model_copy(update={"fabric": fabric.model_copy(update={"bending": NO_BENDING.name})})
-    model = Model(unbent, layout, mesh)
+    model = DiscreteModel(unbent, layout, mesh)
     model.bending = FABRIC_BENDING[fabric.bending]
     model.parts |= model.bending.build(
         BendingMesh(torus.triangles, printed, torus.hinges, torus.around), model.fabric_plate, True

@@ -15,7 +15,7 @@ from discrete.energies.rods.bend import RodBend
 from discrete.energies.rods.network import RodNetwork, stencil_inputs
 from discrete.energies.rods.stretch import RodStretch
 from discrete.energies.rods.twist import RodTwist
-from discrete.model.state import State, carried
+from discrete.model.state import State, moved_state
 
 COUNT = 40
 
@@ -33,7 +33,7 @@ class Sample:
         full = np.zeros(self.state.positions.size + len(self.edges), dtype=steps.dtype)
         full[self.elements.dofs] = steps
         move, turn = np.split(full, [self.state.positions.size])
-        return carried(self.state, self.edges, self.state.positions + move.reshape(-1, 3), turn).packed
+        return moved_state(self.state, self.edges, self.state.positions + move.reshape(-1, 3), turn).packed
 
 
 def rotation(rng: np.random.Generator) -> Array:

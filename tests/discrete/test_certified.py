@@ -7,11 +7,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from discrete.model.model import Model
+from discrete.model.discrete_model import DiscreteModel
 from discrete.model.state import State
-from discrete.release.solve import relax
-from discrete.release.starts import Beginning
-from discrete.release.walk import force_scale
+from discrete.release.continuation import force_scale
+from discrete.release.release_start import ReleaseStart
+from discrete.release.single_mesh import solve_on_mesh
 from pattern.design.design import Design
 from pattern.design.errors import DesignError, MeshError
 from pattern.layout.build import layout
@@ -26,7 +26,7 @@ PINS: list[list[dict]] = [
 ]
 
 
-def dense(m: Model, state: State) -> np.ndarray:
+def dense(m: DiscreteModel, state: State) -> np.ndarray:
     """Eigenvalues of the whole Hessian, rigid motions projected out and moved far up."""
     low = m.pattern.lower(m.hessian(state, 0.0)).toarray()
     full = low + np.tril(low, -1).T
@@ -63,11 +63,11 @@ def test_random_designs(rings, length, thickness, stretch, arms, curl, pins, ben
     )
     try:
         plan = layout(design)
-        m = Model(design, plan, mesh_layout(plan, 6.0))
+        m = DiscreteModel(design, plan, mesh_layout(plan, 6.0))
     except (DesignError, MeshError):
         return
-    start = Beginning(bumps=bumps, bend=bend, axis_deg=35.0, sag_mm=8.0, releases=releases)
-    found = relax(m, start, max_iterations=iterations)
+    start = ReleaseStart(bumps=bumps, bend=bend, axis_deg=35.0, sag_mm=8.0, releases=releases)
+    found = solve_on_mesh(m, start, max_iterations=iterations)
     values = dense(m, found.state)
     # away from a stationary state rigid motions are no null vectors of the Hessian, and what is found is an upper bound
     assert found.smallest_eigenvalue >= values[0] - 1e-7 * force_scale(m)

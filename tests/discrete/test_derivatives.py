@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from discrete.energies.elements import Array
-from discrete.model.state import tangents
+from discrete.model.state import edge_tangents
 from tests.discrete.samples import COUNT, SAMPLES, Sample
 
 STEP = 1e-30
@@ -131,7 +131,7 @@ def test_blend_keeps_a_definite_membrane_as_it_is():
 def test_bent_samples_are_bent():
     """The strong states are what they are said to be: more than 90 degrees of bending, folding and twist."""
     bend = make("rod bend", True)
-    t = tangents(bend.state.positions, bend.edges).reshape(COUNT, 2, 3) * bend.elements.params[:, 4:, None]
+    t = edge_tangents(bend.state.positions, bend.edges).reshape(COUNT, 2, 3) * bend.elements.params[:, 4:, None]
     assert ((t[:, 0] * t[:, 1]).sum(axis=1) < 0.0).all()
     twist = make("rod twist", True)
     angle = np.sqrt(twist.elements.energies(twist.state.packed) / twist.elements.params[:, 0])

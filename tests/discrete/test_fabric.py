@@ -9,7 +9,7 @@ from scipy.spatial import Delaunay
 from discrete.energies.bending.hinges import Hinges, fold_coefficients, interior_edges, paper_coefficients
 from discrete.energies.elements import Array
 from discrete.energies.membrane import Membrane
-from discrete.model.model import Model
+from discrete.model.discrete_model import DiscreteModel
 from discrete.model.state import State
 from discrete.model.system import System
 from equilibrium.linear.backends import make_factor
@@ -282,7 +282,7 @@ def test_hinges_follow_the_shape_of_the_fabric_at_rest(bending, part, column):
     fabric = {"stretch": [1.8, 1.0], "bending": bending}
     design = Design.from_dict({"fabric": fabric, "stars": stars, "border": {"rings": 1}, "mesh": {"edge_mm": 4.0}})
     plan = layout(design)
-    model = Model(design, plan, mesh_layout(plan, 4.0))
+    model = DiscreteModel(design, plan, mesh_layout(plan, 4.0))
     rule = paper_coefficients if bending == "paper" else fold_coefficients
     sheet = (design.fabric.thickness_mm, design.fabric.modulus_mpa, design.fabric.poisson)
     hinges = model.parts[part]

@@ -13,9 +13,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from discrete.energies.elements import Array
-from discrete.model.model import Model
+from discrete.model.discrete_model import DiscreteModel
 from discrete.model.rigid import rigid_modes
-from discrete.model.state import State, carried
+from discrete.model.state import State, moved_state
 from pattern.design.design import Design
 from pattern.layout.build import layout
 from pattern.mesh.mesh import Mesh
@@ -33,10 +33,10 @@ UNEVEN = replace(
     arm_width=np.array([[1.2, 1.0], [0.9, 0.9], [1.1, 1.3]]),
 )
 MESH = mesh_layout(UNEVEN, 3.5, "delaunay")
-MODEL = Model(DESIGN, UNEVEN, MESH)
+MODEL = DiscreteModel(DESIGN, UNEVEN, MESH)
 
 
-def rolled(model: Model, radius: float = 3.0) -> State:
+def rolled(model: DiscreteModel, radius: float = 3.0) -> State:
     """The sheet around a cylinder, carried there in steps, then noise and twist."""
     rng = np.random.default_rng(3)
     state = model.flat_state()
@@ -46,9 +46,9 @@ def rolled(model: Model, radius: float = 3.0) -> State:
         bend = radius / step
         across = y - 0.3 * x
         positions = np.column_stack([bend * np.sin(angle), 0.9 * across, bend * (1.0 - np.cos(angle))])
-        state = carried(state, model.edges, positions, np.zeros(len(model.edges)))
+        state = moved_state(state, model.edges, positions, np.zeros(len(model.edges)))
     noise = 0.15 * rng.normal(size=state.positions.shape)
-    return carried(state, model.edges, state.positions + noise, 0.3 * rng.normal(size=len(model.edges)))
+    return moved_state(state, model.edges, state.positions + noise, 0.3 * rng.normal(size=len(model.edges)))
 
 
 STATE = rolled(MODEL)
@@ -114,7 +114,7 @@ def test_rotation_by_time_parallel_steps(axis, angle):
             t = state.positions[MODEL.edges[:, 1]] - state.positions[MODEL.edges[:, 0]]
             middle = rotated(t, axis, 0.5 * angle / steps) / np.linalg.norm(t, axis=1, keepdims=True)
             positions = rotated(state.positions, axis, angle / steps)
-            state = carried(state, MODEL.edges, positions, angle / steps * (middle @ w))
+            state = moved_state(state, MODEL.edges, positions, angle / steps * (middle @ w))
         error.append(np.abs(state.directors - rotated(STATE.directors, axis, angle)).max())
     assert error[0] < 1e-2 * angle**2 + 1e-12
     assert error[1] < 0.3 * error[0] + 1e-12
@@ -140,7 +140,7 @@ def test_mirror(normal):
     The rest angle of a junction changes its sense with the print, and a turn about a tangent its sign.
     """
     n = normal / np.linalg.norm(normal)
-    model = Model(DESIGN, UNEVEN, mirrored_mesh())
+    model = DiscreteModel(DESIGN, UNEVEN, mirrored_mesh())
 
     def image(vectors: Array) -> Array:
         return vectors - 2.0 * (vectors @ n)[:, None] * n
@@ -172,7 +172,7 @@ def test_permuted_vertices_triangles_and_rods(seed):
         rods=tuple(new[MESH.rods[r]] for r in rods),
     )
     shuffled = replace(UNEVEN, arm_thickness=UNEVEN.arm_thickness[rods], arm_width=UNEVEN.arm_width[rods])
-    model = Model(DESIGN, shuffled, mesh)
+    model = DiscreteModel(DESIGN, shuffled, mesh)
     edges = np.concatenate([np.flatnonzero(MODEL.network.rod == r) for r in rods])
     moved = State(STATE.positions[old], STATE.directors[edges])
     assert_same(model.energies(moved))
@@ -184,12 +184,14 @@ def test_permuted_vertices_triangles_and_rods(seed):
 def test_reversed_rod(rod):
     """A rod run from its tip to its centre (arms not joined: a junction is at the start of its rods)."""
     loose = replace(UNEVEN, arm_star=np.full(3, -1))
-    one = Model(DESIGN, loose, MESH)
+    one = DiscreteModel(DESIGN, loose, MESH)
     rods = list(MESH.rods)
     rods[rod] = rods[rod][::-1]
     thickness, width = UNEVEN.arm_thickness.copy(), UNEVEN.arm_width.copy()
     thickness[rod], width[rod] = thickness[rod, ::-1], width[rod, ::-1]
-    other = Model(DESIGN, replace(loose, arm_thickness=thickness, arm_width=width), replace(MESH, rods=tuple(rods)))
+    other = DiscreteModel(
+        DESIGN, replace(loose, arm_thickness=thickness, arm_width=width), replace(MESH, rods=tuple(rods))
+    )
     edges = np.arange(len(one.edges))
     mine = np.flatnonzero(one.network.rod == rod)
     edges[mine] = mine[::-1]

@@ -5,28 +5,28 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from discrete.model.model import Model
-from discrete.release.pin_steps import held_until
-from discrete.release.solve import relax
-from discrete.release.starts import Beginning
+from discrete.model.discrete_model import DiscreteModel
+from discrete.release.pin_steps import model_with_pins_until
+from discrete.release.release_start import ReleaseStart
+from discrete.release.single_mesh import solve_on_mesh
 from pattern import gallery
 from pattern.design.design import Design
 from pattern.layout.build import layout
 from pattern.mesh.meshing import mesh_layout
 
 
-def model(edge: float = 4.0, rings: int = 1, **changes: object) -> Model:
+def model(edge: float = 4.0, rings: int = 1, **changes: object) -> DiscreteModel:
     data = gallery.load("tube").to_dict()
     data["border"] = {"rings": rings}
     data["mesh"] = {"edge_mm": edge}
     design = Design.from_dict(data | changes)
     plan = layout(design)
-    return Model(design, plan, mesh_layout(plan, edge, design.mesh.kind))
+    return DiscreteModel(design, plan, mesh_layout(plan, edge, design.mesh.kind))
 
 
 def test_pins_after_release_end_where_they_should() -> None:
     later = model(pins=[{"where": "border", "scale": 0.8, "step": 1}])
-    found = relax(later)
+    found = solve_on_mesh(later)
     held = later.constraints.held
     assert found.is_minimum
     np.testing.assert_allclose(found.state.positions[held], later.constraints.target[held], atol=1e-12)
@@ -34,13 +34,13 @@ def test_pins_after_release_end_where_they_should() -> None:
     assert [round(step.moved, 6) for step in found.path[-6:]] == [0.2, 0.4, 0.6, 0.8, 1.0, 1.0]
     assert later.release == 1.0 and later.energy(found.state) == pytest.approx(found.energy)
     # released freely, the sheet has less energy than after it was pinned
-    assert found.path[9].energy_n_mm == pytest.approx(relax(model()).energy, rel=1e-3)
+    assert found.path[9].energy_n_mm == pytest.approx(solve_on_mesh(model()).energy, rel=1e-3)
     assert found.path[9].energy_n_mm < found.energy
 
 
 @pytest.mark.parametrize("pins", [{"where": "corners", "scale": 0.75}, {"corners": [0, 3], "scale": 0.8}])
 def test_pinned_corners_lead_to_the_same_shape_before_and_after_release(pins: dict) -> None:
-    at_once, later = relax(model(pins=[pins])), relax(model(pins=[pins | {"step": 1}]))
+    at_once, later = solve_on_mesh(model(pins=[pins])), solve_on_mesh(model(pins=[pins | {"step": 1}]))
     assert at_once.is_minimum and later.is_minimum
     assert later.energy == pytest.approx(at_once.energy, rel=1e-8)
 
@@ -48,7 +48,7 @@ def test_pinned_corners_lead_to_the_same_shape_before_and_after_release(pins: di
 def test_a_border_pinned_after_release_keeps_its_waves() -> None:
     """The released border is longer than the pinned one and wavy: it is caught in a higher minimum."""
     pins = {"where": "border", "scale": 0.74}
-    at_once, later = relax(model(pins=[pins])), relax(model(pins=[pins | {"step": 1}]))
+    at_once, later = solve_on_mesh(model(pins=[pins])), solve_on_mesh(model(pins=[pins | {"step": 1}]))
     assert at_once.is_minimum and later.is_minimum
     assert later.energy > at_once.energy + 1.0
 
@@ -56,7 +56,7 @@ def test_a_border_pinned_after_release_keeps_its_waves() -> None:
 def test_a_second_run_is_the_same_and_the_model_is_unharmed() -> None:
     m = model(pins=[{"corners": [0, 3], "step": 2}, {"corners": [1], "slide": "z"}])
     printed = m.constraints.printed.copy()
-    first, second = relax(m), relax(m)
+    first, second = solve_on_mesh(m), solve_on_mesh(m)
     np.testing.assert_array_equal(m.constraints.printed, printed)
     np.testing.assert_allclose(first.state.positions, second.state.positions, atol=1e-8)
     assert [s.step for s in first.path].count(2) == 6
@@ -65,15 +65,15 @@ def test_a_second_run_is_the_same_and_the_model_is_unharmed() -> None:
 def test_steps_hold_one_after_the_other() -> None:
     m = model(pins=[{"corners": [0, 3], "scale": 0.8}, {"corners": [1], "step": 3}, {"corners": [5], "step": 1}])
     assert m.layout.pin_steps == (0, 1, 3)
-    assert [held_until(m, k).held.sum() for k in (0, 1, 3)] == [6, 9, 12]
+    assert [model_with_pins_until(m, k).held.sum() for k in (0, 1, 3)] == [6, 9, 12]
     free = model()
-    assert held_until(free, 0) is free
+    assert model_with_pins_until(free, 0) is free
 
 
 def test_a_free_sheet_is_laid_on_its_pins_with_the_plastic_up() -> None:
     """Two pins leave a turn about their line undecided: the print decides it."""
     m = model(pins=[{"corners": [0, 3], "scale": 0.75, "step": 1}])
-    found = relax(m)
+    found = solve_on_mesh(m)
     assert found.is_minimum
     assert found.state.directors.mean(axis=0)[2] > 0.3
 
@@ -82,13 +82,13 @@ def test_a_path_that_loses_stability_is_followed_to_the_side() -> None:
     """Without arms' curl and without noise a symmetric print stays flat: every kick is on the path, none at its end."""
     plastic = gallery.load("tube").to_dict()["plastic"] | {"rest_curvature": "none"}
     m = model(rings=0, plastic=plastic)
-    found = relax(m, Beginning(bumps=False, noise_mm=0.0))
+    found = solve_on_mesh(m, ReleaseStart(bumps=False, noise_mm=0.0))
     assert found.is_minimum
     assert found.instabilities_passed >= 1 and found.saddles_left == 0
     first = next(step for step in found.path if step.kicks)
     assert 0.0 < first.release < 1.0
     assert np.ptp(found.state.positions[:, 2]) > 1.0
-    again = relax(m, Beginning(bumps=False, noise_mm=0.0))
+    again = solve_on_mesh(m, ReleaseStart(bumps=False, noise_mm=0.0))
     np.testing.assert_allclose(again.state.positions, found.state.positions, atol=1e-6)
 
 
@@ -100,7 +100,7 @@ def test_a_path_that_loses_stability_is_followed_to_the_side() -> None:
         ({"releases": [float("nan"), 1.0]}, "must grow from 0"),
         ({"releases": [-5.0, 1.0]}, "must grow from 0"),
         ({"releases": [0.8, 0.3, 1.0]}, "must grow from 0"),
-        ({"start": Beginning(branch=(1, -1))}, "must be of 1 stars, not 2"),
+        ({"start": ReleaseStart(branch=(1, -1))}, "must be of 1 stars, not 2"),
         ({"method": "newton"}, "must be one of blended, shifted"),
         ({"start": "Bump"}, "must be one of bump, flat"),
     ],
@@ -109,19 +109,19 @@ def test_starts_that_are_none_are_refused(wrong: dict, said: str) -> None:
     data = gallery.load("star").to_dict()
     plan = layout(design := Design.from_dict(data))
     with pytest.raises(ValueError, match=said):
-        relax(Model(design, plan, mesh_layout(plan, 4.0)), **wrong)
+        solve_on_mesh(DiscreteModel(design, plan, mesh_layout(plan, 4.0)), **wrong)
     with pytest.raises(ValueError, match="must be one of none, roll, dome, saddle"):
-        Beginning(bend="rol")  # type: ignore[arg-type]
+        ReleaseStart(bend="rol")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="a bend needs one above 0"):
-        Beginning(bend="roll")
+        ReleaseStart(bend="roll")
     with pytest.raises(ValueError, match="1 up, -1 down or 0 free"):
-        Beginning(branch=(2,))
+        ReleaseStart(branch=(2,))
 
 
 def test_a_state_has_no_releases() -> None:
     m = model(rings=0)
     with pytest.raises(ValueError, match="one or the other"):
-        relax(m, m.flat_state(), releases=[0.3, 1.0])
+        solve_on_mesh(m, m.flat_state(), releases=[0.3, 1.0])
 
 
 def test_an_interrupted_release_leaves_the_model_released() -> None:
@@ -133,5 +133,5 @@ def test_an_interrupted_release_leaves_the_model_released() -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        relax(m, report=stop)
+        solve_on_mesh(m, report=stop)
     assert m.release == 1.0 and m.energy(state) == energy

@@ -6,18 +6,18 @@ import numpy as np
 import pytest
 
 from discrete.evidence.equilibrium import Equilibrium
-from discrete.model.model import Model
-from discrete.release.solve import relax
-from discrete.release.starts import Beginning
+from discrete.model.discrete_model import DiscreteModel
+from discrete.release.release_start import ReleaseStart
+from discrete.release.single_mesh import solve_on_mesh
 from pattern.design.design import Design
 from pattern.design.lattice import DEFAULT_SPACING_MM
 from pattern.layout.build import layout
 from pattern.mesh.meshing import mesh_layout
 
-BENT = Beginning(bend="roll", axis_deg=20.0, sag_mm=12.0, noise_mm=0.3, releases=(0.3, 1.0))
+BENT = ReleaseStart(bend="roll", axis_deg=20.0, sag_mm=12.0, noise_mm=0.3, releases=(0.3, 1.0))
 
 
-def model(size: float, stiff: float = 1.0, branch: str = "up", thickness: float = 0.3, rings: int = 0) -> Model:
+def model(size: float, stiff: float = 1.0, branch: str = "up", thickness: float = 0.3, rings: int = 0) -> DiscreteModel:
     """Stars and fabric whose lengths are `size` times those of the paper."""
     data = {
         "fabric": {"thickness_mm": 0.8 * size, "modulus_mpa": 7.1875 * stiff},
@@ -28,7 +28,7 @@ def model(size: float, stiff: float = 1.0, branch: str = "up", thickness: float 
     }
     design = Design.from_dict(data)
     plan = layout(design)
-    return Model(design, plan, mesh_layout(plan, design.mesh.edge_mm))
+    return DiscreteModel(design, plan, mesh_layout(plan, design.mesh.edge_mm))
 
 
 def assert_similar(one: Equilibrium, other: Equilibrium, size: float, stiff: float = 1.0) -> None:
@@ -42,17 +42,17 @@ def assert_similar(one: Equilibrium, other: Equilibrium, size: float, stiff: flo
 @pytest.mark.parametrize("size, stiff", [(5.0, 1.0), (0.3, 1e3)])
 @pytest.mark.parametrize("branch", ["up", "down"])
 def test_stars_of_every_size_go_to_the_side_they_are_sent_to(branch: str, size: float, stiff: float) -> None:
-    one, other = relax(model(1.0, branch=branch)), relax(model(size, stiff, branch))
+    one, other = solve_on_mesh(model(1.0, branch=branch)), solve_on_mesh(model(size, stiff, branch))
     assert one.stars_up == other.stars_up == (branch == "up")
     assert_similar(one, other, size, stiff)
 
 
 def test_other_starts_of_similar_sheets_end_in_similar_shapes() -> None:
-    small, large = (relax(model(size, thickness=0.4, rings=1), BENT) for size in (0.5, 4.0))
+    small, large = (solve_on_mesh(model(size, thickness=0.4, rings=1), BENT) for size in (0.5, 4.0))
     assert_similar(small, large, 8.0)
 
 
-@pytest.mark.parametrize("start", [Beginning(), BENT, Beginning(bumps=False, bend="saddle", sag_mm=20.0)])
-def test_similar_sheets_start_similar(start: Beginning) -> None:
+@pytest.mark.parametrize("start", [ReleaseStart(), BENT, ReleaseStart(bumps=False, bend="saddle", sag_mm=20.0)])
+def test_similar_sheets_start_similar(start: ReleaseStart) -> None:
     one, other = model(1.0), model(7.0)
     assert start.state(other).positions == pytest.approx(7.0 * start.state(one).positions, abs=1e-9)

@@ -7,9 +7,9 @@ from contextlib import closing
 import numpy as np
 import pytest
 
-from discrete.model.model import Model
+from discrete.model.discrete_model import DiscreteModel
 from discrete.model.state import State
-from discrete.release.solve import relax
+from discrete.release.single_mesh import solve_on_mesh
 from equilibrium.newton.minimise import minimise
 from pattern import gallery
 from pattern.design.design import Design
@@ -19,25 +19,25 @@ from pattern.mesh.meshing import mesh_layout
 FINE = 17.3205 / 36  # mm; graded: 0.11 mm along the arms, triangles beside them 0.1 mm high
 
 
-def star(edge: float, graded: bool = False, **changes: object) -> Model:
+def star(edge: float, graded: bool = False, **changes: object) -> DiscreteModel:
     data = gallery.load("tube").to_dict() | {"border": {"rings": 0}, "mesh": {"edge_mm": edge, "graded": graded}}
     design = Design.from_dict(data | changes)
     plan = layout(design)
-    return Model(design, plan, mesh_layout(plan, edge, graded=graded))
+    return DiscreteModel(design, plan, mesh_layout(plan, edge, graded=graded))
 
 
 @pytest.fixture(scope="module")
-def plate() -> Model:
+def plate() -> DiscreteModel:
     """One star on a mesh with tiny edges, with the plate."""
     return star(FINE, True, fabric=gallery.load("tube").to_dict()["fabric"] | {"bending": "consistent"})
 
 
 @pytest.fixture(scope="module")
-def relaxed(plate: Model) -> State:
-    return relax(plate).state
+def relaxed(plate: DiscreteModel) -> State:
+    return solve_on_mesh(plate).state
 
 
-def direction(model: Model, size: float, seed: int = 0) -> np.ndarray:
+def direction(model: DiscreteModel, size: float, seed: int = 0) -> np.ndarray:
     """(free,) moves that are smooth over the sheet, and some noise."""
     rng = np.random.default_rng(seed)
     x = model.mesh.points / np.abs(model.mesh.points).max()
@@ -48,7 +48,7 @@ def direction(model: Model, size: float, seed: int = 0) -> np.ndarray:
 
 def test_a_rigid_turn_is_followed_as_one() -> None:
     model = star(4.0)
-    state = relax(model).state
+    state = solve_on_mesh(model).state
     spin = np.array([0.3, -0.5, 0.4])
     centre = state.positions.mean(axis=0)
     t = np.diff(state.positions[model.edges], axis=1)[:, 0]
@@ -66,7 +66,7 @@ def test_a_rigid_turn_is_followed_as_one() -> None:
 @pytest.mark.parametrize("pins", [[], [{"where": "border", "scale": 0.8}], [{"corners": [1], "slide": "z"}]])
 def test_a_step_sets_out_in_the_direction_it_is_given(pins: list[dict]) -> None:
     model = star(4.0, pins=pins)
-    state = relax(model).state
+    state = solve_on_mesh(model).state
     d = direction(model, 1.0)
     path, _ = model.path(state, d)
     slope = (path(1e-4).positions - path(-1e-4).positions) / 2e-4
@@ -75,7 +75,7 @@ def test_a_step_sets_out_in_the_direction_it_is_given(pins: list[dict]) -> None:
     np.testing.assert_array_equal(path(0.3).positions[held], state.positions[held])
 
 
-def test_a_small_step_has_the_rounding_of_its_coordinates(plate: Model, relaxed: State) -> None:
+def test_a_small_step_has_the_rounding_of_its_coordinates(plate: DiscreteModel, relaxed: State) -> None:
     """It turns by second order, 1e-18 mm here: all else that it has beyond a straight one is rounding."""
     assert np.linalg.norm(np.diff(plate.mesh.points[plate.edges], axis=1), axis=2).min() < 0.11
     d = direction(plate, 1e-9)
@@ -84,7 +84,7 @@ def test_a_small_step_has_the_rounding_of_its_coordinates(plate: Model, relaxed:
     assert apart <= 2.0 * np.spacing(np.abs(relaxed.positions).max())
 
 
-def test_newton_goes_down_to_the_rounding_of_the_coordinates(plate: Model, relaxed: State) -> None:
+def test_newton_goes_down_to_the_rounding_of_the_coordinates(plate: DiscreteModel, relaxed: State) -> None:
     """Moving every coordinate by its last digit changes the gradient by so much: nothing else may be in the way."""
     last = np.spacing(np.abs(relaxed.positions))
     sign = np.random.default_rng(0).choice([-1.0, 1.0], size=last.shape)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from discrete.evidence.equilibrium import Equilibrium
-from discrete.model.model import Model
-from discrete.release.solve import relax
+from discrete.model.discrete_model import DiscreteModel
+from discrete.release.single_mesh import solve_on_mesh
 from pattern.design.design import Design
 from pattern.layout.build import layout
 from pattern.mesh.meshing import mesh_layout
@@ -15,7 +15,7 @@ from pattern.mesh.meshing import mesh_layout
 GRAVITY = 9.81
 
 
-def model(**sections: object) -> Model:
+def model(**sections: object) -> DiscreteModel:
     """Seven stars on 60 x 60 mm, held at the corners."""
     data = {
         "fabric": {"modulus_mpa": 5.0, "stretch": [1.2, 1.5], "thickness_mm": 0.7, "density_kg_m3": 300.0},
@@ -28,7 +28,7 @@ def model(**sections: object) -> Model:
     }
     design = Design.from_dict(data | sections)
     plan = layout(design)
-    return Model(design, plan, mesh_layout(plan, design.mesh.edge_mm))
+    return DiscreteModel(design, plan, mesh_layout(plan, design.mesh.edge_mm))
 
 
 def mass(stars: int) -> float:
@@ -51,7 +51,7 @@ def test_weight_points_where_gravity_does() -> None:
 def test_what_holds_the_sheet_carries_it() -> None:
     """At equilibrium the forces on the held vertices are the weight."""
     m = model()
-    found = relax(m)
+    found = solve_on_mesh(m)
     assert found.is_minimum
     forces = m.full_gradient(found.state)[: 3 * m.n_vertices].reshape(-1, 3)
     carried = forces[m.constraints.held.any(axis=1), 2].sum()
@@ -67,7 +67,7 @@ def test_where_the_pins_stand_is_not_in_the_energy(slide: str | None) -> None:
     sliding = {"where": "corners", "slide": "plane"}
     if slide:
         one, high = model(pins=[sliding]), model(pins=[sliding | {"offset_mm": [0.0, 0.0, 1000.0]}])
-    here, there = relax(one), relax(high)
+    here, there = solve_on_mesh(one), solve_on_mesh(high)
     assert here.energies["gravity"] == pytest.approx(there.energies["gravity"], rel=1e-6)
     assert here.energy == pytest.approx(there.energy, rel=1e-9)
 
@@ -88,8 +88,8 @@ def hung(
     }
     design = Design.from_dict(data | {"pins": [pins]})
     plan = layout(design)
-    m = Model(design, plan, mesh_layout(plan, design.mesh.edge_mm))
-    found = relax(m)
+    m = DiscreteModel(design, plan, mesh_layout(plan, design.mesh.edge_mm))
+    found = solve_on_mesh(m)
     places, mass = found.state.positions, np.linalg.norm(m.load.reshape(-1, 3), axis=1)
     return found, mass @ places / mass.sum(), places[m.constraints.held.any(axis=1)]
 

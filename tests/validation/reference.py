@@ -17,8 +17,8 @@ from discrete.energies.membrane import Membrane
 from discrete.energies.rods.bend import RodBend
 from discrete.energies.rods.network import RodNetwork, bend_params, rod_network, stencil_inputs, stencil_length
 from discrete.energies.rods.twist import RodTwist
-from discrete.model.model import Model
-from discrete.model.state import State, tangents
+from discrete.model.discrete_model import DiscreteModel
+from discrete.model.state import State, edge_tangents
 from pattern.design.design import Design
 from pattern.layout.layout import Layout
 from pattern.mesh.mesh import Mesh
@@ -130,7 +130,7 @@ def design(**plastic: Any) -> Design:
     return Design.from_dict({"stars": {"length_mm": 10}, "border": {"rings": 0}, "plastic": plastic})
 
 
-def model(data: dict[str, Array]) -> Model:
+def model(data: dict[str, Array]) -> DiscreteModel:
     """The exact model on the reference's mesh."""
     points, rod_paths = data["vertices_flat"][:, :2], paths(data)
     centres, star = np.unique([path[0] for path in rod_paths], return_inverse=True)
@@ -148,10 +148,10 @@ def model(data: dict[str, Array]) -> Model:
     )
     triangles = counterclockwise(points, data["triangles"])
     mesh = Mesh(points, triangles, rod_paths, centres, data["boundary"], (), "delaunay")
-    return Model(design(), layout, mesh)
+    return DiscreteModel(design(), layout, mesh)
 
 
-def final_state(model: Model, data: dict[str, Array]) -> State:
+def final_state(model: DiscreteModel, data: dict[str, Array]) -> State:
     """The reference's equilibrium; directors from the surface, since arms hardly twist against it."""
     positions = data["final_positions"]
     corner = positions[model.mesh.triangles]
@@ -160,7 +160,7 @@ def final_state(model: Model, data: dict[str, Array]) -> State:
     np.add.at(around, model.mesh.triangles, normal[:, None, :])
     edges = model.edges
     directors = around[edges[:, 0]] + around[edges[:, 1]]
-    t = tangents(positions, edges)
+    t = edge_tangents(positions, edges)
     directors -= (directors * t).sum(axis=1, keepdims=True) * t
     return State(positions.copy(), directors / np.linalg.norm(directors, axis=1, keepdims=True))
 
@@ -203,7 +203,7 @@ def random_state(data: dict[str, Array]) -> RandomState:
     return RandomState(network, State(data["X"][: 3 * n].reshape(-1, 3), directors), sign)
 
 
-def equilibrium_rods(model: Model, data: dict[str, Array], modulus: float) -> dict[str, Elements]:
+def equilibrium_rods(model: DiscreteModel, data: dict[str, Array], modulus: float) -> dict[str, Elements]:
     """The reference's rods for one of its equilibria."""
     network = rod_network(paths(data), model.layout.arm_star, model.mesh.points)
     rest = 0.5 * data["rod_kappa"][network.rod][network.stencil_edges].mean(axis=1)

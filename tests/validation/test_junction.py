@@ -7,7 +7,7 @@ import pytest
 
 from discrete.energies.elements import Array
 from discrete.energies.rods.network import RodNetwork, rod_network
-from discrete.model.state import State, carried
+from discrete.model.state import State, moved_state
 from discrete.model.system import System
 from tests.validation.rods import Material, cantilever, flat, lowest, rod_system, solve
 
@@ -35,7 +35,7 @@ def crumpled(state: State, edges: Array, seed: int = 0) -> State:
     rng = np.random.default_rng(seed)
     for _ in range(4):
         move, turn = 0.25 * rng.normal(size=state.positions.shape), 0.2 * rng.normal(size=len(edges))
-        state = carried(state, edges, state.positions + move, turn)
+        state = moved_state(state, edges, state.positions + move, turn)
     return state
 
 
@@ -75,7 +75,7 @@ def test_loaded_star_keeps_its_symmetry(n):
     load[0, 2] = 0.5 * n * ARM.about_width / LENGTH**2
     start = flat(system, printed)
     noise = np.where(held[: 3 * len(printed)], 0.0, 1e-3 * np.random.default_rng(5).normal(size=start.positions.size))
-    start = carried(start, system.edges, start.positions + noise.reshape(-1, 3), np.zeros(len(system.edges)))
+    start = moved_state(start, system.edges, start.positions + noise.reshape(-1, 3), np.zeros(len(system.edges)))
     state = solve(system, start, [load]).state
     assert lowest(system, state) > 0.0
     assert state.positions[0, 2] > 0.1 * LENGTH

@@ -16,8 +16,8 @@ import pytest
 from discrete.energies.elements import Array, Elements
 from discrete.model.state import State
 from discrete.model.system import System
-from discrete.release.solve import relax
-from discrete.release.walk import force_scale
+from discrete.release.continuation import force_scale
+from discrete.release.single_mesh import solve_on_mesh
 from equilibrium.linear.backends import make_factor
 from equilibrium.newton.minimise import minimise
 from pattern.design.materials import rest_curvature
@@ -118,7 +118,7 @@ def test_equilibrium(name):
     np.testing.assert_allclose(
         rest_curvature(data["rod_h"], model.design.fabric, model.design.plastic), data["rod_kappa"], rtol=1e-6
     )
-    found = relax(model, reference.final_state(model, data))
+    found = solve_on_mesh(model, reference.final_state(model, data))
     assert found.is_minimum
     assert found.stars_up == len(data["star_pos"])
     assert distance(found.state.positions, data["final_positions"]) < 2e-3
@@ -153,7 +153,7 @@ def test_equilibrium_with_the_references_rods(name):
 def test_equilibrium_from_the_print(name):
     """The project's own start finds the same minimum."""
     data = reference.load(name)
-    found = relax(reference.model(data))
+    found = solve_on_mesh(reference.model(data))
     assert found.is_minimum
     assert distance(found.state.positions, data["final_positions"]) < 2e-3
 
@@ -162,7 +162,7 @@ def test_37_stars_from_the_print():
     """The same shape rolled about one of the three equivalent axes: compared star by star, turned with the lattice."""
     data = reference.load("stars37")
     model = reference.model(data)
-    found = relax(model)
+    found = solve_on_mesh(model)
     assert found.is_minimum and found.stars_up == 37
     assert found.energy == pytest.approx(float(data["E_total"]), rel=5e-3)
     centre = model.mesh.star_vertices

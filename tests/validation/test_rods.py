@@ -14,7 +14,7 @@ from scipy.special import ellipe, ellipk
 from discrete.energies.elements import Array
 from discrete.energies.rods.network import RodNetwork
 from discrete.energies.rods.stretch import RodStretch
-from discrete.model.state import State, carried, tangents
+from discrete.model.state import State, edge_tangents, moved_state
 from discrete.model.system import System
 from tests.validation.rods import (
     Cantilever,
@@ -181,7 +181,7 @@ def test_curved_rod_without_load_is_a_circle(phi):
         result = solve(rod.system, state, [weight(rod, np.zeros(3))])
         state = result.state
     assert result.energy < 1e-18 * ARM.about_width / LENGTH
-    t = tangents(state.positions, rod.system.edges)
+    t = edge_tangents(state.positions, rod.system.edges)
     corner = np.arccos(np.clip((t[1:] * t[:-1]).sum(axis=1), -1.0, 1.0))
     np.testing.assert_allclose(corner, 2.0 * np.arctan(0.5 * phi / (n - 0.5)), rtol=1e-7)
     assert (np.diff(t[:, 2])[: n // 4] < 0.0).all()
@@ -324,7 +324,7 @@ def ring_motions(system: System, state: State) -> Array:
     An isotropic rod does not feel that turning back, which is the same about every edge's tangent.
     """
     x = state.positions - state.positions.mean(axis=0)
-    n, t = len(x), tangents(state.positions, system.edges)
+    n, t = len(x), edge_tangents(state.positions, system.edges)
     modes = np.zeros((system.n_dofs, 6))
     for i, axis in enumerate(np.eye(3)):
         modes[: 3 * n, i] = np.tile(axis, n)
@@ -346,7 +346,7 @@ def test_michells_ring():
 
         def eigenvalue(factor: float, system: System = system, start: State = start, n: int = n) -> float:
             turn = factor * published * np.arange(n + 1) / n
-            twisted = carried(start, system.edges, start.positions, turn)
+            twisted = moved_state(start, system.edges, start.positions, turn)
             state = solve(system, twisted, [np.zeros((n, 3))]).state
             modes = ring_motions(system, state)
             image = system.pattern.product(system.hessian(state, 0.0), modes)
@@ -368,7 +368,7 @@ def test_twist_alone_is_even_along_a_straight_rod():
     for _ in range(steps):
         turn = np.zeros(n)
         turn[-1] = turns / steps
-        state = carried(state, system.edges, state.positions, turn)
+        state = moved_state(state, system.edges, state.positions, turn)
         state = solve(system, state, [np.zeros((n + 1, 3))]).state
     length = rod.printed[-2, 0] - rod.printed[0, 0]  # from the middle of the first edge to the middle of the last
     assert system.energies(state)["rod_twist"] == pytest.approx(0.5 * ARM.torsion * turns**2 / length, rel=1e-9)

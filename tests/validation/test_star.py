@@ -5,22 +5,22 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from discrete.model.model import Model
+from discrete.model.discrete_model import DiscreteModel
 from discrete.model.state import State
-from discrete.release.solve import relax
+from discrete.release.single_mesh import solve_on_mesh
 from pattern import gallery
 from pattern.design.design import Design
 from pattern.layout.build import layout
 from pattern.mesh.meshing import mesh_layout
 
 
-def model(**sections: dict) -> Model:
+def model(**sections: dict) -> DiscreteModel:
     data = gallery.load("star").to_dict()
     for name, entries in sections.items():
         data[name] = data[name] | entries
     design = Design.from_dict(data)
     plan = layout(design)
-    return Model(design, plan, mesh_layout(plan, design.mesh.edge_mm))
+    return DiscreteModel(design, plan, mesh_layout(plan, design.mesh.edge_mm))
 
 
 def matched(points: np.ndarray, image: np.ndarray) -> np.ndarray:
@@ -34,7 +34,7 @@ def matched(points: np.ndarray, image: np.ndarray) -> np.ndarray:
 
 def test_symmetry_and_direction() -> None:
     m = model()
-    found = relax(m)
+    found = solve_on_mesh(m)
     x, p = found.state.positions, m.mesh.points
     angle = 2 * np.pi / 3
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
@@ -47,7 +47,7 @@ def test_symmetry_and_direction() -> None:
 
 def test_bump_height_with_the_continuum_stiffness() -> None:
     """About 3.4 mm for l=10, h=.4, w=1.2 and the rod stiffness of an elastic beam."""
-    assert relax(model()).bumps[0] == pytest.approx(3.4, abs=0.1)
+    assert solve_on_mesh(model()).bumps[0] == pytest.approx(3.4, abs=0.1)
 
 
 def test_bump_height_with_half_the_stiffness() -> None:
@@ -55,15 +55,15 @@ def test_bump_height_with_half_the_stiffness() -> None:
     m = model()
     m.parts["rod_bending"].params[:, :2] *= 0.5
     m.parts["rod_twist"].params[:, 0] *= 0.5
-    assert relax(m).bumps[0] == pytest.approx(4.5, abs=0.2)
+    assert solve_on_mesh(m).bumps[0] == pytest.approx(4.5, abs=0.2)
 
 
 def test_a_star_pushed_down_is_counted_as_down() -> None:
     """Every star is bistable: from a deep bump the other way it stays inside out, at a higher energy."""
     m = model(stars={"thickness_mm": 0.3})
-    up = relax(m)
+    up = solve_on_mesh(m)
     start = State(up.state.positions * [1.0, 1.0, -1.0], up.state.directors * [-1.0, -1.0, 1.0])
-    down = relax(m, start)
+    down = solve_on_mesh(m, start)
     assert down.is_minimum and down.stars_up == 0 and up.stars_up == 1
     assert down.energy > up.energy + 0.1
 
@@ -73,20 +73,20 @@ def test_a_saddle_is_left_not_reported() -> None:
     m = model(plastic={"rest_curvature": "none"})
     flat = m.flat_state()
     m.set_release(1.0)
-    found = relax(m, flat)
+    found = solve_on_mesh(m, flat)
     assert found.saddles_left >= 1
     assert found.is_minimum and found.smallest_eigenvalue > 0.0
     assert np.ptp(found.state.positions[:, 2]) > 1.0
 
 
 def test_an_unconverged_state_is_not_an_equilibrium() -> None:
-    found = relax(model(), max_iterations=1)
+    found = solve_on_mesh(model(), max_iterations=1)
     assert not found.converged and not found.is_minimum
 
 
 def test_certificate_agrees_with_dense_eigenvalues() -> None:
     m = model(mesh={"edge_mm": 3.0})
-    found = relax(m)
+    found = solve_on_mesh(m)
     low = m.pattern.lower(m.hessian(found.state, 0.0)).toarray()
     values = np.linalg.eigvalsh(low + np.tril(low, -1).T)
     np.testing.assert_allclose(values[:6], 0.0, atol=1e-6)

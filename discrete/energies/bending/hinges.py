@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 
 from discrete.energies.elements import Array, Elements
-from discrete.energies.kernel import combine, cross, dot, formula, point, scaled, sub, sweep
+from discrete.energies.kernel import combine, cross, dot, formula, multiply, point, sub, sweep
 
 
 @formula
@@ -26,7 +26,7 @@ def _flap(x0, x1, p):  # type: ignore[no-untyped-def]
     e, d = sub(x1, x0), sub(p, x0)
     normal = cross(e, d)
     length, twice = np.sqrt(dot(e, e)), np.sqrt(dot(normal, normal))
-    n, t = scaled(1.0 / twice, normal), scaled(1.0 / length, e)
+    n, t = multiply(1.0 / twice, normal), multiply(1.0 / length, e)
     return n, t, cross(n, t), length, twice / length, dot(d, t) / length
 
 

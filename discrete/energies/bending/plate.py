@@ -22,7 +22,7 @@ import numpy as np
 
 from discrete.energies.bending.plate_patches import patches
 from discrete.energies.elements import Array, Elements
-from discrete.energies.kernel import combine, cross, dot, formula, point, scaled, sweep
+from discrete.energies.kernel import combine, cross, dot, formula, multiply, point, sweep
 
 
 @formula
@@ -32,11 +32,11 @@ def _frame(q, p):  # type: ignore[no-untyped-def]
     f1 = combine(1.0, combine(p[2], x0, p[4], x1), p[6], x2)
     f2 = combine(1.0, combine(p[3], x0, p[5], x1), p[7], x2)
     a = np.sqrt(dot(f1, f1))
-    e1 = scaled(1.0 / a, f1)
+    e1 = multiply(1.0 / a, f1)
     b = dot(e1, f2)
     across = combine(1.0, f2, -b, e1)
     d = np.sqrt(dot(across, across))
-    e2 = scaled(1.0 / d, across)
+    e2 = multiply(1.0 / d, across)
     return e1, e2, cross(e1, e2), a, b, d
 
 

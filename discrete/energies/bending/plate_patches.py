@@ -21,7 +21,7 @@ from pattern.design.errors import MeshError
 from pattern.geometry.planar import triangle_areas, triangle_gradients
 
 # of the second derivatives for unit heights, squared, times the area squared; equilateral triangles have 1
-LARGEST_GAIN = 4.0
+MAX_CURVATURE_GAIN = 4.0
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ def patches(triangles: Array, points: Array, around: Array | None = None) -> Pat
     second, gain = _second(points, triangles, first, products, area, np.where(others < 0, 0, others))
     gain[(others < 0).any(axis=1)] = np.inf
     near = _around(every)
-    for t in np.flatnonzero(~(gain < LARGEST_GAIN)):
+    for t in np.flatnonzero(~(gain < MAX_CURVATURE_GAIN)):
         for trios in _trios(triangles[t], others[t], near):
             one = np.full(len(trios), t)
             choice, gains = _second(points, triangles[one], first[one], products[one], area[one], trios)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from discrete.energies.elements import Elements
-from discrete.energies.kernel import combine, cross, dot, formula, point, scaled, sweep
+from discrete.energies.kernel import combine, cross, dot, formula, multiply, point, sweep
 from discrete.energies.rods.stencil import stencil_edges
 
 
@@ -36,7 +36,7 @@ def _curvature_slope(te, tf, le, lf, chi, u0, u1, v0, v1, p, d):  # type: ignore
         d[i] = -by_e[i]
         d[3 + i] = by_e[i] - by_f[i]
         d[6 + i] = by_f[i]
-    kb = scaled(2.0 / chi, cross(te, tf))
+    kb = multiply(2.0 / chi, cross(te, tf))
     # an edge that the stencil runs through backwards twists the other way
     d[9] = 0.5 * p[4] * dot(kb, v0)
     d[10] = 0.5 * p[5] * dot(kb, v1)
@@ -53,7 +53,7 @@ def bend_gradient(q, p, g):  # type: ignore[no-untyped-def]
     k = _curvature_slope(te, tf, le, lf, chi, b0, b1, n0, n1, p, d)
     for i in range(11):
         g[i] = 2.0 * p[0] * (k - p[2]) * d[i]
-    k = _curvature_slope(te, tf, le, lf, chi, n0, n1, scaled(-1.0, b0), scaled(-1.0, b1), p, d)
+    k = _curvature_slope(te, tf, le, lf, chi, n0, n1, multiply(-1.0, b0), multiply(-1.0, b1), p, d)
     for i in range(11):
         g[i] += 2.0 * p[1] * (k - p[3]) * d[i]
 
@@ -62,7 +62,7 @@ def bend_gradient(q, p, g):  # type: ignore[no-untyped-def]
 def _curvature_bow(te, tf, le, lf, chi, u0, u1, v0, v1, p, scale, h):  # type: ignore[no-untyped-def]
     """Add `scale` times the second derivative of the curvature about u to h (lower triangle)."""
     k = _curvature(te, tf, chi, u0, u1)
-    kb = scaled(2.0 / chi, cross(te, tf))
+    kb = multiply(2.0 / chi, cross(te, tf))
     t, u = combine(1.0 / chi, te, 1.0 / chi, tf), combine(1.0 / chi, u0, 1.0 / chi, u1)
     a, b = cross(tf, u), cross(te, u)
     # antisymmetric matrix of u, [u]x
@@ -114,7 +114,7 @@ def bend_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
     te, tf, le, lf, chi = stencil_edges(q)
     n0, n1 = point(q, 3), point(q, 4)
     b0, b1 = cross(n0, te), cross(n1, tf)
-    minus0, minus1 = scaled(-1.0, b0), scaled(-1.0, b1)
+    minus0, minus1 = multiply(-1.0, b0), multiply(-1.0, b1)
     d, d_plane = np.zeros_like(h[0]), np.zeros_like(h[0])
     width = _curvature_slope(te, tf, le, lf, chi, b0, b1, n0, n1, p, d) - p[2]
     plane = _curvature_slope(te, tf, le, lf, chi, n0, n1, minus0, minus1, p, d_plane) - p[3]

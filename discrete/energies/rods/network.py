@@ -8,7 +8,7 @@ import numpy as np
 
 from discrete.energies.elements import Array
 from discrete.energies.rods.section import torsion_constant
-from discrete.model.state import tangents
+from discrete.model.state import edge_tangents
 
 
 @dataclass(frozen=True)
@@ -138,7 +138,7 @@ def stencil_inputs(network: RodNetwork, n_vertices: int) -> tuple[Array, Array]:
 
 def curvatures(network: RodNetwork, positions: Array, directors: Array, printed: Array) -> Array:
     """(S,) 1/mm, curvature about the width axis; positive where the rod bends away from its plastic side."""
-    t = tangents(positions, network.edges)[network.stencil_edges] * network.signs[:, :, None]
+    t = edge_tangents(positions, network.edges)[network.stencil_edges] * network.signs[:, :, None]
     width = np.cross(directors[network.stencil_edges], t)
     binormal = 2.0 * np.cross(t[:, 0], t[:, 1]) / (1.0 + (t[:, 0] * t[:, 1]).sum(axis=1))[:, None]
     return np.asarray((binormal * width.sum(axis=1)).sum(axis=1) / stencil_length(network, printed))

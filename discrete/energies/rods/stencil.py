@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from discrete.energies.kernel import dot, formula, point, scaled, sub
+from discrete.energies.kernel import dot, formula, multiply, point, sub
 
 
 @formula
@@ -22,5 +22,5 @@ def stencil_edges(q):  # type: ignore[no-untyped-def]
     """Tangents and lengths of a stencil's two edges and 1 + t0 . t1."""
     e, f = sub(point(q, 1), point(q, 0)), sub(point(q, 2), point(q, 1))
     le, lf = np.sqrt(dot(e, e)), np.sqrt(dot(f, f))
-    te, tf = scaled(1.0 / le, e), scaled(1.0 / lf, f)
+    te, tf = multiply(1.0 / le, e), multiply(1.0 / lf, f)
     return te, tf, le, lf, 1.0 + dot(te, tf)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from discrete.energies.elements import Elements
-from discrete.energies.kernel import dot, formula, point, scaled, sub, sweep
+from discrete.energies.kernel import dot, formula, multiply, point, sub, sweep
 
 
 @formula
@@ -32,7 +32,7 @@ def stretch_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
     """Axial stiffness EA/l and force over length across; `blend` lifts the latter in compression."""
     e = sub(point(q, 1), point(q, 0))
     length = np.sqrt(dot(e, e))
-    t = scaled(1.0 / length, e)
+    t = multiply(1.0 / length, e)
     across = p[0] * (1.0 / p[1] - 1.0 / length)
     across = across - blend * np.minimum(across, 0.0)
     along = p[0] / p[1] - across

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from discrete.energies.elements import Elements
-from discrete.energies.kernel import combine, cross, dot, formula, point, scaled, sweep
+from discrete.energies.kernel import combine, cross, dot, formula, multiply, point, sweep
 from discrete.energies.rods.stencil import stencil_edges
 
 
@@ -29,7 +29,7 @@ def twist_gradient(q, p, g):  # type: ignore[no-untyped-def]
     """`dm = kb/2 (de/|e| + df/|f|) - dtheta0 + dtheta1`."""
     te, tf, le, lf, chi = stencil_edges(q)
     moment = 2.0 * p[0] * _twist(te, tf, chi, point(q, 3), point(q, 4))
-    kb = scaled(moment / chi, cross(te, tf))
+    kb = multiply(moment / chi, cross(te, tf))
     for i in range(3):
         g[i] = -kb[i] / le
         g[3 + i] = kb[i] / le - kb[i] / lf
@@ -43,7 +43,7 @@ def twist_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
     """`2 GJ/L (dm dm^T + (1 - blend) m d2m)` (symmetric part, Bergou 2010)."""
     te, tf, le, lf, chi = stencil_edges(q)
     m = _twist(te, tf, chi, point(q, 3), point(q, 4))
-    kb = scaled(2.0 / chi, cross(te, tf))
+    kb = multiply(2.0 / chi, cross(te, tf))
     t = combine(1.0 / chi, te, 1.0 / chi, tf)
     d = np.zeros_like(h[0])
     for i in range(3):

@@ -14,9 +14,9 @@ from asterism.reports.write_results import write_results
 from asterism.shape.read_shape import read_shape
 from asterism.shape.shape import Shape
 from discrete.evidence.equilibrium import Equilibrium
-from discrete.model.model import Model
+from discrete.model.discrete_model import DiscreteModel
 from discrete.release import branches
-from discrete.release.starts import Beginning
+from discrete.release.release_start import ReleaseStart
 from pattern import gallery
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
@@ -145,11 +145,11 @@ def test_how_high_a_sheet_hangs_makes_no_difference_to_the_next_minimum() -> Non
 def test_a_start_that_cannot_go_on_is_lost_and_not_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
     relax = branches.relax
 
-    def failing(model: Model, start: Beginning, *rest: Any) -> Equilibrium:
+    def failing(model: DiscreteModel, start: ReleaseStart, *rest: Any) -> Equilibrium:
         if start.bend != "none":
             raise DesignError("solver.contact", "the pins push the sheet through itself; it cannot follow them")
         return relax(model, start, *rest)
 
-    monkeypatch.setattr(branches, "relax", failing)
+    monkeypatch.setattr(branches, "solve_on_mesh", failing)
     summary = simulate(small(), starts=3).summary
     assert summary["is_minimum"] and summary["starts_lost"] == 2

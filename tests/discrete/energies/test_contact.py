@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from asterism.shape.self_intersections import self_intersections
-from discrete.energies.contact import NEIGHBOURS, Contact, ipc_toolkit
+from discrete.energies.contact import NEIGHBOUR_DISTANCE_FACTOR, ContactBarrier, ipc_toolkit
 from discrete.energies.elements import Array
 from discrete.model.contact_model import ContactModel
-from discrete.model.model import Model
-from discrete.model.state import State, carried
+from discrete.model.discrete_model import DiscreteModel
+from discrete.model.state import State, moved_state
 from discrete.release.levels import find_equilibrium
-from discrete.release.solve import relax
+from discrete.release.single_mesh import solve_on_mesh
 from equilibrium.errors import BackendError
 from equilibrium.linear.extended_pattern import ExtendedPattern
 from pattern.design.design import Design
@@ -34,13 +34,13 @@ def design(rings: int = 1, thickness: float = 0.2, edge: float = 4.3, **more: ob
     return Design.from_dict(data | more)
 
 
-def model(kind: type[Model], *args: object, **more: object) -> Model:
+def model(kind: type[DiscreteModel], *args: object, **more: object) -> DiscreteModel:
     plan = design(*args, **more)  # type: ignore[arg-type]
     printed = layout(plan)
     return kind(plan, printed, mesh_layout(printed, plan.mesh.edge_mm, plan.mesh.kind, plan.mesh.seed))
 
 
-def folded(sheet: Model, gap: float, noise: float = 0.01) -> State:
+def folded(sheet: DiscreteModel, gap: float, noise: float = 0.01) -> State:
     """The released sheet folded over along x = 0 about a half circle of diameter `gap`, noise on top."""
     x, y = sheet.mesh.points.T / sheet.design.fabric.stretch_xy[0]
     radius = 0.5 * gap
@@ -50,7 +50,7 @@ def folded(sheet: Model, gap: float, noise: float = 0.01) -> State:
     positions = np.column_stack([radius * np.cos(angle) - np.abs(straight), y, radius * np.sin(angle)])
     positions += noise * np.random.default_rng(1).normal(size=positions.shape)
     flat = sheet.flat_state()
-    return carried(flat, sheet.edges, positions, np.zeros(len(sheet.edges)))
+    return moved_state(flat, sheet.edges, positions, np.zeros(len(sheet.edges)))
 
 
 def folded_model(**more: object) -> tuple[ContactModel, State]:
@@ -80,7 +80,7 @@ def test_derivatives_of_the_whole_energy(pins: list[object]) -> None:
         move, turn = sheet.spread(direction)
 
         def at(a: float, move: Array = move, turn: Array = turn) -> State:
-            return carried(state, sheet.edges, state.positions + a * move, a * turn)
+            return moved_state(state, sheet.edges, state.positions + a * move, a * turn)
 
         # short: the Hessian jumps where the nearest of two triangles passes from its edge to its inside
         step = 1e-6
@@ -111,7 +111,7 @@ def test_blend_takes_out_what_is_negative() -> None:
 def test_the_hessian_of_contact_goes_where_contact_is() -> None:
     """Entries of the whole Hessian are those of the model without contact plus those of contact."""
     sheet, state = folded_model()
-    plain = model(Model, edge=3.0)
+    plain = model(DiscreteModel, edge=3.0)
     low = plain.pattern.lower(plain.hessian(state, 0.0)).toarray()
     rows, columns, values = sheet.contact.hessian(state.positions, 0.0)
     expected = low + np.tril(low, -1).T
@@ -130,7 +130,7 @@ def test_one_pattern_holds_all_hessians_of_a_state() -> None:
 
 
 def test_without_contact_nothing_changes() -> None:
-    sheet, plain = model(ContactModel), model(Model)
+    sheet, plain = model(ContactModel), model(DiscreteModel)
     state = plain.flat_state()
     assert sheet.energies(state) == plain.energies(state) | {"contact": 0.0}
     np.testing.assert_array_equal(sheet.gradient(state), plain.gradient(state))
@@ -143,7 +143,7 @@ def test_steps_stop_before_they_pass_through() -> None:
     move = np.zeros_like(state.positions)
     move[:, 2] = -20.0 * np.sign(state.positions[:, 2])
     direction = np.concatenate([move.ravel(), np.zeros(len(sheet.edges))])[sheet.free]
-    plain, _ = Model.path(sheet, state, direction, straight=True)
+    plain, _ = DiscreteModel.path(sheet, state, direction, straight=True)
     assert sheet.contact.clear(state.positions, plain(1.0).positions) < 0.1
     for straight in (True, False):
         path, longest = sheet.path(state, direction, straight)
@@ -170,7 +170,7 @@ def test_two_flaps_stay_apart() -> None:
         points = np.concatenate([square, square + np.array([30.0, 0.0])])
         triangles = np.concatenate([one, one + 36])
 
-    contact = Contact(Flaps, 0.8, 1.35, 7.0)  # type: ignore[arg-type]
+    contact = ContactBarrier(Flaps, 0.8, 1.35, 7.0)  # type: ignore[arg-type]
     lower = np.column_stack([square, np.zeros(36)])
 
     def over(gap: float) -> Array:
@@ -192,10 +192,10 @@ def test_two_flaps_stay_apart() -> None:
 
 def test_sheet_that_rolls_up_further_than_round() -> None:
     """19 stars with thin arms: the sheet passes through itself without contact, and is a minimum apart with it."""
-    plain = relax(model(Model, 2))
+    plain = solve_on_mesh(model(DiscreteModel, 2))
     sheet = model(ContactModel, 2)
     assert isinstance(sheet, ContactModel)
-    found = relax(sheet)
+    found = solve_on_mesh(sheet)
     triangles = sheet.mesh.triangles
     assert plain.is_minimum and self_intersections(plain.state.positions, triangles) > 100
     assert found.is_minimum and self_intersections(found.state.positions, triangles) == 0
@@ -214,17 +214,17 @@ def test_sheet_that_rolls_up_further_than_round() -> None:
 def test_a_tube_of_37_stars_closes_only_as_far_as_it_can() -> None:
     """The paper's figure 3 with arms of 0.3 mm: the tube winds through itself without contact, and is wider with it."""
     across = {}
-    for kind in (Model, ContactModel):
+    for kind in (DiscreteModel, ContactModel):
         sheet = model(kind, 3, 0.3)
-        found = relax(sheet)
+        found = solve_on_mesh(sheet)
         assert found.is_minimum and found.stars_up == 37
         through = self_intersections(found.state.positions, sheet.mesh.triangles)
         assert (through == 0) is (kind is ContactModel)
         centred = found.state.positions - found.state.positions.mean(axis=0)
         across[kind] = np.ptp(centred @ np.linalg.svd(centred, full_matrices=False)[2].T, axis=0)
     # the axis is as long, and the roll thicker
-    assert across[ContactModel][0] == pytest.approx(across[Model][0], rel=0.03)
-    assert across[ContactModel][1:].max() > across[Model][1:].max() + 0.5
+    assert across[ContactModel][0] == pytest.approx(across[DiscreteModel][0], rel=0.03)
+    assert across[ContactModel][1:].max() > across[DiscreteModel][1:].max() + 0.5
 
 
 def test_the_same_digits_on_the_second_run() -> None:
@@ -249,7 +249,7 @@ def test_pins_that_push_the_sheet_through_itself_are_refused() -> None:
     held = sheet.constraints.held[:, 2]
     moved = np.array(state.positions)
     moved[held, 2] = np.where(state.positions[held, 2] > 0.0, 30.0, -30.0)
-    there = carried(state, sheet.edges, moved, np.zeros(len(sheet.edges)))
+    there = moved_state(state, sheet.edges, moved, np.zeros(len(sheet.edges)))
     with pytest.raises(DesignError, match="pins"):
         _ = sheet.moved_pins(there)
 
@@ -313,7 +313,7 @@ def test_a_start_that_passes_through_itself_is_not_taken() -> None:
     sheet = model(ContactModel)
     flat = sheet.flat_state()
     with pytest.raises(ValueError, match="passes through itself"):
-        relax(sheet, carried(flat, sheet.edges, crossed(sheet.mesh.points), np.zeros(len(sheet.edges))))
+        solve_on_mesh(sheet, moved_state(flat, sheet.edges, crossed(sheet.mesh.points), np.zeros(len(sheet.edges))))
     near, alone = (find_equilibrium(sheet, near=start)[0] for start in (crossed, None))
     assert near.is_minimum and near.energy == pytest.approx(alone.energy, rel=1e-9)
 
@@ -337,4 +337,4 @@ def test_neighbours_are_told_by_their_places_on_the_stretched_print() -> None:
     corners = mesh.points[mesh.triangles]
     longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max()
     stretch = max(sheet.design.fabric.stretch_xy)
-    assert contact.neighbourhood == pytest.approx(NEIGHBOURS * (longest + stretch * contact.distance))
+    assert contact.neighbourhood == pytest.approx(NEIGHBOUR_DISTANCE_FACTOR * (longest + stretch * contact.distance))

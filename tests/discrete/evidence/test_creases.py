@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from discrete.evidence.creases import creases
-from discrete.model.model import Model
+from discrete.evidence.creases import measure_creases
+from discrete.model.discrete_model import DiscreteModel
 from discrete.model.state import State
 from pattern import gallery
 from pattern.design.design import Design
@@ -14,12 +14,12 @@ from pattern.layout.build import layout
 from pattern.mesh.meshing import mesh_layout
 
 
-def model(edge: float, **fabric: object) -> Model:
+def model(edge: float, **fabric: object) -> DiscreteModel:
     data = gallery.load("star").to_dict() | {"mesh": {"edge_mm": edge}}
     data["fabric"] = data["fabric"] | fabric
     design = Design.from_dict(data)
     plan = layout(design)
-    return Model(design, plan, mesh_layout(plan, edge))
+    return DiscreteModel(design, plan, mesh_layout(plan, edge))
 
 
 @pytest.mark.parametrize("law", ["neo-hookean", "incompressible"])
@@ -38,22 +38,24 @@ def test_width_of_the_stretched_print(law):
     area = 0.5 * (e1[:, 0] * e2[:, 1] - e1[:, 1] * e2[:, 0]).sum()
     tension = (energy(s + d) - energy(s - d)) / (2.0 * d) / (2.0 * s * area)
     bending = fabric.modulus_mpa * fabric.thickness_mm**3 / 12.0 / (1.0 - fabric.poisson**2)
-    found = creases(m, flat)
+    found = measure_creases(m, flat)
     assert found.width == pytest.approx(np.sqrt(bending / tension), rel=1e-7)
     assert found.edge == pytest.approx(2.0 * np.sqrt(3.0) / 2.0, rel=0.15)
     assert not found.resolved
 
 
 def test_hinges_are_wider_and_no_bending_has_no_width():
-    flat = {bending: creases(model(2.0, bending=bending), model(2.0).flat_state()) for bending in ("paper", "none")}
-    plate = creases(model(2.0, bending="consistent"), model(2.0).flat_state())
+    flat = {
+        bending: measure_creases(model(2.0, bending=bending), model(2.0).flat_state()) for bending in ("paper", "none")
+    }
+    plate = measure_creases(model(2.0, bending="consistent"), model(2.0).flat_state())
     assert flat["paper"].width == pytest.approx(np.sqrt(3.0) * plate.width)
     assert flat["none"].width == 0.0 and not flat["none"].resolved
 
 
 def test_fine_meshes_resolve_them():
     fine = model(0.25, bending="consistent")
-    assert creases(fine, fine.flat_state()).edge < 0.3
+    assert measure_creases(fine, fine.flat_state()).edge < 0.3
 
 
 def test_triangles_are_as_high_as_they_are_over_the_arms():
@@ -69,11 +71,11 @@ def test_triangles_are_as_high_as_they_are_over_the_arms():
                 along = long.positions[b] - long.positions[a]
                 over = np.cross(along, long.positions[top] - long.positions[a])
                 heights.append(np.linalg.norm(over) / np.linalg.norm(along))
-    assert creases(m, long).edge == pytest.approx(np.median(heights))
+    assert measure_creases(m, long).edge == pytest.approx(np.median(heights))
 
 
 def test_creases_of_slack_fabric_have_no_end():
     m = model(2.0)
     flat = m.flat_state()
-    slack = creases(m, State(0.4 * flat.positions, flat.directors))
+    slack = measure_creases(m, State(0.4 * flat.positions, flat.directors))
     assert slack.width == np.inf and slack.resolved

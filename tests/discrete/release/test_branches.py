@@ -10,11 +10,11 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from discrete.evidence.roll_axis import roll_axis_deg
-from discrete.model.model import Model
+from discrete.model.discrete_model import DiscreteModel
 from discrete.model.state import State
-from discrete.release.branches import Branch, distinct, find_minima
-from discrete.release.solve import relax
-from discrete.release.starts import Beginning, beginnings
+from discrete.release.branches import ExactForm, distinct_forms, find_minima
+from discrete.release.release_start import ReleaseStart, release_starts
+from discrete.release.single_mesh import solve_on_mesh
 from pattern import gallery
 from pattern.design.design import Design
 from pattern.geometry.normals import vertex_normals
@@ -26,16 +26,16 @@ from pattern.mesh.meshing import mesh_layout
 MIRROR = np.diag([-1.0, 1.0, 1.0])
 
 
-def model(rings: int = 1, edge: float = 3.0, **changes: object) -> Model:
+def model(rings: int = 1, edge: float = 3.0, **changes: object) -> DiscreteModel:
     data = gallery.load("tube").to_dict()
     data["border"] = {"rings": rings}
     data["stars"] = {"length_mm": 10.0, "thickness_mm": 0.3}
     design = Design.from_dict(data | changes)
     plan = layout(design)
-    return Model(design, plan, mesh_layout(plan, edge))
+    return DiscreteModel(design, plan, mesh_layout(plan, edge))
 
 
-def image(m: Model, state: State, symmetry: Symmetry) -> State:
+def image(m: DiscreteModel, state: State, symmetry: Symmetry) -> State:
     """The state `x'(p) = Q x(turn p + shift)`, vertex by vertex and director by director."""
     moved = m.mesh.points @ symmetry.turn.T + symmetry.shift
     distance, vertex = cKDTree(m.mesh.points).query(moved)
@@ -48,7 +48,7 @@ def image(m: Model, state: State, symmetry: Symmetry) -> State:
 
 def test_images_of_a_shape_have_its_energy_and_are_no_distance_away() -> None:
     m = model()
-    start = Beginning(bend="roll", axis_deg=20.0, sag_mm=12.0, noise_mm=0.5)
+    start = ReleaseStart(bend="roll", axis_deg=20.0, sag_mm=12.0, noise_mm=0.5)
     state = start.state(m)
     m.set_release(1.0)
     same = symmetries(m.design, m.layout)
@@ -71,8 +71,8 @@ def test_a_bend_is_the_same_wherever_the_sheet_is_drawn(bend: str) -> None:
         border = {"polygon_mm": [[x, 0.0], [x + 60.0, 0.0], [x + 60.0, 60.0], [x, 60.0]]}
         data = {"stars": {"length_mm": 6.0}, "lattice": {"origin_mm": [x, 0.0]}, "border": border}
         plan = layout(design := Design.from_dict(data))
-        m = Model(design, plan, mesh_layout(plan, 6.0))
-        return Beginning(bumps=False, bend=bend, sag_mm=20.0, noise_mm=0.0).state(m)  # type: ignore[arg-type]
+        m = DiscreteModel(design, plan, mesh_layout(plan, 6.0))
+        return ReleaseStart(bumps=False, bend=bend, sag_mm=20.0, noise_mm=0.0).state(m)  # type: ignore[arg-type]
 
     here, there = start(-30.0).positions, start(300.0).positions
     np.testing.assert_allclose(there - [330.0, 0.0, 0.0], here, atol=1e-9)
@@ -82,7 +82,7 @@ def test_a_bend_is_the_same_wherever_the_sheet_is_drawn(bend: str) -> None:
 @pytest.mark.parametrize(("bend", "axis"), [("roll", 20.0), ("roll", 90.0), ("dome", 0.0), ("saddle", 0.0)])
 def test_roll_axis(bend: str, axis: float) -> None:
     m = model(rings=2, edge=4.0)
-    state = Beginning(bumps=False, bend=bend, axis_deg=axis, sag_mm=25.0, noise_mm=0.0).state(m)  # type: ignore[arg-type]
+    state = ReleaseStart(bumps=False, bend=bend, axis_deg=axis, sag_mm=25.0, noise_mm=0.0).state(m)  # type: ignore[arg-type]
     turned = Rotation.from_rotvec([1.0, 2.0, -0.5]).as_matrix()
     normals = vertex_normals(state.positions, m.mesh.triangles)[m.edges].mean(axis=1)
     found = roll_axis_deg(m, State(state.positions @ turned.T, normals @ turned.T))
@@ -102,7 +102,7 @@ def test_a_star_prescribed_down_stays_down() -> None:
     override = [{"star": 0, "branch": "down"}, {"star": 3, "branch": "free"}]
     m = model(stars={"length_mm": 10.0, "thickness_mm": 0.3, "override": override})
     assert m.layout.star_branch.tolist() == [-1, 1, 1, 0, 1, 1, 1]
-    down, up = relax(m), relax(model())
+    down, up = solve_on_mesh(m), solve_on_mesh(model())
     assert down.is_minimum and np.flatnonzero(down.bumps < 0.0).tolist() == [0]
     assert up.is_minimum and up.stars_up == 7
     assert down.energy > up.energy
@@ -110,20 +110,20 @@ def test_a_star_prescribed_down_stays_down() -> None:
 
 def test_all_stars_down() -> None:
     m = model(rings=0, stars={"length_mm": 10.0, "thickness_mm": 0.3, "branch": "down"})
-    assert relax(m).stars_up == 0
-    assert relax(m, "flat").stars_up == 1  # flat: what is prescribed is not looked at
+    assert solve_on_mesh(m).stars_up == 0
+    assert solve_on_mesh(m, "flat").stars_up == 1  # flat: what is prescribed is not looked at
 
 
 def test_the_first_start_is_the_default_and_all_are_fixed() -> None:
-    once, again = beginnings(7, 30, seed=3), beginnings(7, 12, seed=3)
+    once, again = release_starts(7, 30, seed=3), release_starts(7, 12, seed=3)
     assert once[:12] == again
-    assert once[0] == Beginning(seed=3)
+    assert once[0] == ReleaseStart(seed=3)
     assert len({(b.bend, b.axis_deg, b.sag_mm, b.releases, b.seed, b.branch) for b in once}) == 30
 
 
 def test_rolls_and_saddles_begin_about_a_fan_of_axes() -> None:
     """Across each other in every cycle of nine starts, and halfway between those before."""
-    starts = beginnings(7, 1 + 4 * 9)
+    starts = release_starts(7, 1 + 4 * 9)
     rolls = [b.axis_deg for b in starts if b.bend == "roll" and not b.name.startswith("tight")]
     assert rolls == [0.0, 90.0, 45.0, 135.0, 22.5, 112.5, 67.5, 157.5]
     tight = [b.axis_deg for b in starts if b.name.startswith("tight")]
@@ -142,18 +142,18 @@ def test_many_starts_find_the_default_minimum_and_others() -> None:
     assert all(b.found.is_minimum for b in minima.fine)
     assert sum(len(b.starts) for b in minima.fine) + minima.lost == 9
     default = next(b for b in minima.fine if b.default)
-    assert default.found.energy == pytest.approx(relax(m).energy, rel=1e-9)
+    assert default.found.energy == pytest.approx(solve_on_mesh(m).energy, rel=1e-9)
     assert minima.distance_percent(default, default) < 1e-6
 
 
 def test_mirrored_minima_are_one_minimum() -> None:
     m = model()
-    found = relax(m, Beginning(bend="roll", axis_deg=20.0, sag_mm=12.0, releases=(1.0,)))
+    found = solve_on_mesh(m, ReleaseStart(bend="roll", axis_deg=20.0, sag_mm=12.0, releases=(1.0,)))
     same = symmetries(m.design, m.layout)
     images = [replace(found, state=image(m, found.state, one), bumps=found.bumps[one.star]) for one in same]
-    branches = [Branch(one, m, (str(k),), k == 0) for k, one in enumerate(images)]
-    assert len(distinct(branches, same)) == 1
-    assert distinct(branches, same)[0].starts == tuple("012345")
+    branches = [ExactForm(one, m, (str(k),), k == 0) for k, one in enumerate(images)]
+    assert len(distinct_forms(branches, same)) == 1
+    assert distinct_forms(branches, same)[0].starts == tuple("012345")
 
 
 def test_prescribed_stars_decide_which_minimum_is_reported() -> None:
@@ -169,18 +169,18 @@ def test_of_images_the_one_with_its_own_stars_down_is_kept() -> None:
     override = [{"star": 1, "branch": "down"}]
     m = model(stars={"length_mm": 10.0, "thickness_mm": 0.25, "override": override})
     same = symmetries(m.design, m.layout)
-    mine, other = relax(m), relax(m, Beginning("other", branch=(1, 1, 1, -1, 1, 1, 1)))
+    mine, other = solve_on_mesh(m), solve_on_mesh(m, ReleaseStart("other", branch=(1, 1, 1, -1, 1, 1, 1)))
     lower = replace(other, energies={"all": mine.energy - 1e-6})
     assert mine.sides.tolist() == [1, -1, 1, 1, 1, 1, 1] and other.sides.tolist() == [1, 1, 1, -1, 1, 1, 1]
-    kept = distinct([Branch(mine, m, ("mine",), True), Branch(lower, m, ("other",), False)], same)
+    kept = distinct_forms([ExactForm(mine, m, ("mine",), True), ExactForm(lower, m, ("other",), False)], same)
     assert len(kept) == 1 and kept[0].found is mine and kept[0].starts == ("mine", "other")
 
 
 def test_flat_stars_are_on_no_side() -> None:
     """Bumps of rounding do not make one flat state several minima."""
     m = model()
-    flat = replace(relax(m), bumps=np.array([1e-15, -1e-15, 0.0, 2e-16, -3e-16, 1e-15, 1e-15]))
+    flat = replace(solve_on_mesh(m), bumps=np.array([1e-15, -1e-15, 0.0, 2e-16, -3e-16, 1e-15, 1e-15]))
     other = replace(flat, bumps=-flat.bumps)
     assert (flat.sides == 0).all() and flat.stars_up == 0
-    branches = [Branch(one, m, (name,), False) for name, one in (("a", flat), ("b", other))]
-    assert len(distinct(branches, symmetries(m.design, m.layout))) == 1
+    branches = [ExactForm(one, m, (name,), False) for name, one in (("a", flat), ("b", other))]
+    assert len(distinct_forms(branches, symmetries(m.design, m.layout))) == 1

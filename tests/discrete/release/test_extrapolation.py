@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from discrete.model.model import Model
-from discrete.model.reconstruction import rotated
+from discrete.model.discrete_model import DiscreteModel
+from discrete.model.reconstruction import rotate_vectors
 from discrete.model.state import State
-from discrete.release.extrapolation import extrapolated, rotation_vectors
+from discrete.release.extrapolation import extrapolate, rotation_vectors
 from discrete.release.levels import find_equilibrium
 from discrete.release.prolongation import plastic_normals
 from pattern import gallery
@@ -18,14 +18,14 @@ from pattern.layout.build import layout
 from pattern.mesh.meshing import mesh_layout
 
 
-def model(edge: float = 2.5, **changes: object) -> Model:
+def model(edge: float = 2.5, **changes: object) -> DiscreteModel:
     data = gallery.load("tube").to_dict() | {"border": {"rings": 1}, "mesh": {"edge_mm": edge}}
     design = Design.from_dict(data | changes)
     plan = layout(design)
-    return Model(design, plan, mesh_layout(plan, edge, design.mesh.kind, design.mesh.seed, design.mesh.graded))
+    return DiscreteModel(design, plan, mesh_layout(plan, edge, design.mesh.kind, design.mesh.seed, design.mesh.graded))
 
 
-def rolled(m: Model, radius: float) -> State:
+def rolled(m: DiscreteModel, radius: float) -> State:
     x, y = m.mesh.points.T
     positions = np.column_stack([x, radius * np.sin(y / radius), radius * np.cos(y / radius)])
     return State(positions, plastic_normals(m, positions))
@@ -37,8 +37,8 @@ def test_a_tube_goes_on_closing_at_the_same_rate(share: float) -> None:
     m = model()
     before, state = rolled(m, 40.0), rolled(m, 25.0)
     spin = np.array([[0.5, -1.2, 0.8]])
-    lies = State(rotated(spin, before.positions[None])[0] + 7.0, rotated(spin, before.directors[None])[0])
-    found = extrapolated(m, lies, state, share)
+    lies = State(rotate_vectors(spin, before.positions[None])[0] + 7.0, rotate_vectors(spin, before.directors[None])[0])
+    found = extrapolate(m, lies, state, share)
     expected = rolled(m, 1.0 / (1.0 / 25.0 + share * (1.0 / 25.0 - 1.0 / 40.0)))
     apart = found.positions - expected.positions
     apart -= apart.mean(axis=0)
@@ -49,7 +49,7 @@ def test_a_tube_goes_on_closing_at_the_same_rate(share: float) -> None:
 def test_held_vertices_stay() -> None:
     m = model(pins=[{"where": "border", "scale": 0.8}])
     held = m.constraints.held
-    found = extrapolated(m, rolled(m, 40.0), rolled(m, 25.0), 0.7)
+    found = extrapolate(m, rolled(m, 40.0), rolled(m, 25.0), 0.7)
     np.testing.assert_array_equal(found.positions[held], rolled(m, 25.0).positions[held])
 
 
@@ -58,19 +58,19 @@ def test_rotation_vectors_invert_the_exponential() -> None:
     spin = rng.normal(size=(20, 3))
     spin *= (np.linspace(0.0, 3.0, 20) / np.linalg.norm(spin, axis=1))[:, None]
     before = np.eye(3) + 0.2 * rng.normal(size=(20, 3, 3))
-    after = rotated(spin, before.transpose(0, 2, 1)).transpose(0, 2, 1)
+    after = rotate_vectors(spin, before.transpose(0, 2, 1)).transpose(0, 2, 1)
     np.testing.assert_allclose(rotation_vectors(before, after), spin, atol=1e-9)
 
 
 def test_a_fine_mesh_starts_closer_to_its_minimum(monkeypatch: pytest.MonkeyPatch) -> None:
     """A soft sheet on graded meshes, which moves from mesh to mesh as its creases are resolved."""
-    starts: list[tuple[Model, State, State]] = []
+    starts: list[tuple[DiscreteModel, State, State]] = []
 
-    def noted(m: Model, before: State, state: State, share: float) -> State:
-        starts.append((m, state, extrapolated(m, before, state, share)))
+    def noted(m: DiscreteModel, before: State, state: State, share: float) -> State:
+        starts.append((m, state, extrapolate(m, before, state, share)))
         return starts[-1][2]
 
-    monkeypatch.setattr("discrete.release.levels.extrapolated", noted)
+    monkeypatch.setattr("discrete.release.levels.extrapolate", noted)
     monkeypatch.setattr("discrete.release.levels.COARSE_VERTICES", 250)
     plate = gallery.load("tube").to_dict()["fabric"] | {"bending": "consistent"}
     edge = 17.3205 / 16

@@ -5,23 +5,23 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from discrete.model.model import Model
+from discrete.model.discrete_model import DiscreteModel
 from discrete.release.levels import find_equilibrium
-from discrete.release.prolongation import prolonged
-from discrete.release.solve import relax
+from discrete.release.prolongation import prolong
+from discrete.release.single_mesh import solve_on_mesh
 from pattern import gallery
 from pattern.design.design import Design
 from pattern.layout.build import layout
 from pattern.mesh.meshing import mesh_layout
 
 
-def model(edge: float, **changes: object) -> Model:
+def model(edge: float, **changes: object) -> DiscreteModel:
     data = gallery.load("tube").to_dict()
     data["border"] = {"rings": 1}
     data["mesh"] = {"edge_mm": edge}
     design = Design.from_dict(data | changes)
     plan = layout(design)
-    return Model(design, plan, mesh_layout(plan, edge))
+    return DiscreteModel(design, plan, mesh_layout(plan, edge))
 
 
 # a saw cut
@@ -35,7 +35,7 @@ def test_levels_agree_with_one_mesh(border: dict[str, object]) -> None:
     assert [level.vertices for level in levels][-1] == fine.n_vertices
     assert len(levels) == 2 and levels[0].vertices < fine.n_vertices / 2
     assert found.iterations == sum(level.iterations for level in levels)
-    alone = relax(fine)
+    alone = solve_on_mesh(fine)
     assert found.is_minimum and alone.is_minimum
     assert found.energy == pytest.approx(alone.energy, rel=1e-9)
 
@@ -47,8 +47,8 @@ def test_small_models_have_one_level() -> None:
 
 def test_prolongation_keeps_the_length_of_the_arms_and_the_shape() -> None:
     coarse, fine = model(3.4), model(1.7)
-    found = relax(coarse)
-    state = prolonged(coarse, found.state, fine)
+    found = solve_on_mesh(coarse)
+    state = prolong(coarse, found.state, fine)
     edges = state.positions[fine.edges[:, 1]] - state.positions[fine.edges[:, 0]]
     printed = fine.parts["rod_stretch"].params[:, 1]
     np.testing.assert_allclose(np.linalg.norm(edges, axis=1), printed, rtol=2e-3)

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from asterism.exact.simulation import simulate
-from discrete.model.model import Model
-from discrete.release.solve import relax
+from discrete.model.discrete_model import DiscreteModel
+from discrete.release.single_mesh import solve_on_mesh
 from equilibrium.errors import BackendError
 from equilibrium.linear import backends, multigrid
 from equilibrium.linear.backends import available, make_factor, make_solver
@@ -60,12 +60,12 @@ def dense(pattern: SparsePattern, data: Floats) -> Floats:
 
 
 @pytest.fixture(scope="module")
-def sheet() -> tuple[Model, object]:
+def sheet() -> tuple[DiscreteModel, object]:
     """Seven stars, and their equilibrium."""
     design = Design.from_dict(gallery.load("tube").to_dict() | {"border": {"rings": 1}})
     plan = layout(design)
-    model = Model(design, plan, mesh_layout(plan, 2.5, design.mesh.kind, design.mesh.seed))
-    return model, relax(model)
+    model = DiscreteModel(design, plan, mesh_layout(plan, 2.5, design.mesh.kind, design.mesh.seed))
+    return model, solve_on_mesh(model)
 
 
 def test_is_what_it_says():
@@ -203,8 +203,8 @@ def test_same_minimum_as_a_factorisation(sheet, monkeypatch):
     monkeypatch.setattr(multigrid, "MIN_UNKNOWNS", 0)
     monkeypatch.setattr(MultigridFactor.__init__, "__defaults__", (0,))
     model, _ = sheet
-    start = relax(model, releases=(0.5, 1.0), max_iterations=6).state
-    one, other = relax(model, start), relax(model, start, backend="amg")
+    start = solve_on_mesh(model, releases=(0.5, 1.0), max_iterations=6).state
+    one, other = solve_on_mesh(model, start), solve_on_mesh(model, start, backend="amg")
     assert other.is_minimum and other.backend == "amg"
     assert other.energy == pytest.approx(one.energy, rel=1e-9)
     assert other.smallest_eigenvalue == pytest.approx(one.smallest_eigenvalue, rel=1e-4)

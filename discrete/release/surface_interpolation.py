@@ -10,10 +10,10 @@ from discrete.energies.elements import Array
 from pattern.geometry.arrays import Ints
 from pattern.geometry.planar import distance_to_segment, triangle_areas
 
-CONVEX = 1e-6  # part of the convex hull that a convex sheet may lack
+MAX_MISSING_HULL_FRACTION = 1e-6  # part of the convex hull that a convex sheet may lack
 
 
-def between_vertices(printed: Array, triangles: Ints, positions: Array, points: Array, smooth: bool) -> Array:
+def interpolate_surface(printed: Array, triangles: Ints, positions: Array, points: Array, smooth: bool) -> Array:
     """(n, 3) mm, where a sheet takes printed points (n, 2).
 
     Parameters
@@ -28,7 +28,7 @@ def between_vertices(printed: Array, triangles: Ints, positions: Array, points: 
     cubics are matplotlib's, on the sheet's own triangles.
     """
     area = np.abs(triangle_areas(printed, triangles)).sum()
-    if area > (1.0 - CONVEX) * ConvexHull(printed).volume:
+    if area > (1.0 - MAX_MISSING_HULL_FRACTION) * ConvexHull(printed).volume:
         interpolator = CloughTocher2DInterpolator if smooth else LinearNDInterpolator
         found = interpolator(printed, positions, rescale=True)(points)
         off = np.isnan(found).any(axis=1)

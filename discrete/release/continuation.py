@@ -9,12 +9,12 @@ import numpy as np
 
 from discrete.evidence.effort import Effort, PathStep
 from discrete.evidence.equilibrium import Equilibrium
-from discrete.model.model import Model
+from discrete.model.discrete_model import DiscreteModel
 from discrete.model.star_bumps import bump_heights
 from discrete.model.state import State
-from discrete.release.pin_steps import held_until, taken
-from discrete.release.saddle import left, lowest_mode
-from discrete.release.starts import Beginning
+from discrete.release.pin_steps import attach_pins, model_with_pins_until
+from discrete.release.release_start import ReleaseStart
+from discrete.release.saddle import leave_saddle_of_model, lowest_mode
 from equilibrium.linear.factor import Factor
 from equilibrium.newton.certificate import Eigenpair
 from equilibrium.newton.minimise import Iteration, NewtonResult, minimise
@@ -22,66 +22,68 @@ from equilibrium.newton.regularisation import Method
 
 Report = Callable[[str, Iteration], None]
 
-TOLERANCE, LOOSE = 1e-8, 1e-4  # of the force scale: at the end, and on the way there
-WEIGHED = 1e-3  # of the weight, vertex by vertex: a stiff sheet on two needles must find out how it hangs
-CLEARLY = 1e-7  # of modulus times thickness: an eigenvalue below minus this is negative at the loose tolerance too
-CARRIED = 1.0  # first blend at a state that comes from another mesh: smaller ones would be refused
-KICKS = 5
-PIN_MOVES = 5  # parts of the way of pins that take hold after release
+EQUILIBRIUM_TOLERANCE = 1e-8  # gradient over the force scale, of the equilibrium
+PATH_TOLERANCE = 1e-4  # gradient over the force scale, of the steps before it
+WEIGHT_TOLERANCE = 1e-3  # gradient over the norm of the vertex weights: the weight decides how a sheet on needles hangs
+# Eigenvalue, over modulus times thickness, below which a state is unstable in spite of the loose path tolerance.
+INSTABILITY_THRESHOLD = 1e-7
+PROLONGED_BLEND = 1.0  # first blend at a state from another mesh; the factorisation would refuse smaller ones
+MAX_PERTURBATIONS = 5  # along negative modes, in each step
+PIN_LOAD_STEPS = 5  # for pins that take hold after the release
 
 
-def named(report: Report | None, name: str) -> Report | None:
+def prefixed_report(report: Report | None, name: str) -> Report | None:
     """The report with a name before every stage."""
     return (lambda stage, iteration: report(f"{name}, {stage}", iteration)) if report else None
 
 
-def force_scale(model: Model) -> float:
+def force_scale(model: DiscreteModel) -> float:
     """N: modulus times fabric thickness times star spacing."""
     fabric = model.design.fabric
     return float(fabric.modulus_mpa * fabric.thickness_mm * model.spacing)
 
 
-def certain(model: Model) -> float:
+def gradient_tolerance(model: DiscreteModel) -> float:
     """N, the gradient of an equilibrium: a part of the force scale, and of the weight that must hang."""
-    part, weight = TOLERANCE * force_scale(model), WEIGHED * float(np.linalg.norm(model.load))
+    part, weight = EQUILIBRIUM_TOLERANCE * force_scale(model), WEIGHT_TOLERANCE * float(np.linalg.norm(model.load))
     return min(part, weight) if weight else part
 
 
-class Walk:
-    """Minimises step by step and keeps count; parameters as in `discrete.release.solve.relax`."""
+class ReleaseContinuation:
+    """Minimises step by step and keeps count; parameters as in `discrete.release.single_mesh.solve_on_mesh`."""
 
     def __init__(self, backend: str, method: Method, max_iterations: int, report: Report | None, seed: int) -> None:
         self.backend, self.method, self.max_iterations = backend, method, max_iterations
         self.report, self.seed = report, seed
         self.effort = Effort()
 
-    def along(self, model: Model, start: Beginning) -> Equilibrium:
+    def along(self, model: DiscreteModel, start: ReleaseStart) -> Equilibrium:
         """Release the fabric, then let the later pins take hold, one step after the other."""
         *earlier, last = model.layout.pin_steps
         model.set_release(1.0)
         before: tuple[State, bool] | None = None
         for step in earlier:
-            present = held_until(model, step)
+            present = model_with_pins_until(model, step)
             with self._factor(present) as factor:
                 before = self._stepped(present, start, before, step, factor), not present.held.any()
-        present = held_until(model, last)
+        present = model_with_pins_until(model, last)
         with self._factor(present) as factor:
             return self._certified(present, self._stepped(present, start, before, last, factor), factor)
 
-    def from_state(self, model: Model, state: State) -> Equilibrium:
+    def from_state(self, model: DiscreteModel, state: State) -> Equilibrium:
         """Minimise where the model is now."""
         with self._factor(model) as factor:
-            return self._certified(model, state, factor, CARRIED)
+            return self._certified(model, state, factor, PROLONGED_BLEND)
 
     def _stepped(
-        self, model: Model, start: Beginning, before: tuple[State, bool] | None, step: int, factor: Factor
+        self, model: DiscreteModel, start: ReleaseStart, before: tuple[State, bool] | None, step: int, factor: Factor
     ) -> State:
         """After the step's pins took hold; `before` is where the last step ended, and whether the sheet was free."""
         if before is None:
             return self._released(model, start, factor)
-        return self._pinned(model, taken(model, *before), step, factor)
+        return self._pinned(model, attach_pins(model, *before), step, factor)
 
-    def _released(self, model: Model, start: Beginning, factor: Factor) -> State:
+    def _released(self, model: DiscreteModel, start: ReleaseStart, factor: Factor) -> State:
         model.set_release(start.releases[0])
         state = start.state(model)
         for release in start.releases:
@@ -91,26 +93,29 @@ class Walk:
             state = self._followed(model, state, 0, factor, f"{100 * release:.0f} %")
         return state
 
-    def _pinned(self, model: Model, state: State, step: int, factor: Factor) -> State:
-        for way in np.linspace(0.0, 1.0, PIN_MOVES + 1)[1:]:
+    def _pinned(self, model: DiscreteModel, state: State, step: int, factor: Factor) -> State:
+        for way in np.linspace(0.0, 1.0, PIN_LOAD_STEPS + 1)[1:]:
             model.progress = float(way)
             state = model.moved_pins(state)
             state = self._followed(model, state, step, factor, f"pins of step {step}, {100 * way:.0f} % of their way")
         return state
 
-    def _followed(self, model: Model, state: State, step: int, factor: Factor, name: str) -> State:
+    def _followed(self, model: DiscreteModel, state: State, step: int, factor: Factor, name: str) -> State:
         """Loosely minimise; where the path has lost its stability, kick it to the side and minimise again."""
         fabric = model.design.fabric
-        clear, loose = CLEARLY * fabric.modulus_mpa * fabric.thickness_mm, LOOSE * force_scale(model)
+        clear, loose = (
+            INSTABILITY_THRESHOLD * fabric.modulus_mpa * fabric.thickness_mm,
+            PATH_TOLERANCE * force_scale(model),
+        )
         result = self._minimised(model, state, loose, factor, "release", name)
         iterations, kicks = result.iterations, 0
         # the flag also falls for rigid motions, which cost nothing only where all forces vanish
-        while kicks < KICKS and not result.definite and np.isfinite(result.energy):
+        while kicks < MAX_PERTURBATIONS and not result.definite and np.isfinite(result.energy):
             pair = self._lowest(model, result.state, factor, "stability")
             if pair.value >= -clear - pair.error:
                 break
             kicks += 1
-            away = left(model, result.state, pair)
+            away = leave_saddle_of_model(model, result.state, pair)
             result = self._minimised(model, away, loose, factor, "release", f"{name}, to the side")
             iterations += result.iterations
         here = (step, model.release, model.progress, model.n_vertices)
@@ -118,18 +123,18 @@ class Walk:
         reached: State = result.state
         return reached
 
-    def _certified(self, model: Model, state: State, factor: Factor, blend: float = 0.0) -> Equilibrium:
+    def _certified(self, model: DiscreteModel, state: State, factor: Factor, blend: float = 0.0) -> Equilibrium:
         """Minimise tightly, find the smallest eigenvalue, and while it is negative leave along its mode."""
-        result = self._minimised(model, state, certain(model), factor, "equilibrium", "equilibrium", blend)
+        result = self._minimised(model, state, gradient_tolerance(model), factor, "equilibrium", "equilibrium", blend)
         iterations, saddles = result.iterations, 0
         while True:
             pair = self._lowest(model, result.state, factor, "certificate")
             # near a saddle on a fine mesh the gradient may not fall below the tolerance
-            if not (result.converged or result.stagnated) or pair.value >= -pair.error or saddles == KICKS:
+            if not (result.converged or result.stagnated) or pair.value >= -pair.error or saddles == MAX_PERTURBATIONS:
                 break
             saddles += 1
-            away = left(model, result.state, pair)
-            result = self._minimised(model, away, certain(model), factor, "saddle", "leaving a saddle")
+            away = leave_saddle_of_model(model, result.state, pair)
+            result = self._minimised(model, away, gradient_tolerance(model), factor, "saddle", "leaving a saddle")
             iterations += result.iterations
         here = (model.layout.pin_steps[-1], model.release, model.progress, model.n_vertices)
         self.effort.path.append(PathStep(*here, result.energy, iterations, saddles))
@@ -137,7 +142,7 @@ class Walk:
             result.state,
             model.energies(result.state),
             result.gradient_norm,
-            certain(model),
+            gradient_tolerance(model),
             pair.value,
             pair.error,
             bump_heights(model, result.state),
@@ -149,17 +154,17 @@ class Walk:
             tuple(self.effort.path),
         )
 
-    def _factor(self, model: Model) -> closing[Factor]:
+    def _factor(self, model: DiscreteModel) -> closing[Factor]:
         return closing(self.effort.clock("analysis", model.factor, self.backend))
 
-    def _lowest(self, model: Model, state: State, factor: Factor, stage: str) -> Eigenpair:
+    def _lowest(self, model: DiscreteModel, state: State, factor: Factor, stage: str) -> Eigenpair:
         pair = self.effort.clock(stage, lowest_mode, model, state, factor, self.seed)
         self.effort.factorisations += pair.factorisations
         return pair
 
     def _minimised(
         self,
-        model: Model,
+        model: DiscreteModel,
         state: State,
         goal: float,
         factor: Factor,

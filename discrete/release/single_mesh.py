@@ -7,19 +7,19 @@ from dataclasses import replace
 from typing import Literal, get_args
 
 from discrete.evidence.equilibrium import Equilibrium
-from discrete.model.contact_model import keeps_apart
-from discrete.model.model import Model
+from discrete.model.contact_model import is_intersection_free
+from discrete.model.discrete_model import DiscreteModel
 from discrete.model.state import State
-from discrete.release.starts import Beginning
-from discrete.release.walk import Report, Walk
+from discrete.release.continuation import ReleaseContinuation, Report
+from discrete.release.release_start import ReleaseStart
 from equilibrium.newton.regularisation import Method
 
-Start = Literal["bump", "flat"]
+StartKind = Literal["bump", "flat"]
 
 
-def relax(
-    model: Model,
-    start: Start | Beginning | State = "bump",
+def solve_on_mesh(
+    model: DiscreteModel,
+    start: StartKind | ReleaseStart | State = "bump",
     releases: Sequence[float] | None = None,
     seed: int = 0,
     backend: str = "auto",
@@ -33,7 +33,7 @@ def relax(
     ----------
     start : `bump`: every star starts 2 mm to the side of its branch (up, which printing on the plastic side favours,
         unless the layout says otherwise), and is nudged between the steps while it is still flat; `flat`: as printed;
-        a `Beginning`; or a state, minimised at full release with all pins in place.
+        a `ReleaseStart`; or a state, minimised at full release with all pins in place.
     releases : steps of the continuation; the last must be 1. The start's own by default.
     seed : of the noise (a thousandth of a mm) that takes an exactly symmetric start off its symmetry.
     backend : sparse factorisation, see `equilibrium.linear.factor`.
@@ -47,19 +47,19 @@ def relax(
     """
     if method not in get_args(Method):
         raise ValueError(f"method = {method!r}: must be one of {', '.join(get_args(Method))}")
-    walk = Walk(backend, method, max_iterations, report, seed)
+    walk = ReleaseContinuation(backend, method, max_iterations, report, seed)
     if isinstance(start, State):
         if releases is not None:
             raise ValueError("releases: a state is minimised at full release; give one or the other")
         model.set_release(1.0)
         state = model.moved_pins(start)
-        if not keeps_apart(model, state):
+        if not is_intersection_free(model, state):
             raise ValueError("start: the state passes through itself, which contact cannot undo")
         return walk.from_state(model, state)
-    if not isinstance(start, Beginning):
-        if start not in get_args(Start):
-            raise ValueError(f"start = {start!r}: must be one of {', '.join(get_args(Start))}")
-        start = Beginning(bumps=start == "bump", seed=seed)
+    if not isinstance(start, ReleaseStart):
+        if start not in get_args(StartKind):
+            raise ValueError(f"start = {start!r}: must be one of {', '.join(get_args(StartKind))}")
+        start = ReleaseStart(bumps=start == "bump", seed=seed)
     if releases is not None:
         start = replace(start, releases=tuple(releases))
     try:

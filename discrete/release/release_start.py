@@ -9,25 +9,25 @@ from typing import Literal, get_args
 import numpy as np
 
 from discrete.energies.elements import Array
-from discrete.model.model import Model
-from discrete.model.star_bumps import bump_heights, bumped
-from discrete.model.state import State, carried
+from discrete.model.discrete_model import DiscreteModel
+from discrete.model.star_bumps import add_bumps, bump_heights
+from discrete.model.state import State, moved_state
 from pattern.design.lattice import DEFAULT_SPACING_MM
 
-Bend = Literal["none", "roll", "dome", "saddle"]
+SheetBend = Literal["none", "roll", "dome", "saddle"]
 
-# at the paper's spacing of the stars, and in proportion at others, as `Beginning`'s lengths: see `unit`
-BUMP_MM = 2.0
-FLAT_MM = 0.1
-NUDGE_MM = 0.5
-NOISE_MM = 1e-3
-RELEASES = tuple(np.linspace(0.03, 1.0, 10))
-SUDDEN = (1.0,)
-HASTY = (0.3, 1.0)
+# at the paper's spacing of the stars, and in proportion at others, as `ReleaseStart`'s lengths: see `spacing_ratio`
+START_BUMP_MM = 2.0
+MIN_BRANCH_BUMP_MM = 0.1
+BRANCH_NUDGE_MM = 0.5
+START_NOISE_MM = 1e-3
+GRADUAL_RELEASE = tuple(np.linspace(0.03, 1.0, 10))
+SUDDEN_RELEASE = (1.0,)
+TWO_STEP_RELEASE = (0.3, 1.0)
 
 
 @dataclass(frozen=True)
-class Beginning:
+class ReleaseStart:
     """One way to start.
 
     Attributes
@@ -51,12 +51,12 @@ class Beginning:
     name: str = "default"
     bumps: bool = True
     branch: tuple[int, ...] | None = None
-    bend: Bend = "none"
+    bend: SheetBend = "none"
     axis_deg: float = 0.0
     sag_mm: float = 0.0
-    noise_mm: float = NOISE_MM
+    noise_mm: float = START_NOISE_MM
     seed: int = 0
-    releases: tuple[float, ...] = RELEASES
+    releases: tuple[float, ...] = GRADUAL_RELEASE
 
     def __post_init__(self) -> None:
         steps = (0.0, *self.releases)
@@ -64,12 +64,12 @@ class Beginning:
             raise ValueError(f"releases = {self.releases}: must grow from 0 or more, and the last must be 1")
         if self.branch is not None and not {*self.branch} <= {-1, 0, 1}:
             raise ValueError(f"branch = {self.branch}: must be 1 up, -1 down or 0 free for each star")
-        if self.bend not in get_args(Bend):
-            raise ValueError(f"bend = {self.bend!r}: must be one of {', '.join(get_args(Bend))}")
+        if self.bend not in get_args(SheetBend):
+            raise ValueError(f"bend = {self.bend!r}: must be one of {', '.join(get_args(SheetBend))}")
         if self.bend != "none" and not self.sag_mm > 0.0:
             raise ValueError(f"sag_mm = {self.sag_mm}: a bend needs one above 0")
 
-    def branches(self, model: Model) -> Array:
+    def branches(self, model: DiscreteModel) -> Array:
         """(S,) 1 up, -1 down, 0 free."""
         if not self.bumps:
             return np.zeros(len(model.layout.centres), dtype=np.int64)
@@ -79,47 +79,47 @@ class Beginning:
             raise ValueError(f"branch: must be of {len(model.layout.centres)} stars, not {len(self.branch)}")
         return np.asarray(self.branch)
 
-    def state(self, model: Model) -> State:
+    def state(self, model: DiscreteModel) -> State:
         """The state to start from, for the model's present release."""
-        held, mm = model.constraints.held, unit(model)
+        held, mm = model.constraints.held, spacing_ratio(model)
         if self.bend == "none":
             state = model.flat_state()
         else:
             # the print is bent, and then taken to where its pins stand, however far away that is
             bent = _bent(model.mesh.points, self.bend, np.radians(self.axis_deg), mm * self.sag_mm)
             state = model.moved_pins(_moved(model, model.printed_state(), bent))
-        state = bumped(model, state, mm * BUMP_MM * self.branches(model))
+        state = add_bumps(model, state, mm * START_BUMP_MM * self.branches(model))
         noise = mm * self.noise_mm * np.random.default_rng(self.seed).standard_normal(state.positions.shape)
         return _moved(model, state, state.positions + np.where(held, 0.0, noise))
 
-    def kept(self, model: Model, state: State) -> State:
+    def kept(self, model: DiscreteModel, state: State) -> State:
         """The state with the stars that are off their branch put back on it.
 
         Early in the release a star is nearly flat and goes where rounding sends it: a nudge is enough. Down is no
         minimum before the star is bent enough: there it is turned inside out again in every step, until it stays.
         """
-        mm = unit(model)
+        mm = spacing_ratio(model)
         branch, height = self.branches(model), bump_heights(model, state) / mm
-        lift = np.where(branch * height < FLAT_MM, NUDGE_MM * branch, 0.0)
-        lift = np.where((branch < 0) & (height > -FLAT_MM), -np.abs(height) - BUMP_MM, lift)
+        lift = np.where(branch * height < MIN_BRANCH_BUMP_MM, BRANCH_NUDGE_MM * branch, 0.0)
+        lift = np.where((branch < 0) & (height > -MIN_BRANCH_BUMP_MM), -np.abs(height) - START_BUMP_MM, lift)
         if self.releases[-1] == model.release:
             lift = np.minimum(lift, 0.0)
-        return model.towards(state, bumped(model, state, mm * lift))
+        return model.towards(state, add_bumps(model, state, mm * lift))
 
 
-def unit(model: Model) -> float:
+def spacing_ratio(model: DiscreteModel) -> float:
     """The model's spacing of the stars over the paper's: larger stars start as larger bumps, and smaller as smaller."""
     return model.spacing / float(DEFAULT_SPACING_MM)
 
 
-def beginnings(n_stars: int, count: int, bumps: bool = True, seed: int = 0) -> list[Beginning]:
+def release_starts(n_stars: int, count: int, bumps: bool = True, seed: int = 0) -> list[ReleaseStart]:
     """The first `count` of a fixed sequence of starts, the default one first.
 
     The gentle release ends in the same minimum from nearly everywhere: most of the others let the fabric go at once,
     or in two steps, from a bent sheet.
     """
     rng = np.random.default_rng([seed, n_stars])
-    out = [Beginning(bumps=bumps, seed=seed)]
+    out = [ReleaseStart(bumps=bumps, seed=seed)]
     for k in range(count - 1):
         cycle, kind = divmod(k, 9)
         one = _different(kind, cycle, n_stars, rng)
@@ -127,36 +127,38 @@ def beginnings(n_stars: int, count: int, bumps: bool = True, seed: int = 0) -> l
     return out
 
 
-def _different(kind: int, cycle: int, n_stars: int, rng: np.random.Generator) -> Beginning:
-    releases = SUDDEN if cycle % 2 == 0 else HASTY
+def _different(kind: int, cycle: int, n_stars: int, rng: np.random.Generator) -> ReleaseStart:
+    releases = SUDDEN_RELEASE if cycle % 2 == 0 else TWO_STEP_RELEASE
     # 0, 90, 45, 135, ... deg, a finer fan in every cycle
     angle = 180.0 * _van_der_corput(2 * cycle + kind % 2)
     sag = (20.0, 5.0, 12.0)[cycle % 3]
     match kind:
         case 0 | 1:
-            return Beginning(f"roll at {angle:.0f} deg", bend="roll", axis_deg=angle, sag_mm=sag, releases=releases)
+            return ReleaseStart(f"roll at {angle:.0f} deg", bend="roll", axis_deg=angle, sag_mm=sag, releases=releases)
         case 2:
-            return Beginning("dome", bend="dome", sag_mm=sag, releases=releases)
+            return ReleaseStart("dome", bend="dome", sag_mm=sag, releases=releases)
         case 3:
-            return Beginning(f"saddle at {angle:.0f} deg", bend="saddle", axis_deg=angle, sag_mm=sag, releases=releases)
+            return ReleaseStart(
+                f"saddle at {angle:.0f} deg", bend="saddle", axis_deg=angle, sag_mm=sag, releases=releases
+            )
         case 4:
-            return Beginning("sudden", releases=releases)
+            return ReleaseStart("sudden", releases=releases)
         case 5:
-            return Beginning("flat, sudden", bumps=False, releases=releases)
+            return ReleaseStart("flat, sudden", bumps=False, releases=releases)
         case 6:
-            return Beginning("strong noise, gentle", noise_mm=0.3)
+            return ReleaseStart("strong noise, gentle", noise_mm=0.3)
         case 7:
             pattern = rng.choice([1, -1], n_stars, p=[0.8, 0.2])
             if pattern.min() > 0:
                 pattern[0] = -1
-            return Beginning("random stars down", branch=tuple(int(b) for b in pattern))
+            return ReleaseStart("random stars down", branch=tuple(int(b) for b in pattern))
         case _:
-            return Beginning(
-                f"tight roll at {angle:.0f} deg", bend="roll", axis_deg=angle, sag_mm=2 * sag, releases=HASTY
+            return ReleaseStart(
+                f"tight roll at {angle:.0f} deg", bend="roll", axis_deg=angle, sag_mm=2 * sag, releases=TWO_STEP_RELEASE
             )
 
 
-def _bent(points: Array, bend: Bend, axis: float, sag: float) -> Array:
+def _bent(points: Array, bend: SheetBend, axis: float, sag: float) -> Array:
     """(V, 3) mm, the print (V, 2) laid on a cylinder or a quadric that sags by `sag` at its farthest point.
 
     The cylinder's top, or the quadric's, is over the middle of the sheet, wherever it is drawn.
@@ -177,8 +179,8 @@ def _bent(points: Array, bend: Bend, axis: float, sag: float) -> Array:
     return np.column_stack([middle + points, -sag / size**2 * z])
 
 
-def _moved(model: Model, state: State, positions: Array) -> State:
-    return carried(state, model.edges, positions, np.zeros(len(model.edges)))
+def _moved(model: DiscreteModel, state: State, positions: Array) -> State:
+    return moved_state(state, model.edges, positions, np.zeros(len(model.edges)))
 
 
 def _van_der_corput(n: int) -> float:

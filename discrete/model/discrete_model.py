@@ -32,7 +32,7 @@ from pattern.layout.layout import Layout
 from pattern.mesh.mesh import Mesh
 
 
-class Model(System):
+class DiscreteModel(System):
     """Rods on a shell: all energies of a design.
 
     Parameters

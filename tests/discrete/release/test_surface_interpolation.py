@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from discrete.energies.elements import Array
-from discrete.release.between_vertices import between_vertices
+from discrete.release.surface_interpolation import interpolate_surface
 from pattern.design.design import Design
 from pattern.layout.build import layout
 from pattern.mesh.mesh import Mesh
@@ -38,7 +38,7 @@ def opened(points: Array) -> Array:
 def test_a_bowl_is_a_bowl(border: list[list[float]], smooth: bool, part: float) -> None:
     """Flat triangles miss a surface by an eighth of its curvature times the square of their edge."""
     coarse, fine = mesh(border, 4.0), mesh(border, 1.5)
-    found = between_vertices(coarse.points, coarse.triangles, bowl(coarse.points), fine.points, smooth)
+    found = interpolate_surface(coarse.points, coarse.triangles, bowl(coarse.points), fine.points, smooth)
     corners = coarse.points[coarse.triangles]
     edge = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max()
     curvature = np.linalg.eigvalsh([[0.02, 0.01], [0.01, 0.0]]).max()
@@ -48,7 +48,7 @@ def test_a_bowl_is_a_bowl(border: list[list[float]], smooth: bool, part: float) 
 @pytest.mark.parametrize("smooth", [True, False])
 def test_lips_of_a_slit_stay_apart(smooth: bool) -> None:
     coarse, fine = mesh(SLIT, 4.0), mesh(SLIT, 1.5)
-    found = between_vertices(coarse.points, coarse.triangles, opened(coarse.points), fine.points, smooth)
+    found = interpolate_surface(coarse.points, coarse.triangles, opened(coarse.points), fine.points, smooth)
     lips = (np.abs(fine.points[:, 1]) < 0.2) & (fine.points[:, 0] > 5.0)
     assert lips.sum() > 20
     assert np.abs(found - opened(fine.points))[lips].max() < 0.1
@@ -58,5 +58,5 @@ def test_beyond_the_rim_the_nearest_triangle_goes_on() -> None:
     coarse = mesh(SLIT, 4.0)
     beyond = np.array([[-30.5, 11.0], [12.0, 30.0 + 1e-12], [30.4, -30.4]])
     tilted = np.column_stack([coarse.points, coarse.points @ [0.3, -0.2]])
-    found = between_vertices(coarse.points, coarse.triangles, tilted, beyond, True)
+    found = interpolate_surface(coarse.points, coarse.triangles, tilted, beyond, True)
     assert found == pytest.approx(np.column_stack([beyond, beyond @ [0.3, -0.2]]), abs=1e-9)

@@ -7,9 +7,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from discrete.model.model import Model
-from discrete.model.star_bumps import bump_heights, bumped
-from discrete.release.starts import FLAT_MM, NUDGE_MM, Beginning
+from discrete.model.discrete_model import DiscreteModel
+from discrete.model.star_bumps import add_bumps, bump_heights
+from discrete.release.release_start import BRANCH_NUDGE_MM, MIN_BRANCH_BUMP_MM, ReleaseStart
 from pattern import gallery
 from pattern.design.design import Design
 from pattern.layout.build import layout
@@ -19,16 +19,16 @@ LEFT = (0.3, 1.0)
 
 
 @cache
-def model(held: bool = False) -> Model:
+def model(held: bool = False) -> DiscreteModel:
     data = gallery.load("tube").to_dict() | {"border": {"rectangle_mm": [70.0, 60.0]}}
     design = Design.from_dict(data | {"pins": [{"where": "border", "scale": 0.9}] if held else []})
     plan = layout(design)
-    return Model(design, plan, mesh_layout(plan, 4.0))
+    return DiscreteModel(design, plan, mesh_layout(plan, 4.0))
 
 
 def bent(**how: object) -> tuple[np.ndarray, np.ndarray]:
     """(V,) printed distances along and across the axis at 30 degrees over half the diagonal, and heights in mm."""
-    start = Beginning(bumps=False, noise_mm=0.0, axis_deg=30.0, **how)  # type: ignore[arg-type]
+    start = ReleaseStart(bumps=False, noise_mm=0.0, axis_deg=30.0, **how)  # type: ignore[arg-type]
     axis = np.array([[np.sqrt(0.75), 0.5], [-0.5, np.sqrt(0.75)]])
     return model().mesh.points @ axis.T / np.hypot(35.0, 30.0), start.state(model()).positions[:, 2]
 
@@ -50,7 +50,7 @@ def test_rolls_bend_by_at_most_two_and_a_half_radians_to_each_side(sag: float) -
 
 def test_noise_leaves_what_is_held() -> None:
     sheet = model(held=True)
-    quiet, noisy = (Beginning(noise_mm=noise).state(sheet).positions for noise in (0.0, 0.5))
+    quiet, noisy = (ReleaseStart(noise_mm=noise).state(sheet).positions for noise in (0.0, 0.5))
     held = sheet.constraints.held
     assert held.any()
     np.testing.assert_array_equal(noisy[held], quiet[held])
@@ -59,15 +59,18 @@ def test_noise_leaves_what_is_held() -> None:
 
 def test_stars_that_are_nearly_flat_are_nudged_until_the_last_release() -> None:
     sheet = model()
-    low, high = (bumped(sheet, sheet.flat_state(), np.full(7, height)) for height in (0.5 * FLAT_MM, 3.0 * FLAT_MM))
-    assert bump_heights(sheet, low).min() > 0.0 and bump_heights(sheet, low).max() < FLAT_MM
+    low, high = (
+        add_bumps(sheet, sheet.flat_state(), np.full(7, height))
+        for height in (0.5 * MIN_BRANCH_BUMP_MM, 3.0 * MIN_BRANCH_BUMP_MM)
+    )
+    assert bump_heights(sheet, low).min() > 0.0 and bump_heights(sheet, low).max() < MIN_BRANCH_BUMP_MM
     try:
         sheet.set_release(0.3)
-        nudged, kept = (Beginning(releases=LEFT).kept(sheet, state) for state in (low, high))
+        nudged, kept = (ReleaseStart(releases=LEFT).kept(sheet, state) for state in (low, high))
         gained = bump_heights(sheet, nudged) - bump_heights(sheet, low)
-        assert gained.min() > 0.5 * NUDGE_MM
+        assert gained.min() > 0.5 * BRANCH_NUDGE_MM
         np.testing.assert_allclose(kept.positions, high.positions)
     finally:
         sheet.set_release(1.0)
-    last = Beginning(releases=LEFT).kept(sheet, low)
+    last = ReleaseStart(releases=LEFT).kept(sheet, low)
     np.testing.assert_allclose(last.positions, low.positions)
