@@ -20,7 +20,7 @@ from asterism.previews.fields.star_cells import Shares, StarCells
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.supports.conditions import conditions, weight
-from asterism.previews.supports.point_pins import giving_way, softness
+from asterism.previews.supports.point_pins import softness, with_point_softness
 from fem.elements.argyris import Argyris
 from fem.elements.tabulation import Floats, Tabulation
 from fem.shell.fields import FieldError, Fields
@@ -158,7 +158,7 @@ class Sheet:
         )
         if self._pin_softness is not None:
             bare = 1.0 - np.asarray(shares.sum(axis=1)).reshape(self._pin_softness.shape)
-            fields = giving_way(fields, self._pin_softness, bare, model)
+            fields = with_point_softness(fields, self._pin_softness, bare, model)
         try:
             fields.rest(self.table.points)
         except FieldError as error:

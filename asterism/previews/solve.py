@@ -40,7 +40,7 @@ def state_from_guesses(sheet: Sheet, law: Law, values: StarValues, side: Side, c
         The rest metric is not positive definite.
     """
     fields = clock("fields", sheet.fields, values)
-    has_tight_curls = len(values.tight) > MAX_TIGHT_SHARE * len(values.sizes)
+    has_tight_curls = len(values.not_scale_separated) > MAX_TIGHT_SHARE * len(values.sizes)
     has_equal_stars = bool((np.ptp(values.sizes, axis=0) <= EQUAL_SIZES * values.sizes.max(axis=0)).all())
     was_free = True
     for step in sheet.layout.pin_steps:

@@ -61,15 +61,15 @@ def _about_stars(state: PreviewState) -> Iterator[str]:
     for line in (directions_warning, held_out_warning, mesh_warning, pleat_warning):
         if text := line(state.law):
             yield text
-    if values.tight and not state.is_supported:  # supported sheets are as accurate with them
+    if values.not_scale_separated and not state.is_supported:  # supported sheets are as accurate with them
         yield (
-            f"{len(values.tight)} of {count} stars curl to a radius below two thirds of their spacing, too tightly "
-            f"for a preview by a smooth sheet; check with the exact model: {star_numbers(values.tight)}"
+            f"{len(values.not_scale_separated)} of {count} stars curl to a radius below two thirds of their spacing, "
+            f"too tightly for a smooth sheet; check with the exact model: {star_numbers(values.not_scale_separated)}"
         )
-    if values.uneven:
+    if values.strongly_anisotropic:
         yield (
-            f"{len(values.uneven)} of {count} stars curl far more in some directions than in others, which the law "
-            f"describes poorly; check with the exact model: {star_numbers(values.uneven)}"
+            f"{len(values.strongly_anisotropic)} of {count} stars curl far more in some directions than in others, "
+            f"which the law describes poorly; check with the exact model: {star_numbers(values.strongly_anisotropic)}"
         )
 
 

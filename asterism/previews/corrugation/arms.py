@@ -33,7 +33,7 @@ from pattern.layout.layout import Layout
 # fabric at a distance q from an arm follows it by exp(-q/b)
 ROUNDING = 0.1  # of that function's crease on the arm, over b
 DECAY_LENGTHS = 4.0  # beyond tips, in b, that are counted
-NOTHING = 1e-9  # mm
+MIN_LENGTH_MM = 1e-9  # mm
 
 
 class Arms:
@@ -48,12 +48,12 @@ class Arms:
         self._model = model
         self.layout = layout
         self._centre = layout.centres[layout.arm_star]
-        self._length = np.maximum(layout.arm_length, NOTHING)
+        self._length = np.maximum(layout.arm_length, MIN_LENGTH_MM)
         self.direction = (layout.arm_tip - self._centre) / self._length[:, None]
         self._spacing = layout.spacing_mm
         self.last = are_last_arms(layout, self._centre, self.direction, model)
         self.at_centres, self._at_tips = space.locate(layout.centres), space.locate(layout.arm_tip)
-        self._room = np.maximum(layout.distance_to_supports(layout.arm_tip), NOTHING)
+        self._room = np.maximum(layout.distance_to_supports(layout.arm_tip), MIN_LENGTH_MM)
         self._pins = layout.pin_points
 
     def moves(self, x: Floats, kappa: Floats) -> tuple[Floats, Floats]:
@@ -69,7 +69,7 @@ class Arms:
         stretch = np.linalg.norm(np.einsum("ai,aic->ac", self.direction, tip.tangents), axis=1)
         room = model.arm_support_share * self._room
         further = np.clip((1.0 - stretch) * length, 0.0, room) if model.has_arm_lengths else np.zeros_like(length)
-        out = (further / np.maximum(stretch, NOTHING))[:, None] * self.direction
+        out = (further / np.maximum(stretch, MIN_LENGTH_MM))[:, None] * self.direction
         place = tip.places + tip.moved(out)
         drop = np.einsum("ac,ac->a", centre.places[star] - place, centre.normals[star])
         lift = model.arm_mean_share * (drop - 0.5 * centre.mean_curvature[star] * length**2)

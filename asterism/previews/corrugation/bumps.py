@@ -34,7 +34,7 @@ from pattern.geometry.arrays import Floats, Ints
 MIN_NATURAL_TURN_RAD = 1e-4  # below it the bumps of a star do not depend on the curvature
 
 
-def relief_heights(
+def corrugation_heights(
     waves: Floats,
     values: StarValues,
     weights: sp.csr_matrix,
@@ -54,27 +54,25 @@ def relief_heights(
     beyond, nearest : (n,) mm, from the stars to the points where the rim is free, and the nearest star.
     spacing : mm, of the stars.
     """
-    flat, more = np.moveaxis(_shared(weights, values.relief), 1, 0)
+    flat, more = np.moveaxis(_shared(weights, values.corrugation), 1, 0)
     bent = _bent(_shared(weights, values.value["kappa"]), curvature, spacing, model)
     stars = np.einsum("nw,nw->n", flat + bent[:, None] * more, waves)
     near = beside(weights, values.value["kappa"][:-1], nearest)
     most = model.max_rim_drop * np.abs(near)
-    low, lower = beside(weights, values.tips[:-1], nearest).T
+    low, lower = beside(weights, values.tip_heights[:-1], nearest).T
     rim = np.minimum(low + np.clip(_bent(near, curvature, spacing, model), -most, most) * lower, 0.0)
     rim -= rim_fall(weights, nearest, values, beyond, spacing, model)
     return np.asarray(stars + (1.0 - stars_share(weights)) * rim)
 
 
-def held_still(far: Floats, spacing: float, model: PreviewModel = PREVIEW_MODEL) -> Floats:
+def support_factor(far: Floats, spacing: float, model: PreviewModel = PREVIEW_MODEL) -> Floats:
     """(n,) part of the relief that is left at a distance (n,) mm from where the sheet is held."""
     if model.bump_support_distance == 0.0:
         return np.ones_like(far)
     return np.asarray(np.minimum(far / (model.bump_support_distance * spacing), 1.0))
 
 
-def pulled_flat(
-    values: StarValues, weights: sp.csr_matrix, area: Floats, model: PreviewModel = PREVIEW_MODEL
-) -> Floats:
+def flattening(values: StarValues, weights: sp.csr_matrix, area: Floats, model: PreviewModel = PREVIEW_MODEL) -> Floats:
     """(n,) height of bumps over that of a sheet that nothing holds apart; area (n,) of the sheet per printed area."""
     lam = np.maximum(beside(weights, values.value["lam"][:-1]), values.value["lam"].min())
     strain = np.sqrt(area) / lam - 1.0

@@ -35,7 +35,7 @@ from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import STRAIGHT_TURN_RAD, distance_to_segment, nearest_segment, turning_angles
 from pattern.layout.layout import Layout
 
-ALONE = 0.02  # share of the stars below which a place has no star beside it
+MIN_STAR_SHARE = 0.02  # share of the stars below which a place has no star beside it
 
 
 def free_normals(layout: Layout, points: Floats, model: PreviewModel = PREVIEW_MODEL) -> Floats:
@@ -67,7 +67,7 @@ def rim_curvature(
     `weights`: (n, S) share of each star at the places, `normals`: (n, 2), see `free_normals`.
     """
     share = stars_share(weights)
-    size = model.rim_curl_factor * (1.0 - share) * beside(weights, values.caps[:-1])
+    size = model.rim_curl_factor * (1.0 - share) * beside(weights, values.bump_curvature[:-1])
     x, y = normals.T
     return np.asarray(size[:, None] * np.column_stack([x * x, y * y, x * y]))
 
@@ -94,7 +94,7 @@ def rim_fall(
 
     `weights`: (n, S) share of each star at the places, `beyond` and `nearest`: (n,), see `beyond_stars`.
     """
-    straight = np.maximum(1.0 - np.abs(values.caps[:-1]) * spacing / model.rim_fall_bump_turn_rad, 0.0)
+    straight = np.maximum(1.0 - np.abs(values.bump_curvature[:-1]) * spacing / model.rim_fall_bump_turn_rad, 0.0)
     pull = min((1.0 - values.value["lam_n"][-1] ** 2) / (1.0 - model.rim_fall_stretch**-2), 1.0)
     side, long = np.sign(values.value["kappa"][:-1]), long_arms(values.sizes[:, 0], spacing, model)
     turn = model.rim_fall_rad * pull * side * long * straight
@@ -113,8 +113,8 @@ def beside(weights: sp.csr_matrix, of: Floats, nearest: Ints | None = None) -> F
     """
     mean, share = weights @ of, stars_share(weights)
     if nearest is None:
-        return np.asarray(mean / _rows(np.maximum(share, ALONE), mean))
-    return np.asarray((mean + ALONE * of[nearest]) / _rows(share + ALONE, mean))
+        return np.asarray(mean / _rows(np.maximum(share, MIN_STAR_SHARE), mean))
+    return np.asarray((mean + MIN_STAR_SHARE * of[nearest]) / _rows(share + MIN_STAR_SHARE, mean))
 
 
 def _rows(of: Floats, like: Floats) -> Floats:

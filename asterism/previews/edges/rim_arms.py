@@ -22,7 +22,7 @@ from collections.abc import Sequence
 import numpy as np
 import scipy.sparse as sp
 
-from asterism.previews.edges.free_rim import ALONE, beside, stars_share
+from asterism.previews.edges.free_rim import MIN_STAR_SHARE, beside, stars_share
 from asterism.previews.fields.star_arms import are_last_arms, rosette
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
@@ -61,7 +61,9 @@ def arm_curvature(
     part : (S, N), see `carried`.
     """
     shares = np.column_stack([stars_share(along) for _, along in arms])
-    parts = np.column_stack([along @ part[:, k] for k, (_, along) in enumerate(arms)]) / np.maximum(shares, ALONE)
+    parts = np.column_stack([along @ part[:, k] for k, (_, along) in enumerate(arms)]) / np.maximum(
+        shares, MIN_STAR_SHARE
+    )
     more = shares - shares.min(axis=1, keepdims=True)
     deviator = rosette(parts * more, np.array([direction for direction, _ in arms]))
     near = np.where(normals.any(axis=1), beside(weights, values.value["kappa"][:-1]), 0.0)

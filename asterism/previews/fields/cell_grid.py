@@ -9,9 +9,9 @@ from pattern.design.lattice import Lattice
 from pattern.layout.layout import Layout
 
 # weight of a place off the sheet: only in tongues narrower than the grid does it count
-OFF = 1e-6
+MIN_SHARE_OFF_SHEET = 1e-6
 # over the grid's step: a point as near to the outline is on it, and so not inside
-EDGE = 1e-9
+OUTLINE_TOLERANCE = 1e-9
 
 
 class CellGrid:
@@ -27,7 +27,7 @@ class CellGrid:
     origin : (2,) mm, the first grid point. From the middle between two points a star and its mirrored image see the
         same grid.
     owner : (n, m) star whose cell holds each point, S for bare fabric.
-    count : (n, m) 1 on the sheet, OFF elsewhere.
+    count : (n, m) 1 on the sheet, MIN_SHARE_OFF_SHEET elsewhere.
     ends : (n, m) number along its row of the next point that has another owner or count.
     """
 
@@ -94,7 +94,7 @@ def _fill_count(origin, step, border, count):  # type: ignore[no-untyped-def]
     for i in range(count.shape[0]):
         for j in range(count.shape[1]):
             count[i, j] = 1.0
-        for side in (-EDGE, EDGE):
+        for side in (-OUTLINE_TOLERANCE, OUTLINE_TOLERANCE):
             x, found = origin[0] + (i + side) * step, 0
             for k in range(corners):
                 x1, y1 = border[k]
@@ -109,14 +109,17 @@ def _fill_count(origin, step, border, count):  # type: ignore[no-untyped-def]
                     found += 1
             j = 0
             for k in range(0, found, 2):
-                below, above = (crossings[k] - origin[1]) / step + EDGE, (crossings[k + 1] - origin[1]) / step - EDGE
+                below, above = (
+                    (crossings[k] - origin[1]) / step + OUTLINE_TOLERANCE,
+                    (crossings[k + 1] - origin[1]) / step - OUTLINE_TOLERANCE,
+                )
                 while j < count.shape[1] and j <= below:
-                    count[i, j] = OFF
+                    count[i, j] = MIN_SHARE_OFF_SHEET
                     j += 1
                 while j < count.shape[1] and j < above:
                     j += 1
             while j < count.shape[1]:
-                count[i, j] = OFF
+                count[i, j] = MIN_SHARE_OFF_SHEET
                 j += 1
 
 

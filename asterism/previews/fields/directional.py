@@ -19,8 +19,8 @@ from homogenize.law.anisotropy import (
 from pattern.geometry.arrays import Floats
 
 # the strongest direction is sought on both sides of the best one so far: in steps of 15 degrees, then ever closer
-STEPS: Floats = np.linspace(-1.0, 1.0, 13)
-CLOSER, TIMES = 6.0, 4
+ANGLE_STEPS: Floats = np.linspace(-1.0, 1.0, 13)
+ANGLE_REFINEMENT, ANGLE_REFINEMENTS = 6.0, 4
 
 
 def tensors(kappa: Floats, anisotropy: Floats) -> tuple[Floats, Floats]:
@@ -29,14 +29,14 @@ def tensors(kappa: Floats, anisotropy: Floats) -> tuple[Floats, Floats]:
     return q, kappa[..., None] * SPHERICAL + anisotropy[..., MOMENT_COLUMNS]
 
 
-def tilted(stiffness: Floats, bending: Floats, q: Floats) -> Floats:
+def with_bending_tensor(stiffness: Floats, bending: Floats, q: Floats) -> Floats:
     """(..., 6, 6) with the bending stiffness `bending Q`, (...) N mm, in place of an isotropic one."""
     found = stiffness.copy()
     found[..., 3:, 3:] = bending[..., None, None] * q
     return found
 
 
-def bends(lam: Floats, q: Floats, m: Floats) -> Floats:
+def rest_curvature(lam: Floats, q: Floats, m: Floats) -> Floats:
     """(..., 3) curvature at rest (11, 22, 12), `-lam^2 Q^-1 m`, of a sheet that contracts by lam (...)."""
     voigt = np.linalg.solve(q, m[..., None])[..., 0]
     return np.asarray(-(lam**2)[..., None] * voigt * np.array([1.0, 1.0, 0.5]))
@@ -48,8 +48,8 @@ def strongest(kappa: Floats, anisotropy: Floats) -> Floats:
         return kappa
     q, m = tensors(kappa, anisotropy)
     best, half = np.zeros((len(kappa), 1)), 0.5 * np.pi
-    for _ in range(TIMES):
-        tried = best + half * STEPS
+    for _ in range(ANGLE_REFINEMENTS):
+        tried = best + half * ANGLE_STEPS
         chosen = natural_curvatures(q, m, tried)[1].argmax(axis=-1)[:, None]
-        best, half = np.take_along_axis(tried, chosen, axis=-1), half / CLOSER
+        best, half = np.take_along_axis(tried, chosen, axis=-1), half / ANGLE_REFINEMENT
     return np.asarray(natural_curvatures(q, m, best)[0][:, 0])

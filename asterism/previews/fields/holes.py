@@ -13,8 +13,8 @@ from pattern.geometry.planar import distance_to_outline
 from pattern.layout.layout import Layout
 
 # steps to neighbours in the coordinates of the lattice, and how much longer than its longer vector they may be
-STEPS = np.array([[(i, j) for j in (-1, 0, 1)] for i in (-1, 0, 1)])
-LONGER = 1.0 + 1e-6
+NEIGHBOUR_STEPS = np.array([[(i, j) for j in (-1, 0, 1)] for i in (-1, 0, 1)])
+NEIGHBOUR_TOLERANCE = 1.0 + 1e-6
 
 
 def in_holes(layout: Layout, points: Floats, model: PreviewModel = PREVIEW_MODEL) -> np.ndarray:
@@ -32,7 +32,10 @@ def hole_sites(layout: Layout, model: PreviewModel = PREVIEW_MODEL) -> Floats:
     first = sites.min(axis=0) - 1
     empty = np.ones(np.ptp(sites, axis=0) + 3, dtype=bool)
     empty[tuple((sites - first).T)] = False
-    joined = np.linalg.norm(STEPS @ vectors, axis=-1) <= LONGER * np.linalg.norm(vectors, axis=1).max()
+    joined = (
+        np.linalg.norm(NEIGHBOUR_STEPS @ vectors, axis=-1)
+        <= NEIGHBOUR_TOLERANCE * np.linalg.norm(vectors, axis=1).max()
+    )
     region, _ = label(empty, joined)
     places = layout.lattice_origin + (np.argwhere(empty) + first) @ vectors
     of = region[empty]

@@ -18,7 +18,7 @@ from functools import cached_property, partial
 import numpy as np
 import scipy.sparse as sp
 
-from asterism.previews.fields.cell_grid import OFF, CellGrid
+from asterism.previews.fields.cell_grid import MIN_SHARE_OFF_SHEET, CellGrid
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from equilibrium.compiled import formula, loop
 from pattern.design.lattice import Lattice
@@ -65,7 +65,7 @@ class Shares:
         long = long_arms(length, self.spacing_mm, self._model)
         if (long == 1.0).all():
             return self.wide
-        part = (self.wide @ long) / np.maximum(self.wide @ np.ones(len(long)), OFF)
+        part = (self.wide @ long) / np.maximum(self.wide @ np.ones(len(long)), MIN_SHARE_OFF_SHEET)
         return sp.csr_matrix(_scaled(self.wide, part) + _scaled(self.narrow, 1.0 - part))
 
 

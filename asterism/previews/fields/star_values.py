@@ -24,32 +24,33 @@ class StarValues:
 
     Attributes
     ----------
-    value : for each of the law's quantities (S + 1,); the last is the bare fabric's. `c3` is `max_sixfold_share` of
-        `bending/|kappa|` at most.
-    relief : (S + 1, 2, W) mm and mm^2, amplitudes of the law's waves: flat, and more per curvature.
-    sizes : (S, 3) mm, length, thickness and width that the law was asked for.
-    outside : one line for each star beyond the law's range; it counts as the nearest star in the range.
-    tight : numbers of the stars whose sheet would curl to a radius below two thirds of their spacing, in the mean over
-        directions or around the tube that gains most with all of what differs between them.
-    uneven : numbers of the stars whose `c3` was more than that: they curl to one side in some directions, and to the
-        other, or hardly, elsewhere.
-    tips : (S + 1, 2) mm and mm^2, the relief at the tips of a star's arms, mean over the arms: flat, and more per
-        curvature.
-    curl : (S + 1,) 1/mm, natural curvature of the tube that gains most: `kappa`, unless directions differ.
-    anisotropy : (S + 1, K) what differs between directions, `anisotropy_share` of `homogenize.law.anisotropy`;
-        mostly K = 0.
-    caps : (S + 1,) 1/mm, curvature `2 B / l^2` of a star's bump of height B over arms of length l, on its natural tube.
+    value : each of the law's quantities, (S + 1,); the last entry is the bare fabric's. `c3` is bounded to
+        `max_sixfold_share` of `bending/|kappa|`.
+    corrugation : (S + 1, 2, W) mm and mm^2, amplitudes of the law's waves: of the flat cell, and change per curvature.
+    sizes : (S, 3) mm, length, thickness and width of each star's arms, at which the law is evaluated.
+    outside : one line for each star beyond the law's range; the nearest star in the range replaces it.
+    not_scale_separated : numbers of the stars whose sheet would curl to a radius below two thirds of their spacing, in
+        the mean over directions, or around the tube of largest gain with the whole difference between directions.
+    strongly_anisotropic : numbers of the stars whose `c3` exceeds that bound. They curl to one side in some directions,
+        and to the other side, or hardly, in others.
+    tip_heights : (S + 1, 2) mm and mm^2, corrugation at the tips of a star's arms, mean over the arms: flat, and change
+        per curvature.
+    bump_curvature : (S + 1,) 1/mm, curvature `2 B / l^2` of a star's bump of height B over arms of length l, on its
+        natural tube.
+    tube_curvature : (S + 1,) 1/mm, natural curvature of the tube of largest gain; `kappa` for isotropic stars.
+    anisotropy : (S + 1, K) difference between directions, `anisotropy_share` times `homogenize.law.anisotropy`;
+        K = 0 for most laws.
     """
 
     value: dict[str, Floats]
-    relief: Floats
+    corrugation: Floats
     sizes: Floats
     outside: tuple[str, ...]
-    tight: tuple[int, ...]
-    uneven: tuple[int, ...]
-    tips: Floats
-    caps: Floats
-    curl: Floats
+    not_scale_separated: tuple[int, ...]
+    strongly_anisotropic: tuple[int, ...]
+    tip_heights: Floats
+    bump_curvature: Floats
+    tube_curvature: Floats
     anisotropy: Floats
 
 
@@ -83,17 +84,28 @@ def star_values(design: Design, layout: Layout, law: Law, model: PreviewModel = 
     outside = tuple(_placed(line, where) for line in found.outside)
     differs = law.anisotropy(design, *asked.T)
     anisotropy = model.anisotropy_share * differs
-    curl = strongest(found.value["kappa"], anisotropy)
-    # tight are those whose cells are
+    tube_curvature = strongest(found.value["kappa"], anisotropy)
+    # as for cells, the whole difference between directions counts here, without `anisotropy_share`
     curls = found.tight | (
         np.abs(strongest(found.value["kappa"], differs)) * design.lattice.spacing_mm > MAX_SEPARATED_CURL
     )
-    tight = tuple(layout.star_number[curls[:-1]].tolist())
-    relief = law.relief(design, *asked.T)
-    tips, caps = _bumps(design, law, asked[:, 0], relief, found.value["kappa"], model)
+    not_scale_separated = tuple(layout.star_number[curls[:-1]].tolist())
+    corrugation = law.relief(design, *asked.T)
+    tip_heights, bump_curvature = _bumps(design, law, asked[:, 0], corrugation, found.value["kappa"], model)
     c3, too_much = _bounded_sixfold(found.value, model.max_sixfold_share)
-    uneven = tuple(layout.star_number[too_much[:-1]].tolist())
-    return StarValues(found.value | {"c3": c3}, relief, sizes, outside, tight, uneven, tips, caps, curl, anisotropy)
+    strongly_anisotropic = tuple(layout.star_number[too_much[:-1]].tolist())
+    return StarValues(
+        found.value | {"c3": c3},
+        corrugation,
+        sizes,
+        outside,
+        not_scale_separated,
+        strongly_anisotropic,
+        tip_heights,
+        bump_curvature,
+        tube_curvature,
+        anisotropy,
+    )
 
 
 def _bounded_sixfold(value: dict[str, Floats], max_share: float) -> tuple[Floats, Bools]:
@@ -105,18 +117,25 @@ def _bounded_sixfold(value: dict[str, Floats], max_share: float) -> tuple[Floats
 
 
 def _bumps(
-    design: Design, law: Law, length: Floats, relief: Floats, kappa: Floats, model: PreviewModel
+    design: Design, law: Law, length: Floats, corrugation: Floats, kappa: Floats, model: PreviewModel
 ) -> tuple[Floats, Floats]:
-    """`tips` and `caps` of stars with arms of a length (n,) mm, relief (n, 2, W) and natural curvature (n,)."""
+    """`tip_heights` and `bump_curvature` of stars, see `StarValues`.
+
+    Parameters
+    ----------
+    length : (n,) mm, of the arms.
+    corrugation : (n, 2, W) amplitudes.
+    kappa : (n,) 1/mm, natural curvature.
+    """
     lattice = design.lattice
     reach = np.minimum(length, model.cell_radius * lattice.spacing_mm)
     arms = np.asarray(lattice.arm_directions)
     waves = law.waves((reach[:, None] * arms[:, None]).reshape(-1, 2)).reshape(len(arms), len(reach), -1)
-    tips = np.einsum("nkw,nw->nk", relief, waves.mean(axis=0))
-    tops = relief @ law.waves(np.zeros((1, 2)))[0]
-    flat, more = (tops - tips).T
-    caps = 2.0 * (flat + kappa * more) / np.maximum(reach, model.min_bump_radius * lattice.spacing_mm) ** 2
-    return tips, np.where(length > 0.0, caps, 0.0)
+    tip_heights = np.einsum("nkw,nw->nk", corrugation, waves.mean(axis=0))
+    tops = corrugation @ law.waves(np.zeros((1, 2)))[0]
+    flat, more = (tops - tip_heights).T
+    bump_curvature = 2.0 * (flat + kappa * more) / np.maximum(reach, model.min_bump_radius * lattice.spacing_mm) ** 2
+    return tip_heights, np.where(length > 0.0, bump_curvature, 0.0)
 
 
 def _placed(line: str, where: Sequence[str]) -> str:

@@ -21,7 +21,7 @@ from fem.shell.density import EnergyTerm
 from fem.shell.fields import Fields
 
 # det C below which ln J goes on as a parabola: strains on their way to an equilibrium may be no strains of a surface
-LEAST = 0.1
+MIN_DET_C = 0.1
 
 
 def stretched_fabric(fields: Fields, stiffness: Floats, bare: Floats) -> EnergyTerm:
@@ -65,7 +65,7 @@ def _beyond_quadratic(e, square, mu, lam, energy, gradient, hessian):  # type: i
         one, two, both = e[p, 0] / square[p], e[p, 1] / square[p], e[p, 2] / square[p]
         c11, c22 = 1.0 + 2.0 * one, 1.0 + 2.0 * two
         det = c11 * c22 - both * both
-        at = max(det, LEAST)
+        at = max(det, MIN_DET_C)
         by = (det - at) / at
         log = 0.5 * (np.log(at) + by - 0.5 * by * by)  # ln J, and its derivatives by det C
         first, second = 0.5 * (1.0 - by) / at, -0.5 / (at * at)

@@ -73,7 +73,7 @@ def around(mesh: SheetMesh, pins: Floats) -> tuple[Floats, Floats]:
     return edges, angles
 
 
-def giving_way(fields: Fields, soft: Floats, bare: Floats, model: PreviewModel = PREVIEW_MODEL) -> Fields:
+def with_point_softness(fields: Fields, soft: Floats, bare: Floats, model: PreviewModel = PREVIEW_MODEL) -> Fields:
     """The fields with the fabric's large strains, and softer to stretching by a softness (T, Q).
 
     `bare` (T, Q) is the share of the fabric that has no star.

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from asterism.previews.corrugation.bumps import held_still, pulled_flat, relief_heights
+from asterism.previews.corrugation.bumps import corrugation_heights, flattening, support_factor
 from asterism.previews.edges.free_rim import beyond_stars
-from asterism.previews.edges.held_rim import HeldRim
+from asterism.previews.edges.supported_edge import SupportedEdge
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.sheet import Sheet
 from asterism.previews.surface.smooth_surface import SmoothSurface, smooth_surface
@@ -55,8 +55,8 @@ class Lens:
         self._model = sheet.model
         self._waves = waves(self.points - sheet.layout.lattice_origin)
         self._spacing, self._held = sheet.layout.spacing_mm, bool(sheet.layout.pins)
-        self._stays = held_still(sheet.layout.distance_to_supports(self.points), self._spacing, sheet.model)
-        self._at, self._rim = sheet.space.locate(self.points), HeldRim(sheet, self.points)
+        self._stays = support_factor(sheet.layout.distance_to_supports(self.points), self._spacing, sheet.model)
+        self._at, self._rim = sheet.space.locate(self.points), SupportedEdge(sheet, self.points)
         self._shares = sheet.stars.cells.shares(self.points)
         self._beyond, self._nearest = beyond_stars(sheet.layout, self.points, sheet.model)
         self._arms = sheet.arms
@@ -71,11 +71,11 @@ class Lens:
         weights = self._shares(values.sizes[:, 0])
         curvature = 2.0 * smooth.mean_curvature
         rim = self._beyond, self._nearest, self._spacing, self._model
-        heights = self._stays * relief_heights(self._waves, values, weights, curvature, *rim)
+        heights = self._stays * corrugation_heights(self._waves, values, weights, curvature, *rim)
         out, lift = self._arms.moves(x, values.value["kappa"])
         heights += self._lifted @ lift
         if self._held:
-            heights *= pulled_flat(values, weights, smooth.area, self._model)
+            heights *= flattening(values, weights, smooth.area, self._model)
         return Places(smooth, smooth.moved(self._out @ out) + heights[:, None] * smooth.normals)
 
 

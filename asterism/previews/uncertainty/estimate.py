@@ -84,7 +84,7 @@ def estimate_error(state: PreviewState, shape: Shape, up: Floats, clock: Clock) 
     others = other_forms(state, across)
     # the symmetries of supported sheets do not count, and are not computed
     share = amplitude_share(is_supported, () if is_supported else state.symmetries, model)
-    tight_share = len(state.values.tight) / len(layout.centres)
+    tight_share = len(state.values.not_scale_separated) / len(layout.centres)
     sensitivity_percent = 100.0 * sensitivity / across
     distance, height = None, None
     if _is_within_experience(state):
@@ -110,7 +110,7 @@ def estimate_error(state: PreviewState, shape: Shape, up: Floats, clock: Clock) 
 def _is_within_experience(state: PreviewState) -> bool:
     """Whether the estimate holds: it comes from three-armed stars within their law, and holds for stable cells."""
     inverted = int(np.count_nonzero(state.layout.star_branch < 0))
-    foreign = max(len(state.values.outside), len(state.values.uneven), inverted)
+    foreign = max(len(state.values.outside), len(state.values.strongly_anisotropic), inverted)
     lattice = state.design.lattice
     is_turned = is_threefold(lattice) and bool(omitted_anisotropy(lattice))
     is_known = not (is_turned or mesh_warning(state.law) or pleat_warning(state.law))

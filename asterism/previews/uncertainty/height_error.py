@@ -124,7 +124,7 @@ def inverted_bumps(
     if not layout.pins:
         return 0.0
     kappa, length = values.value["kappa"][:-1], values.sizes[:, 0]
-    bumps = 0.5 * values.caps[:-1] * np.minimum(length, model.cell_radius * layout.spacing_mm) ** 2
+    bumps = 0.5 * values.bump_curvature[:-1] * np.minimum(length, model.cell_radius * layout.spacing_mm) ** 2
     may = (
         (length >= model.inverted_min_arm * layout.spacing_mm)
         & (curvature * np.sign(kappa) < model.inverted_max_curvature * np.abs(kappa))

@@ -80,7 +80,7 @@ def test_bumps_are_as_high_as_the_law_says(curly: Preview, monkeypatch: pytest.M
     bump = shape.point_fields["bump_mm"]
     heights = np.einsum("vi,vi->v", bump, shape.point_fields["normal"])
     wave = curly.law.waves(np.zeros((1, 2)))[0, 0]
-    flat, more = curly.values.relief[0, :, 0]
+    flat, more = curly.values.corrugation[0, :, 0]
     inner = shape.star_vertices[:7]
     curvature = 2.0 * shape.point_fields["mean_curvature_per_mm"][inner]
     kappa, turn = curly.values.value["kappa"][0], SPACING / TURN
@@ -623,7 +623,8 @@ def test_a_sixfold_term_that_outweighs_the_bending_is_bounded_and_told() -> None
     wild = replace(law, tables=(replace(law.tables[0], nodes=nodes),))
     plan = layout(TUBE)
     values = star_values(TUBE, plan, wild)
-    assert values.uneven == tuple(plan.star_number.tolist()) and not star_values(TUBE, plan, law).uneven
+    assert values.strongly_anisotropic == tuple(plan.star_number.tolist())
+    assert not star_values(TUBE, plan, law).strongly_anisotropic
     taken = np.abs(values.value["c3"] * values.value["kappa"])
     assert taken[:-1] == pytest.approx(SIXFOLD_MOST * values.value["bending"][:-1])
     summary = asterism.preview(TUBE, law=wild).summary

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
-from asterism.previews.corrugation.bumps import pulled_flat
+from asterism.previews.corrugation.bumps import flattening
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL
 from pattern import gallery
@@ -28,7 +28,7 @@ def test_bumps_go_as_the_sheet_is_stretched_in_length() -> None:
     stars = len(values.sizes)
     lam = values.value["lam"][:-1]
     for part in (-0.5, 0.0, 0.5, 1.0, 2.0):
-        found = pulled_flat(values, sp.eye_array(stars, format="csr"), (lam * (1.0 + part * APART)) ** 2)
+        found = flattening(values, sp.eye_array(stars, format="csr"), (lam * (1.0 + part * APART)) ** 2)
         np.testing.assert_allclose(found, np.sqrt(np.clip(1.0 - part, 0.0, 1.0)), atol=1e-7)
 
 
@@ -38,4 +38,4 @@ def test_tips_are_looked_for_within_the_cell(length: float) -> None:
     design, values = of_stars(length)
     law, reach = plain_law(), min(length, REACH * SPACING)
     waves = law.waves(reach * np.asarray(design.lattice.arm_directions)).mean(axis=0)
-    np.testing.assert_allclose(values.tips[:-1], values.relief[:-1] @ waves, rtol=1e-9)
+    np.testing.assert_allclose(values.tip_heights[:-1], values.corrugation[:-1] @ waves, rtol=1e-9)

@@ -10,7 +10,7 @@ import pytest
 import scipy.sparse as sp
 
 from asterism.exact.simulation import simulate
-from asterism.previews.corrugation.bumps import relief_heights
+from asterism.previews.corrugation.bumps import corrugation_heights
 from asterism.previews.edges.free_rim import (
     beyond_stars,
     free_normals,
@@ -74,8 +74,8 @@ def test_the_bare_rim_lies_as_low_as_the_tips() -> None:
     kappa = VALUES.value["kappa"][0]
     waves, curvature = np.zeros((2, len(plain_law().waves))), np.full(2, kappa)
     nearest = np.zeros(2, dtype=np.int64)
-    heights = relief_heights(waves, VALUES, weights, curvature, np.zeros(2), nearest, SPACING)
-    tip = VALUES.tips[0] @ np.array([1.0, kappa])
+    heights = corrugation_heights(waves, VALUES, weights, curvature, np.zeros(2), nearest, SPACING)
+    tip = VALUES.tip_heights[0] @ np.array([1.0, kappa])
     assert tip < 0.0
     assert heights == pytest.approx([0.8 * tip, tip])  # far from all stars too
 
@@ -93,14 +93,14 @@ def test_free_rims_go_on_down_by_their_distance_from_the_stars() -> None:
     # beside a star, on one, and in a corner that no star has a share in
     weights = sp.csr_matrix(np.array([[0.2], [0.2], [0.0]]) * np.eye(1, COUNT))
     beyond, nearest = np.array([4.0, 0.0, 12.0]), np.zeros(3, dtype=np.int64)
-    flat = replace(VALUES, caps=0.0 * VALUES.caps)
+    flat = replace(VALUES, bump_curvature=0.0 * VALUES.bump_curvature)
     assert rim_fall(weights, nearest, flat, beyond, SPACING) == pytest.approx(beyond * FALL)
     # fabric that gives up half of the area falls half as far, and no fabric further
     for released, part in ((0.5 * (1.0 - 1.35**-2), 0.5), (0.7, 1.0), (0.0, 0.0)):
         other = replace(flat, value=flat.value | {"lam_n": np.full(COUNT + 1, np.sqrt(1.0 - released))})
         assert rim_fall(weights, nearest, other, beyond, SPACING) == pytest.approx(part * beyond * FALL)
     # where bumps are round it curls instead
-    rounded = replace(VALUES, caps=np.full_like(VALUES.caps, ROUND / SPACING))
+    rounded = replace(VALUES, bump_curvature=np.full_like(VALUES.bump_curvature, ROUND / SPACING))
     assert rim_fall(weights, nearest, rounded, beyond, SPACING) == pytest.approx(0.0)
 
 
@@ -177,8 +177,10 @@ def test_a_side_in_pieces_is_one_side() -> None:
 
 def test_rims_of_stars_that_curl_down_go_up() -> None:
     value = VALUES.value | {"kappa": -VALUES.value["kappa"]}
-    down = replace(VALUES, value=value, caps=-VALUES.caps, sizes=VALUES.sizes + np.array([9.0, 0.0, 0.0]))
-    up = replace(VALUES, caps=VALUES.caps, sizes=down.sizes)
+    down = replace(
+        VALUES, value=value, bump_curvature=-VALUES.bump_curvature, sizes=VALUES.sizes + np.array([9.0, 0.0, 0.0])
+    )
+    up = replace(VALUES, bump_curvature=VALUES.bump_curvature, sizes=down.sizes)
     weights, nearest, beyond = sp.csr_matrix((3, COUNT)), np.array([0, 1, 2]), np.array([0.0, 2.0, 5.0])
     found, other = (rim_fall(weights, nearest, values, beyond, SPACING) for values in (up, down))
     assert found[2] > 0.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from asterism.previews.fields.cell_grid import OFF, CellGrid
+from asterism.previews.fields.cell_grid import MIN_SHARE_OFF_SHEET, CellGrid
 from pattern import gallery
 from pattern.design.design import Design
 from pattern.layout.build import layout
@@ -39,7 +39,7 @@ def test_counts_tell_inside_from_outside_in_a_dented_sheet() -> None:
     plan = layout(DENTED)
     grid = CellGrid(plan, DENTED.lattice, 0.7, 5.0)
     inside = shapely.contains_xy(shapely.polygons(plan.outline), points(grid).reshape(-1, 2)).reshape(grid.count.shape)
-    assert np.array_equal(grid.count, np.where(inside, 1.0, OFF))
+    assert np.array_equal(grid.count, np.where(inside, 1.0, MIN_SHARE_OFF_SHEET))
 
 
 def test_what_is_on_the_outline_is_not_inside() -> None:

@@ -48,7 +48,7 @@ def values(along_x: float, moment: float = 0.0, gap: float = 0.0) -> StarValues:
     flat = PLAIN.value["lam_n"].copy()
     flat[:-1] *= 1.0 + gap
     value = PLAIN.value | {"c3": np.zeros(STARS + 1), "lam": flat}
-    return replace(PLAIN, value=value, anisotropy=own, curl=strongest(kappa, own))
+    return replace(PLAIN, value=value, anisotropy=own, tube_curvature=strongest(kappa, own))
 
 
 def moments(stars: StarValues, curvature: tuple[float, float]) -> Floats:
@@ -69,15 +69,15 @@ def test_a_tube_about_either_axis_has_no_moment_around_it_at_its_own_curvature(a
     assert abs(moments(stars, (x, 0.0))[3]) < 1e-12 * scale
     assert abs(moments(stars, (0.0, y))[4]) < 1e-12 * scale
     gains = (kappa + moment) * x, (kappa - moment) * y
-    assert stars.curl[0] == pytest.approx((x, y)[int(np.argmax(gains))])
-    assert stars.curl[-1] == stars.value["kappa"][-1] == 0.0
+    assert stars.tube_curvature[0] == pytest.approx((x, y)[int(np.argmax(gains))])
+    assert stars.tube_curvature[-1] == stars.value["kappa"][-1] == 0.0
 
 
 def test_the_tube_that_gains_most_has_its_natural_length() -> None:
     """Others are as much longer as they are flatter, `sheet_fields` says by how much."""
     stars = values(0.6, gap=0.03)
     scale = np.abs(moments(stars, (0.0, 0.0))[:2]).max()
-    assert np.abs(moments(stars, (stars.curl[0], 0.0))[:3]).max() < 1e-12 * scale
+    assert np.abs(moments(stars, (stars.tube_curvature[0], 0.0))[:3]).max() < 1e-12 * scale
     alike = values(1.0, gap=0.03)
     np.testing.assert_allclose(
         moments(alike, (0.01, 0.0)),
@@ -162,8 +162,8 @@ def test_stars_are_tight_where_their_cells_are_though_previews_follow_part_of_th
     for thickness, tight in ((0.3, True), (0.4, False)):
         design = sheet(thickness, lattice)
         found = star_values(design, layout(design), other_law(lattice, along_x=0.4))
-        assert np.abs(found.curl).max() * design.lattice.spacing_mm < MAX_SEPARATED_CURL
-        assert bool(found.tight) is tight
+        assert np.abs(found.tube_curvature).max() * design.lattice.spacing_mm < MAX_SEPARATED_CURL
+        assert bool(found.not_scale_separated) is tight
 
 
 @pytest.mark.parametrize(

@@ -198,7 +198,7 @@ def test_between_stars_that_curl_to_opposite_sides_lengths_stay_between_theirs()
     value = {name: found.copy() for name, found in VALUES.value.items()}
     value["kappa"][1] *= -0.7
     value["lam"][:-1] = 1.03 * value["lam_n"][:-1]
-    stars = replace(VALUES, value=value | {"c3": np.zeros(STARS + 1)}, curl=value["kappa"])
+    stars = replace(VALUES, value=value | {"c3": np.zeros(STARS + 1)}, tube_curvature=value["kappa"])
     share = np.linspace(0.0, 1.0, 201)
     shares = [1.0 - share, share, *np.zeros((STARS - 2, len(share)))]
     fields = sheet_fields(sp.csr_matrix(np.column_stack(shares)), stars, (len(share), 1))

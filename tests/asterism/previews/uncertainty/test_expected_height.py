@@ -52,7 +52,7 @@ def test_flatter_sheets_are_less_sure() -> None:
 def test_long_stars_turn_where_a_held_sheet_is_flat_and_not_pulled() -> None:
     long = VALUES.sizes[:, 0] >= LONG * SPACING
     assert 0 < long.sum() < len(long)
-    bumps = 0.5 * VALUES.caps[:-1] * VALUES.sizes[:, 0] ** 2  # none of the arms is cut at the cell's end
+    bumps = 0.5 * VALUES.bump_curvature[:-1] * VALUES.sizes[:, 0] ** 2  # none of the arms is cut at the cell's end
     size = np.sqrt((bumps**2 * long).mean())
     flat, curled, narrow, wide = 0.9 * FLAT * KAPPA, 1.1 * FLAT * KAPPA, 0.99 * LAM**2, 1.01 * LAM**2
     assert size > 0.1
@@ -92,6 +92,6 @@ def test_stars_that_curl_to_the_other_side_turn_as_those_do() -> None:
 
 def test_a_bump_is_no_larger_than_the_cell_of_its_star() -> None:
     far = replace(VALUES, sizes=VALUES.sizes + np.array([SPACING, 0.0, 0.0]))
-    bumps = 0.5 * VALUES.caps[:-1] * (REACH * SPACING) ** 2
+    bumps = 0.5 * VALUES.bump_curvature[:-1] * (REACH * SPACING) ** 2
     found = inverted_bumps(far, PLAN, 0.9 * FLAT * KAPPA, 0.99 * LAM**2)
     assert found == pytest.approx(np.sqrt((bumps**2).mean()))

@@ -17,7 +17,7 @@ from pattern.geometry.planar import STRAIGHT_TURN_RAD, distance_to_outline, near
 EQUAL_SIDES = 1e-6  # spacings: sides of the design that are nearer to those of the mesh are the same
 
 
-class HeldRim:
+class SupportedEdge:
     """Moves printed points (n, 2) near held sides of a sheet to where they are held."""
 
     def __init__(self, sheet: Sheet, points: Floats) -> None:
