@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections import Counter
 
-from asterism.laws.directions_warning import directions_warning
-from asterism.laws.law_warnings import held_out_warning, mesh_warning, pleat_warning
+from asterism.previews.directions_warning import directions_warning
+from asterism.previews.law_warnings import held_out_warning, mesh_warning, pleat_warning
 from homogenize.law.law import Law
 from homogenize.law.law_residuals import unstable_tubes
 from homogenize.law.law_table import QUANTITY_NAMES, LawTable

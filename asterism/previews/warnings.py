@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from asterism.laws.directions_warning import directions_warning
-from asterism.laws.law_warnings import held_out_warning, mesh_warning, pleat_warning
+from asterism.previews.directions_warning import directions_warning
+from asterism.previews.law_warnings import held_out_warning, mesh_warning, pleat_warning
 from asterism.previews.search.alternatives import MIN_SIZE_RATIO
 from asterism.previews.solve import EDIT_START
 from asterism.previews.state import PreviewState

@@ -31,7 +31,7 @@ BLEND_DECAY = 0.6  # from one step to the next
 MIN_BLEND = 0.05  # a smaller share is set to zero
 # stiffness per area that is added for soft modes, over the bending stiffness of the longest wave of the sheet
 FIRST_SHIFT = 0.1
-SHIFT_GROWTH = 4.0  # from one refused matrix to the next
+REFUSED_SHIFT_GROWTH = 4.0  # from one refused matrix to the next
 SHIFT_DECAY = 0.3  # from one step to the next
 MIN_SHIFT = 0.05  # a smaller stiffness is set to zero
 MAX_SHIFTS = 6  # shifts that are tried in one step
@@ -84,7 +84,7 @@ class Regularised:
         data = tangent(self._blend)
         while not self._accepts(data, support):
             if self._blend == 0.0 and tries:
-                self._shift = max(SHIFT_GROWTH * self._shift, FIRST_SHIFT * self._unit)
+                self._shift = max(REFUSED_SHIFT_GROWTH * self._shift, FIRST_SHIFT * self._unit)
                 self._soft, tries = True, tries - 1
                 continue
             if self._blend >= 1.0:

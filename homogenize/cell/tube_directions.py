@@ -20,7 +20,7 @@ from pattern.geometry.arrays import Floats
 THREEFOLD_ANGLES_RAD = (0.0, np.pi / 12, np.pi / 6)
 # the mean over these is that over all directions for functions with up to five periods in half a turn
 ALL_ANGLES_RAD = tuple(np.pi / 6 * k for k in range(6))
-SYMMETRY_TOLERANCE = 1e-6
+LATTICE_ANGLE_TOLERANCE = 1e-6
 # natural curvature times spacing below which the energies of two directions differ by rounding only
 MIN_RESOLVED_CURL = 0.03
 
@@ -45,7 +45,7 @@ def is_threefold(lattice: Lattice) -> bool:
     vectors = np.asarray(lattice.vectors)
     turn = np.array([[-0.5, np.sqrt(0.75)], [-np.sqrt(0.75), -0.5]])
     steps = vectors @ turn @ np.linalg.inv(vectors)
-    return lattice.arms % 3 == 0 and bool(np.abs(steps - np.round(steps)).max() < SYMMETRY_TOLERANCE)
+    return lattice.arms % 3 == 0 and bool(np.abs(steps - np.round(steps)).max() < LATTICE_ANGLE_TOLERANCE)
 
 
 def curvature_misfit(curvatures: Sequence[float] | Floats) -> float:
@@ -61,6 +61,6 @@ def omitted_anisotropy(lattice: Lattice) -> str | None:
         return "stars curl and bend differently in each direction; previews follow most of that"
     lines = np.vstack([np.asarray(lattice.arm_directions)[:1], np.asarray(lattice.vectors)[:1]])
     angle = np.degrees(np.arctan2(lines[:, 1], lines[:, 0])) / 30.0
-    if np.abs(angle - np.round(angle)).max() < SYMMETRY_TOLERANCE:
+    if np.abs(angle - np.round(angle)).max() < LATTICE_ANGLE_TOLERANCE:
         return None
     return "stars that are turned may roll about other axes than multiples of 30 degrees; the law has these only"

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asterism.laws.law_warnings import mesh_warning, pleat_warning
+from asterism.previews.law_warnings import mesh_warning, pleat_warning
 from asterism.previews.search.near_zero_modes import amplitudes_percent, has_two_near_zero_modes
 from asterism.previews.state import PreviewState
 from asterism.previews.uncertainty.distance_error import amplitude_share, buckling_weight, distance_error_percent

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from asterism.laws.directions_warning import directions_warning
+from asterism.previews.directions_warning import directions_warning
 from asterism.previews.session import Preview
 from homogenize.errors import LawError
 from homogenize.law.anisotropy import ANISOTROPY_SIZE, sample_anisotropy

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import asterism
 from asterism.laws.law_text import law_lines
-from asterism.laws.law_warnings import held_out_warning, mesh_warning, pleat_warning
+from asterism.previews.law_warnings import held_out_warning, mesh_warning, pleat_warning
 from homogenize.law.law import Law
 from homogenize.law.law_file import load_law
 from homogenize.law.law_residuals import unstable_tubes
