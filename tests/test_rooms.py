@@ -1,4 +1,4 @@
-"""The order of the rooms: imports go down only, in no circle; names and constants have one meaning; files stay short."""
+"""The order of the rooms: imports go down only and in no circle, names have one meaning, files stay short."""
 
 from __future__ import annotations
 

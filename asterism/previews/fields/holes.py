@@ -13,7 +13,7 @@ from pattern.geometry.planar import distance_to_outline
 from pattern.layout.layout import Layout
 
 # steps to neighbours in the coordinates of the lattice, and how much longer than its longer vector they may be
-NEIGHBOUR_STEPS = np.array([[(i, j) for j in (-1, 0, 1)] for i in (-1, 0, 1)])
+LATTICE_NEIGHBOURS = np.array([[(i, j) for j in (-1, 0, 1)] for i in (-1, 0, 1)])
 NEIGHBOUR_TOLERANCE = 1.0 + 1e-6
 
 
@@ -33,7 +33,7 @@ def hole_sites(layout: Layout, model: PreviewModel = PREVIEW_MODEL) -> Floats:
     empty = np.ones(np.ptp(sites, axis=0) + 3, dtype=bool)
     empty[tuple((sites - first).T)] = False
     joined = (
-        np.linalg.norm(NEIGHBOUR_STEPS @ vectors, axis=-1)
+        np.linalg.norm(LATTICE_NEIGHBOURS @ vectors, axis=-1)
         <= NEIGHBOUR_TOLERANCE * np.linalg.norm(vectors, axis=1).max()
     )
     region, _ = label(empty, joined)
