@@ -35,7 +35,8 @@ def main() -> None:
         row["membrane_percent"] = 100 * max(
             _off(cell) for cell in held["cells"] if cell["inside"] and not cell["tight"]
         )
-        rows.append({**row, "cell_s": law.made["cell_seconds"] / len(law.samples), "solved": float(table.good.mean())})
+        cell_s = law.made["cell_seconds"] / len(law.samples)
+        rows.append({**row, "cell_s": cell_s, "solved": float(table.solved.mean())})
     header = ["stretch", f"ms for {STARS} stars", "cells with an answer", "s a cell", "membrane tensor largest %"]
     header += [*(f"{n} rms %" for n in QUANTITY_NAMES)]
     body = [

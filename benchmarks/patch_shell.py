@@ -12,7 +12,7 @@ from fem.elements.argyris import Argyris
 from fem.search.relax import relax
 from fem.search.simple_shapes import SimpleShape
 from fem.shell.shell import QUADRATURE_ORDER, Shell
-from homogenize.campaign.fit_law import sample_quantities
+from homogenize.campaign.sample_rows import sample_quantities
 from homogenize.cell.sample import Sample
 from homogenize.law.law_table import QUANTITY_NAMES
 from pattern.design.design import Design

@@ -19,6 +19,7 @@ from equilibrium.compiled import HAVE_NUMBA
 from homogenize.campaign.campaign import CampaignProgress, run_campaign
 from homogenize.campaign.code_version import code_version
 from homogenize.campaign.fit_law import fit_law
+from homogenize.law.axes import sizes_text
 from homogenize.law.law import WITHOUT_BENDING, Law
 from homogenize.law.law_file import law_bytes, law_digest
 from homogenize.law.material import Material
@@ -108,8 +109,7 @@ class ProgressLine:
         record = progress.last
         if record is not None and record.failed is not None:
             task = record.task
-            sizes = f"l {task.length_mm:g}, h {task.thickness_mm:g}, w {task.width_mm:g} mm"
-            self._line(f"  no answer: stretch {task.stretch:g}, {sizes}: {record.failed}")
+            self._line(f"  no answer: stretch {task.stretch:g}, {sizes_text(task.sizes)}: {record.failed}")
         if self._live:
             self._stream.write("\r\x1b[K" + _state(progress))
             self._stream.flush()

@@ -6,9 +6,9 @@ from pathlib import Path
 from shlex import quote
 
 from asterism.laws.replace_material import with_material
-from asterism.previews.fields.star_values import star_sizes
 from homogenize.campaign.design_plan import plan_for_sizes
 from homogenize.errors import ForeignLaw, LawError
+from homogenize.law.axes import star_sizes
 from homogenize.law.law import Law
 from homogenize.law.law_file import load_law
 from homogenize.law.material import PAPER_MATERIAL, Material, load_material

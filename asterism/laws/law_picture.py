@@ -1,4 +1,4 @@
-"""A picture of a law: its curves over the length of the arms, and its errors."""
+"""A picture of a law: its quantities over the length of the arms, and its errors."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from matplotlib.figure import Figure
 
 from asterism.draw.chart_axes import add_grid, style_axes
 from asterism.draw.colours import INK, PALE
+from asterism.laws.law_text import middle_sizes, table_title
+from homogenize.law.axes import AXES
 from homogenize.law.law import Law
 from homogenize.law.law_table import QUANTITY_NAMES, LawTable
 
@@ -22,12 +24,15 @@ CURVE_LABELS = {
     "bending": "bending stiffness, N mm",
     "a11": "membrane stiffness, N/mm",
 }
-# 1/mm, up to which curvatures are drawn to a linear scale
+# curvatures up to this one have a linear scale, larger ones a logarithmic scale
 LINEAR_CURVATURE_PER_MM = 2e-3
 
 
 def draw_law(law: Law, path_or_file: str | Path | IO[bytes]) -> None:
-    """Draw a law as PNG: a row of curves for each stretch, several thicknesses in each, and its errors."""
+    """Draw a law as PNG.
+
+    Each stretch has a row of charts: curves over the length for all thicknesses, and the errors.
+    """
     rows = len(law.tables)
     height = 1.2 + 3.7 * rows
     figure = Figure(figsize=(20, height), dpi=100, facecolor="white")
@@ -44,42 +49,42 @@ def draw_law(law: Law, path_or_file: str | Path | IO[bytes]) -> None:
         axes = figure.add_subplot(grid[number, len(CURVE_LABELS)])
         _errors(axes, law.residuals[f"{table.stretch:g}"])
         _tidy(axes, "error of single cells, %", "")
-        width = table.axes[2][len(table.axes[2]) // 2]
-        text = f"stretch {table.stretch:g}, width {width:g} mm"
-        figure.text(0.012, 1 - (0.9 + 3.72 * number) / height, text, fontsize=10, color=INK)
-    title = f"{law.material.name}: the law of the sheet"
+        figure.text(0.012, 1 - (0.9 + 3.72 * number) / height, table_title(table), fontsize=10, color=INK)
+    title = f"{law.material.name}: law of the star pattern"
     figure.text(0.012, 1 - 0.35 / height, title, fontsize=14, weight="bold", color=INK, parse_math=False)
     note = f"{len(law.samples)} cells, mesh edges of {law.edge_mm:g} mm"
-    note += "; dots are cells, curves the law, dotted where a sheet curls too tightly for it, or no cell is near"
+    note += "; dots: cells; curves: the law; dotted curves: outside its range, or stars that are not scale-separated"
     figure.text(0.012, 1 - 0.6 / height, note, fontsize=9, color=PALE)
     figure.savefig(path_or_file, format="png", dpi=100)
 
 
 def _curves(axes: Axes, table: LawTable, name: str) -> None:
-    lengths, thicknesses, widths = table.axes
-    middle = len(widths) // 2
+    lengths, thicknesses = table.axis_nodes[:2]
+    middle = tuple(len(nodes) // 2 for nodes in table.axis_nodes[2:])
+    column = QUANTITY_NAMES.index(name)
     many = np.linspace(lengths[0], lengths[-1], 300)
-    for j in range(len(thicknesses)):
-        h = float(thicknesses[j])
+    for j, thickness in enumerate(thicknesses):
         colour = colormaps["viridis"](0.9 * j / max(len(thicknesses) - 1, 1))
-        found = table(many, h, widths[middle])
+        found = table(many, thickness, *middle_sizes(table))
         value = found.value[name]
-        stated = found.inside & ~found.tight
-        axes.plot(many, np.where(stated, value, np.nan), color=colour, linewidth=1.3, label=f"{h:g} mm")
+        stated = found.inside & ~found.not_scale_separated
+        label = f"{thickness:g} {AXES[1].unit}"
+        axes.plot(many, np.where(stated, value, np.nan), color=colour, linewidth=1.3, label=label)
         axes.plot(many, np.where(stated, np.nan, value), color=colour, linewidth=0.8, linestyle=":")
-        good = table.good[:, j, middle]
-        nodes = table.nodes[good, j, middle, QUANTITY_NAMES.index(name)]
-        axes.plot(lengths[good], nodes, "o", color=colour, markersize=3)
+        line: tuple[Any, ...] = (slice(None), j, *middle)
+        solved = table.solved[line]
+        nodes = table.node_values[(*line, column)]
+        axes.plot(lengths[solved], nodes[solved], "o", color=colour, markersize=3)
     if name == "kappa":
-        if np.abs(table.nodes[..., QUANTITY_NAMES.index(name)]).max() > LINEAR_CURVATURE_PER_MM:
-            # curvature differs by a factor of twenty between thin and thick stars
+        if np.abs(table.node_values[..., column]).max() > LINEAR_CURVATURE_PER_MM:
+            # curvatures of thin and of thick stars differ by a factor of 20
             axes.set_yscale("symlog", linthresh=LINEAR_CURVATURE_PER_MM, linscale=0.4)
         else:
             axes.set_ylim(-LINEAR_CURVATURE_PER_MM, LINEAR_CURVATURE_PER_MM)
 
 
 def _errors(axes: Axes, residuals: dict[str, Any]) -> None:
-    """Every held-out cell as a dot, the median and the root mean square as bars."""
+    """Errors of held-out cells as dots; median and rms of left-out cells as bars."""
     entry = residuals["held_out"]
     cells = [cell for cell in entry["cells"] if cell["inside"] and not cell["tight"]]
     for x, name in enumerate(QUANTITY_NAMES):
@@ -92,7 +97,7 @@ def _errors(axes: Axes, residuals: dict[str, Any]) -> None:
     axes.set_ylim(1e-3, 300)
     axes.set_xticks(range(len(QUANTITY_NAMES)), QUANTITY_NAMES, rotation=30, fontsize=7)
     axes.plot([], [], "o", color="#2a6f97", markersize=3, label="held out")
-    axes.plot([], [], "_-", color="#c8553d", markersize=8, label="left out on its line: median to rms")
+    axes.plot([], [], "_-", color="#c8553d", markersize=8, label="left out one by one: median to rms")
     axes.legend(fontsize=7, frameon=False, loc="upper left")
 
 

@@ -6,9 +6,14 @@ from collections import Counter
 
 from asterism.previews.directions_warning import directions_warning
 from asterism.previews.law_warnings import held_out_warning, mesh_warning, pleat_warning
+from homogenize.law.axes import AXES
 from homogenize.law.law import Law
 from homogenize.law.law_residuals import unstable_tubes
 from homogenize.law.law_table import QUANTITY_NAMES, LawTable
+
+# lines of values: about so many nodes of the first two axes
+LISTED_LENGTHS = 4
+LISTED_THICKNESSES = 3
 
 
 def law_lines(law: Law) -> list[str]:
@@ -16,7 +21,18 @@ def law_lines(law: Law) -> list[str]:
     lines = []
     for table in law.tables:
         lines += ["", *_values(table), *_errors(law, table)]
-    return [*_head(law), *lines, *_branches(law), *_doubts(law), *_problems(law)]
+    return [*_head(law), *lines, *_stability(law), *_warnings(law), *_problems(law)]
+
+
+def middle_sizes(table: LawTable) -> tuple[float, ...]:
+    """The middle node of each axis after the first two, which text and pictures vary."""
+    return tuple(float(nodes[len(nodes) // 2]) for nodes in table.axis_nodes[2:])
+
+
+def table_title(table: LawTable) -> str:
+    """The stretch of a table and its middle sizes, such as "stretch 1.35, width 1.2 mm"."""
+    sizes = zip(AXES[2:], middle_sizes(table), strict=True)
+    return ", ".join([f"stretch {table.stretch:g}", *(f"{axis.name} {size:g} {axis.unit}" for axis, size in sizes)])
 
 
 def _head(law: Law) -> list[str]:
@@ -32,22 +48,23 @@ def _head(law: Law) -> list[str]:
 
 
 def _values(table: LawTable) -> list[str]:
-    lengths, thicknesses, widths = table.axes
-    w = float(widths[len(widths) // 2])
+    lengths, thicknesses = table.axis_nodes[:2]
+    (length_name, thickness_name) = (f"{axis.symbol} {axis.unit}" for axis in AXES[:2])
     lines = [
-        f"  stretch {table.stretch:g}, width {w:g} mm",
-        "    l mm   h mm  lambda lambda_n   kappa 1/mm  D N mm  A11 N/mm  A12 N/mm  c3 N mm2  offset mm",
+        f"  {table_title(table)}",
+        f"    {length_name}   {thickness_name}  lambda lambda_n   kappa 1/mm  D N mm  A11 N/mm  A12 N/mm  c3 N mm2  "
+        "offset mm",
     ]
-    for length in lengths[1:][:: max(1, (len(lengths) - 1) // 4)]:
-        for h in thicknesses[:: max(1, (len(thicknesses) - 1) // 3)]:
-            found = table(length, h, w)
+    for length in lengths[1:][:: max(1, (len(lengths) - 1) // LISTED_LENGTHS)]:
+        for thickness in thicknesses[:: max(1, (len(thicknesses) - 1) // LISTED_THICKNESSES)]:
+            found = table(length, thickness, *middle_sizes(table))
             v = {name: float(found.value[name][0]) for name in QUANTITY_NAMES}
             numbers = (
                 f"{v['lam']:.4f}   {v['lam_n']:.4f}     {v['kappa']:8.5f} {v['bending']:7.3f} {v['a11']:9.3f} "
                 f"{v['a12']:9.3f} {v['c3']:9.3f} {v['offset_mm']:10.3f}"
             )
-            mark = "  tight" if found.tight[0] else ""
-            lines.append(f"  {length:6.2f} {h:6.3f}  " + (numbers + mark if found.inside[0] else "no answer"))
+            mark = "  not scale-separated" if found.not_scale_separated[0] else ""
+            lines.append(f"  {length:6.2f} {thickness:6.3f}  " + (numbers + mark if found.inside[0] else "no answer"))
     return lines
 
 
@@ -59,7 +76,7 @@ def _errors(law: Law, table: LawTable) -> list[str]:
         errors = entry["errors"]
         title = f"  {kind.replace('_', ' ')}, {entry['count']} cells; error in % of the cell's value"
         if entry.get("tight", {}).get("count"):
-            title += f"; {entry['tight']['count']} more are tight"
+            title += f"; {entry['tight']['count']} more are not scale-separated"
         lines += ["", title + ("" if errors else ": none"), *([f"  {'':11} median    rms  largest"] if errors else [])]
         for name in QUANTITY_NAMES if errors else ():
             e = errors[name]
@@ -69,35 +86,37 @@ def _errors(law: Law, table: LawTable) -> list[str]:
     return lines
 
 
-def _branches(law: Law) -> list[str]:
-    """Counts of what cells.csv says of every cell."""
+def _stability(law: Law) -> list[str]:
+    """Numbers of stable cells; cells.csv has the eigenvalues of each cell."""
     found = [s["sample"] for s in law.samples if s["problem"] is None and s["length_mm"] > 0]
     if not found:
         return []
-    many = len(found)
-    flat, tubes = sum(one["supercell_eigenvalue"] > 0 for one in found), many - unstable_tubes(law.samples)["unstable"]
+    count = len(found)
+    flat = sum(sample["supercell_eigenvalue"] > 0 for sample in found)
+    tubes = count - unstable_tubes(law.samples)["unstable"]
+    down = sum(sample["down_energy"] is not None for sample in found)
+    anisotropy = max(sample["anisotropy"] for sample in found)
     return [
         "",
-        f"  natural tubes that are stable, with 2 x 2 stars free to differ: {tubes} of {many} cells",
-        f"  flat sheets that are: {flat}; stars that can stay down there: "
-        f"{sum(one['down_energy'] is not None for one in found)}",
-        f"  flat stiffness, distance from isotropic: at most {max(one['anisotropy'] for one in found):.1e}",
+        f"  natural tubes that are stable on 2 x 2 stars: {tubes} of {count} cells",
+        f"  flat cells that are stable on 2 x 2 stars: {flat}; flat cells with a second equilibrium, star down: {down}",
+        f"  flat stiffness, distance from isotropy: at most {anisotropy:.1e}",
     ]
 
 
-def _doubts(law: Law) -> list[str]:
-    told = directions_warning(law), held_out_warning(law), mesh_warning(law), pleat_warning(law)
-    lines = [line for line in told if line]
+def _warnings(law: Law) -> list[str]:
+    warnings = directions_warning(law), held_out_warning(law), mesh_warning(law), pleat_warning(law)
+    lines = [line for line in warnings if line]
     return ["", *(f"  {line}" for line in lines)] if lines else []
 
 
 def _problems(law: Law) -> list[str]:
-    """Reasons without their numbers, counted."""
-    reasons = Counter(_kind(s["problem"]) for s in law.samples if s["problem"] is not None)
+    """Why cells have no answer: each reason without its numbers, and its count."""
+    reasons = Counter(_without_numbers(s["problem"]) for s in law.samples if s["problem"] is not None)
     lines = [f"    {count:4d}  {reason}" for reason, count in reasons.most_common()]
     return ["", "  cells without an answer", *lines] if lines else []
 
 
-def _kind(problem: str) -> str:
+def _without_numbers(problem: str) -> str:
     words = [w for w in problem.split() if not any(c.isdigit() for c in w)]
     return " ".join(words).rstrip(":,")

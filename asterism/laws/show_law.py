@@ -1,4 +1,4 @@
-"""`asterism law show`: what a law says, as a table, a picture and numbers."""
+"""`asterism law show`: a law as text, picture and numbers."""
 
 from __future__ import annotations
 
@@ -14,12 +14,17 @@ from homogenize.law.law_file import PAPER_LAW, load_law
 
 
 def show_law(path: Path | None, output: Path | None) -> list[str]:
-    """Write law.png, cells.csv and summary.json, and return the lines to print.
+    """Write law.png, cells.csv and summary.json; the lines to print.
+
+    Parameters
+    ----------
+    path : of the law; None for the paper's.
+    output : the folder; by default beside the law.
 
     Raises
     ------
     LawError
-        The file is not a law of this version.
+        The file is not a law, or has another format.
     """
     law = load_law(path or PAPER_LAW)
     directory = output or (Path("paper-law") if path is None else _beside(path))
@@ -32,5 +37,5 @@ def show_law(path: Path | None, output: Path | None) -> list[str]:
 
 
 def _beside(path: Path) -> Path:
-    """A folder for a law's picture: never that of a design's results, which has the design's name."""
+    """The folder beside a law. Its name differs from that of a design's results, which is the design's name."""
     return path.with_name(path.stem if path.stem.endswith("law") else f"{path.stem}-law")

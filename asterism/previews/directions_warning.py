@@ -1,4 +1,4 @@
-"""What a law leaves out where stars are not the same in all directions, in one line for its users."""
+"""A warning about the differences between directions that a law leaves out."""
 
 from __future__ import annotations
 
@@ -14,33 +14,30 @@ from homogenize.law.law_table import MAX_SEPARATED_CURL
 
 
 def directions_warning(law: Law) -> str | None:
-    """What is left out, and how far natural curvatures are from a preview's for it; None if nothing is.
+    """What the law leaves out, and how much previews misjudge natural curvatures by that; None if it is complete.
 
-    Of the cells that curl, but not tightly: the direction that is furthest off.
+    The numbers are those of the worst direction of each cell that curls and is scale-separated.
     """
     missing = omitted_anisotropy(law.material.lattice)
     if missing is None:
         return None
-    found = [cell["sample"] for cell in law.samples if cell["problem"] is None and cell["length_mm"] > 0]
-    curled = [
-        c
-        for c in found
-        if MIN_RESOLVED_CURL < np.abs(c["natural_curvature"]).max() * c["spacing_mm"] < MAX_SEPARATED_CURL
-    ]
+    samples = [cell["sample"] for cell in law.samples if cell["problem"] is None and cell["length_mm"] > 0]
+    curls = [np.abs(sample["natural_curvature"]).max() * sample["spacing_mm"] for sample in samples]
+    bounds = MIN_RESOLVED_CURL, MAX_SEPARATED_CURL
+    curled = [sample for sample, curl in zip(samples, curls, strict=True) if bounds[0] < curl < bounds[1]]
     if not curled:
         return missing
     threefold = is_threefold(law.material.lattice)
-    off = 100.0 * np.array(
-        [curvature_misfit(c["natural_curvature"]) if threefold else _off_followed(c) for c in curled]
-    )
+    misfit = [curvature_misfit(s["natural_curvature"]) if threefold else _preview_misfit(s) for s in curled]
+    percent = 100.0 * np.array(misfit)
     return (
-        f"{missing}: natural curvature of the direction that is furthest off differs by {np.median(off):.0f} % in the "
-        f"median of {len(off)} cells, by {off.max():.0f} % at most"
+        f"{missing}: the natural curvature of the worst direction differs by {np.median(percent):.0f} % in the "
+        f"median of {len(percent)} cells, by {percent.max():.0f} % at most"
     )
 
 
-def _off_followed(sample: dict[str, Any]) -> float:
-    """How far a cell's natural curvatures are at most from what previews take them for, over the largest."""
+def _preview_misfit(sample: dict[str, Any]) -> float:
+    """Largest difference between a cell's natural curvatures and those in previews, over the largest curvature."""
     kappa = np.array(sample["natural_curvature"])
     return float(
         np.abs(predicted_curvatures(sample, PREVIEW_MODEL.anisotropy_share) - kappa).max() / np.abs(kappa).max()

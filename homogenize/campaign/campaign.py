@@ -1,7 +1,7 @@
-"""Many independent cells: one file per sample, on the processes of this machine or on a Dask cluster.
+"""A campaign: many independent unit cells, solved on the processes of this machine or on a Dask cluster.
 
-A sample's file is named by a hash of all its inputs and of the code that solves it, so a campaign that is started again
-takes what is there, and files of another material or version are never mistaken for its own.
+Each sample has a file of its own. The name of the file is a hash of all inputs and of the code that solves the cell.
+So a campaign continues where it stopped, and never uses samples of another material or of other code.
 """
 
 from __future__ import annotations
@@ -16,14 +16,15 @@ from pathlib import Path
 from typing import Any
 
 from homogenize.campaign.code_version import code_version
-from homogenize.campaign.workers import dask_workers, local_workers
+from homogenize.campaign.workers import SubmitAll, dask_workers, local_workers
+from homogenize.cell.sample import solve_cell
 from homogenize.law.material import Material
 from homogenize.law.plan import CellTask
 from pattern.design.design import Design
 from pattern.design.errors import DesignError, MeshError
 from pattern.design.files import plain, read_table, write_table
 
-# raised when a sample's file means something else than before
+# raise it when the content of a sample's file changes its meaning
 SAMPLE_FORMAT = 1
 
 SolveCell = Callable[[Design, float], Any]
@@ -31,14 +32,15 @@ SolveCell = Callable[[Design, float], Any]
 
 @dataclass(frozen=True)
 class SampleRecord:
-    """What is known of one cell.
+    """The result of one unit cell.
 
     Attributes
     ----------
-    sample : the responses as plain data; None if there are none.
-    failed : why there are none, one line.
-    crashed : the reason is an exception that nobody foresaw; such a cell is tried again by the next run.
-    seconds : the cell took.
+    task : the cell.
+    sample : the responses as plain data; None for a cell without an answer.
+    failed : why the cell has no answer, in one line.
+    crashed : the reason is an unforeseen exception. The next run tries such a cell again.
+    seconds : wall time of the cell.
     """
 
     task: CellTask
@@ -50,7 +52,14 @@ class SampleRecord:
 
 @dataclass(frozen=True)
 class CampaignProgress:
-    """How far a campaign is: cells done, of how many, those that failed, seconds left (None: not known yet)."""
+    """State of a running campaign.
+
+    Attributes
+    ----------
+    done, total, failed : numbers of cells.
+    seconds_left : estimate; None before the first cell is solved.
+    last : the last record; None at the beginning.
+    """
 
     done: int
     total: int
@@ -65,91 +74,83 @@ def run_campaign(
     jobs: int = 1,
     dask: str | None = None,
     report: Callable[[CampaignProgress], None] | None = None,
-    respond: SolveCell | None = None,
+    respond: SolveCell = solve_cell,
 ) -> list[SampleRecord]:
     """Solve every cell of the plan that has no file in `folder` yet.
 
     Parameters
     ----------
-    folder : of the samples; made if it is missing. Files appear complete or not at all, as cells finish.
-    jobs : processes on this machine; the answers do not depend on how many.
-    dask : address of a Dask scheduler to use in their place.
-    report : called once at the beginning and after every cell.
-    respond : what solves a cell; a function that other processes can import, and whose samples are its own.
+    folder : of the samples; the campaign makes it. Files appear whole, as cells finish.
+    jobs : number of processes on this machine. The answers do not depend on it.
+    dask : address of a Dask scheduler, whose workers take the place of these processes.
+    report : called at the beginning and after every cell.
+    respond : solves a cell. Other processes must be able to import it. Each function has samples of its own.
 
     Returns
     -------
-    One record per task, in the order of `material.tasks()`.
+    One record for each task, in the order of `material.tasks()`.
 
     Raises
     ------
     CampaignError
-        The workers are gone; what was finished is in `folder`.
+        The workers have ended. Finished samples are in `folder`.
+    AddressError
+        The scheduler does not answer.
     ValueError
-        Fewer than one job.
+        `jobs` is below 1.
     """
     if jobs < 1:
         raise ValueError(f"jobs = {jobs}: must be at least 1")
-    solve = respond or _respond
     folder.mkdir(parents=True, exist_ok=True)
     tasks, edge = material.tasks(), material.plan.edge_mm
     records = {task: found for task in tasks if (found := _read(material, task, folder, respond)) is not None}
-    missing = [task for task in tasks if task not in records]
-    tell = report or (lambda progress: None)
+    missing = _longest_first([task for task in tasks if task not in records])
+    send_report = report or (lambda progress: None)
     begin = _progress(records, tasks, None, None)
     start, before = time.perf_counter(), len(records)
     if not missing:
-        tell(begin)
-    else:
-        workers: AbstractContextManager[Any] = (
-            local_workers(min(jobs, len(missing))) if dask is None else dask_workers(dask)
-        )
-        missing = _longest_first(missing)
-        with workers as submit_all:
-            tell(begin)
-            for number, outcome in submit_all(
-                _one, [(solve, material.design(task), edge, code_version()) for task in missing]
-            ):
-                task = missing[number]
-                records[task] = SampleRecord(task, *outcome)
-                if not records[task].crashed:
-                    records[task] = _write(material, records[task], folder, respond)
-                pace = (time.perf_counter() - start) / (len(records) - before)
-                tell(_progress(records, tasks, pace * (len(tasks) - len(records)), records[task]))
+        send_report(begin)
+        return [records[task] for task in tasks]
+    processes = min(jobs, len(missing))
+    workers: AbstractContextManager[SubmitAll] = local_workers(processes) if dask is None else dask_workers(dask)
+    with workers as submit_all:
+        send_report(begin)
+        arguments = [(respond, material.design(task), edge, code_version()) for task in missing]
+        for number, outcome in submit_all(_solve_one, arguments):
+            task = missing[number]
+            records[task] = SampleRecord(task, *outcome)
+            if not records[task].crashed:
+                records[task] = _write(material, records[task], folder, respond)
+            pace = (time.perf_counter() - start) / (len(records) - before)
+            send_report(_progress(records, tasks, pace * (len(tasks) - len(records)), records[task]))
     return [records[task] for task in tasks]
 
 
-def sample_name(material: Material, task: CellTask, respond: SolveCell | None = None) -> str:
-    """Name of a sample's file: a hash of what goes into it, and of the name of what solves it in place of `sample`."""
+def sample_name(material: Material, task: CellTask, respond: SolveCell = solve_cell) -> str:
+    """Name of a sample's file: a hash of its inputs, of the code, and of the name of another `respond`."""
     made = {"format": SAMPLE_FORMAT, "code": code_version()}
     text = json.dumps({**made, **_inputs(material, task, respond)}, sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:24]
 
 
-def _inputs(material: Material, task: CellTask, respond: SolveCell | None) -> dict[str, Any]:
+def _inputs(material: Material, task: CellTask, respond: SolveCell) -> dict[str, Any]:
     design = material.design(task).to_dict()
     parts = {name: design[name] for name in ("fabric", "plastic", "lattice", "stars")}
-    other = {} if respond is None else {"respond": f"{respond.__module__}.{respond.__qualname__}"}
+    other = {} if respond is solve_cell else {"respond": f"{respond.__module__}.{respond.__qualname__}"}
     return {**parts, "edge_mm": material.plan.edge_mm, **other}
 
 
-def _respond(design: Design, edge_mm: float) -> Any:
-    from homogenize.cell.sample import solve_cell
-
-    return solve_cell(design, edge_mm)
-
-
-def _one(
+def _solve_one(
     respond: SolveCell, design: Design, edge_mm: float, code: str
 ) -> tuple[dict[str, Any] | None, str | None, bool, float]:
-    """Solve one cell, in a worker: the fields of its record after the task."""
+    """Solve one cell in a worker; the fields of its record after the task."""
     start, crashed = time.perf_counter(), False
     try:
         if code != code_version():
             raise RuntimeError("the worker has another version of asterism")
         answer = respond(design, edge_mm)
         sample, failed = answer.to_dict(), answer.failed
-    except (DesignError, MeshError) as error:  # stars that cannot be printed, or have no mesh
+    except (DesignError, MeshError) as error:  # stars that cannot be printed or meshed
         sample, failed = None, str(error)
     except Exception as error:  # one bad cell must not end a campaign of hundreds
         sample, crashed, failed = None, True, f"{type(error).__name__}: {error}"
@@ -158,7 +159,7 @@ def _one(
 
 
 def _longest_first(tasks: Sequence[CellTask]) -> list[CellTask]:
-    """Long arms take longest: begun first, they do not keep one worker busy at the end."""
+    """Long arms take longest. If they begin first, all workers end at about the same time."""
     return sorted(tasks, key=lambda task: (-task.length_mm, task))
 
 
@@ -169,8 +170,8 @@ def _progress(
     return CampaignProgress(len(records), len(tasks), failed, left, last)
 
 
-def _write(material: Material, record: SampleRecord, folder: Path, respond: SolveCell | None) -> SampleRecord:
-    """Write a record, and return it as it will be read again."""
+def _write(material: Material, record: SampleRecord, folder: Path, respond: SolveCell) -> SampleRecord:
+    """Write a record, and return what reading it gives."""
     sample = json.loads(json.dumps(plain(record.sample)))
     content = {
         "format": SAMPLE_FORMAT,
@@ -181,14 +182,14 @@ def _write(material: Material, record: SampleRecord, folder: Path, respond: Solv
         "failed": record.failed,
         "seconds": record.seconds,
     }
-    # another run of the same law may have found the folder empty when it ended, and taken it away
+    # another run of the same law may have removed the folder, which was empty when that run ended
     folder.mkdir(parents=True, exist_ok=True)
     write_table(content, folder / f"{sample_name(material, record.task, respond)}.json")
     return replace(record, sample=sample)
 
 
-def _read(material: Material, task: CellTask, folder: Path, respond: SolveCell | None) -> SampleRecord | None:
-    """The record of a finished sample; None if there is no whole one."""
+def _read(material: Material, task: CellTask, folder: Path, respond: SolveCell) -> SampleRecord | None:
+    """The record of a finished sample; None without a whole file."""
     path = folder / f"{sample_name(material, task, respond)}.json"
     if not path.is_file():
         return None
@@ -203,5 +204,5 @@ def _read(material: Material, task: CellTask, folder: Path, respond: SolveCell |
 
 
 def _check(sample: Any) -> str:
-    """Of a sample as it is written, whose file may be damaged and be JSON still."""
+    """Hash of a written sample: a damaged file may still be valid JSON."""
     return hashlib.sha256(json.dumps(sample, sort_keys=True).encode()).hexdigest()[:16]

@@ -1,13 +1,14 @@
-"""Where the cells of a campaign are solved: processes of this machine, or a Dask cluster.
+"""The workers that solve the cells of a campaign: processes of this machine, or a Dask cluster.
 
-Either is a context manager that yields a function: it takes a function and a list of arguments, and yields
-(number, result) as results arrive.
+Both are context managers that yield a function `submit_all`. It takes a function and a list of arguments, and yields
+(number, result) as the results arrive.
 """
 
 from __future__ import annotations
 
 import asyncio
 import concurrent.futures
+import importlib
 import multiprocessing
 import os
 import signal
@@ -23,10 +24,14 @@ from homogenize.errors import AddressError, CampaignError
 Arrivals = Iterator[tuple[int, Any]]
 SubmitAll = Callable[[Callable[..., Any], Sequence[tuple[Any, ...]]], Arrivals]
 
-# a cluster is looked at so often, and given up after so long without a worker
-POLL_INTERVAL_S, MAX_WAIT_FOR_WORKERS_S = 0.05, 30.0
-# One thread each: as many processes as cores are quicker than threads in any of them, and sums are taken in the same
-# order whatever the number of workers. MKL may otherwise choose its path by where an array happens to lie in memory.
+# between two looks at a cluster
+POLL_INTERVAL_S = 0.05
+# time without any worker, after which a campaign gives up its cluster
+MAX_WAIT_FOR_WORKERS_S = 30.0
+# for the answer of a scheduler
+MAX_WAIT_FOR_SCHEDULER_S = 10.0
+# One thread in each process: as many processes as cores are faster than threads in any of them, and sums have the same
+# order for any number of workers. Without the last entry, MKL chooses its code by the address of an array.
 WORKER_ENVIRONMENT = {
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
@@ -39,10 +44,17 @@ WORKER_ENVIRONMENT = {
 
 @contextmanager
 def local_workers(jobs: int) -> Iterator[SubmitAll]:
-    """Processes of this machine, started afresh so that they share nothing with this one."""
+    """Processes of this machine. Each starts afresh and shares nothing with this process.
+
+    Raises
+    ------
+    CampaignError
+        A process has ended; raised by the loop over the results.
+    """
     with _environment(WORKER_ENVIRONMENT):
         context = multiprocessing.get_context("spawn")
         pool = concurrent.futures.ProcessPoolExecutor(jobs, context, _begin)
+        answered: list[int] = []
 
         def submit_all(function: Callable[..., Any], arguments: Sequence[tuple[Any, ...]]) -> Arrivals:
             number = {pool.submit(function, *args): n for n, args in enumerate(arguments)}
@@ -51,7 +63,6 @@ def local_workers(jobs: int) -> Iterator[SubmitAll]:
                 answered.append(number[future])
                 yield answer
 
-        answered: list[int] = []
         try:
             yield submit_all
         except BrokenProcessPool:
@@ -68,23 +79,31 @@ def local_workers(jobs: int) -> Iterator[SubmitAll]:
 
 @contextmanager
 def dask_workers(address: str) -> Iterator[SubmitAll]:
-    """The workers of a running Dask cluster, which must have asterism installed in the same version."""
+    """The workers of a running Dask cluster, on which the same version of asterism is installed.
+
+    Raises
+    ------
+    AddressError
+        The package distributed is missing, no scheduler answers at the address, or it has no workers.
+    CampaignError
+        The workers have ended; raised by the loop over the results.
+    """
     try:
-        from distributed import CancelledError, Client, KilledWorker, as_completed
-        from distributed.comm import CommClosedError, connect
+        distributed: Any = importlib.import_module("distributed")
+        comm: Any = importlib.import_module("distributed.comm")
     except ImportError:
-        raise AddressError("--dask needs the package distributed: pip install 'asterism[dask]'") from None
+        raise AddressError("--dask: needs the package distributed: pip install 'asterism-fabric[dask]'") from None
 
-    async def knock() -> None:
-        comm = await connect(address, timeout=10)
-        await comm.close()
+    async def check_scheduler() -> None:
+        connection = await comm.connect(address, timeout=MAX_WAIT_FOR_SCHEDULER_S)
+        await connection.close()
 
     try:
-        # a client that finds nobody goes on trying and complains at the end of the program; a notebook has a loop
-        # running in this thread, and no room for another
+        # A client without a scheduler keeps trying and complains at the end of the program, so this checks first. The
+        # check has a thread of its own, because the thread of a notebook has an event loop already.
         with concurrent.futures.ThreadPoolExecutor(1) as thread:
-            thread.submit(asyncio.run, knock()).result()
-        client = Client(address, timeout=10, set_as_default=False)
+            thread.submit(asyncio.run, check_scheduler()).result()
+        client = distributed.Client(address, timeout=MAX_WAIT_FOR_SCHEDULER_S, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
         raise AddressError(f"--dask: no scheduler answers at {address!r} ({type(error).__name__})") from None
     with client:
@@ -95,8 +114,8 @@ def dask_workers(address: str) -> Iterator[SubmitAll]:
             futures = [client.submit(function, *args, pure=False) for args in arguments]
             number = {future.key: n for n, future in enumerate(futures)}
             try:
-                # with their results: those of a worker that has gone would be waited for
-                arrivals = as_completed(futures, loop=client.loop, with_results=True)
+                # with results: asking a lost worker for its result later would wait for ever
+                arrivals = distributed.as_completed(futures, loop=client.loop, with_results=True)
                 last_seen = time.monotonic()
                 while not arrivals.is_empty():
                     if arrivals.has_ready():
@@ -105,12 +124,10 @@ def dask_workers(address: str) -> Iterator[SubmitAll]:
                         last_seen = time.monotonic()
                     elif client.scheduler_info()["workers"]:
                         last_seen = time.monotonic()
-                    elif (
-                        time.monotonic() > last_seen + MAX_WAIT_FOR_WORKERS_S
-                    ):  # the cells would wait for new ones for ever
+                    elif time.monotonic() > last_seen + MAX_WAIT_FOR_WORKERS_S:
                         raise CampaignError("the workers are gone; finished samples are kept")
                     time.sleep(POLL_INTERVAL_S)
-            except (KilledWorker, CancelledError, CommClosedError) as error:
+            except (distributed.KilledWorker, distributed.CancelledError, comm.CommClosedError) as error:
                 raise CampaignError(f"the workers are gone ({type(error).__name__})") from None
             finally:
                 with suppress(Exception):
@@ -120,7 +137,7 @@ def dask_workers(address: str) -> Iterator[SubmitAll]:
 
 
 def _begin() -> None:
-    """In a new worker: Ctrl-C is the parent's to answer, and no worker outlives it."""
+    """First call in a new worker: it ignores Ctrl-C, which its parent answers, and ends with its parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_follow_parent, daemon=True).start()
 
@@ -133,14 +150,14 @@ def _follow_parent() -> None:
 
 
 def _end(pool: concurrent.futures.ProcessPoolExecutor) -> None:
-    """End the workers in the middle of their cells; before Python 3.14 an executor cannot do that by itself."""
+    """End the workers in the middle of their cells. Executors have no function for this before Python 3.14."""
     for process in list((getattr(pool, "_processes", None) or {}).values()):
         process.terminate()
 
 
 @contextmanager
 def _environment(values: dict[str, str]) -> Iterator[None]:
-    """Variables that processes started within the block inherit."""
+    """Environment variables for the processes that start within the block."""
     before = {name: os.environ.get(name) for name in values}
     os.environ.update(values)
     try:

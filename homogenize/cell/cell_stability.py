@@ -31,11 +31,6 @@ class CellStability:
     supercell: float
     supercell_error: float
 
-    @property
-    def stable(self) -> bool:
-        """Both are positive by more than their errors."""
-        return self.cell > self.cell_error and self.supercell > self.supercell_error
-
 
 def cell_stability(cell: UnitCell, state: State) -> CellStability:
     """Of an equilibrium of the cell with the images that it has now."""

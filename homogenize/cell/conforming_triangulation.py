@@ -9,15 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from homogenize.cell.periodic_delaunay import PeriodicTriangles, periodic_delaunay
 from pattern.design.errors import MeshError
-from pattern.geometry.arrays import Floats, Ints
+from pattern.geometry.arrays import Bools, Floats, Ints
 from pattern.geometry.planar import distance_to_segment
-
-Bools = NDArray[np.bool_]
 
 # sweeps in all, and those after which points are dropped and added
 MAX_SMOOTHING_SWEEPS, REFINEMENT_SWEEPS = 40, range(3, 25, 3)
@@ -121,7 +118,7 @@ class _Beside:
         margin = 0.5 + IMAGE_MARGIN_EDGES * edge_mm * np.linalg.norm(inverse, axis=0)
 
         def near(places: Floats) -> Bools:
-            return (np.abs(places @ inverse - 0.5) < margin).all(axis=1)
+            return np.asarray((np.abs(places @ inverse - 0.5) < margin).all(axis=1))
 
         points, size = _copies(frame.vectors, frame.points), np.tile(frame.size, len(_STEPS))
         self._tree = cKDTree(points)
@@ -137,7 +134,7 @@ class _Beside:
         if not len(self._points):
             return np.full(len(places), self._edge_mm)
         distance = np.linalg.norm(places[:, None] - self._points, axis=2)
-        return np.minimum((self._size + EDGE_GROWTH * distance).min(axis=1), self._edge_mm)
+        return np.asarray(np.minimum((self._size + EDGE_GROWTH * distance).min(axis=1), self._edge_mm))
 
     def too_near(self, free: Floats) -> Bools:
         """(n,) which points lie beside an arm, on a point of the frame, or within the circle over a segment."""

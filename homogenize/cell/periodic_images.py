@@ -36,7 +36,7 @@ class PeriodicImages:
     def unfold(self, positions: Array) -> Array:
         """(U, 3) unfolded points of positions (V + 2, 3)."""
         own = np.einsum("uij,uj->ui", self.turn, positions[self.base])
-        return own + self.count @ (positions[self.n_base :] @ self.axes.T)
+        return np.asarray(own + self.count @ (positions[self.n_base :] @ self.axes.T))
 
     def unfold_packed(self, packed: Array) -> Array:
         """Packed configuration of the unfolded mesh; several kinds of elements ask for the same one in turn."""
@@ -102,7 +102,7 @@ class PeriodicElements:
 
     def gradients(self, packed: Array) -> Array:
         """(E, N)."""
-        return np.einsum("ei,eij->ej", self.part.gradients(self._unfolded(packed)), self._transform)
+        return np.asarray(np.einsum("ei,eij->ej", self.part.gradients(self._unfolded(packed)), self._transform))
 
     def hessians(self, packed: Array, blend: float = 0.0, rows: slice = slice(None)) -> Array:
         """(E, N (N + 1)/2) packed lower triangles, of all elements or some rows."""

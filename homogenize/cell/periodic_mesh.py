@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from pattern.layout.layout import Floats, Ints
+from pattern.geometry.arrays import Floats, Ints
 
 # of the spacing, closer than which the ends of arms are one point
 TOUCHING_TOLERANCE = 1e-6
@@ -43,4 +43,4 @@ class PeriodicMesh:
     def area(self) -> float:
         """mm^2, of the printed cell."""
         (a, b), (c, d) = self.cell_vectors
-        return abs(a * d - b * c)
+        return float(abs(a * d - b * c))

@@ -154,7 +154,7 @@ def _angles(cell: UnitCell, points: Array, curvature: float) -> Array:
     star = int(cell.torus.star_vertices[0])
     printed = curvature * _around(cell, cell.printed[: len(points)] - cell.printed[star])
     off = np.arctan2(sign * points[:, 1], sign * points[:, 2]) - printed
-    return printed + off - 2.0 * np.pi * np.round(off / (2.0 * np.pi))
+    return np.asarray(printed + off - 2.0 * np.pi * np.round(off / (2.0 * np.pi)))
 
 
 def _around(cell: UnitCell, printed: Array) -> Array:
@@ -166,7 +166,7 @@ def _middles(cell: UnitCell, points: Array, curvature: float) -> Array:
     """(R,) rad, angle of every rod edge's middle."""
     middle = points[cell.edges].mean(axis=1)
     sign = np.sign(curvature)
-    return np.arctan2(sign * middle[:, 1], sign * middle[:, 2])
+    return np.asarray(np.arctan2(sign * middle[:, 1], sign * middle[:, 2]))
 
 
 def _turned(vectors: Array, angle: Array) -> Array:

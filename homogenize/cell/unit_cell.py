@@ -187,7 +187,7 @@ class UnitCell(System):
         x[: self.torus.n_base] -= centre
         t = edge_tangents(self.images.unfold(state.positions), self.edges)
         motions = [np.concatenate([np.cross(axis, x).ravel(), t @ axis]) for axis in np.eye(3)]
-        return np.array(motions).T[self.free] / np.abs(x).max()
+        return np.asarray(np.array(motions).T[self.free] / np.abs(x).max())
 
     def rigid_modes(self, state: State) -> Array:
         """(free, k) orthonormal."""

@@ -74,7 +74,7 @@ def predicted_curvatures(sample: dict[str, Any], share: float = 1.0) -> Floats:
     )
     m = kappa.mean() * SPHERICAL + own[MOMENT_COLUMNS]
     found = natural_curvatures(ISOTROPIC_PLATE + voigt_matrices(own[BENDING_COLUMNS]), m, angles + 0.5 * np.pi)[0]
-    return found * (np.sqrt(hoop * axial).mean() / hoop) ** 2
+    return np.asarray(found * (np.sqrt(hoop * axial).mean() / hoop) ** 2)
 
 
 def voigt_matrices(entries: Floats) -> Floats:

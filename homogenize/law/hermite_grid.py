@@ -1,9 +1,10 @@
-"""Smooth functions on a grid of three sizes: cubic in each direction, with exact derivatives.
+"""Interpolation on a grid: cubic along each axis, with exact first derivatives.
 
-In every box of the grid a function is the tensor product of cubic Hermite polynomials. Slopes at the nodes come from
-the data along grid lines: those of Fritsch and Butland (1984; PCHIP), so that the function is monotone along grid
-lines wherever the data are, or of the modified Akima spline, which follows a smooth maximum more closely. Mixed slopes
-are slopes of slopes. The function and its first derivatives are continuous.
+In every box of the grid a function is the tensor product of cubic Hermite polynomials. The slopes at the nodes come
+from the data along grid lines. The rule "monotone" takes the slopes of Fritsch and Butland (1984), known as PCHIP: the
+function is monotone along every grid line on which the data are. The rule "smooth" takes the slopes of the modified
+Akima spline, which follow a smooth maximum more closely. Mixed derivatives at the nodes are slopes of slopes. The
+function and its first derivatives are continuous.
 """
 
 from __future__ import annotations
@@ -13,22 +14,28 @@ from itertools import product
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import Akima1DInterpolator, PchipInterpolator
 
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
+from pattern.geometry.arrays import Floats, Ints
+
 SlopeRule = Literal["monotone", "smooth"]
 
 
 class HermiteGrid:
-    """Q functions of three coordinates, given at the nodes of a grid.
+    """Q functions of A coordinates, given by their values at the nodes of a grid.
 
     Parameters
     ----------
-    axes : three increasing lists of nodes; a list of one node stands for a function that does not vary along it.
-    values : (n0, n1, n2, Q).
-    rules : (Q) how slopes are found.
+    axes : A increasing lists of nodes. Along a list of one node the functions are constant.
+    values : (n1, ..., nA, Q).
+    rules : (Q,) rule for the slopes of each function.
+
+    Examples
+    --------
+    >>> grid = HermiteGrid([np.array([0.0, 1.0, 2.0])], np.array([[0.0], [1.0], [4.0]]), ["smooth"])
+    >>> value, slope = grid(np.array([[1.5]]))
+    >>> value, slope
+    (array([[2.25]]), array([[[3.]]]))
     """
 
     def __init__(self, axes: Sequence[Floats], values: Floats, rules: Sequence[SlopeRule]) -> None:
@@ -39,36 +46,35 @@ class HermiteGrid:
                 self.axes[number] = axis[0] + np.array([-0.5, 0.5])
                 values = np.repeat(values, 2, axis=number)
         self.boxes = [len(axis) - 1 for axis in self.axes]
-        self._table = self._hermite(values, rules)
+        self._coefficients = self._hermite(values, rules)
 
     def _hermite(self, values: Floats, rules: Sequence[SlopeRule]) -> Floats:
-        """(boxes, 64, Q): values and slopes at the corners of each box, in units of the box."""
-        jets: dict[tuple[int, ...], Floats] = {(0, 0, 0): values}
+        """(boxes, 4^A, Q) values and slopes at the corners of each box, in coordinates that run from 0 to 1 in it."""
+        count = len(self.axes)
+        derivatives: dict[tuple[int, ...], Floats] = {(0,) * count: values}  # by the order along each axis
         for axis, nodes in enumerate(self.axes):
-            for orders, known in list(jets.items()):
-                # slopes of values keep them monotone; slopes of slopes have nothing to keep
+            for orders, known in list(derivatives.items()):
                 along = np.empty_like(known)
                 for rule in set(rules):
-                    its = np.array([other == rule for other in rules])
-                    along[..., its] = _slopes(nodes, known[..., its], axis, rule)
-                raised = (*orders[:axis], 1, *orders[axis + 1 :])
-                jets[raised] = along
+                    columns = np.array([other == rule for other in rules])
+                    along[..., columns] = _slopes(nodes, known[..., columns], axis, rule)
+                derivatives[(*orders[:axis], 1, *orders[axis + 1 :])] = along
         entries = []
-        for basis in product(range(4), repeat=3):
-            # 0, 1: value at the lower and upper corner; 2, 3: slope there
+        for basis in product(range(4), repeat=count):
+            # 0 and 1: value at the lower and the upper corner; 2 and 3: slope there
             orders = tuple(b // 2 for b in basis)
-            part = jets[orders]
+            part = derivatives[orders]
             for axis, (b, order) in enumerate(zip(basis, orders, strict=True)):
                 part = np.take(part, np.arange(self.boxes[axis]) + b % 2, axis=axis)
                 if order:
                     size = np.diff(self.axes[axis])
-                    part = part * size.reshape([-1 if a == axis else 1 for a in range(4)])
+                    part = part * size.reshape([-1 if a == axis else 1 for a in range(count + 1)])
             entries.append(part)
-        table = np.stack(entries, axis=-2)
-        return np.ascontiguousarray(table.reshape(-1, 64, table.shape[-1]))
+        stacked = np.stack(entries, axis=-2)
+        return np.ascontiguousarray(stacked.reshape(-1, 4**count, stacked.shape[-1]))
 
-    def box(self, points: Floats) -> tuple[NDArray[np.int64], Floats]:
-        """Number of the box that each point (N, 3) lies in, (N,), and place in it (N, 3) from 0 to 1."""
+    def box(self, points: Floats) -> tuple[Ints, Floats]:
+        """Number of the box that each point (N, A) lies in, (N,), and place in the box (N, A) from 0 to 1."""
         place = np.empty_like(points)
         number = np.zeros(len(points), dtype=np.int64)
         for axis, nodes in enumerate(self.axes):
@@ -78,24 +84,26 @@ class HermiteGrid:
         return number, place
 
     def __call__(self, points: Floats) -> tuple[Floats, Floats]:
-        """Values (N, Q) and first derivatives (N, 3, Q) at points (N, 3) within the grid."""
+        """Values (N, Q) and first derivatives (N, A, Q) at points (N, A) within the grid."""
         number, place = self.box(points)
         basis, slope = _cubics(place)
-        size = [np.diff(nodes) for nodes in self.axes]
         index = np.unravel_index(number, self.boxes)
-        weights = np.empty((len(points), 4, 4, 4, 4))
-        for row in range(4):
-            one, two, three = (
-                slope[:, axis] / size[axis][index[axis]][:, None] if row == axis + 1 else basis[:, axis]
-                for axis in range(3)
-            )
-            weights[:, row] = one[:, :, None, None] * (two[:, :, None] * three[:, None, :])[:, None]
-        both = weights.reshape(-1, 4, 64) @ self._table[number]
+        count = len(self.axes)
+        for axis, nodes in enumerate(self.axes):
+            slope[:, axis] /= np.diff(nodes)[index[axis]][:, None]
+        weights = np.empty((len(points), count + 1, 4**count))
+        for row in range(count + 1):  # row 0: values; row a + 1: derivative along axis a
+            factors = [slope[:, axis] if row == axis + 1 else basis[:, axis] for axis in range(count)]
+            tensor = factors[-1]
+            for factor in factors[-2::-1]:
+                tensor = (factor[:, :, None] * tensor[:, None, :]).reshape(len(points), -1)
+            weights[:, row] = tensor
+        both = weights @ self._coefficients[number]
         return both[:, 0], both[:, 1:]
 
 
 def _cubics(t: Floats) -> tuple[Floats, Floats]:
-    """(N, 3, 4) Hermite cubics at t (N, 3): values at 0 and 1, slopes at 0 and 1; and their derivatives."""
+    """(N, A, 4) cubic Hermite polynomials at t (N, A): values at 0 and 1, slopes at 0 and 1; and their derivatives."""
     u = 1 - t
     values = np.stack([(1 + 2 * t) * u * u, (1 + 2 * u) * t * t, t * u * u, -u * t * t], axis=-1)
     slopes = np.stack([-6 * t * u, 6 * t * u, u * (1 - 3 * t), t * (3 * t - 2)], axis=-1)
@@ -106,8 +114,8 @@ def _slopes(nodes: Floats, values: Floats, axis: int, rule: SlopeRule) -> Floats
     if len(nodes) == 2:
         step = np.diff(values, axis=axis) / (nodes[1] - nodes[0])
         return np.concatenate([step, step], axis=axis)
-    if rule == "smooth" and len(nodes) == 3:  # the parabola's
-        return np.gradient(values, nodes, axis=axis, edge_order=2)
+    if rule == "smooth" and len(nodes) == 3:  # the parabola through the three
+        return np.asarray(np.gradient(values, nodes, axis=axis, edge_order=2))
     if rule == "smooth":
         return np.asarray(Akima1DInterpolator(nodes, values, axis=axis, method="makima").derivative()(nodes))
     return np.asarray(PchipInterpolator(nodes, values, axis=axis).derivative()(nodes))

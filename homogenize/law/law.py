@@ -1,6 +1,7 @@
-"""The law of the sheet: what a cell's star makes of it, as smooth functions of the star's sizes.
+"""The law: the homogenised constitutive law of the star pattern, as smooth functions of the star's sizes.
 
-A law belongs to one material, lattice and edge length, and has a table (`homogenize.law.law_table`) for each stretch.
+A law belongs to one material, one lattice and one edge length of the mesh. It has one table (`law_table`) for each
+stretch.
 """
 
 from __future__ import annotations
@@ -22,28 +23,29 @@ from pattern.design.design import Design
 from pattern.design.lattice import Lattice
 from pattern.geometry.arrays import Floats
 
-# parts by which numbers of a design may differ from the law's: rounding of the machine's, and of what is printed of a
-# measured material, whose curvature a law knows less well
-LATTICE_TOLERANCE, MATERIAL_TOLERANCE = 1e-6, 2e-3
-# tried: bare fabric then has no stiffness or no answer at all, and the natural curvature of the paper's star is .027 to
-# .079 per mm at edges from 3.5 to .8 mm, in no order
+# relative difference between numbers of a design and of the law: rounding of the machine
+LATTICE_TOLERANCE = 1e-6
+# the same for a measured material, whose numbers people copy from a printed text; the law is less accurate than this
+MATERIAL_TOLERANCE = 2e-3
+# without bending, bare fabric has no stiffness or no equilibrium, and the natural curvature of the paper's star jumps
+# between 0.027 and 0.079 per mm for mesh edges from 3.5 to 0.8 mm
 WITHOUT_BENDING = (
-    "no law can hold it: bare fabric has no stiffness against bending then, and what a cell does depends on its mesh; "
-    "the exact model can: asterism simulate"
+    "has no law: bare fabric without bending stiffness makes unit cells depend on their mesh; "
+    "use the exact model: asterism simulate"
 )
-WITH_TWO_STRETCHES = "a law is for equal stretch in x and y; the exact model takes both: asterism simulate"
+WITH_TWO_STRETCHES = "a law is for equal stretch in x and y; use the exact model: asterism simulate"
 
 
 @dataclass(frozen=True)
 class Law:
-    """Tables for one material, and everything needed to make them again.
+    """Tables for one material, and everything that produced them.
 
     Attributes
     ----------
-    material : with the plan.
-    tables : one per stretch.
-    samples : all records of the campaign as plain data, in the plan's order.
-    residuals : see `homogenize.law.law_residuals`.
+    material : fabric, plastic, lattice and plan.
+    tables : one for each stretch.
+    samples : all records of the campaign as plain data, in the order of the plan.
+    residuals : errors of the law, see `law_residuals`.
     made : versions, command, machine, seconds.
     """
 
@@ -55,16 +57,22 @@ class Law:
 
     @property
     def edge_mm(self) -> float:
-        """Edge length of the cells' mesh; sheets to be compared should have the same."""
+        """Edge length of the cells' mesh. Exact models that the law is compared with need the same edge length."""
         return self.material.plan.edge_mm
 
     @cached_property
     def waves(self) -> CorrugationWaves:
-        """Of which `Table.relief` gives the amplitudes."""
+        """The waves whose amplitudes `LawTable.corrugation` gives."""
         return CorrugationWaves.of(self.material.lattice)
 
     def at(self, stretch: float) -> LawTable:
-        """The table of a stretch."""
+        """The table of a stretch.
+
+        Raises
+        ------
+        ForeignLaw
+            The law has no table for this stretch.
+        """
         for table in self.tables:
             if _same(table.stretch, stretch):
                 return table
@@ -72,20 +80,21 @@ class Law:
 
     @property
     def stretches(self) -> tuple[float, ...]:
-        """Those of the tables."""
+        """The stretches of the tables."""
         return tuple(table.stretch for table in self.tables)
 
     def check(self, design: Design) -> LawTable:
         """The table for a design.
 
-        Moduli and densities may differ: without gravity only the ratio of the moduli matters, see `evaluate`.
+        Moduli and densities may differ from the law's: without gravity, shapes depend on the ratio of the moduli only.
+        `evaluate` scales the stiffnesses.
 
         Raises
         ------
         ForeignLaw
-            The law is for something else; says what differs.
+            The law is for another material, lattice or stretch; the message names the difference.
         LawError
-            No law can hold the design's fabric.
+            Fabrics of this kind have no law.
         """
         if not design.fabric.has_bending:
             raise LawError(f"fabric.bending = {design.fabric.bending}: {WITHOUT_BENDING}")
@@ -107,20 +116,39 @@ class Law:
                     raise ForeignLaw(f"{section}.{key} = {theirs[key]}: the law is for another {other}, of {ours[key]}")
         return self.at(sx)
 
-    def relief(self, design: Design, length_mm: ArrayLike, thickness_mm: ArrayLike, width_mm: ArrayLike) -> Floats:
-        """(N, 2, W) mm and mm^2, `Table.relief` for a design's stars, which may be turned by half a turn."""
-        found = self.check(design).relief(length_mm, thickness_mm, width_mm)
+    def corrugation(self, design: Design, *sizes: ArrayLike) -> Floats:
+        """(N, 2, W) `LawTable.corrugation` for the stars of a design, which may be turned by half a turn."""
+        found = self.check(design).corrugation(*sizes)
         arms = design.lattice.arms
         turned = (design.lattice.orientation_deg - self.material.lattice.orientation_deg) * arms / 180.0
         return np.where(self.waves.odd, -found, found) if arms % 2 and round(turned) % 2 else found
 
-    def anisotropy(self, design: Design, length_mm: ArrayLike, thickness_mm: ArrayLike, width_mm: ArrayLike) -> Floats:
-        """(N, K) `Table.anisotropy` for a design's stars, which is the same after half a turn."""
-        return self.check(design).anisotropy(length_mm, thickness_mm, width_mm)
+    def anisotropy(self, design: Design, *sizes: ArrayLike) -> Floats:
+        """(N, K) `LawTable.anisotropy` for the stars of a design; half a turn does not change it."""
+        return self.check(design).anisotropy(*sizes)
 
-    def evaluate(self, design: Design, length_mm: ArrayLike, thickness_mm: ArrayLike, width_mm: ArrayLike) -> LawValues:
-        """The law for a design's material at stars of these sizes, stiffnesses in the design's own moduli."""
-        values = self.check(design)(length_mm, thickness_mm, width_mm)
+    def evaluate(self, design: Design, *sizes: ArrayLike) -> LawValues:
+        """The law at stars of these sizes, with stiffnesses for the modulus of the design's fabric.
+
+        Parameters
+        ----------
+        sizes : see `LawTable.__call__`.
+
+        Raises
+        ------
+        LawError
+            See `check`.
+
+        Examples
+        --------
+        >>> from homogenize.law.law_file import load_law
+        >>> from pattern.design.design import Design
+        >>> design = Design.from_dict({"stars": {"length_mm": 9.0}, "border": {"rings": 1}})
+        >>> found = load_law().evaluate(design, 9.0, 0.42, 1.2)
+        >>> found.value["bending"].round(3), bool(found.inside[0])  # N mm
+        (array([3.138]), True)
+        """
+        values = self.check(design)(*sizes)
         scale = design.fabric.modulus_mpa / self.material.fabric.modulus_mpa
         if scale == 1.0:
             return values
@@ -130,14 +158,15 @@ class Law:
             {name: slope * factor[name] for name, slope in values.slope.items()},
             values.inside,
             values.outside,
-            values.tight,
+            values.not_scale_separated,
         )
 
 
 def _lattice(lattice: Lattice, data: dict[str, Any]) -> dict[str, Any]:
-    """What of a lattice shapes its cells: not where its origin lies, and turns up to the symmetry of star and sites.
+    """The data of a lattice that shape its cells.
 
-    Sites repeat after half a turn: stars that are turned by it make the same sheet.
+    The origin is left out, and the orientation is reduced by the symmetry of star and lattice. A lattice repeats after
+    half a turn: stars that are turned by it make the same sheet.
     """
     turn = (lattice.orientation_deg + 1e-7) % (360 / lattice.arms / (1 + lattice.arms % 2)) - 1e-7
     return {
@@ -150,13 +179,13 @@ def _lattice(lattice: Lattice, data: dict[str, Any]) -> dict[str, Any]:
 
 
 def _same_sites(one: Lattice, other: Lattice) -> bool:
-    """Whether both are one lattice, in whatever basis and wherever its origin lies."""
+    """Whether two lattices have the same sites, up to their origins and bases."""
     steps = one.vectors @ np.linalg.inv(other.vectors)
     return bool(np.abs(steps - np.rint(steps)).max() < 1e-6 and round(abs(np.linalg.det(steps))) == 1)
 
 
 def _same(a: Any, b: Any, part: float = LATTICE_TOLERANCE) -> bool:
-    """Whether numbers differ by no more than a part of them, also in lists and tables."""
+    """Whether numbers, also in lists and tables, differ by no more than this part of them."""
     if isinstance(a, int | float) and isinstance(b, int | float):
         return math.isclose(a, b, rel_tol=part, abs_tol=1e-12)
     if isinstance(a, list | tuple) and isinstance(b, list | tuple):

@@ -1,6 +1,9 @@
-"""The law at one stretch: its quantities over length, thickness and width of a star, and their slopes.
+"""The law at one stretch: its quantities as functions of a star's sizes, with their derivatives.
 
-It is never extrapolated silently: outside its range, and next to cells that have no answer, its values are marked.
+A table never extrapolates: outside its range, and next to cells without an answer, it marks its values.
+
+Curvatures are positive with the plastic on the outside. Stiffnesses are per area of the print, which is the area of the
+stretched fabric.
 """
 
 from __future__ import annotations
@@ -13,23 +16,24 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from homogenize.law.hermite_grid import Bools, Floats, HermiteGrid, SlopeRule
+from homogenize.law.axes import AXES, coordinates, named_sizes
+from homogenize.law.hermite_grid import HermiteGrid, SlopeRule
 from homogenize.law.law_range import min_length
-
-SIZE_KEYS = ("length_mm", "thickness_mm", "width_mm")
+from pattern.geometry.arrays import Bools, Floats
 
 
 @dataclass(frozen=True)
 class LawQuantity:
-    """One function of the law.
+    """One quantity of the law.
 
     Attributes
     ----------
     meaning : with its unit.
-    rule : how it is interpolated.
-    form : what is interpolated: `log` of its ratio to the bare fabric's, so that it stays positive; `asinh`, which is
-        the logarithm of large values and linear in small ones of either sign; or itself.
-    per_modulus : it is proportional to the fabric's modulus.
+    rule : of the slopes at the nodes.
+    form : what is interpolated. "log": logarithm of the ratio to the bare fabric's value, so that the quantity stays
+        positive. "asinh": inverse hyperbolic sine, linear for small values of either sign and logarithmic for large
+        ones. "itself": the quantity.
+    per_modulus : the quantity is proportional to the modulus of the fabric.
     """
 
     meaning: str
@@ -40,23 +44,24 @@ class LawQuantity:
 
 QUANTITIES = {
     "lam": LawQuantity("length of the flat free sheet over its printed length", "monotone", "log"),
-    "lam_n": LawQuantity("the same of the tube that the sheet wants to be: sqrt(hoop x axial)", "monotone", "log"),
-    "kappa": LawQuantity("natural curvature, mean over directions, 1/mm", form="asinh"),
+    "lam_n": LawQuantity("the same for the natural tube: sqrt(hoop stretch x axial stretch)", "monotone", "log"),
+    "kappa": LawQuantity("natural curvature, mean over the directions, 1/mm", form="asinh"),
     "bending": LawQuantity(
-        "bending stiffness: secant from flat to the natural tube, N mm", form="log", per_modulus=True
+        "bending stiffness, secant from the flat sheet to the natural tube, N mm", form="log", per_modulus=True
     ),
-    "a11": LawQuantity("membrane stiffness of the natural tube, N/mm", form="log", per_modulus=True),
-    "a12": LawQuantity("membrane stiffness across, N/mm", per_modulus=True),
+    "a11": LawQuantity("membrane stiffness A11 of the natural tube, N/mm", form="log", per_modulus=True),
+    "a12": LawQuantity("membrane stiffness A12 of the natural tube, N/mm", per_modulus=True),
     "c3": LawQuantity("sixfold part of the bending energy, N mm^2", per_modulus=True),
     "offset_mm": LawQuantity("height of the star's centre over the reference surface, mm"),
 }
 QUANTITY_NAMES = tuple(QUANTITIES)
 _LOG, _ASINH = (np.array([q.form == form for q in QUANTITIES.values()]) for form in ("log", "asinh"))
-# natural curvature times spacing, above which the scales of star and sheet do not separate
+# natural curvature times spacing, above which a star is not scale-separated from its sheet
 MAX_SEPARATED_CURL = 1.5
-# curvature from which its logarithm is interpolated, times the spacing of the stars
+# natural curvature times spacing, above which its logarithm is interpolated
 SMALL_CURL = 0.03
-NODE_TOLERANCE = 1e-9  # mm, or logarithms: places so near to a node are on it, and in all boxes around it
+# mm, or difference of logarithms: a place so near to a node counts as on it, and in all boxes around it
+NODE_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -65,107 +70,128 @@ class LawValues:
 
     Attributes
     ----------
-    value : for each of `QUANTITY_NAMES` (N,).
-    slope : the derivatives by length, thickness and width in mm, (N, 3).
-    inside : (N,) False where the law does not reach; there the values are those of the nearest sizes in its range,
-        and the slopes across the range are zero. Between bare fabric and first cells that are far from it (`reach`),
-        the values are still those of the curve that joins them.
-    outside : one line for each such star.
-    tight : (N,) True if a sheet of such stars curls within its own spacing (`MAX_SEPARATED_CURL`): the values are those
-        of its cell, but sheets of different stars need not follow them. The law's stated accuracy ends there.
+    value : (N,) for each of `QUANTITY_NAMES`.
+    slope : (N, A) derivatives by the sizes of `axes.AXES`, for each of `QUANTITY_NAMES`.
+    inside : (N,) False outside the range of the law. Values there are those of the nearest sizes in the range, and
+        derivatives across the range are zero. Between the bare fabric and the shortest cells of a law that begins far
+        from it (`law_range`), values are those of the curve that joins both.
+    outside : one line for each star outside the range.
+    not_scale_separated : (N,) True if a sheet of such stars curls to a radius below two thirds of their spacing
+        (`MAX_SEPARATED_CURL`). The values are those of the cell, but a sheet whose stars differ need not follow them:
+        the stated accuracy of the law ends here.
     """
 
     value: dict[str, Floats]
     slope: dict[str, Floats]
     inside: Bools
     outside: tuple[str, ...]
-    tight: Bools
+    not_scale_separated: Bools
 
 
 @dataclass(frozen=True)
 class LawTable:
-    """The law at one stretch.
+    """The law at one stretch, as a function of A sizes (`axes.AXES`).
 
     Attributes
     ----------
+    stretch : of the fabric, equal in x and y.
     spacing_mm : of the stars.
-    axes : nodes of length, thickness and width, mm.
-    nodes : (n0, n1, n2, Q) values of `QUANTITY_NAMES`; all of length 0 are the bare fabric's.
-    reliefs : (n0, n1, n2, 2, W) mm and mm^2, amplitudes of the waves of `CorrugationWaves`, flat, and more per
-        curvature.
-    good : (n0, n1, n2) False where a cell, of scattered ones the nearest, has no answer and the others on its line of
-        lengths stand in: between two answers that is the interpolation of a coarser grid; elsewhere the law does not
-        reach.
-    units : (Q,) that the forms of the quantities are in, see `quantity_units`.
-    anisotropies : (n0, n1, n2, K) what differs between directions, `homogenize.law.anisotropy`; mostly nothing, K = 0.
+    axis_nodes : (n1,), ..., (nA,) increasing nodes of each axis.
+    node_values : (n1, ..., nA, Q) values of `QUANTITY_NAMES`; at length 0 those of the bare fabric.
+    corrugations : (n1, ..., nA, 2, W) amplitudes of `corrugation_waves`: of the flat cell in mm, and their change per
+        curvature in mm^2.
+    solved : (n1, ..., nA) False if the cell, or the nearest of scattered cells, has no answer. Its values then come
+        from the other cells on its line of lengths. Between two answers this is an interpolation on a coarser grid;
+        elsewhere the node lies outside the range of the law.
+    units : (Q,) units of the interpolated forms, see `quantity_units`.
+    anisotropies : (n1, ..., nA, K) differences between directions, see `anisotropy`; K is 0 for threefold symmetry.
     """
 
     stretch: float
     spacing_mm: float
-    axes: tuple[Floats, Floats, Floats]
-    nodes: Floats
-    reliefs: Floats
-    good: Bools
+    axis_nodes: tuple[Floats, ...]
+    node_values: Floats
+    corrugations: Floats
+    solved: Bools
     units: Floats
     anisotropies: Floats
 
     @cached_property
-    def _grid(self) -> HermiteGrid:
-        stored = to_stored(self.nodes, self.units)
+    def _quantity_grid(self) -> HermiteGrid:
         rules = [quantity.rule for quantity in QUANTITIES.values()]
-        return HermiteGrid((self.axes[0], np.log(self.axes[1]), np.log(self.axes[2])), stored, rules)
+        return self._grid(to_stored(self.node_values, self.units), rules)
 
     @cached_property
-    def _reliefs(self) -> HermiteGrid:
-        return self._smooth(self.reliefs.reshape(*self.reliefs.shape[:3], -1))
+    def _corrugation_grid(self) -> HermiteGrid:
+        return self._smooth_grid(self.corrugations.reshape(*self.corrugations.shape[:-2], -1))
 
     @cached_property
-    def _anisotropies(self) -> HermiteGrid:
-        return self._smooth(self.anisotropies)
+    def _anisotropy_grid(self) -> HermiteGrid:
+        return self._smooth_grid(self.anisotropies)
 
-    def _smooth(self, columns: Floats) -> HermiteGrid:
-        rules: list[SlopeRule] = ["smooth"] * columns.shape[-1]
-        return HermiteGrid((self.axes[0], np.log(self.axes[1]), np.log(self.axes[2])), columns, rules)
+    def _smooth_grid(self, columns: Floats) -> HermiteGrid:
+        return self._grid(columns, ["smooth"] * columns.shape[-1])
+
+    def _grid(self, values: Floats, rules: list[SlopeRule]) -> HermiteGrid:
+        nodes = [axis.coordinate(values) for axis, values in zip(AXES, self.axis_nodes, strict=True)]
+        return HermiteGrid(nodes, values, rules)
 
     @cached_property
-    def least_length_mm(self) -> float:
-        """The shortest arms that the law answers for; 0 if all are."""
-        return min_length(self.axes[0], self.spacing_mm)
+    def min_length_mm(self) -> float:
+        """The shortest arms that the law covers; 0 if it covers all."""
+        return min_length(self.axis_nodes[0], self.spacing_mm)
 
     @cached_property
     def _limits(self) -> Floats:
-        """(2, 3) least and largest sizes, with room for rounding."""
-        low, high = (np.array([axis[end] for axis in self.axes]) for end in (0, -1))
-        low[0] = self.least_length_mm
-        return np.array([low - 1e-9 * (high + 1), high + 1e-9 * (high + 1)])
+        """(2, A) smallest and largest sizes of the range."""
+        limits = np.array([[nodes[end] for nodes in self.axis_nodes] for end in (0, -1)])
+        limits[0, 0] = self.min_length_mm
+        return limits
 
     @cached_property
-    def _whole(self) -> Bools:
-        """(boxes,) False where a corner has no answer and is not between two that have one on its line of lengths."""
-        whole = self.good.copy()
-        whole[1:-1] |= self.good[:-2] & self.good[2:]
-        for axis in range(3):
-            if whole.shape[axis] > 1:
-                n = whole.shape[axis]
-                whole = np.take(whole, range(n - 1), axis) & np.take(whole, range(1, n), axis)
-        return whole.ravel()
+    def _solved_boxes(self) -> Bools:
+        """(boxes,) True if every corner has an answer, or lies between two answers on its line of lengths."""
+        boxes = self.solved.copy()
+        boxes[1:-1] |= self.solved[:-2] & self.solved[2:]
+        for axis in range(boxes.ndim):
+            if (n := boxes.shape[axis]) > 1:
+                boxes = np.take(boxes, range(n - 1), axis) & np.take(boxes, range(1, n), axis)
+        return boxes.ravel()
 
-    def __call__(self, length_mm: ArrayLike, thickness_mm: ArrayLike, width_mm: ArrayLike) -> LawValues:
-        """The law at stars of these sizes, each (N,) or a number."""
-        asked = _rows(length_mm, thickness_mm, width_mm)
+    def __call__(self, *sizes: ArrayLike) -> LawValues:
+        """The law at stars of these sizes.
+
+        Parameters
+        ----------
+        sizes : length, thickness and width in mm (the order of `axes.AXES`), each (N,) or a number.
+
+        Examples
+        --------
+        >>> from homogenize.law.law_file import load_law
+        >>> table = load_law().at(1.35)
+        >>> found = table([0.0, 9.0], 0.42, 1.2)
+        >>> found.value["lam"].round(3)
+        array([0.741, 0.823])
+        >>> found.value["kappa"].round(4)  # 1/mm; bare fabric stays flat
+        array([0.    , 0.0258])
+        >>> table(9.0, 0.42, 5.0).outside
+        ("star 0: width_mm = 5 is outside the law's 0.8 to 1.6",)
+        """
+        asked = _rows(sizes)
         low, high = self._limits
-        within = (asked >= low) & (asked <= high)
-        # without arms there is neither thickness nor width, and bare fabric is always known
-        within |= asked[:, :1] == 0.0
-        sizes, places = self._places(asked)
-        value, slope = self._grid(places)
-        slope[:, 1:] /= sizes[:, 1:, None]
+        rounding = NODE_TOLERANCE * (high + 1)
+        within = (asked >= low - rounding) & (asked <= high + rounding)
+        within |= asked[:, :1] == 0.0  # bare fabric has neither thickness nor width
+        clipped, places = self._places(asked)
+        value, slope = self._quantity_grid(places)
+        for number, axis in enumerate(AXES):
+            if axis.logarithmic:
+                slope[:, number] /= clipped[:, number, None]
         slope *= within[:, :, None]
         slope *= _rate(value, self.units)[:, None]
         value = from_stored(value, self.units)
-        solved = self._is_solved(places) | (asked[:, 0] == 0.0)
-        inside = within.all(axis=1) & solved
-        outside = () if inside.all() else tuple(self._why(int(n), asked[n], within[n]) for n in np.flatnonzero(~inside))
+        inside = within.all(axis=1) & (self._is_solved(places) | (asked[:, 0] == 0.0))
+        outside = tuple(self._why_outside(int(n), asked[n], within[n]) for n in np.flatnonzero(~inside))
         return LawValues(
             {name: value[:, q] for q, name in enumerate(QUANTITY_NAMES)},
             {name: slope[:, :, q] for q, name in enumerate(QUANTITY_NAMES)},
@@ -175,61 +201,70 @@ class LawTable:
         )
 
     def _is_solved(self, places: Floats) -> Bools:
-        """(N,) whether a place on the grid is in a box that has its answers, or on the rim of one."""
-        solved = self._whole[self._grid.box(places)[0]]
-        for sides in () if solved.all() else product((-NODE_TOLERANCE, NODE_TOLERANCE), repeat=3):
-            solved |= self._whole[self._grid.box(places + np.array(sides))[0]]
+        """(N,) whether a place lies in a solved box, or on its boundary."""
+        solved = self._solved_boxes[self._quantity_grid.box(places)[0]]
+        for sides in () if solved.all() else product((-NODE_TOLERANCE, NODE_TOLERANCE), repeat=len(AXES)):
+            solved |= self._solved_boxes[self._quantity_grid.box(places + np.array(sides))[0]]
         return solved
 
-    def relief(self, length_mm: ArrayLike, thickness_mm: ArrayLike, width_mm: ArrayLike) -> Floats:
-        """(N, 2, W) mm and mm^2, amplitudes of the stars' heights over the mean surface, of the waves `Law.waves`.
+    def corrugation(self, *sizes: ArrayLike) -> Floats:
+        """(N, 2, W) amplitudes of the stars' heights over the mean surface, for the waves `Law.waves`.
 
-        `relief[:, 0] + k * relief[:, 1]` where the sum of the sheet's principal curvatures is k (1/mm, positive with
-        the plastic outside): flat cells give the first, natural tubes the second. Beyond the law's range those of the
+        The amplitudes are `c[:, 0] + k c[:, 1]`, in mm, where k (1/mm) is the sum of the principal curvatures of the
+        sheet. Flat cells give the first, natural tubes the second. Outside the range of the law they are those of the
         nearest sizes in it.
-        """
-        found = self._reliefs(self._places(_rows(length_mm, thickness_mm, width_mm))[1])[0]
-        return found.reshape(len(found), *self.reliefs.shape[3:])
 
-    def anisotropy(self, length_mm: ArrayLike, thickness_mm: ArrayLike, width_mm: ArrayLike) -> Floats:
-        """(N, K) what differs between directions, see `homogenize.law.anisotropy`; K is 0 where nothing does.
-
-        Beyond the law's range that of the nearest sizes in it.
+        Parameters
+        ----------
+        sizes : see `__call__`.
         """
-        sizes = _rows(length_mm, thickness_mm, width_mm)
+        found = self._corrugation_grid(self._places(_rows(sizes))[1])[0]
+        return found.reshape(len(found), *self.corrugations.shape[-2:])
+
+    def anisotropy(self, *sizes: ArrayLike) -> Floats:
+        """(N, K) differences between directions, see `homogenize.law.anisotropy`; K is 0 for threefold symmetry.
+
+        Outside the range of the law they are those of the nearest sizes in it.
+
+        Parameters
+        ----------
+        sizes : see `__call__`.
+        """
+        rows = _rows(sizes)
         if self.anisotropies.shape[-1] == 0:
-            return np.empty((len(sizes), 0))
-        return self._anisotropies(self._places(sizes)[1])[0]
+            return np.empty((len(rows), 0))
+        return self._anisotropy_grid(self._places(rows)[1])[0]
 
     def _places(self, asked: Floats) -> tuple[Floats, Floats]:
-        """Sizes (N, 3) within the range, and their places on the grid."""
-        sizes = np.clip(np.nan_to_num(asked, nan=0.0), [a[0] for a in self.axes], [a[-1] for a in self.axes])
-        return sizes, np.column_stack([sizes[:, 0], np.log(sizes[:, 1]), np.log(sizes[:, 2])])
+        """Sizes (N, A) clipped to the nodes, and their coordinates (N, A) on the grid."""
+        low, high = ([nodes[end] for nodes in self.axis_nodes] for end in (0, -1))
+        sizes = np.clip(np.nan_to_num(asked, nan=0.0), low, high)
+        return sizes, coordinates(sizes)
 
-    def _why(self, star: int, sizes: Floats, within: Bools) -> str:
-        ends = np.array([[self.least_length_mm, *(axis[0] for axis in self.axes[1:])], [a[-1] for a in self.axes]])
-        for name, size, (low, high), fine in zip(SIZE_KEYS, sizes, ends.T, within, strict=True):
-            if not fine:
-                its = f"{low:g}" if low == high else f"{low:g} to {high:g}"
-                return f"star {star}: {name} = {size:g} is outside the law's {its}"
-        l_h_w = ", ".join(f"{name} = {size:g}" for name, size in zip(SIZE_KEYS, sizes, strict=True))
-        return f"star {star}: no cell was solved near {l_h_w}"
+    def _why_outside(self, star: int, sizes: Floats, within: Bools) -> str:
+        for (key, size), (low, high), is_within in zip(named_sizes(sizes).items(), self._limits.T, within, strict=True):
+            if not is_within:
+                covered = f"{low:g}" if low == high else f"{low:g} to {high:g}"
+                return f"star {star}: {key} = {size:g} is outside the law's {covered}"
+        place = ", ".join(f"{key} = {size:g}" for key, size in named_sizes(sizes).items())
+        return f"star {star}: no cell was solved near {place}"
 
 
-def _rows(*sizes: ArrayLike) -> Floats:
-    """(N, 3) of three sizes, each (N,) or a number."""
-    return np.column_stack(
-        [x.ravel() for x in np.broadcast_arrays(*(np.atleast_1d(np.asarray(x, float)) for x in sizes))]
-    )
+def _rows(sizes: tuple[ArrayLike, ...]) -> Floats:
+    """(N, A) of A sizes, each (N,) or a number."""
+    if len(sizes) != len(AXES):
+        raise TypeError(f"sizes: {len(sizes)} given, the law has {', '.join(axis.key for axis in AXES)}")
+    arrays = np.broadcast_arrays(*(np.atleast_1d(np.asarray(size, float)) for size in sizes))
+    return np.column_stack([array.ravel() for array in arrays])
 
 
 def quantity_units(fabric: Floats, spacing_mm: float) -> Floats:
-    """(Q,) the bare fabric's value for logarithms, the small curvature for asinh."""
+    """(Q,) the bare fabric's value for "log", the small curvature for "asinh", and 1 for "itself"."""
     return np.where(_LOG, fabric, np.where(_ASINH, SMALL_CURL / spacing_mm, 1.0))
 
 
 def to_stored(rows: Floats, units: Floats) -> Floats:
-    """Rows (..., Q) of `QUANTITY_NAMES` in the forms that are interpolated."""
+    """The interpolated forms (..., Q) of rows (..., Q) of `QUANTITY_NAMES`."""
     x = rows / units
     return np.where(_LOG, np.log(np.where(_LOG, x, 1.0)), np.where(_ASINH, np.arcsinh(x), x))
 

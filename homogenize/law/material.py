@@ -9,6 +9,7 @@ from typing import Any, Self
 import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
+from homogenize.law.axes import AXES, LENGTH, named_sizes
 from homogenize.law.plan import CampaignPlan, CellTask
 from pattern.design.design import Design
 from pattern.design.errors import DesignError, from_validation
@@ -21,7 +22,14 @@ PAPER_MATERIAL = Path(__file__).parents[1] / "data" / "paper.toml"
 
 
 class Material(Section):
-    """A material file: fabric, plastic and lattice as in a design, and the plan."""
+    """A material file: fabric, plastic and lattice as in a design, and the plan of the unit cells.
+
+    Examples
+    --------
+    >>> paper = load_material()
+    >>> paper.name, paper.stretches, len(paper.tasks())
+    ('paper', (1.35, 1.75), 1402)
+    """
 
     name: Line = Field("material", min_length=1, max_length=100)
     fabric: Fabric = Fabric()
@@ -34,13 +42,13 @@ class Material(Section):
         if not self.name.isprintable():
             raise DesignError("name", "must be one line of printable characters", self.name)
         if not isinstance(self.fabric.stretch, float | int):
-            raise DesignError("fabric.stretch", "must be one number: cells are stretched alike in x and y")
+            raise DesignError("fabric.stretch", "must be one number: unit cells have equal stretch in x and y")
         if self.plan.stretches is not None and "stretch" in self.fabric.model_fields_set:
-            raise DesignError("fabric.stretch", "is given by plan.stretches, leave one out", self.fabric.stretch)
+            raise DesignError("fabric.stretch", "conflicts with plan.stretches: remove one", self.fabric.stretch)
         spacing = self.lattice.spacing_mm
         grid = self.plan.kind == "grid"
         if self.plan.ranges[0][1] > spacing * (1 + 1e-6):
-            key = "lengths_mm" if grid else "length_range_mm"
+            key = LENGTH.nodes_key if grid else LENGTH.range_key
             raise DesignError(f"plan.{key}", f"must be at most the spacing {spacing:g}", self.plan.ranges[0][1])
         if self.plan.edge_mm > spacing / 3:
             raise DesignError("plan.edge_mm", f"must be at most a third of the spacing {spacing:g}", self.plan.edge_mm)
@@ -48,19 +56,25 @@ class Material(Section):
 
     @property
     def stretches(self) -> tuple[float, ...]:
-        """The stretches of the law."""
+        """The stretches of the law, one table each."""
         return self.plan.stretches or (float(np.max(self.fabric.stretch)),)
 
     def tasks(self) -> list[CellTask]:
         """Every cell of the plan, sorted; the bare fabric once per stretch."""
-        (_, (thin, _), (narrow, _)) = self.plan.ranges
-        own = [(0.0, thin, narrow), *self.plan.sizes()]
-        tests = self.plan.tests(self.lattice.spacing_mm)
-        every = ((False, own), (True, tests))
-        return sorted({CellTask(s, held, *sizes) for s in self.stretches for held, rows in every for sizes in rows})
+        bare = (0.0, *(low for low, _ in self.plan.ranges[1:]))
+        fitted = [bare, *self.plan.sizes()]
+        tests = self.plan.test_sizes(self.lattice.spacing_mm)
+        return sorted(
+            {
+                CellTask(stretch, held_out, sizes)
+                for stretch in self.stretches
+                for held_out, rows in ((False, fitted), (True, tests))
+                for sizes in rows
+            }
+        )
 
     def design(self, task: CellTask) -> Design:
-        """The design whose cell is solved; its border is of no importance."""
+        """The design whose unit cell is solved. Its outline has no effect."""
         side = 3 * self.lattice.spacing_mm
         return Design.from_dict(
             {
@@ -68,21 +82,16 @@ class Material(Section):
                 "fabric": {**self.fabric.model_dump(mode="json"), "stretch": task.stretch},
                 "plastic": self.plastic.model_dump(mode="json"),
                 "lattice": self.to_dict()["lattice"],
-                "stars": {
-                    "length_mm": task.length_mm,
-                    "thickness_mm": task.thickness_mm,
-                    "width_mm": task.width_mm,
-                },
+                "stars": named_sizes(task.sizes),
                 "border": {"rectangle_mm": [side, side]},
             }
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain data, complete with defaults; `from_dict` makes the same material of it."""
+        """Plain data with all defaults; the inverse of `from_dict`."""
         data = self.model_dump(mode="json", by_alias=True, exclude_none=True)
-        kinds = {"lengths_mm", "thicknesses_mm", "widths_mm"}
-        ranges = {"length_range_mm", "thickness_range_mm", "width_range_mm", "count"}
-        for key in ranges if self.plan.kind == "grid" else kinds:
+        scattered = [*(axis.range_key for axis in AXES), "count"]
+        for key in scattered if self.plan.kind == "grid" else [axis.nodes_key for axis in AXES]:
             del data["plan"][key]
         if self.plan.stretches is not None:
             del data["fabric"]["stretch"]
@@ -90,7 +99,13 @@ class Material(Section):
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any], file: str | Path | None = None) -> Material:
-        """A material from plain data; `DesignError` names file and field."""
+        """A material from plain data.
+
+        Raises
+        ------
+        DesignError
+            A value is wrong; the message names the file and the field.
+        """
         try:
             return cls.model_validate(data)
         except ValidationError as error:
@@ -98,5 +113,11 @@ class Material(Section):
 
 
 def load_material(path: str | Path = PAPER_MATERIAL) -> Material:
-    """A material from a TOML or JSON file; the paper's by default."""
+    """A material from a TOML or JSON file; by default the paper's.
+
+    Raises
+    ------
+    DesignError
+        The file cannot be read, or a value is wrong.
+    """
     return Material.from_dict(read_table(Path(path)), path)

@@ -1,48 +1,79 @@
-"""What a calibration computes: a material, and the star sizes at which its cells are solved."""
+"""The plan of a campaign: the stretches and star sizes at which unit cells are solved."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Literal, Self
 
 import numpy as np
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
+from homogenize.law.axes import AXES, LENGTH, Axis
 from homogenize.law.law_range import min_length
 from pattern.design.errors import DesignError
 from pattern.design.section import Number, Point, Section, Whole
-from pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
+from pattern.design.stars import MIN_ARM_MM
+from pattern.geometry.arrays import Floats
 
+# cells of one grid or one set of scattered cells
 MAX_SAMPLES = 100_000
-# stars are at least 1 mm apart, and a cell has three edges between them
+# stars are at least 1 mm apart, and a cell has at least three edges between two stars
 MIN_CELL_EDGE_MM = 0.2
-MIN_STRETCH_STEP = 1e-4  # stretches that are nearer are one: a law is asked for with rounded numbers
+# between two stretches: designs with rounded numbers must find the stretch of their table
+MIN_STRETCH_STEP = 1e-4
+# arms of held-out cells, unless the law covers shorter or only longer ones
+MIN_TEST_ARM_MM = 1.5
+# decimals of the sizes of scattered and held-out cells, in mm
+SIZE_DECIMALS = 3
 AxisNodes = tuple[Number, ...]
+Sizes = tuple[float, ...]
+
+_BY_NODES = {axis.nodes_key: axis for axis in AXES}
+_BY_RANGE = {axis.range_key: axis for axis in AXES}
 
 
 @dataclass(frozen=True, order=True)
 class CellTask:
-    """One cell to solve; `held_out` ones test the law and are not used to make it."""
-
-    stretch: float
-    held_out: bool
-    length_mm: float
-    thickness_mm: float
-    width_mm: float
-
-
-class CampaignPlan(Section):
-    """Which cells are solved.
+    """One unit cell to solve.
 
     Attributes
     ----------
-    kind : `grid` takes all combinations of the three lists; `halton` and `sobol` spread `count` cells over the ranges.
-    stretches : one table of the law for each; the fabric's own stretch if left out.
-    lengths_mm, thicknesses_mm, widths_mm : of the grid, increasing. Length 0, the bare fabric, is always there.
-    length_range_mm, thickness_range_mm, width_range_mm : of `halton` and `sobol`, and count and seed.
-    edge_mm : of the cells' mesh; that of the sheets the law is for.
-    held_out : random cells per stretch within the ranges, to test the law with.
+    stretch : of the fabric, equal in x and y.
+    held_out : the cell tests the law; the fit does not use it.
+    sizes : of the star, in the order of `homogenize.law.axes.AXES`.
+    """
+
+    stretch: float
+    held_out: bool
+    sizes: Sizes
+
+    @property
+    def length_mm(self) -> float:
+        """Length of the arms."""
+        return self.sizes[0]
+
+    @property
+    def is_bare(self) -> bool:
+        """Whether the star has no arms, so that the cell is the bare fabric."""
+        return self.sizes[0] == 0.0
+
+
+class CampaignPlan(Section):
+    """Section `[plan]` of a material file: which unit cells are solved.
+
+    Attributes
+    ----------
+    kind : "grid" solves all combinations of the three lists. "halton" and "sobol" scatter `count` cells over the
+        ranges, by the sequence of that name.
+    stretches : the law has one table for each; by default the stretch of the fabric alone.
+    lengths_mm, thicknesses_mm, widths_mm : nodes of a grid, increasing. The bare fabric (length 0) is always solved.
+    length_range_mm, thickness_range_mm, width_range_mm : [low, high] of scattered cells.
+    count, seed : of scattered cells.
+    edge_mm : of the cells' mesh. Sheets that use the law have meshes with the same edge length.
+    held_out : number of random cells per stretch that test the law.
     """
 
     kind: Literal["grid", "halton", "sobol"] = "grid"
@@ -58,7 +89,7 @@ class CampaignPlan(Section):
     edge_mm: Number = Field(2.0, ge=MIN_CELL_EDGE_MM, le=100)
     held_out: Whole = Field(12, ge=0, le=10_000)
 
-    @field_validator("stretches", "lengths_mm", "thicknesses_mm", "widths_mm")
+    @field_validator("stretches", *_BY_NODES)
     @classmethod
     def _increase(cls, values: AxisNodes | None) -> AxisNodes | None:
         if values is not None and any(b <= a for a, b in pairwise(values)):
@@ -68,14 +99,20 @@ class CampaignPlan(Section):
     @field_validator("stretches")
     @classmethod
     def _are_stretches(cls, values: AxisNodes | None) -> AxisNodes | None:
-        values = _within(values, (1.0, 3.0))
-        if values is not None and any(b - a < MIN_STRETCH_STEP * (1.0 - 1e-6) for a, b in pairwise(sorted(values))):
+        if values is None:
+            return None
+        _check_within(values, (1.0, 3.0))
+        if any(b - a < MIN_STRETCH_STEP * (1.0 - 1e-6) for a, b in pairwise(sorted(values))):
             raise DesignError("", f"must be at least {MIN_STRETCH_STEP:g} apart", list(values))
         return values
 
-    @field_validator("lengths_mm", "length_range_mm")
+    @field_validator(*_BY_NODES, *_BY_RANGE)
     @classmethod
-    def _are_lengths(cls, values: AxisNodes) -> AxisNodes:
+    def _can_be_printed(cls, values: AxisNodes, info: ValidationInfo) -> AxisNodes:
+        axis = (_BY_NODES | _BY_RANGE)[str(info.field_name)]
+        if axis is not LENGTH:
+            _check_within(values, axis.limits)
+            return values
         printed = [v for v in values if v != 0]
         if not all(v >= MIN_ARM_MM for v in printed):
             raise DesignError("", f"must be at least {MIN_ARM_MM:g}: shorter arms are not printed", list(values))
@@ -83,17 +120,7 @@ class CampaignPlan(Section):
             raise DesignError("", "must hold a length above 0: the bare fabric is always there", list(values))
         return values
 
-    @field_validator("thicknesses_mm", "thickness_range_mm")
-    @classmethod
-    def _are_thicknesses(cls, values: AxisNodes) -> AxisNodes:
-        return _within(values, THICKNESS_RANGE_MM) or ()
-
-    @field_validator("widths_mm", "width_range_mm")
-    @classmethod
-    def _are_widths(cls, values: AxisNodes) -> AxisNodes:
-        return _within(values, WIDTH_RANGE_MM) or ()
-
-    @field_validator("length_range_mm", "thickness_range_mm", "width_range_mm")
+    @field_validator(*_BY_RANGE)
     @classmethod
     def _from_low_to_high(cls, values: Point) -> Point:
         if not 0 < values[0] < values[1]:
@@ -102,57 +129,61 @@ class CampaignPlan(Section):
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
-        grid = {"lengths_mm", "thicknesses_mm", "widths_mm"}
-        spread = {"length_range_mm", "thickness_range_mm", "width_range_mm", "count", "seed"}
-        for key in sorted((spread - {"seed"} if self.kind == "grid" else grid) & self.model_fields_set):
+        foreign = {*_BY_RANGE, "count"} if self.kind == "grid" else set(_BY_NODES)
+        for key in sorted(foreign & self.model_fields_set):
             raise DesignError(key, f'does not go with kind = "{self.kind}"', getattr(self, key))
-        if len(self.lengths_mm) * len(self.thicknesses_mm) * len(self.widths_mm) > MAX_SAMPLES:
+        if math.prod(len(self.nodes(axis)) for axis in AXES) > MAX_SAMPLES:
             raise DesignError("", f"must have at most {MAX_SAMPLES} cells in its grid")
         return self
 
-    @property
-    def ranges(self) -> tuple[Point, Point, Point]:
-        """Least and largest length (0 is the least), thickness and width."""
-        if self.kind == "grid":
-            h, w = self.thicknesses_mm, self.widths_mm
-            return (0.0, self.lengths_mm[-1]), (h[0], h[-1]), (w[0], w[-1])
-        return (0.0, self.length_range_mm[1]), self.thickness_range_mm, self.width_range_mm
+    def nodes(self, axis: Axis) -> AxisNodes:
+        """Nodes of an axis, for a grid of cells."""
+        nodes: AxisNodes = getattr(self, axis.nodes_key)
+        return nodes
 
-    def sizes(self) -> list[tuple[float, float, float]]:
-        """Length, thickness and width of the cells the law is made of, with arms."""
+    def scatter_range(self, axis: Axis) -> Point:
+        """Range of an axis, for scattered cells."""
+        low_high: Point = getattr(self, axis.range_key)
+        return low_high
+
+    @property
+    def ranges(self) -> tuple[Point, ...]:
+        """Smallest and largest size along each of `AXES`; the smallest length is 0."""
+        ends = [self.nodes(axis) if self.kind == "grid" else self.scatter_range(axis) for axis in AXES]
+        return tuple((0.0 if axis is LENGTH else end[0], end[-1]) for axis, end in zip(AXES, ends, strict=True))
+
+    def sizes(self) -> list[Sizes]:
+        """Sizes of the stars with arms that the law is fitted to."""
         if self.kind == "grid":
-            axes = [v for v in self.lengths_mm if v > 0], self.thicknesses_mm, self.widths_mm
-            return [(length, h, w) for length in axes[0] for h in axes[1] for w in axes[2]]
-        from scipy.stats import qmc  # takes half a second, and only these plans need it
+            return list(product(*([v for v in self.nodes(axis) if v > 0] for axis in AXES)))
+        from scipy.stats import qmc  # its import takes half a second, and only these plans use it
 
         engine = qmc.Halton if self.kind == "halton" else qmc.Sobol
+        count = self.count
         if self.kind == "sobol":  # its points are balanced in powers of two
-            power = int(np.ceil(np.log2(self.count)))
-            points = engine(3, seed=np.random.default_rng(self.seed)).random(2**power)[: self.count]
-        else:
-            points = engine(3, seed=np.random.default_rng(self.seed)).random(self.count)
-        return _rows(points, (self.length_range_mm, self.thickness_range_mm, self.width_range_mm))
+            count = 2 ** int(np.ceil(np.log2(self.count)))
+        points = engine(len(AXES), seed=np.random.default_rng(self.seed)).random(count)[: self.count]
+        return _spread(points, [self.scatter_range(axis) for axis in AXES])
 
-    def least_length_mm(self, spacing_mm: float) -> float:
-        """The shortest arms that the law answers for; 0 if all are."""
-        return min_length(self.lengths_mm if self.kind == "grid" else self.length_range_mm, spacing_mm)
+    def min_length_mm(self, spacing_mm: float) -> float:
+        """The shortest arms that the law covers; 0 if it covers all."""
+        return min_length(self.nodes(LENGTH) if self.kind == "grid" else self.scatter_range(LENGTH), spacing_mm)
 
-    def tests(self, spacing_mm: float) -> list[tuple[float, float, float]]:
-        """Length, thickness and width of the held-out cells, of the lengths that the law answers for."""
+    def test_sizes(self, spacing_mm: float) -> list[Sizes]:
+        """Sizes of the held-out stars, with lengths that the law covers."""
         (_, longest), *others = self.ranges
-        low = max(min(max(MIN_ARM_MM, 1.5), longest), self.least_length_mm(spacing_mm))
-        points = np.random.default_rng(self.seed + 1).random((self.held_out, 3))
-        return _rows(points, ((low, longest), *others))
+        low = max(min(max(MIN_ARM_MM, MIN_TEST_ARM_MM), longest), self.min_length_mm(spacing_mm))
+        points = np.random.default_rng(self.seed + 1).random((self.held_out, len(AXES)))
+        return _spread(points, [(low, longest), *others])
 
 
-def _within(values: AxisNodes | None, limits: tuple[float, float]) -> AxisNodes | None:
-    if values is not None and not all(limits[0] <= v <= limits[1] for v in values):
+def _check_within(values: AxisNodes, limits: tuple[float, float]) -> None:
+    if not all(limits[0] <= v <= limits[1] for v in values):
         raise DesignError("", f"must be from {limits[0]:g} to {limits[1]:g}", list(values))
-    return values
 
 
-def _rows(points: np.ndarray, ranges: tuple[Point, ...]) -> list[tuple[float, float, float]]:
-    """Points of the unit cube (n, 3) spread over the ranges, to a thousandth so that files stay readable."""
+def _spread(points: Floats, ranges: Sequence[Point]) -> list[Sizes]:
+    """Sizes for points of the unit cube (n, A), rounded so that files stay readable."""
     low, high = np.transpose(ranges)
-    rows = np.clip(np.round(low + points * (high - low), 3), low, high)
-    return [(float(a), float(b), float(c)) for a, b, c in rows]
+    rows = np.clip(np.round(low + points * (high - low), SIZE_DECIMALS), low, high)
+    return [tuple(float(size) for size in row) for row in rows]

@@ -10,11 +10,11 @@ import numpy as np
 from asterism.previews.fields.directional import strongest
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from homogenize.errors import LawError
-from homogenize.law.hermite_grid import Bools
+from homogenize.law.axes import star_sizes
 from homogenize.law.law import Law
 from homogenize.law.law_table import MAX_SEPARATED_CURL, QUANTITY_NAMES
 from pattern.design.design import Design
-from pattern.geometry.arrays import Floats
+from pattern.geometry.arrays import Bools, Floats
 from pattern.layout.layout import Layout
 
 
@@ -27,7 +27,7 @@ class StarValues:
     value : each of the law's quantities, (S + 1,); the last entry is the bare fabric's. `c3` is bounded to
         `max_sixfold_share` of `bending/|kappa|`.
     corrugation : (S + 1, 2, W) mm and mm^2, amplitudes of the law's waves: of the flat cell, and change per curvature.
-    sizes : (S, 3) mm, length, thickness and width of each star's arms, at which the law is evaluated.
+    sizes : (S, A) sizes of each star's arms (`homogenize.law.axes.AXES`), at which the law is evaluated.
     outside : one line for each star beyond the law's range; the nearest star in the range replaces it.
     not_scale_separated : numbers of the stars whose sheet would curl to a radius below two thirds of their spacing, in
         the mean over directions, or around the tube of largest gain with the whole difference between directions.
@@ -54,17 +54,6 @@ class StarValues:
     anisotropy: Floats
 
 
-def star_sizes(layout: Layout, arms: int) -> Floats:
-    """(S, 3) mm, mean length, thickness and width of each star's arms; arms that were cut away count as length 0."""
-    star, count = layout.arm_star, len(layout.centres)
-    length = np.bincount(star, layout.arm_length, count) / arms
-    share = layout.arm_length / (arms * length[star])
-    thickness, width = (
-        np.bincount(star, share * ends.mean(axis=1), count) for ends in (layout.arm_thickness, layout.arm_width)
-    )
-    return np.column_stack([length, thickness, width])
-
-
 def star_values(design: Design, layout: Layout, law: Law, model: PreviewModel = PREVIEW_MODEL) -> StarValues:
     """The law at every star of a design.
 
@@ -86,11 +75,11 @@ def star_values(design: Design, layout: Layout, law: Law, model: PreviewModel = 
     anisotropy = model.anisotropy_share * differs
     tube_curvature = strongest(found.value["kappa"], anisotropy)
     # as for cells, the whole difference between directions counts here, without `anisotropy_share`
-    curls = found.tight | (
+    curls = found.not_scale_separated | (
         np.abs(strongest(found.value["kappa"], differs)) * design.lattice.spacing_mm > MAX_SEPARATED_CURL
     )
     not_scale_separated = tuple(layout.star_number[curls[:-1]].tolist())
-    corrugation = law.relief(design, *asked.T)
+    corrugation = law.corrugation(design, *asked.T)
     tip_heights, bump_curvature = _bumps(design, law, asked[:, 0], corrugation, found.value["kappa"], model)
     c3, too_much = _bounded_sixfold(found.value, model.max_sixfold_share)
     strongly_anisotropic = tuple(layout.star_number[too_much[:-1]].tolist())

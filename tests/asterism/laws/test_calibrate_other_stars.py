@@ -71,18 +71,18 @@ def test_previews_warn_and_say_what_they_expect(five: tuple[Law, str]) -> None:
 def test_the_law_holds_what_differs_between_directions(five: tuple[Law, str], tmp_path: Path) -> None:
     law = five[0]
     table = law.at(1.35)
-    assert table.anisotropies.shape == (*table.nodes.shape[:3], ANISOTROPY_SIZE)
+    assert table.anisotropies.shape == (*table.node_values.shape[:3], ANISOTROPY_SIZE)
     assert not table.anisotropy(0.0, 0.3, 1.2).any()
     cell = next(cell["sample"] for cell in law.samples if cell["length_mm"] == 7.0 and cell["sample"])
     sizes = (cell[name] for name in ("length_mm", "thickness_mm", "width_mm"))
     np.testing.assert_allclose(law.anisotropy(sheet(5), *sizes)[0], sample_anisotropy(cell), rtol=1e-9, atol=1e-12)
-    without = replace(law, tables=(replace(table, anisotropies=np.empty((*table.nodes.shape[:3], 0))),))
+    without = replace(law, tables=(replace(table, anisotropies=np.empty((*table.node_values.shape[:3], 0))),))
     (tmp_path / "old.npz").write_bytes(law_bytes(without))
-    with pytest.raises(LawError, match=r"old\.npz: lacks what differs between directions; make it again"):
+    with pytest.raises(LawError, match=r"old\.npz: lacks the differences between directions; make it again"):
         load_law(tmp_path / "old.npz")
     residuals = {"1.35": {name: entry for name, entry in law.residuals["1.35"].items() if name != "tubes"}}
     (tmp_path / "old.npz").write_bytes(law_bytes(replace(law, residuals=residuals)))
-    with pytest.raises(LawError, match=r"old\.npz: lacks how many of its cells are stable; make it again"):
+    with pytest.raises(LawError, match=r"old\.npz: lacks the number of stable cells; make it again"):
         load_law(tmp_path / "old.npz")
 
 

@@ -120,7 +120,7 @@ def test_a_fabric_that_does_not_bend_has_no_law(
 ) -> None:
     write(folder / "d.toml", thickness=0.8, bending="none")
     refused = command([word, "d.toml"], capsys, monkeypatch)
-    assert refused.status == 2 and "no law can hold it: bare fabric has no stiffness" in refused.line
+    assert refused.status == 2 and "fabric.bending" in refused.line and "has no law" in refused.line
     assert "asterism: d.toml: fabric.bending = " in refused.line
     assert "calibrate" not in refused.line and "asterism simulate" in refused.line
     assert not list(folder.glob("*.npz"))

@@ -224,9 +224,9 @@ def test_a_sheet_that_goes_up_by_itself_is_flipped_down() -> None:
     """Its natural curvature is the other one; whatever side `auto` has found, a flip leaves it."""
     law = plain_law()
     dome, table = gallery.load("dome"), law.tables[0]
-    nodes = table.nodes.copy()
+    nodes = table.node_values.copy()
     nodes[..., QUANTITY_NAMES.index("kappa")] *= -1.0
-    preview = Preview(dome, replace(law, tables=(replace(table, nodes=nodes), *law.tables[1:])))
+    preview = Preview(dome, replace(law, tables=(replace(table, node_values=nodes), *law.tables[1:])))
     before = preview.at([0.0, 0.0]).smooth[0, 2]
     assert preview.flip() == "down"
     assert preview.at([0.0, 0.0]).smooth[0, 2] * before < -1.0
@@ -457,9 +457,9 @@ def test_neighbours_that_no_sheet_can_join_are_refused_with_star_and_value() -> 
     """Fabric that is stretched threefold, and stars that let it contract by that or not at all."""
     law = plain_law(3.0)
     table = law.tables[0]
-    nodes = table.nodes.copy()
+    nodes = table.node_values.copy()
     nodes[7:, ..., QUANTITY_NAMES.index("lam_n")] = 0.99
-    law = replace(law, tables=(replace(table, nodes=nodes),))
+    law = replace(law, tables=(replace(table, node_values=nodes),))
     short = [{"star": star, "length_mm": 1.0} for star in range(1, 37)]
     same = design(fabric={"stretch": 3.0}, stars={"length_mm": 1.0})
     torn = design(fabric={"stretch": 3.0}, stars={"length_mm": 10.0, "override": short})
@@ -618,9 +618,9 @@ def test_pins_that_a_free_sheet_meets_anyway_cost_nothing(pins: dict[str, object
 
 def test_a_sixfold_term_that_outweighs_the_bending_is_bounded_and_told() -> None:
     law = plain_law()
-    nodes = law.tables[0].nodes.copy()
+    nodes = law.tables[0].node_values.copy()
     nodes[..., QUANTITY_NAMES.index("c3")] *= 1e4
-    wild = replace(law, tables=(replace(law.tables[0], nodes=nodes),))
+    wild = replace(law, tables=(replace(law.tables[0], node_values=nodes),))
     plan = layout(TUBE)
     values = star_values(TUBE, plan, wild)
     assert values.strongly_anisotropic == tuple(plan.star_number.tolist())

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from homogenize.campaign.fit_law import sample_quantities
+from homogenize.campaign.sample_rows import sample_quantities
 from homogenize.cell.sample import solve_cell
 from homogenize.cell.tube_directions import (
     ALL_ANGLES_RAD,

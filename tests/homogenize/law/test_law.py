@@ -14,7 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from homogenize.campaign.campaign import SampleRecord
-from homogenize.campaign.fit_law import fill_failed_rows, fit_law, sample_quantities
+from homogenize.campaign.fit_law import fill_failed_rows, fit_law
+from homogenize.campaign.sample_rows import sample_quantities
 from homogenize.errors import CampaignError, ForeignLaw, LawError
 from homogenize.law.hermite_grid import HermiteGrid
 from homogenize.law.law import Law
@@ -72,10 +73,10 @@ def test_bare_fabric_is_exact(stretch: float) -> None:
 
 def test_cells_of_the_plan_are_met_exactly() -> None:
     table = LAW.at(1.35)
-    sizes = np.stack(np.meshgrid(*table.axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    sizes = np.stack(np.meshgrid(*table.axis_nodes, indexing="ij"), axis=-1).reshape(-1, 3)
     values = table(*sizes.T)
     for q, name in enumerate(QUANTITY_NAMES):
-        nodes = table.nodes[..., q].ravel()
+        nodes = table.node_values[..., q].ravel()
         assert np.abs(values.value[name] - nodes).max() <= 1e-13 * np.abs(nodes).max(), name
 
 
@@ -84,7 +85,7 @@ def test_cells_of_the_plan_are_met_exactly() -> None:
 def test_slopes_are_derivatives(length: float, thickness: float, width: float) -> None:
     sizes = np.array([length, thickness, width])
     table, step = LAW.at(1.35), 1e-5
-    nearest = min(np.abs(axis - x).min() for axis, x in zip(table.axes, sizes, strict=True))
+    nearest = min(np.abs(axis - x).min() for axis, x in zip(table.axis_nodes, sizes, strict=True))
     if nearest < 2 * step:  # second derivatives jump there
         return
     found = table(*sizes)
@@ -163,7 +164,7 @@ def test_one_length_answers_for_itself_and_not_for_shorter_arms(lengths: list[fl
 def test_cells_that_begin_far_from_bare_fabric_are_tested_where_they_are() -> None:
     """A fifth of the spacing of 17.3 mm is near."""
     far, near = (law(lengths_mm=[first, 6.0, 8.0, 10.0]) for first in (3.6, 3.4))
-    assert (far.at(1.35).least_length_mm, near.at(1.35).least_length_mm) == (3.6, 0.0)
+    assert (far.at(1.35).min_length_mm, near.at(1.35).min_length_mm) == (3.6, 0.0)
     tested = [cell["length_mm"] for cell in far.residuals["1.35"]["held_out"]["cells"]]
     assert len(tested) == 10 and min(tested) >= 3.6 and far.residuals["1.35"]["held_out"]["outside"] == 0
     assert far.residuals["1.35"]["leave_one_out"]["count"] == 2 * 4 * 3
@@ -172,7 +173,7 @@ def test_cells_that_begin_far_from_bare_fabric_are_tested_where_they_are() -> No
 def test_cells_without_an_answer_are_marked_with_their_surroundings() -> None:
     holed = law(fake.fails_when_thin)
     table = holed.at(1.35)
-    assert (~table.good).sum() == 6
+    assert (~table.solved).sum() == 6
     values = table(np.array([9.0, 11.0, 7.9, 9.0]), np.array([0.25, 0.25, 0.25, 0.31]), 1.0)
     assert values.inside.tolist() == [False, False, True, True]
     assert "no cell was solved near length_mm = 9" in values.outside[0]
@@ -203,7 +204,7 @@ def test_a_single_cell_without_an_answer_is_bridged_along_its_line() -> None:
         return fake.Answer({}, "no") if gap else fake.solve_cell(design, edge_mm)
 
     table = law(one_gap).at(1.35)
-    assert (~table.good).sum() == 3
+    assert (~table.solved).sum() == 3
     values, known = (t(5.5, 0.32, 1.0) for t in (table, LAW.at(1.35)))
     assert values.inside.all()
     assert values.value["kappa"] == pytest.approx(known.value["kappa"], rel=0.02)
@@ -231,9 +232,9 @@ def test_sheets_that_hardly_curl_have_no_sixfold_part() -> None:
 def test_tight_sheets_are_marked_and_keep_their_values() -> None:
     values = LAW.at(1.35)(np.array([2.0, 12.0]), 0.2, 1.2)
     curls = 17.320508 * values.value["kappa"]
-    assert values.tight.tolist() == [False, False] and curls.max() < 1.5
+    assert values.not_scale_separated.tolist() == [False, False] and curls.max() < 1.5
     tighter = law(fake.curls_more).at(1.35)(np.array([2.0, 12.0]), 0.2, 1.2)
-    assert tighter.tight.tolist() == [False, True] and tighter.inside.all()
+    assert tighter.not_scale_separated.tolist() == [False, True] and tighter.inside.all()
     np.testing.assert_allclose(tighter.value["kappa"], 4 * values.value["kappa"], rtol=1e-3)
     held = law(fake.curls_more).residuals["1.35"]["held_out"]
     assert held["tight"]["count"] > 0 and held["count"] + held["tight"]["count"] == 10
@@ -241,11 +242,11 @@ def test_tight_sheets_are_marked_and_keep_their_values() -> None:
 
 def test_reliefs_are_those_of_the_cells_and_flat_without_arms() -> None:
     table = LAW.at(1.35)
-    found = table.relief(np.array([0.0, 4.0, 5.0]), 0.3, 1.2)
+    found = table.corrugation(np.array([0.0, 4.0, 5.0]), 0.3, 1.2)
     assert found.shape == (3, 2, len(LAW.waves)) and (found[0] == 0.0).all()
     expected = 0.02 * np.outer([4.0, 5.0], np.arange(24.0)).reshape(2, 2, 12)
     np.testing.assert_allclose(found[1:], expected, atol=2e-3)
-    np.testing.assert_array_equal(table.relief(99.0, 0.3, 1.2), table.relief(12.0, 0.3, 1.2))
+    np.testing.assert_array_equal(table.corrugation(99.0, 0.3, 1.2), table.corrugation(12.0, 0.3, 1.2))
 
 
 def test_held_out_cells_and_cells_left_out() -> None:
@@ -262,14 +263,14 @@ def test_errors_are_of_the_cell_or_of_a_part_of_the_largest() -> None:
     table = LAW.at(1.35)
     values = {name: float(value[0]) for name, value in table(7.0, 0.35, 1.0).value.items()}
     cell = values | {"lam": values["lam"] / 1.01, "a12": 0.0, "c3": 0.0, "offset_mm": 0.0}
-    task = CellTask(1.35, True, 7.0, 0.35, 1.0)
+    task = CellTask(1.35, True, (7.0, 0.35, 1.0))
     found = law_residuals([table], [[(task, np.array([cell[name] for name in QUANTITY_NAMES]))]], "grid")["1.35"][
         "held_out"
     ]
     percent = found["cells"][0]["error_percent"]
     assert percent["lam"] == pytest.approx(1.0) and percent["kappa"] == 0.0
     for name, part in (("a12", 0.1), ("c3", 0.1), ("offset_mm", 0.03)):
-        largest = table.nodes[..., QUANTITY_NAMES.index(name)].max()
+        largest = table.node_values[..., QUANTITY_NAMES.index(name)].max()
         assert percent[name] == pytest.approx(100.0 * values[name] / (part * largest)), name
     assert found["errors"]["c3"]["largest_percent"] == percent["c3"]
 
@@ -291,7 +292,7 @@ def test_scattered_cells_answer_for_their_own_lengths_only() -> None:
         for material in [Material.from_dict({"plan": {**SPREAD, "length_range_mm": [first, 12.0]}})]
     )
     table = far.at(1.35)
-    assert (table.least_length_mm, near.at(1.35).least_length_mm) == (9.0, 0.0)
+    assert (table.min_length_mm, near.at(1.35).min_length_mm) == (9.0, 0.0)
     assert table([0.0, 3.0, 8.9, 9.0, 12.0], 0.3, 1.2).inside.tolist() == [True, False, False, True, True]
     held = far.residuals["1.35"]["held_out"]
     assert held["count"] == 10 and min(cell["length_mm"] for cell in held["cells"]) >= 9.0
@@ -404,9 +405,11 @@ def test_stars_turned_by_half_a_turn_have_their_relief_turned() -> None:
     """In print a star's bump turns with it; 120 degrees change nothing."""
     sizes = ([8.0, 5.0], 0.3, 1.2)
     offsets = np.random.default_rng(1).uniform(-9.0, 9.0, (20, 2))
-    reliefs = {turn: LAW.relief(design(lattice__orientation_deg=turn), *sizes) for turn in (0.0, 60.0, 120.0, 180.0)}
+    reliefs = {
+        turn: LAW.corrugation(design(lattice__orientation_deg=turn), *sizes) for turn in (0.0, 60.0, 120.0, 180.0)
+    }
     heights = {turn: relief @ LAW.waves(offsets).T for turn, relief in reliefs.items()}
-    np.testing.assert_array_equal(reliefs[0.0], LAW.at(1.35).relief(*sizes))
+    np.testing.assert_array_equal(reliefs[0.0], LAW.at(1.35).corrugation(*sizes))
     np.testing.assert_array_equal(reliefs[120.0], reliefs[0.0])
     for turn in (60.0, 180.0):
         np.testing.assert_allclose(reliefs[turn] @ LAW.waves(-offsets).T, heights[0.0], atol=1e-12)
@@ -474,7 +477,7 @@ def test_cells_that_are_held_out_do_not_make_the_law() -> None:
 
     material = Material.from_dict({"plan": SPREAD})
     tasks = [task for task in material.tasks() if task.held_out]
-    held_out = {(task.length_mm, task.thickness_mm, task.width_mm) for task in tasks}
+    held_out = {task.sizes for task in tasks}
     cells = fit_law(material, answers(material, else_elsewhere)).at(1.35)
     assert len(tasks) == 10
     sizes = np.array(sorted(held_out)).T
@@ -491,7 +494,7 @@ def test_a_law_needs_an_answer_of_half_of_its_cells() -> None:
         return some
 
     lengths = [2.0, 4.0, 6.0, 8.0]
-    assert law(below(4.0), lengths_mm=lengths).at(1.35).good.sum() == 3 * 4 * 3
+    assert law(below(4.0), lengths_mm=lengths).at(1.35).solved.sum() == 3 * 4 * 3
     with pytest.raises(CampaignError, match="fewer than half"):
         law(below(2.0), lengths_mm=lengths)
 
@@ -512,6 +515,6 @@ def test_sheets_that_curl_tightly_to_the_other_side_are_marked_too() -> None:
         return answer
 
     sizes = [2.0, 5.0, 9.0, 11.0], 0.2, 1.2
-    found = law(other_side).at(1.35)(*sizes).tight
+    found = law(other_side).at(1.35)(*sizes).not_scale_separated
     assert found.any() and not found.all()
-    assert found.tolist() == law(fake.curls_more).at(1.35)(*sizes).tight.tolist()
+    assert found.tolist() == law(fake.curls_more).at(1.35)(*sizes).not_scale_separated.tolist()

@@ -139,12 +139,12 @@ def other_law(lattice: dict[str, Any], along_x: float | None = None) -> Law:
     """The plain law for other stars, without bumps, with bending along x `along_x` times the mean's."""
     law = plain_law()
     table = law.tables[0]
-    own = np.zeros((*table.nodes.shape[:3], 0 if along_x is None else ANISOTROPY_SIZE))
+    own = np.zeros((*table.node_values.shape[:3], 0 if along_x is None else ANISOTROPY_SIZE))
     if along_x is not None:
         own[1:, ..., BENDING_COLUMNS[0]] = along_x - 1.0
     material = Material.from_dict({**law.material.to_dict(), "lattice": lattice})
-    flat = np.zeros((*table.reliefs.shape[:4], len(CorrugationWaves.of(material.lattice))))
-    return replace(law, material=material, tables=(replace(table, anisotropies=own, reliefs=flat),))
+    flat = np.zeros((*table.corrugations.shape[:4], len(CorrugationWaves.of(material.lattice))))
+    return replace(law, material=material, tables=(replace(table, anisotropies=own, corrugations=flat),))
 
 
 def sheet(thickness: float, lattice: dict[str, Any]) -> Design:

@@ -9,10 +9,11 @@ import pytest
 import scipy.sparse as sp
 
 from asterism.previews.fields.sheet_fields import BENDING_POISSON, free_length_share, sheet_fields
-from asterism.previews.fields.star_values import star_sizes, star_values
+from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL
 from fem.elements.tabulation import Floats
 from homogenize.errors import LawError
+from homogenize.law.axes import star_sizes
 from homogenize.law.law_table import QUANTITY_NAMES
 from pattern import gallery
 from pattern.design.design import Design
@@ -158,9 +159,9 @@ def test_a_law_for_something_else_is_refused(sections: dict[str, dict[str, objec
 def test_what_no_sheet_can_do_is_refused_with_star_and_value(name: str, value: float, said: str) -> None:
     law = plain_law()
     table = law.tables[0]
-    nodes = table.nodes.copy()
+    nodes = table.node_values.copy()
     nodes[9:, ..., QUANTITY_NAMES.index(name)] = value
-    broken = replace(law, tables=(replace(table, nodes=nodes),))
+    broken = replace(law, tables=(replace(table, node_values=nodes),))
     with pytest.raises(LawError, match=rf"star 0 at \[0.0, 0.0\]: the law's {said}"):
         star_values(TUBE, layout(TUBE), broken)
 

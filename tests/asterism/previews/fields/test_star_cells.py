@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from asterism.previews.fields.star_cells import StarCells
-from asterism.previews.fields.star_values import star_sizes
 from asterism.previews.model import PREVIEW_MODEL
+from homogenize.law.axes import star_sizes
 from pattern import gallery
 from pattern.design.design import Design
 from pattern.layout.build import layout

@@ -1,0 +1,152 @@
+"""The axes of the law: the sizes of a star that its quantities are functions of.
+
+Every part of the law iterates over `AXES`: plan, tables, interpolation, fit, file, errors, text and pictures. Wherever
+sizes stand in a row, they stand in the order of `AXES`. A new axis is one entry here, its two fields in
+`homogenize.law.plan.CampaignPlan`, and its effect on the arms in `homogenize.cell.unit_cell`.
+
+The first axis is the length of the arms. A star of length 0 has no arms: its cell is the bare fabric, whatever its
+other sizes are.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
+from pattern.geometry.arrays import Floats
+from pattern.layout.layout import Layout
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One size of a star.
+
+    Attributes
+    ----------
+    name : in sentences.
+    symbol : in tables.
+    unit : of all its values.
+    key : in designs, samples and law files.
+    nodes_key, range_key : in plans, the nodes of a grid of cells and the range of scattered cells.
+    limits : smallest and largest value that can be printed. The spacing of the stars limits lengths further.
+    logarithmic : the law is interpolated over the logarithm of the size, and the size is above 0.
+    scattered_nodes : number of nodes in the table of a law from scattered cells.
+    node_ratio : largest ratio of adjacent nodes in the plan for one design; None for nodes in steps of the cell's mesh.
+    measure : the value at each star of a layout, (S,); its second argument is the number of arms of a whole star.
+    """
+
+    name: str
+    symbol: str
+    unit: str
+    key: str
+    nodes_key: str
+    range_key: str
+    limits: tuple[float, float]
+    logarithmic: bool
+    scattered_nodes: int
+    node_ratio: float | None
+    measure: Callable[[Layout, int], Floats]
+
+    def coordinate(self, values: Floats) -> Floats:
+        """The coordinate that the law is interpolated over, of the same shape as the values."""
+        return np.asarray(np.log(values)) if self.logarithmic else values
+
+
+def _mean_length(layout: Layout, arms: int) -> Floats:
+    """(S,) mm, mean length of each star's arms; arms that the outline cuts away count as length 0."""
+    return np.asarray(np.bincount(layout.arm_star, layout.arm_length, len(layout.centres)) / arms)
+
+
+def _mean_along_arms(layout: Layout, arms: int, ends: Floats) -> Floats:
+    """(S,) mean of a size that is given at both ends of each arm (R, 2), weighted by the length of the arms."""
+    star = layout.arm_star
+    share = layout.arm_length / (arms * _mean_length(layout, arms)[star])
+    return np.asarray(np.bincount(star, share * ends.mean(axis=1), len(layout.centres)))
+
+
+LENGTH = Axis(
+    name="length",
+    symbol="l",
+    unit="mm",
+    key="length_mm",
+    nodes_key="lengths_mm",
+    range_key="length_range_mm",
+    limits=(MIN_ARM_MM, math.inf),
+    logarithmic=False,
+    scattered_nodes=14,
+    node_ratio=None,
+    measure=_mean_length,
+)
+THICKNESS = Axis(
+    name="thickness",
+    symbol="h",
+    unit="mm",
+    key="thickness_mm",
+    nodes_key="thicknesses_mm",
+    range_key="thickness_range_mm",
+    limits=THICKNESS_RANGE_MM,
+    logarithmic=True,
+    scattered_nodes=7,
+    node_ratio=1.2,
+    measure=lambda layout, arms: _mean_along_arms(layout, arms, layout.arm_thickness),
+)
+WIDTH = Axis(
+    name="width",
+    symbol="w",
+    unit="mm",
+    key="width_mm",
+    nodes_key="widths_mm",
+    range_key="width_range_mm",
+    limits=WIDTH_RANGE_MM,
+    logarithmic=True,
+    scattered_nodes=4,
+    node_ratio=1.3,
+    measure=lambda layout, arms: _mean_along_arms(layout, arms, layout.arm_width),
+)
+AXES = (LENGTH, THICKNESS, WIDTH)
+
+
+def star_sizes(layout: Layout, arms: int) -> Floats:
+    """(S, A) sizes of the stars of a layout, one column for each of `AXES`.
+
+    Lengths are means over the arms, and arms that the outline cuts away count as length 0. The other sizes are means
+    along the arms.
+
+    Parameters
+    ----------
+    arms : number of arms of a whole star.
+    """
+    return np.column_stack([axis.measure(layout, arms) for axis in AXES])
+
+
+def named_sizes(sizes: Sequence[float] | Floats) -> dict[str, float]:
+    """Sizes by the keys of design files.
+
+    Examples
+    --------
+    >>> named_sizes([9.0, 0.3, 1.2])
+    {'length_mm': 9.0, 'thickness_mm': 0.3, 'width_mm': 1.2}
+    """
+    return {axis.key: float(size) for axis, size in zip(AXES, sizes, strict=True)}
+
+
+def sizes_text(sizes: Sequence[float] | Floats, digits: int = 6) -> str:
+    """Sizes in one line, with so many significant digits.
+
+    Examples
+    --------
+    >>> sizes_text([9.0, 0.3, 1.2])
+    'l 9 mm, h 0.3 mm, w 1.2 mm'
+    """
+    return ", ".join(
+        f"{axis.symbol} {size:.{digits}g} {axis.unit}" for axis, size in zip(AXES, map(float, sizes), strict=True)
+    )
+
+
+def coordinates(sizes: Floats) -> Floats:
+    """(N, A) coordinates that the law is interpolated over, of sizes (N, A)."""
+    return np.column_stack([axis.coordinate(sizes[:, number]) for number, axis in enumerate(AXES)])
