@@ -24,12 +24,14 @@ _NAMES = {str: "text", int: "integer", float: "number", bool: "true or false", N
 
 
 def reference() -> str:
-    """The whole page."""
+    """The whole page; a record that several summaries contain stands where it occurs first."""
     parts = ["# Keys of all summaries", "A missing unit means that the value has none."]
+    described = set(SUMMARIES)
     for record, (title, text) in SUMMARIES.items():
         parts += [f"## {title}", text, _table(record)]
         for inner in _inner_records(record):
-            if inner not in SUMMARIES:
+            if inner not in described:
+                described.add(inner)
                 parts += [f"### {_name(inner)}", _first_line(inner), _table(inner)]
     return "\n\n".join(parts) + "\n"
 
@@ -74,7 +76,10 @@ def _in_words(kind: Any) -> str:
         return f"list of {_in_words(get_args(kind)[0])}"
     if get_origin(kind) is dict:
         return f"table of {_in_words(get_args(kind)[1])}"
-    return f"[{_name(kind)}](#{_name(kind).replace(' ', '-')})" if is_record(kind) else _NAMES.get(kind, str(kind))
+    if not is_record(kind):
+        return _NAMES.get(kind, str(kind))
+    title = SUMMARIES[kind][0] if kind in SUMMARIES else _name(kind)
+    return f"[{title}](#{title.lower().replace(' ', '-')})"
 
 
 def _name(record: type[Record]) -> str:
