@@ -143,12 +143,12 @@ def test_how_high_a_sheet_hangs_makes_no_difference_to_the_next_minimum() -> Non
 
 
 def test_a_start_that_cannot_go_on_is_lost_and_not_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
-    relax = branches.relax
+    solve_on_mesh = branches.solve_on_mesh
 
     def failing(model: DiscreteModel, start: ReleaseStart, *rest: Any) -> Equilibrium:
         if start.bend != "none":
             raise DesignError("solver.contact", "the pins push the sheet through itself; it cannot follow them")
-        return relax(model, start, *rest)
+        return solve_on_mesh(model, start, *rest)
 
     monkeypatch.setattr(branches, "solve_on_mesh", failing)
     summary = simulate(small(), starts=3).summary
