@@ -42,19 +42,18 @@ def export(
     Thicknesses are rounded to layers and widths to lines; rounded.toml is what is printed. What rounding does to the
     shape is said by the preview, or with --simulate by the exact model.
     """
+    from asterism.cli.common.results_folder import results_folder
     from asterism.laws.design_law import law_for_design
     from asterism.laws.replace_material import with_material
     from asterism.print.export import check_shape_request
     from asterism.print.export import export as write
     from asterism.print.export_table import export_rows
     from asterism.print.write import ROUNDED
-    from asterism.results.files import EXPORT, check_kept, check_writable
+    from asterism.results.files import EXPORT
     from pattern.layout.load_design import load_design
 
     plan = with_material(load_design(design), material)
-    directory = output or design.with_name(f"{design.stem}-print")
-    check_kept(design, directory, ROUNDED, EXPORT)
-    check_writable(directory, EXPORT)
+    directory = results_folder(design, output, design.with_name(f"{design.stem}-print"), EXPORT, (ROUNDED,))
     check_shape_request(directory, shape, preview, simulate)
     sheet = law_for_design(plan, law, design, material) if preview or law else None
     with run.computing():

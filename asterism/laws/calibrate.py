@@ -32,7 +32,12 @@ def samples_folder(law: Path) -> Path:
 
 
 def calibrate(
-    material: Material, output: Path, jobs: int = 1, dask: str | None = None, command: str = "asterism in Python"
+    material: Material,
+    output: Path,
+    jobs: int = 1,
+    dask: str | None = None,
+    command: str = "asterism in Python",
+    stream: TextIO | None = None,
 ) -> Law:
     """Solve the plan's cells, those that are not there yet, fit the law and write it.
 
@@ -42,6 +47,7 @@ def calibrate(
     jobs : processes of this machine.
     dask : address of a scheduler to use in their place.
     command : that the law's file names as its origin.
+    stream : where progress is printed; standard error by default.
 
     Raises
     ------
@@ -57,7 +63,7 @@ def calibrate(
     check_writable(output.parent, output.name)
     versions = _versions()
     folder = samples_folder(output)
-    watch = ProgressLine()
+    watch = ProgressLine(stream)
     start = time.perf_counter()
     try:
         records = run_campaign(material, folder, jobs, dask, watch.report)

@@ -25,7 +25,6 @@ from asterism.previews.state import PreviewState
 from asterism.previews.summary import summary
 from asterism.previews.surface.surface import Lens, Places, shape_of
 from asterism.previews.uncertainty.estimate import estimate_error
-from asterism.results.records.preview import PreviewRecord
 from asterism.shape.shape import Shape
 from equilibrium.clock import Clock
 from equilibrium.threads import one_blas_thread
@@ -296,5 +295,4 @@ class Preview:
         if not shape.held:
             shape, up = shape.aligned(), shape.upright()[2]
         estimate = estimate_error(state, shape, up, self._clock)
-        numbers = summary(state, shape, shown.mesh, estimate, self.seconds)
-        return replace(shape, summary=PreviewRecord.from_json(numbers))
+        return replace(shape, summary=summary(state, shape, shown.mesh, estimate, self.seconds))

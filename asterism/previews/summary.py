@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from asterism.previews.state import PreviewState
 from asterism.previews.uncertainty.estimate import ErrorEstimate
 from asterism.previews.warnings import warnings
 from asterism.process.version import __version__
+from asterism.results.records.preview import PreviewRecord
 from asterism.shape.contraction import contraction
 from asterism.shape.self_intersections import meets_itself, self_intersections
 from asterism.shape.shape import Shape
@@ -22,14 +21,14 @@ EQUAL_AXES_DEG = 2.0  # axes that differ by less are one
 
 def summary(
     state: PreviewState, shape: Shape, mesh: Mesh, estimate: ErrorEstimate, seconds: dict[str, float]
-) -> dict[str, Any]:
+) -> PreviewRecord:
     """Keys as in a simulation's summary where they mean the same; `mesh` is that of the shape."""
     equilibrium, layout, law, values = state.equilibrium, state.layout, state.law, state.values
     axis = roll_axis_from_normals(layout, shape.point_fields["normal"][shape.star_vertices])
     surface = shape.positions, shape.triangles
     crossings = self_intersections(*surface) if meets_itself(shape.printed, *surface) else 0
-    return {
-        "model": "preview",
+    numbers = {
+        "model": PreviewRecord.model_name,
         "converged": equilibrium.converged,
         "is_minimum": equilibrium.is_minimum,
         "gradient_norm": equilibrium.gradient_norm,
@@ -83,6 +82,7 @@ def summary(
         "version": __version__,
         "design": state.design.to_dict(),
     }
+    return PreviewRecord.from_json(numbers)
 
 
 def equivalent_axes_deg(state: PreviewState, axis_deg: float | None) -> list[float]:

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from asterism.previews.uncertainty.height_error import in_words
 from asterism.print.job import Job
 from asterism.print.needles import VISIBLE_SAG_MM
+from asterism.results.words import height_error
 from pattern.design.design import Design
 from pattern.design.residual_curvature import ResidualCurvature
 from pattern.layout.layout import Layout
@@ -103,7 +103,7 @@ def _accuracy(summary: Mapping[str, Any]) -> list[str]:
         lines.append(f"expected rms {expected:.1f} % of the diameter")
         lines.append("from the exact model")
     if (height := summary.get("expected_height_percent")) is not None:
-        lines.append(f"height give or take {in_words(height, summary['height_mm'])}")
+        lines.append(f"height give or take {height_error(height, summary['height_mm'])}")
     if (mesh := summary.get("mesh_error_percent")) is not None:
         lines.append(f"mesh error about {mesh:.1f} % of the diameter")
     elif (change := summary.get("mesh_change_percent")) is not None:

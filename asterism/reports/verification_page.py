@@ -7,13 +7,11 @@ from collections.abc import Mapping
 from html import escape
 from typing import Any
 
-from asterism.previews.uncertainty.height_error import in_words as height_in_words
 from asterism.reports.html import figures, html_page, html_table, png, tiles
 from asterism.reports.plots import distance_map, profiles
 from asterism.reports.views import comparison_views
-from asterism.results.words import small_percent, times
-from asterism.shape.mesh_error import in_words
-from asterism.shape.tube import degrees
+from asterism.results.records.exact import ExactRecord, mesh_error_in_words
+from asterism.results.words import direction, height_error, small_percent, times
 from asterism.verification.origins import origins
 from asterism.verification.right_shape import SURE, gap
 from asterism.verification.verification import PREVIEW, RELEASE, Verification
@@ -36,7 +34,7 @@ def verification_page(found: Verification) -> str:
         *_pictures(found),
         "<h2>Numbers</h2>",
         html_table(["", "exact", "preview", "difference"], _numbers(s)),
-        f"<p>Mesh error of the exact shape: {escape(in_words(s['exact']))}.</p>",
+        f"<p>Mesh error of the exact shape: {escape(mesh_error_in_words(ExactRecord.from_json(s['exact'])))}.</p>",
         "<h2>Minima seen</h2>",
         html_table(MINIMA, _minima(s)),
         f"<p>{_agreement(s)}</p>",
@@ -161,11 +159,11 @@ def _numbers(s: Mapping[str, Any]) -> list[list[str]]:
     if s["volumes_mm3"] is not None:
         cm3 = [volume / 1000.0 for volume in s["volumes_mm3"]]
         rows.append(["volume under the sheet, cm³", *_pair(cm3, 2), _signed(s["volume_error_percent"])])
-    axes = ["-" if axis is None else degrees(axis) for axis in s["roll_axes_deg"]]
+    axes = ["-" if axis is None else direction(axis) for axis in s["roll_axes_deg"]]
     if axes != ["-", "-"]:
         itself = s["preview"].get("roll_axis_deg")
-        turned = itself is not None and degrees(itself) != axes[1]
-        laid = f" (the preview's before it was laid: {degrees(itself)})" if turned else ""
+        turned = itself is not None and direction(itself) != axes[1]
+        laid = f" (the preview's before it was laid: {direction(itself)})" if turned else ""
         rows.append([f"axis of the roll on the print, deg{laid}", *axes, ""])
     high = s["expected_height_percent"]
     return [
@@ -177,7 +175,7 @@ def _numbers(s: Mapping[str, Any]) -> list[list[str]]:
         ["star centres, largest", "", "", _percent(s["max_stars_percent"], 2)],
         ["stars' bumps, rms, of their size", "", "", _percent(s["relief_error_percent"], 0)],
         ["surface, rms, as the preview expected", "", "", _percent(s["expected_rms_percent"], 2)],
-        ["height, as the preview expected", "", "", "-" if high is None else height_in_words(high, s["heights_mm"][1])],
+        ["height, as the preview expected", "", "", "-" if high is None else height_error(high, s["heights_mm"][1])],
         ["diameter, mm", f"{s['diameter_mm']:.1f}", "", ""],
     ]
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
@@ -78,17 +77,6 @@ def estimate(
     if resolved and distances[-1] < LARGEST_PERCENT and MIN_OBSERVED_ORDER <= order <= MAX_OBSERVED_ORDER:
         percent = float(distances[-1] / ((edges[-2] / edges[-1]) ** order - 1.0))
     return MeshErrorEstimate(percent, observed, distances[-1])
-
-
-def in_words(summary: Mapping[str, Any]) -> str:
-    """What a summary says about the mesh error, in a line."""
-    percent, change = summary["mesh_error_percent"], summary.get("mesh_change_percent")
-    if percent is not None:
-        return f"about {percent:.1f} % of the diameter"
-    if change is None:
-        return "not known, one mesh was solved"
-    why = "the meshes agree too little" if summary["creases_resolved"] else "the mesh does not resolve the creases"
-    return f"not known, {why}; {change:.1f} % of the diameter from the next coarser mesh"
 
 
 def _observed(edges: Sequence[float], distances: Sequence[float]) -> float | None:

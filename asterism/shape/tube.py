@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 from scipy.optimize import leastsq
 
@@ -15,19 +12,6 @@ from pattern.geometry.normals import vertex_normals
 
 # of the distance to a plane, in which a tube must be closer
 BENT = 0.9
-
-
-def rolled(summary: Mapping[str, Any]) -> str:
-    """How a sheet is rolled, in words."""
-    if summary["roll_axis_deg"] is None:
-        return "-"
-    radius = summary["roll_radius_mm"]
-    return f"{degrees(summary['roll_axis_deg'])} deg" + ("" if radius is None else f", radius {radius:.1f} mm")
-
-
-def degrees(axis_deg: float) -> str:
-    """A direction on the print, of which 180 deg is 0."""
-    return str(round(axis_deg) % 180)
 
 
 def roll_radius(shape: Shape, lattice_vectors: Floats) -> float | None:

@@ -33,7 +33,7 @@ def _pardiso_library() -> Any:
 
 @contextmanager
 def _mkl_path_set() -> Iterator[None]:
-    """Set the path of MKL for pypardiso if pip knows it; otherwise pypardiso searches the whole environment twice."""
+    """Set the path of MKL for pypardiso if pip lists it; otherwise pypardiso searches the whole environment twice."""
     name = "PYPARDISO_MKL_RT"
     try:
         files = importlib.metadata.files("mkl") or []

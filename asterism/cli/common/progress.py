@@ -54,18 +54,3 @@ class Progress:
         if self._last:
             self._stream.write("\n" if self._live else self._last + "\n")
             self._last = ""
-
-
-class SilentProgress:
-    """Shows nothing, but stops where an interruption has arrived."""
-
-    def say(self, text: str) -> None:
-        """Check for an interruption."""
-        interruption.check()
-
-    def report(self, stage: str, iteration: Iteration) -> None:
-        """Check for an interruption."""
-        interruption.check()
-
-    def close(self) -> None:
-        """There is nothing to close."""

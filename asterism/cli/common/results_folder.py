@@ -7,8 +7,14 @@ from pathlib import Path
 from asterism.results.files import LAST, check_kept, check_writable
 
 
-def results_folder(design: Path, output: Path | None, default: Path) -> Path:
+def results_folder(
+    design: Path, output: Path | None, default: Path, summary: str = LAST, others: tuple[str, ...] = ()
+) -> Path:
     """The folder asked for, or the default one.
+
+    Parameters
+    ----------
+    summary, others : names of the summary and of other files that the command will write there.
 
     Raises
     ------
@@ -16,6 +22,6 @@ def results_folder(design: Path, output: Path | None, default: Path) -> Path:
         The folder cannot be written to, holds files of another origin, or the results would replace the design.
     """
     directory = output or default
-    check_kept(design, directory, LAST)
-    check_writable(directory)
+    check_kept(design, directory, summary, *others)
+    check_writable(directory, summary)
     return directory

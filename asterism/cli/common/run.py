@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import functools
 import inspect
+import io
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TextIO
 
 import typer
 
@@ -31,20 +32,23 @@ class Run:
     Attributes
     ----------
     quiet : print no progress; results, warnings and errors are printed all the same.
+    stream : where progress goes.
     """
 
     def __init__(self, quiet: bool = False) -> None:
         self.quiet = quiet
+        # of progress; a quiet command writes it where nobody reads
+        self.stream: TextIO = io.StringIO() if quiet else sys.stderr
         self._say: Callable[[str], None] = lambda text: None
         self._report: Callable[[str, Iteration], None] = lambda stage, iteration: None
 
     @contextmanager
     def computing(self) -> Iterator[None]:
         """Show progress on standard error within the block, and announce the compilation of a first run."""
-        from asterism.cli.common.progress import Progress, SilentProgress
+        from asterism.cli.common.progress import Progress
         from asterism.process.compiling import told_of_compiling
 
-        progress = SilentProgress() if self.quiet else Progress()
+        progress = Progress(self.stream)
         self._say, self._report = progress.say, progress.report
         try:
             with told_of_compiling(progress.say):

@@ -75,19 +75,6 @@ def height_error_percent(doubts: HeightDoubts, share: float, model: PreviewModel
     return 100.0 * math.hypot(*contributions) / doubts.height
 
 
-def in_words(error_percent: float, height_mm: float) -> str:
-    """An estimated error of a height as text: in mm if it is more than the height itself.
-
-    Examples
-    --------
-    >>> in_words(5.4, 20.0), in_words(250.0, 0.4)
-    ('5 %', '1.0 mm')
-    """
-    if error_percent <= 100.0:
-        return f"{error_percent:.0f} %"
-    return f"{error_percent / 100.0 * height_mm:.1f} mm"
-
-
 def height_doubts(state: PreviewState, shape: Shape, up: Floats) -> HeightDoubts:
     """Of a state at its equilibrium; the factor holds the exact Hessian there.
 

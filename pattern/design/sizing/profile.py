@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -17,8 +18,8 @@ Power = Annotated[Number, Field(gt=0, le=100)]
 class Profile(Section):
     """A quantity that varies over the sheet.
 
-    A new profile is a subclass in a file of its own in `pattern.design.sizing.profiles`. The design file knows it from
-    then on.
+    A new profile is a subclass in a file of its own in `pattern.design.sizing.profiles`. A design file
+    selects it by its key.
 
     Attributes
     ----------
@@ -34,9 +35,9 @@ class Profile(Section):
         """Whether a table of the design file belongs to this profile."""
         return cls.key in table if cls.is_marked_by_key else table.get("profile") == cls.key
 
+    @abstractmethod
     def at(self, points: Floats) -> Floats:
         """(n,) values at the printed points (n, 2) mm."""
-        raise NotImplementedError
 
 
 class GradientProfile(Profile):

@@ -69,6 +69,17 @@ def test_simulate_writes_results_and_a_table(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("blank_pictures")
+@pytest.mark.parametrize("name", ["preview", "simulate", "verify"])
+def test_a_quiet_command_prints_its_result_and_no_progress(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "d.toml").write_text(SMALL)
+    done = command([name, str(tmp_path / "d.toml"), "--quiet"], capsys, monkeypatch)
+    assert done.status == 0 and "height" in done.out
+    assert all(line.startswith("asterism: ") for line in done.err.splitlines())
+
+
+@pytest.mark.usefixtures("blank_pictures")
 def test_stars_that_do_not_stay_where_they_were_sent_are_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -7,8 +7,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from asterism.exact.simulation import simulate
+from asterism.results.records.exact import mesh_error_in_words
 from asterism.shape.diameter import diameter
-from asterism.shape.mesh_error import estimate, in_words, mesh_error
+from asterism.shape.mesh_error import estimate, mesh_error
 from asterism.shape.shape import Shape
 from pattern import gallery
 from pattern.design.design import Design
@@ -96,11 +97,11 @@ def test_summary_says_it_when_two_levels_were_solved():
     assert len(two["levels"]) == 2 and two["creases_resolved"]
     assert two["edge_at_arms_mm"] < two["crease_mm"]
     assert 0.0 < two["mesh_error_percent"] < 5.0
-    assert in_words(two) == f"about {two['mesh_error_percent']:.1f} % of the diameter"
+    assert mesh_error_in_words(two) == f"about {two['mesh_error_percent']:.1f} % of the diameter"
     assert all(isinstance(value, int | float | dict) for level in two["levels"] for value in level.values())
     one = solved(3.0, 0).summary
     assert one["mesh_error_percent"] is None and one["mesh_change_percent"] is None
-    assert in_words(one) == "not known, one mesh was solved"
+    assert mesh_error_in_words(one) == "not known, one mesh was solved"
 
 
 @pytest.mark.slow
@@ -112,7 +113,7 @@ def test_no_error_is_claimed_where_the_mesh_does_not_resolve_the_creases():
     assert not s["creases_resolved"] and s["mesh_error_percent"] is None
     error = 100.0 * rms_distance(fine.at(coarse.printed), coarse.positions) / diameter(fine.positions)
     assert 0.0 < s["mesh_change_percent"] < min(error, fine.summary["mesh_change_percent"])
-    assert in_words(s).startswith("not known, the mesh does not resolve the creases; ")
+    assert mesh_error_in_words(s).startswith("not known, the mesh does not resolve the creases; ")
 
 
 def test_summary_says_which_bending_was_used():

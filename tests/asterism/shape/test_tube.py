@@ -7,7 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import asterism
-from asterism.shape.tube import degrees, rolled, tube_radius
+from asterism.results.words import direction, roll
+from asterism.shape.tube import tube_radius
 
 
 @pytest.mark.parametrize(("radius", "turn"), [(10.0, 5.0), (30.0, 2.0), (80.0, 0.8)])
@@ -31,8 +32,8 @@ def test_what_is_as_near_to_a_plane_is_no_tube() -> None:
 
 
 def test_half_a_turn_is_none() -> None:
-    assert [degrees(axis) for axis in (0.0, 45.4, 179.4, 179.996)] == ["0", "45", "179", "0"]
-    assert rolled({"roll_axis_deg": 179.996, "roll_radius_mm": 68.04}) == "0 deg, radius 68.0 mm"
+    assert [direction(axis) for axis in (0.0, 45.4, 179.4, 179.996)] == ["0", "45", "179", "0"]
+    assert roll(179.996, 68.04) == "0 deg, radius 68.0 mm"
 
 
 @pytest.mark.slow
@@ -58,7 +59,7 @@ def test_four_stars_are_on_many_tubes() -> None:
     shape = asterism.preview(asterism.Design.from_dict(of))
     assert len(shape.star_vertices) == 4 and shape.summary["roll_radius_mm"] is None
     assert tube_radius(np.eye(4, 3), np.eye(4, 3)) is None
-    assert rolled({"roll_axis_deg": 90.0, "roll_radius_mm": None}) == "90 deg"
+    assert roll(90.0, None) == "90 deg"
 
 
 def test_what_is_not_rolled_has_no_radius() -> None:
