@@ -35,7 +35,7 @@ def shell_stars(design: Design, stars: Sample, bare: Sample) -> tuple[np.ndarray
     none = np.empty(0)
     of_stars = {name: both[:, q] for q, name in enumerate(QUANTITY_NAMES)}
     alike = np.empty((count + 1, 0))
-    values = StarValues(of_stars, none, none, (), (), (), none, none, of_stars["kappa"], alike)
+    values = StarValues(of_stars, none, none, (), (), (), (), none, none, of_stars["kappa"], alike)
     outline = sheet_mesh(plan.outline, EDGE)
     space = Argyris(MeshTri(outline.points.T.copy(), outline.triangles.T.copy()))
     points = space.tabulate(QUADRATURE_ORDER).points

@@ -8,6 +8,7 @@ from typing import Any
 from asterism.exact.star_sides import off_branch
 from asterism.shape.pin_warnings import pin_warnings
 from asterism.shape.self_intersections import passing
+from asterism.shape.site_warnings import site_warnings
 from pattern.layout.layout import Layout
 
 # edges over the spacing of the stars from which on a free roll's radius is near that of finer meshes
@@ -28,7 +29,8 @@ def exact_warnings(summary: Mapping[str, Any], layout: Layout) -> list[str]:
     if rolls and summary["edge_mm"] > FINE * layout.spacing_mm:
         depends = "the radius of a free roll depends on the mesh"
         lines.append(f"{depends}: that of the gallery's tube by a quarter between edges of 2 and 0.5 mm (docs: mesh)")
-    return [*lines, *off_branch(summary), *pin_warnings(layout, summary["design"]["gravity"]["on"])]
+    weighs = summary["design"]["gravity"]["on"]
+    return [*lines, *off_branch(summary), *site_warnings(layout), *pin_warnings(layout, weighs)]
 
 
 def passes_through(summary: Mapping[str, Any], sheet: str = "the sheet") -> Iterator[str]:

@@ -165,7 +165,8 @@ class Sheet:
             star = int(np.linalg.norm(self.layout.centres - error.place, axis=1).argmin())
             (x, y), lam = self.layout.centres[star], values.value["lam_n"][star]
             place = f"star {self.layout.star_number[star]} at [{x:.1f}, {y:.1f}]"
-            raise LawError(f"{place}: lam_n = {lam:.4g} is too far from its neighbours': {error}") from None
+            message = f"{place}: lam_n = {lam:.4g} is too far from its neighbours': {error}"
+            raise LawError(message, [self.layout.star_number[star]], (x, y)) from None
         return fields
 
     def loads(self) -> Floats:

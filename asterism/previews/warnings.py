@@ -12,9 +12,11 @@ from asterism.previews.search.alternatives import MIN_SIZE_RATIO
 from asterism.previews.solve import EDIT_START
 from asterism.previews.state import PreviewState
 from asterism.previews.uncertainty.estimate import ErrorEstimate
+from asterism.results.placed_warning import PlacedWarning
 from asterism.results.words import star_numbers
 from asterism.shape.pin_warnings import pin_warnings
 from asterism.shape.self_intersections import passing
+from asterism.shape.site_warnings import site_warnings
 from fem.search.sides import side_of
 
 MIN_NEUTRAL_RATIO = 5.0  # the softest mode is neutral if the next one is this many times stiffer
@@ -52,24 +54,28 @@ def _about_stars(state: PreviewState) -> Iterator[str]:
     """Stars that the law does not describe, and the law's own errors."""
     values, count = state.values, len(state.layout.centres)
     if len(values.outside) > 1:
-        yield (
+        yield PlacedWarning(
             f"{len(values.outside)} of {count} stars are outside the law's range, such as {values.outside[0]}; "
-            "the preview takes the nearest star in the range"
+            "the preview takes the nearest star in the range",
+            values.outside_stars,
         )
     else:
-        yield from values.outside
+        yield from (PlacedWarning(line, values.outside_stars) for line in values.outside)
+    yield from site_warnings(state.layout)
     for line in (directions_warning, held_out_warning, mesh_warning, pleat_warning):
         if text := line(state.law):
             yield text
     if values.not_scale_separated and not state.is_supported:  # supported sheets are as accurate with them
-        yield (
+        yield PlacedWarning(
             f"{len(values.not_scale_separated)} of {count} stars curl to a radius below two thirds of their spacing, "
-            f"too tightly for a smooth sheet; check with the exact model: {star_numbers(values.not_scale_separated)}"
+            f"too tightly for a smooth sheet; check with the exact model: {star_numbers(values.not_scale_separated)}",
+            values.not_scale_separated,
         )
     if values.strongly_anisotropic:
-        yield (
+        yield PlacedWarning(
             f"{len(values.strongly_anisotropic)} of {count} stars curl far more in some directions than in others, "
-            f"which the law describes poorly; check with the exact model: {star_numbers(values.strongly_anisotropic)}"
+            f"which the law describes poorly; check with the exact model: {star_numbers(values.strongly_anisotropic)}",
+            values.strongly_anisotropic,
         )
 
 
@@ -82,9 +88,10 @@ def _about_supports(state: PreviewState, estimate: ErrorEstimate, height_mm: flo
         advice = "" if scale is None else f"; use a scale of about {scale / ratio:.2g} to let it rise"
         yield f"the pins stretch the sheet to {ratio:.2f} times its natural size, so that it is nearly flat{advice}"
     if inverted := layout.star_number[layout.star_branch < 0].tolist():
-        yield (
+        yield PlacedWarning(
             f"{len(inverted)} stars of the design are inverted (branch down), but the law describes bumps up; "
-            f"check with the exact model: {star_numbers(inverted)}"
+            f"check with the exact model: {star_numbers(inverted)}",
+            inverted,
         )
     side = side_of(state.shell, state.equilibrium.x) if state.side != "auto" else "auto"
     if side not in ("auto", state.side):

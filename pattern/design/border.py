@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Literal
 
 import numpy as np
@@ -67,8 +68,8 @@ class Border(Section):
 def _check_polygon(polygon: tuple[Point, ...]) -> None:
     """Refuse polygons that do not bound one piece of fabric."""
 
-    def error(allowed: str, value: object = polygon) -> DesignError:
-        return DesignError("polygon_mm", allowed, value)
+    def error(allowed: str, value: object = polygon, place_mm: Iterable[float] | None = None) -> DesignError:
+        return DesignError("polygon_mm", allowed, value, place_mm=place_mm)
 
     corners = np.asarray(polygon)
     if np.abs(corners).max() > MAX_SHEET_MM:
@@ -76,19 +77,20 @@ def _check_polygon(polygon: tuple[Point, ...]) -> None:
     step = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
     if step.min() < MIN_CORNER_DISTANCE_MM:
         repeated = polygon[(int(step.argmin()) + 1) % len(polygon)]
-        raise error("must not repeat a corner (nor the first at the end)", repeated)
+        raise error("must not repeat a corner (nor the first at the end)", repeated, repeated)
     sheet = shapely.polygons(corners)
     if not shapely.is_valid(sheet):
         # shapely reports the place in square brackets
         place = shapely.is_valid_reason(sheet).rpartition("[")[2].rstrip("]").split()
-        at = f", as at [{float(place[0]):.3f}, {float(place[1]):.3f}]" if len(place) == 2 else ""
-        raise error(f"must not cross or touch itself{at}")
+        crossing = (float(place[0]), float(place[1])) if len(place) == 2 else None
+        at = f", as at [{crossing[0]:.3f}, {crossing[1]:.3f}]" if crossing else ""
+        raise error(f"must not cross or touch itself{at}", place_mm=crossing)
     if shapely.area(sheet) < 1:
         raise error("must enclose at least 1 mm2")
     if (corner := _thin_place(corners)) is not None:
         x, y = corners[corner]
         place = f"it has a spike or slit at [{x:g}, {y:g}]"
-        raise error(f"must be at least {MIN_SHEET_WIDTH_MM:g} mm wide everywhere: {place}")
+        raise error(f"must be at least {MIN_SHEET_WIDTH_MM:g} mm wide everywhere: {place}", place_mm=corners[corner])
 
 
 def _thin_place(corners: Floats) -> int | None:

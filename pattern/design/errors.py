@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,8 @@ class DesignError(Error, ValueError):
     allowed : what is allowed, or what is wrong.
     value : the value in the design; optional.
     file : file of the design; optional.
+    stars : numbers of the stars that the error is about.
+    place_mm : printed place (2,) that the error is about; None if it has none.
 
     Examples
     --------
@@ -30,14 +33,24 @@ class DesignError(Error, ValueError):
     'dome.toml: mesh.edge_mm = 40.0: must be at most 17.3'
     """
 
-    def __init__(self, field: str, allowed: str, value: Any = _NOTHING, file: str | Path | None = None):
+    def __init__(
+        self,
+        field: str,
+        allowed: str,
+        value: Any = _NOTHING,
+        file: str | Path | None = None,
+        stars: Iterable[int] = (),
+        place_mm: Iterable[float] | None = None,
+    ):
         self.field, self.allowed, self.value, self.file = field, allowed, value, file
+        self.stars = tuple(int(star) for star in stars)
+        self.place_mm = None if place_mm is None else tuple(float(part) for part in place_mm)
         place = field if value is _NOTHING else f"{field} = {_short(value)}" if field else _short(value)
         super().__init__(one_line(": ".join(part for part in (str(file or ""), place, allowed) if part)))
 
     def within(self, file: str | Path) -> DesignError:
         """The same error with the name of its file."""
-        return DesignError(self.field, self.allowed, self.value, file)
+        return DesignError(self.field, self.allowed, self.value, file, self.stars, self.place_mm)
 
 
 def from_validation(error: ValidationError, file: str | Path | None = None) -> DesignError:
@@ -49,7 +62,7 @@ def from_validation(error: ValidationError, file: str | Path | None = None) -> D
         return DesignError(field, "is missing", file=file)
     if isinstance(cause := context.get("error"), DesignError):
         inner = ".".join(part for part in (field, cause.field) if part)
-        return DesignError(inner, cause.allowed, cause.value, file)
+        return DesignError(inner, cause.allowed, cause.value, file, cause.stars, cause.place_mm)
     value, allowed = context.get("value", first["input"]), _allowed(first["type"], context, first["msg"])
     if allowed == MUST_BE_A_LIST and isinstance(value, dict) and field in ("pins", "stars.override"):
         allowed += f"; a table in it begins with [[{field}]]"

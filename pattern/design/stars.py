@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
@@ -15,14 +15,31 @@ THICKNESS_RANGE_MM = (0.05, 5.0)
 WIDTH_RANGE_MM = (0.1, 10.0)
 # Shorter arms are dots that come off the fabric.
 MIN_ARM_MM = 1.0
+MAX_SITE_NUMBER = 100_000
 Branch = Literal["up", "down", "free"]
 
 
+SiteNumber = Annotated[Whole, Field(ge=-MAX_SITE_NUMBER, le=MAX_SITE_NUMBER)]
+Site = tuple[SiteNumber, SiteNumber]
+
+
 class Override(Section):
-    """One star changed by hand: by its number (from the origin outwards) or the place of its centre."""
+    """One star changed by hand.
+
+    Attributes
+    ----------
+    star : its number, from the origin outwards.
+    at_mm : place of its centre.
+    site : its lattice site [i, j], at `i v1 + j v2` from the lattice's origin with the rows v1, v2 of
+        `Lattice.vectors`. A site off the sheet is ignored, so that the entry survives changes of the outline.
+    length_mm, thickness_mm, width_mm : sizes in place of those of the profiles.
+    branch : the side to which the star starts.
+    remove : no star stands there.
+    """
 
     star: Whole | None = Field(None, ge=0)
     at_mm: Point | None = None
+    site: Site | None = None
     length_mm: Number | None = None
     thickness_mm: Number | None = None
     width_mm: Number | None = None
@@ -31,7 +48,7 @@ class Override(Section):
 
     @model_validator(mode="after")
     def _changes_one_star(self) -> Override:
-        self._check_one_of("star", "at_mm")
+        self._check_one_of("star", "at_mm", "site")
         changes = [self.length_mm, self.thickness_mm, self.width_mm, self.branch]
         if self.remove == any(change is not None for change in changes):
             raise DesignError("", "must either change a size or remove the star, or set its branch")

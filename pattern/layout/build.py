@@ -55,7 +55,7 @@ def layout(design: Design) -> Layout:
     centres = lattice.sites.place(cells)
     _check_tip_margin(design.border.tip_margin_mm, centres, corners)
     directions = lattice.arm_directions
-    sizes = star_sizes(design.stars, centres, lattice.spacing_mm, directions)
+    sizes = star_sizes(design.stars, cells, lattice)
 
     star, arm = (index.ravel() for index in np.indices((len(cells), lattice.arms)))
     tips = centres[star] + sizes.length[star, None] * directions[arm]
@@ -71,6 +71,8 @@ def layout(design: Design) -> Layout:
             f"lets no arm leave the sheet (keeping {design.border.tip_margin_mm:g} mm), but one of star "
             f"{star[too_long[0]]} at [{x:.2f}, {y:.2f}] does",
             design.border.overhang,
+            stars=[star[too_long[0]]],
+            place_mm=(x, y),
         )
     part = np.linalg.norm(tips - centres[star], axis=1) / np.linalg.norm(full - centres[star], axis=1)
     thickness, width = (_shortened(ends, part) for ends in (thickness, width))
@@ -101,15 +103,20 @@ def layout(design: Design) -> Layout:
         lattice_origin=np.asarray(lattice.origin_mm),
         star_branch=sizes.branch[kept],
         star_number=kept,
+        sheet_sites=cells,
+        site_sizes_mm=sizes.at_centres,
+        ignored_sites=sizes.ignored_sites,
     )
 
 
 def _check_tip_margin(margin: float, centres: Floats, corners: Floats) -> None:
     """Refuse a margin in which whole stars would disappear."""
-    room = float(shapely.distance(shapely.linearrings(corners), shapely.points(centres)).min())
+    distance = shapely.distance(shapely.linearrings(corners), shapely.points(centres))
+    room = float(distance.min())
     if margin >= room:
         problem = f"must be below {room:.4g} mm, the distance of the outermost star from the outline"
-        raise DesignError("border.tip_margin_mm", problem, margin)
+        star = int(distance.argmin())
+        raise DesignError("border.tip_margin_mm", problem, margin, stars=[star], place_mm=centres[star])
 
 
 def _shortened(ends: Floats, part: Floats) -> Floats:

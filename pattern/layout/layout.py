@@ -30,6 +30,10 @@ class Layout:
     lattice_origin : (2,) mm.
     star_branch : (S,) side to which each star starts: 1 up, to the plastic's side (the default), -1 down, 0 flat.
     star_number : (S,) increasing, the number of each star in the design and in results.
+    sheet_sites : (P, 2) all lattice sites of the sheet in the order of the stars' numbers, those of removed stars too.
+    site_sizes_mm : (P, 3) length, thickness and width of the stars there, before the outline cuts arms and before
+        rounding; length 0 where a star is removed.
+    ignored_sites : (k, 2) lattice sites off the sheet that `stars.override` names.
     """
 
     outline: Floats
@@ -44,6 +48,9 @@ class Layout:
     lattice_origin: Floats
     star_branch: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     star_number: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    sheet_sites: Ints = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
+    site_sizes_mm: Floats = field(default_factory=lambda: np.empty((0, 3)))
+    ignored_sites: Ints = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
 
     def __post_init__(self) -> None:
         if len(self.star_branch) == 0:
@@ -55,6 +62,11 @@ class Layout:
     def lattice(self) -> PlaneLattice:
         """All places where stars can stand."""
         return PlaneLattice(self.lattice_vectors, self.lattice_origin)
+
+    @property
+    def sites(self) -> Ints:
+        """(S, 2) lattice site of each star."""
+        return self.lattice.nearest(self.centres)
 
     @property
     def spacing_mm(self) -> float:

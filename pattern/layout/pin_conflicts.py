@@ -45,8 +45,9 @@ def check_conflicts(sets: Sequence[PinSet], corners: Floats) -> None:
         raise min(conflicts, key=lambda conflict: conflict.number).error
 
 
-def _repeated(new: int, old: int, value: object) -> _Conflict:
-    return _Conflict(new, DesignError(f"pins[{new}]", f"must not hold what pins[{old}] holds already", value))
+def _repeated(new: int, old: int, value: object, place_mm: Floats | None = None) -> _Conflict:
+    allowed = f"must not hold what pins[{old}] holds already"
+    return _Conflict(new, DesignError(f"pins[{new}]", allowed, value, place_mm=place_mm))
 
 
 def _points_twice(sets: tuple[PinSet, ...], distance: float) -> Iterator[_Conflict]:
@@ -65,10 +66,12 @@ def _points_twice(sets: tuple[PinSet, ...], distance: float) -> Iterator[_Confli
     for first, second in pairs[np.lexsort(pairs.T)][:1].tolist():
         if owner[first] == owner[second]:
             allowed = f"must not hold the same place twice, within {distance:.2g} mm"
-            error = DesignError(f"pins[{owner[second]}]", allowed, rounded_place(points[second]))
+            place = points[second]
+            error = DesignError(f"pins[{owner[second]}]", allowed, rounded_place(place), place_mm=place)
             yield _Conflict(int(owner[second]), error)
         else:
-            yield _repeated(int(owner[second]), int(owner[first]), rounded_place(points[second]))
+            place = points[second]
+            yield _repeated(int(owner[second]), int(owner[first]), rounded_place(place), place)
 
 
 def _edges_twice(sets: tuple[PinSet, ...]) -> Iterator[_Conflict]:
@@ -96,7 +99,7 @@ def _points_on_edges(
     conflict = (owner[point] > holder[line]) | (away <= tolerance)
     for k, edge in sorted(zip(point[conflict], line[conflict], strict=True)):
         old, new = sorted((int(owner[k]), int(holder[edge])))
-        yield _repeated(new, old, rounded_place(points[k]))
+        yield _repeated(new, old, rounded_place(points[k]), points[k])
 
 
 def _corners_differ(sets: tuple[PinSet, ...], corners: Floats, tolerance: float) -> Iterator[_Conflict]:
@@ -112,4 +115,6 @@ def _corners_differ(sets: tuple[PinSet, ...], corners: Floats, tolerance: float)
             new_place, old_place = (pins.places(place)[:, fixed] for pins in (new, old))
             if new.fixed != old.fixed or not np.allclose(new_place, old_place, atol=tolerance):
                 allowed = f"must hold the corner as pins[{first}] does"
-                yield _Conflict(number, DesignError(f"pins[{number}]", allowed, rounded_place(corners[corner])))
+                shown = rounded_place(corners[corner])
+                error = DesignError(f"pins[{number}]", allowed, shown, place_mm=corners[corner])
+                yield _Conflict(number, error)

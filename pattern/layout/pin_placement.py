@@ -73,7 +73,7 @@ def _snapped_to_outline(points: Floats, corners: Floats, field: str) -> Floats:
     off_sheet = shapely.distance(shapely.polygons(corners), places) > tolerance
     if off_sheet.any():
         k = int(off_sheet.argmax())
-        raise DesignError(f"{field}[{k}]", "must be on the sheet", rounded_place(points[k]))
+        raise DesignError(f"{field}[{k}]", "must be on the sheet", rounded_place(points[k]), place_mm=points[k])
     ring = shapely.linearrings(corners)
     beside = shapely.distance(ring, places) <= tolerance
     feet = shapely.get_coordinates(shapely.line_interpolate_point(ring, shapely.line_locate_point(ring, places)))

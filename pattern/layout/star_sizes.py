@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pattern.design.errors import DesignError
+from pattern.design.lattice import Lattice
 from pattern.design.sizing.field import sample
 from pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM, Override, Stars
 from pattern.geometry.arrays import Floats, Ints
@@ -28,12 +29,19 @@ class StarSizes:
     length : (S,) mm.
     thickness, width : (S, arms, 2) mm, at the centre and at the tip of each arm.
     branch : (S,) 1 for stars that start up, -1 for those that start down, 0 for those that start flat.
+    ignored_sites : (k, 2) sites of overrides that are off the sheet.
     """
 
     length: Floats
     thickness: Floats
     width: Floats
     branch: Ints
+    ignored_sites: Ints
+
+    @property
+    def at_centres(self) -> Floats:
+        """(S, 3) mm: length of the arms, thickness and width at the star's centre."""
+        return np.column_stack([self.length, self.thickness[:, 0, 0], self.width[:, 0, 0]])
 
 
 @dataclass(frozen=True)
@@ -45,31 +53,30 @@ class _Change:
     name: str
 
 
-def star_sizes(stars: Stars, centres: Floats, spacing: float, arm_directions: Floats) -> StarSizes:
-    """The sizes of all stars.
+def star_sizes(stars: Stars, sites: Ints, lattice: Lattice) -> StarSizes:
+    """The sizes of all stars; an arm is at most as long as the spacing.
 
     Parameters
     ----------
-    centres : (S, 2) mm.
-    spacing : mm, the longest arm allowed.
-    arm_directions : (arms, 2) unit vectors.
+    sites : (S, 2) lattice sites of the stars.
 
     Raises
     ------
     DesignError
         A size is out of its range, or an entry of `stars.override` fits no star. The message names the first such star.
     """
+    centres, spacing, arm_directions = lattice.sites.place(sites), lattice.spacing_mm, lattice.arm_directions
     field = "stars.length_mm" if stars.length_fraction is None else "stars.length_fraction"
     if stars.length_mm is not None:
         length = sample(stars.length_mm, centres)
     else:
         assert stars.length_fraction is not None  # a section has one of both
         length = spacing * sample(stars.length_fraction, centres)
-    changes = _changes(stars, centres, spacing)
+    changes, ignored = _changes(stars, sites, centres, lattice)
     for change in changes:
         if change.entry.length_mm is not None:
             value, star = change.entry.length_mm, change.star
-            _check(f"{change.name}.length_mm", np.array([value]), (0.0, spacing), centres[[star]], [star])
+            _check_one(f"{change.name}.length_mm", value, (0.0, spacing), centres, star)
             length[star] = value
     tips = centres[:, None, :] + np.clip(np.nan_to_num(length), 0, spacing)[:, None, None] * arm_directions
     both = np.stack([np.broadcast_to(centres[:, None, :], tips.shape), tips], axis=2)
@@ -83,7 +90,7 @@ def star_sizes(stars: Stars, centres: Floats, spacing: float, arm_directions: Fl
         star, entry = change.star, change.entry
         for key in values:
             if (size := getattr(entry, key)) is not None:
-                _check(f"{change.name}.{key}", np.array([size]), limits[key], centres[[star]], [star])
+                _check_one(f"{change.name}.{key}", size, limits[key], centres, star)
                 values[key][star] = size
         if entry.branch is not None:
             branch[star] = _SIGN[entry.branch]
@@ -96,33 +103,54 @@ def star_sizes(stars: Stars, centres: Floats, spacing: float, arm_directions: Fl
     for key in values:
         _check(f"stars.{key}", values[key][printed], limits[key], centres[printed], printed)
     thickness, width = np.minimum(thickness, THICKNESS_RANGE_MM[1]), np.minimum(width, WIDTH_RANGE_MM[1])
-    return StarSizes(np.minimum(length, spacing), thickness, width, branch)
+    return StarSizes(np.minimum(length, spacing), thickness, width, branch, ignored)
 
 
-def _changes(stars: Stars, centres: Floats, spacing: float) -> list[_Change]:
-    """The entries of `stars.override`, at most one a star."""
+def _changes(stars: Stars, sites: Ints, centres: Floats, lattice: Lattice) -> tuple[list[_Change], Ints]:
+    """The entries of `stars.override`, at most one a star, and (k, 2) the sites of those that are off the sheet."""
     changes: dict[int, _Change] = {}
+    ignored: dict[tuple[int, int], None] = {}
+    number_at = {(i, j): number for number, (i, j) in enumerate(sites.tolist())}
     for number, entry in enumerate(stars.override):
         name = f"stars.override[{number}]"
-        star = _changed_star(entry, centres, spacing, name)
+        if entry.site is not None and entry.site not in number_at:
+            if entry.site in ignored:
+                raise DesignError(name, f"changes site {list(entry.site)} again: write its changes in one entry")
+            ignored[entry.site] = None
+            continue
+        star = (
+            number_at[entry.site] if entry.site is not None else _changed_star(entry, number_at, centres, lattice, name)
+        )
         if star in changes:
-            raise DesignError(name, f"changes star {star} again: write its changes in one entry")
+            again = f"changes star {star} again: write its changes in one entry"
+            raise DesignError(name, again, stars=[star], place_mm=centres[star])
         changes[star] = _Change(star, entry, name)
-    return list(changes.values())
+    return list(changes.values()), np.array(list(ignored), dtype=np.int64).reshape(-1, 2)
 
 
-def _changed_star(entry: Override, centres: Floats, spacing: float, name: str) -> int:
-    """Number of the star that an entry changes."""
+def _changed_star(
+    entry: Override, number_at: dict[tuple[int, int], int], centres: Floats, lattice: Lattice, name: str
+) -> int:
+    """Number of the star that an entry with `star` or `at_mm` changes."""
     if entry.star is not None:
         if entry.star >= len(centres):
             raise DesignError(f"{name}.star", f"must be at most {len(centres) - 1}, the last star", entry.star)
         return entry.star
-    distance = np.linalg.norm(centres - np.asarray(entry.at_mm), axis=1)
-    star = int(distance.argmin())
-    if distance[star] > MAX_STAR_MISS_SPACINGS * spacing:
-        x, y = centres[star]
-        raise DesignError(f"{name}.at_mm", f"has no star there, the nearest is at [{x:.3f}, {y:.3f}]", entry.at_mm)
+    place = np.asarray(entry.at_mm)
+    i, j = lattice.sites.nearest(place[None])[0].tolist()
+    star = number_at.get((i, j))
+    if star is None or np.linalg.norm(centres[star] - place) > MAX_STAR_MISS_SPACINGS * lattice.spacing_mm:
+        x, y = centres[int(np.linalg.norm(centres - place, axis=1).argmin())]
+        message = f"has no star there, the nearest is at [{x:.3f}, {y:.3f}]"
+        raise DesignError(f"{name}.at_mm", message, entry.at_mm, place_mm=entry.at_mm)
     return star
+
+
+def _check_one(field: str, value: float, limits: tuple[float, float], centres: Floats, star: int) -> None:
+    """Refuse a size of one star outside the limits."""
+    low, high = limits
+    if not low <= value <= high + SIZE_LIMIT_SLACK * high:
+        _check(field, np.array([value]), limits, centres[[star]], [star])
 
 
 def _check(
@@ -141,4 +169,5 @@ def _check(
     star, (x, y) = refused[0], centres[refused[0]]
     value = float(values[star][~allowed[star]].flat[0])
     number = star if numbers is None else numbers[star]
-    raise DesignError(field, f"must be from {low:g} to {high:.6g} at star {number} at [{x:.2f}, {y:.2f}]", value)
+    allowed_range = f"must be from {low:g} to {high:.6g} at star {number} at [{x:.2f}, {y:.2f}]"
+    raise DesignError(field, allowed_range, value, stars=[number], place_mm=(x, y))

@@ -75,7 +75,8 @@ def check_clear(centres: Floats, tips: Floats, star: Ints, width: Floats, meetin
     apart = f"are {distance[bad[0]]:.3f} mm apart and would print as one"
     what = "overlap" if joined[bad[0]] or distance[bad[0]] == 0 else apart
     meant = "; length_fraction makes ends meet" if gap[bad[0]].min() < NEARLY_MEETING_MM else ""
-    raise DesignError("stars", f"arms of the stars at {here} and {there} {what}; shorten or turn them{meant}")
+    message = f"arms of the stars at {here} and {there} {what}; shorten or turn them{meant}"
+    raise DesignError("stars", message, stars=[star[i], star[j]], place_mm=centres[i])
 
 
 def _ends_on(ends: Floats, others: np.ndarray, near: float) -> Ints:

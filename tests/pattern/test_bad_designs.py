@@ -127,7 +127,7 @@ BAD = [
     ([("stars.override", [{"star": -1, "remove": True}])], "stars.override[0].star", "at least 0"),
     ([("stars.override", [{"star": 1.5, "remove": True}])], "stars.override[0].star", "whole number"),
     ([("stars.override", [{"star": 1}])], "stars.override[0]", "change a size or remove"),
-    ([("stars.override", [{"remove": True}])], "stars.override[0]", "one of star and at_mm"),
+    ([("stars.override", [{"remove": True}])], "stars.override[0]", "one of star, at_mm and site"),
     ([("stars.override", [{"at_mm": [5, 5], "remove": True}])], "stars.override[0].at_mm", "nearest is at"),
     ([("stars.override", [{"star": 0, "length_mm": 30}])], "stars.override[0].length_mm", "from 0 to 17.3205"),
     ([("stars.override", [{"star": 0, "remove": True}] * 2)], "stars.override[1]", "changes star 0 again"),

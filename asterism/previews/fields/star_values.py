@@ -29,6 +29,7 @@ class StarValues:
     corrugation : (S + 1, 2, W) mm and mm^2, amplitudes of the law's waves: of the flat cell, and change per curvature.
     sizes : (S, A) sizes of each star's arms (`homogenize.law.axes.AXES`), at which the law is evaluated.
     outside : one line for each star beyond the law's range; the nearest star in the range replaces it.
+    outside_stars : numbers of these stars.
     not_scale_separated : numbers of the stars whose sheet would curl to a radius below two thirds of their spacing, in
         the mean over directions, or around the tube of largest gain with the whole difference between directions.
     strongly_anisotropic : numbers of the stars whose `c3` exceeds that bound. They curl to one side in some directions,
@@ -46,6 +47,7 @@ class StarValues:
     corrugation: Floats
     sizes: Floats
     outside: tuple[str, ...]
+    outside_stars: tuple[int, ...]
     not_scale_separated: tuple[int, ...]
     strongly_anisotropic: tuple[int, ...]
     tip_heights: Floats
@@ -69,7 +71,7 @@ def star_values(design: Design, layout: Layout, law: Law, model: PreviewModel = 
         f"star {number} at [{x:.1f}, {y:.1f}]"
         for number, (x, y) in zip(layout.star_number, layout.centres, strict=True)
     ]
-    _check(where, {name: found.value[name][:-1] for name in QUANTITY_NAMES})
+    _check(layout, where, {name: found.value[name][:-1] for name in QUANTITY_NAMES})
     outside = tuple(_placed(line, where) for line in found.outside)
     differs = law.anisotropy(design, *asked.T)
     anisotropy = model.anisotropy_share * differs
@@ -88,6 +90,7 @@ def star_values(design: Design, layout: Layout, law: Law, model: PreviewModel = 
         corrugation,
         sizes,
         outside,
+        tuple(layout.star_number[~found.inside[:-1]].tolist()),
         not_scale_separated,
         strongly_anisotropic,
         tip_heights,
@@ -133,7 +136,7 @@ def _placed(line: str, where: Sequence[str]) -> str:
     return f"{where[int(head.split()[1])]}: {text}"
 
 
-def _check(where: Sequence[str], value: dict[str, Floats]) -> None:
+def _check(layout: Layout, where: Sequence[str], value: dict[str, Floats]) -> None:
     """Refuse what no sheet can do, whatever file the law comes from; values (S,) of stars that are somewhere."""
     lam, bending, a11 = value["lam_n"], value["bending"], value["a11"]
     allowed = {
@@ -146,4 +149,5 @@ def _check(where: Sequence[str], value: dict[str, Floats]) -> None:
     if wrong.any():
         star = int(wrong.any(axis=0).argmax())
         name, (_, what) = list(allowed.items())[int(wrong[:, star].argmax())]
-        raise LawError(f"{where[star]}: the law's {name} = {value[name][star]:.4g}, a sheet needs {what}")
+        message = f"{where[star]}: the law's {name} = {value[name][star]:.4g}, a sheet needs {what}"
+        raise LawError(message, [layout.star_number[star]], layout.centres[star])

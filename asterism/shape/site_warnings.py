@@ -1,0 +1,19 @@
+"""What to know of the lattice sites that a design names, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from pattern.layout.layout import Layout
+
+MAX_NAMED_SITES = 5
+
+
+def site_warnings(layout: Layout) -> Iterator[str]:
+    """A line if entries of `stars.override` are for sites off the sheet."""
+    if not (count := len(layout.ignored_sites)):
+        return
+    named = ", ".join(str(site) for site in layout.ignored_sites[:MAX_NAMED_SITES].tolist())
+    more = ", ..." if count > MAX_NAMED_SITES else ""
+    entries = "1 entry of stars.override is" if count == 1 else f"{count} entries of stars.override are"
+    yield f"{entries} for sites off the sheet and ignored: {named}{more}"

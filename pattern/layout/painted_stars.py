@@ -1,0 +1,86 @@
+"""Designs with stars that are painted or removed by hand, without a design file in between."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from pattern.design.design import Design
+from pattern.design.stars import Override
+from pattern.geometry.arrays import Ints
+from pattern.layout.outline import outline
+from pattern.layout.star_cells import star_cells
+
+SIZE_KEYS = ("length_mm", "thickness_mm", "width_mm")
+
+
+def with_painted_stars(design: Design, sites: ArrayLike, sizes_mm: ArrayLike, removed: ArrayLike = ()) -> Design:
+    """The design with other sizes at some lattice sites, as entries of `stars.override`.
+
+    Further entries of the design stay. The sizes are not checked here: `layout` refuses those out of range.
+
+    Parameters
+    ----------
+    sites : (n, 2) lattice sites, whole numbers. Sites off the sheet count as soon as the outline includes them.
+    sizes_mm : (n, 3) length, thickness and width; nan keeps the size that the design has there.
+    removed : (m, 2) lattice sites without a star.
+
+    Raises
+    ------
+    ValueError
+        The arrays have other shapes, or a site is not of whole numbers.
+
+    Examples
+    --------
+    >>> design = Design.from_dict({"stars": {"length_mm": 10}, "border": {"rings": 1}})
+    >>> painted = with_painted_stars(design, [[0, 0]], [[6.0, np.nan, np.nan]], removed=[[1, 0]])
+    >>> [(entry.site, entry.length_mm, entry.remove) for entry in painted.stars.override]
+    [((0, 0), 6.0, False), ((1, 0), None, True)]
+    """
+    painted, gone = _whole_pairs(sites, "sites"), _whole_pairs(removed, "removed")
+    sizes = np.asarray(sizes_mm, dtype=float).reshape(-1, len(SIZE_KEYS)) if len(painted) else np.empty((0, 3))
+    if len(sizes) != len(painted):
+        raise ValueError(f"sizes_mm must have one row a site, {len(painted)}, got {len(sizes)}")
+    entries = {entry.site: entry for entry in overrides_by_site(design)}
+    for site, row in zip(map(tuple, painted.tolist()), sizes.tolist(), strict=True):
+        given: dict[str, Any] = {key: size for key, size in zip(SIZE_KEYS, row, strict=True) if size == size}
+        old = entries.get(site)
+        if old is not None and not old.remove:
+            entries[site] = old.model_copy(update=given)
+        elif given:
+            entries[site] = Override.model_construct(site=site, **given)
+    for site in map(tuple, gone.tolist()):
+        entries[site] = Override.model_construct(site=site, remove=True)
+    stars = design.stars.model_copy(update={"override": tuple(entries.values())})
+    return design.model_copy(update={"stars": stars})
+
+
+def overrides_by_site(design: Design) -> list[Override]:
+    """The entries of `stars.override`, each by its lattice site.
+
+    Entries that no star fits stay as they are, and so do second entries of one star: `layout` names them.
+    """
+    lattice, entries = design.lattice, list(design.stars.override)
+    numbered = [entry.star for entry in entries if entry.star is not None]
+    cells = star_cells(design.border, lattice, outline(design.border, lattice)) if numbered else np.empty((0, 2))
+    out: list[Override] = []
+    for entry in entries:
+        site = entry.site
+        if entry.star is not None and entry.star < len(cells):
+            site = tuple(cells[entry.star].tolist())
+        elif entry.at_mm is not None:
+            site = tuple(lattice.sites.nearest(np.asarray(entry.at_mm)[None])[0].tolist())
+        out.append(entry.model_copy(update={"star": None, "at_mm": None, "site": site}) if site else entry)
+    return out
+
+
+def _whole_pairs(values: ArrayLike, name: str) -> Ints:
+    """(n, 2) of pairs of whole numbers, also written as floats."""
+    pairs = np.asarray(values, dtype=float)
+    if pairs.size == 0:
+        return np.empty((0, 2), dtype=np.int64)
+    if pairs.ndim != 2 or pairs.shape[1] != 2 or not (np.isfinite(pairs).all() and (pairs == np.rint(pairs)).all()):
+        raise ValueError(f"{name} must be pairs of whole numbers, shape (n, 2)")
+    return pairs.astype(np.int64)
