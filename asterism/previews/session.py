@@ -11,28 +11,32 @@ import numpy as np
 
 from asterism.previews.fields.star_values import StarValues, star_values
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
+from asterism.previews.readings import PreviewReadings
 from asterism.previews.sheet import Sheet, sheet_of
+from asterism.previews.snapshot import Snapshot
 from asterism.previews.solve import (
+    at_form,
     followed,
     respond,
     restarted,
     state_from_guesses,
+    state_without_search,
     with_near_zero_modes,
     with_shown_sheet,
     with_stars,
 )
 from asterism.previews.state import PreviewState
 from asterism.previews.summary import summary
-from asterism.previews.surface.surface import Lens, Places, shape_of
+from asterism.previews.surface.surface import shape_of
 from asterism.previews.uncertainty.estimate import estimate_error
+from asterism.previews.uncertainty.other_forms import forms_met
+from asterism.previews.watch import Watch
 from asterism.shape.shape import Shape
 from equilibrium.clock import Clock
 from equilibrium.threads import one_blas_thread
 from fem.elements.tabulation import Floats
-from fem.search.evidence import ShellEquilibrium
 from fem.search.mean_fields import mean_fields
 from fem.search.sides import Side, check_side, side_of
-from fem.shell.shell import Shell
 from homogenize.law.law import Law
 from homogenize.law.law_file import load_law
 from pattern.design.arguments import check_type
@@ -40,7 +44,6 @@ from pattern.design.design import Design
 from pattern.design.section import is_whole
 from pattern.layout.build import layout
 from pattern.layout.layout import Layout
-from pattern.layout.symmetries import Symmetry
 from pattern.layout.weight_support import check_weight_is_supported
 
 Say = Callable[[str], None]
@@ -69,7 +72,7 @@ class Stage:
     x: Floats
 
 
-class Preview:
+class Preview(PreviewReadings):
     """The homogenised shape of a design, kept ready for changes.
 
     Parameters
@@ -81,6 +84,9 @@ class Preview:
     say : called with a line of text when something begins.
     model : constants of the preview model.
     plan : layout of the design, if it is there already.
+    check : called at least once in each Newton iteration. An error that it raises ends the edit, and the preview keeps
+        the state before it.
+    max_seconds : wall time after which the search of an edit's stage is given up.
 
     Attributes
     ----------
@@ -92,6 +98,8 @@ class Preview:
         The design cannot be printed, or its sheet not meshed.
     LawError
         The law is not for this material, or gives values at a star that no sheet can have.
+    SearchLimitError
+        The search takes longer than `max_seconds`.
     TypeError, ValueError
         An argument is no design, no law or no side.
 
@@ -113,6 +121,8 @@ class Preview:
         say: Say | None = None,
         model: PreviewModel = PREVIEW_MODEL,
         plan: Layout | None = None,
+        check: Callable[[], None] | None = None,
+        max_seconds: float | None = None,
     ) -> None:
         check_side(side)
         if triangles is not None and not (is_whole(triangles) and 1 <= triangles <= MAX_ASKED_TRIANGLES):
@@ -123,6 +133,7 @@ class Preview:
             check_type(law, Law, "load_law reads one from a file")
         self._say = say or (lambda text: None)
         self._triangles = triangles
+        self._watch = Watch(check, max_seconds)
         self._edits = 0
         self._clock = Clock()
         law = law if law is not None else self._clock("law", paper_law)
@@ -140,14 +151,14 @@ class Preview:
         patience = ": this may take a minute" if count > PATIENCE_TRIANGLES else ""
         stars = len(plan.centres)
         self._say(f"{stars} star{'s' if stars > 1 else ''} on {count} triangles{patience}")
-        return state_from_guesses(sheet, law, values, side, self._clock)
+        return state_from_guesses(sheet, law, values, side, self._clock, self._watch)
 
     def edit(self, design: Design) -> Iterator[Stage]:
         """Change the design: first the linear response, at once, and then the equilibrium.
 
-        If outline, supports, lattice and gravity stay the same, the shape goes on from the last equilibrium. Otherwise,
-        or if that leads to no minimum, it starts anew, without a linear response. Only a new start meets other forms:
-        after an edit that goes on, the summary lists none.
+        If outline, supported points, lattice and gravity stay the same, the shape goes on from the last equilibrium;
+        the pins may stand at other places in space. Otherwise, or if that leads to no minimum, it starts anew, without
+        a linear response. Only a new start meets other forms: after an edit that goes on, the summary lists none.
 
         The edit begins when the first stage is asked for; `update` asks for all. If you stop after the linear response,
         the preview shows that response, and its summary says that it is no equilibrium unless the edit changed nothing;
@@ -158,6 +169,8 @@ class Preview:
         ------
         DesignError, MeshError, LawError
             As for a new preview; the old one then stays as it was.
+        SearchLimitError
+            A stage takes longer than `max_seconds`; the preview then stays as it was before the edit.
         RuntimeError
             A later edit or a flip has overtaken this one.
         TypeError
@@ -173,7 +186,9 @@ class Preview:
         return self.shape()
 
     def _stages(self, design: Design) -> Iterator[Stage]:
+        before = self.state
         with one_blas_thread():
+            self._watch.begin()
             self._clock = Clock()
             plan = self._clock("layout", layout, design)
             check_weight_is_supported(design, plan)
@@ -192,9 +207,15 @@ class Preview:
             if self._edits != number:
                 raise RuntimeError("this edit was overtaken by a later one, or by a flip")
             with one_blas_thread():
+                self._watch.begin()
                 # the search changes the content of the factor: an interruption leaves a state that says so
                 self.state = replace(self.state, is_factor_resting=False)
-                self.state = followed(self.state, response, self._clock)
+                try:
+                    self.state = followed(self.state, response, self._clock)
+                except BaseException:
+                    if self._watch.has_stopped:
+                        self.state = replace(before, is_factor_resting=False)
+                    raise
         yield Stage("equilibrium", self.state.equilibrium.x.copy())
 
     @one_blas_thread()
@@ -203,6 +224,7 @@ class Preview:
 
         If the search finds no form on the other side, the preview stays as it was.
         """
+        self._watch.begin()
         self._clock = Clock()
         self._edits += 1
         state = self.state
@@ -214,73 +236,72 @@ class Preview:
         self.state = flipped
         return flipped.side
 
+    def snapshot(self) -> Snapshot:
+        """The design and the last equilibrium, to which `restore` goes back.
+
+        After the first stage of an edit that is the equilibrium before it, with the design of the edit.
+        """
+        state = self.state
+        return Snapshot(state.design, state.side, self._triangles, state.resting.x, state.resting.energy)
+
+    def restore(self, snapshot: Snapshot) -> Stage:
+        """Go back to a snapshot of this preview, or of another one with the same law and model.
+
+        The equilibrium is certified again. If the snapshot's positions lead to no minimum, the shape starts anew.
+
+        Raises
+        ------
+        DesignError, MeshError, LawError, SearchLimitError
+            As for an edit; the preview then stays as it was.
+        ValueError
+            The snapshot is of another mesh.
+        """
+        check_type(snapshot, Snapshot, "preview.snapshot() makes one")
+        return self._at_form(snapshot.design, snapshot.x)
+
+    def show_form(self, number: int) -> Stage:
+        """Go to a form of `forms`, by its number in that list from 0. The form that was shown is in the list then.
+
+        Raises
+        ------
+        ValueError
+            There is no such form.
+        """
+        minima = forms_met(self.state)
+        if not (is_whole(number) and 0 <= number < len(minima)):
+            raise ValueError(f"number = {number!r}: must be a whole number from 0 to {len(minima) - 1}")
+        return self._at_form(self.design, minima[number][1].x)
+
+    @one_blas_thread()
+    def _at_form(self, design: Design, x: Floats) -> Stage:
+        """The equilibrium of a design near positions x (N, 3) of the shell's dofs."""
+        self._watch.begin()
+        self._clock = Clock()
+        self._edits += 1
+        plan = self._clock("layout", layout, design)
+        check_weight_is_supported(design, plan)
+        state = self.state
+        values = self._clock("law", star_values, design, plan, state.law, state.model)
+        if state.sheet.is_same_print(design, plan):
+            state = self._clock("fields", with_stars, state, design, plan, values)
+        else:
+            sheet = self._clock("mesh", sheet_of, design, plan, self._triangles, state.model)
+            state = self._clock("shell", state_without_search, sheet, state.law, values, state.side, state.watch)
+        if x.shape != state.shell.flat.shape:
+            raise ValueError(f"positions of {len(x)} dofs are of another mesh, which has {len(state.shell.flat)}")
+        if state.factor is self.state.factor:
+            self.state = replace(self.state, is_factor_resting=False)  # the search changes its content
+        self.state = at_form(state, x, self._clock)
+        return Stage("equilibrium", self.state.equilibrium.x.copy())
+
     def __reduce__(self) -> NoReturn:
         """Refuse copies, which would share the factor that edits change."""
         raise TypeError("a preview cannot be copied or pickled: Preview(preview.design, preview.law) makes another")
 
     @property
-    def design(self) -> Design:
-        """As given, or as edited since."""
-        return self.state.design
-
-    @property
-    def law(self) -> Law:
-        """As given."""
-        return self.state.law
-
-    @property
-    def side(self) -> Side:
-        """To which the edges were asked to go."""
-        return self.state.side
-
-    @property
-    def sheet(self) -> Sheet:
-        """The print and its mesh."""
-        return self.state.sheet
-
-    @property
-    def values(self) -> StarValues:
-        """The law at the design's stars."""
-        return self.state.values
-
-    @property
-    def shell(self) -> Shell:
-        """The shell with all supports."""
-        return self.state.shell
-
-    @property
-    def equilibrium(self) -> ShellEquilibrium:
-        """The state of the shell with its evidence."""
-        return self.state.equilibrium
-
-    @property
-    def symmetries(self) -> list[Symmetry]:
-        """Motions of the print that map the design to itself."""
-        return self.state.symmetries
-
-    @property
     def seconds(self) -> dict[str, float]:
         """Wall time by part, since the preview was made, edited or flipped."""
         return dict(self._clock.seconds)
-
-    def at(self, points: Floats, x: Floats | None = None) -> Places:
-        """Printed points (n, 2) mm, or a single one, in space; `x` of a stage in place of the equilibrium.
-
-        In the pose of the shell: free sheets of `shape` are turned upright.
-
-        Raises
-        ------
-        ValueError
-            These are no points, or one is off the sheet; x is not of a stage.
-        """
-        state = self.state
-        points = np.atleast_2d(np.asarray(points, dtype=float))
-        if points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all():
-            raise ValueError(f"points must be finite pairs of mm on the print, shape (n, 2), got shape {points.shape}")
-        x = state.equilibrium.x if x is None else np.asarray(x, dtype=float)
-        if x.shape != state.equilibrium.x.shape:
-            raise ValueError(f"x must be a stage's, shape {state.equilibrium.x.shape}, got shape {x.shape}")
-        return Lens(state.sheet, state.law.waves, points)(x, state.values)
 
     @one_blas_thread()
     def shape(self) -> Shape:

@@ -25,7 +25,7 @@ from fem.elements.argyris import Argyris
 from fem.elements.tabulation import Floats, Tabulation
 from fem.shell.fields import FieldError, Fields
 from fem.shell.shell import QUADRATURE_ORDER, Shell
-from fem.supports.conditions import ConditionError
+from fem.supports.conditions import ConditionError, impose_conditions
 from fem.supports.loads import area_load
 from homogenize.errors import LawError
 from pattern.design.design import Design
@@ -98,23 +98,34 @@ class Sheet:
         stars = self.stars
         if not np.array_equal(layout.centres, self.layout.centres):
             stars = StarShares.at(self.table.points.reshape(-1, 2), design, layout, self.model)
-        return replace(self, design=design, layout=layout, stars=stars)
+        sheet = replace(self, design=design, layout=layout, stars=stars)
+        if design.mesh.edge_mm == self.design.mesh.edge_mm and "_pin_softness" in self.__dict__:
+            sheet.__dict__["_pin_softness"] = self._pin_softness
+        if self.has_arms_of(layout) and "arms" in self.__dict__:
+            sheet.__dict__["arms"] = self.arms.with_layout(layout)
+        return sheet
 
     def has_arms_of(self, layout: Layout) -> bool:
         """Whether the arms of another layout of this sheet are at the same places; thickness and width may differ."""
         return all(np.array_equal(getattr(layout, name), getattr(self.layout, name)) for name in ARM_PLACES)
 
     def is_same_print(self, design: Design, layout: Layout) -> bool:
-        """Whether a design has the print of this one, but for its stars and material."""
-        places = zip(layout.pins, self.layout.pins, strict=False)
+        """Whether a design has the print of this one, held at the same points, but for its stars and material.
+
+        The pins may stand at other places in space.
+        """
         return (
             np.array_equal(layout.outline, self.layout.outline)
-            and design.pins == self.design.pins
+            and len(layout.pins) == len(self.layout.pins)
             # pins beside an arm are on it, and move with it
-            and all(np.array_equal(new.points, old.points) for new, old in places)
+            and all(new.holds_as(old) for new, old in zip(layout.pins, self.layout.pins, strict=True))
             and design.lattice == self.design.lattice
             and design.gravity == self.design.gravity
         )
+
+    def has_pins_of(self, layout: Layout) -> bool:
+        """Whether another layout of this print has its pins at the same places in space, too."""
+        return all(new.stands_as(old) for new, old in zip(layout.pins, self.layout.pins, strict=True))
 
     @property
     def outline(self) -> Floats:
@@ -192,6 +203,20 @@ class Sheet:
         loads = self.loads() if self.design.gravity.on and is_carried else None
         try:
             return Shell(self.space, fields, conditions(self.layout, self.mesh, self.space.mesh, step), loads)
+        except ConditionError as error:
+            raise DesignError("pins", f"cannot all hold: {error}") from None
+
+    def support_target(self) -> Floats:
+        """(3N,) mm, target of all supports, for `Shell.with_target`.
+
+        Raises
+        ------
+        DesignError
+            The supports contradict each other.
+        """
+        held = conditions(self.layout, self.mesh, self.space.mesh, self.layout.pin_steps[-1])
+        try:
+            return impose_conditions(self.space, held).target
         except ConditionError as error:
             raise DesignError("pins", f"cannot all hold: {error}") from None
 

@@ -5,6 +5,7 @@ Each function returns a state, and leaves the one it was given as it is, but for
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +17,8 @@ from asterism.previews.sheet import Sheet
 from asterism.previews.state import PreviewState
 from asterism.previews.surface.surface import Lens, ShownSheet, shown_mesh
 from equilibrium.clock import Clock
+from equilibrium.linear.watched_factor import WatchedFactor
+from fem.elements.tabulation import Floats
 from fem.search.evidence import ShellEquilibrium
 from fem.search.linear_response import Response, linear_response
 from fem.search.relax import energies_by_part, factorise, follow, softest_modes
@@ -27,10 +30,15 @@ from pattern.layout.layout import Layout
 EQUAL_SIZES = 0.01  # sizes of stars that differ by less than this share are equal
 MAX_TIGHT_SHARE = 0.4  # of the stars: with more that are not scale-separated, caps are tried
 EDIT_START = "edit"  # name of the start of an equilibrium that goes on from another one
+FORM_START = "form"  # name of the start of an equilibrium that was chosen or restored
 
 
-def state_from_guesses(sheet: Sheet, law: Law, values: StarValues, side: Side, clock: Clock) -> PreviewState:
+def state_from_guesses(
+    sheet: Sheet, law: Law, values: StarValues, side: Side, clock: Clock, watch: Callable[[], None]
+) -> PreviewState:
     """The state at the equilibrium that initial guesses lead to, after all supports have taken hold.
+
+    `watch` is called at least once in each Newton iteration, here and in later searches from this state.
 
     Raises
     ------
@@ -45,7 +53,7 @@ def state_from_guesses(sheet: Sheet, law: Law, values: StarValues, side: Side, c
     was_free = True
     for step in sheet.layout.pin_steps:
         shell = clock("shell", sheet.shell, fields, step)
-        factor = shell.factor()
+        factor = WatchedFactor(shell.factor(), watch)
         if step == 0:
             symmetries = clock("symmetries", getattr, sheet, "symmetries") if shell.is_free else []
             traits = SheetTraits(has_equal_stars, has_tight_curls, [symmetry.turn for symmetry in symmetries])
@@ -56,22 +64,47 @@ def state_from_guesses(sheet: Sheet, law: Law, values: StarValues, side: Side, c
             equilibrium = clock("pins", apply_supports, shell, factor, equilibrium.x, was_free)
         was_free = len(shell.fixed_points) == 0
     equilibrium = replace(equilibrium, x=shell.shifted_to_ground(equilibrium.x))
-    return PreviewState(sheet, law, side, values, shell, equilibrium, equilibrium, factor)
+    return PreviewState(sheet, law, side, values, shell, equilibrium, equilibrium, factor, watch)
 
 
-def with_stars(state: PreviewState, design: Design, layout: Layout, values: StarValues) -> PreviewState:
-    """The state with other stars on the same print; its equilibrium is still that of the old ones.
+def state_without_search(
+    sheet: Sheet, law: Law, values: StarValues, side: Side, watch: Callable[[], None]
+) -> PreviewState:
+    """The state of a sheet with all of its supports, at the printed sheet in place of an equilibrium.
 
     Raises
     ------
+    DesignError, LawError
+        As for `state_from_guesses`.
+    """
+    shell = sheet.shell(sheet.fields(values), sheet.layout.pin_steps[-1])
+    x = shell.flat
+    printed = ShellEquilibrium(x, shell.strains(x), {}, np.inf, 0.0, False, np.empty(0), "printed")
+    factor = WatchedFactor(shell.factor(), watch)
+    return PreviewState(sheet, law, side, values, shell, printed, printed, factor, watch, is_factor_resting=False)
+
+
+def with_stars(state: PreviewState, design: Design, layout: Layout, values: StarValues) -> PreviewState:
+    """The state with other stars, and pins at other places in space, on the same print.
+
+    Its equilibrium is still that of the old ones.
+
+    Raises
+    ------
+    DesignError
+        The supports contradict each other.
     LawError
         The rest metric is not positive definite.
     """
-    keeps_shown = state.sheet.has_arms_of(layout) and design.mesh == state.design.mesh
     sheet = state.sheet.with_stars(design, layout)
     fields = sheet.fields(values)
     shell = state.shell.with_fields(fields, sheet.loads() if design.gravity.on else None)
-    return replace(state, sheet=sheet, values=values, shell=shell, shown=state.shown if keeps_shown else None)
+    if not state.sheet.has_pins_of(layout):
+        shell = shell.with_target(sheet.support_target())
+    shown = None
+    if state.shown is not None and state.sheet.has_arms_of(layout) and design.mesh == state.design.mesh:
+        shown = replace(state.shown, lens=state.shown.lens.renewed(sheet))
+    return replace(state, sheet=sheet, values=values, shell=shell, shown=shown)
 
 
 def respond(state: PreviewState, clock: Clock) -> tuple[PreviewState, Response | None]:
@@ -112,8 +145,23 @@ def followed(state: PreviewState, response: Response, clock: Clock) -> PreviewSt
 
 def restarted(state: PreviewState, clock: Clock, side: Side | None = None) -> PreviewState:
     """The state of the same design from guesses, on another side if one is given."""
-    new = state_from_guesses(state.sheet, state.law, state.values, side or state.side, clock)
+    new = state_from_guesses(state.sheet, state.law, state.values, side or state.side, clock, state.watch)
     return replace(new, shown=state.shown)
+
+
+def at_form(state: PreviewState, x: Floats, clock: Clock) -> PreviewState:
+    """The state at the equilibrium near positions x (N, 3) of the shell's dofs, with the trials of the last one.
+
+    The state is that from guesses if x leads to no minimum.
+    """
+    start = state.shell.constrain(x), state.factor, FORM_START
+    equilibrium: ShellEquilibrium = clock("equilibrium", follow, state.shell, *start)
+    if not equilibrium.is_minimum:
+        return restarted(state, clock)
+    x = state.shell.shifted_to_ground(equilibrium.x)
+    trials = state.resting.trials
+    equilibrium = replace(equilibrium, x=x, trials=trials if len(trials) > 1 else equilibrium.trials)
+    return replace(state, equilibrium=equilibrium, resting=equilibrium, is_factor_resting=True)
 
 
 def with_near_zero_modes(state: PreviewState, clock: Clock) -> PreviewState:

@@ -7,6 +7,7 @@ not change: mesh, smoothed cells, supports, and the factor.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from asterism.previews.fields.star_values import StarValues
@@ -37,6 +38,7 @@ class PreviewState:
     equilibrium : what is shown; after the first stage of an edit it is the linear response, and no equilibrium.
     resting : the last equilibrium, from which edits go on.
     factor : a solver for the shell's Hessians. Its content changes while an equilibrium is sought.
+    watch : called at least once in each Newton iteration; an error that it raises ends the search.
     is_factor_resting : whether the factor holds the Hessian at `resting`.
     shown : triangles to show and how to place them; None until a shape is asked for.
     """
@@ -49,6 +51,7 @@ class PreviewState:
     equilibrium: ShellEquilibrium
     resting: ShellEquilibrium
     factor: Factor
+    watch: Callable[[], None]
     is_factor_resting: bool = True
     shown: ShownSheet | None = None
 

@@ -3,6 +3,9 @@
 With the gradient g of the changed energy and the Hessian H of the old equilibrium the response is `-H^-1 g`. The factor
 holds H, as `fem.search.relax.relax` and `follow` leave it. The response is the first step of Newton's method with mixed
 points, so `follow` continues from its state and strains and needs one iteration less.
+
+If supports move by c, g is linear in c as well: the gradient at the old equilibrium, plus `K c` with the Hessian K over
+all dofs. At the old state with its supports moved, neighbouring triangles would be torn, far beyond any linear range.
 """
 
 from __future__ import annotations
@@ -17,6 +20,8 @@ from fem.elements.tabulation import Floats
 from fem.search.mixed_newton import MAX_STEP
 from fem.shell.fields import Fields
 from fem.shell.shell import Shell
+
+MIN_SUPPORT_MOVE = 1e-9  # part of the extent: supports that move by less rest
 
 
 @dataclass(frozen=True)
@@ -46,6 +51,8 @@ def linear_response(shell: Shell, x: Floats, factor: Factor) -> Response:
     of the response. The response of a very soft sheet is shortened to the longest step of Newton's method.
     """
     start = shell.constrain(x)
+    if float(np.abs(start - x).max()) > MIN_SUPPORT_MOVE * shell.extent:
+        return _response_to_moved_supports(shell, x, start - x, factor)
     strains = shell.strains(start)
     _, stress, _ = shell.density(strains)
     gradient = shell.restrict(shell.assembly.forces(start, stress) + shell.external_gradient(start))
@@ -53,6 +60,16 @@ def linear_response(shell: Shell, x: Floats, factor: Factor) -> Response:
     farthest = float(np.abs(move).max())
     most = MAX_STEP * shell.extent
     return Response(start + (move if farthest <= most else most / farthest * move), shell, start, strains)
+
+
+def _response_to_moved_supports(shell: Shell, x: Floats, moved: Floats, factor: Factor) -> Response:
+    """The response of the equilibrium x (N, 3) to supports that move by `moved` (N, 3), and to changed fields."""
+    strains = shell.strains(x)
+    _, stress, stiffness = shell.density(strains)
+    forces = shell.assembly.forces(x, stress) + shell.external_gradient(x)
+    forces = forces + shell.assembly.product(shell.assembly.tangent(x, stiffness, stress), moved)
+    move = shell.move(moved, _answer(shell, x, factor, shell.restrict(forces)))
+    return Response(x + move, shell, x, strains)
 
 
 def rms_response(shell: Shell, x: Floats, factor: Factor, fields: Fields) -> float:

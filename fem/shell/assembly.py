@@ -80,6 +80,11 @@ class Assembly:
         )
         return data
 
+    def product(self, data: Floats, x: Floats) -> Floats:
+        """(N, 3) product of the symmetric matrix with entries `data` (nnz,) and x (N, 3)."""
+        low, flat = self.pattern.lower(data), x.ravel()
+        return np.asarray(low @ flat + low.T @ flat - data[self.pattern.diagonal] * flat).reshape(-1, 3)
+
     def mass(self, values: Floats) -> sp.csr_matrix:
         """(N, N) mm^2, integrals of the products of the basis functions, whose values are (T, Q, m)."""
         i, j = np.tril_indices(self.dofs.shape[1])

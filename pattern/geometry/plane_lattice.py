@@ -71,14 +71,15 @@ class PlaneLattice:
         ahead = np.where(np.abs(steps[:, 0]) > 1e-6, steps[:, 0], steps[:, 1]) > 1e-6
         offsets, distance = offsets[ahead], np.linalg.norm(steps[ahead], axis=1)
         reach = np.linalg.norm(self.vectors, axis=1).max()
-        row = {(int(i), int(j)): k for k, (i, j) in enumerate(cells)}
-        pairs = [
-            (k, row[cell])
-            for (i, j), k in row.items()
-            for di, dj in offsets[distance <= reach * (1 + 1e-6)]
-            if (cell := (i + int(di), j + int(dj))) in row
-        ]
-        return np.array(sorted(pairs), dtype=np.int64).reshape(-1, 2)
+        if len(cells) == 0:
+            return np.empty((0, 2), dtype=np.int64)
+        first = cells.min(axis=0) - 2
+        row = np.full(cells.max(axis=0) - first + 3, -1)
+        row[tuple((cells - first).T)] = np.arange(len(cells))
+        near = cells[:, None] - first + offsets[distance <= reach * (1 + 1e-6)]
+        other = np.sort(row[near[..., 0], near[..., 1]], axis=1)
+        star, place = np.nonzero(other >= 0)
+        return np.column_stack([star, other[star, place]])
 
 
 def shortest_basis(basis: Floats) -> Floats:

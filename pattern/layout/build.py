@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 import shapely
 
 from pattern.design.arguments import check_type
+from pattern.design.border import Border
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
+from pattern.design.lattice import Lattice
 from pattern.design.stars import MIN_ARM_MM
-from pattern.geometry.arrays import Floats
+from pattern.geometry.arrays import Floats, Ints
 from pattern.layout.layout import Layout
 from pattern.layout.outline import outline
 from pattern.layout.pin_conflicts import check_conflicts
@@ -18,6 +22,7 @@ from pattern.layout.star_cells import star_cells, star_margin_mm
 from pattern.layout.star_sizes import star_sizes
 from pattern.rods.arms import check_clear, cut
 
+KEPT_OUTLINES = 8
 # vertices of the exact model's mesh
 MAX_VERTICES = 400_000
 # ends of arms closer than this part of the spacing are one point, but for rounding
@@ -45,10 +50,9 @@ def layout(design: Design) -> Layout:
     """
     check_type(design, Design, "load_design reads one from a file, Design.from_dict makes one of a dict")
     lattice = design.lattice
-    corners = outline(design.border, lattice)
+    corners = _kept_outline(design.border, lattice).copy()  # layouts own their arrays
     _check_mesh(design.mesh.edge_mm, lattice.spacing_mm, corners)
-
-    cells = star_cells(design.border, lattice, corners)
+    cells = _kept_cells(design.border, lattice).copy()
     if len(cells) == 0:
         margin = f"border.star_margin_mm = {star_margin_mm(design.border, lattice):.4g} from its outline"
         raise DesignError("border", f"must have room for at least one star, {margin}")
@@ -107,6 +111,18 @@ def layout(design: Design) -> Layout:
         site_sizes_mm=sizes.at_centres,
         ignored_sites=sizes.ignored_sites,
     )
+
+
+@lru_cache(maxsize=KEPT_OUTLINES)
+def _kept_outline(border: Border, lattice: Lattice) -> Floats:
+    """`outline`, kept for edits, which change stars far more often than outlines."""
+    return outline(border, lattice)
+
+
+@lru_cache(maxsize=KEPT_OUTLINES)
+def _kept_cells(border: Border, lattice: Lattice) -> Ints:
+    """`star_cells`, kept for edits."""
+    return star_cells(border, lattice, _kept_outline(border, lattice))
 
 
 def _check_tip_margin(margin: float, centres: Floats, corners: Floats) -> None:

@@ -85,6 +85,19 @@ class PinSet:
         flat = np.column_stack([self.scale * printed, np.zeros(len(printed))])
         return np.asarray(flat + np.asarray(self.offset_mm))
 
+    def holds_as(self, other: PinSet) -> bool:
+        """Whether another set holds the same points and edges in the same directions, from the same step on."""
+        same = (self.edges, self.fixed, self.step) == (other.edges, other.fixed, other.step)
+        return same and np.array_equal(self.points, other.points)
+
+    def stands_as(self, other: PinSet) -> bool:
+        """Whether another set that holds the same points holds them at the same places in space."""
+        if (self.target_mm is None) != (other.target_mm is None):
+            return False
+        if self.target_mm is not None and other.target_mm is not None:
+            return np.array_equal(self.target_mm, other.target_mm)
+        return self.scale == other.scale and self.offset_mm == other.offset_mm
+
     def is_active(self, step: int) -> bool:
         """Whether these pins support the sheet in a step."""
         return self.step <= step

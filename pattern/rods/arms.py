@@ -25,7 +25,9 @@ def cut(centres: Floats, tips: Floats, corners: Floats, margin: float) -> tuple[
     arms = shapely.linestrings(np.stack([centres, tips], axis=1))
     shapely.prepare(inner)
     # a tip exactly at the margin is inside
-    long = np.flatnonzero(~shapely.covers(inner.buffer(1e-9 * margin), arms))
+    slightly_larger = inner.buffer(1e-9 * margin)
+    shapely.prepare(slightly_larger)
+    long = np.flatnonzero(~shapely.covers(slightly_larger, arms))
     tips = tips.copy()
     for arm in long:
         tips[arm] = _first_exit(arms[arm], centres[arm], inner)

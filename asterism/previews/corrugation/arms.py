@@ -18,6 +18,8 @@ The fabric beside an arm follows it. What is held stays.
 
 from __future__ import annotations
 
+from copy import copy
+
 import numpy as np
 import scipy.sparse as sp
 from scipy.spatial import cKDTree
@@ -55,6 +57,12 @@ class Arms:
         self.at_centres, self._at_tips = space.locate(layout.centres), space.locate(layout.arm_tip)
         self._room = np.maximum(layout.distance_to_supports(layout.arm_tip), MIN_LENGTH_MM)
         self._pins = layout.pin_points
+
+    def with_layout(self, layout: Layout) -> Arms:
+        """The same arms, of a layout whose arms are at the same places."""
+        other = copy(self)
+        other.layout = layout
+        return other
 
     def moves(self, x: Floats, kappa: Floats) -> tuple[Floats, Floats]:
         """Of the tips: (A, 2) mm of the print, by which they lie further out on the sheet, and (A,) mm, their lift.

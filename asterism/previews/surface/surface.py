@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from asterism.previews.corrugation.arms import Arms
 from asterism.previews.corrugation.bumps import corrugation_heights, flattening, support_factor
 from asterism.previews.edges.free_rim import beyond_stars
 from asterism.previews.edges.supported_edge import SupportedEdge
@@ -48,7 +50,17 @@ class Places:
 
 
 class Lens:
-    """Takes shells of one sheet to a set of printed points (n, 2)."""
+    """Takes shells of one sheet to a set of printed points (n, 2).
+
+    Attributes
+    ----------
+    sheet, points : as given.
+
+    Raises
+    ------
+    ValueError
+        A point is off the sheet.
+    """
 
     def __init__(self, sheet: Sheet, waves: CorrugationWaves, points: Floats) -> None:
         self.points = np.atleast_2d(np.asarray(points, dtype=float))
@@ -56,11 +68,42 @@ class Lens:
         self._waves = waves(self.points - sheet.layout.lattice_origin)
         self._spacing, self._held = sheet.layout.spacing_mm, bool(sheet.layout.pins)
         self._stays = support_factor(sheet.layout.distance_to_supports(self.points), self._spacing, sheet.model)
-        self._at, self._rim = sheet.space.locate(self.points), SupportedEdge(sheet, self.points)
+        self._at = sheet.space.locate(self.points)
+        self._follow_stars(sheet)
+
+    def _follow_stars(self, sheet: Sheet) -> None:
+        """Set what depends on the stars and on the places of the pins in space."""
+        self.sheet, self._rim = sheet, SupportedEdge(sheet, self.points)
         self._shares = sheet.stars.cells.shares(self.points)
         self._beyond, self._nearest = beyond_stars(sheet.layout, self.points, sheet.model)
-        self._arms = sheet.arms
-        self._out, self._lifted = self._arms.beside(self.points)
+        self._follow_arms(sheet.arms)
+
+    def _follow_arms(self, arms: Arms) -> None:
+        self._arms = arms
+        self._out, self._lifted = arms.beside(self.points)
+
+    def renewed(self, sheet: Sheet) -> Lens:
+        """The lens of the same points on a sheet after an edit that keeps the print; what stays is shared.
+
+        Raises
+        ------
+        ValueError
+            The sheet has another print.
+        """
+        if sheet is self.sheet:
+            return self
+        if sheet.space is not self.sheet.space:
+            raise ValueError("the sheet has another print: make a new lens")
+        lens = copy(self)
+        if sheet.stars is not self.sheet.stars or not self.sheet.has_pins_of(sheet.layout):
+            lens._follow_stars(sheet)
+            return lens
+        lens.sheet = sheet
+        if self.sheet.has_arms_of(sheet.layout):
+            lens._arms = sheet.arms
+        else:
+            lens._follow_arms(sheet.arms)
+        return lens
 
     def __call__(self, x: Floats, values: StarValues) -> Places:
         """Where positions x (N, 3) of the shell's dofs take the points."""

@@ -6,9 +6,11 @@ Two minima are one form if a rigid motion and a symmetry of the design bring the
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from asterism.previews.state import PreviewState
+from asterism.shape.diameter import diameter
+from fem.search.evidence import Trial
 from pattern.layout.symmetric_distance import symmetric_distances
 
 MIN_STARS = 3  # star centres that tell forms apart
@@ -36,20 +38,31 @@ class OtherForm:
 
 def other_forms(state: PreviewState, diameter_mm: float) -> list[OtherForm]:
     """The lowest one first; each is a different form from the one shown and from those before it."""
+    return [form for form, _ in other_minima(state, diameter_mm)]
+
+
+def other_minima(state: PreviewState, diameter_mm: float) -> list[tuple[OtherForm, Trial]]:
+    """The forms of `other_forms`, each with the trial that found it."""
     shown, layout = state.equilibrium, state.layout
     minima = sorted((trial for trial in shown.trials if trial.is_minimum), key=lambda trial: trial.energy)
     if len(minima) < 2 or len(layout.centres) < MIN_STARS:
         return []
     stars = state.sheet.space.locate(layout.centres).value
-    known, forms = [stars @ shown.x], []
+    known, forms = [stars @ shown.x], list[tuple[OtherForm, Trial]]()
     for trial in minima:
         centres = stars @ trial.x
         apart = [100.0 / diameter_mm * symmetric_distances(form, centres, state.symmetries).min() for form in known]
         if min(apart) > EQUAL_FORM_PERCENT:
             gap = (trial.energy - shown.energy) / shown.absolute_energy
-            forms.append(OtherForm(trial.name, trial.energy, gap, float(apart[0])))
+            forms.append((OtherForm(trial.name, trial.energy, gap, float(apart[0])), trial))
             known.append(centres)
     return forms
+
+
+def forms_met(state: PreviewState) -> list[tuple[OtherForm, Trial]]:
+    """`other_minima` of the last equilibrium, by the diameter of the smooth sheet."""
+    resting = state.resting
+    return other_minima(replace(state, equilibrium=resting), diameter(state.shell.node_positions(resting.x)))
 
 
 def close_form(forms: Sequence[OtherForm], energy_uncertainty: float) -> OtherForm | None:

@@ -1,0 +1,69 @@
+"""Fixed printed points on the sheet of a preview, followed over edits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from asterism.previews.state import PreviewState
+from asterism.previews.surface.surface import Lens, Places
+from fem.elements.tabulation import Floats
+
+
+class PointLens:
+    """Takes the stages of a preview to printed points; `Preview.lens` makes one.
+
+    After an edit that keeps the print, only what depends on the changed stars is computed again.
+
+    Parameters
+    ----------
+    state : gives the preview's state.
+    points : (n, 2) mm, on the sheet.
+
+    Attributes
+    ----------
+    points : as given.
+
+    Raises
+    ------
+    ValueError
+        These are no points, or one is off the sheet.
+    """
+
+    def __init__(self, state: Callable[[], PreviewState], points: Floats) -> None:
+        self.points = checked_points(points)
+        self._state = state
+        self._lens = Lens(state().sheet, state().law.waves, self.points)
+
+    def __call__(self, x: Floats | None = None) -> Places:
+        """The points in space, at positions `x` of a stage or else in the state that the preview shows.
+
+        Raises
+        ------
+        ValueError
+            `x` is not of a stage of the present design; or a point is off the sheet since its outline has changed.
+        """
+        state = self._state()
+        x = checked_positions(x, state)
+        if state.sheet.space is self._lens.sheet.space:
+            self._lens = self._lens.renewed(state.sheet)
+        else:
+            self._lens = Lens(state.sheet, state.law.waves, self.points)
+        return self._lens(x, state.values)
+
+
+def checked_points(points: Floats) -> Floats:
+    """(n, 2) of points or a single one."""
+    points = np.atleast_2d(np.asarray(points, dtype=float))
+    if points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all():
+        raise ValueError(f"points must be finite pairs of mm on the print, shape (n, 2), got shape {points.shape}")
+    return points
+
+
+def checked_positions(x: Floats | None, state: PreviewState) -> Floats:
+    """(N, 3) positions of the shell's dofs; by default those that the state shows."""
+    x = state.equilibrium.x if x is None else np.asarray(x, dtype=float)
+    if x.shape != state.equilibrium.x.shape:
+        raise ValueError(f"x must be a stage's, shape {state.equilibrium.x.shape}, got shape {x.shape}")
+    return x

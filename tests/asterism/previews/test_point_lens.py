@@ -1,0 +1,74 @@
+"""Printed points that are followed over edits are where a new look finds them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from asterism.previews.session import Preview
+from pattern import gallery
+from pattern.design.design import Design
+
+
+def edited(name: str, **sections: Any) -> Design:
+    data = gallery.load(name).to_dict()
+    for section, entries in sections.items():
+        data[section] = data[section] | entries if isinstance(entries, dict) else entries
+    return Design.from_dict(data)
+
+
+EDITS: list[dict[str, Any]] = [
+    {"stars": {"thickness_mm": 0.33}},
+    {"stars": {"length_mm": 7.5}},
+    {"stars": {"override": [{"site": [0, 0], "length_mm": 4.0}]}},
+    {"stars": {"override": [{"site": [1, 0], "remove": True}]}},
+    {"pins": [{"where": "border", "scale": 0.8}]},
+    {"stars": {"length_mm": 7.5}, "pins": [{"where": "border", "scale": 0.72, "offset_mm": [0.0, 0.0, 2.0]}]},
+]
+
+
+@pytest.mark.parametrize("name", ["dome", "u-shape"])
+def test_places_are_those_of_a_new_look(name: str) -> None:
+    preview = Preview(gallery.load(name))
+    points = preview.shape().printed[::7]
+    lens = preview.lens(points)
+    for change in EDITS:
+        if "pins" in change and name != "dome":
+            continue
+        for stage in preview.edit(edited(name, **change)):
+            places, fresh = lens(stage.x), preview.at(points, stage.x)
+            assert np.array_equal(places.bumpy, fresh.bumpy) and np.array_equal(places.smooth, fresh.smooth)
+            assert np.array_equal(places.surface.normals, fresh.surface.normals)
+            assert np.array_equal(places.surface.mean_curvature, fresh.surface.mean_curvature)
+        assert np.array_equal(lens().bumpy, preview.at(points).bumpy)
+
+
+def test_what_an_edit_leaves_is_not_computed_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    preview = Preview(gallery.load("dome"))
+    lens = preview.lens([[0.0, 0.0], [10.0, 3.0]])
+    space = type(preview.sheet.space)
+    located: list[int] = []
+    locate = space.locate
+    monkeypatch.setattr(space, "locate", lambda own, points: located.append(len(points)) or locate(own, points))
+    stage = next(preview.edit(edited("dome", stars={"thickness_mm": 0.33})))
+    lens(stage.x)
+    assert located == []
+    stage = next(preview.edit(edited("dome", stars={"length_mm": 7.5})))
+    lens(stage.x)
+    assert 2 not in located
+
+
+def test_points_off_a_smaller_outline_are_refused() -> None:
+    preview = Preview(gallery.load("dome"))
+    lens = preview.lens([[0.0, 50.0]])
+    preview.update(edited("dome", border={"rings": 1}))
+    with pytest.raises(ValueError, match="outside the sheet"):
+        lens()
+
+
+@pytest.mark.parametrize("points", [[[0.0, np.nan]], [[1.0, 2.0, 3.0]], [[900.0, 0.0]]])
+def test_what_are_no_points_of_the_sheet_is_refused(points: Any) -> None:
+    with pytest.raises(ValueError):
+        Preview(gallery.load("star")).lens(points)

@@ -1,0 +1,83 @@
+"""Snapshots of a preview, and the other forms that it has met."""
+
+from __future__ import annotations
+
+import pickle
+from typing import Any
+
+import numpy as np
+import pytest
+
+from asterism.previews.session import Preview
+from pattern import gallery
+from pattern.design.design import Design
+
+
+def edited(name: str, **sections: Any) -> Design:
+    data = gallery.load(name).to_dict() | {"mesh": {"edge_mm": 4.0}}
+    for section, entries in sections.items():
+        data[section] = data[section] | entries if isinstance(entries, dict) else entries
+    return Design.from_dict(data)
+
+
+@pytest.mark.parametrize("name", ["dome", "tube"])
+@pytest.mark.parametrize(
+    "change", [{"stars": {"thickness_mm": 0.42}}, {"border": {"rings": 2}}], ids=["stars", "outline"]
+)
+def test_a_preview_goes_back_to_a_snapshot(name: str, change: dict[str, Any]) -> None:
+    start = edited(name)
+    preview = Preview(start)
+    shape, snapshot = preview.shape(), pickle.loads(pickle.dumps(preview.snapshot()))
+    preview.update(edited(name, **change))
+    assert preview.restore(snapshot).name == "equilibrium"
+    assert preview.design == start and preview.equilibrium.is_minimum
+    assert preview.shape().positions == pytest.approx(shape.positions, abs=1e-6)
+    other = Preview(edited(name, **change))
+    other.restore(snapshot)
+    assert other.shape().height_mm == pytest.approx(shape.height_mm, rel=1e-8)
+
+
+def test_undo_restores_the_form_that_a_sheet_had() -> None:
+    preview = Preview(edited("dome"))
+    snapshot, energy = preview.snapshot(), preview.equilibrium.energy
+    preview.flip()
+    assert preview.equilibrium.energy != pytest.approx(energy, rel=1e-6)
+    preview.restore(snapshot)
+    assert preview.equilibrium.energy == pytest.approx(energy, rel=1e-9)
+
+
+def test_a_snapshot_does_not_change() -> None:
+    preview = Preview(edited("dome"))
+    snapshot = preview.snapshot()
+    with pytest.raises(ValueError, match="read-only"):
+        snapshot.x[0] = 0.0
+    linear = next(preview.edit(edited("dome", stars={"thickness_mm": 0.4})))
+    assert preview.snapshot().x == pytest.approx(snapshot.x) and linear.x is not snapshot.x
+
+
+def test_snapshots_of_other_meshes_are_refused() -> None:
+    fine, coarse = Preview(edited("dome"), triangles=150), Preview(edited("dome"), triangles=60)
+    before = coarse.state
+    with pytest.raises(ValueError, match="another mesh"):
+        coarse.restore(fine.snapshot())
+    assert coarse.state is before
+    with pytest.raises(TypeError):
+        coarse.restore(before)  # type: ignore[arg-type]
+
+
+def test_other_forms_are_shown_and_left_again() -> None:
+    preview = Preview(gallery.load("fig8-l-increasing"))
+    forms = preview.forms
+    assert len(forms) == 1
+    first, energy = preview.equilibrium.energy, forms[0].energy_n_mm
+    preview.show_form(0)
+    assert preview.equilibrium.energy == pytest.approx(energy, rel=1e-6) and preview.equilibrium.is_minimum
+    back = [number for number, form in enumerate(preview.forms) if np.isclose(form.energy_n_mm, first, rtol=1e-6)]
+    preview.show_form(back[0])
+    assert preview.equilibrium.energy == pytest.approx(first, rel=1e-6)
+
+
+@pytest.mark.parametrize("number", [-1, 50, 0.5, True])
+def test_forms_that_are_not_there_are_refused(number: Any) -> None:
+    with pytest.raises(ValueError, match="number"):
+        Preview(edited("dome")).show_form(number)
