@@ -80,7 +80,7 @@ def either(edge: float, length: float, thickness: float) -> dict[str, Any]:
         cell = UnitCell(sheet(arm, thickness), edge, (1, 1), segments)
         tube = trace_tubes(cell, relax_flat_cell(cell)[0], 0.0).natural
         cell.close()
-        return 0.0 if tube is None else tube.contracted
+        return 0.0 if tube is None else tube.contracted_curvature
 
     return {
         "length_mm": length, "edge_mm": edge, "less": natural(length, low), "more": natural(length, low + 1),

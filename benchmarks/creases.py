@@ -40,7 +40,7 @@ def run(kind: str, k: int) -> dict[str, Any]:
         cell.model.parts["hinges"].params[:, 0] /= 3.0
     try:
         flat, _ = relax_flat_cell(cell)
-        found = {"kind": kind, "edge_mm": SPACING / k, "vertices": cell.torus.n_base}
+        found = {"kind": kind, "edge_mm": SPACING / k, "vertices": cell.mesh.n_base}
         found |= {"contraction": flat.stretch, "bump_mm": float(flat.bump[0]), "energy_n_mm": flat.energy * cell.area}
         for name, angle in ANGLES.items():
             natural = trace_tubes(cell, flat, angle).natural

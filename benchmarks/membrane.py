@@ -84,8 +84,8 @@ def secants(length: float, thickness: float) -> dict[str, Any]:
 
 def _along(cell: UnitCell, tube: Tube, modulus: float, strains: list[float]) -> dict[float, float | None]:
     """Secant over tangent at growing pulls; None where there is no equilibrium."""
-    cell.tube(tube.curvature, tube.angle)
-    macro = slice(3 * cell.torus.n_base, None, 3)
+    cell.set_tube(tube.curvature, tube.angle)
+    macro = slice(3 * cell.mesh.n_base, None, 3)
     share = np.linalg.inv(cell.cell_vectors)[0]  # of the two axial shifts in the stretch
     found: dict[float, float | None] = dict.fromkeys(strains)
     state = tube.state

@@ -1,4 +1,4 @@
-"""What can go wrong with a law or a campaign; every message is one line."""
+"""Errors of laws and campaigns. Every message is one line."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from equilibrium.errors import Error
 
 
 class LawError(Error, ValueError):
-    """A law that cannot be read, or does not go with a design.
+    """A law cannot be read, or does not fit a design.
 
     Parameters
     ----------
     message : one line.
-    stars : numbers of the stars that the error is about.
-    place_mm : printed place (2,) that the error is about; None if it has none.
+    stars : numbers of the stars in error.
+    place_mm : printed coordinates (2,) of the error, in mm; None if the error has no place.
     """
 
     def __init__(self, message: str, stars: Iterable[int] = (), place_mm: Iterable[float] | None = None) -> None:
@@ -24,14 +24,14 @@ class LawError(Error, ValueError):
 
 
 class ForeignLaw(LawError):
-    """A law that was made for another material, lattice or stretch; one of the design's own would do."""
+    """A law is for another material, lattice or stretch. A law of the design's own stars would fit."""
 
 
 class AddressError(Error, ValueError):
-    """No cluster answers."""
+    """No cluster answers at the address."""
 
 
 class CampaignError(Error):
-    """A campaign that has no law: too many cells without an answer, or workers that have ended."""
+    """A campaign gives no law: too many cells have no answer, or the workers have ended."""
 
     exit_status = 1

@@ -1,1 +1,1 @@
-"""Campaigns of unit cells."""
+"""Campaigns of unit cells, and the fit of a law to their samples."""

@@ -1,9 +1,9 @@
-"""Into how many mesh edges the arms of a cell are cut: a mean of two meshes where their length is between two numbers.
+"""The number of mesh edges along the arms of a cell.
 
-The grid of a cell has a whole number of edges between stars. An arm that is not a whole number of edges long is cut
-into one more or one less, and the mesh is distorted to meet its end. Either changes the answers by a few percent, in
-opposite senses. The mean of both, weighted by nearness, has no jumps and nearly no kinks over the length of the arms.
-A free mesh has no grid to be distorted: its arms are cut into the nearest number.
+The grid of an aligned cell has a whole number of edges between stars. If an arm is not a whole number of edges long,
+the mesh is distorted to meet its tip: the arm gets one edge more or one less. The two meshes change the answers by a
+few percent, in opposite senses. The mean of both, weighted by nearness, is continuous and nearly smooth over the
+length. A free mesh has no grid: its arms get the nearest number.
 """
 
 from __future__ import annotations
@@ -16,12 +16,20 @@ from homogenize.cell.aligned_cell_mesh import edges_per_spacing
 from homogenize.cell.cell_mesh import lattice_lines, star_size
 from pattern.design.design import Design
 
-# of an edge, by which an arm may miss a whole number of edges without a second mesh
+# of an edge: an arm that is so near to a whole number of edges has one mesh
 WHOLE_EDGE_TOLERANCE = 1e-3
 
 
 def arm_segments(design: Design, edge_mm: float) -> tuple[tuple[int, float], ...]:
-    """One or two (number of edges, weight); the weights add up to 1."""
+    """One or two pairs (number of edges, weight); the weights add up to 1.
+
+    Examples
+    --------
+    >>> from pattern.design.design import Design
+    >>> star = {"stars": {"length_mm": 9.0}, "border": {"rings": 1}}
+    >>> [(n, round(w, 3)) for n, w in arm_segments(Design.from_dict(star), 2.0)]
+    [(4, 0.323), (5, 0.677)]
+    """
     vectors = np.asarray(design.lattice.vectors)
     length, on_lines = star_size(design, "length_mm"), lattice_lines(design.lattice)
     if on_lines is None:
@@ -33,7 +41,7 @@ def arm_segments(design: Design, edge_mm: float) -> tuple[tuple[int, float], ...
     if low < 1:
         return ((1, 1.0),)
     above = max(cut - low, 0.0)
-    # where arms come from both ends of a link, none reaches its middle unless they meet
+    # arms from both ends of a lattice edge do not reach its middle unless they meet
     most = k - 1 if design.lattice.arms == 3 else (k - 1) // 2
     if above < WHOLE_EDGE_TOLERANCE or low + 1 > most:
         return ((low, 1.0),)

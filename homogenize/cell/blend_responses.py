@@ -1,4 +1,4 @@
-"""One set of responses from the two meshes that an arm's length lies between."""
+"""One set of responses from the two meshes of a cell (`arm_segments`)."""
 
 from __future__ import annotations
 
@@ -12,9 +12,15 @@ EIGENVALUE_KEYS = ("eigenvalue", "supercell_eigenvalue", "natural_eigenvalue", "
 
 
 def blend_responses(each: list[dict[str, Any]], weights: Array) -> dict[str, Any]:
-    """The weighted mean of responses; of curves those of the heavier mesh, of eigenvalues the lowest.
+    """The weighted mean of the responses of two meshes.
 
-    What one mesh has no answer to, has none.
+    Curves are those of the mesh with the larger weight, and eigenvalues the smallest. A response that one mesh lacks is
+    None; if one mesh failed, so does the cell.
+
+    Parameters
+    ----------
+    each : responses of one or two meshes, see `homogenize.cell.sample.Sample`.
+    weights : of the meshes; they add up to 1.
     """
     first = each[int(np.argmax(weights))]
     failed = next((found["failed"] for found in each if "failed" in found), None)

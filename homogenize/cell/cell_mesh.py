@@ -1,4 +1,4 @@
-"""The mesh of a design's cell: on lattice lines where all arms lie on them, free otherwise."""
+"""The mesh of a design's unit cell: aligned if all arms lie on lattice lines, free otherwise."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.plane_lattice import GRID_DIRECTIONS
 from pattern.rods.arms import check_clear
 
-# a star, and those around whose arms may touch its own, by lattice vectors
+# a star and its neighbours, as numbers of lattice vectors
 _STARS = np.vstack([[[0, 0]], NEIGHBOUR_STEPS])
 
 
 def cell_mesh(
     design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1), segments: int | None = None
 ) -> PeriodicMesh:
-    """Mesh of `repeat` cells of the design's star; see `torus_mesh` and `free_torus`.
+    """Mesh of `repeat` cells of the design's star; see `aligned_cell_mesh` and `free_cell_mesh`.
 
     Raises
     ------
     ValueError
-        Stars are not equal.
+        The stars of the design differ.
     DesignError, MeshError
-        Their arms overlap, or would print as one where they do not lie on lattice lines; or no mesh follows them.
+        Arms overlap, arms off the lattice lines would print as one, or no mesh follows the arms.
     """
     lattice, vectors = design.lattice, np.asarray(design.lattice.vectors)
     length, surrounded = star_size(design, "length_mm"), FABRIC_BENDING[design.fabric.bending].needs_neighbours
@@ -46,7 +46,7 @@ def cell_mesh(
 
 
 def lattice_lines(lattice: Lattice) -> Ints | None:
-    """(arms,) the lines, numbers in `GRID_DIRECTIONS`, that the arms lie on; None unless all lie on one."""
+    """(arms,) the line of each arm, an index into `GRID_DIRECTIONS`; None unless all arms lie on such lines."""
     along = GRID_DIRECTIONS @ np.asarray(lattice.vectors)
     along = along / np.linalg.norm(along, axis=1, keepdims=True)
     match = np.asarray(lattice.arm_directions) @ along.T
@@ -54,16 +54,22 @@ def lattice_lines(lattice: Lattice) -> Ints | None:
 
 
 def star_size(design: Design, name: str) -> float:
-    """A size of the stars, which must be a number, mm, as it is printed."""
+    """A size of the stars as printed, mm.
+
+    Raises
+    ------
+    ValueError
+        The size varies over the sheet.
+    """
     stars = design.stars
     value = getattr(stars, name)
     if name == "length_mm" and isinstance(stars.length_fraction, int | float):
         value = stars.length_fraction * design.lattice.spacing_mm
     if not isinstance(value, int | float):
-        raise ValueError(f"stars.{name} must be a number in a cell: all its stars are equal")
+        raise ValueError(f"stars.{name} must be a number: all stars of a unit cell are equal")
     for number, change in enumerate(stars.override):
         if change.remove or getattr(change, name) is not None:
-            raise ValueError(f"stars.override[{number}] must not change a star in a cell: all its stars are equal")
+            raise ValueError(f"stars.override[{number}] must not change a star: all stars of a unit cell are equal")
     if stars.rounding is not None and name != "length_mm":
         rounded = stars.rounding.thickness if name == "thickness_mm" else stars.rounding.width
         value = rounded(np.asarray(value))
@@ -71,7 +77,7 @@ def star_size(design: Design, name: str) -> float:
 
 
 def _directions(lattice: Lattice) -> Floats:
-    """(arms, 2) unit vectors: the same, digit by digit, for a star that is turned onto itself."""
+    """(arms, 2) unit vectors. A star that is turned onto itself has the same ones, digit by digit."""
     sector = 360.0 / lattice.arms
     turn = round(lattice.orientation_deg % sector, 9) % sector
     angle = np.radians(turn - 90.0 + sector * np.arange(lattice.arms))
@@ -79,7 +85,7 @@ def _directions(lattice: Lattice) -> Floats:
 
 
 def _check_clear(vectors: Floats, directions: Floats, length: float, width: float) -> None:
-    """Refuse what a sheet refuses too: arms of different stars that cross or print as one."""
+    """Raise DesignError, as for a sheet, if arms of different stars cross or print as one."""
     centres = np.repeat(_STARS @ vectors, len(directions), axis=0)
     tips = centres + length * np.tile(directions, (len(_STARS), 1))
     star = np.repeat(np.arange(len(_STARS)), len(directions))

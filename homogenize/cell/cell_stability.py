@@ -1,8 +1,8 @@
-"""Is a cell's equilibrium a minimum, on the cell itself and with its neighbours free to differ from it?
+"""Stability of a cell's equilibrium: on the cell itself, and on a supercell of 2 x 2 stars.
 
-A displacement of the 2 x 2 supercell is a sum of four kinds: those that repeat from cell to cell, and those that change
-sign from one cell to the next along A1, along A2 or along both. The Hessian does not mix them, so that the supercell's
-spectrum is that of four matrices of one cell's size.
+A displacement of the supercell is a sum of four kinds (Bloch waves): those that repeat from cell to cell, and those
+that change their sign along A1, along A2 or along both. The Hessian does not couple them. So the spectrum of the
+supercell is that of four matrices of the size of one cell.
 """
 
 from __future__ import annotations
@@ -19,12 +19,19 @@ from equilibrium.newton.certificate import smallest_eigenvalue
 from homogenize.cell.effective_stiffness import reduction_matrix
 from homogenize.cell.unit_cell import UnitCell
 
+# signs along A1 and A2 of the displacements that do not repeat from cell to cell
 SIGN_CHANGES = ((-1, 1), (1, -1), (-1, -1))
 
 
 @dataclass(frozen=True)
 class CellStability:
-    """Smallest eigenvalues, N/mm in (mm, rad) coordinates, with the norms of their residuals."""
+    """Smallest eigenvalues of the Hessian in (mm, rad) coordinates, N/mm, with the norms of their residuals.
+
+    Attributes
+    ----------
+    cell, cell_error : of displacements that repeat from cell to cell.
+    supercell, supercell_error : of all displacements of 2 x 2 stars.
+    """
 
     cell: float
     cell_error: float
@@ -33,11 +40,16 @@ class CellStability:
 
 
 def cell_stability(cell: UnitCell, state: State) -> CellStability:
-    """Of an equilibrium of the cell with the images that it has now."""
+    """Smallest eigenvalues at an equilibrium.
+
+    Parameters
+    ----------
+    state : equilibrium of the cell with its present images (flat or tube).
+    """
     factor, modes = cell.factor(), cell.rigid_modes(state)
     own = smallest_eigenvalue(cell.pattern, cell.hessian(state, 0.0), factor, modes)
     lowest = own
-    hessian, torus = cell.unfolded_hessian(state), cell.torus
+    hessian, torus = cell.unfolded_hessian(state), cell.mesh
     for signs in SIGN_CHANGES:
         change = np.prod(np.array(signs) ** np.abs(torus.image), axis=1)
         inner = reduction_matrix(torus.base, change, cell.images.turn, torus.n_base, len(cell.edges))

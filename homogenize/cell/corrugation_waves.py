@@ -1,8 +1,8 @@
-"""The relief of a sheet's stars: heights over its mean surface, as a sum of a few waves of the lattice.
+"""The corrugation of a sheet: the heights of its stars over the mean surface, as a sum of a few waves of the lattice.
 
-A wave is the mean of `cos(G . X)` or `sin(G . X)` over the turns of the star onto itself, X from the star's centre in
-the print and G a reciprocal vector. So a relief repeats from star to star, has no mean, and is smooth everywhere: where
-stars change over a sheet, the amplitudes do, and nothing jumps between cells.
+A wave is the mean of `cos(G . X)` or `sin(G . X)` over the rotations that map the star onto itself. X is the print
+coordinate from the star's centre, and G a reciprocal lattice vector. So a corrugation repeats from star to star, has
+mean zero and is smooth. In a sheet whose stars vary, only the amplitudes vary: there are no jumps between cells.
 """
 
 from __future__ import annotations
@@ -16,21 +16,34 @@ from numpy.typing import NDArray
 from pattern.design.lattice import Lattice
 from pattern.geometry.arrays import Floats
 
-# longest reciprocal vector, over the shortest
+# length of the longest reciprocal vector, over the shortest
 MAX_WAVE_NUMBER_RATIO = 3.0
+# relative rounding of reciprocal vectors
 WAVE_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True)
 class CorrugationWaves:
-    """Attributes: reciprocal (W, n, 2) vectors 1/mm that each wave is the mean of; odd (W,) sines."""
+    """The waves of a lattice and its stars.
+
+    Attributes
+    ----------
+    reciprocal : (W, n, 2) 1/mm, reciprocal vectors G that each wave is the mean of.
+    odd : (W,) True for sines.
+
+    Examples
+    --------
+    >>> waves = CorrugationWaves.of(Lattice())
+    >>> len(waves), waves(np.zeros((1, 2)))[0, :2]  # at a star's centre
+    (12, array([1., 0.]))
+    """
 
     reciprocal: Floats
     odd: NDArray[np.bool_]
 
     @classmethod
     def of(cls, lattice: Lattice) -> CorrugationWaves:
-        """The waves of a lattice and its stars, by growing G; the same lattice has the same waves in the same order."""
+        """The waves of a lattice, by growing |G|. The same lattice gives the same waves in the same order."""
         basis = 2.0 * np.pi * np.linalg.inv(np.asarray(lattice.vectors)).T
         span = np.arange(-6, 7)
         every = np.stack(np.meshgrid(span, span, indexing="ij"), axis=-1).reshape(-1, 2) @ basis
@@ -50,7 +63,7 @@ class CorrugationWaves:
             opposite = {_name(-g / shortest) for g in orbit}
             seen |= names | opposite
             found.append((orbit, False))
-            if not names & opposite:  # else its sines cancel
+            if not names & opposite:  # otherwise its sines cancel
                 found.append((orbit, True))
         return cls(np.array([orbit for orbit, _ in found]), np.array([odd for _, odd in found]))
 
@@ -58,34 +71,34 @@ class CorrugationWaves:
         return len(self.odd)
 
     def __call__(self, offsets: Floats) -> Floats:
-        """(N, W) the waves at printed offsets (N, 2) mm from a star's centre."""
+        """(N, W) values of the waves at printed offsets (N, 2), mm, from a star's centre."""
         kinds, turns = self.reciprocal.shape[:2]
         if self._steps is not None:
             return self._of_powers(np.asarray(offsets, dtype=float), *self._steps)
         phase = (offsets @ self.reciprocal.reshape(-1, 2).T).reshape(-1, kinds, turns)
         waves = np.empty(phase.shape[:2])
         for kind, function in ((self.odd, np.sin), (~self.odd, np.cos)):
-            # a sum over few numbers is many times faster so than by a mean over the last axis
+            # for few numbers, einsum is many times faster than a mean over the last axis
             waves[:, kind] = np.einsum("nwg->nw", function(phase[:, kind])) / turns
         return waves
 
     @cached_property
     def _steps(self) -> tuple[Floats, Floats] | None:
-        """Two vectors (2, 2) of which all are whole multiples (W, n, 2); None if there are no such two."""
+        """Two vectors (2, 2), and the whole multiples (W, n, 2) of them that give all; None if they do not exist."""
         basis = self.reciprocal[0, :2]
         steps = self.reciprocal @ np.linalg.inv(basis)
         whole = np.rint(steps)
         return (basis, whole.astype(np.int64)) if np.abs(steps - whole).max() < WAVE_TOLERANCE else None
 
     def _of_powers(self, offsets: Floats, basis: Floats, steps: Floats) -> Floats:
-        """(N, W) as products of powers of two waves: sines and cosines take much longer."""
+        """(N, W) values as products of powers of two waves, which is much faster than sines and cosines."""
         top = int(np.abs(steps).max())
         powers = []
         for wave in np.exp(1j * (basis @ offsets.T)):
             ladder = [np.ones_like(wave)]
             for _ in range(top):
                 ladder.append(ladder[-1] * wave)
-            powers.append([*ladder, *(one.conj() for one in ladder[:0:-1])])  # negative ones from the end
+            powers.append([*ladder, *(one.conj() for one in ladder[:0:-1])])  # negative powers, counted from the end
         waves = np.empty((len(offsets), len(steps)))
         known: dict[bytes, Floats] = {}  # a cosine and its sine
         for kind, (orbit, odd) in enumerate(zip(steps, self.odd, strict=True)):
@@ -96,14 +109,20 @@ class CorrugationWaves:
         return waves
 
     def amplitudes(self, offsets: Floats, heights: Floats, weights: Floats) -> Floats:
-        """(W,) mm, of the relief nearest to heights (N,) in the mean square with weights (N,)."""
+        """(W,) amplitudes of the least-squares fit to heights, in the unit of the heights.
+
+        Parameters
+        ----------
+        offsets : (N, 2) mm from the star's centre.
+        heights, weights : (N,).
+        """
         root = np.sqrt(weights)
         mean = float(weights @ heights / weights.sum())
         return np.asarray(np.linalg.lstsq(root[:, None] * self(offsets), root * (heights - mean), rcond=None)[0])
 
 
 def _order(vector: Floats, first: Floats, shortest: float) -> tuple[float, float]:
-    """By length, then by the angle from the first arm."""
+    """Sort key: length, then angle from the first arm."""
     angle = np.arctan2(first[0] * vector[1] - first[1] * vector[0], first @ vector)
     return round(float(np.linalg.norm(vector)) / shortest, 6), round(float(angle) % (2.0 * np.pi), 6)
 

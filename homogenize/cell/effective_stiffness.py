@@ -1,18 +1,18 @@
-"""Stiffness of the flat relaxed cell for strains and curvatures: the linear objective cell.
+"""Effective stiffness of the flat relaxed cell for strains and curvatures: the linear objective cell.
 
-The image of a lattice vector A is an infinitesimal rigid motion: with the strain E and the curvature K,
+The image of a lattice vector A is an infinitesimal rigid motion. For the strain E and the curvature K it is
 
     u(X + A) = u(X) + dF A + omega x x(X) - e3 (A . K A)/2,   omega = e3 x (F^-T K A),   dF = F^-T E,
 
 about the relaxed cell `a_m = F A_m`. `F^T F^-T K = K` is symmetric, so the images of all lattice vectors commute to
-first order. E and K are in the end those of the mean surface. The energy's second derivative by (E, K), everything
-else in equilibrium (static condensation), is
+first order. The results are for E and K of the mean surface. The stiffness is the second derivative of the energy by
+(E, K), with all other variables in equilibrium (static condensation):
 
     [A B; B^T D] = (H_ee - H_eq H_qq^-1 H_qe)/|cell|.
 
-The relaxed cell has inner forces, so the second order of the images counts too: rotations `omega x (omega x x)/2`, and
-for the shift that of a geodesic, `omega x (omega x F A)/6`. With them a cylinder's second derivative is exactly that of
-the tube's energy. The constant of Gaussian curvature, which no cylinder shows, takes the same terms.
+The relaxed cell has inner forces, so the second order of the images contributes: rotations `omega x (omega x x)/2`, and
+for the shift that of a geodesic, `omega x (omega x F A)/6`. With these terms the second derivative for a cylinder is
+exactly that of the tube's energy. The constant of Gaussian curvature, which no cylinder shows, takes the same terms.
 """
 
 from __future__ import annotations
@@ -36,8 +36,7 @@ VOIGT_BASIS = np.array([[[1.0, 0.0], [0.0, 0.0]], [[0.0, 0.0], [0.0, 1.0]], [[0.
 class EffectiveStiffness:
     """Linear response of the flat relaxed cell, per printed area, in print coordinates.
 
-    `W = M . K + 1/2 E . A E + E . B K + 1/2 K . D K` with Voigt vectors (11, 22, 2 x 12) of the strain
-    `E = (a - a_r)/2` and of the second fundamental form K, positive where the plastic is outside.
+    `W = M . K + 1/2 E . A E + E . B K + 1/2 K . D K`, with the Voigt vectors E of the strain and K of the curvature.
 
     Attributes
     ----------
@@ -50,14 +49,19 @@ class EffectiveStiffness:
 
     @property
     def rest_curvature(self) -> Array:
-        """(3,) 1/mm, K at which the linear response has neither force nor moment; a minimum only if D is positive."""
+        """(3,) 1/mm, curvature K without force and moment; a minimum only if D is positive definite."""
         return np.asarray(np.linalg.solve(self.stiffness, np.concatenate([np.zeros(3), -self.moment]))[3:])
 
 
 def effective_stiffness(cell: UnitCell, flat: FlatCell) -> EffectiveStiffness:
-    """The full stiffness of the relaxed cell, and its moment."""
-    cell.flat()
-    state, torus = flat.state, cell.torus
+    """Effective stiffness and moment of the relaxed cell.
+
+    Parameters
+    ----------
+    flat : the flat equilibrium of this cell.
+    """
+    cell.set_flat()
+    state, torus = flat.state, cell.mesh
     n_points, n_base = len(torus.base), torus.n_base
     place = state.positions[torus.base]
     span = torus.image @ torus.cell_vectors  # (U, 2) A of every point
@@ -93,9 +97,10 @@ def effective_stiffness(cell: UnitCell, flat: FlatCell) -> EffectiveStiffness:
 
 
 def _of_lower_surface(stiffness: Array, moment: Array, depth: float, inverse_metric: Array) -> Array:
-    """(6, 6) of a surface lower by `depth` (mm) than that whose strain and curvature were imposed.
+    """(6, 6) stiffness for a surface that lies lower by `depth` (mm) than the one whose strain and curvature were
+    imposed.
 
-    The upper one has the strain `E + z K` and the curvature `K + z K a^-1 K`.
+    The upper surface has the strain `E + z K` and the curvature `K + z K a^-1 K`.
     """
     shift = np.eye(6)
     shift[:3, 3:] = depth * np.eye(3)
@@ -109,13 +114,21 @@ def _of_lower_surface(stiffness: Array, moment: Array, depth: float, inverse_met
 
 
 def mean_height(cell: UnitCell, state: State) -> float:
-    """mm, of a flat cell's points over the held star, weighted by printed area."""
-    z = state.positions[: cell.torus.n_base, 2]
-    return float(cell.weights @ z - z[cell.torus.star_vertices[0]])
+    """mm, height of a flat cell's points over the held star's centre, weighted by printed area."""
+    z = state.positions[: cell.mesh.n_base, 2]
+    return float(cell.weights @ z - z[cell.mesh.star_vertices[0]])
 
 
 def reduction_matrix(base: Array, signs: Array, turn: Array | None, n_base: int, n_twists: int) -> sp.csr_matrix:
-    """(3 U + R, 3 V + R) unfolded dofs by those of the cell: turned (U, 3, 3) and times signs (U,)."""
+    """(3 U + R, 3 V + R) unfolded degrees of freedom from those of the cell.
+
+    Parameters
+    ----------
+    base : (U,) base point of each unfolded point.
+    signs : (U,) factors of the images.
+    turn : (U, 3, 3) rotations of the images; None for identities.
+    n_base, n_twists : V and R.
+    """
     count = len(base)
     blocks = signs[:, None, None] * (np.broadcast_to(np.eye(3), (count, 3, 3)) if turn is None else turn)
     points = sp.bsr_matrix((blocks, base, np.arange(count + 1)), shape=(3 * count, 3 * n_base))
@@ -128,7 +141,7 @@ def _about(tilt: Array) -> Array:
 
 
 def _second_order(load: Array, rotations: Array, place: Array, reach: Array, span: Array, inverse: Array) -> Array:
-    """(6, 6) forces (U, 3) on the second derivatives of the images."""
+    """(6, 6) work of the forces (U, 3) on the second derivatives of the images."""
     out = np.zeros((6, 6))
     arm = place + np.pad(reach, ((0, 0), (0, 1))) / 3.0
     twice = [np.cross(one, arm) for one in rotations]

@@ -1,4 +1,7 @@
-"""The flat cell at rest: the fabric is released step by step, the star follows the branch it was started on."""
+"""The flat unit cell at rest.
+
+The fabric is released in steps, so that the star follows the branch on which it starts.
+"""
 
 from __future__ import annotations
 
@@ -13,13 +16,15 @@ from equilibrium.newton.minimise import NewtonResult, minimise
 from homogenize.cell.unit_cell import UnitCell
 from pattern.design.lattice import DEFAULT_SPACING_MM
 
+# part of the stretch that is released
 RELEASE_STEPS = (0.03, 0.1, 0.2, 0.3, 0.4, 0.5, 0.62, 0.75, 0.88, 1.0)
-BUMP_HEIGHT_RATIO = 1.0 / DEFAULT_SPACING_MM  # of the start, over the spacing of the stars
-BUMP_WIDTH_RATIO = 0.35  # of the bump, over that too
-INTERMEDIATE_GRADIENT_RATIO, FINAL_GRADIENT_RATIO = (
-    1e-5,
-    1e-8,
-)  # of the force scale, gradient at the steps before the last, and at the last
+# of the initial bump, over the spacing of the stars
+BUMP_HEIGHT_RATIO = 1.0 / DEFAULT_SPACING_MM
+BUMP_WIDTH_RATIO = 0.35
+# gradient over the force scale, at the steps of the release before the last
+INTERMEDIATE_GRADIENT_RATIO = 1e-5
+# the same at the last step
+FINAL_GRADIENT_RATIO = 1e-8
 
 
 @dataclass(frozen=True)
@@ -28,11 +33,13 @@ class FlatCell:
 
     Attributes
     ----------
-    state : the star's centre at the origin, the cell vectors' images in the plane z = 0, plastic towards +z.
+    state : the star's centre is at the origin, the images of the cell vectors in the plane z = 0.
     energy : N mm per mm^2 of print.
-    deformation : (2, 2) symmetric F in print coordinates, `a_m = F A_m`.
-    bump : (S,) mm, positive for a star that bumps to the plastic side.
-    gradient_norm : N; `definite`: the Hessian on the cell is positive definite, turns left out.
+    deformation : (2, 2) symmetric F, with the images `a_m = F A_m` of the cell vectors.
+    bump : (S,) mm, height of each star's centre over its tips; positive on the plastic side.
+    gradient_norm : N.
+    definite : the Hessian on the cell is positive definite, apart from rotations.
+    iterations : of Newton's method.
     """
 
     state: State
@@ -45,21 +52,26 @@ class FlatCell:
 
     @property
     def stretch(self) -> float:
-        """lambda = sqrt(det F)."""
+        """lambda = sqrt(det F), contracted over printed length."""
         return float(np.sqrt(np.linalg.det(self.deformation)))
 
 
 def gradient_tolerance(cell: UnitCell, part: float = FINAL_GRADIENT_RATIO) -> float:
-    """N, gradient of a converged cell, of modulus times thickness times spacing: rounding is a hundredth of it."""
+    """Gradient norm of a converged cell, N.
+
+    Parameters
+    ----------
+    part : of the force scale modulus x thickness x spacing; rounding is a hundredth of the default.
+    """
     fabric = cell.design.fabric
     return part * fabric.modulus_mpa * fabric.thickness_mm * cell.spacing
 
 
 def relax_flat_cell(cell: UnitCell) -> tuple[FlatCell, FlatCell | None]:
-    """The flat cell with its star up, and with its star down if it can stay there.
+    """The flat cell with its star up, and with its star down if that is an equilibrium too.
 
-    Stars that are only slightly buckled have one equilibrium, on whichever side, and no other: their branch is found at
-    finite curvature.
+    A star that is only slightly buckled has a single equilibrium, on either side. Its branch with the star up begins at
+    a finite curvature.
 
     Raises
     ------
@@ -74,7 +86,7 @@ def relax_flat_cell(cell: UnitCell) -> tuple[FlatCell, FlatCell | None]:
 
 
 def _released(cell: UnitCell) -> FlatCell:
-    cell.flat()
+    cell.set_flat()
     state = with_bumps(cell, cell.printed_state(), BUMP_HEIGHT_RATIO * cell.spacing)
     iterations = 0
     for release in RELEASE_STEPS:
@@ -95,8 +107,8 @@ def _released(cell: UnitCell) -> FlatCell:
 
 
 def _other_side(cell: UnitCell, flat: FlatCell) -> FlatCell | None:
-    """The flat cell whose stars bump to the other side, from the mirrored state; None if they do not stay there."""
-    cell.flat()
+    """The flat cell with its stars on the other side, from the mirrored state; None if that is no equilibrium."""
+    cell.set_flat()
     mirror = np.array([1.0, 1.0, -1.0])
     start = with_orthogonal_directors(cell, State(flat.state.positions * mirror, -flat.state.directors * mirror))
     found = minimise(cell, start, cell.factor(), gradient_tolerance(cell))
@@ -107,7 +119,7 @@ def _other_side(cell: UnitCell, flat: FlatCell) -> FlatCell | None:
 
 
 def flat_cell_from_minimum(cell: UnitCell, found: NewtonResult, iterations: int) -> FlatCell:
-    """A minimum of the flat cell in the pose and with the numbers that are kept of it."""
+    """The flat cell of a minimum, without rotation, with the numbers that are kept."""
     state, deformation = without_rotation(cell, found.state)
     bump = bump_heights(cell.model, cell.unfolded(state))
     energy = found.energy / cell.area
@@ -116,7 +128,7 @@ def flat_cell_from_minimum(cell: UnitCell, found: NewtonResult, iterations: int)
 
 def with_bumps(cell: UnitCell, state: State, height: float) -> State:
     """The flat print with a smooth bump of this height (mm) at every star."""
-    base, stars = cell.printed[: cell.torus.n_base], cell.printed[cell.torus.star_vertices]
+    base, stars = cell.printed[: cell.mesh.n_base], cell.printed[cell.mesh.star_vertices]
     steps = np.array([[i, j] for i in (-1, 0, 1) for j in (-1, 0, 1)]) @ cell.cell_vectors
     centres = (stars[:, None] + steps).reshape(-1, 2)
     distance = np.linalg.norm(base[:, None] - centres, axis=2).min(axis=1)
@@ -127,20 +139,20 @@ def with_bumps(cell: UnitCell, state: State, height: float) -> State:
 
 
 def without_rotation(cell: UnitCell, state: State) -> tuple[State, Array]:
-    """The state turned so that `a_m = F A_m` with a symmetric F (2, 2), and that F."""
-    n = cell.torus.n_base
+    """The state, turned so that `a_m = F A_m` with a symmetric F (2, 2); and F."""
+    n = cell.mesh.n_base
     images = state.positions[n:]
     slope = np.linalg.solve(cell.cell_vectors, images).T  # (3, 2)
     left, sizes, right = np.linalg.svd(slope, full_matrices=False)
     rotation = np.empty((3, 3))
     rotation[:, :2] = left @ right
     rotation[:, 2] = np.cross(rotation[:, 0], rotation[:, 1])
-    base = (state.positions[:n] - state.positions[cell.torus.star_vertices[0]]) @ rotation
+    base = (state.positions[:n] - state.positions[cell.mesh.star_vertices[0]]) @ rotation
     turned = State(np.vstack([base, images @ rotation]), state.directors @ rotation)
     return with_orthogonal_directors(cell, turned), right.T @ np.diag(sizes) @ right
 
 
 def with_orthogonal_directors(cell: UnitCell, state: State) -> State:
-    """Directors made orthogonal to their edges again, after rounding or a change of the images."""
+    """The state with directors orthogonal to their edges, which rounding or other images disturb."""
     along = edge_tangents(cell.images.unfold(state.positions), cell.edges)
     return State(state.positions, orthonormal_to_tangents(state.directors, along))

@@ -1,9 +1,8 @@
-"""A cell rolled to a tube of imposed curvature.
+"""A cell rolled to a tube of given curvature.
 
-The tube's axis is x and the plastic is outside; the printed direction t, y turned by an angle, runs around it.
-Curvature k is the angle per
-length of the *print*, positive with the plastic outside. A tube of mean radius r has the hoop stretch `k r` and the
-curvature `1/r = k/hoop` of the contracted sheet.
+The axis of the tube is x; the printed direction t, which is y turned by an angle, runs around it. The curvature k is
+the angle around the tube per printed length. A tube of mean radius r has the hoop stretch `k r`, and the contracted
+sheet has the curvature `1/r = k/hoop`.
 """
 
 from __future__ import annotations
@@ -26,11 +25,15 @@ class Tube:
 
     Attributes
     ----------
-    curvature : k, 1/mm of the print, along t, y turned by `angle`.
-    state : of the cell with these images.
-    energy : N mm per mm^2 of print; moment : its derivative by k, N.
-    radius : mm, mean of the surface weighted by printed area; hoop, axial : stretches of that surface.
-    bump : (S,) mm.
+    curvature : k, 1/mm of the print.
+    angle : of the printed direction around the tube, from y.
+    state : of the cell with the images of the tube.
+    energy : N mm per mm^2 of print.
+    moment : N, derivative of the energy by k.
+    radius : mm, mean over the surface, weighted by printed area.
+    hoop, axial : stretches of the mean surface around and along the tube.
+    bump : (S,) mm, height of each star's centre over its tips, positive outwards.
+    gradient_norm, definite, iterations : of the equilibrium, see `FlatCell`.
     """
 
     curvature: float
@@ -47,14 +50,20 @@ class Tube:
     iterations: int
 
     @property
-    def contracted(self) -> float:
-        """1/mm, curvature of the contracted sheet: one over the mean radius."""
+    def contracted_curvature(self) -> float:
+        """1/mm of the contracted sheet: one over the mean radius."""
         return 1.0 / self.radius
 
 
 @dataclass(frozen=True)
 class UnrolledCell:
-    """A state as printed directions see it: along the axis, around it (as length on the mean surface) and outwards."""
+    """A state in the axes of a tube: along the axis, around it (as length on the mean surface), and outwards.
+
+    Attributes
+    ----------
+    positions : (V + 2, 3) mm; directors : (R, 3).
+    hoop : stretch around the tube.
+    """
 
     positions: Array
     directors: Array
@@ -62,19 +71,19 @@ class UnrolledCell:
 
 
 def unrolled_flat_cell(flat: FlatCell, angle: float) -> UnrolledCell:
-    """A flat cell seen along the axis of a tube."""
+    """A flat cell in the axes of a tube."""
     return _along(flat.state.positions, flat.state.directors, flat.deformation, angle)
 
 
 def unrolled_in_direction(cell: UnitCell, tube: Tube, angle: float) -> UnrolledCell:
-    """A tube, laid flat and seen along the axis of a tube in another direction."""
+    """A tube, unrolled and in the axes of a tube in another direction."""
     sheet = unroll(cell, tube)
-    deformation = np.linalg.solve(cell.cell_vectors, sheet.positions[cell.torus.n_base :, :2]).T
+    deformation = np.linalg.solve(cell.cell_vectors, sheet.positions[cell.mesh.n_base :, :2]).T
     return _along(sheet.positions, sheet.directors, deformation, angle)
 
 
 def _along(positions: Array, directors: Array, deformation: Array, angle: float) -> UnrolledCell:
-    """A laid-out cell turned so that lines of equal angle on the tube are lines of equal y."""
+    """A flat state, turned so that points at equal angle on the tube have equal y."""
     across = np.linalg.solve(deformation.T, np.array([-np.sin(angle), np.cos(angle)]))
     hoop = 1.0 / float(np.linalg.norm(across))
     (x, y) = hoop * across
@@ -83,9 +92,12 @@ def _along(positions: Array, directors: Array, deformation: Array, angle: float)
 
 
 def unroll(cell: UnitCell, tube: Tube) -> UnrolledCell:
-    """A tube, slit and laid flat: arc lengths at the mean radius, heights above it. The cell takes on its images."""
-    cell.tube(tube.curvature, tube.angle)
-    n, k = cell.torus.n_base, tube.curvature
+    """A tube, cut open and unrolled: arc lengths at the mean radius, heights above it.
+
+    The cell takes on the images of the tube.
+    """
+    cell.set_tube(tube.curvature, tube.angle)
+    n, k = cell.mesh.n_base, tube.curvature
     x = tube.state.positions
     angle = _angles(cell, x[:n], k)
     radial = np.sign(k) * np.hypot(x[:n, 1], x[:n, 2])
@@ -97,9 +109,12 @@ def unroll(cell: UnitCell, tube: Tube) -> UnrolledCell:
 
 
 def rolled_state(cell: UnitCell, sheet: UnrolledCell, curvature: float, angle: float) -> State:
-    """The laid-out cell rolled to a tube; the cell takes on the tube's images."""
-    cell.tube(curvature, angle)
-    n = cell.torus.n_base
+    """An unrolled cell, rolled to a tube of this curvature (1/mm of the print).
+
+    The cell takes on the images of that tube.
+    """
+    cell.set_tube(curvature, angle)
+    n = cell.mesh.n_base
     base, radius = sheet.positions[:n], sheet.hoop / curvature
     turn = base[:, 1] / radius
     out = radius + base[:, 2]
@@ -111,13 +126,19 @@ def rolled_state(cell: UnitCell, sheet: UnrolledCell, curvature: float, angle: f
 
 
 def roll_cell(cell: UnitCell, sheet: UnrolledCell, curvature: float, angle: float) -> Tube:
-    """Roll the laid-out cell and find its equilibrium."""
+    """Roll the cell and find its equilibrium.
+
+    Raises
+    ------
+    ArithmeticError
+        Newton's method did not converge.
+    """
     start = rolled_state(cell, sheet, curvature, angle)
     found = minimise(cell, start, cell.factor(), gradient_tolerance(cell))
     if not found.converged:
         raise ArithmeticError(f"tube: no equilibrium at curvature {curvature:.4g}/mm")
     k = curvature
-    n = cell.torus.n_base
+    n = cell.mesh.n_base
     x = found.state.positions
     radius = float(np.sign(k) * cell.weights @ np.hypot(x[:n, 1], x[:n, 2]))
     axial = float(np.linalg.solve(cell.cell_vectors, x[n:, 0]) @ cell.turn[0])
@@ -138,20 +159,20 @@ def roll_cell(cell: UnitCell, sheet: UnrolledCell, curvature: float, angle: floa
 
 
 def heights_over_mean_surface(cell: UnitCell, tube: Tube) -> Array:
-    """(V,) mm, of the base points over the tube's mean surface, towards the plastic."""
-    y, z = tube.state.positions[: cell.torus.n_base, 1:].T
+    """(V,) mm, heights of the base points over the tube's mean surface, positive outwards."""
+    y, z = tube.state.positions[: cell.mesh.n_base, 1:].T
     return np.asarray(np.sign(tube.curvature) * np.hypot(y, z) - tube.radius)
 
 
 def centre_offset(cell: UnitCell, tube: Tube) -> float:
-    """mm, of the first star's centre over the tube's mean surface, towards the plastic."""
-    return float(heights_over_mean_surface(cell, tube)[cell.torus.star_vertices[0]])
+    """mm, height of the first star's centre over the tube's mean surface, positive outwards."""
+    return float(heights_over_mean_surface(cell, tube)[cell.mesh.star_vertices[0]])
 
 
 def _angles(cell: UnitCell, points: Array, curvature: float) -> Array:
-    """(V,) rad about the axis, on the turn that the printed place says."""
+    """(V,) rad about the axis, on the same turn as the printed points."""
     sign = np.sign(curvature)
-    star = int(cell.torus.star_vertices[0])
+    star = int(cell.mesh.star_vertices[0])
     printed = curvature * _around(cell, cell.printed[: len(points)] - cell.printed[star])
     off = np.arctan2(sign * points[:, 1], sign * points[:, 2]) - printed
     return np.asarray(printed + off - 2.0 * np.pi * np.round(off / (2.0 * np.pi)))
@@ -163,7 +184,7 @@ def _around(cell: UnitCell, printed: Array) -> Array:
 
 
 def _middles(cell: UnitCell, points: Array, curvature: float) -> Array:
-    """(R,) rad, angle of every rod edge's middle."""
+    """(R,) rad, angle of the middle of every rod edge."""
     middle = points[cell.edges].mean(axis=1)
     sign = np.sign(curvature)
     return np.asarray(np.arctan2(sign * middle[:, 1], sign * middle[:, 2]))

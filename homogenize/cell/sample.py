@@ -184,7 +184,7 @@ def solve_cell(design: Design, edge_mm: float, angles: tuple[float, ...] | None 
         stretch=sx,
         edge_mm=edge_mm,
         spacing_mm=cell.spacing,
-        vertices=cell.torus.n_base,
+        vertices=cell.mesh.n_base,
         segments=np.array([segments for segments, _ in cuts]),
         segment_weights=weights,
         meshes_apart=_apart(each, cell.spacing),
@@ -244,17 +244,17 @@ def _measure(clock: Clock, cell: UnitCell, angles: tuple[float, ...], found: dic
 def _relief(cell: UnitCell, flat: FlatCell, tubes: list[Tube]) -> Array:
     """(2, W) mm and mm^2, on the flat cell and more by curvature."""
     waves = CorrugationWaves.of(cell.design.lattice)
-    n, star = cell.torus.n_base, cell.torus.star_vertices[0]
+    n, star = cell.mesh.n_base, cell.mesh.star_vertices[0]
     offsets = cell.printed[:n] - cell.printed[star]
     lying = waves.amplitudes(offsets, flat.state.positions[:n, 2], cell.weights)
     rolled = waves.amplitudes(
         offsets, np.mean([heights_over_mean_surface(cell, tube) for tube in tubes], axis=0), cell.weights
     )
-    return np.array([lying, (rolled - lying) / np.mean([tube.contracted for tube in tubes])])
+    return np.array([lying, (rolled - lying) / np.mean([tube.contracted_curvature for tube in tubes])])
 
 
 def _tube_stability(cell: UnitCell, tube: Tube) -> CellStability:
-    cell.tube(tube.curvature, tube.angle)
+    cell.set_tube(tube.curvature, tube.angle)
     return cell_stability(cell, tube.state)
 
 

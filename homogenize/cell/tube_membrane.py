@@ -1,14 +1,14 @@
-"""Membrane stiffness of a tube: how the rolled sheet answers to small strains of its mean surface.
+"""Membrane stiffness of a tube: the response of the rolled sheet to small strains of its mean surface.
 
-On a flat sheet long thin stars are flat too, buckle to either side at the slightest push, and say little about the
-sheet as it is used. On its natural tube they are bumped up. There the mean radius is given (hoop strain), and the axial
-shifts are (axial strain and shear); everything else is in equilibrium:
+On a flat sheet, long thin stars are flat too and buckle to either side under the smallest load, so the flat stiffness
+says little about the sheet in use. On the natural tube the stars are bumped up. There the mean radius (hoop strain) and
+the axial shifts (axial strain and shear) are given, and all other variables are in equilibrium:
 
     A = (L H^-1 L^T)^-1 / |cell|,
 
-with H the Hessian of the tube and L the derivative of the strains `E = (a - a_r)/2` of the mean surface, in the axes
-(along the tube, around it) and then turned to the print's. A change of radius at the tube's angle also changes its
-curvature; the bending energy of that, `D k^2` beside A, is part of the answer and small.
+with the Hessian H of the tube and the derivative L of the strains of the mean surface. The axes are those of the tube
+(along, around), then those of the print. A change of the radius at constant tube angle also changes the curvature. The
+bending energy of that, `D k^2` beside A, is part of the result and small.
 """
 
 from __future__ import annotations
@@ -22,8 +22,13 @@ from homogenize.cell.unit_cell import UnitCell
 
 
 def tube_membrane_stiffness(cell: UnitCell, tube: Tube) -> Array:
-    """(3, 3) N/mm, Voigt (E11, E22, 2 E12) in print coordinates, per printed area."""
-    cell.tube(tube.curvature, tube.angle)
+    """(3, 3) N/mm, Voigt (E11, E22, 2 E12) in print coordinates, per printed area.
+
+    Parameters
+    ----------
+    tube : an equilibrium of this cell, which takes on its images.
+    """
+    cell.set_tube(tube.curvature, tube.angle)
     whole = cell.pattern.full(cell.hessian(tube.state, 0.0))
     strains = _strain_rates(cell, tube)[:, cell.free]
     flexibility = strains @ splu(whole).solve(np.ascontiguousarray(strains.T))
@@ -34,7 +39,7 @@ def tube_membrane_stiffness(cell: UnitCell, tube: Tube) -> Array:
 
 def _strain_rates(cell: UnitCell, tube: Tube) -> Array:
     """(3, dofs) derivative of E11, E22 and 2 E12 of the mean surface, along the tube and around it."""
-    n = cell.torus.n_base
+    n = cell.mesh.n_base
     x = tube.state.positions
     rates = np.zeros((3, x.size + len(cell.edges)))
     rows = rates[:, : x.size].reshape(3, *x.shape)
@@ -42,7 +47,7 @@ def _strain_rates(cell: UnitCell, tube: Tube) -> Array:
     slopes = cell.turn @ np.linalg.inv(cell.cell_vectors)
     _, shear = slopes @ x[n:, 0]
     rows[0, n:, 0] = tube.axial * slopes[0]
-    # places on the mean surface go along the tube by axial u + shear v, and around it by hoop v
+    # points of the mean surface move along the tube by axial u + shear v, and around it by hoop v
     rows[1, n:, 0] = shear * slopes[1]
     rows[2, n:, 0] = tube.axial * slopes[1] + shear * slopes[0]
     around = x[:n, 1:] / np.linalg.norm(x[:n, 1:], axis=1, keepdims=True)
@@ -51,6 +56,6 @@ def _strain_rates(cell: UnitCell, tube: Tube) -> Array:
 
 
 def _voigt_turn(turn: Array) -> Array:
-    """(3, 3) Voigt strains in the tube's axes of those in the print's."""
+    """(3, 3) Voigt strains in the tube's axes from those in the print's."""
     (a, b), (c, d) = turn
     return np.array([[a * a, b * b, a * b], [c * c, d * d, c * d], [2 * a * c, 2 * b * d, a * d + b * c]])

@@ -1,4 +1,4 @@
-"""One star (or n x m of them) of an endless sheet: flat with free lattice vectors, or a tube of given angles."""
+"""The unit cell: n x m stars of an endless sheet, with periodic (flat) or objective (tube) boundary conditions."""
 
 from __future__ import annotations
 
@@ -31,38 +31,46 @@ from pattern.mesh.mesh import Mesh
 class UnitCell(System):
     """The exact model's energies on a periodic cell.
 
-    Positions are the V base points and two rows of macroscopic variables: flat, the images of the cell vectors A1 and
-    A2; on a tube (axis x, plastic outside), the axial shifts.
+    Positions are the V base points and two rows of macroscopic variables. On a flat cell these are the images of the
+    cell vectors A1 and A2. On a tube (axis x) their first components are the axial shifts.
 
     Parameters
     ----------
-    design : materials, lattice, and the star: constant sizes.
+    design : materials, lattice, and the star; its sizes are numbers.
     edge_mm : of the mesh.
     repeat : stars along A1 and A2.
-    segments : mesh edges of every arm; the nearest number to its length by default.
+    segments : mesh edges of every arm; by default the number nearest to its length.
 
     Attributes
     ----------
+    mesh : of the print.
     curvature : of the tube, 1/mm of the print; None for a flat cell.
-    angle : rad, the printed direction around the tube is y turned by this.
+    angle : of the tube, rad.
+
+    Raises
+    ------
+    ValueError
+        The stars differ, or gravity is on.
+    DesignError, MeshError
+        See `cell_mesh`.
     """
 
     def __init__(
         self, design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1), segments: int | None = None
     ) -> None:
         self.design = design
-        self.torus = _inner_first(cell_mesh(design, edge_mm, repeat, segments))
-        self.printed, self.cell_vectors = self.torus.points, self.torus.cell_vectors
-        self.model = _unfolded_model(design, self.torus, self.printed)
+        self.mesh = _inner_first(cell_mesh(design, edge_mm, repeat, segments))
+        self.printed, self.cell_vectors = self.mesh.points, self.mesh.cell_vectors
+        self.model = _unfolded_model(design, self.mesh, self.printed)
         self._known: dict[bool, tuple[Array, Array, SparsePattern]] = {}
         self._factors: dict[bool, Factor] = {}
         self._unfolded_pattern: SparsePattern | None = None
         self.curvature: float | None = None
         self.angle = 0.0
-        self._be(_flat_images(self.torus))
+        self._set_images(_flat_images(self.mesh))
 
-    def _be(self, images: PeriodicImages) -> None:
-        """Take on other images: the same elements, hung up differently."""
+    def _set_images(self, images: PeriodicImages) -> None:
+        """Take on other images; the elements stay the same."""
         self.images = images
         parts: dict[str, Elements] = {}
         for name, part in self.model.parts.items():
@@ -80,7 +88,7 @@ class UnitCell(System):
             return
         rows = images.n_base + 2
         held = np.zeros(3 * rows + len(self.model.edges), dtype=bool)
-        centre = 3 * int(self.torus.star_vertices[0])
+        centre = 3 * int(self.mesh.star_vertices[0])
         if flat:
             held[centre : centre + 3] = True
         else:
@@ -90,7 +98,7 @@ class UnitCell(System):
         self._known[flat] = (held, self.free, self.pattern)
 
     def factor(self, backend: str = "auto") -> Factor:
-        """A factorisation for the cell as it is now, flat or a tube; kept, and freed by `close`."""
+        """Factorisation for the flat cell or the tube. The cell keeps it; `close` frees it."""
         flat = self.curvature is None
         if flat not in self._factors:
             self._factors[flat] = super().factor(backend)
@@ -104,19 +112,19 @@ class UnitCell(System):
 
     @property
     def area(self) -> float:
-        """mm^2, printed."""
-        return self.torus.area
+        """mm^2 of the print."""
+        return self.mesh.area
 
     @property
     def spacing(self) -> float:
-        """mm, nearest distance of two stars in the print."""
+        """mm, distance of adjacent stars in the print."""
         return float(np.linalg.norm(np.asarray(self.design.lattice.vectors), axis=1).min())
 
     @property
     def weights(self) -> Array:
-        """(V,) of the base points, adding up to 1: their shares of the printed area."""
-        share = np.repeat(triangle_areas(self.printed, self.torus.triangles) / 3.0, 3)
-        return np.bincount(self.torus.base[self.torus.triangles].ravel(), share, self.torus.n_base) / self.area
+        """(V,) share of each base point in the printed area."""
+        share = np.repeat(triangle_areas(self.printed, self.mesh.triangles) / 3.0, 3)
+        return np.bincount(self.mesh.base[self.mesh.triangles].ravel(), share, self.mesh.n_base) / self.area
 
     @property
     def turn(self) -> Array:
@@ -125,26 +133,29 @@ class UnitCell(System):
         return np.array([[cos, sin], [-sin, cos]])
 
     def set_release(self, release: float) -> None:
-        """Release the fabric from stretch 1 (0) to the design's (1)."""
+        """Release a part of the design's stretch: 0 for none, 1 for all of it."""
         self.model.set_release(release)
 
-    def flat(self) -> None:
-        """Flat-periodic images: `x(X + A_m) = x(X) + a_m`."""
+    def set_flat(self) -> None:
+        """Take on periodic images: `x(X + A_m) = x(X) + a_m`."""
         self.curvature = None
-        self._be(_flat_images(self.torus))
+        self._set_images(_flat_images(self.mesh))
 
-    def tube(self, curvature: float, angle: float = 0.0) -> None:
-        """Objective images `x(X + A_m) = R(phi_m) x(X) + tau_m e`, `phi_m = curvature (t . A_m)`, 1/mm of the print.
+    def set_tube(self, curvature: float, angle: float = 0.0) -> None:
+        """Take on objective images: `x(X + A_m) = R(phi_m) x(X) + tau_m e`, with `phi_m = curvature (t . A_m)`.
 
-        t is the printed direction y turned by `angle`.
+        Parameters
+        ----------
+        curvature : 1/mm of the print.
+        angle : of the printed direction t around the tube, from y.
         """
         self.curvature, self.angle = curvature, angle
-        torus, axial = self.torus, np.diag([1.0, 0.0, 0.0])
-        self._be(PeriodicImages(torus.base, self._turns(curvature)[0], torus.image, axial, torus.n_base))
+        torus, axial = self.mesh, np.diag([1.0, 0.0, 0.0])
+        self._set_images(PeriodicImages(torus.base, self._turns(curvature)[0], torus.image, axial, torus.n_base))
 
     def _turns(self, curvature: float) -> tuple[Array, Array]:
         """(U, 3, 3) rotations of the images about the axis, and their derivative by the curvature."""
-        along = self.torus.image @ self.cell_vectors @ self.turn[1]
+        along = self.mesh.image @ self.cell_vectors @ self.turn[1]
         cos, sin, zero = np.cos(curvature * along), np.sin(curvature * along), np.zeros(len(along))
         one = np.ones(len(along))
         turn = np.array([[one, zero, zero], [zero, cos, sin], [zero, -sin, cos]]).transpose(2, 0, 1)
@@ -152,8 +163,8 @@ class UnitCell(System):
         return turn, along[:, None, None] * rate
 
     def printed_state(self) -> State:
-        """The print: flat, macroscopic rows at the cell vectors."""
-        base = np.pad(self.printed[: self.torus.n_base], ((0, 0), (0, 1)))
+        """The print: flat, with the cell vectors as macroscopic rows."""
+        base = np.pad(self.printed[: self.mesh.n_base], ((0, 0), (0, 1)))
         macro = np.pad(self.cell_vectors, ((0, 0), (0, 1)))
         return State(np.vstack([base, macro]), np.tile([0.0, 0.0, 1.0], (len(self.edges), 1)))
 
@@ -162,7 +173,7 @@ class UnitCell(System):
         return State(self.images.unfold(state.positions), state.directors)
 
     def path(self, state: State, direction: Array, straight: bool = True) -> tuple[Callable[[float], State], float]:
-        """Straight steps, directors carried along the unfolded rod edges."""
+        """Straight steps of the positions; parallel transport carries the directors along the unfolded rod edges."""
         move, turn = self.spread(direction)
 
         def at(a: float) -> State:
@@ -170,45 +181,45 @@ class UnitCell(System):
             whole = moved_state(self.unfolded(state), self.edges, self.images.unfold(positions), a * turn)
             return State(positions, whole.directors)
 
-        fastest = float(np.sqrt((move[: self.torus.n_base] ** 2).sum(axis=1).max()))
+        fastest = float(np.sqrt((move[: self.mesh.n_base] ** 2).sum(axis=1).max()))
         return at, self._longest_move / max(fastest, 1e-30)
 
     @property
     def _longest_move(self) -> float:
-        """mm, of any point in one step: a tenth of the cell."""
-        return 0.1 * float(np.linalg.norm(self.torus.cell_vectors, axis=1).min())
+        """mm, largest step of any point: a tenth of the cell."""
+        return 0.1 * float(np.linalg.norm(self.mesh.cell_vectors, axis=1).min())
 
     def rigid_motions(self, state: State) -> Array:
-        """(free, k) motions without energy that nothing holds: turns of a flat cell about its held star."""
+        """(free, k) motions without energy: rotations of a flat cell about its held star."""
         if self.curvature is not None:
             return np.empty((len(self.free), 0))
-        centre = state.positions[self.torus.star_vertices[0]]
+        centre = state.positions[self.mesh.star_vertices[0]]
         x = state.positions.copy()
-        x[: self.torus.n_base] -= centre
+        x[: self.mesh.n_base] -= centre
         t = edge_tangents(self.images.unfold(state.positions), self.edges)
         motions = [np.concatenate([np.cross(axis, x).ravel(), t @ axis]) for axis in np.eye(3)]
         return np.asarray(np.array(motions).T[self.free] / np.abs(x).max())
 
     def rigid_modes(self, state: State) -> Array:
-        """(free, k) orthonormal."""
+        """(free, k) orthonormal basis of `rigid_motions`."""
         return np.linalg.qr(self.rigid_motions(state))[0]
 
     def support(self, state: State) -> Array:
-        """(k,) free dofs that, held, leave no rigid motion."""
+        """(k,) free degrees of freedom that prevent all rigid motions if they are held."""
         return independent_dofs(self.rigid_motions(state))
 
     def unfolded_gradient(self, state: State) -> Array:
-        """(3 U + R,) N and N mm, forces of the elements on the unfolded points and on the twists."""
+        """(3 U + R,) N and N mm, gradient of the energy by the unfolded points and the twists."""
         packed = self.unfolded(state).packed
-        size = 3 * len(self.torus.base) + len(self.edges)
+        size = 3 * len(self.mesh.base) + len(self.edges)
         force = np.zeros(size)
         for part in self.model.parts.values():
             force += np.bincount(part.dofs.ravel(), part.gradients(packed).ravel(), size)
         return force
 
     def unfolded_hessian(self, state: State) -> sp.csr_matrix:
-        """(3 U + R, 3 U + R) N/mm, of the elements by the unfolded points and the twists, both triangles."""
-        size = 3 * len(self.torus.base) + len(self.edges)
+        """(3 U + R, 3 U + R) N/mm, Hessian by the unfolded points and the twists, both triangles."""
+        size = 3 * len(self.mesh.base) + len(self.edges)
         if self._unfolded_pattern is None:
             dofs = [part.dofs for part in self.model.parts.values()]
             self._unfolded_pattern = SparsePattern(dofs, size, np.arange(size))
@@ -217,7 +228,13 @@ class UnitCell(System):
         return self._unfolded_pattern.full(data).tocsr()
 
     def moment(self, state: State) -> float:
-        """N, dE/dk per printed area at fixed state: at equilibrium, the bending moment conjugate to the curvature."""
+        """Bending moment conjugate to the curvature, N: derivative of the energy per printed area at constant state.
+
+        Raises
+        ------
+        ValueError
+            The cell is flat.
+        """
         if self.curvature is None:
             raise ValueError("a flat cell has no curvature to change")
         rate = self._turns(self.curvature)[1]
@@ -226,14 +243,14 @@ class UnitCell(System):
 
 
 def _rows(part: Elements, rows: slice) -> Elements:
-    """Some elements of a part, with a view of its parameters: they change when the part's do."""
+    """Some elements of a part. Their parameters are views: they change with the part's."""
     some = copy.copy(part)
     some.inputs, some.dofs, some.params = part.inputs[rows], part.dofs[rows], part.params[rows]
     return some
 
 
 def _inner_first(torus: PeriodicMesh) -> PeriodicMesh:
-    """The same mesh, with the elements in front whose points are all base points."""
+    """The same mesh, with those elements first whose points are all base points."""
 
     def order(vertices: Array) -> Array:
         return np.argsort((vertices >= torus.n_base).any(axis=1), kind="stable")
@@ -245,7 +262,7 @@ def _inner_first(torus: PeriodicMesh) -> PeriodicMesh:
 
 
 def _unfolded_model(design: Design, torus: PeriodicMesh, printed: Array) -> DiscreteModel:
-    """The exact model on the unfolded points, its hinges those of the closed mesh."""
+    """The exact model on the unfolded points, with the hinges of the closed mesh."""
     if design.gravity.on:
         raise ValueError("a cell has no weight: an endless sheet would fall")
     centres = printed[torus.star_vertices]

@@ -1,1 +1,1 @@
-"""The homogenised law: tables, fit, file."""
+"""The homogenised law: axes, plan of the cells, tables, file and errors."""

@@ -1,17 +1,15 @@
-"""How a sheet differs from one that is the same in all directions: what its cell's tubes say beyond their means.
+"""Differences between directions in a sheet without threefold symmetry.
 
-A lattice that does not repeat after a third of a turn is rolled in six directions. Its sheet is taken to be quadratic
-in the curvature c (positive with the plastic outside, per mm of the sheet contracted by lam in all directions),
+The cell of such a star is rolled in six directions. The model of the sheet has an energy that is quadratic in the
+curvature c (Voigt vector, per mm of the sheet contracted by lam in all directions),
 
     psi(c) = D (c . Q c / 2 - m . c),
 
-with the mean bending stiffness D of the tubes. A tube around the direction n has `psi = D (q c^2/2 - m c)` with
-`q = Q[n n, n n]` and `m = m[n n]`: it wants the curvature m/q and gains `D m^2/(2 q)`. Q and m are those whose
-curvatures and gains are nearest to the cells' (least squares). Tubes say all of a symmetric Q but one number, what
-Gaussian curvature costs: `mean_q12`, the mean of Q12 over all axes, is held near Poisson's ratio. That is the same
-in all axes; the fit itself may still end in another minimum for a sheet that is printed turned.
-
-A lattice with threefold symmetry has none of this.
+with the mean bending stiffness D of the tubes. A tube around the direction n has `psi = D (q c^2/2 - m c)`, with
+`q = Q[n n, n n]` and `m = m[n n]`: its natural curvature is m/q and its gain of energy `D m^2/(2 q)`. A least-squares
+fit gives Q and m, from the natural curvatures and gains of the cells. Tubes determine a symmetric Q up to one number,
+the stiffness against Gaussian curvature: a weight keeps `mean_q12`, the mean of Q12 over all axes, near Poisson's
+ratio. The model is the same in all axes, but the fit may end in another minimum for a sheet that is printed turned.
 """
 
 from __future__ import annotations
@@ -25,35 +23,44 @@ from homogenize.cell.tube_directions import is_threefold
 from pattern.design.lattice import Lattice
 from pattern.geometry.arrays import Floats
 
-# ratio of bending: it shapes no tube, but caps. Small free sheets are nearest to the exact model with 0 to .1
+# Poisson's ratio of bending. It changes caps, but no tubes: small free sheets agree best with the exact model for 0 to
+# 0.1
 BENDING_POISSON = 0.05
 ISOTROPIC_PLATE = np.array(
     [[1.0, BENDING_POISSON, 0.0], [BENDING_POISSON, 1.0, 0.0], [0.0, 0.0, 0.5 * (1.0 - BENDING_POISSON)]]
 )
-# what any curvature costs in Q, over what it costs in the isotropic plate, at least
+# bending energy of any curvature in Q, over that in the isotropic plate
 MIN_BENDING_RATIO = 0.15
-# weights beside the errors of tubes: of the distance from the isotropic plate, and of `mean_q12` from Poisson's ratio
-PLATE_WEIGHT, Q12_WEIGHT = 0.02, 1.0
-# of a Voigt matrix' entries, as many as the tensor has of them: its norm is the same in all axes
+# weight of the distance from the isotropic plate, beside the errors of the tubes
+PLATE_WEIGHT = 0.02
+# weight of the distance of `mean_q12` from Poisson's ratio
+Q12_WEIGHT = 1.0
+# square root of how often the tensor has each Voigt entry: this norm is the same in all axes
 _NORM = np.sqrt([[1.0, 1.0, 2.0], [1.0, 1.0, 2.0], [2.0, 2.0, 4.0]])
 VOIGT_ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))  # of a symmetric Voigt matrix (11, 22, 2 x 12)
-BENDING_COLUMNS, MOMENT_COLUMNS = np.split(np.arange(9), [6])  # of `sample_anisotropy`
+# columns of `sample_anisotropy`
 ANISOTROPY_SIZE = 9
+BENDING_COLUMNS = np.arange(6)
+MOMENT_COLUMNS = np.arange(6, ANISOTROPY_SIZE)
+# the same curvature in all directions, components 11, 22, 12
 SPHERICAL = np.array([1.0, 1.0, 0.0])
 _LOWER = np.tril_indices(3)
 
 
 def anisotropy_size(lattice: Lattice) -> int:
-    """How many numbers a law of such stars has for what differs between directions: COUNT, or none."""
+    """K, the number of columns that the law of such stars has for directions; 0 for threefold symmetry."""
     return 0 if is_threefold(lattice) else ANISOTROPY_SIZE
 
 
 def sample_anisotropy(sample: dict[str, Any]) -> Floats:
-    """(COUNT,) of the sample of a cell that was rolled in six directions (`homogenize.cell.sample.Sample` as plain
-    data).
+    """(K,) differences between directions of a cell that was rolled in six directions.
 
-    - BENDING (6): `VOIGT_ENTRIES` of Q less those of PLATE;
-    - MOMENT (3): m less the mean natural curvature in all directions, 11, 22, 12, per mm.
+    - `BENDING_COLUMNS` (6): `VOIGT_ENTRIES` of Q - `ISOTROPIC_PLATE`;
+    - `MOMENT_COLUMNS` (3): m minus the mean natural curvature, components 11, 22, 12, 1/mm.
+
+    Parameters
+    ----------
+    sample : plain data of `homogenize.cell.sample.Sample`.
     """
     angles, kappa, stiff, hoop, axial = (
         np.array(sample[name], dtype=float)
@@ -66,19 +73,24 @@ def sample_anisotropy(sample: dict[str, Any]) -> Floats:
 
 
 def predicted_curvatures(sample: dict[str, Any], share: float = 1.0) -> Floats:
-    """(6,) 1/mm, natural curvatures that a share of `sample_anisotropy` makes of a cell's `natural_curvature`."""
-    own = share * sample_anisotropy(sample)
+    """(6,) 1/mm, natural curvatures of the model, which compare with the sample's `natural_curvature`.
+
+    Parameters
+    ----------
+    share : part of the differences between directions that the model takes.
+    """
+    columns = share * sample_anisotropy(sample)
     angles, kappa, hoop, axial = (
         np.array(sample[name], dtype=float)
         for name in ("angles_rad", "natural_curvature", "natural_hoop", "natural_axial")
     )
-    m = kappa.mean() * SPHERICAL + own[MOMENT_COLUMNS]
-    found = natural_curvatures(ISOTROPIC_PLATE + voigt_matrices(own[BENDING_COLUMNS]), m, angles + 0.5 * np.pi)[0]
+    m = kappa.mean() * SPHERICAL + columns[MOMENT_COLUMNS]
+    found = natural_curvatures(ISOTROPIC_PLATE + voigt_matrices(columns[BENDING_COLUMNS]), m, angles + 0.5 * np.pi)[0]
     return np.asarray(found * (np.sqrt(hoop * axial).mean() / hoop) ** 2)
 
 
 def voigt_matrices(entries: Floats) -> Floats:
-    """(..., 3, 3) symmetric ones of `VOIGT_ENTRIES` (..., 6)."""
+    """Symmetric matrices (..., 3, 3) from their `VOIGT_ENTRIES` (..., 6)."""
     out = np.empty((*entries.shape[:-1], 3, 3))
     for number, (i, j) in enumerate(VOIGT_ENTRIES):
         out[..., i, j] = out[..., j, i] = entries[..., number]
@@ -86,57 +98,69 @@ def voigt_matrices(entries: Floats) -> Floats:
 
 
 def natural_curvatures(q: Floats, m: Floats, directions: Floats) -> tuple[Floats, Floats]:
-    """(..., D) 1/mm that tubes around directions (D,) or (..., D), rad from x, want, and gains over D.
+    """Natural curvatures (..., D), 1/mm, and gains of energy over D (..., D), 1/mm^2, of tubes.
 
-    Q (..., 3, 3) and m (..., 3).
+    Parameters
+    ----------
+    q, m : (..., 3, 3) and (..., 3), 1/mm.
+    directions : (D,) or (..., D), rad from x, around the tube.
     """
     along = _squares(directions)
-    wanted = (along @ m[..., None])[..., 0]
-    curvature = wanted / ((along @ q) * along).sum(axis=-1)
-    return curvature, 0.5 * wanted * curvature
+    moment = (along @ m[..., None])[..., 0]
+    curvature = moment / ((along @ q) * along).sum(axis=-1)
+    return curvature, 0.5 * moment * curvature
 
 
 def _nearest(directions: Floats, curvature: Floats, gain: Floats) -> tuple[Floats, Floats]:
-    """Q (3, 3) and m (3,) of tubes around directions (D,) that want a curvature (D,) and gain so much over D (D,)."""
-    unit, most = float(np.sqrt((curvature**2).mean())), float(np.abs(gain).mean())
-    if unit == 0.0 or most == 0.0:
+    """Q (3, 3) and m (3,) nearest to natural curvatures (D,) and gains over D (D,) of tubes around directions (D,)."""
+    curvature_scale, gain_scale = float(np.sqrt((curvature**2).mean())), float(np.abs(gain).mean())
+    if curvature_scale == 0.0 or gain_scale == 0.0:
         return ISOTROPIC_PLATE, np.zeros(3)
 
     def unpacked(x: Floats) -> tuple[Floats, Floats]:
         half = np.zeros((3, 3))
         half[_LOWER] = x[:6]
-        return MIN_BENDING_RATIO * ISOTROPIC_PLATE + half @ half.T, unit * x[6:]
+        return MIN_BENDING_RATIO * ISOTROPIC_PLATE + half @ half.T, curvature_scale * x[6:]
 
-    def misses(x: Floats) -> Floats:
+    def errors(x: Floats) -> Floats:
         q, m = unpacked(x)
         found, gained = natural_curvatures(q, m, directions)
         from_plate = (PLATE_WEIGHT * _NORM * (q - ISOTROPIC_PLATE)).ravel()
         return np.concatenate(
             [
-                (found - curvature) / unit,
-                (gained - gain) / most,
+                (found - curvature) / curvature_scale,
+                (gained - gain) / gain_scale,
                 from_plate,
                 [Q12_WEIGHT * (mean_q12(q) - BENDING_POISSON)],
             ]
         )
 
     half = np.linalg.cholesky((1.0 - MIN_BENDING_RATIO) * ISOTROPIC_PLATE)[_LOWER]
-    moment = np.linalg.lstsq(_squares(directions), curvature / unit, rcond=None)[0]
-    return unpacked(least_squares(misses, np.concatenate([half, moment])).x)
+    moment = np.linalg.lstsq(_squares(directions), curvature / curvature_scale, rcond=None)[0]
+    return unpacked(least_squares(errors, np.concatenate([half, moment])).x)
 
 
 def mean_q12(q: Floats) -> Floats:
-    """(...) mean of Q12 over all axes of Q (..., 3, 3); tubes do not feel Q12 + d with Q33 - d/2."""
+    """(...) mean of Q12 over all axes, of Q (..., 3, 3).
+
+    Tubes do not change if Q12 grows by d and Q33 falls by d/2.
+    """
     return np.asarray((q[..., 0, 0] + q[..., 1, 1] + 6.0 * q[..., 0, 1] - 4.0 * q[..., 2, 2]) / 8.0)
 
 
 def min_bending_ratio(q: Floats) -> Floats:
-    """(...) what the softest curvature costs in Q (..., 3, 3), over what it costs in the isotropic plate."""
+    """(...) smallest ratio of the bending energy in Q (..., 3, 3) to that in the isotropic plate, over all curvatures.
+
+    Examples
+    --------
+    >>> float(min_bending_ratio(0.5 * ISOTROPIC_PLATE).round(12))
+    0.5
+    """
     half = np.linalg.inv(np.linalg.cholesky(ISOTROPIC_PLATE))
     return np.asarray(np.linalg.eigvalsh(half @ q @ half.T)[..., 0])
 
 
 def _squares(directions: Floats) -> Floats:
-    """(..., 3) 11, 22 and twice 12 of n n: what a tensor's 11, 22, 12, or Voigt matrices, are multiplied with."""
+    """(..., 3) Voigt vector of n n: its product with the 11, 22, 12 of a tensor is the component along n."""
     c, s = np.cos(directions), np.sin(directions)
     return np.stack([c * c, s * s, 2.0 * c * s], axis=-1)

@@ -40,9 +40,9 @@ def _turns(cell: UnitCell, count: Array) -> Array:
 
 def _moved(one: UnitCell, state: State, other: UnitCell, symmetry: Array) -> State:
     """The sheet of a state of `one`, its print moved by a symmetry (2, 2), as a state of the cell `other`."""
-    n, vectors = one.torus.n_base, one.cell_vectors
+    n, vectors = one.mesh.n_base, one.cell_vectors
     macro = state.positions[n:]
-    index, count = _on_lattice(one.printed[:n], other.printed[: other.torus.n_base] @ symmetry, vectors)
+    index, count = _on_lattice(one.printed[:n], other.printed[: other.mesh.n_base] @ symmetry, vectors)
     base = np.einsum("nij,nj->ni", _turns(one, count), state.positions[index]) + count @ macro
     images = np.round(other.cell_vectors @ symmetry @ np.linalg.inv(vectors)) @ macro
     middles = [cell.printed[cell.edges].mean(axis=1) for cell in (one, other)]
@@ -56,7 +56,7 @@ def _moved(one: UnitCell, state: State, other: UnitCell, symmetry: Array) -> Sta
 def test_a_moved_print_has_the_same_energy_and_forces(symmetry: Array) -> None:
     """Of any state: every point, triangle, hinge and rod edge takes another one's place."""
     cell, flat = relaxed(10.0, 0.4)
-    cell.flat()
+    cell.set_flat()
     state = shaken(cell, flat.state, 0.05)
     moved = _moved(cell, state, cell, symmetry)
     for name, energy in cell.energies(state).items():
@@ -64,7 +64,7 @@ def test_a_moved_print_has_the_same_energy_and_forces(symmetry: Array) -> None:
             both = [sum(v for key, v in cell.energies(s).items() if key.startswith(name)) for s in (state, moved)]
             assert both[1] == pytest.approx(both[0], rel=1e-10), name
             assert energy > 0.0
-    forces = [cell.full_gradient(s)[: 3 * cell.torus.n_base].reshape(-1, 3) for s in (state, moved)]
+    forces = [cell.full_gradient(s)[: 3 * cell.mesh.n_base].reshape(-1, 3) for s in (state, moved)]
     sizes = [np.sort(np.linalg.norm(force, axis=1)) for force in forces]
     np.testing.assert_allclose(sizes[1], sizes[0], rtol=1e-8, atol=1e-10 * sizes[0].max())
 
@@ -74,7 +74,7 @@ def test_a_tube_of_several_cells_is_the_same_tube(repeat: tuple[int, int]) -> No
     cell, flat = relaxed(10.0, 0.4)
     tube = roll_cell(cell, unrolled_flat_cell(flat, 0.3), 0.05, 0.3)
     several = UnitCell(design(10.0, 0.4), EDGE, repeat=repeat)
-    several.tube(0.05, 0.3)
+    several.set_tube(0.05, 0.3)
     state = _moved(cell, tube.state, several, np.eye(2))
     count = repeat[0] * repeat[1]
     assert several.energy(state) == pytest.approx(count * tube.energy * cell.area, rel=1e-11)

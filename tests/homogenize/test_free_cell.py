@@ -36,7 +36,7 @@ def relaxed() -> tuple[UnitCell, FlatCell]:
 
 def bent(cell: UnitCell, flat: FlatCell, tube: bool) -> State:
     """A state away from equilibrium."""
-    cell.flat()
+    cell.set_flat()
     state = rolled_state(cell, unrolled_flat_cell(flat, 0.3), 0.06, 0.3) if tube else flat.state
     return shaken(cell, state, 0.05)
 
@@ -58,10 +58,10 @@ def test_gradient_and_hessian_are_the_energys(relaxed: tuple[UnitCell, FlatCell]
 def test_elements_with_two_images_of_one_point() -> None:
     """On the coarsest meshes; the Hessian against that of the unfolded points, folded by a matrix."""
     cell = UnitCell(design(7.0, 0.4, lattice={"arms": 5, "orientation_deg": 7}, fabric={"bending": "consistent"}), 5.77)
-    torus, rods = cell.torus, len(cell.edges)
+    torus, rods = cell.mesh, len(cell.edges)
     assert any(len(np.unique(row)) < len(row) for part in cell.parts.values() for row in part.dofs)
     cell.set_release(0.6)
-    cell.flat()
+    cell.set_flat()
     state = shaken(cell, cell.printed_state(), 0.1)
     fold = np.zeros((len(torus.base), torus.n_base + 2))
     fold[np.arange(len(torus.base)), torus.base] = 1.0
@@ -79,7 +79,7 @@ def test_the_sheet_may_be_moved(relaxed: tuple[UnitCell, FlatCell], tube: bool) 
     state = bent(cell, flat, tube)
     cos, sin = np.cos(1.3), np.sin(1.3)
     turn = np.array([[1.0, 0.0, 0.0], [0.0, cos, -sin], [0.0, sin, cos]])
-    n = cell.torus.n_base
+    n = cell.mesh.n_base
     x = state.positions @ turn.T
     if tube:
         x[n:] = state.positions[n:]
@@ -102,11 +102,11 @@ def test_without_arms_it_is_the_fabric(lattice: dict[str, Any]) -> None:
 def test_uniform_sheets_have_their_closed_form(tube: bool) -> None:
     """Bare fabric on the mesh of a five-armed star; on the cylinder its hinges' and triangles' energies, one by one."""
     cell = five()
-    fabric, n = cell.design.fabric, cell.torus.n_base
+    fabric, n = cell.design.fabric, cell.mesh.n_base
     mu, lam = fabric.modulus_mpa / 2.6, fabric.modulus_mpa * 0.3 / 0.91
     if tube:
         curvature, hoop, axial = 0.05, 0.8, 0.7
-        cell.tube(curvature)
+        cell.set_tube(curvature)
         turn = curvature * cell.printed[:, 1]
         radius = hoop / curvature
         every = np.column_stack([axial * cell.printed[:, 0], radius * np.sin(turn), radius * np.cos(turn)])
@@ -118,7 +118,7 @@ def test_uniform_sheets_have_their_closed_form(tube: bool) -> None:
     np.testing.assert_allclose(cell.images.unfold(state.positions), every, atol=1e-11)
     found = {name: sum(v for key, v in cell.energies(state).items() if key.startswith(name)) for name in
              ("membrane", "hinges")}  # fmt: skip
-    corner, place = cell.printed[cell.torus.triangles] / 1.35, every[cell.torus.triangles]
+    corner, place = cell.printed[cell.mesh.triangles] / 1.35, every[cell.mesh.triangles]
     rest = np.swapaxes(corner[:, 1:] - corner[:, :1], 1, 2)
     gradient = np.swapaxes(place[:, 1:] - place[:, :1], 1, 2) @ np.linalg.inv(rest)
     metric = np.swapaxes(gradient, 1, 2) @ gradient
@@ -131,10 +131,10 @@ def test_uniform_sheets_have_their_closed_form(tube: bool) -> None:
         assert found["membrane"] == pytest.approx(same, rel=1e-10)
         assert found["hinges"] == pytest.approx(0.0, abs=1e-12)
         return
-    a, b, left, right = every[cell.torus.hinges].swapaxes(0, 1)
+    a, b, left, right = every[cell.mesh.hinges].swapaxes(0, 1)
     one, two = np.cross(b - a, left - a), np.cross(right - a, b - a)
     cosine = (one * two).sum(axis=1) / np.linalg.norm(one, axis=1) / np.linalg.norm(two, axis=1)
-    stiff = paper_coefficients(cell.torus.hinges, cell.printed, fabric.thickness_mm, fabric.modulus_mpa, fabric.poisson)
+    stiff = paper_coefficients(cell.mesh.hinges, cell.printed, fabric.thickness_mm, fabric.modulus_mpa, fabric.poisson)
     bending = (np.ravel(stiff) * 4.0 * (1.0 - cosine) / (1.0 + cosine)).sum()
     assert found["hinges"] == pytest.approx(bending, rel=1e-8)
 
@@ -149,7 +149,7 @@ def test_stars_in_any_direction_have_equilibria(length: float, lattice: dict[str
     assert flat.bump[0] > 0.0
     natural = trace_tubes(cell, flat, 0.2).natural
     assert natural is not None and natural.curvature > 0.0 and natural.definite
-    cell.tube(natural.curvature, 0.2)
+    cell.set_tube(natural.curvature, 0.2)
     eigenvalues = cell_stability(cell, natural.state)
     assert eigenvalues.cell > eigenvalues.cell_error and eigenvalues.supercell > eigenvalues.supercell_error
     stiffness = effective_stiffness(cell, flat).stiffness
@@ -170,7 +170,7 @@ def test_two_cells_have_twice_the_energy_and_no_forces(tube: bool) -> None:
     if tube:
         found = roll_cell(cell, unrolled_flat_cell(flat, 0.3), 0.05, 0.3)
         state, energy, error = found.state, found.energy, found.gradient_norm
-        two.tube(0.05, 0.3)
+        two.set_tube(0.05, 0.3)
     moved = _moved(cell, state, two, np.eye(2))
     assert two.energy(moved) == pytest.approx(2.0 * energy * cell.area, rel=1e-11)
     assert np.linalg.norm(two.gradient(moved)) < 4.0 * error + 1e-9

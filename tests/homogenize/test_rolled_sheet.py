@@ -38,7 +38,7 @@ def test_membrane_of_a_tube_says_what_a_dead_pull_does() -> None:
     tube = roll_cell(cell, unrolled_flat_cell(flat, 0.2), 0.04, 0.2)
     turn = _turned_strains(cell.turn)  # in the tube's axes of those in the print's
     compliance = turn @ np.linalg.inv(tube_membrane_stiffness(cell, tube)) @ turn.T
-    n, pull = cell.torus.n_base, 1e-3
+    n, pull = cell.mesh.n_base, 1e-3
     slopes = cell.turn @ np.linalg.inv(cell.cell_vectors)
     ends = []
     for sign in (1.0, -1.0):
@@ -73,7 +73,7 @@ def _turned_strains(turn: np.ndarray) -> np.ndarray:
 def test_reliefs_are_found_again_and_have_the_symmetry_of_the_star(amplitudes: list[float], turns: int) -> None:
     waves = CorrugationWaves.of(Lattice())
     cell = relaxed(10.0, 0.4, 1.44)[0]
-    offsets = cell.printed[: cell.torus.n_base] - cell.printed[cell.torus.star_vertices[0]]
+    offsets = cell.printed[: cell.mesh.n_base] - cell.printed[cell.mesh.star_vertices[0]]
     field = waves(offsets) @ amplitudes
     found = waves.amplitudes(offsets, field, cell.weights)
     np.testing.assert_allclose(waves(offsets) @ found, field - cell.weights @ field, atol=0.05)
@@ -102,10 +102,10 @@ def test_the_relief_of_a_sample_is_near_its_flat_cell_and_its_tubes() -> None:
     cell, flat = relaxed(10.0, 0.4, 1.44)
     curvature = float(found.natural_print_curvature.mean())
     tube = roll_cell(cell, unrolled_flat_cell(flat, 0.0), curvature, 0.0)
-    offsets = cell.printed[: cell.torus.n_base] - cell.printed[cell.torus.star_vertices[0]]
+    offsets = cell.printed[: cell.mesh.n_base] - cell.printed[cell.mesh.star_vertices[0]]
     lying, more = found.relief
     rolled = lying + found.natural_curvature.mean() * more
-    z = flat.state.positions[: cell.torus.n_base, 2]
+    z = flat.state.positions[: cell.mesh.n_base, 2]
     centre = (waves(np.zeros((1, 2))) @ np.array([lying, rolled]).T)[0]
     for real, amplitudes in ((z - cell.weights @ z, lying), (heights_over_mean_surface(cell, tube), rolled)):
         left = real - waves(offsets) @ amplitudes

@@ -17,7 +17,7 @@ from homogenize.law.law_file import law_bytes, load_law
 from pattern.design.design import Design
 from tests.asterism.laws.test_calibrate import PLAN, run
 
-LEFT = "previews follow most of that"
+LEFT = "which previews model in part"
 
 
 @pytest.fixture(scope="module")

@@ -23,7 +23,7 @@ def bumpy(request):
     if request.param:
         state = rolled_state(cell, unrolled_flat_cell(flat, 0.3), 0.06, 0.3)
     else:
-        cell.flat()
+        cell.set_flat()
         state = flat.state
     return cell, shaken(cell, state, 0.05)
 
@@ -75,12 +75,12 @@ def test_hessian_is_the_slope_of_the_gradient(tube, bending):
 
 def test_flat_energy_does_not_know_where_it_is():
     cell, flat = relaxed(10.0, 0.4)
-    cell.flat()
+    cell.set_flat()
     state = shaken(cell, flat.state, 0.05)
     q, r = np.linalg.qr(RNG.normal(size=(3, 3)))
     q = q * np.sign(np.diag(r)) * np.sign(np.linalg.det(q * np.sign(np.diag(r))))
     x = state.positions @ q.T
-    x[: cell.torus.n_base] += [3.0, -20.0, 7.0]
+    x[: cell.mesh.n_base] += [3.0, -20.0, 7.0]
     assert cell.energy(State(x, state.directors @ q.T)) == pytest.approx(cell.energy(state), rel=1e-12)
 
 
@@ -90,8 +90,8 @@ def test_tube_energy_does_not_know_its_turn_and_place_on_the_axis():
     cos, sin = np.cos(1.3), np.sin(1.3)
     q = np.array([[1.0, 0.0, 0.0], [0.0, cos, -sin], [0.0, sin, cos]])
     x = state.positions @ q.T
-    x[: cell.torus.n_base, 0] += 11.0
-    x[cell.torus.n_base :] = state.positions[cell.torus.n_base :]
+    x[: cell.mesh.n_base, 0] += 11.0
+    x[cell.mesh.n_base :] = state.positions[cell.mesh.n_base :]
     assert cell.energy(State(x, state.directors @ q.T)) == pytest.approx(cell.energy(state), rel=1e-12)
 
 
@@ -104,7 +104,7 @@ def test_uniform_sheets_have_their_closed_form(tube):
     cell = UnitCell(bare, EDGE)
     if not tube:
         deformation = np.array([[0.8, 0.07], [0.02, 0.93], [0.1, -0.2]])
-        x = np.vstack([cell.printed[: cell.torus.n_base], cell.cell_vectors]) @ deformation.T
+        x = np.vstack([cell.printed[: cell.mesh.n_base], cell.cell_vectors]) @ deformation.T
         state = State(x, np.empty((0, 3)))
         metric = 1.35**2 * deformation.T @ deformation
         log = 0.5 * np.log(np.linalg.det(metric))
@@ -114,9 +114,9 @@ def test_uniform_sheets_have_their_closed_form(tube):
         return
     # around y: every triangle has corners (0, y0), (a, y1), ... on the same cylinder; two triangles stand for all
     curvature, hoop, axial = 0.05, 0.8, 0.7
-    cell.tube(curvature)
+    cell.set_tube(curvature)
     radius = hoop / curvature
-    n, k = cell.torus.n_base, round(np.sqrt(cell.torus.n_base))
+    n, k = cell.mesh.n_base, round(np.sqrt(cell.mesh.n_base))
     step = np.asarray(bare.lattice.vectors) / k
 
     def at(printed):
@@ -153,13 +153,13 @@ def test_uniform_sheets_have_their_closed_form(tube):
 
 def test_supercell_has_four_times_the_energy_and_no_forces():
     one, flat = relaxed(10.0, 0.4)
-    one.flat()
+    one.set_flat()
     four = UnitCell(design(10.0, 0.4), EDGE, repeat=(2, 2))
-    n, m = (2 * round(np.sqrt(one.torus.n_base)),) * 2
+    n, m = (2 * round(np.sqrt(one.mesh.n_base)),) * 2
     i, j = (index.ravel() for index in np.indices((n, m)))
     single = (i % (n // 2)) * (m // 2) + j % (m // 2)
     cell = np.column_stack([i // (n // 2), j // (m // 2)])
-    base = one.torus.n_base
+    base = one.mesh.n_base
     images = flat.state.positions[base:]
     positions = np.vstack([flat.state.positions[single] + cell @ images, 2.0 * images])
     state = State(positions, np.tile(flat.state.directors, (4, 1)))
@@ -206,7 +206,7 @@ def test_cells_that_cannot_be_are_refused():
         UnitCell(design(gravity={"on": True}, fabric={"modulus_mpa": 7.0}), EDGE)
     for change in ({"remove": True}, {"length_mm": 2.0}, {"thickness_mm": 0.3}, {"width_mm": 1.0}):
         override = [{"star": 3, "branch": "down"}, {"star": 1, **change}]
-        with pytest.raises(ValueError, match=r"^stars.override\[1\] must not change a star in a cell"):
+        with pytest.raises(ValueError, match=r"^stars.override\[1\] must not change a star"):
             UnitCell(design(stars={"length_mm": 10.0, "override": override}), EDGE)
 
 
@@ -232,8 +232,8 @@ def test_triangles_that_bend_with_their_neighbours_repeat_too():
     """Consistent bending of a distorted mesh: the supercell's energy is four times the cell's, whatever its state."""
     fabric = {"fabric": {"bending": "consistent"}}
     one, four = (UnitCell(design(9.0, 0.4, **fabric), EDGE, repeat=(n, n)) for n in (1, 2))
-    assert len(one.parts["plate of images"]) and len(one.model.parts["plate"]) == len(one.torus.triangles)
-    k = round(np.sqrt(one.torus.n_base))
+    assert len(one.parts["plate of images"]) and len(one.model.parts["plate"]) == len(one.mesh.triangles)
+    k = round(np.sqrt(one.mesh.n_base))
     i, j = (index.ravel() for index in np.indices((2 * k, 2 * k)))
     state = shaken(one, one.printed_state(), 0.2)
     base, images = state.positions[: k * k], state.positions[k * k :]
@@ -250,7 +250,7 @@ def test_triangles_that_bend_with_their_neighbours_repeat_too():
 
 def test_directors_stay_orthogonal():
     cell, flat = relaxed(10.0, 0.4)
-    cell.flat()
+    cell.set_flat()
     state = with_orthogonal_directors(cell, shaken(cell, flat.state))
     x = cell.images.unfold(state.positions)
     along = x[cell.edges[:, 1]] - x[cell.edges[:, 0]]

@@ -33,9 +33,9 @@ TURNED = [[17.0 * np.cos(a), 17.0 * np.sin(a)] for a in np.radians((10.0, 70.0))
         ({"orientation_deg": 30}, True, None),
         ({"orientation_deg": 20}, True, "turned"),
         ({"kind": "custom", "vectors_mm": TURNED}, True, "turned"),
-        ({"arms": 5}, False, "follow most of that"),
-        ({"arms": 4, "kind": "square"}, False, "follow most of that"),
-        ({"arms": 3, "kind": "square"}, False, "follow most of that"),
+        ({"arms": 5}, False, "which previews model in part"),
+        ({"arms": 4, "kind": "square"}, False, "which previews model in part"),
+        ({"arms": 3, "kind": "square"}, False, "which previews model in part"),
     ],
 )
 def test_what_a_lattice_needs(lattice: dict[str, Any], threefold: bool, said: str | None) -> None:

@@ -114,8 +114,8 @@ def test_membrane_against_tubes_of_hardly_any_curvature():
     """Poisson's ratio of the tangent, by the axial stretch that follows the hoop stretch; and no force at rest."""
     cell, flat = relaxed(10.0, 0.6)
     linear = effective_stiffness(cell, flat)
-    cell.flat()
-    macro = cell.full_gradient(flat.state)[3 * cell.torus.n_base : 3 * cell.torus.n_base + 6]
+    cell.set_flat()
+    macro = cell.full_gradient(flat.state)[3 * cell.mesh.n_base : 3 * cell.mesh.n_base + 6]
     assert np.abs(macro).max() < 1e-5
     # a rim that is pulled by the moment: E = A^-1 (n - B K), n = -M k/hoop in the hoop direction only
     k = 1e-4

@@ -51,7 +51,7 @@ def test_arms_keep_their_length_where_the_sheet_shrinks() -> None:
 @pytest.mark.parametrize(("length", "off"), [(10.0, 0.28), (7.0, 0.18), (5.0, 0.26)])
 def test_fabric_beside_arms_follows_them_as_in_a_flat_cell(length: float, off: float) -> None:
     cell, flat = relaxed(length, 0.4, EDGE)
-    count, offset = cell.torus.n_base, _from_star(cell)
+    count, offset = cell.mesh.n_base, _from_star(cell)
     right = flat.state.positions[:count, :2] - cell.printed[:count] @ flat.deformation.T
     weights = cell.weights / cell.weights.sum()
     preview = Preview(cell_design(length, 0.4, border={"rings": 3}), plain_law())
@@ -72,7 +72,7 @@ def test_arms_of_a_rolled_cell_bend_by_a_part_of_the_mean(angle: float) -> None:
     tips = [np.linalg.norm(offset - length * d, axis=1).argmin() for d in directions]
     around = (directions @ [-np.sin(angle), np.cos(angle)]) ** 2
     lift = heights_over_mean_surface(cell, tube)[tips]
-    bend = 0.5 * length**2 * tube.contracted * (around - around.mean())
+    bend = 0.5 * length**2 * tube.contracted_curvature * (around - around.mean())
     assert (lift @ bend) / (bend @ bend) == pytest.approx(RIGID, abs=0.15)
 
 
@@ -122,7 +122,7 @@ def test_held_borders_stay() -> None:
 def _from_star(cell: UnitCell) -> np.ndarray:
     """(n, 2) mm, of the cell's vertices from the centre of the star that they are nearest to."""
     lattice = cell.design.lattice
-    offset = cell.printed[: cell.torus.n_base] - cell.printed[cell.torus.star_vertices[0]]
+    offset = cell.printed[: cell.mesh.n_base] - cell.printed[cell.mesh.star_vertices[0]]
     place = offset + np.asarray(lattice.origin_mm)
     return np.asarray(offset - lattice.sites.nearest(place) @ np.asarray(lattice.vectors))
 
