@@ -1,4 +1,4 @@
-"""`asterism calibrate`: a campaign of unit cells, and the law that comes out of it."""
+"""`asterism calibrate`: a campaign of unit cells, and the law from their samples."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from pattern.design.errors import DesignError
 
 
 def samples_folder(law: Path) -> Path:
-    """Where the finished cells of a law are kept."""
+    """Folder of the finished cells of a law."""
     return law.with_suffix(".samples")
 
 
@@ -88,7 +88,7 @@ def calibrate(
 
 
 def _versions() -> dict[str, str]:
-    """Of what computes the cells."""
+    """Versions of the packages that compute the cells."""
     packages = ["numpy", "scipy", *(["numba"] if HAVE_NUMBA else [])]
     return {"asterism": __version__, **{name: version(name) for name in packages}}
 
@@ -99,7 +99,10 @@ def default_jobs() -> int:
 
 
 class ProgressLine:
-    """One line that changes on a terminal; elsewhere a line every half minute. Failed cells have lines of their own."""
+    """Progress of a campaign on a stream.
+
+    A terminal shows one line that changes; other streams get a line every half minute. Each failed cell has a line.
+    """
 
     every_s = 30.0
 
@@ -110,7 +113,7 @@ class ProgressLine:
         self._next = 0.0
 
     def report(self, progress: CampaignProgress) -> None:
-        """A cell is finished, or the campaign begins."""
+        """Show the progress, at the beginning and after each cell."""
         interruption.check()
         record = progress.last
         if record is not None and record.failed is not None:
@@ -125,7 +128,7 @@ class ProgressLine:
             self._line(_state(progress))
 
     def close(self) -> None:
-        """Leave the terminal on a new line."""
+        """Move the terminal to a new line."""
         if self._open:
             self._stream.write("\n")
             self._open = False
@@ -147,12 +150,12 @@ def _state(progress: CampaignProgress) -> str:
 
 
 def calibration_lines(law: Law, output: Path) -> list[str]:
-    """What the command prints at its end."""
+    """Lines that the command prints at its end."""
     return [*law_lines(law), f"{output}: the law; its cells stay in {samples_folder(output)}"]
 
 
 def law_summary(law: Law) -> dict[str, Any]:
-    """What a law says about itself, as plain data."""
+    """A law as plain data: material, digest, origin, errors and failed cells."""
     problems = [s for s in law.samples if s["problem"] is not None]
     return {
         "material": law.material.to_dict(),

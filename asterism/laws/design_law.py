@@ -1,4 +1,4 @@
-"""What a law is made for: a material with its plan, or the stars of one design; and how a design comes by its law."""
+"""Laws and designs: where the law of a design lies, which material and plan it has, and whether it fits."""
 
 from __future__ import annotations
 
@@ -20,9 +20,12 @@ from pattern.layout.load_design import load_design
 
 
 def law_output_path(file: Path | None, output: Path | None, other: Path | None = None) -> Path:
-    """Where the law goes: as asked, or beside the file it is made from; the paper's into the working directory.
+    """Path for a new law: `output`, or beside the file; the paper's law goes into the working directory.
 
-    A design's own name is that of its results, so that its law has another; `other` is the file of another material.
+    Parameters
+    ----------
+    file : design or material; None for the paper's material.
+    other : material file that replaces the design's material.
     """
     if output is not None or file is None:
         return output or Path("paper.npz")
@@ -30,13 +33,13 @@ def law_output_path(file: Path | None, output: Path | None, other: Path | None =
 
 
 def design_law_path(design: Path, other: Path | None = None) -> Path:
-    """Where the law of a design's own stars goes; that of another material leaves the design's own where it is."""
+    """Path for the law of a design's own stars. With another material the path has its name too."""
     of = "" if other is None else f"-{other.stem}"
     return design.with_name(f"{design.stem}-law{of}.npz")
 
 
 def is_design(file: Path | None) -> bool:
-    """Whether a file holds a sheet, of whose stars a law can be made, and not a material with its plan."""
+    """Whether a file holds a design, whose stars give the plan, and not a material with its plan."""
     return file is not None and bool({"stars", "border"} & read_table(file).keys())
 
 
@@ -65,21 +68,22 @@ def material_from_file(file: Path | None, other: Path | None = None) -> Material
 
 
 def material_for_design(design: Design, edge_mm: float | None = None) -> Material:
-    """The material of a design, with a plan of cells for its own stars (`homogenize.campaign.design_plan`)."""
+    """The material of a design, with a plan of cells for its own stars (`plan_for_sizes`)."""
     return plan_for_sizes(design, star_sizes(layout(design), design.lattice.arms), edge_mm)
 
 
 def law_for_design(design: Design, law: Path | None, file: Path, other: Path | None = None) -> Law:
-    """The law in a file (the paper's material's if there is none), if it is for the design.
+    """The law in a file, if it fits the design.
 
     Parameters
     ----------
-    file, other : that the design was read from, and the material's file that changed it.
+    law : None for the paper's law.
+    file, other : files of the design and of the material that replaces its own; for the message.
 
     Raises
     ------
     LawError
-        The file is not a law, or one for something else; says what would make one for this design.
+        The file is not a law, or the law does not fit; the message names the command that makes one.
     """
     found = load_law(law)
     try:
@@ -97,7 +101,7 @@ def law_for_design(design: Design, law: Path | None, file: Path, other: Path | N
 
 
 def _is_papers(design: Design) -> bool:
-    """Whether the law that comes with the package is for the design."""
+    """Whether the paper's law fits the design."""
     try:
         load_law().check(design)
     except ForeignLaw:

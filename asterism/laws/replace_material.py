@@ -1,4 +1,4 @@
-"""Designs from files, with a measured material in place of their own."""
+"""Designs from files, with the measured material of another file in place of their own."""
 
 from __future__ import annotations
 
@@ -30,15 +30,15 @@ def read_design(path: Path, material: Path | None) -> Design:
 
 
 def with_material(design: Design, path: Path | None) -> Design:
-    """The design with the fabric and plastic of a material file; without one, the design itself.
+    """The design with the fabric and plastic of a material file; without a file, the design itself.
 
-    Only what the file says is changed, and never the stretch: that is the design's choice, and the file's is the one at
-    which the material was measured.
+    Only values that the file contains replace those of the design. The stretch stays that of the design: the stretch in
+    the file is that of the measurement.
 
     Raises
     ------
     DesignError
-        The file is not a material, or the design does not go with it.
+        The file is not a material, or the design does not fit it.
     """
     if path is None:
         return design

@@ -1,9 +1,8 @@
-"""The mesh of a unit cell: a grid that refines the lattice, closed to a torus, with arms on its lines.
+"""The aligned mesh of a unit cell: a grid that refines the lattice, closed to a torus, with arms on its lines.
 
-The cell is the parallelogram of the lattice vectors A1, A2, or n x m of them. Grid point (i, j) lies at
-`i A1/k + j A2/k`; indices are taken modulo the cell, and what was taken off says by which lattice vectors the point is
-an image. Stars sit at the corners of the single cells; their arms run along A1, A2 or A2 - A1, either way, and may
-leave the cell.
+The cell is the parallelogram of the lattice vectors A1 and A2, or n x m of them. Grid point (i, j) lies at
+`i A1/k + j A2/k`. Indices are taken modulo the cell, and the quotient gives the lattice vectors to the image. Stars sit
+at the corners of the single cells. Their arms run along A1, A2 or A2 - A1, in either sense, and may leave the cell.
 """
 
 from __future__ import annotations
@@ -102,7 +101,7 @@ def aligned_cell_mesh(
 
 
 def edges_per_spacing(lattice_vectors: Floats, directions: Ints, lengths: Floats, edge_mm: float) -> int:
-    """Grid edges between neighbouring stars, an even number where tips meet in the middle; see `aligned_cell_mesh`."""
+    """Grid edges between adjacent stars, an even number if tips meet in the middle; see `aligned_cell_mesh`."""
     wish = float(np.linalg.norm(GRID_DIRECTIONS @ lattice_vectors, axis=1).min()) / edge_mm
     if _meet(_reach(lattice_vectors, directions, lengths)).any():
         return max(4, 2 * round(wish / 2))
@@ -110,23 +109,26 @@ def edges_per_spacing(lattice_vectors: Floats, directions: Ints, lengths: Floats
 
 
 def _reach(lattice_vectors: Floats, directions: Ints, lengths: Floats) -> Floats:
-    """(6,) of the way to the neighbour in each direction that an arm takes, 0 without one."""
+    """(6,) length of the arm in each direction over the distance to the neighbour; 0 without an arm."""
     reach = np.zeros(6)
     reach[directions] = lengths / np.linalg.norm(GRID_DIRECTIONS @ lattice_vectors, axis=1)[directions]
     return reach
 
 
 def _meet(reach: Floats) -> NDArray[np.bool_]:
-    """(6,) where the tip meets that of the neighbour's arm."""
+    """(6,) whether the tip meets the tip of the neighbour's arm."""
     back = np.roll(reach, 3)
     return (reach > 0) & (back > 0) & (reach + back > 1.0 - TOUCHING_TOLERANCE)
 
 
 @dataclass(frozen=True)
 class _Links:
-    """Where the grid points of the links from a star to its six neighbours are.
+    """Grid points on the links from a star to its six neighbours.
 
-    `segments` (6,) of the arm in each direction, 0 without one; `fractions` (6, k + 1) of the way to the neighbour.
+    Attributes
+    ----------
+    segments : (6,) edges of the arm in each direction; 0 without an arm.
+    fractions : (6, k + 1) places of the points, over the distance to the neighbour.
     """
 
     segments: Ints
@@ -155,7 +157,7 @@ def _links(directions: Ints, reach: Floats, k: int, wanted: int | None) -> _Link
 
 
 def _displacement(n: int, m: int, k: int, lattice_vectors: Floats, links: _Links) -> Floats:
-    """(n m, 2) mm: points on links go where the arms want them, all others follow harmonically."""
+    """(n m, 2) mm: points on links follow the arms, and harmonic functions extend this to all others."""
     size = n * m
     i, j = (index.ravel() for index in np.indices((n, m)))
     number = np.arange(size).reshape(n, m)

@@ -1,7 +1,8 @@
-"""Points of a cell around given ones: a triangular grid, thinned out beside arms, evened out and mended.
+"""A conforming Delaunay triangulation of a cell: given points and segments, and free points around them.
 
-Every sweep triangulates, moves the free points to the mean circumcentres of their triangles, drops those that come too
-close to an arm or to each other, and adds some where triangles are too large. The best sweep is kept.
+The free points begin as a triangular grid. Each sweep triangulates all points and moves the free ones to the mean
+circumcentre of their triangles. Some sweeps also drop points that are too close to an arm or to each other, and add
+points to large triangles. The best sweep is the result.
 """
 
 from __future__ import annotations
@@ -16,31 +17,36 @@ from pattern.design.errors import MeshError
 from pattern.geometry.arrays import Bools, Floats, Ints
 from pattern.geometry.planar import distance_to_segment
 
-# sweeps in all, and those after which points are dropped and added
-MAX_SMOOTHING_SWEEPS, REFINEMENT_SWEEPS = 40, range(3, 25, 3)
-# in units of the local edge: nearer to an arm, or to another point, a point goes
-MIN_ARM_DISTANCE_RATIO, MIN_POINT_DISTANCE_RATIO = 0.5, 0.6
-# circumradius over the local edge, .58 of an equilateral triangle, from which a triangle gets a point
+MAX_SMOOTHING_SWEEPS = 40
+# sweeps after which points are dropped and added
+REFINEMENT_SWEEPS = range(3, 25, 3)
+# distance of a free point from an arm, over the local edge length
+MIN_ARM_DISTANCE_RATIO = 0.5
+# distance of two points, over the local edge length
+MIN_POINT_DISTANCE_RATIO = 0.6
+# circumradius over the local edge length, above which a triangle gets a point; 0.58 for an equilateral triangle
 MAX_CIRCUMRADIUS_RATIO = 0.85
-# growth of the edges away from shorter ones on the arms
+# growth of the edges per distance from shorter ones on the arms
 EDGE_GROWTH = 0.4
-# smallest angle that is good enough, or sweeps without a better one
-GOOD_ANGLE_DEG, MAX_IDLE_SWEEPS = 35.0, 6
-# edges around the cell within which images count
+# smallest angle that ends the sweeps
+GOOD_ANGLE_DEG = 35.0
+# sweeps without a better smallest angle
+MAX_IDLE_SWEEPS = 6
+# margin around the cell in which images count, in edges
 IMAGE_MARGIN_EDGES = 3.0
 _STEPS = np.array([[i, j] for i in (-1, 0, 1) for j in (-1, 0, 1)])
 
 
 @dataclass(frozen=True)
 class MeshConstraints:
-    """What a mesh must contain.
+    """Points and segments that a mesh contains.
 
     Attributes
     ----------
-    vectors : (2, 2) mm, rows.
+    vectors : (2, 2) mm, lattice vectors as rows.
     points : (F, 2) mm, in the cell.
-    size : (F,) mm, wished length of the edges there.
-    a, b, step : (E,), (E,), (E, 2) segments from a point to the image `step` of a point, no longer than the cell.
+    size : (F,) mm, target length of the edges at the points.
+    a, b, step : (E,), (E,), (E, 2) segments from point a to the image `step` of point b, at most one cell long.
     """
 
     vectors: Floats
@@ -52,12 +58,12 @@ class MeshConstraints:
 
 
 def conforming_triangulation(frame: MeshConstraints, edge_mm: float) -> PeriodicTriangles:
-    """Triangles of the frame's points, which come first, and of others with edges of about `edge_mm`.
+    """Triangles of the given points, which come first, and of free ones with edges of about `edge_mm`.
 
     Raises
     ------
     MeshError
-        The frame's segments cannot be edges.
+        No sweep has all segments as edges.
     """
     beside = _Beside(frame, edge_mm)
     free = _grid(frame.vectors, edge_mm)
@@ -88,7 +94,7 @@ def conforming_triangulation(frame: MeshConstraints, edge_mm: float) -> Periodic
 
 
 def _grid(vectors: Floats, edge_mm: float) -> Floats:
-    """(n, 2) mm, rows along A1, each half an edge further than the one before as nearly as the cell lets them."""
+    """(n, 2) mm, rows along A1; each is shifted by about half an edge, as far as periodicity permits."""
     along = float(np.linalg.norm(vectors[0]))
     height = abs(np.linalg.det(vectors)) / along
     n, rows = max(3, round(along / edge_mm)), max(3, round(height / (edge_mm * np.sqrt(0.75))))
@@ -100,7 +106,7 @@ def _grid(vectors: Floats, edge_mm: float) -> Floats:
 
 
 def _copies(vectors: Floats, of: Floats) -> Floats:
-    """(9 n, 2) points of the cell and around it; the cell itself lies in the middle."""
+    """(9 n, 2) points of the cell and of the eight cells around it; those of the cell are in the middle."""
     return np.asarray((of + (_STEPS @ vectors)[:, None]).reshape(-1, 2))
 
 
@@ -110,7 +116,7 @@ def _home(places: Floats, vectors: Floats) -> Floats:
 
 
 class _Beside:
-    """The frame with its images near the cell."""
+    """The constraints, with their images near the cell."""
 
     def __init__(self, frame: MeshConstraints, edge_mm: float) -> None:
         self._edge_mm = edge_mm
@@ -130,14 +136,14 @@ class _Beside:
         self._a, self._b = a[known], b[known]
 
     def size(self, places: Floats) -> Floats:
-        """(n,) mm, wished length of the edges at places (n, 2) of the cell."""
+        """(n,) mm, target length of the edges at places (n, 2) of the cell."""
         if not len(self._points):
             return np.full(len(places), self._edge_mm)
         distance = np.linalg.norm(places[:, None] - self._points, axis=2)
         return np.asarray(np.minimum((self._size + EDGE_GROWTH * distance).min(axis=1), self._edge_mm))
 
     def too_near(self, free: Floats) -> Bools:
-        """(n,) which points lie beside an arm, on a point of the frame, or within the circle over a segment."""
+        """(n,) whether points are close to an arm or a given point, or inside the circle over a segment."""
         size = self.size(free)
         near = np.asarray(self._tree.query(free)[0] < MIN_POINT_DISTANCE_RATIO * size)
         if len(self._a):
@@ -149,7 +155,7 @@ class _Beside:
 
 
 def _crowded(beside: _Beside, vectors: Floats, free: Floats) -> Bools:
-    """(n,) of two free points that are too close, the later one."""
+    """(n,) True for the later one of two free points that are too close."""
     size = beside.size(free)
     n, copies = len(free), _copies(vectors, free)
     middle = len(_STEPS) // 2
@@ -169,7 +175,7 @@ def _crowded(beside: _Beside, vectors: Floats, free: Floats) -> Bools:
 
 
 def _missing(beside: _Beside, found: PeriodicTriangles) -> Floats:
-    """(n, 2) mm, the centres of triangles that are too large; those that crowd are dropped afterwards."""
+    """(n, 2) mm, centres of triangles that are too large; a later step drops those that crowd."""
     middle = found.places.reshape(-1, 3, 2).mean(axis=1)
     radius = np.linalg.norm(found.circumcentres - found.places[::3], axis=1)
     ratio = radius / beside.size(middle)
@@ -179,5 +185,5 @@ def _missing(beside: _Beside, found: PeriodicTriangles) -> Floats:
 
 
 def _has_segments(found: PeriodicTriangles, frame: MeshConstraints) -> bool:
-    """Whether every segment of the frame is an edge."""
+    """Whether every given segment is an edge."""
     return bool(np.isin(found.name(frame.a, frame.b, frame.step), found.edges()[0]).all())

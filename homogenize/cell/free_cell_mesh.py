@@ -1,4 +1,4 @@
-"""The mesh of a unit cell whose arms lie anywhere: points on the arms, others around them, closed to a torus."""
+"""The free mesh of a unit cell: points on the arms, which lie anywhere, and others around them, closed to a torus."""
 
 from __future__ import annotations
 
@@ -15,14 +15,17 @@ from pattern.design.errors import MeshError
 from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import distance_to_segment
 
-# triangles flatter than this are refused
+# smallest angle of a triangle
 MIN_CELL_ANGLE_DEG = 20.0
-# edges along an arm over its distance from another star's, and how they grow away from there
-MAX_EDGE_TO_GAP_RATIO, ARM_EDGE_GROWTH = 1.5, 0.6
-# of an edge, by which those of an arm may be longer altogether
+# length of an edge on an arm, over the distance to the arms of other stars
+MAX_EDGE_TO_GAP_RATIO = 1.5
+# growth of the edges along an arm, per distance
+ARM_EDGE_GROWTH = 0.6
+# of an edge: an arm may lack so much to one edge more
 EDGE_COUNT_SLACK = 0.25
-# stars this many lattice vectors away have arms that may come close, none longer than the spacing
+# stars whose arms, up to the spacing long, may come close, as numbers of lattice vectors
 NEIGHBOUR_STEPS = np.array([[i, j] for i in range(-3, 4) for j in range(-3, 4) if (i, j) != (0, 0)])
+# steps along an arm, for the distance to other arms
 _FINE = 256
 
 
@@ -35,21 +38,21 @@ def free_cell_mesh(
     segments: int | None = None,
     surrounded: bool = False,
 ) -> PeriodicMesh:
-    """Mesh of `repeat` cells with equal stars: the mesh of one cell again and again.
+    """Mesh of `repeat` cells with equal stars: the mesh of one cell, repeated.
 
     Parameters
     ----------
     lattice_vectors : (2, 2) mm, rows, as of `Lattice.vectors`.
     directions : (N, 2) unit vectors of the arms.
-    length : mm, of every arm, at most the spacing. Tips may meet; elsewhere arms of different stars keep apart.
-    edge_mm : of the mesh, about; shorter where arms of different stars come close.
-    segments : edges of an arm that is not close to others; the nearest number to its length by default.
-    surrounded : with the triangles around, whose points are then unfolded too.
+    length : mm, of every arm, at most the spacing. Tips may meet; other parts of different stars keep a distance.
+    edge_mm : about, of the mesh; edges are shorter where arms of different stars come close.
+    segments : edges of an arm far from other arms; by default the number nearest to its length.
+    surrounded : the mesh includes the adjacent triangles, whose points are then unfolded too.
 
     Raises
     ------
     MeshError
-        There is no mesh with angles of `MIN_CELL_ANGLE_DEG` or more: arms nearly touch, or meet at a small angle.
+        There is no mesh with all angles above `MIN_CELL_ANGLE_DEG`: arms nearly touch, or meet at a small angle.
     """
     vectors = np.asarray(lattice_vectors, dtype=float)
     edge_mm = min(edge_mm, float(np.linalg.norm(vectors, axis=1).min()) / 3.0)
@@ -63,7 +66,12 @@ def free_cell_mesh(
 
 @dataclass(frozen=True)
 class _Arm:
-    """Points (n,) along an arm and their images (n, 2), from the star's centre, which is point 0."""
+    """The path of an arm from the star's centre, which is point 0.
+
+    Attributes
+    ----------
+    point : (n,) points; image : (n, 2) their images.
+    """
 
     point: Ints
     image: Ints
@@ -72,7 +80,7 @@ class _Arm:
 def _frame(
     vectors: Floats, directions: Floats, length: float, edge_mm: float, segments: int | None
 ) -> tuple[MeshConstraints, list[_Arm]]:
-    """The points on the arms, and the arms' paths over them."""
+    """The points on the arms, and the paths of the arms over them."""
     inverse, same = np.linalg.inv(vectors), TOUCHING_TOLERANCE * float(np.linalg.norm(vectors, axis=1).min())
     points, sizes, arms = [np.zeros(2)], [edge_mm], []
     for direction in directions:
@@ -101,7 +109,7 @@ def _frame(
 def _stations(
     vectors: Floats, directions: Floats, direction: Floats, length: float, edge_mm: float, segments: int | None
 ) -> Floats:
-    """(n + 1,) mm along an arm: even, and closer where arms of other stars are near."""
+    """(n + 1,) mm along an arm: equal steps, shorter ones near arms of other stars."""
     even = length / max(1, segments or round(length / edge_mm))
     along = np.linspace(0.0, length, _FINE + 1)
     stars = np.repeat(NEIGHBOUR_STEPS @ vectors, len(directions), axis=0)
@@ -117,7 +125,7 @@ def _stations(
 
 
 class _Tiles:
-    """The triangles of one cell in each of n x m cells that close to a larger torus."""
+    """The triangles of one cell, repeated in n x m cells that close to a larger torus."""
 
     def __init__(self, triangles: PeriodicTriangles, repeat: tuple[int, int]) -> None:
         self._triangles = triangles
@@ -126,7 +134,7 @@ class _Tiles:
         self._number = ImageNumbering(len(self._cells) * len(triangles.points))
 
     def _all(self, point: Ints, image: Ints) -> Ints:
-        """(n m E, k) unfolded points for points (E, k) and their images (E, k, 2), in every cell."""
+        """(n m E, k) unfolded points of points (E, k) with images (E, k, 2), in every cell."""
         where = self._cells[:, None, None] + image
         away, home = where // self._repeat, where % self._repeat
         base = (home[..., 0] * self._repeat[1] + home[..., 1]) * len(self._triangles.points) + point
@@ -166,7 +174,7 @@ class _Tiles:
 
 
 def _pairs(mesh: PeriodicTriangles) -> tuple[Ints, Ints]:
-    """Points (3 T, 4) and images (3 T, 4, 2) of each edge of each triangle: its ends, and the apices left and right."""
+    """Points (3 T, 4) and images (3 T, 4, 2) of the edges of all triangles: two ends, left apex, right apex."""
     there, back = mesh.edges()
     order = np.argsort(there)
     twin = order[np.searchsorted(there[order], back)]

@@ -1,4 +1,4 @@
-"""Numbers of unfolded points: the base points of a cell first, then their images as elements ask for them."""
+"""Numbers of unfolded points: the base points of a cell first, then their images in the order of use."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from pattern.geometry.arrays import Ints
 
 
 class ImageNumbering:
-    """Numbering of the points that the elements of a periodic mesh use."""
+    """Numbers of the points that the elements of a periodic mesh use."""
 
     def __init__(self, n_base: int) -> None:
         self._n_base = n_base
         self._images: dict[tuple[int, int, int], int] = {}
 
     def __call__(self, point: Ints, first: Ints, second: Ints) -> Ints:
-        """(N,) of base points (N,) that many cell vectors A1 and A2 away."""
+        """(N,) numbers of the images of base points (N,), so many cell vectors A1 and A2 away."""
         out = np.empty(len(point), dtype=np.int64)
         for place, (p, a, b) in enumerate(zip(point, first, second, strict=True)):
             if a == 0 and b == 0:
@@ -26,7 +26,7 @@ class ImageNumbering:
         return out
 
     def unfolded(self) -> tuple[Ints, Ints]:
-        """Base point (U,) and image (U, 2) of all points numbered so far."""
+        """Base point (U,) and image (U, 2) of all numbered points."""
         own = np.arange(self._n_base)
         images = np.array(list(self._images), dtype=np.int64).reshape(-1, 3)
         base = np.concatenate([own, images[:, 0]])
@@ -34,7 +34,7 @@ class ImageNumbering:
 
 
 def new_triangles(some: Ints, known: Ints) -> Ints:
-    """Those of some triangles, each once, that are not among the known ones."""
+    """The triangles (n, 3) of `some` that are not among the known ones, each once."""
     every = np.concatenate([known, some])
     first = np.unique(np.sort(every, axis=1), axis=0, return_index=True)[1]
     return every[np.sort(first[first >= len(known)])]

@@ -1,8 +1,8 @@
-"""The curvature that a cell takes on its own: the tube without a moment, on the branch that begins flat.
+"""The natural curvature of a cell: the tube with zero moment, on the branch that begins flat.
 
-The path goes by small steps of curvature, each tube laid out and rolled again to be the start of the next one, so that
-stars follow their branch instead of choosing the lowest energy. The way to the first direction's natural tube serves
-the others as well where sheets do not curl tightly: they begin with that tube, turned. Tight tubes have more branches.
+The path takes small steps of curvature. Each tube is unrolled, and rolled again as the start of the next one, so that
+the stars follow their branch and do not jump to the lowest energy. If the sheet is scale-separated, the natural tube of
+the first direction, rotated, is the start for the other directions. Tubes of strongly curled sheets have more branches.
 """
 
 from __future__ import annotations
@@ -17,23 +17,32 @@ from homogenize.cell.flat_cell import FlatCell
 from homogenize.cell.rolling import Tube, UnrolledCell, roll_cell, unroll, unrolled_flat_cell, unrolled_in_direction
 from homogenize.cell.unit_cell import UnitCell
 
-# curvatures times the spacing of the stars
-FIRST_CURL = 0.06  # the first one
-MAX_CURL_STEP = 0.6  # longest step
-MAX_SEARCHED_CURL = 1.5  # until here a moment towards more curvature is waited for, and directions are alike
-MAX_CURL = 8.0  # a star wraps more than once; such sheets have no meaning, but their law stays continuous
-MAX_CURVATURE_STEP_RATIO = 2.5  # of the curvature from one step to the next
-ROUNDING_MOMENT_RATIO = (
-    1e-3  # of the first tube's moment, below which that of the flat cell is rounding and higher order
-)
-MIN_NATURAL_CURL = (
-    0.015  # natural curvatures that are not looked for: so far from its axis, a tube's moment is rounding
-)
-ROOT_TOLERANCE = 1e-5  # relative to the curvature, or to one over the spacing, where the natural one is found
-MIN_SNAP_BUMP_RATIO = 0.029  # of the spacing, bumps that are not just flat
-OVERSHOOT_FACTOR = 1.15  # steps past the place where the moment is expected to vanish, to have its sign on both sides
-MAX_TRIAL_STEPS = 3  # such steps, from a tube of another direction
-CurvatureMoment = tuple[float, float]  # curvature and moment
+# curvature of the first tube, times the spacing of the stars
+FIRST_CURL = 0.06
+# longest step of the curvature, times the spacing
+MAX_CURL_STEP = 0.6
+# curvature times spacing up to which a moment towards more curvature is searched, and directions resemble each other
+MAX_SEARCHED_CURL = 1.5
+# curvature times spacing at which the search ends: such stars wrap more than once and have no physical meaning, but
+# they keep the law continuous
+MAX_CURL = 8.0
+# ratio of the curvatures of two steps
+MAX_CURVATURE_STEP_RATIO = 2.5
+# moment of the flat cell over that of the first tube, below which it is rounding and higher order
+ROUNDING_MOMENT_RATIO = 1e-3
+# natural curvature times spacing, below which no tube is searched: its axis is so far away that rounding rules its
+# moment
+MIN_NATURAL_CURL = 0.015
+# error of the natural curvature, over the curvature or one over the spacing
+ROOT_TOLERANCE = 1e-5
+# height of a bump over the spacing, below which a star counts as flat
+MIN_SNAP_BUMP_RATIO = 0.029
+# steps go so far beyond the expected root that the moment changes its sign
+OVERSHOOT_FACTOR = 1.15
+# steps from a tube of another direction
+MAX_TRIAL_STEPS = 3
+# curvature 1/mm and moment N
+CurvatureMoment = tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -42,10 +51,11 @@ class TubeBranch:
 
     Attributes
     ----------
-    tubes : in the order of their curvature.
-    natural : the one without a moment; None if it is hardly curved, `tubes` is then one that shows its stiffness.
-    slight, stiffness : 1/mm and N mm, both of the print: the natural curvature and the stiffness that the parabola
-        through the energies of the flat cell and of that tube has; used only without `natural`.
+    tubes : by growing curvature.
+    natural : the tube with zero moment; None if its curvature is below `MIN_NATURAL_CURL`. Then `tubes` holds one tube,
+        which gives the stiffness.
+    slight, stiffness : 1/mm and N mm, both of the print: natural curvature and stiffness of the parabola through the
+        energies of the flat cell and of that tube. They are for branches without `natural`.
     """
 
     tubes: list[Tube]
@@ -55,16 +65,22 @@ class TubeBranch:
 
 
 def trace_tubes(cell: UnitCell, flat: FlatCell, angle: float, known: TubeBranch | None = None) -> TubeBranch:
-    """Tubes from a small curvature to the natural one and a little beyond; `known`: those of another direction.
+    """Tubes from a small curvature to the natural one and slightly beyond.
 
-    Curvature grows, the plastic outside, until the moment changes sign; then a parabola through the nearest tubes, kept
-    between the last two signs, finds its root. Below `MIN_NATURAL_CURL` the energy's parabola gives it. If the
-    flat cell's moment, and those of tubes up to `MAX_SEARCHED_CURL`, hold against that, the other side is tried.
+    The curvature grows, with the plastic outside, until the moment changes its sign. Then a parabola through the
+    nearest tubes, kept between the last two signs, finds the root. A natural curvature below `MIN_NATURAL_CURL` is that
+    of the energy's parabola. If the moments of the flat cell and of tubes up to `MAX_SEARCHED_CURL` oppose more
+    curvature, the other side is tried.
+
+    Parameters
+    ----------
+    angle : of the printed direction around the tube, from y.
+    known : the branch of another direction, as a start.
 
     Raises
     ------
     ArithmeticError
-        A step did not converge, a star snapped to the other side on the way, or no root was found.
+        A step did not converge, a star snapped to the other side, or no root was found.
     """
     walk = _Walk(cell, flat, angle)
     first = walk.to(FIRST_CURL / cell.spacing)
@@ -77,7 +93,7 @@ def trace_tubes(cell: UnitCell, flat: FlatCell, angle: float, known: TubeBranch 
         try:
             return _Walk(cell, flat, angle, walk.tubes).from_another(known.natural, known.tubes)
         except ArithmeticError:
-            pass  # then the long way
+            pass  # then from the flat cell
     if rest > 0.0 and first.moment > 0.0 and not walk.finds_negative(1.0):
         walk = _Walk(cell, flat, angle)
         walk.to(-FIRST_CURL / cell.spacing)
@@ -94,7 +110,7 @@ def trace_tubes(cell: UnitCell, flat: FlatCell, angle: float, known: TubeBranch 
 
 
 class _Walk:
-    """Tubes found so far."""
+    """The tubes on the path."""
 
     def __init__(self, cell: UnitCell, flat: FlatCell, angle: float, tubes: Sequence[Tube] = ()) -> None:
         self.cell, self.angle = cell, angle
@@ -102,7 +118,7 @@ class _Walk:
         self._flat = flat
 
     def to(self, curvature: float) -> Tube:
-        """The tube of this curvature, from the nearest one."""
+        """The tube of this curvature, from the nearest known one."""
         if not self.tubes:
             return self._roll(unrolled_flat_cell(self._flat, self.angle), self._flat.bump, curvature)
         nearest = min(self.tubes, key=lambda tube: abs(tube.curvature - curvature))
@@ -110,35 +126,35 @@ class _Walk:
 
     def _roll(self, sheet: UnrolledCell, bump: Array, curvature: float) -> Tube:
         tube = roll_cell(self.cell, sheet, curvature, self.angle)
-        side = np.sign(curvature)  # a star that leaves the wrong side finds its branch
+        side = np.sign(curvature)  # a star that leaves the wrong side only finds its branch
         snap = MIN_SNAP_BUMP_RATIO * self.cell.spacing
         if ((side * bump > snap) & (side * tube.bump < -snap)).any():
             raise ArithmeticError(f"tube: a star snapped to the other side at curvature {curvature:.4g}/mm")
         self.tubes.append(tube)
         return tube
 
-    def on(self, sign: float, most: float = np.inf) -> Tube:
-        """One step to more curvature."""
+    def on(self, sign: float, limit: float = np.inf) -> Tube:
+        """One step to a larger curvature."""
         size = abs(self.tubes[-1].curvature)
-        k = min(MAX_CURVATURE_STEP_RATIO * size, size + MAX_CURL_STEP / self.cell.spacing, most)
+        k = min(MAX_CURVATURE_STEP_RATIO * size, size + MAX_CURL_STEP / self.cell.spacing, limit)
         if k > MAX_CURL / self.cell.spacing:
-            raise ArithmeticError(f"tube: still curling at {sign * k:.3g}/mm, the tightest tried")
+            raise ArithmeticError(f"tube: no natural curvature up to {sign * k:.3g}/mm")
         return self.to(sign * k)
 
     def finds_negative(self, sign: float) -> bool:
-        """Walk until the moment pulls to more curvature; False if it does not."""
+        """Step until the moment drives the curvature further; False if it never does."""
         while abs(self.tubes[-1].curvature) < MAX_SEARCHED_CURL / self.cell.spacing:
             if self.on(sign).moment * sign < 0.0:
                 return True
         return False
 
     def from_another(self, natural: Tube, known: list[Tube]) -> TubeBranch:
-        """The root near the natural tube of another direction, which curls by nearly as much.
+        """The root near the natural tube of another direction, whose curvature is similar.
 
         Raises
         ------
         ArithmeticError
-            The branch was left, or the moment's sign did not change nearby.
+            The star left its branch, or the moment did not change its sign nearby.
         """
         sign = float(np.sign(natural.curvature))
         sheet = unrolled_in_direction(self.cell, natural, self.angle)
@@ -172,12 +188,15 @@ class _Walk:
 
 
 def _secant(a: CurvatureMoment, b: CurvatureMoment) -> float:
-    """Where the line through two points (curvature, moment) has no moment."""
+    """Root of the line through two points (curvature, moment)."""
     return b[0] - b[1] * (b[0] - a[0]) / (b[1] - a[1])
 
 
 def _root(low: CurvatureMoment, high: CurvatureMoment, known: list[CurvatureMoment]) -> float:
-    """Between two points of opposite signs: of the parabola k(M) through the three nearest to zero, or of the line."""
+    """A root between two points of opposite signs.
+
+    It is that of the parabola k(M) through the three points of smallest moment, or of the line if that lies outside.
+    """
     if len(known) < 3:
         return _secant(low, high)
     (a, fa), (b, fb), (c, fc) = sorted(known, key=lambda point: abs(point[1]))[:3]

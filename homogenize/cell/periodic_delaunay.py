@@ -12,9 +12,9 @@ from pattern.design.errors import MeshError
 from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import mean_circumcentres, triangle_angles, triangle_areas
 
-# of the edge, by which points are moved to decide between triangulations that are equally good
+# of the edge: points move by so much, to choose one of several Delaunay triangulations
 TIE_BREAK_RATIO = 1e-6
-# of the edge, around the cell, that images are taken from
+# margin around the cell from which images come, in edges
 DELAUNAY_MARGIN_EDGES = 4.0
 _STEPS = np.array([[i, j] for i in (-1, 0, 1) for j in (-1, 0, 1)])
 
@@ -25,8 +25,10 @@ class PeriodicTriangles:
 
     Attributes
     ----------
-    points : (N, 2) mm; vectors : (2, 2) mm, rows.
-    corner : (T, 3) points; image : (T, 3, 2) how many vectors away.
+    points : (N, 2) mm.
+    vectors : (2, 2) mm, lattice vectors as rows.
+    corner : (T, 3) points.
+    image : (T, 3, 2) numbers of lattice vectors to the image of each corner.
     """
 
     points: Floats
@@ -36,7 +38,7 @@ class PeriodicTriangles:
 
     @cached_property
     def places(self) -> Floats:
-        """(3 T, 2) mm, of the corners one by one."""
+        """(3 T, 2) mm, all corners."""
         return self.points[self.corner.ravel()] + self.image.reshape(-1, 2) @ self.vectors
 
     @cached_property
@@ -66,12 +68,12 @@ class PeriodicTriangles:
         return np.column_stack([np.bincount(at, weight * x, len(self.points)) / total for x in centre.T])
 
     def edges(self) -> tuple[Ints, Ints]:
-        """(3 T,) names of the edges from corner 0 to 1, 1 to 2 and 2 to 0 of each triangle, and of the way back.
+        """(3 T,) names of the edges 0-1, 1-2 and 2-0 of all triangles, and of the reversed edges.
 
         Raises
         ------
         MeshError
-            The triangles do not close to a torus: an edge has not one triangle on each side.
+            The triangles do not close to a torus: some edge lacks a triangle on one side.
         """
         a, b = self.corner, np.roll(self.corner, -1, axis=1)
         step = np.roll(self.image, -1, axis=1) - self.image
@@ -81,19 +83,19 @@ class PeriodicTriangles:
         return there, back
 
     def name(self, a: Ints, b: Ints, step: Ints) -> Ints:
-        """Of edges from point a to the image `step` (..., 2) of point b."""
+        """Names of edges from point a to the image `step` (..., 2) of point b."""
         return np.asarray(((a * len(self.points) + b) * 9 + step[..., 0] + 4) * 9 + step[..., 1] + 4)
 
 
 def periodic_delaunay(points: Floats, vectors: Floats, edge_mm: float) -> PeriodicTriangles:
-    """Triangles of points (N, 2) of one cell, which repeat with the lattice vectors; N is 3 or more.
+    """Delaunay triangles of the points (N, 2) of one cell; N is at least 3.
 
-    Where several triangulations are Delaunay's, one is taken that depends on the points' numbers only.
+    Of several Delaunay triangulations the result depends on the numbers of the points only.
 
     Raises
     ------
     MeshError
-        They leave a hole: points are further apart than a few edges.
+        The points leave a hole of several edges.
     """
     inverse = np.linalg.inv(vectors)
     tie = TIE_BREAK_RATIO * edge_mm * np.random.default_rng(0).normal(size=points.shape)

@@ -1,9 +1,9 @@
-"""Elements of an unfolded mesh as functions of the dofs of one cell.
+"""Elements of an unfolded mesh as functions of the degrees of freedom of one cell.
 
-An unfolded point is `R_u x_b + B (m1 p1 + m2 p2)`: its base point, turned, plus macroscopic variables p1, p2 that the
-lattice's vectors stand for. For a flat sheet R is the identity and B too: p1, p2 are the images of the cell vectors.
-For a tube of given angles (objective images) R_u turns about the axis and B keeps the axial component: p1, p2 are
-axial shifts. Either way the map is linear, so an element's gradient is `T^T g` and its Hessian `T^T H T`.
+An unfolded point is `R_u x_b + B (m1 p1 + m2 p2)`: its rotated base point, plus the macroscopic variables p1 and p2 for
+its lattice vectors. On a flat cell R and B are identities, and p1, p2 are the images of the cell vectors. On a tube of
+given angles (objective images) R_u rotates about the axis and B keeps the axial component: p1, p2 are axial shifts. The
+map is linear, so the gradient of an element is `T^T g` and its Hessian `T^T H T`.
 """
 
 from __future__ import annotations
@@ -18,11 +18,14 @@ from discrete.energies.elements import Array, Elements
 
 @dataclass(frozen=True)
 class PeriodicImages:
-    """How unfolded points hang on base points and on two macroscopic vectors, rows V and V + 1 of the positions.
+    """The map from base points and two macroscopic rows (rows V and V + 1 of the positions) to unfolded points.
 
     Attributes
     ----------
-    base : (U,), turn : (U, 3, 3), count : (U, 2) and axes : (3, 3), the B above.
+    base : (U,) base points.
+    turn : (U, 3, 3) rotations R_u.
+    count : (U, 2) numbers m1, m2 of cell vectors.
+    axes : (3, 3) B.
     n_base : V.
     """
 
@@ -39,7 +42,7 @@ class PeriodicImages:
         return np.asarray(own + self.count @ (positions[self.n_base :] @ self.axes.T))
 
     def unfold_packed(self, packed: Array) -> Array:
-        """Packed configuration of the unfolded mesh; several kinds of elements ask for the same one in turn."""
+        """Packed configuration of the unfolded mesh. The last one is kept, for the next kind of elements."""
         for known, whole in self._last:
             if known is packed:
                 return whole
@@ -50,7 +53,7 @@ class PeriodicImages:
 
 
 class PeriodicElements:
-    """The elements of an unfolded mesh with the dofs of the cell: positions (V + 2 rows), then twists.
+    """The elements of an unfolded mesh with the degrees of freedom of the cell: positions (V + 2 rows), then twists.
 
     Parameters
     ----------
@@ -69,14 +72,14 @@ class PeriodicElements:
         macro = np.broadcast_to(3 * images.n_base + np.arange(6), (len(nodes), 6))
         self.dofs = np.hstack([own, 3 * rows + twists, macro]).astype(np.int32)
         self._transform = self._chain(nodes, twists.shape[1])
-        # on the coarsest meshes an element may hold two images of one point: what lies off the diagonal of its own
-        # Hessian, in a triangle that is summed once, is twice on that of the cell's
+        # On the coarsest meshes an element holds two images of one point. Off-diagonal entries of its Hessian, which a
+        # lower triangle holds once, then lie on the diagonal of the cell's Hessian and count twice.
         i, j = _lower(self.dofs.shape[1])
         twice = (self.dofs[:, i] == self.dofs[:, j]) & (i != j)
         self._twice = twice if twice.any() else None
 
     def _chain(self, nodes: Array, n_twists: int) -> Array:
-        """(E, n, N) derivative of an element's own dofs by the cell's."""
+        """(E, n, N) derivative of an element's degrees of freedom by those of the cell."""
         count, size = nodes.shape
         t = np.zeros((count, 3 * size + n_twists, 3 * size + n_twists + 6))
         for a in range(size):
@@ -101,11 +104,11 @@ class PeriodicElements:
         return self.part.energies(self._unfolded(packed))
 
     def gradients(self, packed: Array) -> Array:
-        """(E, N)."""
+        """(E, N) gradients."""
         return np.asarray(np.einsum("ei,eij->ej", self.part.gradients(self._unfolded(packed)), self._transform))
 
     def hessians(self, packed: Array, blend: float = 0.0, rows: slice = slice(None)) -> Array:
-        """(E, N (N + 1)/2) packed lower triangles, of all elements or some rows."""
+        """(E, N (N + 1)/2) packed lower triangles of all elements, or of some rows."""
         low = self.part.hessians(self._unfolded(packed), blend, rows)
         transform = self._transform[rows]
         n, big = transform.shape[1:]
@@ -123,5 +126,5 @@ class PeriodicElements:
 
 @functools.cache
 def _lower(n: int) -> tuple[Array, Array]:
-    """Rows and columns of a lower triangle; as long in the making as a cell's Hessian."""
+    """Rows and columns of a lower triangle, cached: they take as long as the Hessian of a cell."""
     return np.tril_indices(n)

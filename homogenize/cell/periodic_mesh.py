@@ -6,25 +6,27 @@ from dataclasses import dataclass
 
 from pattern.geometry.arrays import Floats, Ints
 
-# of the spacing, closer than which the ends of arms are one point
+# of the spacing: ends of arms that are closer are one point
 TOUCHING_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True)
 class PeriodicMesh:
-    """A periodic mesh, unfolded: points that elements use, each an image of a base point.
+    """A periodic mesh, unfolded: every point that an element uses is an image of a base point.
 
     Attributes
     ----------
-    points : (U, 2) mm, print coordinates of the unfolded points; the first `n_base` are the base points.
-    base : (U,) the base point of each.
-    image : (U, 2) how many cell vectors A1 and A2 lie between them.
+    points : (U, 2) mm of the print; the first `n_base` are the base points.
+    base : (U,) base point of each point.
+    image : (U, 2) numbers of cell vectors A1 and A2 from the base point to the point.
     triangles : (T, 3) counterclockwise, one of each class of images.
-    around : (R, 3) the images of triangles that share an edge with those.
-    hinges : (H, 4) edge, left apex and right apex, one of each class.
-    rods : vertex paths of the arms from the star's centre, each star in one piece.
-    star_vertices : (S,).
+    around : (R, 3) images of triangles that share an edge with those; none if the elements need no neighbours.
+    hinges : (H, 4) edge, left apex, right apex; one of each class.
+    rods : paths of vertices along the arms, from the star's centre; each star is in one piece.
+    arm_star : (rods,) star of each arm.
+    star_vertices : (S,) centres of the stars.
     cell_vectors : (2, 2) mm, rows.
+    n_base : V.
     """
 
     points: Floats
@@ -41,6 +43,6 @@ class PeriodicMesh:
 
     @property
     def area(self) -> float:
-        """mm^2, of the printed cell."""
+        """mm^2 of the printed cell."""
         (a, b), (c, d) = self.cell_vectors
         return float(abs(a * d - b * c))

@@ -1,4 +1,4 @@
-"""Everything that one unit cell says about an endless sheet of equal stars."""
+"""The sample of one unit cell: all responses of an endless sheet of equal stars."""
 
 from __future__ import annotations
 
@@ -29,49 +29,51 @@ from pattern.design.errors import DesignError
 
 @dataclass(frozen=True)
 class Sample:
-    """Responses of the cell of one star; the mean of two where its arms are cut in two ways (`arm_segments`).
+    """Responses of the cell of one star; the weighted mean of two meshes if the arms have two (`arm_segments`).
 
-    Curvatures are positive where the plastic is outside: with the plastic up, the sheet's edges go down. Energies are
-    per printed area, relative to the flat relaxed cell. "Natural" means the tube on which the moment vanishes; where
-    that is hardly curved (`natural_curvature.MIN_NATURAL_CURL`), stretches, relief and membrane are those of a tube of
-    little curvature. The mean surface is that of all points of the fabric, weighted by printed area. D directions,
-    angles counterclockwise from the print's y axis to the printed direction that runs around the tube.
+    Energies are per area of the print, relative to the flat relaxed cell. "Natural" means the tube with zero moment. If
+    its curvature is below `natural_curvature.MIN_NATURAL_CURL`, then stretches, corrugation and membrane are those of a
+    tube of small curvature. The mean surface is that of all points of the fabric, weighted by printed area. D is the
+    number of directions. Signs and angles are those of the room (`homogenize.cell`).
 
     Attributes
     ----------
-    length_mm, thickness_mm, width_mm, stretch, edge_mm, spacing_mm, vertices : what was solved; the stretch along x.
-    segments, segment_weights : mesh edges of an arm, and the weight of each.
-    meshes_apart : by what part of the larger their natural curvatures (means over the directions) differ, 2 for
-        opposite ones; 0 where neither curls. None with one mesh.
-    failed : None, or in one line why there are no (or not all) numbers.
+    length_mm, thickness_mm, width_mm, stretch, edge_mm, spacing_mm, vertices : the solved cell; the stretch is along x.
+    segments, segment_weights : mesh edges of an arm, and the weight of each mesh.
+    meshes_apart : difference of the mean natural curvatures of the two meshes over the larger one: 2 for opposite ones,
+    0
+        if neither curls, None with one mesh.
+    failed : why some or all responses are missing, in one line; None for a complete sample.
     rest_metric : (2, 2) `F^T F` of the flat relaxed cell in print coordinates; lam = sqrt(det F).
-    membrane : (3, 3) N/mm, tangent at the flat relaxed cell, Voigt (E11, E22, 2 E12) of `E = (a - a_r)/2`.
-    anisotropy : distance of the membrane's and of the bending's tangent, each over its own size, from the nearest
-        isotropic one, the larger of both.
-    angles_rad : (D,).
-    natural_curvature : (D,) 1/mm of the contracted sheet, one over the mean surface's radius.
-    natural_print_curvature : (D,) 1/mm, angle around the tube per printed length; the above times the hoop stretch.
+    membrane : (3, 3) N/mm, tangent stiffness of the flat relaxed cell.
+    anisotropy : distance of the membrane's or the bending's tangent from isotropy, the larger one.
+    angles_rad : (D,) of the tubes.
+    natural_curvature : (D,) 1/mm of the contracted sheet: one over the radius of the mean surface.
+    natural_print_curvature : (D,) 1/mm, angle around the tube per printed length: natural curvature x hoop stretch.
     natural_energy : (D,) N/mm.
     natural_hoop, natural_axial : (D,) stretches of the mean surface on the natural tube.
-    natural_membrane : (D, 3, 3) N/mm, tangent on the natural tube, see `homogenize.cell.tube_membrane`.
-    relief : (2, W), amplitudes of the waves of the star's heights over the mean surface, see `corrugation_waves`:
-        mm on the flat cell, and mm^2, by how much more per curvature of the contracted sheet on the natural tubes (mean
-        of the directions).
-    bending : (D,) N mm, `D = 2 (psi_0 - psi_c)/kappa_c^2`; with a slight curvature only, the tangent by kappa.
-    sixfold : N mm^2, `c3 = 4 (psi_0 - psi_30)/kappa_c^3`, of the natural energies at 0 and 30 degrees and their mean
-        curvature; 0 without natural curvature, and for stars without threefold symmetry.
-    curve_curvature, curve_energy, curve_moment, curve_hoop : per direction, all tubes solved by growing curvature:
-        1/mm of the print, N/mm, N (derivative by the print's curvature) and the hoop stretch.
-    stiffness : (6, 6) `[A B; B^T D]` of strain and curvature of the mean surface, see `effective_stiffness`.
-    rest_curvature : (3,) 1/mm, Voigt curvature b_r at which the linear response has no moment.
-    moment : (3,) N, of the flat relaxed cell, conjugate to the Voigt curvature.
-    centre_offset_mm : star centre over the mean surface, flat; natural_centre_offset_mm : (D,) on the natural tube.
-    bump_mm : star centre over its tips, flat; natural_bump_mm : (D,).
-    eigenvalue, eigenvalue_error : N/mm, smallest of the flat cell's Hessian; supercell_eigenvalue of the 2 x 2 one;
-        natural_eigenvalue, natural_supercell_eigenvalue : (D,), of the natural tubes.
-    down_energy : N/mm, of the flat cell with its star down; None if there is one flat equilibrium only (`bump_mm` may
-        then be negative; `natural_bump_mm` says on which side the star is where it matters).
-    iterations : Newton's, of all solves; seconds : wall time by part.
+    natural_membrane : (D, 3, 3) N/mm, tangent on the natural tube, see `tube_membrane`.
+    relief : (2, W) amplitudes of the corrugation, see `corrugation_waves`: in mm on the flat cell, and in mm^2 the
+    change
+        per curvature of the contracted sheet up to the natural tubes (mean over the directions).
+    bending : (D,) N mm, `D = 2 (psi_0 - psi_c)/kappa_c^2`; the tangent for a slight natural curvature.
+    sixfold : N mm^2, `c3 = 4 (psi_0 - psi_30)/kappa_c^3`, from the natural energies at 0 and 30 degrees and their mean
+        curvature; 0 without natural curvature and without threefold symmetry.
+    curve_curvature, curve_energy, curve_moment, curve_hoop : for each direction, all solved tubes by growing curvature:
+        1/mm of the print, N/mm, N (derivative of the energy by that curvature), hoop stretch. The law does not use
+        them; they are the moment-curvature curves for a law that is not quadratic.
+    stiffness : (6, 6) `[A B; B^T D]` of the mean surface, see `effective_stiffness`.
+    rest_curvature : (3,) 1/mm, Voigt curvature at which the linear response has no moment.
+    moment : (3,) N of the flat relaxed cell, conjugate to the Voigt curvature.
+    centre_offset_mm, natural_centre_offset_mm : star's centre over the mean surface, flat; and (D,) on the natural
+    tubes. bump_mm, natural_bump_mm : star's centre over its tips, flat; and (D,) on the natural tubes. eigenvalue,
+    eigenvalue_error : N/mm, smallest of the flat cell's Hessian. supercell_eigenvalue, supercell_eigenvalue_error :
+    N/mm, the same for 2 x 2 stars. natural_eigenvalue, natural_supercell_eigenvalue : (D,) N/mm of the natural tubes.
+    down_energy : N/mm, of the flat cell with its star down; None if the flat cell has one equilibrium only. Its
+    `bump_mm`
+        may then be negative; the side of the star is that of `natural_bump_mm`.
+    iterations : of Newton's method, all solves.
+    seconds : wall time by part.
     """
 
     length_mm: float
@@ -143,26 +145,35 @@ def _arrays(name: str, value: Any) -> Any:
 
 
 def solve_cell(design: Design, edge_mm: float, angles: tuple[float, ...] | None = None) -> Sample:
-    """Solve the cell of the design's star; what cannot be solved is said in `failed`.
+    """Solve the unit cell of the design's star.
 
-    `angles`: of the tubes, rad; by default those that a law needs (`tube_directions`), for fabric that is
-    stretched alike in x and y. `sixfold` compares the first with the last.
+    Parameters
+    ----------
+    design : its stars are equal; their sizes are numbers.
+    edge_mm : of the mesh.
+    angles : of the tubes, rad; by default those that a law uses (`tube_angles`), for fabric of equal stretch in x and
+    y.
+        `Sample.sixfold` compares the first with the last.
+
+    Returns
+    -------
+    The sample. `failed` gives the reason if a part has no equilibrium.
 
     Raises
     ------
     ValueError
-        The design has no cell: its stars are not equal, or gravity is on. Or an edge or angles that are none.
+        The stars differ, gravity is on, or `edge_mm` or `angles` are out of range.
     DesignError, MeshError
-        Its arms overlap, no mesh follows them, or no angles go with its stretch.
+        Arms overlap, no mesh follows them, or the stretch differs in x and y and no angles are given.
     """
     if not 0.0 < edge_mm < math.inf:
         raise ValueError(f"edge_mm = {edge_mm}: must be above 0")
     if angles is not None and not (len(angles) and np.isfinite(angles).all()):
-        raise ValueError(f"angles = {angles}: must be one at least, and finite")
+        raise ValueError(f"angles = {angles}: must be finite numbers, at least one")
     clock = Clock()
     sx, sy = design.fabric.stretch_xy
     if angles is None and sx != sy:
-        raise DesignError("fabric.stretch", "must be one number where no angles are given", [sx, sy])
+        raise DesignError("fabric.stretch", "must be one number if no angles are given", [sx, sy])
     angles = tube_angles(design.lattice) if angles is None else angles
     cuts = arm_segments(design, edge_mm)
     each: list[dict[str, Any]] = []
@@ -194,7 +205,7 @@ def solve_cell(design: Design, edge_mm: float, angles: tuple[float, ...] | None 
 
 
 def _apart(each: list[dict[str, Any]], spacing: float) -> float | None:
-    """What `Sample.meshes_apart` says of the responses of two meshes."""
+    """`Sample.meshes_apart` from the responses of two meshes."""
     if len(each) < 2 or any("failed" in found for found in each):
         return None
     kappa = [float(np.mean(found["natural_curvature"])) for found in each]
@@ -242,7 +253,7 @@ def _measure(clock: Clock, cell: UnitCell, angles: tuple[float, ...], found: dic
 
 
 def _relief(cell: UnitCell, flat: FlatCell, tubes: list[Tube]) -> Array:
-    """(2, W) mm and mm^2, on the flat cell and more by curvature."""
+    """(2, W) mm and mm^2: amplitudes on the flat cell, and their change per curvature."""
     waves = CorrugationWaves.of(cell.design.lattice)
     n, star = cell.mesh.n_base, cell.mesh.star_vertices[0]
     offsets = cell.printed[:n] - cell.printed[star]
@@ -259,7 +270,12 @@ def _tube_stability(cell: UnitCell, tube: Tube) -> CellStability:
 
 
 def _bending(flat: FlatCell, curves: list[TubeBranch], threefold: bool) -> dict[str, Any]:
-    """What the tubes say; `threefold`: of stars and a lattice that repeat after a third of a turn."""
+    """Responses of the tubes.
+
+    Parameters
+    ----------
+    threefold : lattice and star repeat after a third of a turn.
+    """
     ends = [curve.natural or curve.tubes[0] for curve in curves]
     hoop = np.array([tube.hoop for tube in ends])
     printed = np.array([curve.natural.curvature if curve.natural else curve.slight for curve in curves])
