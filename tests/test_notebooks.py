@@ -28,7 +28,7 @@ def test_notebook_runs(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPat
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("ASTERISM_QUICK", "1")
     # pictures of shapes take most of the time otherwise
-    monkeypatch.setattr("asterism.draw.render.FINER", 1)
+    monkeypatch.setattr("asterism.draw.render.SUPERSAMPLING", 1)
     cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
     names: dict[str, Any] = {}
     for number, cell in enumerate(cells):

@@ -1,4 +1,4 @@
-"""A sheet without its arms and pins, in colours of its own."""
+"""Scene of a sheet without its arms and supports, in given colours."""
 
 from __future__ import annotations
 
@@ -13,6 +13,11 @@ from pattern.geometry.arrays import Floats
 
 
 def bare(shape: Shape, colour: Floats | Sequence[float]) -> Scene:
-    """The sheet without its arms and pins, in one colour or in one at each vertex."""
+    """The sheet without arms and supports.
+
+    Parameters
+    ----------
+    colour : (3,) one colour, or (V, 3) one for each vertex, 0 to 1.
+    """
     thing = scene(replace(shape, rods=(), rod_fields={}, held=False))
     return replace(thing, colours=np.broadcast_to(np.asarray(colour, dtype=float), (len(shape.positions), 3)))

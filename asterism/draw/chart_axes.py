@@ -1,4 +1,4 @@
-"""How the axes of every chart look."""
+"""Common style of the axes of all charts."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from asterism.draw.colours import INK, PALE
 
 
 def style_axes(axes: Axes, title: str, below: str, size: int = 10, side: Literal["left", "right"] = "left") -> None:
-    """Title and label in the house's colours, and no lines above and to the right."""
+    """Set title, label and colours, and hide the lines above and to the right."""
     axes.set_title(title, fontsize=size, color=INK, loc=side)
     axes.set_xlabel(below, fontsize=size - 1, color=PALE)
     axes.tick_params(labelsize=8, colors=PALE)
@@ -19,6 +19,6 @@ def style_axes(axes: Axes, title: str, below: str, size: int = 10, side: Literal
 
 
 def add_grid(axes: Axes) -> None:
-    """Pale lines behind the curves."""
+    """Draw pale grid lines behind the curves."""
     axes.grid(color="#e8e8ec", linewidth=0.6)
     axes.set_axisbelow(True)

@@ -1,4 +1,4 @@
-"""A picture of a shape: in perspective, from above and from the front, to scale."""
+"""Picture of a shape: one perspective view, and two drawings to scale, from above and from the front."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from pattern.geometry.arrays import Floats
 # size of the picture, pixels
 PICTURE_WIDTH_PX = 2000
 PICTURE_HEIGHT_PX = 1120
-# resolution: it sets the size of the text
+# resolution; it determines the size of the text
 PICTURE_DPI = 200
 # empty border of the picture
 PICTURE_MARGIN_PX = 60
@@ -29,31 +29,31 @@ PICTURE_MARGIN_PX = 60
 CAPTION_HEIGHT_PX = 150
 # the perspective view fills the left part of the picture, the two drawings to scale fill the rest
 PERSPECTIVE_WIDTH_PX = 1240
-# a smaller energy is rounding and is written as 0
+# a smaller energy is rounding error, and the caption gives it as 0
 MIN_SHOWN_ENERGY_N_MM = 1e-4
 
 
 def draw_shape(shape: Shape, title: str, path_or_file: str | Path | IO[bytes]) -> None:
-    """Draw a shape as PNG: a held sheet as it stands, a free one turned to its principal axes.
+    """Draw a shape as PNG: a supported sheet as it stands, a free sheet turned to its principal axes.
 
     Parameters
     ----------
-    shape : what to draw; `stars_up`, `stars_total`, `energy_n_mm`, `converged` and `is_minimum` of its summary, and
-        `expected_rms_percent` of a preview's, go into the caption where they are there.
+    shape : the shape. The caption shows `stars_up`, `stars_total`, `energy_n_mm`, `converged`, `is_minimum` and, for a
+        preview, `expected_rms_percent` of its summary, as far as they exist.
     title : name of the design.
-    path_or_file : where the PNG goes.
+    path_or_file : path of the PNG, or an open binary file.
     """
     shape = shape if shape.held else shape.aligned()
     figure = Figure(
         figsize=(PICTURE_WIDTH_PX / PICTURE_DPI, PICTURE_HEIGHT_PX / PICTURE_DPI), dpi=PICTURE_DPI, facecolor="none"
     )
-    words: Any = FigureCanvasAgg(figure)
+    text_canvas: Any = FigureCanvasAgg(figure)
     canvas = np.ones((PICTURE_HEIGHT_PX, PICTURE_WIDTH_PX, 3))
     thing = scene(shape)
     low, high = shape.positions.min(axis=0), shape.positions.max(axis=0)
     _perspective(canvas, thing, (low + high) / 2, float(np.linalg.norm(high - low)))
     _to_scale(figure, canvas, thing, (low + high) / 2)
-    # a long name is set smaller rather than cut
+    # a long name is printed in smaller letters
     _text(
         figure,
         PICTURE_MARGIN_PX,
@@ -64,29 +64,29 @@ def draw_shape(shape: Shape, title: str, path_or_file: str | Path | IO[bytes]) -
         color=INK,
     )
     _text(figure, PICTURE_MARGIN_PX, PICTURE_HEIGHT_PX - 112, caption(shape), size=8.5, color=PALE)
-    words.draw()
+    text_canvas.draw()
     picture = Image.fromarray(np.rint(255 * canvas[::-1]).astype(np.uint8)).convert("RGBA")
-    picture.alpha_composite(Image.fromarray(np.asarray(words.buffer_rgba())))
+    picture.alpha_composite(Image.fromarray(np.asarray(text_canvas.buffer_rgba())))
     picture.convert("RGB").save(path_or_file, format="png", dpi=(PICTURE_DPI, PICTURE_DPI))
 
 
 def shape_image(shape: Shape, title: str) -> Image.Image:
-    """The same picture as an image, which a notebook shows."""
+    """The picture of `draw_shape` as an image, for notebooks."""
     stream = BytesIO()
     draw_shape(shape, title, stream)
     return Image.open(stream)
 
 
 def small_png(image: Image.Image) -> bytes:
-    """A picture in 256 colours; the usual choice leaves out those of few pixels, such as the red of what is held."""
+    """PNG of an image in 256 colours. MAXCOVERAGE keeps colours of few pixels, such as the red of the supports."""
     out = BytesIO()
-    # the k-means step takes the steps out of the shades
+    # the k-means step smooths the shades
     image.convert("RGB").quantize(256, Image.Quantize.MAXCOVERAGE, kmeans=1).save(out, "PNG", optimize=True)
     return out.getvalue()
 
 
 def caption(shape: Shape) -> str:
-    """One line of numbers; those that the summary does not have are left out."""
+    """One line of numbers, as far as the summary holds them."""
     summary: Mapping[str, Any] = shape.summary
     parts = [
         f"height {summary.get('height_mm', shape.height_mm):.1f} mm",
@@ -106,13 +106,16 @@ def caption(shape: Shape) -> str:
 
 
 def _of_preview(summary: Mapping[str, Any], certified: bool) -> str:
-    """A preview is an equilibrium of its own smooth sheet: what counts is how far that is from the exact model."""
+    """Caption of a preview: its estimated error.
+
+    The certificate of a preview holds for the shell model, and does not give the distance to the exact model.
+    """
     if not certified:
         return "preview, not certified"
     expected = summary.get("expected_rms_percent")
     if expected is None:
-        return "preview, not known how far from the exact model"
-    return f"preview, expected {expected:.1f} % of the diameter from the exact model"
+        return "preview, without an error estimate"
+    return f"preview, estimated error {expected:.1f} % of the diameter"
 
 
 def _perspective(canvas: Floats, thing: Scene, centre: Floats, diameter: float) -> None:
@@ -126,7 +129,7 @@ def _perspective(canvas: Floats, thing: Scene, centre: Floats, diameter: float) 
 
 
 def _to_scale(figure: Figure, canvas: Floats, thing: Scene, centre: Floats) -> None:
-    """From above, and below it from the front, both to the same scale, with its bar."""
+    """Two drawings to the same scale, the sheet from above and below it from the front, with a scale bar."""
     above, front = (camera(*VIEWS[name], centre) for name in ("above", "front"))
     (x, y), (_, z) = _size(thing, above), _size(thing, front)
     column, bar_room, label_room = PICTURE_WIDTH_PX - PICTURE_MARGIN_PX - PERSPECTIVE_WIDTH_PX, 70, 64
@@ -139,7 +142,7 @@ def _to_scale(figure: Figure, canvas: Floats, thing: Scene, centre: Floats) -> N
     bottom = PICTURE_MARGIN_PX + (PICTURE_HEIGHT_PX - CAPTION_HEIGHT_PX - PICTURE_MARGIN_PX - used) / 2
     _bar(figure, middle, bottom, scale, x)
     bottom += bar_room + label_room
-    if scale * z < 1.0:  # less than a pixel: a line
+    if scale * z < 1.0:  # lower than one pixel: drawn as a line
         ends = (middle + np.array([-x, x]) * scale / 2) / PICTURE_WIDTH_PX
         figure.add_artist(Line2D(ends, 2 * [bottom / PICTURE_HEIGHT_PX], color=INK, linewidth=0.8))
     else:
@@ -162,12 +165,12 @@ def _bar(figure: Figure, middle: float, bottom: float, scale: float, width_mm: f
 
 
 def _size(thing: Scene, view: Camera) -> Floats:
-    """(2,) mm, width and height of what is seen; never zero, so that a flat sheet has a side view."""
+    """(2,) mm, width and height of the view; at least 0.001 mm, so that a flat sheet has a side view."""
     return np.asarray(np.maximum(np.ptp(view.project(thing.points)[:, :2], axis=0), 1e-3))
 
 
 def _paste(canvas: Floats, image: Floats, x: float, y: float) -> None:
-    """Lay an image with opacity over the canvas, its middle at (x, y) pixels from the lower left."""
+    """Blend an image with opacity into the canvas, its centre at (x, y) pixels from the lower left."""
     height, width = image.shape[:2]
     row, column = round(y - height / 2), round(x - width / 2)
     under = canvas[row : row + height, column : column + width]
@@ -176,5 +179,5 @@ def _paste(canvas: Floats, image: Floats, x: float, y: float) -> None:
 
 
 def _text(figure: Figure, x: float, y: float, text: str, **style: Any) -> None:
-    """Text with its baseline at (x, y) pixels from the lower left; dollar signs are dollar signs."""
+    """Write text with its baseline at (x, y) pixels from the lower left; `$` does not start an equation."""
     figure.text(x / PICTURE_WIDTH_PX, y / PICTURE_HEIGHT_PX, text, parse_math=False, **style)

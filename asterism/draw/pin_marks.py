@@ -1,4 +1,4 @@
-"""Where a sheet is held, as balls at points and tubes along sides."""
+"""Marks of the supports of a sheet: balls at points, tubes along edges."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ Marks = tuple[Floats, Floats, Ints]  # points (n, 3) mm, their normals, triangle
 
 
 def pin_marks(shape: Shape) -> Marks:
-    """The marks of a shape whose summary knows its design; none otherwise, and of free sheets."""
+    """The marks of a supported sheet; empty for a free sheet, and if the shape carries no layout."""
     plan = shape.layout if shape.held else None
     if plan is None or not plan.pins:
         return _together([])
@@ -40,20 +40,20 @@ def pin_marks(shape: Shape) -> Marks:
     joints = [border[[corner for corner in run if corner in sharp or corner in (run[0], run[-1])]] for run in runs]
     try:
         there = shape.at(np.concatenate([points, *lines, *joints]))
-    except ValueError:  # of another print
+    except ValueError:  # the layout belongs to another print
         return _together([])
     ends = np.cumsum([len(points), *map(len, lines), *map(len, joints)])[:-1]
-    balls, *others = np.split(there, ends)
+    balls, *curves = np.split(there, ends)
     parts = [_ball(place, BALL_RADIUS_FACTOR * size) for place in balls]
-    parts += [_tube(line, TUBE_RADIUS_FACTOR * size) for line in others[: len(lines)]]
+    parts += [_tube(line, TUBE_RADIUS_FACTOR * size) for line in curves[: len(lines)]]
     return _together(
-        parts + [_ball(place, TUBE_RADIUS_FACTOR * size) for joint in others[len(lines) :] for place in joint]
+        parts + [_ball(place, TUBE_RADIUS_FACTOR * size) for joint in curves[len(lines) :] for place in joint]
     )
 
 
 def _line(border: Floats, corners: list[int], step: float) -> Floats:
-    """(k, 2) places along the border from corner to corner, at most so far (mm) from each other."""
-    sides = [border[[one, other]] for one, other in pairwise(corners)]
+    """(k, 2) mm, points along the outline from corner to corner, at most `step` mm apart."""
+    sides = [border[[first, second]] for first, second in pairwise(corners)]
     counts = [max(int(np.ceil(np.linalg.norm(end - start) / step)), 1) for start, end in sides]
     parts = [np.linspace(start, end, count + 1)[:-1] for (start, end), count in zip(sides, counts, strict=True)]
     return np.concatenate([*parts, border[corners[-1:]]])
@@ -70,14 +70,14 @@ def _together(parts: list[Marks]) -> Marks:
 def _ball(centre: Floats, radius: float) -> Marks:
     polar = np.linspace(0.0, np.pi, BALL_RINGS)
     circles = np.stack(
-        [np.outer(np.sin(polar), one) for one in _circle()] + [np.outer(np.cos(polar), np.ones(MARK_SIDES))]
+        [np.outer(np.sin(polar), part) for part in _circle()] + [np.outer(np.cos(polar), np.ones(MARK_SIDES))]
     )
     normals = circles.reshape(3, -1).T
     return centre + radius * normals, normals, _grid(BALL_RINGS)
 
 
 def _tube(places: Floats, radius: float) -> Marks:
-    """Around a line (k, 3) mm, open at its ends."""
+    """A tube around a line (k, 3) mm, open at its ends."""
     along = np.gradient(places, axis=0)
     along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)
     aside = np.cross(along, np.eye(3)[np.abs(along).max(axis=0).argmin()])
@@ -93,7 +93,7 @@ def _circle() -> tuple[Floats, Floats]:
 
 
 def _grid(rows: int) -> Ints:
-    """Two triangles between neighbours of `MARK_SIDES` points in each of so many rows, row by row."""
+    """(m, 3) triangles of a grid of `rows` rings with `MARK_SIDES` points each: two for each cell."""
     here = np.arange((rows - 1) * MARK_SIDES)
     turned = here // MARK_SIDES * MARK_SIDES + (here + 1) % MARK_SIDES
     below = np.column_stack([here, here + MARK_SIDES, turned + MARK_SIDES])

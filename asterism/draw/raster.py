@@ -1,4 +1,4 @@
-"""Which triangle is seen at each pixel: a depth buffer in plain numpy."""
+"""Depth buffer in numpy: the triangle that is visible at each pixel."""
 
 from __future__ import annotations
 
@@ -9,19 +9,22 @@ import numpy as np
 
 from pattern.geometry.arrays import Floats, Ints
 
-# large arrays that come and go cost more than what is done with them
-FRAGMENTS_AT_ONCE, PIXELS_AT_ONCE = 100_000, 20_000
+# work is done in pieces, because the allocation of large temporary arrays would take longer than the work itself
+# pairs of a triangle and a pixel in one piece
+FRAGMENTS_PER_PIECE = 100_000
+# pixels in one piece
+PIXELS_PER_PIECE = 20_000
 
 
 @dataclass(frozen=True)
 class Raster:
-    """What each pixel sees.
+    """The visible triangle and its depth at each pixel.
 
     Attributes
     ----------
-    face : (height, width) triangle seen, -1 where there is none. Row 0 is the lowest.
-    depth : (height, width) depth of that triangle, -inf where there is none.
-    pixels : (P,) flat indices of the pixels that see a triangle.
+    face : (height, width) visible triangle, -1 in the background. Row 0 is the lowest.
+    depth : (height, width) depth of that triangle, -inf in the background.
+    pixels : (P,) flat indices of the pixels that show a triangle.
     functions : three arrays (T, 3), the barycentric weights of a triangle's corners at pixel (x, y):
         `functions[0] x + functions[1] y + functions[2]`.
     """
@@ -32,7 +35,7 @@ class Raster:
     functions: tuple[Floats, Floats, Floats]
 
     def interpolate(self, values: Floats, triangles: Ints) -> Floats:
-        """(P, m) values (V, m) of the vertices at the pixels that see a triangle."""
+        """Interpolate values (V, m) of the vertices to the pixels that show a triangle: (P, m)."""
         seen = self.face.ravel()[self.pixels]
         row, column = np.divmod(self.pixels, self.face.shape[1])
         across, upwards, constant = (function[seen] for function in self.functions)
@@ -40,9 +43,9 @@ class Raster:
         return np.asarray(np.einsum("pk,pkm->pm", weights, values[triangles[seen]]))
 
     def pieces(self) -> Iterator[Raster]:
-        """The same with a part of the pixels after the other."""
-        for first in range(0, len(self.pixels), PIXELS_AT_ONCE):
-            yield replace(self, pixels=self.pixels[first : first + PIXELS_AT_ONCE])
+        """Yield the same raster with one piece of the pixels at a time."""
+        for first in range(0, len(self.pixels), PIXELS_PER_PIECE):
+            yield replace(self, pixels=self.pixels[first : first + PIXELS_PER_PIECE])
 
 
 def rasterise(places: Floats, depth: Floats, triangles: Ints, height: int, width: int) -> Raster:
@@ -51,9 +54,9 @@ def rasterise(places: Floats, depth: Floats, triangles: Ints, height: int, width
     Parameters
     ----------
     places : (V, 2) pixels from the lower left corner of the image.
-    depth : (V,) the larger, the nearer; interpolated linearly on the image.
+    depth : (V,) larger values are nearer; interpolated linearly on the image.
     triangles : (T, 3).
-    height, width : of the image, pixels.
+    height, width : size of the image in pixels.
     """
     # weights of the three corners are affine in the pixel: `across x + upwards y + constant`
     across, upwards, constant = _weight_functions(places[triangles])
@@ -68,7 +71,7 @@ def rasterise(places: Floats, depth: Floats, triangles: Ints, height: int, width
     first, count = _columns(across[triangle], upwards[triangle] * (row + 0.5)[:, None] + constant[triangle], width)
     some = count > 0
     triangle, row, first, count = triangle[some], row[some], first[some], count[some]
-    groups = np.cumsum(count) // FRAGMENTS_AT_ONCE
+    groups = np.cumsum(count) // FRAGMENTS_PER_PIECE
     for strips in np.split(np.arange(len(count)), np.flatnonzero(np.diff(groups)) + 1):
         lengths = count[strips]
         begins = np.cumsum(lengths) - lengths
@@ -87,7 +90,7 @@ def rasterise(places: Floats, depth: Floats, triangles: Ints, height: int, width
 
 
 def _weight_functions(corners: Floats) -> tuple[Floats, Floats, Floats]:
-    """Three arrays (T, 3); zero for triangles seen edge on, which cover no pixel."""
+    """Three arrays (T, 3); zero for triangles seen edge-on, which cover no pixel."""
     following, last = np.roll(corners, -1, axis=1), np.roll(corners, -2, axis=1)
     across = following[..., 1] - last[..., 1]
     upwards = last[..., 0] - following[..., 0]
@@ -99,7 +102,7 @@ def _weight_functions(corners: Floats) -> tuple[Floats, Floats, Floats]:
 
 
 def _rows(corner_y: Floats, drawn: np.ndarray, height: int) -> tuple[Ints, Ints]:
-    """Every triangle with each row of pixel centres that it reaches."""
+    """Pairs of a triangle and a row of pixel centres that it crosses."""
     low = np.clip(np.ceil(corner_y.min(axis=1) - 0.5), 0, height).astype(np.int64)
     high = np.clip(np.floor(corner_y.max(axis=1) - 0.5), -1, height - 1).astype(np.int64)
     counts = np.where(drawn, np.maximum(high - low + 1, 0), 0)
@@ -109,12 +112,12 @@ def _rows(corner_y: Floats, drawn: np.ndarray, height: int) -> tuple[Ints, Ints]
 
 
 def _columns(slope: Floats, constant: Floats, width: int) -> tuple[Ints, Ints]:
-    """First pixel and number of pixels in a row where the three weights `slope x + constant` are not negative."""
+    """First pixel and number of pixels in a row where all three weights `slope x + constant` are at least zero."""
     level = np.abs(slope) < 1e-12
     crossing = -constant / np.where(level, 1.0, slope)
     left = np.where(level | (slope < 0), -np.inf, crossing).max(axis=1)
     right = np.where(level | (slope > 0), np.inf, crossing).min(axis=1)
-    # neighbours may both draw a pixel on their common edge, so that rounding leaves no hole
+    # two neighbours may both draw a pixel on their common edge, so that rounding leaves no hole
     first = np.ceil(np.clip(left - 0.5 - 1e-6, 0, width)).astype(np.int64)
     last = np.floor(np.clip(right - 0.5 + 1e-6, -1, width - 1)).astype(np.int64)
     outside = (level & (constant < -1e-9)).any(axis=1)

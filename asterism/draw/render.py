@@ -1,4 +1,4 @@
-"""One view of a sheet as an image: cream on the plastic side, blue-grey behind, the arms dark, what is held red."""
+"""One view of a sheet as an image: plastic side cream, fabric side blue-grey, arms dark, supports red."""
 
 from __future__ import annotations
 
@@ -19,25 +19,26 @@ FABRIC_SIDE = (0.63, 0.725, 0.845)
 ARMS = (0.20, 0.205, 0.24)
 PINS = (0.86, 0.25, 0.16)
 OUTLINE_COLOUR = (0.16, 0.16, 0.18)
-# from the upper left, in front; and where its reflection is seen
+# unit vector towards the light: upper left, in front
 KEY_LIGHT = np.array([-0.50, 0.62, 0.60]) / np.linalg.norm([-0.50, 0.62, 0.60])
+# unit vector halfway between light and viewer, for the specular highlight
 HALFWAY = (KEY_LIGHT + np.array([0.0, 0.0, 1.0])) / np.linalg.norm(KEY_LIGHT + np.array([0.0, 0.0, 1.0]))
-# (azimuth, elevation), deg: in perspective, and the drawings to scale; all pictures and measurements call them so
+# (azimuth, elevation) of the cameras in deg: OBLIQUE for the perspective view, VIEWS for drawings to scale
 OBLIQUE = (-62.0, 30.0)
 VIEWS = {"above": (-90.0, 90.0), "front": (-90.0, 0.0), "side": (0.0, 0.0)}
-# every pixel of the image is the mean of this many squared
-FINER = 2
+# each pixel of the image is the mean of SUPERSAMPLING^2 rendered pixels
+SUPERSAMPLING = 2
 
 
 @dataclass(frozen=True)
 class Camera:
-    """Where the sheet is looked at from.
+    """Direction and position of the viewer.
 
     Attributes
     ----------
-    axes : (3, 3) rows, unit vectors to the right, upwards and towards the viewer.
-    centre : (3,) mm, in the middle of the view.
-    distance_mm : of the viewer from the centre; infinite without perspective.
+    axes : (3, 3), rows are unit vectors to the right, upwards and towards the viewer.
+    centre : (3,) mm, centre of the view.
+    distance_mm : distance of the viewer from the centre; infinite for a parallel projection.
     """
 
     axes: Floats
@@ -51,7 +52,7 @@ class Camera:
 
 
 def camera(azimuth_deg: float, elevation_deg: float, centre: Floats, distance_mm: float = np.inf) -> Camera:
-    """A camera with z upwards, `azimuth_deg` from x and `elevation_deg` above the ground."""
+    """A camera with z upwards, at `azimuth_deg` from the x axis and `elevation_deg` above the xy plane."""
     a, e = np.deg2rad([azimuth_deg, elevation_deg])
     right = np.array([-np.sin(a), np.cos(a), 0.0])
     towards = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
@@ -60,16 +61,16 @@ def camera(azimuth_deg: float, elevation_deg: float, centre: Floats, distance_mm
 
 @dataclass(frozen=True)
 class Scene:
-    """Sheet, ribbons and marks as triangles ready to be drawn.
+    """Sheet, ribbons of the arms and marks of the supports as triangles.
 
     Attributes
     ----------
-    points, normals : (n, 3), normals on the plastic side.
-    triangles : (m, 3), those of the sheet first, those of the marks last.
-    sheet_triangles : how many belong to the sheet.
-    lift_mm : ribbons and marks count as this much nearer, so that creases under them do not cut them.
-    colours : (n, 3), 0 to 1, of both sides of the sheet in place of its own; those of the others do not count.
-    mark_triangles : how many belong to the marks.
+    points, normals : (n, 3) mm and unit normals on the plastic side.
+    triangles : (m, 3), the sheet first, then the ribbons, then the marks.
+    sheet_triangles : number of triangles of the sheet.
+    lift_mm : shift of ribbons and marks towards the viewer, so that creases below do not cut them.
+    colours : (n, 3), 0 to 1, colours of both sides of the sheet; the usual two colours by default.
+    mark_triangles : number of triangles of the marks.
     """
 
     points: Floats
@@ -82,7 +83,7 @@ class Scene:
 
 
 def scene(shape: Shape) -> Scene:
-    """The triangles of a shape: the sheet, the ribbons on its plastic side, and marks where it is held."""
+    """The triangles of a shape: the sheet, the arms as ribbons on its plastic side, and marks at its supports."""
     points, normals, strips = ribbons(shape)
     mark_points, mark_normals, marks = pin_marks(shape)
     count = len(shape.positions)
@@ -96,14 +97,14 @@ def scene(shape: Shape) -> Scene:
 
 
 def render(thing: Scene, view: Camera, pixels_per_mm: float) -> Floats:
-    """(height, width, 4) colour and opacity, row 0 the lowest; the image is as large as what is seen."""
+    """Draw a scene: (height, width, 4) colour and opacity, row 0 the lowest. The image encloses the scene."""
     seen = view.project(thing.points)
-    fine = FINER * pixels_per_mm
+    fine = SUPERSAMPLING * pixels_per_mm
     low, high = seen[:, :2].min(axis=0), seen[:, :2].max(axis=0)
     width, height = np.ceil((high - low) * pixels_per_mm).astype(int) + 4
-    rows, columns = FINER * height, FINER * width
+    rows, columns = SUPERSAMPLING * height, SUPERSAMPLING * width
     places = (seen[:, :2] - (low + high) / 2) * fine + np.array([columns, rows]) / 2
-    # a ribbon is only seen from the plastic side, a mark from outside
+    # ribbons are visible from the plastic side only, marks from outside only
     strips = thing.triangles[thing.sheet_triangles :]
     seen_strips = _turns_left(places, strips)
     marks = int(np.count_nonzero(seen_strips[len(strips) - thing.mark_triangles :]))
@@ -123,30 +124,31 @@ def render(thing: Scene, view: Camera, pixels_per_mm: float) -> Floats:
     image = image.reshape(rows, columns, 4)
     image[_outline(raster, fine)] = (*OUTLINE_COLOUR, 1.0)
     image = _coarser(image)
-    # the empty part of a pixel has no colour, so that edges do not darken
+    # divide by the opacity: otherwise the empty part of a pixel would darken the edges
     image[..., :3] /= np.maximum(image[..., 3:], 1e-9)
     return image
 
 
 def _coarser(image: Floats) -> Floats:
-    """The mean of every FINER x FINER pixels."""
-    parts = [image[row::FINER, column::FINER] for row in range(FINER) for column in range(FINER)]
+    """The mean over blocks of SUPERSAMPLING x SUPERSAMPLING pixels."""
+    steps = range(SUPERSAMPLING)
+    parts = [image[row::SUPERSAMPLING, column::SUPERSAMPLING] for row in steps for column in steps]
     return np.asarray(sum(parts[1:], start=parts[0]) / len(parts))
 
 
 def _shaded(
     thing: Scene, view: Camera, raster: Raster, triangles: Ints, marks: int, plastic_side: np.ndarray
 ) -> Floats:
-    """(P, 3) colours: a key light from the upper left, a soft sky, a trace of gloss.
+    """(P, 3) colours: a key light from the upper left, soft light from the sky, a weak highlight.
 
-    Normals are along the view's axes. The last triangles are `marks`.
+    Normals are given in the axes of the view. The last `marks` triangles are marks.
     """
     normals = raster.interpolate(thing.normals, triangles)
     face = raster.face.ravel()[raster.pixels]
     front = plastic_side[face]
     normals *= np.where(front, 1.0, -1.0)[:, None]
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
-    # light that reaches around the edge of a shadow, as from a window rather than from the sun
+    # wrapped diffuse light: a large source such as a window also lights surfaces that turn slightly away
     key = np.maximum(0.5 + 0.5 * (normals @ KEY_LIGHT), 0.0) ** 1.6
     sky = 0.5 + 0.5 * (normals @ view.axes[:, 2])
     light = 0.36 + 0.54 * key + 0.13 * sky
@@ -163,7 +165,7 @@ def _shaded(
 
 
 def _depth_around(raster: Raster) -> Floats:
-    """(rows, columns) of the coarse image: mean depth over a neighbourhood; smooth, so that this is enough."""
+    """(rows, columns) mean depth over a neighbourhood, on the coarse image because it is smooth."""
     covered = np.isfinite(raster.depth)
     depth = np.where(covered, raster.depth, 0.0)
     reach = _reach(raster)
@@ -174,28 +176,28 @@ def _depth_around(raster: Raster) -> Floats:
 
 
 def _reach(raster: Raster) -> float:
-    """Of a neighbourhood, pixels of the coarse image."""
-    return 0.015 * float(np.hypot(*raster.depth.shape)) / FINER
+    """Standard deviation of the neighbourhood, in pixels of the coarse image."""
+    return 0.015 * float(np.hypot(*raster.depth.shape)) / SUPERSAMPLING
 
 
 def _open_sky(raster: Raster, around: Floats, pixels_per_mm: float) -> Floats:
-    """(P,) darker where the neighbourhood is nearer to the viewer: folds and what lies behind an edge.
+    """(P,) factor below 1 where the neighbourhood is nearer to the viewer: in folds and behind edges.
 
     Reference: Luft, Colditz and Deussen, Image enhancement by unsharp masking the depth buffer, 2006.
     """
     row, column = np.divmod(raster.pixels, raster.depth.shape[1])
-    nearer = around[row // FINER, column // FINER] - raster.depth.ravel()[raster.pixels]
-    return np.asarray(1 - 0.38 * np.clip(nearer * pixels_per_mm / (2.5 * FINER * _reach(raster)), 0.0, 1.0))
+    nearer = around[row // SUPERSAMPLING, column // SUPERSAMPLING] - raster.depth.ravel()[raster.pixels]
+    return np.asarray(1 - 0.38 * np.clip(nearer * pixels_per_mm / (2.5 * SUPERSAMPLING * _reach(raster)), 0.0, 1.0))
 
 
 def _outline(raster: Raster, pixels_per_mm: float) -> np.ndarray:
-    """(rows, columns) bool, just behind an edge of the sheet as it is seen."""
+    """(rows, columns) bool, pixels directly behind a visible edge of the sheet."""
     depth = np.where(np.isfinite(raster.depth), raster.depth, -1e9)
     step = maximum_filter(depth, size=3) - depth
     return np.asarray(step > 1.0 + 8 / pixels_per_mm)
 
 
 def _turns_left(places: Floats, triangles: Ints) -> np.ndarray:
-    """(T,) bool, corners counterclockwise on the image: the plastic side is seen."""
+    """(T,) bool, whether the corners run counterclockwise on the image, so that the plastic side is visible."""
     a, b, c = (places[triangles[:, k]] for k in range(3))
     return (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0] > 0

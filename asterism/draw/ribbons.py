@@ -1,4 +1,4 @@
-"""The arms as ribbons of their printed width on the plastic side of the sheet."""
+"""The arms as ribbons of their printed width, on the plastic side of the sheet."""
 
 from __future__ import annotations
 
@@ -8,25 +8,25 @@ from asterism.shape.shape import Shape
 from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.normals import vertex_normals
 
-# of arms whose width is not among the fields of their shape
+# width of the arms of a shape without the rod field `width_mm`
 DEFAULT_WIDTH_MM = 1.2
 
 
 def ribbons(shape: Shape) -> tuple[Floats, Floats, Ints]:
-    """Strips of triangles along the arms, tangent to the sheet.
+    """Build strips of triangles along the arms, tangent to the sheet.
 
     Returns
     -------
-    points : (2 P, 3) mm, left and right of every vertex of every arm.
-    normals : (2 P, 3) unit normals of the sheet there.
-    triangles : (2 R, 3), two for each rod edge.
+    points : (2 P, 3) mm, first the P points left of the vertices of all arms, then those right of them.
+    normals : (2 P, 3) unit normals of the sheet at these points.
+    triangles : (2 R, 3), two for each of the R rod edges.
     """
     if not shape.rods:
         return np.empty((0, 3)), np.empty((0, 3)), np.empty((0, 3), dtype=np.int64)
     vertices = np.concatenate(shape.rods)
     lengths = np.array([len(path) for path in shape.rods])
     first = np.cumsum(lengths) - lengths
-    # all points but the last of each rod begin an edge; edges are numbered as in `shape.rod_edges`
+    # each point of a rod but the last begins an edge; edges have the numbers of `shape.rod_edges`
     begins = np.ones(len(vertices), dtype=bool)
     begins[first + lengths - 1] = False
     begin = np.flatnonzero(begins)
@@ -49,9 +49,9 @@ def ribbons(shape: Shape) -> tuple[Floats, Floats, Ints]:
 
 
 def _at_points(shape: Shape, name: str, default: float, begin: Ints, count: int) -> Floats:
-    """(P,) a field of the rod edges at the points of the rods: the mean of the edges that meet there."""
+    """(P,) a field of the rod edges at the points of the rods: the mean of the adjacent edges."""
     values = np.asarray(shape.rod_fields.get(name, np.full(len(begin), default)), dtype=float)
     ends = np.concatenate([begin, begin + 1])
     total = np.bincount(ends, weights=np.tile(values, 2), minlength=count)
-    # a rod of one point has no edges, and is not drawn
+    # a rod of one point has no edge and is not drawn
     return total / np.maximum(np.bincount(ends, minlength=count), 1)

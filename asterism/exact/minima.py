@@ -1,4 +1,4 @@
-"""What the summary says about the minima of a design."""
+"""Summary entries on the minima of a design: which one is the result, and how far apart they are."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from discrete.evidence.roll_axis import roll_axis_deg
 from discrete.model.discrete_model import DiscreteModel
 from discrete.release.branches import ExactForm, Minima
 
-# values of the key `result_is`: why this minimum is the result
+# values of the key `result_is`: the reason why this minimum is the result
 FROM_DEFAULT_START = "the default start's"
 FROM_GIVEN_SHAPE = "from a shape that was given"
 BY_ENERGY = "lowest energy"
 BY_ENERGY_ON_BRANCH = "lowest energy of those whose stars are all on their branch"
 
 
-def one_minimum(model: DiscreteModel, found: Equilibrium, near: bool = False) -> dict[str, Any]:
-    """Entries for a single start: the default one, or `near` a shape."""
-    axis = roll_axis_deg(model, found.state)
-    entry = MinimumRecord(energy_n_mm=found.energy, stars_up=found.stars_up, roll_axis_deg=axis, starts=1)
+def one_minimum(model: DiscreteModel, equilibrium: Equilibrium, near: bool = False) -> dict[str, Any]:
+    """Entries for a single start: the default one, or, if `near`, a shape that the caller gave."""
+    axis = roll_axis_deg(model, equilibrium.state)
+    entry = MinimumRecord(energy_n_mm=equilibrium.energy, stars_up=equilibrium.stars_up, roll_axis_deg=axis, starts=1)
     return {
         "starts": 1,
         "result_is": FROM_GIVEN_SHAPE if near else FROM_DEFAULT_START,
@@ -33,24 +33,25 @@ def one_minimum(model: DiscreteModel, found: Equilibrium, near: bool = False) ->
 def many_minima(minima: Minima, starts: int) -> dict[str, Any]:
     """Entries for many starts.
 
-    `minima` are those of the fine mesh, the first is the result; `minima_coarse` are those of the exploration, the
-    first of them carried to the fine mesh. Distances are in % of the diameter, modulo the symmetries of the design.
+    `minima` holds the minima on the fine mesh; the first one is the result. `minima_coarse` holds the minima of the
+    coarse exploration, of which the lowest are carried to the fine mesh. Distances are in % of the diameter, modulo
+    the symmetries of the design.
     """
     fine, coarse = minima.fine, minima.coarse
-    left_behind = minima.carried.count(False)
-    others = sorted(b.found.energy for b in fine[1:])
+    not_carried = minima.carried.count(False)
+    other_energies = sorted(b.found.energy for b in fine[1:])
     lowest = fine[0].found.energy
-    # how high a sheet hangs makes it no more or less likely to rest in another form
+    # energies are compared relative to the elastic part: the potential of gravity depends on an arbitrary zero level
     elastic = lowest - fine[0].found.energies.get("gravity", 0.0)
-    by_energy = all(lowest <= energy for energy in others)
+    by_energy = all(lowest <= energy for energy in other_energies)
     return {
         "starts": starts,
         "starts_lost": minima.lost,
         "result_is": BY_ENERGY if by_energy else BY_ENERGY_ON_BRANCH,
-        "minima_seen": len(fine) + left_behind,
-        "minima_not_carried": left_behind,
-        "next_minimum_percent": 100.0 * (others[0] - lowest) / elastic if others else None,
-        "next_minimum_n_mm": others[0] - lowest if others else None,
+        "minima_seen": len(fine) + not_carried,
+        "minima_not_carried": not_carried,
+        "next_minimum_percent": 100.0 * (other_energies[0] - lowest) / elastic if other_energies else None,
+        "next_minimum_n_mm": other_energies[0] - lowest if other_energies else None,
         "symmetries": len(minima.symmetries),
         "minima": [_entry(b, minima).changed(file=f"minimum-{k}" if k > 1 else "shape") for k, b in enumerate(fine, 1)],
         "minima_distance_percent": [[minima.distance_percent(a, b) for b in fine] for a in fine],
@@ -61,17 +62,17 @@ def many_minima(minima: Minima, starts: int) -> dict[str, Any]:
 
 
 def _entry(branch: ExactForm, minima: Minima) -> MinimumRecord:
-    found = branch.found
+    equilibrium = branch.found
     return MinimumRecord(
-        energy_n_mm=found.energy,
-        is_minimum=found.is_minimum,
-        stars_up=found.stars_up,
+        energy_n_mm=equilibrium.energy,
+        is_minimum=equilibrium.is_minimum,
+        stars_up=equilibrium.stars_up,
         stars_off_branch=len(branch.off_branch),
         roll_axis_deg=branch.roll_axis_deg,
         starts=len(branch.starts),
         start_names=list(branch.starts),
         default=branch.default,
         distance_percent=minima.distance_percent(minima.fine[0], branch),
-        smallest_eigenvalue=found.smallest_eigenvalue,
+        smallest_eigenvalue=equilibrium.smallest_eigenvalue,
         vertices=branch.model.n_vertices,
     )

@@ -1,4 +1,4 @@
-"""The exact shape of a design: layout, mesh, model, equilibrium, and the numbers that go with it."""
+"""The exact shape of a design: layout, mesh, model, equilibrium and summary."""
 
 from __future__ import annotations
 
@@ -51,67 +51,66 @@ def simulate(
     near: Shape | None = None,
     plan: Layout | None = None,
 ) -> Shape:
-    """Equilibrium of the exact model.
+    """Compute an equilibrium of the exact model.
 
     Parameters
     ----------
     design : from `load_design`, `new` or `Design.from_dict`.
     backend : linear solver: `auto`, `pardiso`, `cholmod`, `superlu`, or `amg` (multigrid, for little memory).
-    report : called with the stage's name and an `Iteration` after every iteration.
-    say : called with a line of text when something begins.
-    starts : more than one: as many different starts are tried, and the lowest minimum whose stars are all on their
-        branch is the result, or the lowest if there is none; the others are in its `others`, and compared in the
-        summary's `minima`.
-    near : a shape of the same design to start from, as its preview, in place of the start that the design asks for; its
-        stars bump as they should. Goes with one start.
-
-    plan : layout of the design, if it is there already.
+    report : called after every iteration with the name of the stage and an `Iteration`.
+    say : called with a line of text at the beginning of each stage.
+    starts : number of different starts. With more than one, the result is the lowest minimum whose stars are all on
+        the side that the design asks for, or the lowest of all if no minimum has that. `Shape.others` holds the other
+        minima, and the summary's `minima` compares them.
+    near : shape of the same design, such as its preview, that replaces the design's start. Each star bumps to the side
+        that the design asks for. Requires `starts` = 1.
+    plan : layout of the design; computed by default.
 
     Returns
     -------
-    The shape; `summary` says whether it is a minimum and holds the whole design. A free sheet lies with its
-    principal axes along x, y and z.
+    The shape. Its `summary` holds the certificate (`is_minimum`) and the whole design. The principal axes of a free
+    sheet lie along x, y and z.
 
     Raises
     ------
     DesignError, MeshError
-        The design cannot be printed, or its sheet not meshed.
+        The design cannot be printed, or its sheet cannot be meshed.
     BackendError
-        The factorisation is not installed.
+        The linear solver is not installed.
     ValueError
-        `near` with several starts, or none at all.
+        `starts` is not a whole number above zero, or `near` is given with several starts.
     """
     if not is_whole(starts) or starts < 1:
         raise ValueError(f"starts = {starts!r}: must be a whole number, at least 1")
     if near is not None and starts != 1:
         raise ValueError("near goes with one start")
     check_backend(backend)
-    tell = say or (lambda text: None)
+    announce = say or (lambda text: None)
     start = time.perf_counter()
     plan = plan if plan is not None else layout(design)
     if design.solver.contact:
-        ipc_toolkit()  # before anything else takes time
+        ipc_toolkit()  # fails at once if the library is missing
     check_weight_is_supported(design, plan)
     mesh = mesh_layout(plan, design.mesh.edge_mm, design.mesh.kind, design.mesh.seed, design.mesh.graded)
-    tell(f"{len(plan.centres)} stars on {len(mesh.triangles)} triangles ({mesh.kind} mesh)")
+    announce(f"{len(plan.centres)} stars on {len(mesh.triangles)} triangles ({mesh.kind} mesh)")
     meshed = time.perf_counter()
     model = (ContactModel if design.solver.contact else DiscreteModel)(design, plan, mesh)
     built = time.perf_counter()
-    tell(f"minimising the energy over {len(model.free)} degrees of freedom")
+    announce(f"minimising the energy over {len(model.free)} degrees of freedom")
     solver = design.solver
     before = {"mesh": meshed - start, "model": built - meshed}
     if starts == 1:
-        found, levels = find_equilibrium(
+        equilibrium, levels = find_equilibrium(
             model, solver.start, seed=solver.seed, backend=backend, report=report, near=near.at if near else None
         )
-        minima = one_minimum(model, found, near is not None)
-        return _shape(model, found, levels, before | found.seconds, time.perf_counter() - start, minima)
-    all_found = find_minima(model, starts, seed=solver.seed, backend=backend, report=report)
-    minima = many_minima(all_found, starts)
+        minima = one_minimum(model, equilibrium, near is not None)
+        return _shape(model, equilibrium, levels, before | equilibrium.seconds, time.perf_counter() - start, minima)
+    all_minima = find_minima(model, starts, seed=solver.seed, backend=backend, report=report)
+    minima = many_minima(all_minima, starts)
     spent = time.perf_counter() - start
     best, *others = (
         _shape(model, branch.found, list(branch.levels), before | branch.found.seconds, spent, minima)
-        for branch in all_found.fine
+        for branch in all_minima.fine
     )
     return replace(best, others=tuple(others))
 
@@ -149,7 +148,7 @@ def _shape(
 
 
 def _grounded(model: DiscreteModel, positions: np.ndarray) -> np.ndarray:
-    """(V, 3) where pins leave the height open with the lowest vertex that they hold at z = 0."""
+    """(V, 3) mm. If the supports leave the height free, the lowest supported vertex moves to z = 0."""
     held = model.constraints.held
     if held[:, 2].any() or not held.any():
         return positions
@@ -161,7 +160,7 @@ def _rod_fields(model: DiscreteModel, found: Equilibrium) -> dict[str, np.ndarra
     bend = np.zeros(len(net.edges))
     touched = np.zeros(len(net.edges))
     curvature = curvatures(net, found.state.positions, found.state.directors, model.mesh.points)
-    # an edge shows the mean of the stencils along its own arm; those across a junction belong to two arms
+    # an edge takes the mean of the stencils along its own arm; a stencil across a junction belongs to two arms
     own = net.signs[:, 0] > 0
     np.add.at(bend, net.stencil_edges[own], curvature[own, None])
     np.add.at(touched, net.stencil_edges[own], 1.0)
@@ -233,17 +232,17 @@ def _record(
         path=[PathStepRecord(**vars(step)) for step in found.path],
         **minima,
     )
-    return record.changed(**found.energies)  # scripts read the parts as keys of their own
+    return record.changed(**found.energies)  # scripts read each part of the energy as a key
 
 
 def _contact(model: DiscreteModel, found: Equilibrium) -> ContactRecord | None:
-    """Contact in the shape; None if the model ran without contact."""
+    """Contacts of the sheet with itself; None if the model ran without contact."""
     if not isinstance(model, ContactModel):
         return None
-    pairs, least = model.contact.touching(found.state.positions)
+    pairs, smallest_gap = model.contact.touching(found.state.positions)
     return ContactRecord(
         begins_at_mm=model.contact.distance,
         closest_possible_mm=model.contact.closest,
-        least_distance_mm=least if pairs else None,
+        least_distance_mm=smallest_gap if pairs else None,
         pairs=pairs,
     )

@@ -1,4 +1,4 @@
-"""Stars that are not on the side that the design asks for, in words."""
+"""Warning of stars that are not on the side that the design asks for."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from asterism.results.words import star_numbers
 
 
 def off_branch(summary: Mapping[str, Any]) -> Iterator[str]:
-    """A line, if there are such stars in an exact shape, from its summary."""
+    """Yield a line if the summary of an exact shape lists such stars."""
     if off := summary["stars_off_branch"]:
         stars = f"{len(off)} of {summary['stars_total']} stars of the exact shape"
         yield f"{stars} are not on the side that the design asks for: {star_numbers(off)}"

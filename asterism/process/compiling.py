@@ -1,4 +1,7 @@
-"""Loops are compiled when first called, and kept for later runs: a line before the silence, and a fair clock."""
+"""Compilation of numba loops: an announcement before it starts, and a clock that leaves it out.
+
+numba compiles a loop at its first call and keeps the machine code on disk for later runs.
+"""
 
 from __future__ import annotations
 
@@ -9,8 +12,8 @@ from typing import Any
 
 from equilibrium.compiled import HAVE_NUMBA
 
-# whose loops they are, in a user's words; those of other packages are done at once, or none of ours
-OWNERS = {
+# packages whose loops take seconds to compile, in a user's words
+PACKAGE_TITLES = {
     "discrete": "the exact model",
     "fem": "the preview's shell",
     "homogenize": "the law of the stars",
@@ -18,43 +21,43 @@ OWNERS = {
 
 
 @contextmanager
-def told_of_compiling(say: Callable[[str], None]) -> Iterator[None]:
-    """Within the block, say once for each package that its loops are being compiled, if they really are.
+def announce_compiling(say: Callable[[str], None]) -> Iterator[None]:
+    """Within the block, call `say` with one line for each package whose loops are compiled.
 
-    numba announces every function that it compiles, and none that it finds on disk.
+    numba reports the functions that it compiles, but not those whose machine code it reads from disk.
     """
     if not HAVE_NUMBA:
         yield
         return
     from numba.core import event
 
-    said: set[str] = set()
+    announced: set[str] = set()
 
-    class Watch(event.Listener):
-        """Told by numba when it begins with a function, and when it is done."""
+    class Listener(event.Listener):
+        """numba calls `on_start` before it compiles a function, and `on_end` after."""
 
         def on_start(self, event: Any) -> None:
             package = event.data["dispatcher"].py_func.__module__.split(".")[0]
-            if package in OWNERS and package not in said:
-                said.add(package)
-                say(f"compiling {OWNERS[package]}: in the first run only, some 20 s")
+            if package in PACKAGE_TITLES and package not in announced:
+                announced.add(package)
+                say(f"compiling {PACKAGE_TITLES[package]}: about 20 s, in the first run only")
 
         def on_end(self, event: Any) -> None:
             pass
 
-    with event.install_listener("numba:compile", Watch()):
+    with event.install_listener("numba:compile", Listener()):
         yield
 
 
 @contextmanager
 def clock_without_compiling() -> Iterator[Callable[[], float]]:
-    """A clock (s) that stands still while loops are compiled, or their machine code is read from the disk."""
+    """Yield a clock (s) that stops while loops are compiled, or their machine code is read from disk."""
     if not HAVE_NUMBA:
         yield time.perf_counter
         return
     from numba.core import event
 
     spent = event.TimingListener()  # type: ignore[no-untyped-call]
-    # held whenever a loop gets its machine code, from wherever
+    # numba holds this lock while a loop is compiled or read from disk
     with event.install_listener("numba:compiler_lock", spent):
         yield lambda: time.perf_counter() - (spent.duration if spent.done else 0.0)

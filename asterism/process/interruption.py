@@ -1,4 +1,8 @@
-"""Ctrl-C that is not lost: a library that is just being loaded may swallow it, or make another error of it."""
+"""Ctrl-C that always arrives.
+
+While a library is loaded, it may swallow KeyboardInterrupt or replace it by another error. The handler here also
+remembers the signal, and `check` raises it again.
+"""
 
 from __future__ import annotations
 
@@ -10,17 +14,17 @@ _written = False
 
 
 def listen() -> None:
-    """From now on Ctrl-C, and a polite request to end, raise KeyboardInterrupt and are remembered."""
+    """Let SIGINT (Ctrl-C) and SIGTERM raise KeyboardInterrupt, and remember them."""
     global _arrived, _written
     _arrived = _written = False
     for number in (signal.SIGINT, signal.SIGTERM):
-        # who starts a program in the background may have told it to ignore them
+        # a shell may start a background program with these signals ignored
         if signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, _note)
 
 
 def over() -> None:
-    """From now on Ctrl-C is ignored: what is left is to end, and a second one must not end that with a traceback."""
+    """Ignore further signals while the program ends: a second Ctrl-C would cause a traceback."""
     if signal.getsignal(signal.SIGINT) is _note:
         signal.signal(signal.SIGINT, _nothing)
     if signal.getsignal(signal.SIGTERM) is _note:
@@ -28,29 +32,29 @@ def over() -> None:
 
 
 def arrived() -> bool:
-    """Whether there was one."""
+    """Whether an interruption has arrived."""
     return _arrived
 
 
 def written() -> None:
-    """Results are where they belong: who is interrupted from now on should know."""
+    """Record that the results are written: the message of a later interruption differs."""
     global _written
     _written = True
 
 
 def in_words() -> str:
-    """What an interruption has left behind."""
+    """Message to the user after an interruption: whether the results are written."""
     return "interrupted; " + ("the results are written" if _written else "nothing was written")
 
 
 def check() -> None:
-    """Raise KeyboardInterrupt if there was one; to be called now and then."""
+    """Raise KeyboardInterrupt if an interruption has arrived; long loops call this regularly."""
     if _arrived:
         raise KeyboardInterrupt
 
 
 def _nothing(number: int, frame: FrameType | None) -> None:
-    """Unlike `SIG_IGN`, not handed on to programs that are started."""
+    """Ignore a signal. In contrast to `SIG_IGN`, child processes do not inherit this."""
 
 
 def _note(number: int, frame: FrameType | None) -> None:

@@ -31,7 +31,7 @@ def shape_for_report(
         The results belong to another design, or cannot be read.
     """
     from asterism.previews.run import preview
-    from asterism.process.compiling import told_of_compiling
+    from asterism.process.compiling import announce_compiling
     from homogenize.errors import ForeignLaw, LawError
 
     if results is not None:
@@ -48,7 +48,7 @@ def shape_for_report(
             if _is_of(shape, design) and not (law is not None and shape.is_preview):
                 return shape, shape.made_by
     try:
-        with told_of_compiling(say):
+        with announce_compiling(say):
             shape = preview(design, law)
     except LawError as error:
         give = "--law or --results" if isinstance(error, ForeignLaw) else "--results"

@@ -13,7 +13,7 @@ from asterism.shape.shape import Shape
 @pytest.fixture(autouse=True)
 def rough_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Pixels are not the mean of four: pictures take a third of the time. A file whose tests need them fine says so."""
-    monkeypatch.setattr("asterism.draw.render.FINER", 1)
+    monkeypatch.setattr("asterism.draw.render.SUPERSAMPLING", 1)
 
 
 @pytest.fixture

@@ -46,12 +46,12 @@ class Run:
     def computing(self) -> Iterator[None]:
         """Show progress on standard error within the block, and announce the compilation of a first run."""
         from asterism.cli.common.progress import Progress
-        from asterism.process.compiling import told_of_compiling
+        from asterism.process.compiling import announce_compiling
 
         progress = Progress(self.stream)
         self._say, self._report = progress.say, progress.report
         try:
-            with told_of_compiling(progress.say):
+            with announce_compiling(progress.say):
                 yield
         finally:
             progress.close()

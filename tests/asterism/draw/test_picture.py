@@ -33,7 +33,7 @@ def rough_pictures() -> None:
 @pytest.fixture
 def rough(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where pictures are only compared with each other, or words are looked at."""
-    monkeypatch.setattr("asterism.draw.render.FINER", 1)
+    monkeypatch.setattr("asterism.draw.render.SUPERSAMPLING", 1)
 
 
 @pytest.mark.parametrize("place", [sheets.flat, sheets.dome, sheets.tube, sheets.saddle])
@@ -116,8 +116,8 @@ def test_the_caption_says_what_is_known() -> None:
 @pytest.mark.parametrize(
     ("said", "words"),
     [
-        ({"expected_rms_percent": 1.234}, "preview, expected 1.2 % of the diameter from the exact model"),
-        ({"expected_rms_percent": None}, "preview, not known how far from the exact model"),
+        ({"expected_rms_percent": 1.234}, "preview, estimated error 1.2 % of the diameter"),
+        ({"expected_rms_percent": None}, "preview, without an error estimate"),
         ({"expected_rms_percent": 1.234, "converged": False}, "preview, not certified"),
     ],
 )

@@ -9,7 +9,7 @@ from types import ModuleType
 
 import pytest
 
-from asterism.process.compiling import clock_without_compiling, told_of_compiling
+from asterism.process.compiling import announce_compiling, clock_without_compiling
 from pattern import gallery
 from pattern.design.errors import MeshError
 from tests.asterism.commands import command
@@ -47,7 +47,7 @@ def fresh(folder: Path, name: str) -> ModuleType:
 
 def said(module: ModuleType) -> list[str]:
     lines: list[str] = []
-    with told_of_compiling(lines.append):
+    with announce_compiling(lines.append):
         assert (module.first(3), module.second(3)) == (7, 8)
     return lines
 
@@ -65,7 +65,7 @@ def test_other_packages_are_not_ours(tmp_path: Path) -> None:
 
 def test_nothing_is_said_after_the_block(tmp_path: Path) -> None:
     lines: list[str] = []
-    with told_of_compiling(lines.append):
+    with announce_compiling(lines.append):
         pass
     assert fresh(tmp_path, "fem.loops").first(1) == 3 and lines == []
 
@@ -101,6 +101,6 @@ def test_commands_say_it(
     monkeypatch.setattr(engine, compile_and_stop)
     found = command([word, str(gallery.path("star")), "-o", str(tmp_path / "out")], capsys, monkeypatch)
     assert found.err.splitlines() == [
-        "compiling the preview's shell: in the first run only, some 20 s",
+        "compiling the preview's shell: about 20 s, in the first run only",
         "asterism: enough",
     ]

@@ -134,14 +134,14 @@ def test_what_the_exact_model_said_is_passed_on_once() -> None:
     """But what the preview said of the same pins, and what is said here in other words."""
     roll, pins = "the radius of a free roll depends on the mesh", "the pins let the sheet swing"
     off = "1 of 7 stars of the exact shape are not on the side that the design asks for: star 3"
-    crossing = "the sheet passes through itself (4 pairs of triangles); --contact keeps it apart"
+    crossing = "the sheet passes through itself (4 pairs of triangles); --contact prevents this"
     lines = said(
         preview={"warnings": [pins]}, self_intersections=4, self_contact=None, stars_down=[3], stars_off_branch=[3],
         warnings=[crossing, roll, off, pins],
     )  # fmt: skip
     assert lines == [
         pins,
-        "the exact sheet passes through itself (4 pairs of triangles); --contact keeps it apart",
+        "the exact sheet passes through itself (4 pairs of triangles); --contact prevents this",
         "1 of 7 stars of the exact shape bump down: star 3",
         f"the exact model: {roll}",
     ]
