@@ -27,6 +27,7 @@ ORDER: dict[str, list[list[str]]] = {
         ["measure"],
         ["verification"],
         ["reports"],
+        ["studio"],
         ["cli"],
     ],
 }

@@ -83,6 +83,24 @@ class Law:
         """The stretches of the tables."""
         return tuple(table.stretch for table in self.tables)
 
+    def size_ranges(self, stretch: float) -> dict[str, tuple[float, float]]:
+        """Smallest and largest size in mm that the table of a stretch covers, by the keys of design files.
+
+        Shorter arms than the shortest are covered too if the bare fabric is near, see `homogenize.law.law_range`.
+
+        Raises
+        ------
+        ForeignLaw
+            The law has no table for this stretch.
+
+        Examples
+        --------
+        >>> from homogenize.law.law_file import load_law
+        >>> load_law().size_ranges(1.35)["width_mm"]
+        (0.8, 1.6)
+        """
+        return self.at(stretch).size_ranges
+
     def check(self, design: Design) -> LawTable:
         """The table for a design.
 

@@ -158,6 +158,12 @@ class LawTable:
                 boxes = np.take(boxes, range(n - 1), axis) & np.take(boxes, range(1, n), axis)
         return boxes.ravel()
 
+    @property
+    def size_ranges(self) -> dict[str, tuple[float, float]]:
+        """Smallest and largest size in mm that the table covers, by the keys of design files."""
+        low, high = self._limits
+        return {axis.key: (float(a), float(b)) for axis, a, b in zip(AXES, low, high, strict=True)}
+
     def __call__(self, *sizes: ArrayLike) -> LawValues:
         """The law at stars of these sizes.
 

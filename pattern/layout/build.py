@@ -113,6 +113,17 @@ def layout(design: Design) -> Layout:
     )
 
 
+def sheet_sites(design: Design) -> Ints:
+    """(P, 2) all lattice sites of the sheet in the order of the stars' numbers, also if the design has no layout.
+
+    Raises
+    ------
+    DesignError
+        The outline does not fit the lattice, or is too large.
+    """
+    return _kept_cells(design.border, design.lattice).copy()
+
+
 @lru_cache(maxsize=KEPT_OUTLINES)
 def _kept_outline(border: Border, lattice: Lattice) -> Floats:
     """`outline`, kept for edits, which change stars far more often than outlines."""

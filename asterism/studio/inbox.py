@@ -1,0 +1,78 @@
+"""What an engine has been asked for and has not begun yet; the newest edit replaces older ones."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from asterism.studio.messages import Cancel, Edit, Stop
+
+MERGED_FIELDS = ("design", "sites", "sizes_mm", "removed")
+
+
+def merged(known: Edit, new: Edit) -> Edit:
+    """A new edit; what it leaves out is as in an earlier one."""
+    kept = {name: getattr(known, name) for name in MERGED_FIELDS if getattr(new, name) is None}
+    return replace(new, **kept)
+
+
+class Inbox:
+    """Messages that wait, in their order; of edits that follow each other only the newest waits.
+
+    Parameters
+    ----------
+    receive : returns the next message, and raises `EOFError` or `OSError` at the end. It is called in a thread.
+    """
+
+    def __init__(self, receive: Callable[[], Any]) -> None:
+        self._waiting: deque[Any] = deque()
+        self._cancelled = -1
+        self._is_closed = False
+        self._changed = threading.Condition()
+        threading.Thread(target=self._read, args=(receive,), daemon=True).start()
+
+    def _read(self, receive: Callable[[], Any]) -> None:
+        try:
+            while True:
+                message = receive()
+                if isinstance(message, Stop):
+                    break
+                self._put(message)
+        except (EOFError, OSError):
+            pass
+        with self._changed:
+            self._is_closed = True
+            self._changed.notify_all()
+
+    def _put(self, message: Any) -> None:
+        with self._changed:
+            if isinstance(message, Cancel):
+                self._cancelled = max(self._cancelled, message.seq)
+            elif isinstance(message, Edit) and self._waiting and isinstance(self._waiting[-1], Edit):
+                self._waiting[-1] = merged(self._waiting[-1], message)
+            else:
+                self._waiting.append(message)
+            self._changed.notify_all()
+
+    def take(self, seconds: float | None = None) -> Any:
+        """The next message; None after so many seconds without one, or at the end."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._waiting or self._is_closed, seconds)
+            return self._waiting.popleft() if self._waiting and not self._is_closed else None
+
+    @property
+    def is_closed(self) -> bool:
+        """Nobody asks any more."""
+        return self._is_closed
+
+    @property
+    def has_waiting(self) -> bool:
+        """Whether a message waits."""
+        return bool(self._waiting)
+
+    def is_cancelled(self, seq: int) -> bool:
+        """Whether the work on a message was broken off."""
+        return seq <= self._cancelled

@@ -1,0 +1,232 @@
+"""What the server and its processes send each other over a pipe; arrays are in mm, rows of lattice sites are [i, j].
+
+The server reads these classes, so this file imports numpy and nothing heavier.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]
+
+
+@dataclass(frozen=True)
+class Edit:
+    """Show this design. Whatever is None stays as in the last edit that gave it.
+
+    Attributes
+    ----------
+    seq : increases; every answer carries the number that it belongs to.
+    design : the table of the design file.
+    sites, sizes_mm : (n, 2) and (n, 3), all stars with sizes of their own; nan keeps the size of the design's profile.
+    removed : (m, 2), all removed stars.
+    is_dragging : the pointer is down: coarse mesh, linear response first, no summary.
+    snapshot : the form to start from.
+    folder : of the design file, for pictures.
+    """
+
+    seq: int
+    design: dict[str, Any] | None = None
+    sites: Array | None = None
+    sizes_mm: Array | None = None
+    removed: Array | None = None
+    is_dragging: bool = False
+    snapshot: Any = None
+    folder: str = "."
+
+
+@dataclass(frozen=True)
+class Flip:
+    """Show the form that bends to the other side."""
+
+    seq: int
+
+
+@dataclass(frozen=True)
+class ShowForm:
+    """Show another minimum of the last summary."""
+
+    seq: int
+    index: int
+
+
+@dataclass(frozen=True)
+class Cancel:
+    """Break off the work on edits up to `seq`; the last good shape stays."""
+
+    seq: int
+
+
+@dataclass(frozen=True)
+class Stop:
+    """End the process."""
+
+
+@dataclass(frozen=True)
+class Ready:
+    """The engine has loaded everything, in so many seconds."""
+
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Ranges of sizes (mm) that the law covers at the fabric's stretch, and stretches that a law exists for."""
+
+    seq: int
+    law: dict[str, tuple[float, float]]
+    stretches: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """The triangles of the shown surface; sent before the first frame on it.
+
+    Attributes
+    ----------
+    printed : (V, 2) mm.
+    triangles : (T, 3).
+    outline : (R,) vertices around the sheet.
+    arm_site : (A,) row of the star's site in the plan, for each ribbon of the frames.
+    """
+
+    mesh: int
+    printed: Array
+    triangles: Array
+    outline: Array
+    arm_site: Array
+    is_fine: bool = False
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A shape on a mesh.
+
+    Attributes
+    ----------
+    stage : `linear`, `equilibrium` or `exact`.
+    positions, normals : (V, 3) mm, and unit vectors towards the plastic.
+    curvature : (V,) 1/mm, mean curvature of the smooth surface.
+    strain : (V,) area of the smooth surface over that of the released sheet, minus 1.
+    arms, arm_normals : (A, K, 2, 3) left and right edges of the ribbons, (A, K, 3).
+    needles : (N, 2, 3) foot and tip.
+    snapshot : the form, to come back to; None for linear stages.
+    """
+
+    seq: int
+    mesh: int
+    stage: str
+    positions: Array
+    normals: Array
+    curvature: Array
+    strain: Array
+    arms: Array
+    arm_normals: Array
+    needles: Array
+    is_minimum: bool = False
+    height_mm: float = 0.0
+    seconds: dict[str, float] = field(default_factory=dict)
+    snapshot: Any = None
+
+
+@dataclass(frozen=True)
+class Notice:
+    """A warning, with the sites of the stars and the printed place (mm) that it is about."""
+
+    text: str
+    stars: tuple[tuple[int, int], ...] = ()
+    at_mm: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True)
+class Form:
+    """One of several minima: its number, its name, and its energy above the lowest."""
+
+    index: int
+    name: str
+    energy_percent: float
+    is_shown: bool
+
+
+@dataclass(frozen=True)
+class ShapeSummary:
+    """Numbers, warnings and minima of the shape of an edit, when the engine has rested."""
+
+    seq: int
+    numbers: dict[str, Any]
+    warnings: tuple[Notice, ...] = ()
+    forms: tuple[Form, ...] = ()
+
+
+@dataclass(frozen=True)
+class Problem:
+    """An edit or a job that has no answer; the last good shape stays.
+
+    Attributes
+    ----------
+    kind : `design`, `law`, `mesh`, `no minimum`, `too long`, `cancelled`, `no other side`, `output`.
+    field, value, allowed : of a mistake in the design; empty otherwise.
+    text : one line.
+    """
+
+    seq: int
+    kind: str
+    text: str
+    field: str = ""
+    value: str = ""
+    allowed: str = ""
+    stars: tuple[tuple[int, int], ...] = ()
+    at_mm: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True)
+class Busy:
+    """What a long computation is doing; also a sign of life."""
+
+    seq: int
+    what: str
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a job is: `done` of `of` steps of a stage, after so many seconds."""
+
+    job: int
+    stage: str
+    done: int
+    of: int
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Verified:
+    """The end of a verification: both shapes at the vertices of one mesh, and their distance (V,) mm."""
+
+    job: int
+    summary: dict[str, Any]
+    mesh: Mesh
+    exact: Array
+    preview: Array
+    distance: Array
+    files: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Written:
+    """The end of a job that writes files."""
+
+    job: int
+    summary: dict[str, Any]
+    folder: str
+    files: tuple[str, ...]
+    warnings: tuple[str, ...] = ()
+
+
+def sites_of(rows: Array, stars: tuple[int, ...]) -> tuple[tuple[int, int], ...]:
+    """Lattice sites of stars by their numbers; numbers beyond the list are left out."""
+    count = len(rows)
+    return tuple((int(i), int(j)) for i, j in np.asarray(rows)[[star for star in stars if 0 <= star < count]])

@@ -1,0 +1,54 @@
+"""An engine in the test's own process, with a pipe of queues."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from typing import Any
+
+from asterism.studio.engine import Engine
+from asterism.studio.inbox import Inbox
+from asterism.studio.messages import Frame, Problem, ShapeSummary, Stop
+
+PATIENCE_S = 120.0
+
+
+class EnginePipe:
+    """Sends messages to an engine that serves in a thread, and collects its answers."""
+
+    def __init__(self) -> None:
+        self._to: queue.Queue[Any] = queue.Queue()
+        self._back: queue.Queue[Any] = queue.Queue()
+        self.answers: list[Any] = []
+        engine = Engine(Inbox(self._to.get), self._back.put)
+        self._thread = threading.Thread(target=engine.serve, daemon=True)
+        self._thread.start()
+
+    def send(self, *messages: Any) -> None:
+        for message in messages:
+            self._to.put(message)
+
+    def until(self, ends: Any) -> Any:
+        """The next answer for which `ends` is true; all answers are kept."""
+        while True:
+            answer = self._back.get(timeout=PATIENCE_S)
+            self.answers.append(answer)
+            if ends(answer):
+                return answer
+
+    def frame(self, seq: int, stage: str = "equilibrium") -> Frame:
+        """The next frame of a message."""
+        return self.until(lambda answer: isinstance(answer, Frame) and (answer.seq, answer.stage) == (seq, stage))
+
+    def summary(self, seq: int) -> ShapeSummary:
+        """The summary of a message."""
+        return self.until(lambda answer: isinstance(answer, ShapeSummary) and answer.seq == seq)
+
+    def problem(self, seq: int) -> Problem:
+        """The problem of a message."""
+        return self.until(lambda answer: isinstance(answer, Problem) and answer.seq == seq)
+
+    def close(self) -> None:
+        self._to.put(Stop())
+        self._thread.join(PATIENCE_S)
+        assert not self._thread.is_alive()

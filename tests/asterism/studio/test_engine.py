@@ -1,0 +1,203 @@
+"""The engine shows edits: newest first, errors leave the old shape, and rest brings the summary."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+import asterism
+from asterism.studio.messages import Busy, Cancel, Edit, Flip, Frame, Limits, Mesh, ShowForm
+from pattern.layout.build import layout
+from tests.asterism.studio.engine_pipe import EnginePipe
+
+
+@pytest.fixture
+def engine() -> Iterator[EnginePipe]:
+    pipe = EnginePipe()
+    yield pipe
+    pipe.close()
+
+
+def table(name: str = "dome", **sections: Any) -> dict[str, Any]:
+    data = asterism.new(name).to_dict() | {"mesh": {"edge_mm": 4.0}}
+    for section, entries in sections.items():
+        data[section] = data[section] | entries if isinstance(entries, dict) else entries
+    return data
+
+
+def test_the_first_edit_gives_a_mesh_a_shape_and_the_limits(engine: EnginePipe) -> None:
+    engine.send(Edit(1, table()))
+    frame = engine.frame(1)
+    (mesh,) = [answer for answer in engine.answers if isinstance(answer, Mesh)]
+    (limits,) = [answer for answer in engine.answers if isinstance(answer, Limits)]
+    assert frame.mesh == mesh.mesh and not mesh.is_fine and frame.is_minimum and frame.snapshot is not None
+    count, arms = len(mesh.printed), len(mesh.arm_site)
+    assert frame.positions.shape == frame.normals.shape == (count, 3)
+    assert frame.curvature.shape == frame.strain.shape == (count,)
+    assert frame.arms.shape == (arms, 5, 2, 3) and frame.arm_normals.shape == (arms, 5, 3)
+    assert all(np.isfinite(part).all() for part in (frame.positions, frame.arms, frame.needles, frame.strain))
+    assert mesh.triangles.max() < count and len(set(mesh.outline.tolist())) == len(mesh.outline) > 20
+    assert set(limits.stretches) == {1.35, 1.75} and limits.law["width_mm"] == (0.8, 1.6)
+
+
+def test_the_shown_sheet_is_the_preview(engine: EnginePipe) -> None:
+    engine.send(Edit(1, table()))
+    frame = engine.frame(1)
+    mesh = next(answer for answer in engine.answers if isinstance(answer, Mesh))
+    design = asterism.Design.from_dict(table())
+    preview = asterism.Preview(design)
+    inside = np.abs(mesh.printed).max(axis=1) < 40.0
+    places = preview.at(mesh.printed[inside].astype(float)).bumpy
+    assert frame.positions[inside] == pytest.approx(places, abs=0.02)  # points of 4 bytes change their nearest star
+    tilt = np.einsum("nc,nc->n", frame.normals[inside], preview.at(mesh.printed[inside].astype(float)).surface.normals)
+    assert tilt.min() > 0.7 and tilt.mean() > 0.95
+    plan = layout(design)
+    width = np.linalg.norm(frame.arms[:, :, 0] - frame.arms[:, :, 1], axis=-1)
+    assert width == pytest.approx(np.broadcast_to(plan.arm_width[:, :1], width.shape), abs=1e-3)
+    # the left edge is on the left of an arm that leads away from its star
+    along = frame.arms[:, -1].mean(axis=1) - frame.arms[:, 0].mean(axis=1)
+    left = frame.arms[:, 2, 0] - frame.arms[:, 2, 1]
+    assert (np.einsum("ac,ac->a", np.cross(along, left), frame.arm_normals[:, 2]) > 0.0).all()
+
+
+def test_painted_stars_give_a_linear_response_and_then_the_equilibrium(engine: EnginePipe) -> None:
+    engine.send(Edit(1, table()))
+    engine.frame(1)
+    engine.send(Edit(2, sites=np.array([[0, 0], [1, 0]]), sizes_mm=np.array([[6.0, np.nan, np.nan]] * 2)))
+    linear, final = engine.frame(2, "linear"), engine.frame(2)
+    assert linear.snapshot is None and linear.mesh == final.mesh
+    override = [{"site": [0, 0], "length_mm": 6.0}, {"site": [1, 0], "length_mm": 6.0}]
+    engine.send(Edit(3, table(stars={"override": override}), np.empty((0, 2)), np.empty((0, 3))))
+    assert engine.frame(3).positions == pytest.approx(final.positions, abs=1e-4)
+
+
+def test_rest_brings_a_fine_mesh_and_the_summary(engine: EnginePipe) -> None:
+    engine.send(Edit(1, table(stars={"override": [{"site": [0, 0], "thickness_mm": 1.6}]})))
+    summary = engine.summary(1)
+    expected = asterism.preview(
+        asterism.Design.from_dict(table(stars={"override": [{"site": [0, 0], "thickness_mm": 1.6}]}))
+    ).summary
+    assert summary.numbers["height_mm"] == pytest.approx(expected["height_mm"], rel=1e-9)
+    assert [notice.text for notice in summary.warnings] == expected["warnings"]
+    assert summary.warnings[0].stars == ((0, 0),)
+    fine = [answer for answer in engine.answers if isinstance(answer, Mesh) and answer.is_fine]
+    assert len(fine) == 1 and engine.answers[-2].mesh == fine[0].mesh
+
+
+def test_a_drag_ends_with_the_shape_of_its_last_edit(engine: EnginePipe) -> None:
+    engine.send(Edit(1, table()))
+    engine.frame(1)
+    lengths = np.linspace(9.0, 6.0, 40)
+    for seq, length in enumerate(lengths, 2):
+        engine.send(Edit(seq, None, np.array([[0, 0]]), np.array([[length, np.nan, np.nan]]), is_dragging=True))
+    engine.send(Edit(50))
+    engine.summary(50)
+    shown = [answer.seq for answer in engine.answers if isinstance(answer, Frame)]
+    assert shown == sorted(shown) and len(set(shown)) < 40
+    height = engine.answers[-1].numbers["height_mm"]
+    last = table(stars={"override": [{"site": [0, 0], "length_mm": 6.0}]})
+    assert height == pytest.approx(asterism.preview(asterism.Design.from_dict(last)).height_mm, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("changes", "kind", "field"),
+    [
+        ({"stars": {"length_mm": 40.0}}, "design", "stars.length_mm"),
+        ({"fabric": {"stretch": 1.5}}, "law", ""),
+        ({"border": {"rings": -1}}, "design", "border.rings"),
+        ({"pins": [{"points_mm": [[900.0, 0.0]]}]}, "design", "pins[0].points_mm[0]"),
+        ({"stars": {"override": [{"site": [1, 0], "width_mm": 40.0}]}}, "design", "stars.override[0].width_mm"),
+    ],
+)
+def test_an_error_leaves_the_old_shape(engine: EnginePipe, changes: dict[str, Any], kind: str, field: str) -> None:
+    engine.send(Edit(1, table()))
+    before = engine.frame(1)
+    engine.send(Edit(2, table(**changes)))
+    problem = engine.problem(2)
+    assert (problem.kind, problem.field) == (kind, field) and "\n" not in problem.text
+    if "override" in str(changes):
+        assert problem.stars == ((1, 0),) and problem.at_mm is not None
+    engine.send(Edit(3, table()))
+    assert engine.frame(3).positions == pytest.approx(before.positions, abs=1e-4)
+
+
+def test_an_error_of_the_first_edit_is_no_end(engine: EnginePipe) -> None:
+    engine.send(Edit(1, table(stars={"length_mm": 40.0})))
+    assert engine.problem(1).kind == "design"
+    engine.send(Edit(2, table()))
+    assert engine.frame(2).is_minimum
+
+
+def test_a_search_can_be_cancelled_and_the_shape_stays(engine: EnginePipe) -> None:
+    engine.send(Edit(1, table()))
+    before = engine.frame(1)
+    engine.send(Cancel(2), Edit(2, table(border={"rings": 4})))
+    assert engine.problem(2).kind == "cancelled"
+    engine.send(Edit(3, table()))
+    assert engine.frame(3).positions == pytest.approx(before.positions, abs=1e-4)
+
+
+def test_a_snapshot_brings_its_form_back(engine: EnginePipe) -> None:
+    engine.send(Edit(1, table()))
+    first = engine.frame(1)
+    engine.send(Flip(2))
+    flipped = engine.frame(2)
+    assert np.abs(flipped.positions - first.positions).max() > 1.0
+    engine.send(Edit(3, table(), snapshot=first.snapshot))
+    assert engine.frame(3).positions == pytest.approx(first.positions, abs=1e-4)
+    # of another mesh: the shape is found anew
+    engine.send(Edit(4, table(border={"rings": 2}), snapshot=first.snapshot))
+    assert engine.frame(4).is_minimum
+
+
+def test_other_forms_are_listed_and_shown(engine: EnginePipe) -> None:
+    data = asterism.new("fig8-l-increasing").to_dict()
+    engine.send(Edit(1, data))
+    summary = engine.summary(1)
+    assert [form.is_shown for form in summary.forms] == [True, False]
+    engine.send(ShowForm(2, 0))
+    assert engine.frame(2).is_minimum
+    engine.send(ShowForm(3, 7))
+    assert engine.problem(3).kind == "no such form"
+
+
+def test_removed_stars_have_no_arms(engine: EnginePipe) -> None:
+    engine.send(Edit(1, table()))
+    engine.frame(1)
+    engine.send(Edit(2, removed=np.array([[0, 0]])))
+    frame = engine.frame(2)
+    mesh = [answer for answer in engine.answers if isinstance(answer, Mesh)][-1]
+    assert frame.mesh == mesh.mesh and 0 not in mesh.arm_site and len(frame.arms) == len(mesh.arm_site) == 36 * 3
+    engine.send(Edit(3, removed=np.empty((0, 2))))
+    assert len(engine.frame(3).arms) == 37 * 3
+
+
+def test_free_sheets_keep_their_pose_while_they_change(engine: EnginePipe) -> None:
+    engine.send(Edit(1, table("tube")))
+    first = engine.frame(1)
+    assert first.positions[:, 2].min() == pytest.approx(0.0, abs=1e-5) and len(first.needles) == 0
+    engine.send(Edit(2, sites=np.array([[0, 0]]), sizes_mm=np.array([[np.nan, 0.41, np.nan]])))
+    linear, final = engine.frame(2, "linear"), engine.frame(2)
+    assert np.abs(linear.positions - final.positions).max() < 3.0
+    assert engine.summary(2).numbers["height_mm"] > 0.0
+
+
+def test_long_work_gives_signs_of_life(engine: EnginePipe, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("asterism.studio.engine.SIGN_EVERY_S", 0.0)
+    engine.send(Edit(1, table()))
+    engine.frame(1)
+    assert any(isinstance(answer, Busy) and answer.seq == 1 for answer in engine.answers)
+
+
+def test_work_that_takes_too_long_is_given_up(engine: EnginePipe, monkeypatch: pytest.MonkeyPatch) -> None:
+    engine.send(Edit(1, table()))
+    before = engine.frame(1)
+    monkeypatch.setattr("asterism.studio.engine.MAX_SEARCH_S", 0.02)
+    engine.send(Edit(2, table(border={"rings": 4})))
+    assert engine.problem(2).kind == "too long"
+    monkeypatch.undo()
+    engine.send(Edit(3, table()))
+    assert engine.frame(3).positions == pytest.approx(before.positions, abs=1e-4)
