@@ -30,10 +30,10 @@ from asterism.studio.messages import (
     Form,
     Limits,
     Notice,
-    Problem,
     Ready,
     ShapeSummary,
     ShowForm,
+    StudioProblem,
     sites_of,
 )
 from asterism.studio.sheet_view import SheetView
@@ -128,7 +128,7 @@ class Engine:
             self._was_stale = not self._yields
         except Cancelled:
             self._is_resting = True
-            self._send(Problem(seq, "cancelled", "the computation was cancelled"))
+            self._send(StudioProblem(seq, "cancelled", "the computation was cancelled"))
         except Exception as error:
             self._is_resting = True
             problem = engine_problem(seq, error, self._design)
@@ -221,13 +221,15 @@ class Engine:
         before = self._preview.state
         side = self._preview.flip()
         if self._preview.state is before:
-            self._send(Problem(self._seq, "no other side", f"the sheet has no form but the one with its edges {side}"))
+            self._send(
+                StudioProblem(self._seq, "no other side", f"the sheet has no form but the one with its edges {side}")
+            )
             return
         self._show("equilibrium", None)
 
     def _show_form(self, index: int) -> None:
         if self._preview is None or not 0 <= index < len(self._preview.forms):
-            self._send(Problem(self._seq, "no such form", "the list of forms has changed"))
+            self._send(StudioProblem(self._seq, "no such form", "the list of forms has changed"))
             return
         self._preview.show_form(index)
         self._show("equilibrium", None)

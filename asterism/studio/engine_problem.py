@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 from asterism.previews.watch import SearchLimitError
-from asterism.studio.messages import Problem, sites_of
+from asterism.studio.messages import StudioProblem, sites_of
 from homogenize.errors import LawError
 from pattern.design.design import Design
 from pattern.design.errors import DesignError, MeshError
 from pattern.layout.build import sheet_sites
 
-KINDS: dict[type[Exception], str] = {
+PROBLEM_KINDS: dict[type[Exception], str] = {
     DesignError: "design",
     LawError: "law",
     MeshError: "mesh",
@@ -20,12 +20,12 @@ KINDS: dict[type[Exception], str] = {
 UNEXPECTED = "error"
 
 
-def engine_problem(seq: int, error: Exception, design: Design | None = None) -> Problem:
+def engine_problem(seq: int, error: Exception, design: Design | None = None) -> StudioProblem:
     """The problem that an error is; the design's lattice sites take the place of the numbers of its stars."""
-    kind = next((kind for of, kind in KINDS.items() if isinstance(error, of)), UNEXPECTED)
+    kind = next((kind for of, kind in PROBLEM_KINDS.items() if isinstance(error, of)), UNEXPECTED)
     text = str(error) if kind != UNEXPECTED else f"{type(error).__name__}: {error}"
     stars, place = getattr(error, "stars", ()), getattr(error, "place_mm", None)
-    return Problem(
+    return StudioProblem(
         seq=seq,
         kind=kind,
         text=" ".join(text.split()),

@@ -83,7 +83,7 @@ class Limits:
 
 
 @dataclass(frozen=True)
-class Mesh:
+class ShownMesh:
     """The triangles of the shown surface; sent before the first frame on it.
 
     Attributes
@@ -163,7 +163,7 @@ class ShapeSummary:
 
 
 @dataclass(frozen=True)
-class Problem:
+class StudioProblem:
     """An edit or a job that has no answer; the last good shape stays.
 
     Attributes
@@ -192,7 +192,7 @@ class Busy:
 
 
 @dataclass(frozen=True)
-class Progress:
+class JobProgress:
     """How far a job is: `done` of `of` steps of a stage, after so many seconds."""
 
     job: int
@@ -208,7 +208,7 @@ class Verified:
 
     job: int
     summary: dict[str, Any]
-    mesh: Mesh
+    mesh: ShownMesh
     exact: Array
     preview: Array
     distance: Array

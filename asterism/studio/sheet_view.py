@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from asterism.previews.session import Preview
 from asterism.shape.pose import upright_rotation
-from asterism.studio.messages import Frame, Mesh
+from asterism.studio.messages import Frame, ShownMesh
 from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import polygon_area
 from pattern.layout.layout import Layout
@@ -69,10 +69,10 @@ class SheetView:
         """Whether the mesh was numbered for a layout with arms at the same sites."""
         return self._number > 0 and np.array_equal(layout.star_number[layout.arm_star], self._arm_site)
 
-    def numbered(self, number: int, layout: Layout) -> Mesh:
+    def numbered(self, number: int, layout: Layout) -> ShownMesh:
         """The message with the mesh, under a new number."""
         self._number, self._arm_site = number, layout.star_number[layout.arm_star].astype(np.uint32)
-        return Mesh(
+        return ShownMesh(
             mesh=number,
             printed=self.printed.astype(np.float32),
             triangles=self.triangles.astype(np.uint32),

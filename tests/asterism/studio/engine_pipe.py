@@ -8,7 +8,7 @@ from typing import Any
 
 from asterism.studio.engine import Engine
 from asterism.studio.inbox import Inbox
-from asterism.studio.messages import Frame, Problem, ShapeSummary, Stop
+from asterism.studio.messages import Frame, ShapeSummary, Stop, StudioProblem
 
 PATIENCE_S = 120.0
 
@@ -44,9 +44,9 @@ class EnginePipe:
         """The summary of a message."""
         return self.until(lambda answer: isinstance(answer, ShapeSummary) and answer.seq == seq)
 
-    def problem(self, seq: int) -> Problem:
+    def problem(self, seq: int) -> StudioProblem:
         """The problem of a message."""
-        return self.until(lambda answer: isinstance(answer, Problem) and answer.seq == seq)
+        return self.until(lambda answer: isinstance(answer, StudioProblem) and answer.seq == seq)
 
     def close(self) -> None:
         self._to.put(Stop())

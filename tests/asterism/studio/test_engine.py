@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import asterism
-from asterism.studio.messages import Busy, Cancel, Edit, Flip, Frame, Limits, Mesh, ShowForm
+from asterism.studio.messages import Busy, Cancel, Edit, Flip, Frame, Limits, ShowForm, ShownMesh
 from pattern.layout.build import layout
 from tests.asterism.studio.engine_pipe import EnginePipe
 
@@ -31,7 +31,7 @@ def table(name: str = "dome", **sections: Any) -> dict[str, Any]:
 def test_the_first_edit_gives_a_mesh_a_shape_and_the_limits(engine: EnginePipe) -> None:
     engine.send(Edit(1, table()))
     frame = engine.frame(1)
-    (mesh,) = [answer for answer in engine.answers if isinstance(answer, Mesh)]
+    (mesh,) = [answer for answer in engine.answers if isinstance(answer, ShownMesh)]
     (limits,) = [answer for answer in engine.answers if isinstance(answer, Limits)]
     assert frame.mesh == mesh.mesh and not mesh.is_fine and frame.is_minimum and frame.snapshot is not None
     count, arms = len(mesh.printed), len(mesh.arm_site)
@@ -46,7 +46,7 @@ def test_the_first_edit_gives_a_mesh_a_shape_and_the_limits(engine: EnginePipe) 
 def test_the_shown_sheet_is_the_preview(engine: EnginePipe) -> None:
     engine.send(Edit(1, table()))
     frame = engine.frame(1)
-    mesh = next(answer for answer in engine.answers if isinstance(answer, Mesh))
+    mesh = next(answer for answer in engine.answers if isinstance(answer, ShownMesh))
     design = asterism.Design.from_dict(table())
     preview = asterism.Preview(design)
     inside = np.abs(mesh.printed).max(axis=1) < 40.0
@@ -83,7 +83,7 @@ def test_rest_brings_a_fine_mesh_and_the_summary(engine: EnginePipe) -> None:
     assert summary.numbers["height_mm"] == pytest.approx(expected["height_mm"], rel=1e-9)
     assert [notice.text for notice in summary.warnings] == expected["warnings"]
     assert summary.warnings[0].stars == ((0, 0),)
-    fine = [answer for answer in engine.answers if isinstance(answer, Mesh) and answer.is_fine]
+    fine = [answer for answer in engine.answers if isinstance(answer, ShownMesh) and answer.is_fine]
     assert len(fine) == 1 and engine.answers[-2].mesh == fine[0].mesh
 
 
@@ -169,7 +169,7 @@ def test_removed_stars_have_no_arms(engine: EnginePipe) -> None:
     engine.frame(1)
     engine.send(Edit(2, removed=np.array([[0, 0]])))
     frame = engine.frame(2)
-    mesh = [answer for answer in engine.answers if isinstance(answer, Mesh)][-1]
+    mesh = [answer for answer in engine.answers if isinstance(answer, ShownMesh)][-1]
     assert frame.mesh == mesh.mesh and 0 not in mesh.arm_site and len(frame.arms) == len(mesh.arm_site) == 36 * 3
     engine.send(Edit(3, removed=np.empty((0, 2))))
     assert len(engine.frame(3).arms) == 37 * 3
