@@ -1,1 +1,1 @@
-"""Shapes in space and their measures."""
+"""Shapes of a sheet in space, their measures and their comparison."""

@@ -1,4 +1,4 @@
-"""A surface without the relief of its stars: the mean over one cell of the lattice around every point."""
+"""The surface of a sheet without the bumps of its stars: the mean over one lattice cell around each point."""
 
 from __future__ import annotations
 
@@ -8,36 +8,38 @@ from scipy.spatial import cKDTree
 
 from pattern.geometry.arrays import Floats, Ints
 
-CELL_RIM_TOLERANCE = 1e-6  # of the spacing: on the rim of a cell
-AT_ONCE = 2000  # points whose neighbourhoods are looked up together
+# a point this near to the border of a cell, relative to the spacing, counts as on the border
+CELL_BORDER_TOLERANCE = 1e-6
+# points whose neighbourhoods are searched in one piece; limits the memory
+MEANS_PER_PIECE = 2000
 
 
 class CellMean:
-    """Means over the cells around the vertices of a mesh, as a matrix.
+    """Means over the lattice cells around the vertices of a mesh, as a sparse matrix.
 
-    A relief that repeats from star to star is removed. Near the outline the cell is cut: both shapes of a comparison
-    lose the same part of it.
+    The mean removes bumps that repeat from star to star. The outline cuts the cells near it, for both shapes of a
+    comparison in the same way.
 
     Parameters
     ----------
     points : (V, 2) mm, vertices of the printed mesh.
-    weights : (V,) mm^2, the part of the sheet that each stands for.
+    weights : (V,) mm^2, printed area of each vertex; any other unit gives the same means.
     lattice_vectors : (2, 2) mm, rows.
-    at : (k,) the vertices whose means are asked for; all by default.
+    at : (k,) vertices whose means are computed; all by default.
     """
 
     def __init__(self, points: Floats, weights: Floats, lattice_vectors: Floats, at: Ints | None = None) -> None:
         span = np.array([[i, j] for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)])
         steps = span @ lattice_vectors
-        # no point of the plane is further from the lattice than half the diagonal of a rectangle of these sides
+        # each point of the plane is within half the diagonal of a rectangle of these sides from a lattice point
         reach = 0.5 * float(np.linalg.norm(lattice_vectors))
-        near = CELL_RIM_TOLERANCE * reach**2
-        reach *= 1.0 + CELL_RIM_TOLERANCE
+        near = CELL_BORDER_TOLERANCE * reach**2
+        reach *= 1.0 + CELL_BORDER_TOLERANCE
         tree = cKDTree(points)
         rows = []
         middles = points if at is None else points[at]
-        for begin in range(0, len(middles), AT_ONCE):
-            some = middles[begin : begin + AT_ONCE]
+        for begin in range(0, len(middles), MEANS_PER_PIECE):
+            some = middles[begin : begin + MEANS_PER_PIECE]
             pairs = cKDTree(some).sparse_distance_matrix(tree, reach, output_type="ndarray")
             i, j = pairs["i"], pairs["j"]
             gap = points[j] - some[i]
@@ -47,7 +49,7 @@ class CellMean:
             for step in steps:
                 other = ((gap - step) ** 2).sum(axis=1)
                 inside &= square <= other + near
-                # what lies between two cells belongs to both in equal parts
+                # a point on the border between two cells counts by half in each
                 shares += np.abs(square - other) <= near
             i, j, part = i[inside], j[inside], (weights[j] / shares)[inside]
             rows.append(coo_array((part, (i, j)), shape=(len(some), len(points))).tocsr())
@@ -56,5 +58,5 @@ class CellMean:
         self._matrix = matrix
 
     def __call__(self, values: Floats) -> Floats:
-        """(k, m) means of values (V, m)."""
+        """(k, m) means of values (V, m) at the vertices."""
         return np.asarray(self._matrix @ values)

@@ -1,4 +1,4 @@
-"""How far one shape of a design is from another one: at the same printed points, after the best rigid motion."""
+"""Distance of two shapes of one design: at the same printed points, after the best rigid motion."""
 
 from __future__ import annotations
 
@@ -22,16 +22,18 @@ from pattern.layout.layout import Layout
 from pattern.layout.roll_axis import roll_axis_from_normals
 from pattern.layout.symmetries import Symmetry
 
-MAX_IMAGE_SAMPLES = 500  # vertices by which the nearest image is chosen
-MAX_CENTROID_OFFSET_SPACINGS = 0.01  # of the spacing: a cell whose middle is further from its point is cut
+# at most about twice this many vertices are used to choose the nearest symmetric image
+MAX_IMAGE_SAMPLES = 500
+# the outline cuts a cell if the cell's centroid is further than this from its point, in spacings
+MAX_CENTROID_OFFSET_SPACINGS = 0.01
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """A shape laid on a reference shape; all distances are after that.
+    """A shape laid on a reference shape by a rigid motion, and the distances after it.
 
-    Relief repeats from star to star and is not what a smooth sheet can know: surfaces are compared by their means over
-    a cell (`CellMean`), star centres as they are.
+    The bumps of the stars are not part of a smooth surface. Therefore surfaces are compared by their means over a
+    lattice cell (`CellMean`). Star centres are compared as they are.
 
     Attributes
     ----------
@@ -168,7 +170,7 @@ class Comparison:
         """Root mean square angle of the normals of the cell means, over the printed area."""
         triangles = self.reference.triangles
         one, other = (vertex_normals(mean, triangles) for mean in (self.reference_mean, self.other_mean))
-        # the cosine alone has no digits left for small angles
+        # the arc cosine would lose all digits for small angles
         angle = 2.0 * np.arctan2(np.linalg.norm(one - other, axis=1), np.linalg.norm(one + other, axis=1))
         return float(np.degrees(np.sqrt(self.reference.weights @ angle**2)))
 
@@ -238,7 +240,7 @@ def _held(layout: Layout) -> Floats:
 
 
 def image(shape: Shape, symmetry: Symmetry) -> Shape:
-    """The image of a shape under a symmetry of its design, an equilibrium like itself; without sheet fields."""
+    """The image of a shape under a symmetry of its design, without fields of the sheet; again an equilibrium."""
     # a shape need not have a vertex at every star
     star_vertices = shape.star_vertices[symmetry.star] if len(shape.star_vertices) else shape.star_vertices
     numbers = shape.star[shape.star_vertices]
@@ -264,7 +266,7 @@ def image(shape: Shape, symmetry: Symmetry) -> Shape:
 
 
 def _nearest(reference: Shape, other: Shape, symmetries: Sequence[Symmetry]) -> Symmetry:
-    """The symmetry whose image is nearest; bumps are the same in all of them, so that the surface itself will do."""
+    """The symmetry whose image is nearest to the reference; all images have the same bumps, which need no mean."""
     some = slice(None, None, max(len(reference.printed) // MAX_IMAGE_SAMPLES, 1))
     printed, places = reference.printed[some], reference.positions[some]
 

@@ -1,4 +1,4 @@
-"""How much a sheet has contracted."""
+"""Contraction of a sheet."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from pattern.layout.layout import Layout
 
 
 def contraction(layout: Layout, shape: Shape) -> float | None:
-    """Mean distance of neighbouring star centres over the printed one; None for a star alone."""
+    """Mean distance of neighbouring star centres in space over that in print; None for a single star."""
     pairs = layout.neighbours
     if len(pairs) == 0:
         return None
     places = shape.positions[shape.star_vertices], layout.centres
-    now, before = (np.linalg.norm(centres[pairs[:, 0]] - centres[pairs[:, 1]], axis=1) for centres in places)
-    return float(now.mean() / before.mean())
+    in_space, in_print = (np.linalg.norm(centres[pairs[:, 0]] - centres[pairs[:, 1]], axis=1) for centres in places)
+    return float(in_space.mean() / in_print.mean())

@@ -1,4 +1,4 @@
-"""How large a shape is."""
+"""Diameter of a set of points."""
 
 from __future__ import annotations
 
@@ -8,20 +8,31 @@ from pattern.geometry.arrays import Floats
 
 
 def diameter(positions: Floats) -> float:
-    """mm, the largest distance of two points (n, 3); of very round sheets, to the resolution of some hundred points."""
+    """Largest distance of two points (n, 3), in mm.
+
+    Exact if at most 1000 points can be ends of the diameter. Nearly spherical sheets have more; then every second,
+    third, ... of these points is used.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> diameter(np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [3.0, 4.0, 0.0]]))
+    5.0
+    """
     from scipy.spatial.distance import pdist
 
-    one = positions[_far(positions, positions.mean(axis=0)).argmax()]
-    other = positions[_far(positions, one).argmax()]
-    away = _far(positions, other)
-    least, middle = away.max(), 0.5 * (other + positions[away.argmax()])
-    # both ends of a longer distance are at least so far from any point
-    away = _far(positions, middle)
-    ends = positions[away >= (1.0 - 1e-9) * least - away.max()]
-    return float(pdist(ends[:: max(len(ends) // 500, 1)]).max(initial=least))
+    first = positions[_distances(positions, positions.mean(axis=0)).argmax()]
+    second = positions[_distances(positions, first).argmax()]
+    distances = _distances(positions, second)
+    # a long distance between two points, and the point halfway between them
+    lower_bound, middle = distances.max(), 0.5 * (second + positions[distances.argmax()])
+    # the triangle inequality excludes points near the middle: a longer distance cannot end there
+    distances = _distances(positions, middle)
+    ends = positions[distances >= (1.0 - 1e-9) * lower_bound - distances.max()]
+    return float(pdist(ends[:: max(len(ends) // 500, 1)]).max(initial=lower_bound))
 
 
-def _far(positions: Floats, point: Floats) -> Floats:
+def _distances(positions: Floats, point: Floats) -> Floats:
     """(n,) mm from positions (n, 3) to a point (3,)."""
     offset = positions - point
     return np.asarray(np.sqrt(np.einsum("nc,nc->n", offset, offset)))

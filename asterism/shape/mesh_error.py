@@ -1,4 +1,4 @@
-"""How far a shape is from that of an infinitely fine mesh, from the meshes it was solved on."""
+"""Estimate of the discretisation error of a shape from its solutions on two or three meshes."""
 
 from __future__ import annotations
 
@@ -13,15 +13,16 @@ from asterism.shape.shape import Shape
 from pattern.geometry.arrays import Floats
 from pattern.geometry.rigid_fit import rms_distance
 
-# Order of the distance by the edge length where it cannot be observed: that of a stress which is singular at the arms'
-# tips, and what aligned meshes show in docs/explanation/mesh.md
-ORDER = 1.0
-# observed orders in between are believed
+# assumed order of convergence in the edge length if only two meshes are available: the stress is singular at the tips
+# of the arms, and aligned meshes converge with this order (docs/explanation/mesh.md)
+DEFAULT_MESH_ORDER = 1.0
+# an observed order of convergence outside of these limits gives no estimate
 MIN_OBSERVED_ORDER = 0.5
 MAX_OBSERVED_ORDER = 2.5
-# meshes of nearly the same edge say nothing, and shapes further apart (% of the diameter) are different minima
-SMALLEST_RATIO = 1.2
-LARGEST_PERCENT = 10.0
+# smallest ratio of the edge lengths of two meshes that gives an estimate
+MIN_EDGE_RATIO = 1.2
+# two shapes further apart than this, in % of the diameter, count as different minima
+MAX_MESH_CHANGE_PERCENT = 10.0
 
 
 @dataclass(frozen=True)
@@ -30,9 +31,9 @@ class MeshErrorEstimate:
 
     Attributes
     ----------
-    percent : rms over the sheet, in % of the diameter; None where the meshes do not show it.
-    order : observed on the last three meshes; None with fewer, or where distances do not fall at all.
-    change : % of the diameter, rms distance to the shape on the next coarser mesh; None if there is none.
+    percent : rms error over the sheet, in % of the diameter; None if the meshes allow no estimate.
+    order : order of convergence observed on three meshes; None with fewer, or if the distances do not decrease.
+    change : rms distance to the shape on the next coarser mesh, in % of the diameter; None if only one mesh was solved.
     """
 
     percent: float | None
@@ -41,15 +42,20 @@ class MeshErrorEstimate:
 
 
 def mesh_error(
-    fine: Shape, coarser: Sequence[tuple[Floats, Floats]], resolved: bool = True, order: float = ORDER
+    fine: Shape,
+    coarser: Sequence[tuple[Floats, Floats]],
+    resolved: bool = True,
+    order: float = DEFAULT_MESH_ORDER,
 ) -> MeshErrorEstimate:
-    """Richardson's estimate of the discretisation error of `fine`.
+    """Estimate the discretisation error of `fine` by Richardson extrapolation.
 
     Parameters
     ----------
+    fine : the shape on the finest mesh.
     coarser : (V, 2) printed and (V, 3) deformed vertices (mm) of coarser meshes of the same sheet, the coarsest first.
-    resolved : the mesh of `fine` sees the creases. Meshes that do not may agree on a wrong shape.
-    order : assumed where only one of them is of use.
+    resolved : whether the mesh of `fine` resolves the creases. Otherwise all meshes may agree on a wrong shape, and
+        there is no estimate.
+    order : assumed order of convergence if only one coarser mesh can be used.
     """
     edge = 1.0 / np.sqrt(len(fine.printed))
     edges, distances = [], []
@@ -60,32 +66,46 @@ def mesh_error(
 
 
 def estimate(
-    edges: Sequence[float], distances: Sequence[float], resolved: bool = True, order: float = ORDER
+    edges: Sequence[float], distances: Sequence[float], resolved: bool = True, order: float = DEFAULT_MESH_ORDER
 ) -> MeshErrorEstimate:
-    """From one or two distances (%) of coarser shapes to the finest; edges of all, in any unit, the finest last.
+    """Estimate the error of the finest shape from its distances to one or two coarser shapes.
 
-    An error `c edge^p` leaves the distances `c (edge^p - finest^p)`: two of them have one p. There is no estimate
-    where p is none that theory knows, where the shapes are not two views of the same one, or unless `resolved`.
+    If the error on a mesh is `c edge^p`, the distance to the finest shape is `c (edge^p - finest^p)`. Two distances
+    determine the order p. There is no estimate if p is outside of its limits, if the shapes are so far apart that they
+    are different minima, or if `resolved` is false.
+
+    Parameters
+    ----------
+    edges : edge lengths of all meshes in any unit, the finest last.
+    distances : in % of the diameter, one for each mesh but the finest.
+
+    Examples
+    --------
+    An error of `2 edge` on meshes of edges 4, 2 and 1 gives the distances 6 and 2, and leaves 2 on the finest mesh.
+
+    >>> result = estimate([4.0, 2.0, 1.0], [6.0, 2.0])
+    >>> round(result.percent, 6), round(result.order, 6)
+    (2.0, 1.0)
     """
-    if not distances or edges[-2] / edges[-1] < SMALLEST_RATIO:
+    if not distances or edges[-2] / edges[-1] < MIN_EDGE_RATIO:
         return MeshErrorEstimate(None, None, None)
     observed = None
-    if len(distances) > 1 and edges[-3] / edges[-2] >= SMALLEST_RATIO:
+    if len(distances) > 1 and edges[-3] / edges[-2] >= MIN_EDGE_RATIO:
         observed = _observed(edges, distances)
         order = observed or 0.0
     percent = None
-    if resolved and distances[-1] < LARGEST_PERCENT and MIN_OBSERVED_ORDER <= order <= MAX_OBSERVED_ORDER:
+    if resolved and distances[-1] < MAX_MESH_CHANGE_PERCENT and MIN_OBSERVED_ORDER <= order <= MAX_OBSERVED_ORDER:
         percent = float(distances[-1] / ((edges[-2] / edges[-1]) ** order - 1.0))
     return MeshErrorEstimate(percent, observed, distances[-1])
 
 
 def _observed(edges: Sequence[float], distances: Sequence[float]) -> float | None:
-    """The order p that two distances have; None below 0.1, the largest is 4."""
+    """The order p of two distances, at most 4; None below 0.1."""
     coarse, middle, fine = edges[-3:]
 
-    def off(p: float) -> float:
+    def residual(p: float) -> float:
         return float((coarse**p - fine**p) / (middle**p - fine**p) * distances[-1] - distances[-2])
 
-    if off(0.1) >= 0.0:
+    if residual(0.1) >= 0.0:
         return None
-    return float(brentq(off, 0.1, 4.0)) if off(4.0) > 0.0 else 4.0
+    return float(brentq(residual, 0.1, 4.0)) if residual(4.0) > 0.0 else 4.0

@@ -1,4 +1,4 @@
-"""Principal axes of a sheet, and the pose in which a free sheet is shown and compared."""
+"""Principal axes of a sheet, and the standard pose of a free sheet in pictures and measures."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pattern.geometry.arrays import Floats
 
 
 def principal_axes(positions: Floats, weights: Floats) -> tuple[Floats, Floats]:
-    """Axes of the second moments about the centre of mass.
+    """Compute the principal axes of the second moments about the centre of mass.
 
     Parameters
     ----------
@@ -17,7 +17,7 @@ def principal_axes(positions: Floats, weights: Floats) -> tuple[Floats, Floats]:
 
     Returns
     -------
-    axes : (3, 3) rows, right-handed, the largest moment first.
+    axes : (3, 3), rows are the axes, right-handed, the largest moment first.
     moments : (3,) mm^2.
     """
     centred = positions - weights @ positions
@@ -28,21 +28,21 @@ def principal_axes(positions: Floats, weights: Floats) -> tuple[Floats, Floats]:
 
 
 def upright_rotation(printed: Floats, positions: Floats, weights: Floats, plastic_side: Floats) -> Floats:
-    """The rotation that lays the principal axes along x, y and z with the plastic side up.
+    """Compute the rotation that turns the principal axes to x, y and z, with the plastic side up.
 
-    Axes of nearly equal moments (a dome from above, the section of a tube) have no direction of their own:
-    there the plastic side and the printed directions decide, so that equal shapes get equal pictures.
+    If two moments are nearly equal (a dome seen from above, the section of a tube), their axes are undetermined. Then
+    the plastic side and the printed directions decide, so that equal shapes have equal pictures.
 
     Parameters
     ----------
     printed : (V, 2) mm.
     positions : (V, 3) mm.
     weights : (V,), adding up to 1.
-    plastic_side : (3,) any length, mean direction of the normals.
+    plastic_side : (3,) mean direction of the normals, of any length.
 
     Returns
     -------
-    (3, 3), to be applied to columns.
+    (3, 3), applied to column vectors.
     """
     (long, middle, short), moments = principal_axes(positions, weights)
     if moments[1] < 1.3 * moments[2]:
@@ -57,7 +57,7 @@ def upright_rotation(printed: Floats, positions: Floats, weights: Floats, plasti
     overlap = (weights[:, None] * (printed - weights @ printed)).T @ flat
     turn = np.arctan2(overlap[1, 0] - overlap[0, 1], overlap[0, 0] + overlap[1, 1])
     if moments[0] > 1.1 * moments[1]:
-        # a clear long side stays along x: only a half turn is left to choose
+        # the longest axis is well determined and stays along x: the only choice left is a half turn
         turn = 0.0 if abs(turn) <= np.pi / 2 else np.pi
     cos, sin = np.cos(turn), np.sin(turn)
     return np.array([cos * long - sin * middle, sin * long + cos * middle, short])

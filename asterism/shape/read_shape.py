@@ -1,4 +1,4 @@
-"""A shape from the files of a result: shape.vtu or exact.vtu, with rods.vtu and summary.json if they are beside it."""
+"""Reading a shape from the files of a result: shape.vtu or exact.vtu, with rods.vtu and summary.json if present."""
 
 from __future__ import annotations
 
@@ -25,16 +25,21 @@ EXACT_FILE = "exact.vtu"
 
 
 def read_shape(path: str | Path) -> Shape:
-    """The shape in a result's directory, the exact one in that of a verification, or that in a `.vtu` file.
+    """Read a shape from a directory of results or from a `.vtu` file.
 
-    Without rods.vtu it has no arms; without summary.json no summary, and it counts as free. Beside exact.vtu and
-    preview.vtu of a verification it is the part of the summary that is of that shape, and for minimum-2.vtu, ... what
-    the summary says of that minimum.
+    If rods.vtu is missing, the shape has no arms. If summary.json is missing, its summary is empty and it counts as
+    a free sheet. For exact.vtu and preview.vtu of a verification, the summary is the part of summary.json on that
+    shape; for minimum-2.vtu and further minima it is the entry of that minimum.
+
+    Parameters
+    ----------
+    path : directory of a preview or simulation (reads shape.vtu), directory of a verification (reads exact.vtu), or
+        a `.vtu` file written by asterism.
 
     Raises
     ------
     DesignError
-        There is no shape, or not one of asterism's; the message names the file.
+        The file is missing or not written by asterism; the message names the file.
     """
     path = Path(path)
     sheet = path
@@ -63,23 +68,23 @@ def read_shape(path: str | Path) -> Shape:
 
 
 def folder_of(path: Path) -> Path:
-    """The directory of a result that is named by its directory or its `.vtu` file."""
+    """The directory of a result, given the directory or a `.vtu` file in it."""
     return (path if path.is_dir() else path.parent).resolve()
 
 
 def _is_held(summary: dict[str, Any]) -> bool:
-    """Whether the design that a shape was made from has pins."""
+    """Whether the design of a summary has pins."""
     design = summary.get("design")
     return isinstance(design, dict) and bool(design.get("pins"))
 
 
 def _rods(path: Path, printed: Floats) -> tuple[tuple[Ints, ...], dict[str, np.ndarray]]:
-    """Arms as vertices of the sheet, and their fields; none without the file."""
+    """Arms as vertices of the sheet, and their fields; empty if the file is missing."""
     if not path.exists():
         return (), {}
     mesh = _read(path)
     lines, places = _cells(mesh, "line", path), _printed(mesh, path)
-    # every point of an arm is a vertex of the sheet, where it was printed
+    # each point of an arm is a vertex of the sheet: match them by their printed coordinates
     distance, vertex = cKDTree(printed).query(places)
     if len(lines) == 0 or distance.max() > 1e-9 * np.ptp(printed):
         raise DesignError("", "does not belong to the sheet in shape.vtu", file=path)
@@ -95,13 +100,13 @@ def _read(path: Path) -> meshio.Mesh:
     if not path.is_file():
         raise DesignError("", "is not there: asterism simulate writes one", file=path)
     try:
-        # the reader prints its complaints
+        # meshio prints its errors on the terminal
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
             return meshio.vtu.read(str(path))
     except (Exception, SystemExit) as error:
         reason = str(error).strip().split("\n")[0]
-        other = f": {reason}" if reason else "; a folder of results, or the shape.vtu in it, can"
-        raise DesignError("", f"cannot be read as VTU{other}", file=path) from None
+        detail = f": {reason}" if reason else "; give a folder of results, or the shape.vtu in it"
+        raise DesignError("", f"cannot be read as VTU{detail}", file=path) from None
 
 
 def _printed(mesh: meshio.Mesh, path: Path) -> Floats:
@@ -135,9 +140,9 @@ def _summary(path: Path, of: str) -> dict[str, Any]:
 
 
 def _of_minimum(summary: dict[str, Any], of: str) -> dict[str, Any]:
-    """What a summary says of a further minimum: the rest of it is of the first one."""
+    """The summary of a further minimum: its entry in `minima`, and the keys that hold for all minima."""
     minima = summary.get("minima")
     entries = [entry for entry in minima if isinstance(entry, dict)] if isinstance(minima, list) else []
-    found = next((entry for entry in entries if entry.get("file") == of), {})
-    of_all: dict[str, Any] = {key: summary[key] for key in ("model", "version", "design") if key in summary}
-    return of_all | found
+    minimum = next((entry for entry in entries if entry.get("file") == of), {})
+    common: dict[str, Any] = {key: summary[key] for key in ("model", "version", "design") if key in summary}
+    return common | minimum

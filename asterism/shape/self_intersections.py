@@ -1,4 +1,4 @@
-"""Does a sheet pass through itself?"""
+"""Self-intersections of a triangulated sheet."""
 
 from __future__ import annotations
 
@@ -8,17 +8,26 @@ from scipy.spatial import cKDTree
 
 from pattern.geometry.arrays import Floats, Ints
 
-_SLIVER = 1e-12  # of a triangle's size: what only touches does not count
-_APART = 3.0  # edges in print: places further apart were not neighbours
+# triangles that overlap by less than this part of their size only touch
+MIN_OVERLAP_FACTOR = 1e-12
+# two vertices whose printed distance is above this number of edge lengths are not neighbours
+MIN_REMOTE_EDGES = 3.0
 
 
 def self_intersections(positions: Floats, triangles: Ints) -> int:
-    """Number of pairs of triangles that pass through each other; those that share a vertex are not asked.
+    """Count the pairs of triangles that pass through each other, without pairs that share a vertex.
 
     Parameters
     ----------
     positions : (V, 3) mm.
     triangles : (T, 3).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> points = np.array([[0, 0, 0], [2, 0, 0], [0, 2, 0], [0.5, 0.5, -1], [0.5, 0.5, 1], [3, 3, 0]], dtype=float)
+    >>> self_intersections(points, np.array([[0, 1, 2], [3, 4, 5]]))
+    1
     """
     pairs = _close_pairs(positions, triangles)
     corner = positions[triangles]
@@ -29,10 +38,11 @@ def self_intersections(positions: Floats, triangles: Ints) -> int:
 
 
 def meets_itself(printed: Floats, positions: Floats, triangles: Ints) -> bool:
-    """Whether places that were printed apart are close enough in space for their triangles to pass through each other.
+    """Fast test whether a smooth sheet may pass through itself.
 
-    A fifth of the time of `self_intersections`, which finds nothing where this is false, but for folds within three
-    edges: smooth sheets have none.
+    True if two vertices that are printed more than three edge lengths apart are so close in space that their triangles
+    can touch. If this is false, `self_intersections` can only find folds within three edge lengths, which a smooth
+    sheet does not have. The test takes a fifth of its time.
 
     Parameters
     ----------
@@ -42,14 +52,14 @@ def meets_itself(printed: Floats, positions: Floats, triangles: Ints) -> bool:
     """
     edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     longest = _lengths(positions, edges).max()
-    # no point of a triangle is further from its nearest corner than this times its longest edge
+    # each point of a triangle is within (longest edge) / sqrt(3) of its nearest corner
     reach = 2.0 * longest / np.sqrt(3.0)
     near = cKDTree(positions).query_pairs(reach, output_type="ndarray")
-    return bool((_lengths(printed, near) > _APART * _lengths(printed, edges).max()).any())
+    return bool((_lengths(printed, near) > MIN_REMOTE_EDGES * _lengths(printed, edges).max()).any())
 
 
 def passing(pairs: int, sheet: str = "the sheet") -> str:
-    """What a number of such pairs means, in words."""
+    """Warning text for a number of pairs of triangles that pass through each other."""
     return f"{sheet} passes through itself ({pairs} pairs of triangles)"
 
 
@@ -58,17 +68,17 @@ def _lengths(points: Floats, pairs: Ints) -> Floats:
 
 
 def _close_pairs(positions: Floats, triangles: Ints) -> Ints:
-    """(P, 2) pairs of triangles whose boxes overlap, without neighbours."""
+    """(P, 2) pairs of triangles whose bounding boxes overlap, without pairs that share a vertex."""
     corner = positions[triangles]
     low, high = corner.min(axis=1), corner.max(axis=1)
     middle = 0.5 * (low + high)
-    reach = float((high - low).max())  # boxes that overlap have middles closer than this in every direction
+    reach = float((high - low).max())  # the centres of overlapping boxes are closer than this along x, y and z
     pairs = cKDTree(middle).query_pairs(reach, p=np.inf, output_type="ndarray")
     i, j = pairs.T
     boxes = (low[i] <= high[j]).all(axis=1) & (low[j] <= high[i]).all(axis=1)
     pairs = pairs[boxes]
     first, second = triangles[pairs[:, 0]], triangles[pairs[:, 1]]
-    # corner by corner: an array of all nine comparisons would be the largest of this file
+    # one pair of corners at a time: an array of all nine comparisons would need the most memory of this file
     shared = np.zeros(len(pairs), dtype=bool)
     for a in range(3):
         for b in range(3):
@@ -77,7 +87,7 @@ def _close_pairs(positions: Floats, triangles: Ints) -> Ints:
 
 
 def _edge_through(first: Floats, second: Floats) -> NDArray[np.bool_]:
-    """(P,) an edge of the first triangle (P, 3, 3) passes through the second one."""
+    """(P,) whether an edge of the first triangle (P, 3, 3) passes through the second one."""
     a, b, c = second.transpose(1, 0, 2)
     normal = np.cross(b - a, c - a)
     height = np.einsum("pki,pi->pk", first - a[:, None], normal)
@@ -92,6 +102,6 @@ def _edge_through(first: Floats, second: Floats) -> NDArray[np.bool_]:
         inside = np.ones(len(crosses), dtype=bool)
         for u, v in ((a, b), (b, c), (c, a)):
             side = (np.cross(v[crosses] - u[crosses], point - u[crosses]) * n).sum(axis=1)
-            inside &= side > _SLIVER * (n * n).sum(axis=1)
+            inside &= side > MIN_OVERLAP_FACTOR * (n * n).sum(axis=1)
         out[crosses[inside]] = True
     return out

@@ -1,4 +1,4 @@
-"""A sheet in space: where every printed point has gone, and what is known about it."""
+"""The shape of a sheet in space, and the summary of its computation."""
 
 from __future__ import annotations
 
@@ -23,24 +23,24 @@ from pattern.layout.layout import Layout
 
 @dataclass(frozen=True)
 class Shape:
-    """The result of a simulation, exact or homogenised.
+    """A sheet in space, computed by the exact model or the preview.
 
     Attributes
     ----------
-    printed : (V, 2) mm, where each vertex was printed, on the stretched fabric.
-    positions : (V, 3) mm, where it is in space.
+    printed : (V, 2) mm, printed coordinates of the vertices, on the stretched fabric.
+    positions : (V, 3) mm, positions of the vertices in space.
     triangles : (T, 3), counterclockwise in print, so that normals point to the plastic side.
-    star : (V,) the number of the star whose centre is this vertex, -1 elsewhere.
-    rods : one array of vertices an arm, from the star's centre to the tip.
-    star_vertices : (S,) the vertex at each star's centre.
+    star : (V,) number of the star whose centre is this vertex, -1 elsewhere.
+    rods : for each arm an array of vertices, from the centre of the star to the tip.
+    star_vertices : (S,) vertex at the centre of each star.
     point_fields : arrays (V,) or (V, 3) by name; three columns are a vector in space and turn with the sheet.
     cell_fields : arrays (T,) or (T, m) by name.
     rod_fields : arrays (R,) by name over the edges of all rods, in the order of `rod_edges`;
         `thickness_mm`, `width_mm`, `arm` and `star` among them.
-    summary : the record of `summary.json`, empty if a shape was read without it. A plain mapping becomes a record.
-    others : further minima of the same design, where they were looked for.
-    held : pins hold the sheet, so that z is up; a free one has no up, and is shown as its `aligned()` copy.
-    plan : the layout that the shape was computed from; None for shapes from files, see `layout`.
+    summary : record of `summary.json`; empty if the shape was read without it. A plain mapping becomes a record.
+    others : further minima of the same design, if `simulate` ran with several starts.
+    held : whether pins support the sheet. Then z points up. A free sheet is shown as its `aligned()` copy.
+    plan : layout of the computation; None for shapes from files, see `layout`.
     """
 
     printed: Floats
@@ -62,17 +62,17 @@ class Shape:
 
     @cached_property
     def layout(self) -> Layout | None:
-        """The layout of the shape's design; None if the summary has no design, or one that cannot be laid out."""
+        """The layout of the shape's design; None if the summary holds no design, or if its layout fails."""
         if self.plan is not None:
             return self.plan
         try:
             return layout(Design.from_dict(self.summary["design"]))
-        except (KeyError, TypeError, DesignError):  # a shape made by hand, or whose image of sizes is gone
+        except (KeyError, TypeError, DesignError):  # a shape made by hand, or whose image of sizes is missing
             return None
 
     @property
     def rod_edges(self) -> Ints:
-        """(R, 2) vertices at the ends of every rod edge, rod by rod, from centre to tip."""
+        """(R, 2) vertices at the ends of each rod edge, rod by rod, from centre to tip."""
         edges = [np.column_stack([path[:-1], path[1:]]) for path in self.rods]
         return np.concatenate(edges) if edges else np.empty((0, 2), dtype=np.int64)
 
@@ -83,24 +83,25 @@ class Shape:
 
     @property
     def is_preview(self) -> bool:
-        """The preview computed it, not the exact model."""
+        """Whether the preview computed the shape, not the exact model."""
         return isinstance(self.summary, PreviewRecord)
 
     @property
     def made_by(self) -> str:
-        """Which model computed it, in words."""
+        """The model that computed the shape: `by the preview` or `by the exact model`."""
         return "by the preview" if self.is_preview else "by the exact model"
 
     @property
     def height_mm(self) -> float:
-        """Extent along z. A free sheet has no up: ask its `aligned()` copy."""
+        """Extent along z. For a free sheet, use the height of its `aligned()` copy."""
         return float(np.ptp(self.positions[:, 2]))
 
     @property
     def extent_mm(self) -> tuple[float, float, float]:
-        """Sizes of the box around a held sheet along x, y and z, the last one its height.
+        """Size of the bounding box, in mm.
 
-        Of a free one along the axes of `aligned()`, the largest first; the same however it lies in space.
+        For a supported sheet along x, y and z. For a free sheet along the axes of `aligned()`, the largest first, so
+        that the result is independent of its pose.
         """
         if self.held:
             sizes = np.ptp(self.positions, axis=0)
@@ -109,7 +110,7 @@ class Shape:
         return float(sizes[0]), float(sizes[1]), float(sizes[2])
 
     def at(self, printed_points: Floats) -> Floats:
-        """Where printed points are in space.
+        """Positions in space of printed points, interpolated linearly within each triangle.
 
         Parameters
         ----------
@@ -117,19 +118,19 @@ class Shape:
 
         Returns
         -------
-        (n, 3) mm, linear within each triangle.
+        (n, 3) mm.
 
         Raises
         ------
         ValueError
-            If a point is off the sheet.
+            A point is outside of the sheet.
         """
         points = np.atleast_2d(np.asarray(printed_points, dtype=float))
         triangle, weights = locate(self.printed, self.triangles, points)
         return np.asarray(np.einsum("nk,nki->ni", weights, self.positions[self.triangles[triangle]]))
 
     def aligned(self) -> Shape:
-        """A centred copy, its principal axes along x, y and z, the largest first, the plastic side up."""
+        """A copy with its centre at the origin and its principal axes along x, y, z, largest first, plastic side up."""
         rotation, weights = self.upright(), self.weights
         turned = {
             name: values @ rotation.T if values.ndim == 2 and values.shape[1] == 3 else values
@@ -139,7 +140,7 @@ class Shape:
         return replace(self, positions=moved, point_fields=turned)
 
     def upright(self) -> Floats:
-        """(3, 3) the rotation of `aligned()`; its rows are the principal axes."""
+        """(3, 3) rotation of `aligned()`; its rows are the principal axes."""
         return self._upright
 
     @cached_property
@@ -149,7 +150,7 @@ class Shape:
 
     @cached_property
     def weights(self) -> Floats:
-        """(V,) share of the printed sheet that each vertex stands for; adds up to 1."""
+        """(V,) share of each vertex in the printed area; the sum is 1."""
         third = np.repeat(triangle_areas(self.printed, self.triangles) / 3, 3)
         areas = np.bincount(self.triangles.ravel(), weights=third, minlength=len(self.printed))
         return np.asarray(areas / areas.sum())

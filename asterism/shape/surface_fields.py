@@ -11,14 +11,21 @@ from pattern.geometry.normals import gather, triangle_normals, vertex_normals
 
 
 def triangle_areas(positions: Floats, triangles: Ints) -> Floats:
-    """(T,) mm^2; `positions` may be (V, 2) or (V, 3)."""
+    """(T,) areas in mm^2; `positions` are (V, 2) or (V, 3) mm.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> triangle_areas(np.array([[0.0, 0.0], [2.0, 0.0], [0.0, 3.0]]), np.array([[0, 1, 2]]))
+    array([3.])
+    """
     if positions.shape[1] == 2:
         return np.abs(planar.triangle_areas(positions, triangles))
     return np.asarray(np.linalg.norm(triangle_normals(positions, triangles), axis=1) / 2)
 
 
 def border_of(triangles: Ints, count: int) -> np.ndarray:
-    """(count,) bool, vertices on the outline: on an edge that belongs to one triangle only."""
+    """(count,) bool, vertices on the outline: those of edges that belong to one triangle only."""
     edges = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     unique, uses = np.unique(edges, axis=0, return_counts=True)
     on_border = np.zeros(count, dtype=bool)
@@ -27,9 +34,9 @@ def border_of(triangles: Ints, count: int) -> np.ndarray:
 
 
 def vertex_areas(positions: Floats, triangles: Ints) -> Floats:
-    """(V,) mm^2, the part of the sheet that belongs to each vertex; the parts add up to the whole sheet.
+    """(V,) area of each vertex in mm^2; the sum is the area of the sheet.
 
-    Voronoi cells, replaced by halves and quarters in obtuse triangles.
+    A vertex has its Voronoi area in acute triangles, and a half or a quarter of obtuse triangles.
 
     References
     ----------
@@ -38,7 +45,7 @@ def vertex_areas(positions: Floats, triangles: Ints) -> Floats:
     """
     area = triangle_areas(positions, triangles)[:, None]
     cotangents, squares = _cotangents(positions, triangles)
-    # the cell of corner k has a share of the two edges that meet there, opposite to the other two corners
+    # the cell of a corner has a share of its two edges, which are opposite to the other two corners
     share = (cotangents * squares) / 8
     voronoi = share.sum(axis=1, keepdims=True) - share
     obtuse = cotangents < 0
@@ -47,7 +54,7 @@ def vertex_areas(positions: Floats, triangles: Ints) -> Floats:
 
 
 def gaussian_curvature(positions: Floats, triangles: Ints) -> Floats:
-    """(V,) 1/mm^2, 2 pi less the angles around a vertex, over its area; NaN on the border."""
+    """(V,) 1/mm^2, angle defect (2 pi minus the angles around a vertex) over its area; NaN on the border."""
     cotangents, _ = _cotangents(positions, triangles)
     angles = np.arctan2(1.0, cotangents)
     defect = 2 * np.pi - gather(triangles, angles.ravel(), len(positions))
@@ -70,20 +77,20 @@ def mean_curvature(positions: Floats, triangles: Ints) -> Floats:
 
 
 def deformation_gradients(flat: Floats, positions: Floats, triangles: Ints) -> Floats:
-    """(T, 3, 2), edges in space times the inverse of those of a flat sheet (V, 2) mm, which counts as unstrained."""
+    """(T, 3, 2) gradients of the positions (V, 3) mm with respect to a flat reference (V, 2) mm."""
     a, b, c = triangles.T
-    (ux, vx), (uy, vy) = ((one[b] - one[a], one[c] - one[a]) for one in flat.T)
+    (ux, vx), (uy, vy) = ((column[b] - column[a], column[c] - column[a]) for column in flat.T)
     area = ux * vy - uy * vx
-    ux, uy, vx, vy = (one / area for one in (ux, uy, vx, vy))
+    ux, uy, vx, vy = (component / area for component in (ux, uy, vx, vy))
     out = np.empty((len(triangles), 3, 2))
-    for row, one in enumerate(positions.T):
-        u, v = one[b] - one[a], one[c] - one[a]
+    for row, column in enumerate(positions.T):
+        u, v = column[b] - column[a], column[c] - column[a]
         out[:, row, 0], out[:, row, 1] = u * vy - v * uy, v * ux - u * vx
     return out
 
 
 def principal_strains(gradients: Floats) -> Floats:
-    """(T, 2) singular values of deformation gradients (T, 3, 2), less one; the larger first."""
+    """(T, 2) singular values of deformation gradients (T, 3, 2) minus one, the larger first."""
     one, two = gradients.transpose(2, 0, 1)
     first, second = np.einsum("ti,ti->t", one, one), np.einsum("ti,ti->t", two, two)
     half_trace = (first + second) / 2
@@ -93,7 +100,7 @@ def principal_strains(gradients: Floats) -> Floats:
 
 
 def point_fields(positions: Floats, triangles: Ints) -> dict[str, Floats]:
-    """Fields of the sheet per vertex, for reports and exports."""
+    """Fields of the sheet at the vertices, for reports and exports."""
     return {
         "normal": vertex_normals(positions, triangles),
         "mean_curvature_per_mm": mean_curvature(positions, triangles),
@@ -104,10 +111,10 @@ def point_fields(positions: Floats, triangles: Ints) -> dict[str, Floats]:
 def cell_fields(
     printed: Floats, positions: Floats, triangles: Ints, stretch: float | tuple[float, float]
 ) -> dict[str, Floats]:
-    """Strains per triangle from the sheet as printed and from the fabric at rest, for reports and exports."""
+    """Principal strains of the triangles relative to the sheet in print and to the unstretched fabric."""
     gradients = deformation_gradients(printed, positions, triangles)
     from_print = principal_strains(gradients)
-    # at rest lengths are the printed ones over the stretch of each direction
+    # lengths in the unstretched fabric are the printed lengths over the stretch of each direction
     from_rest = principal_strains(gradients * np.asarray(stretch, dtype=float))
     return {
         "strain_from_print_max": from_print[:, 0],
@@ -123,7 +130,7 @@ def _cotangents(positions: Floats, triangles: Ints) -> tuple[Floats, Floats]:
     next_edge = np.roll(corners, -1, axis=1) - corners
     last_edge = np.roll(corners, -2, axis=1) - corners
     twice_area = np.linalg.norm(triangle_normals(positions, triangles), axis=1)[:, None]
-    # a triangle squeezed to a line would divide by zero: its corner angles are 0 and pi, cotangents large
+    # limits the division for a triangle that has collapsed to a line, with corner angles 0 and pi
     tiny = np.finfo(float).tiny + 1e-12 * np.einsum("tki,tki->tk", next_edge, next_edge)
     cotangents = np.einsum("tki,tki->tk", next_edge, last_edge) / np.maximum(twice_area, tiny)
     opposite = np.roll(next_edge, -1, axis=1)
@@ -131,7 +138,7 @@ def _cotangents(positions: Floats, triangles: Ints) -> tuple[Floats, Floats]:
 
 
 def _per_area(values: Floats, positions: Floats, triangles: Ints) -> Floats:
-    """(V,) values over the area of each vertex; NaN on the border and where the sheet has collapsed."""
+    """(V,) values over the area of each vertex; NaN on the border and at vertices of zero area."""
     area = vertex_areas(positions, triangles)
     defined = ~border_of(triangles, len(positions)) & (area > 0)
     return np.asarray(np.divide(values, area, out=np.full(len(positions), np.nan), where=defined))

@@ -1,4 +1,4 @@
-"""The tube that a rolled sheet is nearest to."""
+"""Best-fit circular cylinder of a rolled sheet."""
 
 from __future__ import annotations
 
@@ -10,26 +10,26 @@ from asterism.shape.shape import Shape
 from pattern.geometry.arrays import Floats
 from pattern.geometry.normals import vertex_normals
 
-# of the distance to a plane, in which a tube must be closer
-BENT = 0.9
+# a cylinder counts as a fit only if its distance to the points is below this part of the distance of the best plane
+MAX_TUBE_RESIDUAL_FACTOR = 0.9
 
 
 def roll_radius(shape: Shape, lattice_vectors: Floats) -> float | None:
-    """mm, of the tube nearest to the shape's means over the cells of its stars; None where `tube_radius` has none."""
+    """Radius in mm of the cylinder that fits the cell means at the star centres; None as for `tube_radius`."""
     stars = shape.star_vertices
     middles = CellMean(shape.printed, shape.weights, lattice_vectors, stars)(shape.positions)
     return tube_radius(middles, vertex_normals(shape.positions, shape.triangles)[stars])
 
 
 def tube_radius(points: Floats, normals: Floats) -> float | None:
-    """mm, of the circular cylinder closest to points (n, 3) mm in the sense of least squares.
+    """Radius in mm of the circular cylinder that fits points (n, 3) mm best in the sense of least squares.
 
-    None of fewer than five points, and where a plane is nearly as close.
+    None for fewer than five points, and if a plane fits nearly as well.
 
-    Axis, place and radius are free. The search starts from the direction that the unit normals (n, 3) of the sheet are
-    most nearly across, and from Kasa's circle through the points as they are seen along it.
+    Axis, position and radius are free. The initial axis is the direction most nearly perpendicular to the unit normals
+    (n, 3). The initial circle is the algebraic fit of Kasa 1976 to the points, projected along this axis.
     """
-    if len(points) < 5:  # through four there are many
+    if len(points) < 5:  # several cylinders pass through four points
         return None
     points = points - points.mean(axis=0)
     directions = np.linalg.svd(normals, full_matrices=False)[2][::-1]
@@ -39,13 +39,13 @@ def tube_radius(points: Floats, normals: Floats) -> float | None:
     radius = np.sqrt(max(middle[2] + middle[:2] @ middle[:2], 0.0))
 
     def placed(a: Floats) -> tuple[Floats, Floats]:
-        """Each point's place along the axis, over the length of its direction, and across it."""
+        """(n,) coordinate of each point along the axis, and (n, 3) its vector from the axis."""
         along = axis + a[:2] @ across
         places = points - a[2:4] @ across
         height = places @ along / (along @ along)
         return height, places - height[:, None] * along
 
-    def off(a: Floats) -> Floats:
+    def residuals(a: Floats) -> Floats:
         return np.asarray(np.linalg.norm(placed(a)[1], axis=1) - a[4])
 
     def slopes(a: Floats) -> Floats:
@@ -54,7 +54,7 @@ def tube_radius(points: Floats, normals: Floats) -> float | None:
         moved = outwards @ across.T
         return np.column_stack([-height[:, None] * moved, -moved, -np.ones(len(points))])
 
-    # Levenberg and Marquardt's method; what `least_squares` does around it takes several times as long
-    found, *_ = leastsq(off, [0.0, 0.0, *middle[:2], radius], Dfun=slopes)
+    # Levenberg-Marquardt; `least_squares` would take several times as long for such a small problem
+    cylinder, *_ = leastsq(residuals, [0.0, 0.0, *middle[:2], radius], Dfun=slopes)
     flat = np.linalg.svd(points, compute_uv=False)[2]
-    return float(abs(found[4])) if np.linalg.norm(off(found)) < BENT * flat else None
+    return float(abs(cylinder[4])) if np.linalg.norm(residuals(cylinder)) < MAX_TUBE_RESIDUAL_FACTOR * flat else None

@@ -1,4 +1,4 @@
-"""The sheet and its arms as VTU files, for ParaView and everything that reads VTK."""
+"""The sheet and its arms as VTU files, for ParaView and other readers of VTK files."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from asterism.shape.shape import Shape
 
 
 def write_shape_vtu(shape: Shape, path: str | Path) -> None:
-    """The sheet: triangles, with the fields of the shape.
+    """Write the triangles of the sheet with the fields of the shape.
 
-    Point arrays: `printed_mm` (where each point was printed, z = 0), `star` (the number of the star whose centre
-    the point is, -1 elsewhere) and `point_fields`; cell arrays: `cell_fields`.
+    Point arrays: `printed_mm` (printed coordinates, z = 0), `star` (number of the star whose centre is this point, -1
+    elsewhere) and `point_fields`. Cell arrays: `cell_fields`.
     """
     points = {"printed_mm": _flat(shape.printed), "star": shape.star, **shape.point_fields}
     _write(path, shape.positions, "triangle", shape.triangles, points, shape.cell_fields)
 
 
 def write_rods_vtu(shape: Shape, path: str | Path) -> None:
-    """The arms: a line for every rod edge, with `arm`, `star`, `thickness_mm` and `width_mm` among its arrays."""
+    """Write a line for each rod edge; `arm`, `star`, `thickness_mm` and `width_mm` are among its arrays."""
     used, edges = np.unique(shape.rod_edges, return_inverse=True)
     points = {"printed_mm": _flat(shape.printed[used]), "star": shape.star[used]}
     _write(path, shape.positions[used], "line", edges.reshape(-1, 2), points, shape.rod_fields)
@@ -40,19 +40,19 @@ def _write(
     points: Mapping[str, np.ndarray],
     fields: Mapping[str, np.ndarray],
 ) -> None:
-    """One block of cells, in VTK's binary form, nothing printed."""
+    """Write one block of cells in VTK's binary form."""
     mesh = meshio.Mesh(
         np.asarray(positions, dtype=np.float64),
         [(kind, np.asarray(cells, dtype=np.int64))],
         point_data={name: _plain(values) for name, values in points.items()},
         cell_data={name: [_plain(values)] for name, values in fields.items()},
     )
-    # the format's own writer: the general one reports its choices on the terminal
+    # `meshio.write` would print messages on the terminal
     meshio.vtu.write(str(path), mesh)
 
 
 def _plain(values: np.ndarray) -> np.ndarray:
-    """64-bit integers or reals, the two kinds that every reader of VTK knows."""
+    """64-bit integers or floats, the two types that all readers of VTK files support."""
     array = np.asarray(values)
     whole = np.issubdtype(array.dtype, np.integer) or array.dtype == bool
     return np.ascontiguousarray(array, dtype=np.int64 if whole else np.float64)

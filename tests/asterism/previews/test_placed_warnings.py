@@ -24,6 +24,6 @@ def test_stars_outside_the_law_are_marked() -> None:
 
 def test_sites_off_the_sheet_are_named() -> None:
     summary = asterism.preview(dome([{"site": [0, 9], "remove": True}, {"site": [8, 1], "length_mm": 5.0}])).summary
-    (warning,) = [line for line in summary["warnings"] if "off the sheet" in line]
-    assert warning == "2 entries of stars.override are for sites off the sheet and ignored: [0, 9], [8, 1]"
-    assert not any("off the sheet" in line for line in asterism.preview(dome([])).summary["warnings"])
+    (warning,) = [line for line in summary["warnings"] if "outside of the sheet" in line]
+    assert warning == "2 entries of stars.override are for sites outside of the sheet, and ignored: [0, 9], [8, 1]"
+    assert not any("outside of the sheet" in line for line in asterism.preview(dome([])).summary["warnings"])
