@@ -76,7 +76,7 @@ class SheetView:
             mesh=number,
             printed=self.printed.astype(np.float32),
             triangles=self.triangles.astype(np.uint32),
-            outline=self._outline.astype(np.uint32),
+            outline=outline_of(self.triangles).astype(np.uint32),
             arm_site=self._arm_site,
             is_fine=self._is_fine,
         )
@@ -193,17 +193,22 @@ class SheetView:
         areas = self._beside @ (ux * vy - uy * vx)
         return np.asarray(areas / areas.sum())
 
-    @cached_property
-    def _outline(self) -> Ints:
-        """(R,) vertices around the sheet, counterclockwise."""
-        edges = np.concatenate([self.triangles[:, [0, 1]], self.triangles[:, [1, 2]], self.triangles[:, [2, 0]]])
-        both = {(a, b) for a, b in edges.tolist()}
-        following = {a: b for a, b in both if (b, a) not in both}
-        first = min(following)
-        ring = [first]
-        while (after := following[ring[-1]]) != first and len(ring) < len(following):
-            ring.append(after)
-        return np.array(ring)
+
+def outline_of(triangles: Ints) -> Ints:
+    """(R,) vertices around a sheet of triangles (T, 3), counterclockwise.
+
+    Examples
+    --------
+    >>> outline_of(np.array([[0, 1, 2], [0, 2, 3]])).tolist()
+    [0, 1, 2, 3]
+    """
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    both = {(a, b) for a, b in edges.tolist()}
+    following = {a: b for a, b in both if (b, a) not in both}
+    ring = [min(following)]
+    while (after := following[ring[-1]]) != ring[0] and len(ring) < len(following):
+        ring.append(after)
+    return np.array(ring)
 
 
 def _unit(vectors: Floats) -> Floats:

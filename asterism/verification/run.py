@@ -18,11 +18,13 @@ from asterism.results.records.verification import VerificationRecord, VerifiedSt
 from asterism.shape.comparison import Comparison, compare
 from asterism.shape.shape import Shape
 from asterism.verification.numbers import numbers, same_branch
+from asterism.verification.progress import ExactProgress, StageReport
 from asterism.verification.right_shape import same_energy
 from asterism.verification.verification import PREVIEW, RELEASE, Verification
 from asterism.verification.warnings import warnings
 from discrete.release.branches import SAME_FORM_PERCENT
 from discrete.release.continuation import Report
+from equilibrium.newton.minimise import Iteration
 from homogenize.law.law import Law
 from pattern.design.design import Design
 from pattern.layout.build import layout
@@ -30,6 +32,7 @@ from pattern.layout.layout import Layout
 from pattern.layout.symmetries import Symmetry, symmetries
 
 AGAIN, LONG_S = 3, 2.0  # previews of which the fastest counts, once everything is loaded; fewer if they take so long
+STAGES = ("preview", "exact model from the flat print", "exact model from the preview", "comparison")
 COPIED_KEYS = ("energy_n_mm", "is_minimum", "stars_up", "iterations", "factorisations")
 
 
@@ -43,6 +46,8 @@ def verify(
     near: Shape | None = None,
     shown: Callable[[Design], Shape] | None = None,
     command: str | None = None,
+    ready: Shape | None = None,
+    progress: StageReport | None = None,
 ) -> Verification:
     """Preview a design, simulate it from the flat print and from the preview, and compare.
 
@@ -53,6 +58,9 @@ def verify(
     released, near : what the exact model has found from the flat print and from a preview, if that is known already.
     shown : what is compared with the exact model in place of `preview`.
     command : the line that asked for it, for the report.
+    ready : a preview of this design, if there is one already; it is not made and timed again.
+    progress : called with the name of a stage, the number of its steps that are done, and the number of all of them.
+        The stages are those of `STAGES`, in this order.
 
     Raises
     ------
@@ -61,26 +69,45 @@ def verify(
     LawError
         The law is for another material.
     """
-    tell = say or (lambda text: None)
+    tell, step = say or (lambda text: None), progress or (lambda stage, done, of: None)
     tell("preview")
+    step(STAGES[0], 0, 1)
     with clock_without_compiling() as clock:
         begun = clock()
         plan = layout(design)
         layout_s = clock() - begun
         make = partial(shown or partial(preview, law=law, plan=plan), design)
-        solve = partial(simulate, design, backend, report, say, plan=plan)
-        quick, cold_s = _timed(clock, make, layout_s)
-        if cold_s > LONG_S:
+
+        def solve(stage: str, near: Shape | None = None) -> Shape:
+            counted = ExactProgress(stage, step)
+
+            def reported(name: str, iteration: Iteration) -> None:
+                counted.report(name, iteration)
+                if report:
+                    report(name, iteration)
+
+            def said(text: str) -> None:
+                counted.say(text)
+                tell(text)
+
+            shape = simulate(design, backend, reported, said, near=near, plan=plan)
+            counted.finish()
+            return shape
+
+        quick, cold_s = _timed(clock, make, layout_s, ready)
+        if ready is None and cold_s > LONG_S:
             tell(f"preview done in {cold_s:.2f} s; once more, to see how long it takes with everything loaded")
-        warm_s = _again(clock, make, layout_s)
+        warm_s = cold_s if ready is not None else _again(clock, make, layout_s)
         tell(f"preview done in {cold_s:.2f} s, again in {warm_s:.3f} s")
+        step(STAGES[0], 1, 1)
         if released is None:
             tell("exact model, released from the flat print")
-        released, exact_s = _timed(clock, solve, layout_s, released)
+        released, exact_s = _timed(clock, partial(solve, STAGES[1]), layout_s, released)
         if near is None:
             tell("exact model, started from the preview")
-        near, near_s = _timed(clock, partial(solve, near=quick), layout_s, near)
+        near, near_s = _timed(clock, partial(solve, STAGES[2], quick), layout_s, near)
     tell("comparing")
+    step(STAGES[3], 0, 1)
     same, weighs = symmetries(design, plan), design.gravity.on
     exact = {RELEASE: released, PREVIEW: near}
     comparisons = {name: compare(shape, quick, plan, same, weighs) for name, shape in exact.items()}
@@ -97,6 +124,7 @@ def verify(
     if agree and not same_energy(*(shape.summary["energy_n_mm"] for shape in exact.values())):
         # an image of a minimum may have another energy, as the mesh may be less symmetric than the design
         agree = compare(released, near, plan, same[:1], weighs).rms_percent >= SAME_FORM_PERCENT
+    step(STAGES[3], 1, 1)
     return replace(found, summary=_summary(found, between, agree, seconds) | {"command": command})
 
 

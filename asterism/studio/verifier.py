@@ -1,0 +1,90 @@
+"""A verification in a process of its own; to cancel it, the server ends the process."""
+
+from __future__ import annotations
+
+import time
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from asterism.reports.verification_files import write_verification
+from asterism.results.files import check_writable
+from asterism.studio.engine_problem import engine_problem
+from asterism.studio.messages import JobProgress, ShownMesh, Verified
+from asterism.studio.sheet_view import outline_of
+from asterism.verification.run import verify
+from asterism.verification.verification import Verification
+from pattern.design.design import Design
+
+PROGRESS_EVERY_S = 0.1  # at most, within a stage
+
+
+class ProgressSender:
+    """Sends how far a job is, and not more often than a page can show it."""
+
+    def __init__(self, connection: Connection, job: int) -> None:
+        self._connection, self._job = connection, job
+        self._begun, self._sent = time.monotonic(), -np.inf
+        self._last: tuple[str, int] = ("", -1)
+
+    def __call__(self, stage: str, done: int, of: int) -> None:
+        """Report `done` of `of` steps of a stage."""
+        now = time.monotonic()
+        is_new = stage != self._last[0] or done >= of
+        if is_new or (done != self._last[1] and now - self._sent > PROGRESS_EVERY_S):
+            self._last, self._sent = (stage, done), now
+            self._connection.send(JobProgress(self._job, stage, done, of, now - self._begun))
+
+
+def run_verification(connection: Connection, job: int, table: dict[str, Any], folder: str, out: str) -> None:
+    """The body of a verification's process.
+
+    Parameters
+    ----------
+    connection : the process's end of a pipe; it gets `JobProgress` and at the end `Verified` or `StudioProblem`.
+    job : number of the job.
+    table : of the design file.
+    folder : of the design file, for pictures.
+    out : directory of the results.
+    """
+    progress = ProgressSender(connection, job)
+    design: Design | None = None
+    try:
+        progress("design", 0, 1)
+        design = Design.from_dict(table, folder)
+        check_writable(out)
+        found = verify(design, progress=progress)
+        progress("report", 0, 1)
+        files = write_verification(found, out)
+    except Exception as error:
+        connection.send(engine_problem(job, error, design))
+        return
+    connection.send(verified(job, found, tuple(str(Path(out) / name) for name in files)))
+
+
+def verified(job: int, found: Verification, files: tuple[str, ...]) -> Verified:
+    """The message with both shapes at the vertices of the exact one, and the distance of their cell means.
+
+    The number of the mesh is negative, unlike those of the engine.
+    """
+    comparison = found.comparison
+    exact = comparison.reference
+    mesh = ShownMesh(
+        mesh=-job,
+        printed=exact.printed.astype(np.float32),
+        triangles=exact.triangles.astype(np.uint32),
+        outline=outline_of(exact.triangles).astype(np.uint32),
+        arm_site=np.empty(0, dtype=np.uint32),
+        is_fine=True,
+    )
+    return Verified(
+        job=job,
+        summary=found.summary.to_json(),
+        mesh=mesh,
+        exact=exact.positions.astype(np.float32),
+        preview=comparison.other.at(exact.printed).astype(np.float32),
+        distance=comparison.distance_mm.astype(np.float32),
+        files=files,
+    )

@@ -1,0 +1,50 @@
+"""How far a verification is, in numbers."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+from equilibrium.newton.minimise import Iteration
+
+StageReport = Callable[[str, int, int], None]
+WHOLE = 100  # steps of a stage
+# Of an exact shape, the release on the coarsest mesh takes about so much of the time, and the finer meshes the rest.
+RELEASE_SHARE = 0.5
+
+
+class ExactProgress:
+    """Counts how far an exact shape is, from what `simulate` reports.
+
+    Parameters
+    ----------
+    stage : name of the stage.
+    tell : called with the stage, the steps that are done, and the number of all steps.
+    """
+
+    def __init__(self, stage: str, tell: StageReport) -> None:
+        self._stage, self._tell = stage, tell
+        self._final_vertices = 0
+        self._done = 0
+        tell(stage, 0, WHOLE)
+
+    def say(self, text: str) -> None:
+        """Read the size of the final mesh from a line of text about it."""
+        if found := re.search(r"on (\d+) triangles", text):
+            self._final_vertices = int(found[1]) // 2
+
+    def report(self, text: str, iteration: Iteration) -> None:
+        """Read the mesh and the share of the release from the name of a stage of `simulate`."""
+        mesh, percent = re.match(r"(\d+) vertices", text), re.search(r"(\d+) %", text)
+        if percent:
+            share = RELEASE_SHARE * int(percent[1]) / 100.0
+        else:
+            size = int(mesh[1]) / max(self._final_vertices, 1) if mesh else 1.0
+            share = RELEASE_SHARE + (1.0 - RELEASE_SHARE) * min(size, 1.0)
+        # a stage under way is not done, and repeated stages do not lead back
+        self._done = max(self._done, min(int(WHOLE * share), WHOLE - 1))
+        self._tell(self._stage, self._done, WHOLE)
+
+    def finish(self) -> None:
+        """All steps are done."""
+        self._tell(self._stage, WHOLE, WHOLE)

@@ -1,0 +1,86 @@
+"""A verification sends its progress in numbers, both shapes, and its files; it runs in a process that can be ended."""
+
+from __future__ import annotations
+
+import multiprocessing
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import asterism
+from asterism.studio.messages import JobProgress, StudioProblem, Verified
+from asterism.studio.verifier import run_verification
+from asterism.verification.run import STAGES
+
+QUICK = {"border": {"rings": 1}, "mesh": {"edge_mm": 5.0}}
+
+
+class Sent:
+    """A pipe that keeps what is sent."""
+
+    def __init__(self) -> None:
+        self.messages: list[Any] = []
+
+    def send(self, message: Any) -> None:
+        self.messages.append(message)
+
+
+def table(name: str = "dome", **sections: Any) -> dict[str, Any]:
+    return asterism.new(name).to_dict() | QUICK | sections
+
+
+def test_a_verification_sends_both_shapes_and_its_files(tmp_path: Path) -> None:
+    pipe = Sent()
+    run_verification(pipe, 3, table(), ".", str(tmp_path / "out"))  # type: ignore[arg-type]
+    result = pipe.messages[-1]
+    assert isinstance(result, Verified) and result.job == 3 and result.mesh.mesh == -3
+    assert {Path(name).name for name in result.files} == {"report.html", "summary.json", "exact.vtu", "preview.vtu"}
+    assert all(Path(name).is_file() for name in result.files)
+    count = len(result.mesh.printed)
+    assert result.exact.shape == result.preview.shape == (count, 3) and result.distance.shape == (count,)
+    rms = np.sqrt(np.mean(result.distance**2)) / result.summary["diameter_mm"] * 100.0
+    assert rms == pytest.approx(result.summary["rms_percent"], rel=0.2)
+    assert np.linalg.norm(result.exact - result.preview, axis=1).mean() < 0.1 * np.ptp(result.exact[:, 0])
+
+
+def test_progress_is_in_numbers_and_never_leads_back(tmp_path: Path) -> None:
+    pipe = Sent()
+    run_verification(pipe, 1, table(border={"rings": 2}), ".", str(tmp_path / "out"))  # type: ignore[arg-type]
+    reports = [message for message in pipe.messages if isinstance(message, JobProgress)]
+    stages = list(dict.fromkeys(report.stage for report in reports))
+    assert stages == ["design", *STAGES, "report"]
+    for stage in stages:
+        done = [report.done for report in reports if report.stage == stage]
+        assert done == sorted(done) and done[0] == 0
+        assert all(0 <= report.done <= report.of for report in reports if report.stage == stage)
+    assert len([report for report in reports if report.stage == STAGES[1]]) > 2
+    seconds = [report.seconds for report in reports]
+    assert seconds == sorted(seconds)
+
+
+@pytest.mark.parametrize(
+    ("changes", "kind"),
+    [({"stars": {"length_mm": 40.0}}, "design"), ({"fabric": {"stretch": 1.5}}, "law"), ({"pins": 3}, "design")],
+)
+def test_what_cannot_be_verified_is_a_problem(tmp_path: Path, changes: dict[str, Any], kind: str) -> None:
+    pipe = Sent()
+    run_verification(pipe, 1, table(**changes), ".", str(tmp_path / "out"))  # type: ignore[arg-type]
+    problem = pipe.messages[-1]
+    assert isinstance(problem, StudioProblem) and (problem.seq, problem.kind) == (1, kind)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_verification_can_be_ended_at_any_moment(tmp_path: Path) -> None:
+    context = multiprocessing.get_context("spawn")
+    ours, theirs = context.Pipe()
+    process = context.Process(
+        target=run_verification, args=(theirs, 1, table(border={"rings": 4}), ".", str(tmp_path / "out"))
+    )
+    process.start()
+    theirs.close()
+    assert ours.poll(120.0) and isinstance(ours.recv(), JobProgress)
+    process.kill()
+    process.join(30.0)
+    assert not process.is_alive() and not (tmp_path / "out" / "summary.json").exists()
