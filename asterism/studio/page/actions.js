@@ -1,0 +1,117 @@
+// What buttons and keys do.
+
+import { openExport } from "./panels/export.js";
+import { toast } from "./panels/toasts.js";
+import { openTable } from "./table.js";
+import { openHelp } from "./keys.js";
+
+const UNDRAWN_MS = 600; // by then the answer of the server has changed the outline
+
+export function createActions(studio) {
+  const { store, connection, edits } = studio;
+
+  const actions = {
+    undo: () => connection.send("undo"),
+    redo: () => connection.send("redo"),
+    save: () => store.get("document") && connection.send("save"),
+    saveAs: (name) => connection.send("save", { name }),
+    report: () => connection.send("report"),
+    cancel: () => connection.send("cancel"),
+    openTable: () => store.get("document") && openTable(studio),
+    openHelp,
+    openExport: () => openExport(studio),
+    openStart() {
+      connection.send("gallery");
+      store.set({ startOpen: true });
+    },
+    open(what) {
+      leave();
+      connection.send("open", what);
+    },
+    startNew() {
+      leave();
+      connection.send("new");
+    },
+    verify() {
+      const jobs = { ...store.get("jobs"), verify: { stage: "starts", done: 0, of: 0, seconds: 0 } };
+      store.set({ jobs, results: { ...store.get("results"), verify: null }, page: "shape" });
+      connection.send("verify");
+    },
+    choose(tool) {
+      store.set({ tool, page: "tool", hover: null });
+    },
+    showPage: (page) => store.set({ page }),
+    showPlace({ stars = [], at_mm: at }) {
+      const sheet = store.get("sheet");
+      const keys = stars.map((site) => site.join(","));
+      const known = keys.map((key) => sheet.byKey.get(key)).filter(Boolean);
+      if (known.length) store.set({ selection: new Set(keys) });
+      const place = at ?? known[0]?.at;
+      if (place) studio.plan.show(place);
+    },
+    selectAll() {
+      store.set({ selection: new Set(store.get("sheet")?.stars.map((star) => star.key)) });
+    },
+    removeSelected() {
+      const sheet = store.get("sheet");
+      let keys = [...store.get("selection")];
+      if (!keys.length && store.get("cursor")) keys = [store.get("cursor")];
+      keys = keys.filter((key) => sheet.byKey.get(key)?.removed === false);
+      if (!keys.length) return;
+      if (keys.length >= sheet.stars.filter((star) => !star.removed).length) return toast("A sheet needs at least one star: keep one.");
+      edits.once(() => edits.remove(keys));
+    },
+    escape() {
+      if (store.get("startOpen")) store.set({ startOpen: false });
+      else if (store.get("jobs").verify) actions.cancel();
+      else store.set({ selection: new Set(), support: null, corner: null });
+    },
+    fitSoon: () => setTimeout(() => studio.plan.fit(), UNDRAWN_MS),
+    switchTheme() {
+      const isDark = getComputedStyle(document.documentElement).colorScheme.trim() === "dark";
+      store.set({ theme: isDark ? "light" : "dark" });
+    },
+    upload,
+  };
+
+  /** A file chosen by the person goes to the server, which reads it; its answer becomes an edit. */
+  function upload(kind, accept, use = null) {
+    const input = document.createElement("input");
+    Object.assign(input, { type: "file", accept });
+    input.dataset.testid = `file-${kind}`;
+    input.hidden = true;
+    document.body.append(input);
+    input.addEventListener("change", async () => {
+      const [file] = input.files;
+      input.remove();
+      if (!file) return;
+      try {
+        const answer = await fetch(`upload?kind=${kind}`, { method: "POST", body: file, headers: { "X-Name": encodeURIComponent(file.name) } });
+        const told = await answer.json();
+        if (told.problem) toast(told.problem.text, { isBad: true });
+        else if (use) use(told.value);
+        else if (told.border) {
+          edits.once(() => edits.design({ border: { ...rest(store.get("sheet").design.border), ...told.border } }));
+          actions.fitSoon();
+        }
+      } catch {
+        toast(`${file.name} could not be sent. Is the studio still running?`, { isBad: true });
+      }
+    });
+    input.addEventListener("cancel", () => input.remove());
+    input.click();
+  }
+
+  function leave() {
+    edits.drop();
+    studio.view?.reset();
+    store.set({ startOpen: false, selection: new Set(), support: null, corner: null, cursor: null, results: {}, frame: null });
+    studio.isNew = true;
+  }
+
+  return actions;
+}
+
+function rest({ rings, rectangle_mm, polygon_mm, ...kept } = {}) {
+  return kept;
+}

@@ -1,0 +1,80 @@
+// The websocket: messages with numbers, binary frames with one acknowledgement each, and a reconnection that asks for everything again.
+
+const TYPES = { f4: Float32Array, u4: Uint32Array, i1: Int8Array, u1: Uint8Array, f8: Float64Array };
+const BYTES = { f4: 4, u4: 4, i1: 1, u1: 1, f8: 8 };
+const MAX_WAIT_MS = 5000;
+
+/** Header and arrays of a binary frame: kind, length of the header, header as JSON, arrays. */
+export function unpack(buffer) {
+  const [kind, length] = new Uint32Array(buffer, 0, 2);
+  const header = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 8, length)));
+  const arrays = {};
+  for (const { name, dtype, shape, offset: at } of header.arrays ?? []) {
+    const count = shape.reduce((all, one) => all * one, 1);
+    const bytes = BYTES[dtype];
+    arrays[name] =
+      at % bytes === 0
+        ? new TYPES[dtype](buffer, at, count)
+        : new TYPES[dtype](buffer.slice(at, at + count * bytes));
+    arrays[name].rows = shape[0];
+  }
+  return { kind, header, arrays };
+}
+
+export class Connection {
+  #socket = null;
+  #seq = 0;
+  #wait = 250;
+  #timer = 0;
+  #isClosed = false;
+
+  /** `handlers`: message(object), frame({kind, header, arrays}), status("connecting" | "open" | "lost"). */
+  constructor(handlers) {
+    this.handlers = handlers;
+    this.open();
+    addEventListener("pagehide", () => {
+      this.#isClosed = true;
+      this.#socket?.close();
+    });
+  }
+
+  get isOpen() {
+    return this.#socket?.readyState === WebSocket.OPEN;
+  }
+
+  open() {
+    clearTimeout(this.#timer);
+    const url = new URL("live", location.href);
+    url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
+    const socket = new WebSocket(url);
+    socket.binaryType = "arraybuffer";
+    this.#socket = socket;
+    socket.onopen = () => {
+      this.#wait = 250;
+      this.handlers.status("open");
+      this.send("hello");
+    };
+    socket.onmessage = ({ data }) => {
+      if (typeof data === "string") this.handlers.message(JSON.parse(data));
+      else this.handlers.frame(unpack(data));
+    };
+    socket.onclose = () => {
+      if (this.#isClosed || socket !== this.#socket) return;
+      this.handlers.status("lost");
+      this.#timer = setTimeout(() => this.open(), this.#wait);
+      this.#wait = Math.min(2 * this.#wait, MAX_WAIT_MS);
+    };
+  }
+
+  /** Sends a message and returns its number, or 0 if there is no connection. */
+  send(type, fields = {}) {
+    if (!this.isOpen) return 0;
+    this.#seq += 1;
+    this.#socket.send(JSON.stringify({ type, seq: this.#seq, ...fields }));
+    return this.#seq;
+  }
+
+  acknowledge(frame) {
+    if (this.isOpen) this.#socket.send(JSON.stringify({ type: "ack", frame }));
+  }
+}

@@ -1,0 +1,158 @@
+// Changes of the document: drawn at once, sent at most every 30 ms, one gesture number from pointer down to up.
+
+import { QUANTITIES } from "./format.js";
+import { emptyLocal, Sheet } from "./sheet.js";
+
+const INTERVAL_MS = 30;
+
+export class Edits {
+  #local = emptyLocal();
+  #gesture = 0;
+  #sent = 0; // last gesture that ended here
+  #arrived = 0; // last gesture of here that a document contained
+  #isOpen = false;
+  #waiting = new Map(); // messages of this gesture that are not sent yet, by kind
+  #timer = 0;
+
+  constructor(store, connection) {
+    this.store = store;
+    this.connection = connection;
+  }
+
+  get isOpen() {
+    return this.#isOpen;
+  }
+
+  /** Whether a gesture that ended here is not in the document yet. */
+  get isWaiting() {
+    return this.#isOpen || this.#arrived < this.#sent;
+  }
+
+  begin() {
+    if (!this.#isOpen) {
+      this.#gesture += 1;
+      this.#isOpen = true;
+    }
+    return this.#gesture;
+  }
+
+  /** Sizes of one quantity: Map(key -> mm). */
+  sizes(quantity, values) {
+    const { key: field } = QUANTITIES[quantity];
+    for (const [key, value] of values) {
+      const entry = { ...this.#local.sizes.get(key), [field]: value };
+      this.#local.sizes.set(key, entry);
+      this.#local.reset.delete(key);
+    }
+    const pending = this.#waiting.get(`sizes ${quantity}`)?.values ?? new Map();
+    for (const [key, value] of values) pending.set(key, value);
+    this.#later(`sizes ${quantity}`, { kind: "sizes", quantity, values: pending });
+    this.#draw();
+  }
+
+  remove(keys) {
+    this.#mark("remove", keys, (key) => this.#local.removed.set(key, true));
+  }
+
+  restore(keys) {
+    this.#mark("restore", keys, (key) => this.#local.removed.set(key, false));
+  }
+
+  /** Drops painted sizes: the stars get the sizes of the design's own profile again. */
+  reset(keys) {
+    this.#mark("reset", keys, (key) => (this.#local.sizes.delete(key), this.#local.reset.add(key)));
+  }
+
+  /** Changes of the design file by dotted key; `local` is what to draw until the server answers. */
+  design(changes, local = {}) {
+    Object.assign(this.#local, local);
+    const pending = this.#waiting.get("edit")?.changes ?? {};
+    this.#later("edit", { kind: "edit", changes: { ...pending, ...changes } });
+    this.#draw();
+  }
+
+  /** Sizes that the server will find by itself from the design's profile: drawn, not sent. Painted stars keep theirs. */
+  preview(quantity, values) {
+    const { key: field } = QUANTITIES[quantity];
+    const painted = new Set(this.store.get("document").plan.sites.filter((entry) => entry.painted).map((entry) => entry.site.join()));
+    for (const [key, value] of values) {
+      if (!painted.has(key)) this.#local.sizes.set(key, { ...this.#local.sizes.get(key), [field]: value });
+    }
+    this.#draw();
+  }
+
+  /** A change that is complete at once: one gesture, one step of undo. */
+  once(action) {
+    this.begin();
+    action(this);
+    this.end();
+  }
+
+  end() {
+    if (!this.#isOpen) return;
+    this.#flush(true);
+    this.#isOpen = false;
+    this.#sent = this.#gesture;
+  }
+
+  /** Takes over a document of the server; what is painted right now stays on top. */
+  arrived(document) {
+    const isCurrent = document.gesture === undefined || document.gesture === null || document.gesture >= this.#sent;
+    if (isCurrent) this.#arrived = this.#sent;
+    if (!this.#isOpen && isCurrent) this.#local = emptyLocal();
+    this.store.set({ document });
+    this.#draw();
+  }
+
+  /** Forgets what was not accepted. */
+  drop() {
+    this.#waiting.clear();
+    clearTimeout(this.#timer);
+    this.#timer = 0;
+    this.#local = emptyLocal();
+    this.#isOpen = false;
+    this.#arrived = this.#sent;
+    this.#draw();
+  }
+
+  #mark(kind, keys, change) {
+    const pending = this.#waiting.get(kind)?.keys ?? new Set();
+    for (const key of keys) {
+      change(key);
+      pending.add(key);
+    }
+    this.#later(kind, { kind, keys: pending });
+    this.#draw();
+  }
+
+  #later(name, message) {
+    this.#waiting.set(name, message);
+    if (!this.#timer) this.#timer = setTimeout(() => this.#flush(false), INTERVAL_MS);
+  }
+
+  #flush(isEnd) {
+    clearTimeout(this.#timer);
+    this.#timer = 0;
+    let messages = [...this.#waiting.values()];
+    this.#waiting.clear();
+    if (isEnd && !messages.length) messages = [{ kind: "edit", changes: {} }];
+    messages.forEach((message, k) => this.#send(message, isEnd && k === messages.length - 1));
+  }
+
+  #send(message, end) {
+    const fields = { gesture: this.#gesture, end };
+    if (message.kind === "edit") fields.changes = message.changes;
+    else if (message.kind === "sizes") {
+      fields.sites = [...message.values.keys()].map(siteOf);
+      fields[message.quantity] = [...message.values.values()];
+    } else fields.sites = [...message.keys].map(siteOf);
+    this.connection.send(message.kind, fields);
+  }
+
+  #draw() {
+    const document = this.store.get("document");
+    if (document) this.store.set({ sheet: new Sheet(document, this.#local) });
+  }
+}
+
+const siteOf = (key) => key.split(",").map(Number);

@@ -1,0 +1,145 @@
+// Plane geometry in printed millimetres. Points are [x, y].
+
+export const sum = (a, b) => [a[0] + b[0], a[1] + b[1]];
+export const difference = (a, b) => [a[0] - b[0], a[1] - b[1]];
+export const times = (a, factor) => [a[0] * factor, a[1] * factor];
+export const distance = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
+export const between = (a, b, share) => [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])];
+export const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
+
+export function bounds(points) {
+  const low = [Infinity, Infinity];
+  const high = [-Infinity, -Infinity];
+  for (const point of points) {
+    for (const k of [0, 1]) {
+      low[k] = Math.min(low[k], point[k]);
+      high[k] = Math.max(high[k], point[k]);
+    }
+  }
+  return { low, high, size: difference(high, low), centre: between(low, high, 0.5) };
+}
+
+/** Whether a point is inside a polygon, by the even-odd rule. */
+export function isInside(point, polygon) {
+  let inside = false;
+  for (let i = 0, j = polygon.length - 1; i < polygon.length; j = i++) {
+    const [a, b] = [polygon[i], polygon[j]];
+    if (a[1] > point[1] !== b[1] > point[1]) {
+      if (point[0] < ((b[0] - a[0]) * (point[1] - a[1])) / (b[1] - a[1]) + a[0]) inside = !inside;
+    }
+  }
+  return inside;
+}
+
+/** The nearest point of a segment: {point, distance, share}. */
+export function nearestOnSegment(point, a, b) {
+  const along = difference(b, a);
+  const length2 = along[0] ** 2 + along[1] ** 2;
+  const off = difference(point, a);
+  const share = length2 ? clamp((off[0] * along[0] + off[1] * along[1]) / length2, 0, 1) : 0;
+  const nearest = between(a, b, share);
+  return { point: nearest, distance: distance(point, nearest), share };
+}
+
+/** The nearest edge of a polygon: {edge, point, distance, share}; edge i runs from corner i to the next. */
+export function nearestEdge(point, polygon) {
+  let best = null;
+  polygon.forEach((corner, edge) => {
+    const found = nearestOnSegment(point, corner, polygon[(edge + 1) % polygon.length]);
+    if (!best || found.distance < best.distance) best = { edge, ...found };
+  });
+  return best;
+}
+
+export function nearestIndex(point, points) {
+  let best = -1;
+  let least = Infinity;
+  points.forEach((other, k) => {
+    const d = distance(point, other);
+    if (d < least) [best, least] = [k, d];
+  });
+  return { index: best, distance: least };
+}
+
+/** Share of the way along a ray (direction of length 1) at which it leaves a polygon; Infinity if it does not. */
+export function rayLength(start, direction, polygon) {
+  let least = Infinity;
+  for (let i = 0, j = polygon.length - 1; i < polygon.length; j = i++) {
+    const edge = difference(polygon[i], polygon[j]);
+    const off = difference(polygon[j], start);
+    const cross = direction[0] * edge[1] - direction[1] * edge[0];
+    if (Math.abs(cross) < 1e-12) continue;
+    const along = (off[0] * edge[1] - off[1] * edge[0]) / cross;
+    const across = (off[0] * direction[1] - off[1] * direction[0]) / cross;
+    if (along > 1e-9 && across >= 0 && across <= 1) least = Math.min(least, along);
+  }
+  return least;
+}
+
+export function area(polygon) {
+  let twice = 0;
+  for (let i = 0, j = polygon.length - 1; i < polygon.length; j = i++) {
+    twice += polygon[j][0] * polygon[i][1] - polygon[i][0] * polygon[j][1];
+  }
+  return twice / 2;
+}
+
+export function centroid(polygon) {
+  const whole = area(polygon);
+  if (Math.abs(whole) < 1e-9) return bounds(polygon).centre;
+  let [x, y] = [0, 0];
+  for (let i = 0, j = polygon.length - 1; i < polygon.length; j = i++) {
+    const cross = polygon[j][0] * polygon[i][1] - polygon[i][0] * polygon[j][1];
+    x += (polygon[j][0] + polygon[i][0]) * cross;
+    y += (polygon[j][1] + polygon[i][1]) * cross;
+  }
+  return [x / (6 * whole), y / (6 * whole)];
+}
+
+/** Whether two edges of a polygon cross that are not neighbours: the server refuses such an outline. */
+export function crossesItself(polygon) {
+  const count = polygon.length;
+  const side = (a, b, c) => Math.sign((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
+  for (let i = 0; i < count; i++) {
+    for (let j = i + 2; j < count; j++) {
+      if (i === 0 && j === count - 1) continue;
+      const [a, b] = [polygon[i], polygon[(i + 1) % count]];
+      const [c, d] = [polygon[j], polygon[(j + 1) % count]];
+      if (side(a, b, c) !== side(a, b, d) && side(c, d, a) !== side(c, d, b)) return true;
+    }
+  }
+  return false;
+}
+
+export function regularPolygon(sides, radius, centre = [0, 0], start = Math.PI / 2) {
+  return Array.from({ length: sides }, (_, k) => {
+    const angle = start + (2 * Math.PI * k) / sides;
+    return [round(centre[0] + radius * Math.cos(angle)), round(centre[1] + radius * Math.sin(angle))];
+  });
+}
+
+export const round = (value, digits = 3) => Number(value.toFixed(digits));
+export const roundPoint = (point, digits = 3) => point.map((value) => round(value, digits));
+
+/** Where mirrors and sixfold turns about the origin take a point, itself first, without repetitions. */
+export function images(point, { mirrorX, mirrorY, sixfold }) {
+  let all = [point];
+  if (mirrorX) all = all.flatMap(([x, y]) => [[x, y], [-x, y]]);
+  if (mirrorY) all = all.flatMap(([x, y]) => [[x, y], [x, -y]]);
+  if (sixfold) {
+    all = all.flatMap((place) =>
+      Array.from({ length: 6 }, (_, k) => {
+        const [c, s] = [Math.cos((k * Math.PI) / 3), Math.sin((k * Math.PI) / 3)];
+        return [c * place[0] - s * place[1], s * place[0] + c * place[1]];
+      }),
+    );
+  }
+  return all.filter((place, k) => all.findIndex((other) => distance(place, other) < 1e-6) === k);
+}
+
+/** A pleasant number of about this size: 1, 2 or 5 times a power of ten. */
+export function nice(value) {
+  const power = 10 ** Math.floor(Math.log10(value));
+  const lead = value / power;
+  return (lead < 1.5 ? 1 : lead < 3.5 ? 2 : lead < 7.5 ? 5 : 10) * power;
+}

@@ -1,0 +1,162 @@
+// All shortcuts, and the overlay that lists them.
+
+import { dialog, h, section } from "./dom.js";
+import { QUANTITIES, mm } from "./format.js";
+import { difference } from "./geometry.js";
+import { announce } from "./panels/toasts.js";
+import { VIEWS } from "./view/camera.js";
+
+const HELP = {
+  Everywhere: [
+    ["Ctrl+Z", "Undo"],
+    ["Ctrl+Shift+Z", "Redo"],
+    ["Ctrl+S", "Save"],
+    ["Ctrl+O", "Open"],
+    ["Ctrl+E", "Export"],
+    ["V B G O N R", "Select, brush, sizes, outline, needles, ruler"],
+    ["T", "Table of stars"],
+    ["Esc", "Cancel verification, clear the selection"],
+    ["?", "This help"],
+  ],
+  Plan: [
+    ["← ↑ → ↓", "Go to the next star"],
+    ["Enter", "Select it, or take it out of the selection"],
+    ["+ −", "Change the size of the selected stars"],
+    ["Delete", "Remove stars, a corner or a needle"],
+    ["Shift+click", "Straight line with the brush; add to the selection"],
+    ["Double click", "Select the ring"],
+    ["Ctrl+A", "Select all stars"],
+    ["[ ]", "Radius of the brush"],
+    ["Page up, Page down", "Lift or lower a needle"],
+    ["S, P", "Snapping, printable area"],
+    ["Space+drag, right drag", "Move the plan"],
+    ["Wheel, F", "Zoom, fit"],
+  ],
+  Shape: [
+    ["Drag, ← ↑ → ↓", "Turn"],
+    ["Shift+drag, right drag", "Move"],
+    ["Wheel, + −", "Zoom"],
+    ["1 … 7", "Perspective, top, bottom, front, back, left, right"],
+    ["O", "Orthographic"],
+    ["F", "Fit"],
+  ],
+};
+
+export function openHelp() {
+  const block = ([title, rows]) =>
+    h("div", {}, section(title), h("table", { class: "small keys" }, h("tbody", {}, rows.map(([keys, does]) => h("tr", {}, h("td", {}, keys.split(", ").map((one) => h("kbd", {}, one))), h("td", {}, does))))));
+  dialog("Keys", h("div", { class: "help-columns" }, Object.entries(HELP).map(block)), { testid: "help-dialog" });
+}
+
+/** Handles keys on the whole page. Text fields keep theirs. */
+export function listenToKeys({ store, actions, plan, view, edits, tools }) {
+  addEventListener("keydown", (event) => {
+    if (document.querySelector("dialog[open]")) return;
+    const isTyping = event.target.matches?.("input:not([type=checkbox]):not([type=range]), textarea, select");
+    if (event.ctrlKey || event.metaKey) return void (withControl(event, isTyping) && event.preventDefault());
+    if (isTyping || event.altKey) return;
+    if (event.key === " " && (event.target === plan.canvas || event.target === document.body)) {
+      plan.isSpaceDown = true;
+      event.preventDefault();
+      return;
+    }
+    const onView = event.target === view?.canvas;
+    const onPlan = event.target === plan.canvas || event.target === document.body;
+    const isDone = (onView && onViewKey(event)) || (onPlan && onPlanKey(event)) || anywhere(event);
+    if (isDone) event.preventDefault();
+  });
+  addEventListener("keyup", (event) => {
+    if (event.key === " ") plan.isSpaceDown = false;
+  });
+
+  function withControl(event, isTyping) {
+    const key = event.key.toLowerCase();
+    if (key === "s") actions.save();
+    else if (key === "o") actions.openStart();
+    else if (key === "e" && store.get("document")) actions.openExport();
+    else if (isTyping) return false;
+    else if (key === "z" && event.shiftKey) actions.redo();
+    else if (key === "z") actions.undo();
+    else if (key === "y") actions.redo();
+    else if (key === "a") actions.selectAll();
+    else return false;
+    return true;
+  }
+
+  function anywhere(event) {
+    const tool = Object.keys(tools).find((name) => tools[name].keys === event.key.toUpperCase());
+    if (tool) actions.choose(tool);
+    else if (event.key === "?") openHelp();
+    else if (event.key.toLowerCase() === "t") actions.openTable();
+    else if (event.key === "[" || event.key === "]") tools.brush.tool.grow(event.key === "]" ? 1 : -1);
+    else if (event.key.toLowerCase() === "s") store.set({ snap: !store.get("snap") });
+    else if (event.key.toLowerCase() === "p") store.set({ printArea: !store.get("printArea") });
+    else if (event.key.toLowerCase() === "f") plan.fit();
+    else if (event.key === "Escape") actions.escape();
+    else return false;
+    return true;
+  }
+
+  function onViewKey(event) {
+    const turn = { ArrowLeft: [-12, 0], ArrowRight: [12, 0], ArrowUp: [0, 12], ArrowDown: [0, -12] }[event.key];
+    const name = Object.keys(VIEWS)[Number(event.key) - 1];
+    if (turn) view.camera.orbit(...turn);
+    else if (event.key === "+" || event.key === "=") view.camera.zoom(1.15);
+    else if (event.key === "-") view.camera.zoom(1 / 1.15);
+    else if (name) view.look(name);
+    else if (event.key.toLowerCase() === "f") view.fit();
+    else if (event.key.toLowerCase() === "o") store.set({ orthographic: !store.get("orthographic") });
+    else return false;
+    view.invalidate();
+    return true;
+  }
+
+  function onPlanKey(event) {
+    const sheet = store.get("sheet");
+    if (!sheet) return false;
+    if (tools[store.get("tool")].tool.key?.(event)) return true;
+    const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
+    if (step) return go(sheet, step);
+    if (event.key === "Enter" && store.get("cursor")) {
+      const selection = new Set(store.get("selection"));
+      if (!selection.delete(store.get("cursor"))) selection.add(store.get("cursor"));
+      store.set({ selection });
+    } else if (event.key === "+" || event.key === "=" || event.key === "-") grow(sheet, event.key === "-" ? -1 : 1);
+    else if (event.key === "Delete" || event.key === "Backspace") actions.removeSelected();
+    else return false;
+    return true;
+  }
+
+  /** To the nearest star in a direction. */
+  function go(sheet, direction) {
+    const from = sheet.byKey.get(store.get("cursor"));
+    let best = from ? null : sheet.starAt(sheet.centre, Infinity);
+    let least = Infinity;
+    for (const star of from ? sheet.stars : []) {
+      const off = difference(star.at, from.at);
+      const along = off[0] * direction[0] + off[1] * direction[1];
+      const across = Math.abs(off[0] * direction[1] - off[1] * direction[0]);
+      if (along > 1e-6 && across < 1.8 * along && along + 2 * across < least) [best, least] = [star, along + 2 * across];
+    }
+    if (!best) return true;
+    store.set({ cursor: best.key, hover: best.key });
+    const [length, thickness, width] = best.sizes;
+    announce(`Star ${best.row}, x ${mm(best.at[0])}, y ${mm(best.at[1])}, ${best.removed ? "removed" : `length ${mm(length)}, thickness ${mm(thickness, 2)}, width ${mm(width, 2)}`}`);
+    return true;
+  }
+
+  /** One step larger or smaller, of the selected stars or the one of the keyboard. */
+  function grow(sheet, sign) {
+    const { quantity } = store.get("brush");
+    const { column, step, name } = QUANTITIES[quantity];
+    const keys = store.get("selection").size ? [...store.get("selection")] : [store.get("cursor")].filter(Boolean);
+    const values = new Map();
+    for (const key of keys) {
+      const star = sheet.byKey.get(key);
+      if (star && !star.removed) values.set(key, sheet.allowed(quantity, star.sizes[column] + sign * (sheet.printable(quantity)?.step ?? step), store.get("inLaw")));
+    }
+    if (!values.size) return;
+    edits.once(() => edits.sizes(quantity, values));
+    announce(`${name} ${mm([...values.values()][0], 2)}`);
+  }
+}

@@ -1,0 +1,156 @@
+// Wires the page together: connection, document, plan, view, panels, keys.
+
+import { createActions } from "./actions.js";
+import { Connection } from "./connection.js";
+import { Edits } from "./edits.js";
+import { listenToKeys } from "./keys.js";
+import { listen } from "./messages.js";
+import { buildCompare, buildPlanBar, buildViewBar } from "./panels/bars.js";
+import { brushPanel } from "./panels/brush.js";
+import { gradientPanel, rulerPanel } from "./panels/gradient.js";
+import { buildInspector } from "./panels/inspector.js";
+import { materialPanel } from "./panels/material.js";
+import { needlesPanel } from "./panels/needles.js";
+import { outlinePanel } from "./panels/outline.js";
+import { selectionPanel } from "./panels/selection.js";
+import { shapePanel } from "./panels/shape.js";
+import { buildStart } from "./panels/start.js";
+import { buildStatus } from "./panels/status.js";
+import { toast } from "./panels/toasts.js";
+import { buildTools, buildTop } from "./panels/top.js";
+import { PlanCanvas } from "./plan/canvas.js";
+import { BrushTool } from "./plan/tools/brush.js";
+import { GradientTool } from "./plan/tools/gradient.js";
+import { NeedleTool } from "./plan/tools/needles.js";
+import { OutlineTool } from "./plan/tools/outline.js";
+import { RulerTool } from "./plan/tools/ruler.js";
+import { SelectTool } from "./plan/tools/select.js";
+import { createStore } from "./store.js";
+import { listenToView } from "./view/pointer.js";
+import { View } from "./view/view.js";
+
+const $ = (id) => document.getElementById(id);
+
+const store = createStore();
+const studio = { store, isNew: true };
+const handlers = {};
+studio.connection = new Connection({
+  message: (message) => handlers.message(message),
+  frame: (frame) => handlers.frame(frame),
+  status: (status) => handlers.status(status),
+});
+studio.edits = new Edits(store, studio.connection);
+studio.plan = new PlanCanvas($("plan-canvas"), store);
+studio.tools = {
+  select: { title: "Select", icon: "select", keys: "V", tool: new SelectTool(studio) },
+  brush: { title: "Brush", icon: "brush", keys: "B", tool: new BrushTool(studio) },
+  gradient: { title: "Sizes", icon: "gradient", keys: "G", tool: new GradientTool(studio) },
+  outline: { title: "Outline", icon: "outline", keys: "O", tool: new OutlineTool(studio) },
+  needles: { title: "Needles", icon: "needles", keys: "N", tool: new NeedleTool(studio) },
+  ruler: { title: "Ruler", icon: "ruler", keys: "R", tool: new RulerTool(studio) },
+};
+try {
+  const onFrame = (header) => studio.connection.acknowledge(header.frame);
+  studio.view = new View($("view-canvas"), store, { onFrame });
+  listenToView(studio.view, studio);
+} catch (error) {
+  $("view-note").append(error.message);
+}
+studio.actions = createActions(studio);
+Object.assign(handlers, listen(studio));
+
+buildTop($("top"), studio);
+buildTools($("tools"), studio);
+buildStatus($("status"), studio);
+buildPlanBar($("plan-bar"), studio);
+buildViewBar($("view-bar"), studio);
+buildCompare($("compare"), studio);
+buildStart($("start"), studio);
+buildInspector($("inspector"), {
+  store,
+  toolTitles: Object.fromEntries(Object.entries(studio.tools).map(([name, { title }]) => [name, title])),
+  builders: {
+    tool: {
+      select: (page) => selectionPanel(studio, page),
+      brush: (page) => brushPanel(studio, page),
+      gradient: (page) => gradientPanel(studio, page),
+      outline: (page) => outlinePanel(studio, page),
+      needles: (page) => needlesPanel(studio, page),
+      ruler: (page) => rulerPanel(studio, page),
+    },
+    sheet: (page) => materialPanel(studio, page),
+    shape: (page) => shapePanel(studio, page),
+  },
+});
+listenToKeys(studio);
+
+function showTool() {
+  const { tool } = studio.tools[store.get("tool")];
+  studio.plan.tool?.leave?.();
+  studio.plan.tool = tool;
+  studio.plan.canvas.style.cursor = tool.cursor;
+  const note = document.createElement("span");
+  note.textContent = tool.hint;
+  $("plan-note").replaceChildren(note);
+  studio.plan.invalidate();
+}
+store.on(["tool"], showTool);
+showTool();
+
+function showTheme() {
+  const theme = store.get("theme");
+  if (theme === "auto") delete document.documentElement.dataset.theme;
+  else document.documentElement.dataset.theme = theme;
+}
+store.on(["theme"], showTheme);
+showTheme();
+
+function divide() {
+  const divider = $("divider");
+  const show = (share) => {
+    const kept = Math.min(80, Math.max(20, share));
+    $("work").style.setProperty("--plan-share", `${kept}%`);
+    divider.setAttribute("aria-valuenow", String(Math.round(kept)));
+    store.set({ planShare: kept });
+  };
+  divider.addEventListener("pointerdown", (event) => divider.setPointerCapture(event.pointerId));
+  divider.addEventListener("pointermove", (event) => {
+    if (!divider.hasPointerCapture(event.pointerId)) return;
+    const box = $("work").getBoundingClientRect();
+    show((100 * (event.clientX - box.left)) / box.width);
+  });
+  divider.addEventListener("dblclick", () => show(50));
+  divider.addEventListener("keydown", (event) => {
+    const step = { ArrowLeft: -2, ArrowRight: 2 }[event.key];
+    if (step) show(store.get("planShare") + step);
+  });
+  show(store.get("planShare"));
+}
+divide();
+
+addEventListener("error", (event) => toast(`The page met an error: ${event.message}`, { isBad: true }));
+
+/** State for tests and for the curious; read-only. */
+const view = studio.view;
+const shown = {
+  revision: () => store.get("document")?.revision ?? null,
+  shownRevision: () => store.get("frame")?.revision ?? null,
+  stage: () => store.get("frame")?.stage ?? null,
+  isFine: () => Boolean(view?.shape?.smooth),
+  height: () => store.get("frame")?.height_mm ?? null,
+  engine: () => store.get("state").engine,
+  state: () => structuredClone(store.get("state")),
+  document: () => structuredClone(store.get("document")),
+  connected: () => store.get("connection") === "open",
+  drawn: () => view?.frames ?? 0,
+  drawMs: () => view?.drawMs ?? 0,
+  isEditing: () => studio.edits.isOpen,
+  isWaiting: () => studio.edits.isWaiting,
+  tool: () => store.get("tool"),
+  selection: () => [...store.get("selection")],
+  comparison: () => Boolean(store.get("comparison")),
+  camera: () => (view ? { turn: view.camera.turn, pitch: view.camera.pitch, distance: view.camera.distance } : null),
+  sizes: () => store.get("sheet")?.stars.map((star) => [...star.sizes]) ?? [],
+  screenOf: () => (point) => studio.plan.toScreen(point),
+};
+window.studio = Object.freeze(Object.create(null, Object.fromEntries(Object.entries(shown).map(([name, get]) => [name, { get, enumerable: true }]))));

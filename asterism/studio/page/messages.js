@@ -1,0 +1,120 @@
+// What the page does with the server's messages.
+
+import { announce, toast } from "./panels/toasts.js";
+
+export function listen(studio) {
+  const { store, connection, edits } = studio;
+
+  const takers = {
+    document(message) {
+      const before = store.get("document");
+      edits.arrived(message);
+      if (studio.isNew || before?.path !== message.path) {
+        studio.isNew = false;
+        studio.plan.fit();
+        studio.view?.reset();
+      }
+      const comparison = store.get("comparison");
+      if (comparison && !comparison.isOld) store.set({ comparison: { ...comparison, isOld: true } });
+      prune();
+      if (message.kept_work && !before?.kept_work) offerKeptWork();
+    },
+    state(message) {
+      const before = store.get("state");
+      store.set({ state: message, problem: message.problem ? { ...message.problem, isBlocking: true } : null });
+      if (message.jobs?.verify && !store.get("jobs").verify) store.set({ jobs: { ...store.get("jobs"), verify: message.jobs.verify } });
+      if (before.engine !== message.engine && message.engine === "ready" && store.get("frame")) announce("The sheet is in equilibrium");
+    },
+    gallery: (message) => store.set({ gallery: message }),
+    progress(message) {
+      store.set({ jobs: { ...store.get("jobs"), [message.job]: message } });
+    },
+    result(message) {
+      const { [message.job]: done, ...jobs } = store.get("jobs");
+      store.set({ jobs, results: { ...store.get("results"), [message.job]: message } });
+      if (message.job === "verify") announce(message.cancelled ? "Verification cancelled" : "Verification finished");
+      if (message.job === "report" && message.files?.length) {
+        const url = `file/${encodeURI(message.files[0].name)}`;
+        toast("The report is written.", { action: { text: "Open it", run: () => window.open(url, "_blank", "noopener") } });
+      }
+    },
+    problem(message) {
+      const shown = showProblem(message);
+      store.set({ problem: { ...message, isBlocking: false } });
+      if (message.job) {
+        const { [message.job]: failed, ...jobs } = store.get("jobs");
+        store.set({ jobs });
+      }
+      if (!shown) toast(textOf(message), { isBad: true, action: placeAction(message) });
+    },
+    followed: (message) => toast(`${fileName(message.path)} was changed by another program; it is shown.`),
+    saved: (message) => toast(`Saved as ${message.path}`, { stay: 4000 }),
+    note: (message) => toast(message.text),
+  };
+
+  /** At the field, if one is on the page. Returns whether it was. */
+  function showProblem({ field, text }) {
+    if (!field) return false;
+    const name = field.replace(/\[\d+\]/g, "");
+    const element = [...document.querySelectorAll("[data-field]")].find((one) => one.dataset.field === name && one.offsetParent);
+    const line = element?.querySelector(":scope > .fault");
+    if (!line) return false;
+    line.hidden = false;
+    line.textContent = text;
+    element.classList.add("bad");
+    announce(text);
+    return true;
+  }
+
+  /** Unsaved work of an earlier session. */
+  function offerKeptWork() {
+    toast("An earlier session ended with unsaved changes of this design.", {
+      action: { text: "Bring them back", run: () => connection.send("recover") },
+      other: { text: "Forget them", run: () => connection.send("discard") },
+      stay: 0,
+    });
+  }
+
+  function placeAction({ stars = [], at_mm: at }) {
+    if (!stars?.length && !at) return null;
+    return { text: "Show", run: () => studio.actions.showPlace({ stars: stars ?? [], at_mm: at }) };
+  }
+
+  /** Drops selected stars that the document does not have any more. */
+  function prune() {
+    const sheet = store.get("sheet");
+    const selection = [...store.get("selection")].filter((key) => sheet.byKey.has(key));
+    if (selection.length !== store.get("selection").size) store.set({ selection: new Set(selection) });
+    const support = store.get("support");
+    const table = support && sheet.tables[support.table];
+    if (support && (!table || (support.point !== null && table.points_mm && !table.points_mm[support.point]))) store.set({ support: null });
+  }
+
+  return {
+    message: (message) => takers[message.type]?.(message),
+    frame(frame) {
+      if (studio.view) studio.view.take(frame);
+      else if (frame.kind === 2) {
+        store.set({ frame: frame.header });
+        connection.acknowledge(frame.header.frame);
+      }
+    },
+    status(connected) {
+      const before = store.get("connection");
+      store.set({ connection: connected });
+      if (connected === "lost") {
+        edits.drop();
+        if (before === "open") toast("The studio does not answer. Is its terminal still open? Your work is kept in the autosave.", { isBad: true, stay: 0 });
+      } else if (connected === "open") {
+        document.querySelectorAll(".toast.bad").forEach((one) => one.dataset.text.startsWith("The studio does not answer") && one.remove());
+        store.set({ jobs: {} });
+      }
+    },
+  };
+}
+
+function textOf({ text, allowed }) {
+  return allowed && !text.includes(String(allowed)) ? `${text} Allowed: ${allowed}.` : text;
+}
+
+const fileName = (path) => path.split(/[\\/]/).at(-1);

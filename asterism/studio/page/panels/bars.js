@@ -1,0 +1,118 @@
+// The bars above plan and view.
+
+import { button, choice, dialog, h, segments } from "../dom.js";
+import { QUANTITIES } from "../format.js";
+import { VIEWS } from "../view/camera.js";
+import { FIELDS } from "../view/colours.js";
+
+function toggle({ store, key, picture, label, keys, testid }) {
+  const one = button({ icon: picture, label, keys, testid, pressed: store.get(key), onclick: () => store.set({ [key]: !store.get(key) }) });
+  store.on([key], () => one.setAttribute("aria-pressed", String(store.get(key))));
+  return one;
+}
+
+export function buildPlanBar(element, { store, plan }) {
+  const colour = choice({
+    label: "Colour of the stars",
+    testid: "plan-colour",
+    options: [{ value: "none", text: "Plain stars" }, ...Object.entries(QUANTITIES).map(([value, { name }]) => ({ value, text: `By ${name.toLowerCase()}` }))],
+    value: store.get("planColour"),
+    onchange: (value) => store.set({ planColour: value }),
+  });
+  element.append(
+    colour.element,
+    h("span", { class: "gap" }),
+    toggle({ store, key: "snap", picture: "snap", label: "Snap to corners, stars and millimetres", keys: "S", testid: "snap" }),
+    toggle({ store, key: "grid", picture: "grid", label: "Millimetre grid", testid: "grid" }),
+    toggle({ store, key: "printArea", picture: "printer", label: "Printable area", keys: "P", testid: "plan-print-area" }),
+    button({ icon: "fit", label: "Fit the plan", keys: "F", testid: "fit-plan", onclick: () => plan.fit() }),
+  );
+}
+
+export function buildViewBar(element, { store, view }) {
+  const colour = choice({
+    label: "Colours of the sheet",
+    testid: "view-colour",
+    options: Object.entries(FIELDS).map(([value, { name }]) => ({ value, text: value === "none" ? "Plain sheet" : name })),
+    value: store.get("viewColour"),
+    onchange: (value) => store.set({ viewColour: value }),
+  });
+  const distance = colour.element.querySelector('[value="distance"]');
+  const bumps = toggle({ store, key: "showBumps", picture: "bumps", label: "Bumps", testid: "show-bumps" });
+  const update = () => {
+    distance.disabled = !store.get("comparison");
+    distance.textContent = store.get("comparison") ? "Distance" : "Distance (verify first)";
+    bumps.hidden = !view?.shape?.smooth;
+  };
+  store.on(["comparison", "frame"], update);
+  store.on(["viewColour"], ({ viewColour }) => colour.set(viewColour));
+  update();
+  const views = h("select", { class: "short", "aria-label": "Named view", title: "Named view (1 to 7)", testid: "named-view" }, h("option", { value: "" }, "View"), Object.entries(VIEWS).map(([value, { name }], k) => h("option", { value }, `${name} (${k + 1})`)));
+  views.addEventListener("change", () => {
+    view.look(views.value);
+    views.value = "";
+  });
+  element.append(
+    colour.element,
+    h("span", { class: "gap" }),
+    views,
+    toggle({ store, key: "orthographic", picture: "ortho", label: "Orthographic", keys: "O", testid: "ortho" }),
+    toggle({ store, key: "showArms", picture: "arms", label: "Arms", testid: "show-arms" }),
+    bumps,
+    button({ icon: "fit", label: "Fit the view", keys: "F", testid: "fit-view", onclick: () => view.fit() }),
+    button({ icon: "camera", label: "Save a picture", testid: "picture", onclick: () => openPicture({ store, view }) }),
+  );
+}
+
+/** Preview, exact shape, or both: shown after a verification. */
+export function buildCompare(element, { store }) {
+  const shown = segments({
+    label: "Shown shape",
+    testid: "shown",
+    options: [
+      { value: "preview", text: "Preview" },
+      { value: "exact", text: "Exact" },
+      { value: "both", text: "Both" },
+    ],
+    value: store.get("shown"),
+    onchange: (value) => store.set({ shown: value }),
+  });
+  element.append(shown.element);
+  const update = () => {
+    element.hidden = !store.get("comparison");
+    shown.set(store.get("shown"));
+  };
+  store.on(["comparison", "shown"], update);
+  update();
+}
+
+function openPicture({ store, view }) {
+  const sizes = { "1600 × 1200": [1600, 1200], "1920 × 1080": [1920, 1080], "3000 × 2000": [3000, 2000], "3000 × 3000": [3000, 3000] };
+  let chosen = Object.keys(sizes)[0];
+  let ground = "#ffffff";
+  const pixels = choice({ label: "Size in pixels", testid: "picture-size", options: Object.keys(sizes).map((value) => ({ value, text: value })), value: chosen, onchange: (value) => (chosen = value) });
+  const back = choice({ label: "Background", testid: "picture-ground", options: [{ value: "#ffffff", text: "White" }, { value: "", text: "Transparent" }], value: ground, onchange: (value) => (ground = value) });
+  const element = dialog(
+    "Save a picture of the sheet",
+    h(
+      "div",
+      {},
+      h("div", { class: "field" }, h("label", {}, "Size in pixels"), pixels.element),
+      h("div", { class: "field" }, h("label", {}, "Background"), back.element),
+      h("div", { class: "row" }, button({
+        icon: "camera",
+        text: "Save PNG",
+        kind: "primary",
+        testid: "picture-go",
+        onclick: async () => {
+          const blob = await view.picture(...sizes[chosen], ground);
+          const link = h("a", { href: URL.createObjectURL(blob), download: `${store.get("document")?.name ?? "sheet"}.png` });
+          link.click();
+          setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+          element.close();
+        },
+      })),
+    ),
+    { testid: "picture-dialog" },
+  );
+}

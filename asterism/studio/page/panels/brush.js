@@ -1,0 +1,88 @@
+// Panel of the brush.
+
+import { check, h, hint, section, segments } from "../dom.js";
+import { QUANTITIES } from "../format.js";
+import { numberField } from "./fields.js";
+
+const MODES = {
+  set: { text: "Set", title: "Set to a value", says: "Draws the stars under the brush towards the target." },
+  add: { text: "Add", title: "Add or subtract", says: "Makes the stars under the brush larger. Alt, or a negative amount, makes them smaller." },
+  smooth: { text: "Smooth", title: "Smooth", says: "Draws every star towards the mean of its neighbours." },
+  erase: { text: "Erase", title: "Erase painted sizes", says: "Drops painted sizes: the stars follow the profile again." },
+  remove: { text: "Remove", title: "Remove or restore stars", says: "Removes the stars under the brush. Hold Alt to bring them back." },
+};
+
+export function brushPanel({ store }, { on }) {
+  const brush = () => store.get("brush");
+  const change = (patch) => store.set({ brush: { ...brush(), ...patch } });
+  const quantity = segments({
+    label: "Size to paint",
+    testid: "quantity",
+    options: Object.entries(QUANTITIES).map(([value, { name }]) => ({ value, text: name })),
+    value: brush().quantity,
+    onchange: (value) => change({ quantity: value, target: middle(value), amount: 2 * QUANTITIES[value].step }),
+  });
+  const mode = segments({
+    label: "Brush mode",
+    testid: "mode",
+    options: Object.entries(MODES).map(([value, { text, title }]) => ({ value, text, title })),
+    value: brush().mode,
+    onchange: (value) => change({ mode: value }),
+  });
+  const says = hint("");
+  const target = numberField({ label: "Target", value: 1, step: 0.1, digits: 2, slider: true, testid: "target", onchange: (value) => change({ target: value }) });
+  const amount = numberField({ label: "Amount", value: 1, min: -5, max: 5, step: 0.05, digits: 2, slider: true, testid: "amount", onchange: (value) => change({ amount: value }) });
+  const radius = numberField({ label: "Radius", value: brush().radius, min: 2, max: 200, step: 0.5, slider: true, testid: "radius", onchange: (value) => change({ radius: value }) });
+  radius.limits(2, 200);
+  const strength = numberField({ label: "Strength", unit: "%", value: 100 * brush().strength, min: 1, max: 100, step: 1, slider: true, testid: "strength", onchange: (value) => change({ strength: value / 100 }) });
+  const inLaw = check({ text: "Stay within the calibrated range", value: store.get("inLaw"), testid: "in-law", onchange: (value) => store.set({ inLaw: value }) });
+  const range = hint("");
+
+  function middle(name) {
+    const sheet = store.get("sheet");
+    const [low, high] = sheet?.range(name, true) ?? [0, 10];
+    const { column, step } = QUANTITIES[name];
+    const present = sheet?.printed.map((star) => star.sizes[column]).sort((a, b) => a - b);
+    const value = present?.length ? present[present.length >> 1] : (low + high) / 2;
+    return Math.round(value / step) * step;
+  }
+  function update() {
+    const { quantity: name, mode: way, target: wanted, amount: more, radius: reach, strength: share } = brush();
+    const sheet = store.get("sheet");
+    const [low, high] = sheet?.range(name, store.get("inLaw")) ?? [0, 20];
+    says.textContent = MODES[way].says;
+    const printable = sheet?.printable(name);
+    target.limits(low, high);
+    target.set(Math.min(Math.max(wanted, low), high));
+    amount.limits(-10 * QUANTITIES[name].step, 10 * QUANTITIES[name].step);
+    amount.set(more);
+    radius.set(reach);
+    strength.set(Math.round(100 * share));
+    quantity.set(name);
+    mode.set(way);
+    target.element.hidden = way !== "set";
+    amount.element.hidden = way !== "add";
+    strength.element.hidden = way === "erase" || way === "remove";
+    quantity.element.hidden = way === "erase" || way === "remove";
+    inLaw.element.hidden = range.hidden = quantity.element.hidden;
+    const text = `${trim(low)} to ${trim(high)} mm`;
+    range.textContent = `${store.get("inLaw") ? "Calibrated" : "Allowed"}: ${text}.${printable ? ` Printable: steps of ${trim(printable.step)} mm.` : ""}`;
+  }
+  on(["brush", "inLaw", "sheet"], update);
+  update();
+  return [mode.element, says, quantity.element, target.element, amount.element, radius.element, strength.element, inLaw.element, range, ...symmetry({ store }, { on })];
+}
+
+/** Mirrors and sixfold symmetry while painting. */
+function symmetry({ store }, { on }) {
+  const box = (key, text) =>
+    check({ text, value: store.get("symmetry")[key], testid: key, onchange: (value) => store.set({ symmetry: { ...store.get("symmetry"), [key]: value } }) });
+  const boxes = [box("mirrorX", "Left–right"), box("mirrorY", "Top–bottom"), box("sixfold", "Sixfold")];
+  on(["symmetry"], ({ symmetry: now }) => ["mirrorX", "mirrorY", "sixfold"].forEach((key, k) => boxes[k].set(now[key])));
+  return [
+    section("Symmetry"),
+    h("div", { class: "row wrap" }, boxes.map((one) => one.element)),
+  ];
+}
+
+export const trim = (value) => String(Number(value.toFixed(3)));

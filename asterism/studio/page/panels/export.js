@@ -1,0 +1,62 @@
+// The export dialog: files for the printer, and what was written.
+
+import { button, check, choice, dialog, h, hint, replace, section } from "../dom.js";
+import { bytes, seconds } from "../format.js";
+import { icon } from "../icons.js";
+import { numberField } from "./fields.js";
+
+export function openExport({ store, connection }) {
+  const { printers = [], plastics = [] } = store.get("document");
+  let printer = store.get("sheet").printer?.name ?? printers[0]?.name;
+  let plastic = plastics[0];
+  const machine = choice({ label: "Printer", testid: "export-printer", options: printers.map(({ name, title }) => ({ value: name, text: title ?? name })), value: printer, onchange: (value) => (printer = value) });
+  const material = plastics.length ? choice({ label: "Plastic", testid: "export-plastic", options: plastics.map((name) => ({ value: name, text: name })), value: plastic, onchange: (value) => (plastic = value) }) : null;
+  const preview = check({ text: "Write the shape too (OBJ, STL, GLB), and what rounding does to it", value: true, testid: "export-preview", onchange: () => {} });
+  const border = check({ text: "Print a line to cut along", value: true, testid: "export-border", onchange: () => {} });
+  const spacing = numberField({ label: "Needles on held edges, at most apart", value: 20, min: 2, max: 200, testid: "export-spacing", onchange: (value) => (needleSpacing = value) });
+  let needleSpacing = 20;
+  const written = h("div", { role: "status", testid: "export-result" });
+  const go = button({
+    icon: "export",
+    text: "Write the files",
+    kind: "primary",
+    testid: "export-go",
+    onclick: () => {
+      store.set({ results: { ...store.get("results"), export: null } });
+      connection.send("export", { printer, plastic, options: { preview: preview.box.checked, border: border.box.checked, needle_spacing_mm: needleSpacing } });
+    },
+  });
+  const update = () => {
+    const { export: result } = store.get("results");
+    const { export: progress } = store.get("jobs");
+    go.disabled = Boolean(progress);
+    if (progress) replace(written, h("div", { class: "row" }, h("span", { class: "grow" }, `${progress.stage} · ${seconds(progress.seconds)}`), button({ text: "Cancel", testid: "export-cancel", onclick: () => connection.send("cancel") })));
+    else replace(written, result?.files ? [section("Written", h("span", { class: "count" }, result.folder ?? "")), (result.warnings ?? []).map((text) => hint(text)), fileList(result.files)] : null);
+  };
+  const stop = store.on(["results", "jobs"], update);
+  dialog(
+    "Export for the printer",
+    h(
+      "div",
+      { class: "export" },
+      h("div", { class: "field" }, h("label", {}, "Printer"), machine.element),
+      material ? h("div", { class: "field" }, h("label", {}, "Plastic"), material.element) : null,
+      hint("3MF and STL for the slicer, PDF, SVG and DXF at 1:1, drilling template, start code, instructions, and the rounded design."),
+      preview.element,
+      border.element,
+      spacing.element,
+      h("div", { class: "row" }, go),
+      written,
+    ),
+    { testid: "export-dialog", onclose: stop },
+  );
+  update();
+}
+
+export function fileList(files) {
+  return h(
+    "ul",
+    { class: "list files" },
+    files.map((file) => h("li", {}, h("a", { class: "item", href: `file/${encodeURI(file.name)}`, download: file.name.split("/").at(-1) }, icon("export"), h("span", { class: "grow" }, file.name), h("span", { class: "count" }, bytes(file.size))))),
+  );
+}

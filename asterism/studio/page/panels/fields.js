@@ -1,0 +1,91 @@
+// Number fields with unit, slider and limits; each shows one line of fault.
+
+import { fixed } from "../format.js";
+import { h } from "../dom.js";
+
+let count = 0;
+
+/**
+ * A number with its unit. `onchange(value, isFinal)`: while a slider is dragged isFinal is false.
+ * Returns {element, set(value), limits(min, max), fault(text)}.
+ */
+export function numberField({ label, unit = "mm", value, min = -Infinity, max = Infinity, step = 1, digits, slider = false, onchange, testid, field }) {
+  const id = `field-${(count += 1)}`;
+  const places = digits ?? Math.max(0, -Math.floor(Math.log10(step)));
+  let limits = [min, max];
+  let present = value;
+  const text = (number) => (number === null || number === undefined ? "" : String(Number(number.toFixed(places))));
+  const input = h("input", { id, type: "text", inputmode: "decimal", autocomplete: "off", value: text(value), testid, "aria-describedby": `${id}-fault` });
+  const fault = h("div", { class: "fault", id: `${id}-fault`, hidden: true, role: "alert" });
+  const range = slider ? h("input", { type: "range", min, max, step, value, "aria-label": `${label}, ${unit}` }) : null;
+  const element = h(
+    "div",
+    { class: "field" },
+    h("label", { for: id }, label),
+    h("span", { class: "number" }, input, h("span", { class: "unit", "aria-hidden": "true" }, unit)),
+    range,
+    fault,
+  );
+  if (field) element.dataset.field = field;
+
+  function show(message) {
+    fault.hidden = !message;
+    fault.textContent = message ?? "";
+    element.classList.toggle("bad", Boolean(message));
+    input.setAttribute("aria-invalid", String(Boolean(message)));
+  }
+  function set(number) {
+    present = number;
+    if (document.activeElement !== input) input.value = text(number);
+    if (range) range.value = number;
+    show(null);
+  }
+  function accept(isFinal) {
+    const number = Number(input.value.replace(",", ".").replace("−", "-"));
+    if (!input.value.trim() || !Number.isFinite(number)) return show("A number, please");
+    if (number < limits[0] || number > limits[1]) return show(rangeText(limits, unit));
+    show(null);
+    if (number === present) return;
+    present = number;
+    if (range) range.value = number;
+    onchange(number, isFinal);
+  }
+  input.addEventListener("change", () => accept(true));
+  input.addEventListener("blur", () => element.classList.contains("bad") || (input.value = text(present)));
+  input.addEventListener("keydown", (event) => {
+    event.stopPropagation();
+    if (event.key === "Enter") accept(true);
+    if (event.key === "Escape") {
+      input.value = text(present);
+      show(null);
+      input.blur();
+    }
+    const up = { ArrowUp: 1, ArrowDown: -1 }[event.key];
+    if (!up) return;
+    event.preventDefault();
+    const next = Math.min(Math.max((present ?? 0) + up * step * (event.shiftKey ? 10 : 1), limits[0]), limits[1]);
+    input.value = text(next);
+    accept(true);
+  });
+  if (range) {
+    range.addEventListener("input", () => ((present = Number(range.value)), (input.value = text(present)), show(null), onchange(present, false)));
+    range.addEventListener("change", () => onchange(Number(range.value), true));
+  }
+  return {
+    element,
+    input,
+    set,
+    fault: show,
+    limits(low, high) {
+      limits = [low, high];
+      if (range) Object.assign(range, { min: low, max: high });
+    },
+  };
+}
+
+function rangeText([low, high], unit) {
+  const said = (value) => `${String(Number(fixed(value, 3).replace("−", "-")))} ${unit}`;
+  if (low === -Infinity) return `At most ${said(high)}`;
+  if (high === Infinity) return `At least ${said(low)}`;
+  return `From ${said(low)} to ${said(high)}`;
+}

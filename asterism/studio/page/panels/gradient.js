@@ -1,0 +1,153 @@
+// Panel of size fields: one value, gradients by dragging, a formula, a picture.
+
+import { button, h, hint, section, segments } from "../dom.js";
+import { QUANTITIES } from "../format.js";
+import { sizeChanges } from "../plan/tools/gradient.js";
+import { numberField } from "./fields.js";
+
+const KINDS = [
+  { value: "radial", text: "Radial" },
+  { value: "linear", text: "Linear" },
+  { value: "number", text: "Value", title: "The same everywhere" },
+  { value: "formula", text: "Formula" },
+  { value: "image", text: "Image" },
+];
+
+export function gradientPanel({ store, edits, tools, actions }, { on }) {
+  const { tool } = tools.gradient;
+  const { settings } = tool;
+  const send = (value) => edits.once(() => edits.design(sizeChanges(store.get("sheet").design, settings.quantity, value)));
+  const quantity = segments({
+    label: "Size",
+    testid: "gradient-quantity",
+    options: Object.entries(QUANTITIES).map(([value, { name }]) => ({ value, text: name })),
+    value: settings.quantity,
+    onchange: (value) => ((settings.quantity = value), read()),
+  });
+  const kind = segments({ label: "Kind", testid: "gradient-kind", options: KINDS, value: settings.kind, onchange: (value) => ((settings.kind = value), show(), (value === "radial" || value === "linear") && redo()) });
+  const redo = () => {
+    edits.begin();
+    tool.apply();
+    edits.end();
+  };
+  const part = (label, key, rest = {}) =>
+    numberField({ label, value: settings[key], min: 0, max: 20, step: 0.1, digits: 2, slider: true, testid: `gradient-${key}`, ...rest, onchange: (value, isFinal) => ((settings[key] = value), edits.begin(), tool.apply(), isFinal && edits.end()) });
+  const from = part("From", "from");
+  const to = part("To", "to");
+  const power = part("Power", "power", { unit: "", min: 0.2, max: 5 });
+  const drag = hint("Drag a line in the plan: the first value where you start, the second where you stop.");
+  const number = numberField({ label: "Everywhere", value: 7, min: 0, max: 20, step: 0.1, digits: 2, slider: true, testid: "gradient-number", onchange: (value, isFinal) => (edits.begin(), edits.design(sizeChanges(store.get("sheet").design, settings.quantity, value)), edits.preview(settings.quantity, new Map(store.get("sheet").stars.filter((star) => !star.removed).map((star) => [star.key, value]))), isFinal && edits.end()) });
+  const text = h("textarea", { class: "text", rows: 3, maxLength: 500, spellcheck: false, "aria-label": "Formula", testid: "formula", placeholder: "4 + 6*exp(-(r/30)**2)" });
+  const fault = h("div", { class: "fault", hidden: true, role: "alert", testid: "formula-fault" });
+  text.addEventListener("keydown", (event) => {
+    event.stopPropagation();
+    if (event.key === "Enter" && !event.shiftKey) {
+      event.preventDefault();
+      use();
+    }
+  });
+  text.addEventListener("input", () => say(null));
+  const use = () => text.value.trim() && send({ formula: text.value.trim() });
+  const say = (message) => {
+    fault.hidden = !message;
+    fault.textContent = message ?? "";
+    text.classList.toggle("bad-field", Boolean(message));
+  };
+  const formula = h(
+    "div",
+    {},
+    text,
+    fault,
+    hint("x, y and r in mm, theta in radians; + − * / **, sqrt, exp, sin, cos, min, max, clip, where."),
+    button({ text: "Use the formula", kind: "wide", keys: "Enter", testid: "use-formula", onclick: use }),
+  );
+  const low = numberField({ label: "Black", value: 4, min: 0, max: 20, step: 0.1, testid: "image-low", onchange: () => {} });
+  const high = numberField({ label: "White", value: 10, min: 0, max: 20, step: 0.1, testid: "image-high", onchange: () => {} });
+  const image = h(
+    "div",
+    {},
+    hint("A grey picture laid over the sheet: black gives the first size, white the second."),
+    low.element,
+    high.element,
+    button({
+      icon: "upload",
+      text: "Choose a picture…",
+      kind: "wide",
+      testid: "upload-image",
+      onclick: () =>
+        actions.upload("image", "image/png,image/jpeg", (value) => {
+          const { size, centre } = store.get("sheet").box;
+          const numbers = [low, high].map((one) => Number(one.input.value));
+          send({ ...value, low: numbers[0], high: numbers[1], extent_mm: size.map((one) => Number(one.toFixed(2))), centre_mm: centre.map((one) => Number(one.toFixed(2))) });
+        }),
+    }),
+  );
+  const painted = h("div", {});
+  function show() {
+    const isLine = settings.kind === "radial" || settings.kind === "linear";
+    for (const one of [from, to, power]) one.element.hidden = !isLine;
+    drag.hidden = !isLine;
+    number.element.hidden = settings.kind !== "number";
+    formula.hidden = settings.kind !== "formula";
+    image.hidden = settings.kind !== "image";
+    kind.set(settings.kind);
+    tool.plan.invalidate();
+  }
+  /** Shows what the design has. */
+  function read() {
+    const profile = tool.read();
+    if (typeof profile === "number") (settings.kind = "number"), number.set(profile);
+    else if (profile?.formula) (settings.kind = "formula"), (text.value = profile.formula);
+    else if (profile?.image || profile?.pixels) settings.kind = "image";
+    const [least, most] = store.get("sheet")?.range(settings.quantity, false) ?? [0, 20];
+    const shown = Math.min(most, { length: 20, thickness: 1.2, width: 4 }[settings.quantity]);
+    for (const one of [from, to, number, low, high]) one.limits(least, shown);
+    from.set(settings.from);
+    to.set(settings.to);
+    power.set(settings.power);
+    show();
+  }
+  function count() {
+    const keys = store.get("sheet")?.stars.filter((star) => star.painted).map((star) => star.key) ?? [];
+    painted.replaceChildren(
+      ...(keys.length
+        ? [hint(`${keys.length === 1 ? "1 star has a painted size" : `${keys.length} stars have painted sizes`}; they stay as they are.`), button({ text: "Drop painted sizes", kind: "wide", testid: "drop-painted", onclick: () => edits.once(() => edits.reset(keys)) })]
+        : []),
+    );
+  }
+  on(["sheet"], () => {
+    from.set(settings.from);
+    to.set(settings.to);
+    count();
+  });
+  on(["document"], () => edits.isOpen || read());
+  on(["problem"], ({ problem }) => problem?.field?.startsWith("stars.") && settings.kind === "formula" && say(problem.text));
+  read();
+  count();
+  return [quantity.element, section("Sizes over the sheet"), kind.element, drag, from.element, to.element, power.element, number.element, formula, image, painted];
+}
+
+/** Panel of the ruler. */
+export function rulerPanel({ store }, { on }) {
+  const list = h("dl", { class: "figures", testid: "measured" });
+  const empty = hint("Drag in the plan from one place to another.");
+  function update() {
+    const measured = store.get("measured");
+    empty.hidden = Boolean(measured);
+    list.replaceChildren();
+    if (!measured) return;
+    const stretch = store.get("sheet")?.design.fabric?.stretch ?? 1.35;
+    const [sx, sy] = Array.isArray(stretch) ? stretch : [stretch, stretch];
+    const [[ax, ay], [bx, by]] = measured.line;
+    const rows = [
+      ["On the print", measured.printed],
+      ["Across, x", Math.abs(bx - ax)],
+      ["Upwards, y", Math.abs(by - ay)],
+      ["Released fabric without stars", Math.hypot((bx - ax) / sx, (by - ay) / sy)],
+    ];
+    for (const [name, value] of rows) list.append(h("dt", {}, name), h("dd", {}, `${value.toFixed(1)} mm`));
+  }
+  on(["measured"], update);
+  update();
+  return [section("Distance"), empty, list];
+}

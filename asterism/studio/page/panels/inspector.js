@@ -1,0 +1,62 @@
+// The panel on the right: pages for the tool, the sheet's material, and the shape.
+
+import { h, replace } from "../dom.js";
+
+const PAGES = { tool: "Tool", sheet: "Material", shape: "Shape" };
+
+/** `builders`: {tool: {name -> build}, sheet: build, shape: build}; a build returns an element and may add `update`. */
+export function buildInspector(element, { store, builders, toolTitles }) {
+  const tabs = Object.keys(PAGES).map((page) =>
+    h("button", {
+      type: "button",
+      class: "tab",
+      role: "tab",
+      id: `tab-${page}`,
+      "aria-controls": "page",
+      testid: `tab-${page}`,
+      onclick: () => store.set({ page }),
+    }),
+  );
+  const list = h("div", { class: "tabs", role: "tablist", "aria-label": "Inspector" }, tabs);
+  list.addEventListener("keydown", (event) => {
+    const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+    if (!step) return;
+    const at = (tabs.indexOf(document.activeElement) + step + tabs.length) % tabs.length;
+    tabs[at].focus();
+    tabs[at].click();
+  });
+  const body = h("div", { class: "pages", id: "page", role: "tabpanel", tabindex: "-1" });
+  element.append(list, body);
+  let stop = [];
+  let shown = "";
+
+  function build() {
+    const page = store.get("page");
+    const tool = store.get("tool");
+    const wanted = page === "tool" ? `tool ${tool}` : page;
+    if (wanted === shown) return;
+    shown = wanted;
+    stop.forEach((end) => end());
+    stop = [];
+    const builder = page === "tool" ? builders.tool[tool] : builders[page];
+    const on = (keys, listener) => stop.push(store.on(keys, listener));
+    replace(body, builder({ on }));
+    body.setAttribute("aria-labelledby", `tab-${page}`);
+    body.scrollTop = 0;
+  }
+  function mark() {
+    const page = store.get("page");
+    const count = store.get("state").warnings?.length ?? 0;
+    tabs.forEach((tab, k) => {
+      const name = Object.keys(PAGES)[k];
+      tab.setAttribute("aria-selected", String(name === page));
+      tab.tabIndex = name === page ? 0 : -1;
+      const title = name === "tool" ? toolTitles[store.get("tool")] : PAGES[name];
+      replace(tab, title, name === "shape" && count ? h("span", { class: "badge", title: `${count} warnings` }, count) : null);
+    });
+  }
+  store.on(["page", "tool"], () => (build(), mark()));
+  store.on(["state"], mark);
+  build();
+  mark();
+}

@@ -1,0 +1,113 @@
+// Panel of the supports: one block for each table of the design, exact places of the selected needle.
+
+import { button, check, choice, h, hint, section } from "../dom.js";
+import { isPoints, pointsOf, targetsOf, titleOf, withMoved, withTable } from "../supports.js";
+import { icon } from "../icons.js";
+import { numberField } from "./fields.js";
+
+export function needlesPanel({ store, edits, tools }, { on }) {
+  const tool = tools.needles.tool;
+  const body = h("div", {});
+  const send = (tables) => edits.once(() => edits.design({ pins: tables }, { pins: tables }));
+  const sheet = () => store.get("sheet");
+
+  function update() {
+    if (body.contains(document.activeElement) && document.activeElement.tagName === "INPUT" && edits.isOpen) return;
+    const focus = document.activeElement?.dataset?.testid;
+    const now = sheet();
+    if (!now) return;
+    const parts = [section("Supports", h("span", { class: "count" }, String(now.tables.length)))];
+    if (!now.tables.length) parts.push(hint("The sheet is free. Click in the plan to place a needle, or hold the whole outline."));
+    parts.push(
+      h("ul", { class: "list" }, now.tables.map((table, k) => h("li", {}, item(table, k)))),
+      h(
+        "div",
+        { class: "row wrap" },
+        button({ text: "Hold the outline", testid: "hold-border", disabled: now.tables.length > 0, onclick: () => send([{ where: "border", scale: 0.74 }]) }),
+        button({ text: "Hold the corners", testid: "hold-corners", disabled: now.tables.length > 0, onclick: () => send([{ where: "corners", scale: 0.74 }]) }),
+        button({ icon: "trash", text: "Free", label: "Remove all supports", testid: "free-sheet", disabled: !now.tables.length, onclick: () => (send([]), store.set({ support: null })) }),
+      ),
+    );
+    const support = store.get("support");
+    if (support && now.tables[support.table]) parts.push(...chosen(now, support));
+    body.replaceChildren(...parts);
+    if (focus) body.querySelector(`[data-testid="${focus}"]`)?.focus();
+  }
+
+  function item(table, k) {
+    const isChosen = store.get("support")?.table === k;
+    return h(
+      "button",
+      { type: "button", class: "item", "aria-current": String(isChosen), testid: `support-${k}`, onclick: () => store.set({ support: { table: k, point: isPoints(table) ? 0 : null } }) },
+      icon("pin"),
+      h("span", { class: "grow" }, titleOf(table, sheet().pins[k])),
+      h("span", { class: "count" }, table.slide === "z" ? "rises freely" : table.slide === "plane" ? "slides" : table.scale ? `× ${table.scale}` : ""),
+    );
+  }
+
+  function chosen(now, support) {
+    const table = now.tables[support.table];
+    const shown = now.pins[support.table];
+    const parts = [];
+    if (support.point !== null && pointsOf(table, shown)[support.point]) {
+      const at = pointsOf(table, shown)[support.point];
+      const target = targetsOf(table, shown)[support.point];
+      const move = (change) => send(withMoved(now.tables, now.pins, support, change));
+      const spot = (label, axis, values, key, low = -5000) =>
+        numberField({
+          label,
+          value: values[axis],
+          min: low,
+          max: 5000,
+          step: 0.5,
+          digits: 2,
+          testid: `needle-${key}-${"xyz"[axis]}`,
+          field: key === "at" ? "pins.points_mm" : "pins.target_mm",
+          onchange: (value) => move({ [key]: values.map((old, a) => (a === axis ? value : old)) }),
+        }).element;
+      parts.push(
+        section(`Needle ${support.point + 1}`, button({ icon: "trash", label: "Remove this needle", keys: "Delete", kind: "plain danger", testid: "remove-needle", onclick: () => tool.remove() })),
+        h("p", { class: "hint" }, "Printed place"),
+        spot("x", 0, at, "at"),
+        spot("y", 1, at, "at"),
+        h("p", { class: "hint" }, "Taken to"),
+        spot("x", 0, target, "target"),
+        spot("y", 1, target, "target"),
+        spot("Height z", 2, target, "target", 0),
+      );
+    } else parts.push(section(titleOf(table, shown), button({ icon: "trash", label: "Remove this support", keys: "Delete", kind: "plain danger", testid: "remove-needle", onclick: () => tool.remove() })));
+    parts.push(...whole(now, support.table, table));
+    return parts;
+  }
+
+  /** What holds for all places of a table. */
+  function whole(now, number, table) {
+    const change = (patch) => send(withTable(now.tables, number, patch));
+    const offset = table.offset_mm ?? [0, 0, 0];
+    const parts = [section("All places of this support")];
+    if (!table.target_mm) {
+      parts.push(
+        numberField({ label: "Scale of the printed place", unit: "", value: table.scale ?? 1, min: 0.001, max: 10, step: 0.01, testid: "support-scale", field: "pins.scale", onchange: (value) => change({ scale: value }) }).element,
+        numberField({ label: "Height", value: offset[2], min: -5000, max: 5000, step: 0.5, testid: "support-height", field: "pins.offset_mm", onchange: (value) => change({ offset_mm: [offset[0], offset[1], value] }) }).element,
+      );
+    }
+    const slide = choice({
+      label: "Sliding",
+      testid: "support-slide",
+      options: [
+        { value: "", text: "Fixed" },
+        { value: "plane", text: "Slides on its height" },
+        { value: "z", text: "Rises and sinks" },
+      ],
+      value: table.slide ?? "",
+      onchange: (value) => change({ slide: value || undefined }),
+    });
+    const later = check({ text: "Takes hold after the release", value: Boolean(table.step), testid: "support-step", onchange: (value) => change({ step: value ? 1 : undefined }) });
+    parts.push(h("div", { class: "field" }, h("label", {}, "Sliding"), slide.element), later.element);
+    return parts;
+  }
+
+  on(["sheet", "support"], update);
+  update();
+  return [body];
+}

@@ -1,0 +1,121 @@
+// Panel of the shape: how sure it is, warnings, other forms, verification, kept designs A, B, C.
+
+import { button, h, hint, replace, section } from "../dom.js";
+import { fixed, mm, percent, seconds, size, trust } from "../format.js";
+import { icon } from "../icons.js";
+
+export function shapePanel({ store, connection, actions }, { on }) {
+  const trusted = h("div", { class: "trust", testid: "trust" });
+  const figures = h("dl", { class: "figures" });
+  const warnings = h("div", {});
+  const forms = h("div", {});
+  const verified = h("div", { testid: "verification" });
+  const slots = h("div", {});
+
+  function update() {
+    const { numbers = {}, warnings: all = [], forms: others = [] } = store.get("state");
+    const frame = store.get("frame");
+    const expected = numbers.expected_rms_percent;
+    const { words } = trust(expected);
+    replace(trusted, h("div", { class: "big" }, Number.isFinite(expected) ? `± ${percent(expected)}` : "–"), h("p", {}, words), h("p", {}, "Expected distance to the exact shape, in percent of the diameter"));
+    const rows = [
+      ["Height", frame ? `${mm(frame.height_mm ?? numbers.height_mm)}${Number.isFinite(numbers.expected_height_percent) ? ` ± ${percent(numbers.expected_height_percent, 0)}` : ""}` : "–"],
+      ["Size", numbers.extent_mm ? size(numbers.extent_mm) : "–"],
+      ["Contraction", Number.isFinite(numbers.contraction) ? fixed(numbers.contraction, 3) : null],
+      ["Radius of the roll", Number.isFinite(numbers.roll_radius_mm) ? mm(numbers.roll_radius_mm) : null],
+      ["Plastic is", numbers.side === "down" ? "outside (convex)" : numbers.side === "up" ? "inside (concave)" : null],
+    ].filter(([, value]) => value !== null);
+    replace(figures, rows.map(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]));
+    replace(
+      warnings,
+      section("Warnings", h("span", { class: "count" }, String(all.length))),
+      all.length
+        ? h("ul", { class: "list", testid: "warning-list" }, all.map((warning) => h("li", {}, h("button", { type: "button", class: "item warn", onclick: () => actions.showPlace(warning) }, icon("warn"), h("span", { class: "grow" }, capital(warning.text))))))
+        : hint("None. The preview's assumptions hold everywhere on this sheet."),
+    );
+    replace(
+      forms,
+      others.length > 1
+        ? [section("Forms", h("span", { class: "count" }, String(others.length))), h("ul", { class: "list" }, others.map((form) => h("li", {}, h("button", { type: "button", class: "item", "aria-current": String(Boolean(form.is_shown)), testid: `form-${form.index}`, onclick: () => connection.send("form", { index: form.index }) }, h("span", { class: "grow" }, form.name), h("span", { class: "count" }, form.is_shown ? "shown" : Number.isFinite(form.energy_percent) ? `energy ${form.energy_percent >= 0 ? "+" : ""}${percent(form.energy_percent)}` : "")))))]
+        : null,
+      h("div", { class: "row" }, button({ icon: "flip", text: "Flip to the other side", kind: "wide", testid: "flip", disabled: !frame, onclick: () => connection.send("flip") })),
+    );
+  }
+
+  function verification() {
+    const { verify: progress } = store.get("jobs");
+    const { verify: result } = store.get("results");
+    const parts = [section("Exact model")];
+    if (progress) {
+      const share = progress.of ? Math.min(1, progress.done / progress.of) : 0;
+      const fill = h("i", {});
+      fill.style.width = `${100 * share}%`;
+      parts.push(
+        h("div", { class: "bar", role: "progressbar", "aria-label": "Verification", "aria-valuemin": "0", "aria-valuemax": "100", "aria-valuenow": String(Math.round(100 * share)) }, fill),
+        h("div", { class: "row" }, h("span", { class: "grow", testid: "verify-progress" }, `${Math.round(100 * share)} % · ${progress.stage} · ${seconds(progress.seconds)}`), button({ text: "Cancel", testid: "cancel", keys: "Escape", onclick: actions.cancel })),
+      );
+    } else if (result && !result.cancelled && result.summary) {
+      const s = result.summary;
+      const rows = [
+        ["Distance preview – exact, rms", `${mm(s.rms_mm, 2)}${Number.isFinite(s.rms_percent) ? `, ${percent(s.rms_percent)}` : ""}`],
+        ["Exact height", mm(s.height_mm)],
+        ["Preview's height", mm(s.preview_height_mm)],
+        ["Time", seconds(s.seconds)],
+      ].filter(([, value]) => !value.startsWith("–"));
+      parts.push(
+        h("dl", { class: "figures", testid: "verified" }, rows.map(([name, value]) => [h("dt", {}, name), h("dd", {}, value)])),
+        h("div", { class: "row wrap" }, result.report ? h("a", { class: "button", href: `file/${encodeURI(result.report)}`, target: "_blank", rel: "noopener" }, icon("report"), "Report") : null, button({ icon: "verify", text: "Verify again", onclick: actions.verify })),
+      );
+      if (store.get("comparison")?.isOld) parts.push(hint("The design has changed since."));
+    } else {
+      parts.push(hint(result?.cancelled ? "Cancelled. The preview is unchanged." : "Computes the shape without the preview's simplifications, and shows where the two differ. It runs beside your work."), button({ icon: "verify", text: "Verify", kind: "wide", testid: "verify-panel", disabled: !store.get("document"), onclick: actions.verify }));
+    }
+    replace(verified, parts);
+  }
+
+  function kept() {
+    const { slots: all = {}, numbers = {} } = store.get("state");
+    const rows = ["A", "B", "C"].map((slot) => [slot, all[slot]]);
+    const present = { height_mm: store.get("frame")?.height_mm ?? numbers.height_mm, size_mm: numbers.extent_mm, expected_rms_percent: numbers.expected_rms_percent };
+    const isAny = rows.some(([, entry]) => entry);
+    replace(
+      slots,
+      section("Compare designs"),
+      isAny
+        ? h(
+            "table",
+            { class: "small", testid: "slots" },
+            h("thead", {}, h("tr", {}, ["", "Height", "Size", "Error", ""].map((text) => h("th", { scope: "col" }, text)))),
+            h("tbody", {}, line("Now", present, null), rows.filter(([, entry]) => entry).map(([slot, entry]) => line(slot, entry, present))),
+          )
+        : hint("Keep a design as A, B or C, change it, and compare."),
+      h("div", { class: "row tight" }, rows.map(([slot, entry]) => h("span", { class: "grow" }, button({ text: entry ? `Replace ${slot}` : `Keep as ${slot}`, kind: "wide", testid: `keep-${slot}`, disabled: !store.get("document"), onclick: () => connection.send("keep", { slot }) })))),
+    );
+  }
+
+  function line(slot, entry, present) {
+    const change = (value, base, digits) => {
+      if (!present || !Number.isFinite(value) || !Number.isFinite(base)) return null;
+      const off = value - base;
+      return Math.abs(off) < 10 ** -digits / 2 ? null : h("div", { class: "unit-tag" }, `${off > 0 ? "+" : ""}${fixed(off, digits)}`);
+    };
+    return h(
+      "tr",
+      {},
+      h("td", {}, h("b", {}, slot)),
+      h("td", {}, fixed(entry.height_mm), change(entry.height_mm, present?.height_mm, 1)),
+      h("td", {}, entry.size_mm ? entry.size_mm.slice(0, 2).map((value) => fixed(value, 0)).join(" × ") : "–"),
+      h("td", {}, Number.isFinite(entry.expected_rms_percent) ? percent(entry.expected_rms_percent) : "–"),
+      h("td", {}, present ? button({ text: "Show", label: `Show design ${slot}`, kind: "plain", testid: `show-${slot}`, onclick: () => connection.send("show", { slot }) }) : null),
+    );
+  }
+
+  on(["state", "frame", "document"], () => (update(), kept()));
+  on(["jobs", "results", "document", "comparison"], verification);
+  update();
+  verification();
+  kept();
+  return [section("How sure is this?"), trusted, figures, warnings, forms, verified, slots];
+}
+
+const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);

@@ -1,0 +1,65 @@
+// The start screen: designs to begin with.
+
+import { button, h, replace } from "../dom.js";
+import { plural, size } from "../format.js";
+import { icon } from "../icons.js";
+
+// the order in which the examples are offered; the others follow below
+const FIRST = ["dome", "bell", "roof", "tunnel", "u-shape", "doubly-curved", "tube", "cone", "star"];
+
+const titled = (name) => (name.charAt(0).toUpperCase() + name.slice(1)).replace(/^Fig(\d+)-(.)-/, "Figure $1, $2, ").replace(/^Fig(\d+)-/, "Figure $1, ").replaceAll("-", " ").replace("U shape", "U-shape");
+
+export function buildStart(element, { store, connection, actions }) {
+  element.setAttribute("role", "dialog");
+  element.setAttribute("aria-label", "Open a design");
+  element.dataset.testid = "start";
+
+  function card(design) {
+    const picture = h("img", { src: `gallery/${design.name}.png`, alt: "", loading: "lazy" });
+    const shot = h("div", { class: "shot" }, picture);
+    picture.addEventListener("error", () => shot.replaceChildren(icon("outline")));
+    return h(
+      "button",
+      { type: "button", class: "card", testid: `gallery-${design.name}`, onclick: () => actions.open({ gallery: design.name }) },
+      shot,
+      h("div", { class: "about" }, h("strong", { title: design.title }, titled(design.name)), h("span", {}, `${plural(design.stars, "star")}${design.size_mm ? `, ${size(design.size_mm)}` : ""}`)),
+    );
+  }
+
+  function update() {
+    const gallery = store.get("gallery");
+    const document = store.get("document");
+    const isShown = store.get("startOpen") || (!document && store.get("connection") === "open" && gallery !== null);
+    element.hidden = !isShown;
+    if (!isShown) return;
+    const blank = h(
+      "button",
+      { type: "button", class: "card blank", testid: "new", onclick: () => actions.startNew() },
+      h("div", { class: "shot" }, icon("plus")),
+      h("div", { class: "about" }, h("strong", {}, "New sheet"), h("span", {}, "A hexagon of 37 stars to paint")),
+    );
+    const designs = gallery?.designs ?? [];
+    const files = gallery?.files ?? [];
+    replace(
+      element,
+      h(
+        "div",
+        { class: "inner" },
+        h(
+          "div",
+          { class: "head" },
+          h("div", {}, h("h1", {}, "What do you want to make?"), h("p", { class: "lead" }, "Stars of plastic printed on stretched fabric make it rise when it is released. Start from a sheet that works, or from an even one; everything can be changed.")),
+          document ? button({ icon: "close", text: "Back to the design", keys: "Escape", testid: "start-close", onclick: () => store.set({ startOpen: false }) }) : null,
+        ),
+        files.length
+          ? [h("h2", { class: "section" }, "In this folder"), h("div", { class: "row wrap" }, files.map((name) => button({ icon: "open", text: name, testid: `file-${name}`, onclick: () => actions.open({ name }) }))), h("h2", { class: "section" }, "Examples")]
+          : null,
+        h("div", { class: "cards" }, blank, designs.filter(({ name }) => FIRST.includes(name)).sort((a, b) => FIRST.indexOf(a.name) - FIRST.indexOf(b.name)).map(card)),
+        h("h2", { class: "section" }, "Studies of one size"),
+        h("div", { class: "cards" }, designs.filter(({ name }) => !FIRST.includes(name)).map(card)),
+      ),
+    );
+  }
+  store.on(["gallery", "document", "startOpen", "connection"], update);
+  update();
+}

@@ -1,0 +1,59 @@
+// The line at the bottom: engine, expected error, height, size, warnings, what is under the pointer.
+
+import { h, replace } from "../dom.js";
+import { mm, percent, plural, size, trust } from "../format.js";
+
+export function buildStatus(element, { store, actions }) {
+  const engine = h("span", { testid: "engine", role: "status" });
+  const error = h("span", { testid: "expected" });
+  const height = h("span", { testid: "height" });
+  const extent = h("span", { testid: "extent" });
+  const stars = h("span", { testid: "stars" });
+  const place = h("span", { testid: "under" });
+  const warnings = h("button", { type: "button", class: "button plain", testid: "warnings", onclick: () => actions.showPage("shape") });
+  element.append(engine, error, height, extent, stars, h("span", { class: "gap" }), place, warnings);
+
+  function update() {
+    const { numbers = {}, warnings: all = [] } = store.get("state");
+    const frame = store.get("frame");
+    const document = store.get("document");
+    const [words, kind] = engineText(store);
+    replace(engine, h("i", { class: `dot ${kind}`, "aria-hidden": "true" }), words);
+    const isDrawn = Boolean(document && frame);
+    const expected = numbers.expected_rms_percent;
+    replace(error, "Expected error ", h("b", {}, Number.isFinite(expected) ? percent(expected) : "–"));
+    error.title = `${trust(expected).words}. Root mean square distance to the exact shape, in percent of the diameter.`;
+    replace(height, "Height ", h("b", {}, isDrawn ? mm(frame.height_mm ?? numbers.height_mm) : "–"));
+    replace(extent, "Size ", h("b", {}, numbers.extent_mm ? size(numbers.extent_mm) : "–"));
+    const printed = store.get("sheet")?.printed.length;
+    replace(stars, printed === undefined ? "No sheet" : plural(printed, "star"));
+    warnings.hidden = !all.length;
+    replace(warnings, h("b", {}, plural(all.length, "warning")));
+  }
+  function under() {
+    const sheet = store.get("sheet");
+    const star = sheet?.byKey.get(store.get("hover"));
+    const chosen = store.get("selection").size;
+    if (star) {
+      const [length, thickness, width] = star.sizes;
+      const sizes = star.isPrinted ? `${mm(length)} long, ${mm(thickness, 2)} thick, ${mm(width, 2)} wide` : star.removed ? "removed" : "no star here";
+      replace(place, `Star ${star.row} at ${star.at[0].toFixed(1)}, ${star.at[1].toFixed(1)} mm: `, h("b", {}, sizes));
+    } else replace(place, chosen ? `${plural(chosen, "star")} selected` : "");
+  }
+  store.on(["state", "frame", "document", "connection", "sheet", "jobs"], update);
+  store.on(["hover", "selection", "sheet"], under);
+  update();
+  under();
+}
+
+function engineText(store) {
+  if (store.get("connection") === "lost") return ["Connection lost, trying again", "bad"];
+  if (store.get("connection") === "connecting") return ["Connecting", "busy"];
+  const { engine, busy, stage } = store.get("state");
+  if (!store.get("document")) return [engine === "starting" ? "Engine starts" : "Ready", engine === "starting" ? "busy" : ""];
+  if (busy) return [busy, "busy"];
+  if (engine === "starting") return ["Engine starts", "busy"];
+  if (engine === "computing") return ["Computing", "busy"];
+  if (engine === "failed") return ["Engine restarts", "bad"];
+  return [stage === "linear" ? "First estimate" : "In equilibrium", ""];
+}

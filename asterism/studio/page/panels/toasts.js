@@ -1,0 +1,29 @@
+// Short messages above the status line. Refused edits name the field and the place.
+
+import { button, h } from "../dom.js";
+import { icon } from "../icons.js";
+
+const STAY_MS = 9000;
+
+export function toast(text, { isBad = false, action = null, other = null, stay = STAY_MS } = {}) {
+  const list = document.getElementById("toasts");
+  const same = [...list.children].find((one) => one.dataset.text === text);
+  same?.remove();
+  const element = h(
+    "div",
+    { class: `toast ${isBad ? "bad" : ""}`, testid: isBad ? "problem" : "toast" },
+    icon(isBad ? "warn" : "info"),
+    h("div", { class: "grow" }, text),
+    action ? button({ text: action.text, onclick: () => (action.run(), element.remove()) }) : null,
+    other ? button({ text: other.text, onclick: () => (other.run(), element.remove()) }) : null,
+    button({ icon: "close", label: "Dismiss", kind: "plain", onclick: () => element.remove() }),
+  );
+  element.dataset.text = text;
+  list.append(element);
+  while (list.children.length > 3) list.firstChild.remove();
+  if (stay) setTimeout(() => element.remove(), stay);
+}
+
+export function announce(text) {
+  document.getElementById("announce").textContent = text;
+}

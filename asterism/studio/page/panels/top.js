@@ -1,0 +1,79 @@
+// The bar at the top: name, saved mark, undo and redo, open, verify, export, report, theme.
+
+import { button, h } from "../dom.js";
+import { icon } from "../icons.js";
+
+export function buildTop(element, { store, actions }) {
+  const name = h("input", { "aria-label": "Name of the design file", title: "Name of the design file. Another name saves a copy.", testid: "name", maxLength: 100, spellcheck: false });
+  name.addEventListener("keydown", (event) => {
+    event.stopPropagation();
+    if (event.key === "Enter") name.blur();
+  });
+  name.addEventListener("change", () => name.value.trim() && actions.saveAs(name.value.trim()));
+  const saved = h("span", { class: "saved", testid: "saved", role: "status" });
+  const undo = button({ icon: "undo", label: "Undo", keys: "Ctrl+Z", kind: "plain", testid: "undo", onclick: actions.undo });
+  const redo = button({ icon: "redo", label: "Redo", keys: "Ctrl+Shift+Z", kind: "plain", testid: "redo", onclick: actions.redo });
+  const open = button({ icon: "open", text: "Open", keys: "Ctrl+O", kind: "plain", testid: "open", onclick: actions.openStart });
+  const save = button({ icon: "save", text: "Save", keys: "Ctrl+S", kind: "plain", testid: "save", onclick: actions.save });
+  const report = button({ icon: "report", text: "Report", kind: "plain", testid: "report", onclick: actions.report });
+  const files = button({ icon: "export", text: "Export", keys: "Ctrl+E", kind: "plain", testid: "export", onclick: actions.openExport });
+  const verify = button({ icon: "verify", text: "Verify", kind: "primary", testid: "verify", onclick: actions.verify });
+  const theme = button({ icon: "moon", label: "Light or dark", kind: "plain", testid: "theme", onclick: actions.switchTheme });
+  element.append(
+    h("span", { class: "brand", title: "asterism studio" }, icon("logo")),
+    h("span", { class: "name" }, name),
+    saved,
+    h("span", { class: "gap" }),
+    undo,
+    redo,
+    h("span", { class: "rule" }),
+    open,
+    save,
+    h("span", { class: "rule" }),
+    report,
+    files,
+    verify,
+    theme,
+  );
+  function update() {
+    const document = store.get("document");
+    const isRunning = Boolean(store.get("jobs").verify);
+    for (const one of [save, report, files]) one.disabled = !document;
+    verify.disabled = !document || isRunning;
+    undo.disabled = !document?.can_undo;
+    redo.disabled = !document?.can_redo;
+    name.disabled = !document;
+    if (window.document.activeElement !== name) name.value = document?.name ?? "";
+    saved.textContent = !document ? "" : document.saved ? "Saved" : "Edited";
+    saved.title = document ? `${document.path}${document.saved ? "" : "\nUnsaved changes are kept in the autosave."}` : "";
+    window.document.title = document ? `${document.saved ? "" : "• "}${document.name} · asterism studio` : "asterism studio";
+  }
+  store.on(["document", "jobs"], update);
+  update();
+}
+
+/** The strip of tools on the left. */
+export function buildTools(element, { store, tools, actions }) {
+  const buttons = Object.entries(tools).map(([name, { title, icon: picture, keys }]) => {
+    const one = h(
+      "button",
+      { type: "button", class: "tool", role: "radio", title: `${title} (${keys})`, "aria-label": title, "aria-keyshortcuts": keys, testid: `tool-${name}`, onclick: () => actions.choose(name) },
+      icon(picture),
+    );
+    one.dataset.tool = name;
+    return one;
+  });
+  const group = h("div", { role: "radiogroup", "aria-label": "Tool" }, buttons);
+  group.style.display = "contents";
+  const more = [
+    ["table", "Table of stars", "T", actions.openTable, "open-table"],
+    ["help", "Keys and help", "?", actions.openHelp, "open-help"],
+  ].map(([picture, title, keys, onclick, testid]) =>
+    h("button", { type: "button", class: "tool", title: `${title} (${keys})`, "aria-label": title, "aria-keyshortcuts": keys, testid, onclick }, icon(picture)),
+  );
+  element.append(group, h("span", { class: "gap" }), ...more);
+  const update = () =>
+    buttons.forEach((one) => one.setAttribute("aria-checked", String(one.dataset.tool === store.get("tool"))));
+  store.on(["tool"], update);
+  update();
+}

@@ -1,0 +1,176 @@
+// The canvas of the plan: place and size on the screen, pointers, wheel and pinch; tools get printed millimetres.
+
+import { clamp, distance } from "../geometry.js";
+import { drawPlan } from "./draw.js";
+
+const MARGIN_PX = 48;
+const TOP_PX = 56; // below the bar
+const MIN_SCALE = 0.2; // px per mm
+const MAX_SCALE = 80;
+
+export class PlanCanvas {
+  #pointers = new Map();
+  #pan = null;
+  #pinch = null;
+  #isDirty = false;
+  #hasFit = false;
+
+  constructor(canvas, store) {
+    this.canvas = canvas;
+    this.store = store;
+    this.scale = 3;
+    this.offset = [0, 0]; // screen place of the origin, px
+    this.tool = null;
+    this.isSpaceDown = false;
+    this.pulse = null; // {at, until}: a ring that marks a place for a moment
+    new ResizeObserver(() => this.#resized()).observe(canvas);
+    for (const name of ["pointerdown", "pointermove", "pointerup", "pointercancel", "pointerleave"]) {
+      canvas.addEventListener(name, (event) => this.#pointer(name, event));
+    }
+    canvas.addEventListener("dblclick", (event) => this.tool?.double?.(this.#event(event)));
+    canvas.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
+    canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+    const drawn = ["sheet", "selection", "hover", "cursor", "planColour", "grid", "printArea", "brush", "support", "corner", "theme", "symmetry", "tool", "state"];
+    store.on(drawn, () => this.invalidate());
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.invalidate());
+  }
+
+  toScreen(point) {
+    return [this.offset[0] + this.scale * point[0], this.offset[1] - this.scale * point[1]];
+  }
+
+  toPlan(pixel) {
+    return [(pixel[0] - this.offset[0]) / this.scale, (this.offset[1] - pixel[1]) / this.scale];
+  }
+
+  /** Millimetres of a number of pixels. */
+  px(count) {
+    return count / this.scale;
+  }
+
+  fit() {
+    const sheet = this.store.get("sheet");
+    const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
+    if (!sheet || !width) return;
+    const { size, centre } = sheet.box;
+    const room = [width - 2 * MARGIN_PX, height - TOP_PX - MARGIN_PX - 24];
+    this.scale = clamp(Math.min(room[0] / size[0], room[1] / size[1]), MIN_SCALE, MAX_SCALE);
+    this.offset = [width / 2 - this.scale * centre[0], TOP_PX + room[1] / 2 + 8 + this.scale * centre[1]];
+    this.#hasFit = true;
+    this.invalidate();
+  }
+
+  zoom(factor, around = [this.canvas.clientWidth / 2, this.canvas.clientHeight / 2]) {
+    const fixed = this.toPlan(around);
+    this.scale = clamp(this.scale * factor, MIN_SCALE, MAX_SCALE);
+    this.offset = [around[0] - this.scale * fixed[0], around[1] + this.scale * fixed[1]];
+    this.invalidate();
+  }
+
+  /** Marks a place: moves it into the picture if needed, and draws a ring for a moment. */
+  show(at) {
+    const [x, y] = this.toScreen(at);
+    const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
+    if (x < 40 || y < TOP_PX || x > width - 40 || y > height - 40) {
+      this.offset = [this.offset[0] + width / 2 - x, this.offset[1] + height / 2 - y];
+    }
+    const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    this.pulse = { at, start: performance.now(), duration: 1400, still };
+    this.invalidate();
+  }
+
+  invalidate() {
+    if (this.#isDirty) return;
+    this.#isDirty = true;
+    requestAnimationFrame(() => {
+      this.#isDirty = false;
+      this.#draw();
+    });
+  }
+
+  #draw() {
+    if (!this.store.get("sheet")) return;
+    if (!this.#hasFit) this.fit();
+    const ratio = devicePixelRatio || 1;
+    const context = this.canvas.getContext("2d");
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    drawPlan(context, this);
+    if (this.pulse) {
+      if (performance.now() - this.pulse.start > this.pulse.duration) this.pulse = null;
+      if (this.pulse?.still) setTimeout(() => this.invalidate(), this.pulse.duration);
+      else this.invalidate();
+    }
+  }
+
+  #resized() {
+    const ratio = devicePixelRatio || 1;
+    const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
+    if (!width || !height) return;
+    this.canvas.width = Math.round(width * ratio);
+    this.canvas.height = Math.round(height * ratio);
+    this.fit();
+  }
+
+  #event(event) {
+    const box = this.canvas.getBoundingClientRect();
+    const pixel = [event.clientX - box.left, event.clientY - box.top];
+    const { shiftKey: shift, altKey: alt, ctrlKey, metaKey, pressure, pointerType } = event;
+    return { at: this.toPlan(pixel), pixel, shift, alt, control: ctrlKey || metaKey, pressure, isTouch: pointerType === "touch" };
+  }
+
+  #pointer(name, event) {
+    const told = this.#event(event);
+    if (name === "pointerdown") {
+      this.canvas.setPointerCapture(event.pointerId);
+      this.canvas.focus({ preventScroll: true });
+      this.#pointers.set(event.pointerId, told.pixel);
+      if (this.#pointers.size === 2) {
+        this.tool?.cancel?.();
+        this.#pinch = this.#span();
+        this.#pan = null;
+      } else if (this.#pointers.size === 1) {
+        if (event.button === 1 || event.button === 2 || this.isSpaceDown) this.#pan = told.pixel;
+        else this.tool?.down?.(told);
+      }
+    } else if (name === "pointermove") {
+      if (this.#pointers.has(event.pointerId)) this.#pointers.set(event.pointerId, told.pixel);
+      if (this.#pinch) this.#pinched();
+      else if (this.#pan) {
+        this.offset = [this.offset[0] + told.pixel[0] - this.#pan[0], this.offset[1] + told.pixel[1] - this.#pan[1]];
+        this.#pan = told.pixel;
+        this.invalidate();
+      } else if (this.#pointers.size) this.tool?.move?.(told);
+      else this.tool?.hover?.(told);
+    } else if (name === "pointerleave") {
+      if (!this.#pointers.size) this.tool?.leave?.();
+    } else {
+      if (!this.#pointers.delete(event.pointerId)) return;
+      if (this.#pinch) {
+        if (!this.#pointers.size) this.#pinch = null;
+      } else if (this.#pan) this.#pan = null;
+      else if (name === "pointercancel") this.tool?.cancel?.();
+      else this.tool?.up?.(told);
+    }
+  }
+
+  #span() {
+    const [a, b] = [...this.#pointers.values()];
+    return { length: distance(a, b), middle: [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2] };
+  }
+
+  #pinched() {
+    if (this.#pointers.size < 2) return;
+    const before = this.#pinch;
+    this.#pinch = this.#span();
+    const { middle } = this.#pinch;
+    this.offset = [this.offset[0] + middle[0] - before.middle[0], this.offset[1] + middle[1] - before.middle[1]];
+    this.zoom(this.#pinch.length / before.length, middle);
+  }
+
+  #wheel(event) {
+    event.preventDefault();
+    const { pixel } = this.#event(event);
+    if (this.tool?.wheel?.(event)) return;
+    this.zoom(Math.exp(-event.deltaY * (event.deltaMode ? 0.05 : 0.0015)), pixel);
+  }
+}

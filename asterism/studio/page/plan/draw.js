@@ -1,0 +1,303 @@
+// Draws the plan: paper, millimetre grid, printable area, stars to scale, supports, selection, scale bar.
+
+import { ramp, rampDomain } from "../view/colours.js";
+import { QUANTITIES, fixed } from "../format.js";
+import { nice } from "../geometry.js";
+import { pointsOf, targetsOf } from "../supports.js";
+
+export function drawPlan(context, plan) {
+  const { canvas, store } = plan;
+  const sheet = store.get("sheet");
+  const style = getComputedStyle(document.documentElement);
+  const colour = (name) => style.getPropertyValue(`--${name}`).trim();
+  const paint = { context, plan, sheet, store, colour };
+  context.clearRect(0, 0, canvas.clientWidth, canvas.clientHeight);
+  if (store.get("printArea") && sheet.printer) drawPrintArea(paint);
+  drawPaper(paint);
+  drawStars(paint);
+  drawSupports(paint);
+  plan.tool?.draw?.(context, plan, colour);
+  drawMarks(paint);
+  drawScaleBar(paint);
+}
+
+function trace({ context, plan }, points, isClosed = true) {
+  context.beginPath();
+  points.forEach((point, k) => {
+    const [x, y] = plan.toScreen(point);
+    if (k) context.lineTo(x, y);
+    else context.moveTo(x, y);
+  });
+  if (isClosed) context.closePath();
+}
+
+function drawPaper(paint) {
+  const { context, sheet, store, colour } = paint;
+  trace(paint, sheet.outline);
+  context.fillStyle = colour("paper");
+  context.fill();
+  if (store.get("grid")) {
+    context.save();
+    context.clip();
+    drawGrid(paint);
+    context.restore();
+  }
+  trace(paint, sheet.outline);
+  context.lineWidth = 1.5;
+  context.strokeStyle = colour("ink");
+  context.lineJoin = "round";
+  context.stroke();
+}
+
+/** Lines every 10 mm (1, 2 or 5 mm where there is room), every tenth stronger. */
+function drawGrid({ context, plan, sheet, colour }) {
+  const step = nice(14 / plan.scale);
+  const { low, high } = sheet.box;
+  for (const [axis, other] of [[0, 1], [1, 0]]) {
+    for (let k = Math.ceil(low[axis] / step); k * step <= high[axis]; k++) {
+      const ends = [low, high].map((corner) => {
+        const point = [0, 0];
+        point[axis] = k * step;
+        point[other] = corner[other];
+        return plan.toScreen(point).map((value) => Math.round(value) + 0.5);
+      });
+      context.beginPath();
+      context.moveTo(...ends[0]);
+      context.lineTo(...ends[1]);
+      context.lineWidth = 1;
+      context.strokeStyle = colour(k % 5 === 0 ? "grid-strong" : "grid");
+      context.stroke();
+    }
+  }
+}
+
+/** The area that the printer reaches, centred on the sheet's box, as the export places it. */
+function drawPrintArea(paint) {
+  const { context, plan, sheet, colour } = paint;
+  const { area_mm: size, title, name } = sheet.printer;
+  const [cx, cy] = sheet.box.centre;
+  const corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([a, b]) => [cx + (a * size[0]) / 2, cy + (b * size[1]) / 2]);
+  const isTooLarge = sheet.box.size[0] > size[0] || sheet.box.size[1] > size[1];
+  trace(paint, corners);
+  context.setLineDash([6, 4]);
+  context.lineWidth = 1.5;
+  context.strokeStyle = colour(isTooLarge ? "bad" : "line-strong");
+  context.stroke();
+  context.setLineDash([]);
+  const [x, y] = plan.toScreen(corners[0]);
+  label(paint, `${title ?? name}: ${fixed(size[0], 0)} × ${fixed(size[1], 0)} mm${isTooLarge ? ", the sheet is larger" : ""}`, [x, y + 14], "left", isTooLarge ? "bad" : "muted");
+}
+
+function drawStars(paint) {
+  const { context, plan, sheet, store, colour } = paint;
+  const quantity = store.get("planColour");
+  const entry = QUANTITIES[quantity];
+  const domain = entry && rampDomain(sheet.printed.map((star) => star.sizes[entry.column]));
+  const ink = colour("ink");
+  context.lineCap = "round";
+  for (const star of sheet.stars) {
+    const [x, y] = plan.toScreen(star.at);
+    if (!star.isPrinted || star.isOffSheet) {
+      drawVacant(paint, star, x, y);
+      continue;
+    }
+    if (sheet.isOutsideLaw(star)) drawOutsideLaw(paint, star);
+    context.strokeStyle = entry ? ramp("viridis", (star.sizes[entry.column] - domain[0]) / (domain[1] - domain[0])) : ink;
+    context.globalAlpha = star.isReset ? 0.45 : 1;
+    context.lineWidth = Math.max(1, star.sizes[2] * plan.scale);
+    context.beginPath();
+    for (const [from, to] of star.arms) {
+      context.moveTo(...plan.toScreen(from));
+      context.lineTo(...plan.toScreen(to));
+    }
+    context.stroke();
+    context.globalAlpha = 1;
+  }
+}
+
+/** A small cross where a star was removed, a dot where its arms are too short to print. */
+function drawVacant({ context, plan, colour }, star, x, y) {
+  const reach = Math.max(2, Math.min(4, plan.scale));
+  context.strokeStyle = context.fillStyle = colour("ink-soft");
+  context.lineWidth = 1;
+  context.beginPath();
+  if (star.removed) {
+    context.moveTo(x - reach, y - reach);
+    context.lineTo(x + reach, y + reach);
+    context.moveTo(x + reach, y - reach);
+    context.lineTo(x - reach, y + reach);
+    context.stroke();
+  } else {
+    context.arc(x, y, 1.5, 0, 2 * Math.PI);
+    context.fill();
+  }
+}
+
+/** Hatching: this star's size is outside the range for which the law was calibrated. */
+function drawOutsideLaw({ context, plan, sheet, colour }, star) {
+  const [x, y] = plan.toScreen(star.at);
+  const radius = 0.46 * sheet.spacing * plan.scale;
+  context.save();
+  context.beginPath();
+  context.arc(x, y, radius, 0, 2 * Math.PI);
+  context.clip();
+  context.strokeStyle = colour("warn");
+  context.globalAlpha = 0.55;
+  context.lineWidth = 1;
+  context.beginPath();
+  for (let k = -radius; k <= radius; k += 5) {
+    context.moveTo(x + k - radius, y + radius);
+    context.lineTo(x + k + radius, y - radius);
+  }
+  context.stroke();
+  context.restore();
+}
+
+function drawSupports(paint) {
+  const { context, plan, sheet, store, colour } = paint;
+  const chosen = store.get("support");
+  const isTool = store.get("tool") === "needles";
+  sheet.tables.forEach((table, number) => {
+    const shown = sheet.pins[number];
+    for (const [a, b] of shown?.edges ?? []) drawHeldEdge(paint, a, b);
+    const points = pointsOf(table, shown);
+    const targets = targetsOf(table, shown);
+    points.forEach((point, k) => {
+      const isChosen = chosen?.table === number && (chosen.point === k || chosen.point === null);
+      const place = targets[k];
+      const [x, y] = plan.toScreen(point);
+      if (isTool && place) drawTarget(paint, [x, y], plan.toScreen(place), isChosen);
+      context.beginPath();
+      context.arc(x, y, isChosen ? 6.5 : 5, 0, 2 * Math.PI);
+      context.fillStyle = colour("needle");
+      context.fill();
+      context.lineWidth = 2;
+      context.strokeStyle = isChosen ? colour("accent") : colour("paper");
+      context.stroke();
+      if (isTool && place?.[2]) label(paint, `z ${fixed(place[2])}`, [x + 9, y - 7], "left", "needle");
+    });
+  });
+}
+
+/** Where a needle takes its point: a thin line and a cross. */
+function drawTarget({ context, colour }, from, to, isChosen) {
+  context.strokeStyle = colour("needle");
+  context.globalAlpha = isChosen ? 1 : 0.6;
+  context.lineWidth = 1;
+  context.setLineDash([3, 3]);
+  context.beginPath();
+  context.moveTo(...from);
+  context.lineTo(...to);
+  context.stroke();
+  context.setLineDash([]);
+  context.lineWidth = 1.5;
+  context.beginPath();
+  context.moveTo(to[0] - 4, to[1]);
+  context.lineTo(to[0] + 4, to[1]);
+  context.moveTo(to[0], to[1] - 4);
+  context.lineTo(to[0], to[1] + 4);
+  context.stroke();
+  context.globalAlpha = 1;
+}
+
+function drawHeldEdge(paint, a, b) {
+  const { context, plan, colour } = paint;
+  const [from, to] = [plan.toScreen(a), plan.toScreen(b)];
+  const length = Math.hypot(to[0] - from[0], to[1] - from[1]);
+  if (length < 1) return;
+  const along = [(to[0] - from[0]) / length, (to[1] - from[1]) / length];
+  const out = [-along[1], along[0]];
+  context.strokeStyle = colour("needle");
+  context.lineWidth = 2.5;
+  context.beginPath();
+  context.moveTo(...from);
+  context.lineTo(...to);
+  context.stroke();
+  context.lineWidth = 1;
+  context.beginPath();
+  for (let k = 4; k < length; k += 8) {
+    const [x, y] = [from[0] + k * along[0], from[1] + k * along[1]];
+    context.moveTo(x, y);
+    context.lineTo(x + 5 * (out[0] - along[0] * 0.7), y + 5 * (out[1] - along[1] * 0.7));
+  }
+  context.stroke();
+}
+
+/** Selection, hover and keyboard star, warnings' ring. */
+function drawMarks(paint) {
+  const { context, plan, sheet, store, colour } = paint;
+  const radius = 0.5 * sheet.spacing * plan.scale;
+  const accent = colour("accent");
+  const ring = (star, width, dash = []) => {
+    const [x, y] = plan.toScreen(star.at);
+    context.beginPath();
+    context.arc(x, y, Math.max(6, radius - 2), 0, 2 * Math.PI);
+    context.setLineDash(dash);
+    context.lineWidth = width;
+    context.strokeStyle = accent;
+    context.stroke();
+    context.setLineDash([]);
+  };
+  for (const key of store.get("selection")) {
+    const star = sheet.byKey.get(key);
+    if (!star) continue;
+    const [x, y] = plan.toScreen(star.at);
+    context.beginPath();
+    context.arc(x, y, Math.max(6, radius - 2), 0, 2 * Math.PI);
+    context.fillStyle = accent;
+    context.globalAlpha = 0.14;
+    context.fill();
+    context.globalAlpha = 1;
+    ring(star, 1.5);
+  }
+  const hover = sheet.byKey.get(store.get("hover"));
+  if (hover) ring(hover, 1, [3, 3]);
+  const cursor = sheet.byKey.get(store.get("cursor"));
+  if (cursor && document.activeElement === plan.canvas && plan.canvas.matches(":focus-visible")) ring(cursor, 3);
+  if (plan.pulse) drawPulse(paint);
+}
+
+function drawPulse({ context, plan, colour }) {
+  const { at, start, duration, still } = plan.pulse;
+  const part = still ? 0.5 : (((performance.now() - start) / duration) * 2) % 1;
+  const [x, y] = plan.toScreen(at);
+  context.beginPath();
+  context.arc(x, y, 10 + 22 * part, 0, 2 * Math.PI);
+  context.globalAlpha = 1 - 0.8 * part;
+  context.lineWidth = 3;
+  context.strokeStyle = colour("warn");
+  context.stroke();
+  context.globalAlpha = 1;
+}
+
+function drawScaleBar(paint) {
+  const { context, plan, colour } = paint;
+  const length = nice(80 / plan.scale);
+  const [x, y] = [16, plan.canvas.clientHeight - 20];
+  const end = x + length * plan.scale;
+  context.strokeStyle = colour("muted");
+  context.lineWidth = 1.5;
+  context.beginPath();
+  context.moveTo(x, y - 4);
+  context.lineTo(x, y + 4);
+  context.moveTo(x, y);
+  context.lineTo(end, y);
+  context.moveTo(end, y - 4);
+  context.lineTo(end, y + 4);
+  context.stroke();
+  label(paint, `${Number(length.toPrecision(2))} mm`, [x, y - 10], "left", "muted");
+}
+
+export function label({ context, colour }, text, [x, y], align = "left", name = "text") {
+  context.font = `12px ${getComputedStyle(document.body).fontFamily}`;
+  context.textAlign = align;
+  context.textBaseline = "alphabetic";
+  context.lineWidth = 3;
+  context.lineJoin = "round";
+  context.strokeStyle = colour("paper");
+  context.globalAlpha = 0.85;
+  context.strokeText(text, x, y);
+  context.globalAlpha = 1;
+  context.fillStyle = colour(name);
+  context.fillText(text, x, y);
+}

@@ -1,0 +1,129 @@
+// Gradients: drag a line. Linear runs along it; radial runs from its start outwards. They become the design file's own profiles.
+
+import { distance, roundPoint, round } from "../../geometry.js";
+import { QUANTITIES, fixed } from "../../format.js";
+import { circle, polyline } from "./common.js";
+import { label } from "../draw.js";
+
+const GRIP_PX = 12;
+
+export class GradientTool {
+  cursor = "crosshair";
+  settings = { quantity: "length", kind: "radial", from: 10, to: 4, power: 1 };
+  #line = null;
+  #end = -1; // which end is dragged
+
+  constructor({ plan, store, edits }) {
+    Object.assign(this, { plan, store, edits });
+  }
+
+  get hint() {
+    return "Drag from the first value to the second";
+  }
+
+  /** Takes the profile that the design has. */
+  read() {
+    const sheet = this.store.get("sheet");
+    const profile = sheet?.design.stars?.[QUANTITIES[this.settings.quantity].key];
+    this.#line = null;
+    if (profile?.profile === "radial") {
+      const centre = profile.centre_mm ?? [0, 0];
+      this.#line = [centre, [centre[0] + profile.over_mm, centre[1]]];
+    } else if (profile?.profile === "linear") this.#line = [profile.start_mm, profile.end_mm];
+    if (this.#line) Object.assign(this.settings, { kind: profile.profile, from: profile.from, to: profile.to, power: profile.power ?? 1 });
+    this.plan.invalidate();
+    return profile;
+  }
+
+  down(event) {
+    const reach = this.plan.px(GRIP_PX);
+    const near = this.#line ? this.#line.findIndex((end) => distance(end, event.at) < reach) : -1;
+    if (near >= 0) this.#end = near;
+    else {
+      this.#line = [roundPoint(event.at, 1), roundPoint(event.at, 1)];
+      this.#end = 1;
+    }
+    this.edits.begin();
+  }
+
+  move(event) {
+    if (this.#end < 0) return;
+    const moved = roundPoint(event.at, 1);
+    this.#line = this.#line.map((end, k) => (k === this.#end ? moved : end));
+    if (distance(...this.#line) > 1) this.apply();
+    this.plan.invalidate();
+  }
+
+  up() {
+    if (this.#end < 0) return;
+    this.#end = -1;
+    this.edits.end();
+    if (distance(...this.#line) <= 1) this.read();
+  }
+
+  cancel() {
+    this.up();
+  }
+
+  /** Sends the profile; sizes are drawn at once. */
+  apply() {
+    const { quantity, kind, from, to, power } = this.settings;
+    if (!this.#line) return;
+    const [start, end] = this.#line;
+    const over = distance(start, end);
+    const profile = { profile: kind, from, to, ...(power === 1 ? {} : { power }) };
+    if (kind === "radial") Object.assign(profile, { over_mm: round(over, 2), centre_mm: start });
+    else Object.assign(profile, { start_mm: start, end_mm: end });
+    this.edits.design(sizeChanges(this.store.get("sheet").design, quantity, profile));
+    this.#show(start, end, over);
+  }
+
+  /** Painted stars keep their sizes; the others follow the profile. */
+  #show(start, end, over) {
+    const { quantity, kind, from, to, power } = this.settings;
+    const along = [(end[0] - start[0]) / over, (end[1] - start[1]) / over];
+    const values = new Map();
+    for (const star of this.store.get("sheet").stars) {
+      const off = [star.at[0] - start[0], star.at[1] - start[1]];
+      const way = kind === "radial" ? Math.hypot(...off) : off[0] * along[0] + off[1] * along[1];
+      const share = Math.min(Math.max(way / over, 0), 1) ** power;
+      if (!star.removed) values.set(star.key, from + share * (to - from));
+    }
+    this.edits.preview(quantity, values);
+  }
+
+  draw(context, plan, colour) {
+    if (!this.#line) return;
+    const [start, end] = this.#line;
+    const { kind, from, to, quantity } = this.settings;
+    const { digits } = QUANTITIES[quantity];
+    context.strokeStyle = colour("accent");
+    context.lineWidth = 2;
+    polyline(context, plan, [start, end]);
+    context.stroke();
+    if (kind === "radial") {
+      circle(context, plan, start, distance(start, end));
+      context.lineWidth = 1;
+      context.setLineDash([5, 4]);
+      context.stroke();
+      context.setLineDash([]);
+    }
+    for (const [point, value] of [[start, from], [end, to]]) {
+      const [x, y] = plan.toScreen(point);
+      context.beginPath();
+      context.arc(x, y, 6, 0, 2 * Math.PI);
+      context.fillStyle = colour("paper");
+      context.fill();
+      context.lineWidth = 2;
+      context.stroke();
+      label({ context, colour }, `${fixed(value, digits)} mm`, [x + 10, y - 10], "left", "accent");
+    }
+  }
+}
+
+/** Changes that give a quantity a new profile or number. A length in parts of the spacing is replaced. */
+export function sizeChanges(design, quantity, value) {
+  const changes = { [`stars.${QUANTITIES[quantity].key}`]: value };
+  if (quantity === "length" && design.stars?.length_fraction !== undefined) changes["stars.length_fraction"] = null;
+  return changes;
+}

@@ -1,0 +1,160 @@
+// Needles: click places one, drag moves it (and where it is taken to), Shift+drag or the wheel lifts it.
+
+import { distance } from "../../geometry.js";
+import { fixed } from "../../format.js";
+import { isPoints, pointsOf, targetsOf, usualScale, withMoved, withNeedle, withoutNeedle } from "../../supports.js";
+import { edgesOf, snapped } from "./common.js";
+import { label } from "../draw.js";
+
+const GRIP_PX = 12;
+const LIFT_STEP_MM = 1;
+
+export class NeedleTool {
+  cursor = "crosshair";
+  #drag = null;
+  #ghost = null;
+
+  constructor({ plan, store, edits }) {
+    Object.assign(this, { plan, store, edits });
+  }
+
+  get hint() {
+    return "Click: a needle · drag it or its cross · Shift+drag lifts";
+  }
+
+  /** The needle (or its cross) under the pointer. */
+  #under(event) {
+    const sheet = this.store.get("sheet");
+    const reach = this.plan.px(event.isTouch ? 2 * GRIP_PX : GRIP_PX);
+    let best = null;
+    sheet.tables.forEach((table, number) => {
+      const shown = sheet.pins[number];
+      const targets = targetsOf(table, shown);
+      pointsOf(table, shown).forEach((at, point) => {
+        for (const [part, place] of [["point", at], ["target", targets[point]]]) {
+          const away = place ? distance(event.at, place) : Infinity;
+          if (away < reach && (!best || away < best.away)) best = { table: number, point, part, away, at, target: targets[point] };
+        }
+      });
+    });
+    return best;
+  }
+
+  down(event) {
+    const sheet = this.store.get("sheet");
+    const hit = this.#under(event);
+    this.edits.begin();
+    if (hit) {
+      const isMovable = isPoints(sheet.tables[hit.table]);
+      this.store.set({ support: { table: hit.table, point: isMovable ? hit.point : null } });
+      if (isMovable) this.#drag = { ...hit, start: event.at, pixel: event.pixel, scale: usualScale(sheet) };
+      else this.edits.end();
+      return;
+    }
+    const { at } = this.#snap(event);
+    const scale = usualScale(sheet);
+    const { tables, support } = withNeedle(sheet.tables, sheet.pins, at, [scale * at[0], scale * at[1], 0]);
+    this.store.set({ support });
+    this.#drag = { ...support, part: "point", at, target: [scale * at[0], scale * at[1], 0], start: at, pixel: event.pixel, scale };
+    this.#send(tables);
+  }
+
+  move(event) {
+    if (!this.#drag) return;
+    const { part, at, target, start, pixel, scale } = this.#drag;
+    const sheet = this.store.get("sheet");
+    let change;
+    if (event.shift) change = { target: [target[0], target[1], Math.max(0, Math.round(2 * (target[2] + this.plan.px(pixel[1] - event.pixel[1]))) / 2)] };
+    else if (part === "target") change = { target: [event.at[0], event.at[1], target[2]] };
+    else {
+      const moved = this.#snap({ ...event, at: [at[0] + event.at[0] - start[0], at[1] + event.at[1] - start[1]] }).at;
+      change = { at: moved, target: [target[0] + scale * (moved[0] - at[0]), target[1] + scale * (moved[1] - at[1]), target[2]] };
+    }
+    this.#send(withMoved(sheet.tables, sheet.pins, this.#drag, change));
+  }
+
+  up() {
+    if (!this.#drag) return;
+    this.#drag = null;
+    this.edits.end();
+  }
+
+  cancel() {
+    this.up();
+  }
+
+  hover(event) {
+    const hit = this.#under(event);
+    this.#ghost = hit ? null : this.#snap(event);
+    this.plan.canvas.style.cursor = hit ? "move" : "crosshair";
+    this.plan.invalidate();
+  }
+
+  leave() {
+    this.#ghost = null;
+    this.plan.invalidate();
+  }
+
+  wheel(event) {
+    if (!event.altKey) return false;
+    return this.lift(event.deltaY < 0 ? LIFT_STEP_MM : -LIFT_STEP_MM);
+  }
+
+  key(event) {
+    const step = { PageUp: LIFT_STEP_MM, PageDown: -LIFT_STEP_MM }[event.key];
+    if (step) return this.lift(step);
+    if (event.key === "Delete" || event.key === "Backspace") return this.remove();
+    return false;
+  }
+
+  lift(step) {
+    const sheet = this.store.get("sheet");
+    const support = this.store.get("support");
+    if (!support || support.point === null || !sheet.tables[support.table]) return false;
+    const [x, y, z] = targetsOf(sheet.tables[support.table], sheet.pins[support.table])[support.point];
+    this.edits.once(() => this.#send(withMoved(sheet.tables, sheet.pins, support, { target: [x, y, Math.max(0, z + step)] })));
+    return true;
+  }
+
+  remove() {
+    const sheet = this.store.get("sheet");
+    const support = this.store.get("support");
+    if (!support || !sheet.tables[support.table]) return false;
+    this.edits.once(() => this.#send(withoutNeedle(sheet.tables, sheet.pins, support)));
+    this.store.set({ support: null });
+    return true;
+  }
+
+  #snap(event) {
+    const sheet = this.store.get("sheet");
+    const points = [
+      ...sheet.outline.map((at) => ({ at, kind: "corner" })),
+      ...sheet.printed.map((star) => ({ at: star.at, kind: "star" })),
+    ];
+    return snapped(event, this.plan, { points, lines: edgesOf(sheet.outline) });
+  }
+
+  #send(tables) {
+    this.edits.design({ pins: tables }, { pins: tables });
+  }
+
+  draw(context, plan, colour) {
+    if (this.#drag) {
+      const sheet = this.store.get("sheet");
+      const table = sheet.tables[this.#drag.table];
+      if (!table?.points_mm?.[this.#drag.point]) return;
+      const [x, y] = plan.toScreen(table.points_mm[this.#drag.point]);
+      const place = targetsOf(table, sheet.pins[this.#drag.table])[this.#drag.point];
+      label({ context, colour }, `to ${place.map((value) => fixed(value)).join(", ")} mm`, [x + 12, y + 20], "left", "needle");
+    } else if (this.#ghost) {
+      const [x, y] = plan.toScreen(this.#ghost.at);
+      context.beginPath();
+      context.arc(x, y, 5, 0, 2 * Math.PI);
+      context.strokeStyle = colour("needle");
+      context.lineWidth = 1.5;
+      context.stroke();
+      const said = this.#ghost.kind && this.#ghost.kind !== "grid" ? this.#ghost.kind : this.#ghost.at.map((value) => fixed(value)).join(", ");
+      label({ context, colour }, said, [x + 10, y - 8], "left", "muted");
+    }
+  }
+}

@@ -1,0 +1,69 @@
+// The ruler: printed distance, and what the fabric alone contracts to.
+
+import { distance } from "../../geometry.js";
+import { fixed, mm } from "../../format.js";
+import { polyline, snapped } from "./common.js";
+import { label } from "../draw.js";
+
+export class RulerTool {
+  cursor = "crosshair";
+  #line = null;
+  #isDown = false;
+
+  constructor({ plan, store }) {
+    Object.assign(this, { plan, store });
+  }
+
+  get hint() {
+    return "Drag to measure · Alt: no snapping";
+  }
+
+  down(event) {
+    const at = this.#snap(event);
+    this.#line = [at, at];
+    this.#isDown = true;
+  }
+
+  move(event) {
+    if (!this.#isDown) return;
+    this.#line = [this.#line[0], this.#snap(event)];
+    this.store.set({ measured: { printed: distance(...this.#line), line: this.#line } });
+    this.plan.invalidate();
+  }
+
+  up() {
+    this.#isDown = false;
+  }
+
+  cancel() {
+    this.#isDown = false;
+    this.#line = null;
+    this.plan.invalidate();
+  }
+
+  #snap(event) {
+    const sheet = this.store.get("sheet");
+    const points = [...sheet.outline, ...sheet.stars.map((star) => star.at)].map((at) => ({ at, kind: "point" }));
+    return snapped(event, this.plan, { points }).at;
+  }
+
+  draw(context, plan, colour) {
+    if (!this.#line || distance(...this.#line) === 0) return;
+    const [a, b] = this.#line;
+    context.strokeStyle = colour("accent");
+    context.lineWidth = 2;
+    polyline(context, plan, this.#line);
+    context.stroke();
+    const [ends, length] = [[plan.toScreen(a), plan.toScreen(b)], distance(a, b)];
+    const across = [(-(b[1] - a[1]) / length) * 6, (-(b[0] - a[0]) / length) * 6];
+    context.beginPath();
+    for (const [x, y] of ends) {
+      context.moveTo(x - across[0], y - across[1]);
+      context.lineTo(x + across[0], y + across[1]);
+    }
+    context.stroke();
+    const angle = (Math.atan2(b[1] - a[1], b[0] - a[0]) * 180) / Math.PI;
+    const middle = [(ends[0][0] + ends[1][0]) / 2 + 10, (ends[0][1] + ends[1][1]) / 2 - 10];
+    label({ context, colour }, `${mm(length)}, ${fixed(angle, 0)}°`, middle, "left", "accent");
+  }
+}

@@ -1,0 +1,97 @@
+// Selection: click, Shift+click, lasso, double click for the ring.
+
+import { distance, isInside } from "../../geometry.js";
+import { polyline } from "./common.js";
+
+const CLICK_PX = 4;
+
+export class SelectTool {
+  cursor = "default";
+  #path = null;
+
+  constructor({ plan, store }) {
+    Object.assign(this, { plan, store });
+  }
+
+  get hint() {
+    return "Click or lasso · Shift adds · double click: the ring";
+  }
+
+  down(event) {
+    this.#path = [event.at];
+  }
+
+  move(event) {
+    if (!this.#path) return;
+    this.#path.push(event.at);
+    this.plan.invalidate();
+  }
+
+  up(event) {
+    if (!this.#path) return;
+    const path = this.#path;
+    this.#path = null;
+    const sheet = this.store.get("sheet");
+    const isLasso = Math.max(...path.map((at) => distance(at, path[0]))) > this.plan.px(CLICK_PX);
+    let keys;
+    if (isLasso) keys = sheet.stars.filter((star) => isInside(star.at, path)).map((star) => star.key);
+    else keys = [sheet.starAt(event.at)?.key].filter(Boolean);
+    this.#select(keys, event.shift, !isLasso);
+    this.plan.invalidate();
+  }
+
+  cancel() {
+    this.#path = null;
+    this.plan.invalidate();
+  }
+
+  double(event) {
+    const sheet = this.store.get("sheet");
+    const star = sheet.starAt(event.at);
+    if (star) this.#select(ringKeys(sheet, star), event.shift, false);
+  }
+
+  hover(event) {
+    const star = this.store.get("sheet")?.starAt(event.at);
+    this.store.set({ hover: star?.key ?? null });
+  }
+
+  leave() {
+    this.store.set({ hover: null });
+  }
+
+  #select(keys, isAdded, isToggled) {
+    const selection = new Set(isAdded ? this.store.get("selection") : []);
+    for (const key of keys) {
+      if (isAdded && isToggled && selection.has(key)) selection.delete(key);
+      else selection.add(key);
+    }
+    this.store.set({ selection, cursor: keys.at(-1) ?? this.store.get("cursor") });
+  }
+
+  draw(context, plan, colour) {
+    if (!this.#path || this.#path.length < 2) return;
+    polyline(context, plan, this.#path, true);
+    context.fillStyle = colour("accent");
+    context.globalAlpha = 0.08;
+    context.fill();
+    context.globalAlpha = 1;
+    context.strokeStyle = colour("accent");
+    context.lineWidth = 1.5;
+    context.setLineDash([4, 3]);
+    context.stroke();
+    context.setLineDash([]);
+  }
+}
+
+export function ringKeys(sheet, star) {
+  const ring = sheet.ring(star);
+  return sheet.stars.filter((other) => sheet.ring(other) === ring).map((other) => other.key);
+}
+
+/** Stars with the same sizes as any of the selected ones. */
+export function sameSizeKeys(sheet, keys) {
+  const text = (star) => star.sizes.map((value) => value.toFixed(2)).join(" ");
+  const wanted = new Set([...keys].map((key) => sheet.byKey.get(key)).filter(Boolean).map(text));
+  return sheet.stars.filter((star) => wanted.has(text(star))).map((star) => star.key);
+}

@@ -1,0 +1,135 @@
+// The plan of a document together with what is being changed right now, before the server has answered.
+
+import { bounds, centroid, distance, isInside, nearestIndex, rayLength } from "./geometry.js";
+import { QUANTITIES } from "./format.js";
+
+const MIN_ARM_MM = 1; // shorter arms are not printed
+const TIP_MARGIN_MM = 0.5;
+
+export const keyOf = (site) => `${site[0]},${site[1]}`;
+
+/** Stars, outline and supports as they are drawn. `local`: {sizes: Map(key -> {length_mm..}), removed: Map(key -> bool), outline, pins}. */
+export class Sheet {
+  constructor(document, local = emptyLocal()) {
+    const { plan, design, limits } = document;
+    this.design = design;
+    this.local = local;
+    this.outline = local.outline ?? plan.outline_mm;
+    this.spacing = plan.spacing_mm;
+    this.limits = readLimits(limits ?? {});
+    this.printer = plan.printer ?? null;
+    this.tables = local.pins ?? design.pins ?? [];
+    this.pins = plan.pins ?? [];
+    this.directions = armDirections(design.lattice ?? {});
+    this.tipMargin = design.border?.tip_margin_mm ?? TIP_MARGIN_MM;
+    this.stars = plan.sites.map((entry, row) => this.#star(entry, row));
+    this.byKey = new Map(this.stars.map((star) => [star.key, star]));
+    this.box = bounds(this.outline.concat(this.outline.length ? [] : [[0, 0]]));
+    this.centre = centroid(this.outline);
+  }
+
+  #star(entry, row) {
+    const key = keyOf(entry.site);
+    const change = this.local.sizes.get(key);
+    const removal = this.local.removed.get(key);
+    const sizes = entry.sizes_mm.slice();
+    for (const { key: field, column } of Object.values(QUANTITIES)) {
+      if (change?.[field] !== undefined) sizes[column] = change[field];
+    }
+    const removed = removal ?? entry.removed;
+    const isChanged = change !== undefined || removal !== undefined || this.local.outline;
+    const star = { row, key, site: entry.site, at: entry.at_mm, removed, painted: entry.painted || change !== undefined, sizes };
+    star.isReset = this.local.reset.has(key);
+    if (star.isReset) star.painted = false;
+    if (isChanged) star.arms = removed ? [] : this.#arms(star.at, sizes[0]);
+    else star.arms = removed ? [] : (entry.arms ?? this.#arms(star.at, sizes[0]));
+    star.isPrinted = star.arms.length > 0;
+    star.isOffSheet = this.local.outline ? !isInside(star.at, this.outline) : entry.on_sheet === false;
+    return star;
+  }
+
+  #arms(at, length) {
+    if (length < MIN_ARM_MM) return [];
+    return this.directions.map((direction) => {
+      const room = rayLength(at, direction, this.outline) - this.tipMargin;
+      const reach = Math.max(0, Math.min(length, room));
+      return [at, [at[0] + reach * direction[0], at[1] + reach * direction[1]]];
+    });
+  }
+
+  /** Range of a quantity: of the law if asked for and known, else of the design file. */
+  range(quantity, inLaw) {
+    const { key } = QUANTITIES[quantity];
+    return (inLaw && this.limits.law[key]) || this.limits.design[key];
+  }
+
+  /** Whether a printed star has a size for which the law was not calibrated. */
+  isOutsideLaw(star) {
+    if (!star.isPrinted) return false;
+    return Object.values(QUANTITIES).some(({ key, column }) => {
+      const range = this.limits.law[key];
+      return range && (star.sizes[column] < range[0] - 1e-9 || star.sizes[column] > range[1] + 1e-9);
+    });
+  }
+
+  /** Step of printable values of a quantity, {first, step}; null if sizes are not rounded. */
+  printable(quantity) {
+    const { rounding } = this.design.stars ?? {};
+    if (!rounding || quantity === "length") return null;
+    if (quantity === "width") return rounding.line_mm ? { first: rounding.line_mm, step: rounding.line_mm } : null;
+    return rounding.layer_mm ? { first: rounding.first_layer_mm, step: rounding.layer_mm } : null;
+  }
+
+  /** A value within the limits, and printable where the design rounds. */
+  allowed(quantity, value, inLaw) {
+    const [low, high] = this.range(quantity, inLaw);
+    const steps = this.printable(quantity);
+    let kept = value;
+    if (steps) kept = steps.first + Math.max(0, Math.round((value - steps.first) / steps.step)) * steps.step;
+    return Number(Math.min(Math.max(kept, low), high).toFixed(4));
+  }
+
+  starAt(point, within = this.spacing * 0.6) {
+    const { index, distance: away } = nearestIndex(point, this.stars.map((star) => star.at));
+    return index >= 0 && away <= within ? this.stars[index] : null;
+  }
+
+  neighbours(star) {
+    return this.stars.filter((other) => other !== star && distance(other.at, star.at) < 1.3 * this.spacing);
+  }
+
+  /** Number of the ring of stars around the middle star to which a star belongs. */
+  ring(star) {
+    const { index } = nearestIndex(this.centre, this.stars.map((other) => other.at));
+    const [i, j] = [0, 1].map((k) => star.site[k] - this.stars[index].site[k]);
+    if ((this.design.lattice?.kind ?? "triangular") !== "triangular") return Math.max(Math.abs(i), Math.abs(j));
+    return i * j >= 0 ? Math.abs(i + j) : Math.max(Math.abs(i), Math.abs(j));
+  }
+
+  get printed() {
+    return this.stars.filter((star) => star.isPrinted);
+  }
+}
+
+export function emptyLocal() {
+  return { sizes: new Map(), removed: new Map(), reset: new Set(), outline: null, pins: null };
+}
+
+function readLimits(limits) {
+  const design = { length_mm: [0, 17.3], thickness_mm: [0.05, 5], width_mm: [0.1, 10], ...limits.design };
+  const law = { ...limits.law };
+  for (const { key } of Object.values(QUANTITIES)) {
+    if (limits[key]) law[key] = limits[key];
+    if (limits[`design_${key}`]) design[key] = limits[`design_${key}`];
+  }
+  return { design, law, stretches: limits.stretches ?? [], rounding: limits.rounding ?? null };
+}
+
+function armDirections(lattice) {
+  const count = lattice.arms ?? 3;
+  const turn = ((lattice.orientation_deg ?? 0) * Math.PI) / 180;
+  return Array.from({ length: count }, (_, k) => {
+    const angle = turn - Math.PI / 2 + (2 * Math.PI * k) / count;
+    return [Math.cos(angle), Math.sin(angle)];
+  });
+}

@@ -1,0 +1,106 @@
+// The state of the page: what the server said, what is selected, which tool is active. Everything else reads it here.
+
+/** Values by name; listeners are called after a change with the new values. */
+export class Store {
+  #values;
+  #listeners = new Map();
+
+  constructor(values) {
+    this.#values = values;
+  }
+
+  get(key) {
+    return this.#values[key];
+  }
+
+  /** Sets values and tells the listeners of those that changed. */
+  set(patch) {
+    const changed = Object.keys(patch).filter((key) => this.#values[key] !== patch[key]);
+    Object.assign(this.#values, patch);
+    const called = new Set();
+    for (const key of changed) {
+      for (const listener of [...(this.#listeners.get(key) ?? [])]) {
+        if (!called.has(listener)) {
+          called.add(listener);
+          listener(this.#values);
+        }
+      }
+    }
+  }
+
+  /** Calls `listener` at changes of any of the keys; returns a function that stops it. */
+  on(keys, listener) {
+    for (const key of keys) {
+      if (!this.#listeners.has(key)) this.#listeners.set(key, new Set());
+      this.#listeners.get(key).add(listener);
+    }
+    return () => keys.forEach((key) => this.#listeners.get(key).delete(listener));
+  }
+}
+
+const REMEMBERED = ["brush", "symmetry", "snap", "grid", "planColour", "viewColour", "theme", "planShare", "showArms", "showBumps", "orthographic", "inLaw"];
+const MEMORY = "asterism-studio";
+
+function remembered() {
+  try {
+    return JSON.parse(localStorage.getItem(MEMORY) ?? "{}");
+  } catch {
+    return {};
+  }
+}
+
+export function createStore() {
+  const defaults = {
+    connection: "connecting", // connecting | open | lost
+    document: null,
+    sheet: null, // the document's plan with the sizes that are being painted, see sheet.js
+    state: { engine: "starting", numbers: {}, warnings: [], forms: [], slots: {} },
+    gallery: null,
+    startOpen: false,
+    frame: null, // header of the shape that is drawn
+    comparison: null, // arrays of the last verification
+    jobs: {}, // progress by job
+    results: {}, // results by job
+    problem: null,
+    tool: "brush",
+    page: "tool", // tool | sheet | shape
+    brush: { quantity: "length", mode: "set", radius: 22, strength: 0.5, target: 9, amount: 1 },
+    inLaw: true,
+    symmetry: { mirrorX: false, mirrorY: false, sixfold: false },
+    snap: true,
+    grid: true,
+    printArea: false,
+    selection: new Set(),
+    hover: null,
+    cursor: null, // star of the keyboard
+    support: null, // selected needle: {table, point}
+    corner: null, // selected corner of the outline
+    planColour: "none",
+    viewColour: "none",
+    showArms: true,
+    showBumps: true,
+    orthographic: false,
+    shown: "preview", // preview | exact | both
+    theme: "auto",
+    planShare: 50,
+  };
+  const store = new Store({ ...defaults, ...pick(remembered(), REMEMBERED, defaults) });
+  store.on(REMEMBERED, (values) => {
+    try {
+      localStorage.setItem(MEMORY, JSON.stringify(pick(values, REMEMBERED, defaults)));
+    } catch {
+      // a browser without storage forgets the settings
+    }
+  });
+  return store;
+}
+
+function pick(from, keys, like) {
+  const kept = {};
+  for (const key of keys) {
+    if (key in from && typeof from[key] === typeof like[key]) {
+      kept[key] = typeof like[key] === "object" ? { ...like[key], ...from[key] } : from[key];
+    }
+  }
+  return kept;
+}

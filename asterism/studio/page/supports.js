@@ -1,0 +1,93 @@
+// The design file's [[pins]] tables, as the needle tool changes them. Tables do not change; every function makes new ones.
+
+import { roundPoint } from "./geometry.js";
+
+/** Printed points of a table of points or corners, and where they are taken to. */
+export function pointsOf(table, shown) {
+  return table.points_mm ?? shown?.points_mm ?? [];
+}
+
+export function targetsOf(table, shown) {
+  const { target_mm: targets } = table;
+  if (targets) return Array.isArray(targets[0]) ? targets : [targets];
+  if (!table.points_mm && shown?.places_mm) return shown.places_mm;
+  const scale = table.scale ?? 1;
+  const [x, y, z] = table.offset_mm ?? [0, 0, 0];
+  return pointsOf(table, shown).map((point) => [scale * point[0] + x, scale * point[1] + y, z]);
+}
+
+/** Whether every point of a table can be moved alone. */
+export const isPoints = (table) => Array.isArray(table.points_mm);
+
+/** The table with a place of its own for each point, in place of scale and offset. */
+function withTargets(table, shown) {
+  const { scale, offset_mm, ...rest } = table;
+  return { ...rest, target_mm: targetsOf(table, shown).map((target) => [...target]) };
+}
+
+function changed(tables, number, table) {
+  return tables.map((other, k) => (k === number ? table : other));
+}
+
+/** A new needle; it joins the first table of points that holds in the same way. */
+export function withNeedle(tables, pins, at, target) {
+  const number = tables.findIndex((table) => isPoints(table) && !table.slide && !table.step);
+  if (number < 0) {
+    const table = { points_mm: [roundPoint(at)], target_mm: [roundPoint(target)] };
+    return { tables: [...tables, table], support: { table: tables.length, point: 0 } };
+  }
+  const table = withTargets(tables[number], pins[number]);
+  table.points_mm = [...table.points_mm, roundPoint(at)];
+  table.target_mm = [...table.target_mm, roundPoint(target)];
+  return { tables: changed(tables, number, table), support: { table: number, point: table.points_mm.length - 1 } };
+}
+
+/** A needle's printed place and target changed; either may be left out. */
+export function withMoved(tables, pins, { table: number, point }, { at, target }) {
+  const table = withTargets(tables[number], pins[number]);
+  if (at) table.points_mm = table.points_mm.map((old, k) => (k === point ? roundPoint(at) : old));
+  if (target) table.target_mm = table.target_mm.map((old, k) => (k === point ? roundPoint(target) : old));
+  return changed(tables, number, table);
+}
+
+export function withoutNeedle(tables, pins, { table: number, point }) {
+  const table = tables[number];
+  if (point === null || !isPoints(table) || table.points_mm.length === 1) return tables.filter((_, k) => k !== number);
+  const kept = withTargets(table, pins[number]);
+  kept.points_mm = kept.points_mm.filter((_, k) => k !== point);
+  kept.target_mm = kept.target_mm.filter((_, k) => k !== point);
+  return changed(tables, number, kept);
+}
+
+/** Keys of a whole table changed; undefined removes one. Scale and offset take the place of targets. */
+export function withTable(tables, number, patch) {
+  const table = { ...tables[number], ...patch };
+  if ("scale" in patch || "offset_mm" in patch) delete table.target_mm;
+  for (const key of Object.keys(table)) if (table[key] === undefined) delete table[key];
+  return changed(tables, number, table);
+}
+
+/** Scale at which a new needle holds its point: that of the other needles, else what the fabric contracts to. */
+export function usualScale(sheet) {
+  for (const table of sheet.tables) if (table.scale) return table.scale;
+  for (const [k, table] of sheet.tables.entries()) {
+    const points = pointsOf(table, sheet.pins[k]);
+    const far = points.findIndex(([x, y]) => Math.hypot(x, y) > 5);
+    if (far >= 0) {
+      const target = targetsOf(table, sheet.pins[k])[far];
+      return Math.hypot(target[0], target[1]) / Math.hypot(...points[far]) || 1;
+    }
+  }
+  const stretch = sheet.design.fabric?.stretch ?? 1.35;
+  return 1 / (Array.isArray(stretch) ? Math.sqrt(stretch[0] * stretch[1]) : stretch);
+}
+
+/** One line that says what a table holds. */
+export function titleOf(table, shown) {
+  if (table.where === "border") return "Whole outline";
+  if (table.where === "corners") return "All corners";
+  if (table.edges) return `Edges ${table.edges.join(", ")}`;
+  if (table.corners) return `Corners ${table.corners.join(", ")}`;
+  const count = pointsOf(table, shown).length;
+  return count === 1 ? "1 needle" : `${count} needles`;
+}

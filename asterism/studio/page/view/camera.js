@@ -1,0 +1,144 @@
+// An orbiting camera: a target, a distance, and two angles. It stays where it is when the shape changes.
+
+import { clamp } from "../geometry.js";
+
+const FIELD_DEG = 26;
+const MAX_PITCH = Math.PI / 2;
+
+/** Named views: turn about z and height above the horizon, degrees. */
+export const VIEWS = {
+  perspective: { name: "Perspective", turn: -62, pitch: 28 },
+  top: { name: "Top", turn: -90, pitch: 90 },
+  bottom: { name: "Bottom", turn: -90, pitch: -90 },
+  front: { name: "Front", turn: -90, pitch: 0 },
+  back: { name: "Back", turn: 90, pitch: 0 },
+  left: { name: "Left", turn: 180, pitch: 0 },
+  right: { name: "Right", turn: 0, pitch: 0 },
+};
+
+export class Camera {
+  target = [0, 0, 0];
+  distance = 300;
+  turn = (VIEWS.perspective.turn * Math.PI) / 180;
+  pitch = (VIEWS.perspective.pitch * Math.PI) / 180;
+  isOrthographic = false;
+
+  /** Directions of the camera in space: to the right, upwards, and towards the eye. */
+  get axes() {
+    const [ct, st, cp, sp] = [Math.cos(this.turn), Math.sin(this.turn), Math.cos(this.pitch), Math.sin(this.pitch)];
+    const towards = [cp * ct, cp * st, sp];
+    const right = [-st, ct, 0];
+    const up = [-sp * ct, -sp * st, cp];
+    return { right, up, towards };
+  }
+
+  get eye() {
+    const { towards } = this.axes;
+    return this.target.map((value, k) => value + this.distance * towards[k]);
+  }
+
+  look(name) {
+    const { turn, pitch } = VIEWS[name];
+    this.turn = (turn * Math.PI) / 180;
+    this.pitch = (pitch * Math.PI) / 180;
+  }
+
+  orbit(dx, dy) {
+    this.turn -= dx * 0.008;
+    this.pitch = clamp(this.pitch + dy * 0.008, -MAX_PITCH, MAX_PITCH);
+  }
+
+  pan(dx, dy, height) {
+    const scale = (2 * this.distance * Math.tan((FIELD_DEG * Math.PI) / 360)) / height;
+    const { right, up } = this.axes;
+    this.target = this.target.map((value, k) => value - scale * (dx * right[k] - dy * up[k]));
+  }
+
+  zoom(factor) {
+    this.distance = clamp(this.distance / factor, 5, 20000);
+  }
+
+  /** Shows a set of positions (x, y, z, x, ...) as large as they fit. */
+  fit(positions, aspect) {
+    if (!positions.length) return;
+    const { right, up } = this.axes;
+    const low = [Infinity, Infinity, Infinity];
+    const high = [-Infinity, -Infinity, -Infinity];
+    for (let k = 0; k < positions.length; k += 3) {
+      for (let c = 0; c < 3; c++) {
+        low[c] = Math.min(low[c], positions[k + c]);
+        high[c] = Math.max(high[c], positions[k + c]);
+      }
+    }
+    this.target = low.map((value, c) => (value + high[c]) / 2);
+    let reach = 1;
+    for (let k = 0; k < positions.length; k += 3) {
+      const off = [0, 1, 2].map((c) => positions[k + c] - this.target[c]);
+      const across = Math.abs(off[0] * right[0] + off[1] * right[1] + off[2] * right[2]) / Math.min(aspect, 10);
+      const upright = Math.abs(off[0] * up[0] + off[1] * up[1] + off[2] * up[2]);
+      reach = Math.max(reach, across, upright);
+    }
+    const radius = Math.hypot(...high.map((value, c) => value - low[c])) / 2;
+    this.distance = (1.12 * reach) / Math.tan((FIELD_DEG * Math.PI) / 360) + 0.35 * radius;
+  }
+
+  /** Matrix from space to the picture, column by column, with what the shaders need. */
+  frame(aspect) {
+    const { right, up, towards } = this.axes;
+    const { eye } = this;
+    const view = [
+      [right[0], up[0], towards[0], 0],
+      [right[1], up[1], towards[1], 0],
+      [right[2], up[2], towards[2], 0],
+      [-dot(right, eye), -dot(up, eye), -dot(towards, eye), 1],
+    ].flat();
+    const half = Math.tan((FIELD_DEG * Math.PI) / 360);
+    const [near, far] = [Math.max(0.5, this.distance / 40), this.distance * 8 + 4000];
+    let projection;
+    if (this.isOrthographic) {
+      const size = half * this.distance;
+      // depth from -1 to 1 over twice `far`, centred on the target, so that nothing is cut off
+      projection = [1 / (size * aspect), 0, 0, 0, 0, 1 / size, 0, 0, 0, 0, -1 / far, 0, 0, 0, -this.distance / far, 1];
+    } else {
+      projection = [1 / (half * aspect), 0, 0, 0, 0, 1 / half, 0, 0, 0, 0, (far + near) / (near - far), -1, 0, 0, (2 * far * near) / (near - far), 0];
+    }
+    return { matrix: new Float32Array(multiply(projection, view)), eye, towards, isOrthographic: this.isOrthographic };
+  }
+
+  /** Ray through a place of the picture, from -1 to 1 in both directions. */
+  ray([px, py], aspect) {
+    const { right, up, towards } = this.axes;
+    const half = Math.tan((FIELD_DEG * Math.PI) / 360);
+    const [a, b] = [px * aspect * half, py * half];
+    if (this.isOrthographic) {
+      const start = this.eye.map((value, k) => value + this.distance * (a * right[k] + b * up[k]));
+      return { start, direction: towards.map((value) => -value) };
+    }
+    const direction = towards.map((value, k) => a * right[k] + b * up[k] - value);
+    return { start: this.eye, direction };
+  }
+
+  /** Place in the picture, -1 to 1, of a point in space. */
+  project(point, aspect) {
+    const { matrix } = this.frame(aspect);
+    const [x, y, , w] = [0, 1, 2, 3].map((row) => matrix[row] * point[0] + matrix[4 + row] * point[1] + matrix[8 + row] * point[2] + matrix[12 + row]);
+    return [x / w, y / w];
+  }
+
+  /** Millimetres of a pixel at the target. */
+  pixelMm(height) {
+    return (2 * this.distance * Math.tan((FIELD_DEG * Math.PI) / 360)) / height;
+  }
+}
+
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+
+function multiply(a, b) {
+  const product = new Array(16).fill(0);
+  for (let column = 0; column < 4; column++) {
+    for (let row = 0; row < 4; row++) {
+      for (let k = 0; k < 4; k++) product[4 * column + row] += a[4 * k + row] * b[4 * column + k];
+    }
+  }
+  return product;
+}

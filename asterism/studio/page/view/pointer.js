@@ -1,0 +1,115 @@
+// Pointers over the view: orbit, pan, zoom, pinch; lifting a needle by its head; hover and click on stars.
+
+import { isPoints, pointsOf, targetsOf, withMoved } from "../supports.js";
+
+const GRIP_PX = 16;
+const CLICK_PX = 4;
+
+export function listenToView(view, { store, edits }) {
+  const { canvas } = view;
+  const pointers = new Map();
+  let last = null;
+  let drag = null;
+  let way = 0;
+
+  canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+  canvas.addEventListener("pointerdown", (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    canvas.focus({ preventScroll: true });
+    pointers.set(event.pointerId, [event.clientX, event.clientY]);
+    last = span();
+    way = 0;
+    const needle = pointers.size === 1 && event.button === 0 ? needleUnder(event) : null;
+    drag = needle ? "needle" : event.button === 0 && !event.shiftKey ? "orbit" : "pan";
+    if (needle) {
+      drag = { ...needle, y: event.clientY };
+      store.set({ support: { table: needle.table, point: needle.point } });
+      edits.begin();
+    }
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    if (!pointers.has(event.pointerId)) return hover(event);
+    pointers.set(event.pointerId, [event.clientX, event.clientY]);
+    const now = span();
+    const [dx, dy] = [now.x - last.x, now.y - last.y];
+    way += Math.hypot(dx, dy);
+    if (pointers.size > 1) {
+      view.camera.zoom(now.length / last.length);
+      view.camera.pan(dx, dy, canvas.clientHeight);
+    } else if (drag?.target) return liftTo(event);
+    else if (drag === "orbit") view.camera.orbit(dx, dy);
+    else view.camera.pan(dx, dy, canvas.clientHeight);
+    last = now;
+    view.invalidate();
+  });
+  const lifted = (event) => {
+    if (!pointers.delete(event.pointerId)) return;
+    if (drag?.target) edits.end();
+    else if (way < CLICK_PX && event.type === "pointerup") click(event);
+    drag = pointers.size ? "pan" : null;
+    if (pointers.size) last = span();
+  };
+  canvas.addEventListener("pointerup", lifted);
+  canvas.addEventListener("pointercancel", lifted);
+  canvas.addEventListener("pointerleave", () => store.set({ hover: null }));
+  canvas.addEventListener(
+    "wheel",
+    (event) => {
+      event.preventDefault();
+      view.camera.zoom(Math.exp(-event.deltaY * (event.deltaMode ? 0.04 : 0.0013)));
+      view.invalidate();
+    },
+    { passive: false },
+  );
+
+  function span() {
+    const all = [...pointers.values()];
+    const [x, y] = [0, 1].map((k) => all.reduce((total, at) => total + at[k], 0) / all.length);
+    const length = all.length > 1 ? Math.hypot(all[0][0] - all[1][0], all[0][1] - all[1][1]) : 1;
+    return { x, y, length: Math.max(length, 1) };
+  }
+
+  function starUnder(event) {
+    const place = view.printedAt(event);
+    return place && store.get("sheet")?.starAt(place);
+  }
+
+  function hover(event) {
+    store.set({ hover: starUnder(event)?.key ?? null });
+    canvas.style.cursor = needleUnder(event) ? "ns-resize" : "grab";
+  }
+
+  function click(event) {
+    const star = starUnder(event);
+    const selection = new Set(event.shiftKey ? store.get("selection") : []);
+    if (star && event.shiftKey && selection.has(star.key)) selection.delete(star.key);
+    else if (star) selection.add(star.key);
+    store.set({ selection });
+  }
+
+  function needleUnder(event) {
+    const sheet = store.get("sheet");
+    if (!sheet || !view.shape || store.get("tool") !== "needles") return null;
+    const [px, py] = view.place(event);
+    let best = null;
+    sheet.tables.forEach((table, number) => {
+      if (!isPoints(table)) return;
+      const targets = targetsOf(table, sheet.pins[number]);
+      pointsOf(table, sheet.pins[number]).forEach((_, point) => {
+        const target = targets[point];
+        const [x, y] = view.camera.project([target[0], target[1], target[2] + 5.5], view.aspect);
+        const away = Math.hypot(((x - px) * canvas.clientWidth) / 2, ((y - py) * canvas.clientHeight) / 2);
+        if (away < GRIP_PX && (!best || away < best.away)) best = { table: number, point, target, away };
+      });
+    });
+    return best;
+  }
+
+  function liftTo(event) {
+    const sheet = store.get("sheet");
+    const [x, y, z] = drag.target;
+    const height = Math.max(0, z + (drag.y - event.clientY) * view.camera.pixelMm(canvas.clientHeight));
+    const tables = withMoved(sheet.tables, sheet.pins, drag, { target: [x, y, Math.round(height * 2) / 2] });
+    edits.design({ pins: tables }, { pins: tables });
+  }
+}

@@ -1,0 +1,51 @@
+// The sheet's triangles: normals of the vertices, fields to colour by.
+
+/** Unit normals of the vertices, from the areas of the triangles around; on the plastic side. */
+export function vertexNormals(positions, triangles) {
+  const normals = new Float32Array(positions.length);
+  for (let t = 0; t < triangles.length; t += 3) {
+    const [a, b, c] = [3 * triangles[t], 3 * triangles[t + 1], 3 * triangles[t + 2]];
+    const ux = positions[b] - positions[a], uy = positions[b + 1] - positions[a + 1], uz = positions[b + 2] - positions[a + 2];
+    const vx = positions[c] - positions[a], vy = positions[c + 1] - positions[a + 1], vz = positions[c + 2] - positions[a + 2];
+    const nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
+    for (const k of [a, b, c]) {
+      normals[k] += nx;
+      normals[k + 1] += ny;
+      normals[k + 2] += nz;
+    }
+  }
+  for (let k = 0; k < normals.length; k += 3) {
+    const length = Math.hypot(normals[k], normals[k + 1], normals[k + 2]) || 1;
+    normals[k] /= length;
+    normals[k + 1] /= length;
+    normals[k + 2] /= length;
+  }
+  return normals;
+}
+
+/** Values of a field at the vertices, in the unit that its legend shows; null if this shape has none. */
+export function fieldValues(name, shape, comparison) {
+  if (name === "height") {
+    const heights = new Float32Array(shape.positions.length / 3);
+    let low = Infinity;
+    for (let k = 0; k < heights.length; k++) low = Math.min(low, shape.positions[3 * k + 2]);
+    for (let k = 0; k < heights.length; k++) heights[k] = shape.positions[3 * k + 2] - low;
+    return heights;
+  }
+  if (name === "distance") return comparison?.distance ?? null;
+  const factor = { curvature: 1000, strain: 100 }[name];
+  const values = shape[name];
+  return factor && values ? values.map((value) => factor * value) : null;
+}
+
+/** Lowest and highest corner of a set of positions. */
+export function box(positions) {
+  const low = [Infinity, Infinity, Infinity];
+  const high = [-Infinity, -Infinity, -Infinity];
+  for (let k = 0; k < positions.length; k++) {
+    const c = k % 3;
+    if (positions[k] < low[c]) low[c] = positions[k];
+    if (positions[k] > high[c]) high[c] = positions[k];
+  }
+  return { low, high };
+}
