@@ -15,11 +15,12 @@ from asterism.cli.preview import preview
 from asterism.cli.printers import printers
 from asterism.cli.report import report
 from asterism.cli.simulate import simulate
+from asterism.cli.studio import studio
 from asterism.cli.verify import verify
 from asterism.process.version import __version__
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
-for function in (new, preview, simulate, verify, export, printers, compare, report, calibrate):
+for function in (new, studio, preview, simulate, verify, export, printers, compare, report, calibrate):
     app.command()(function)
 app.add_typer(strips.app, name="strips")
 app.add_typer(law.app, name="law")

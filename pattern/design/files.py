@@ -74,12 +74,16 @@ def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return table
 
 
+def table_text(table: dict[str, Any], path: Path) -> str:
+    """The text of a table in the format that the file's name asks for."""
+    if _suffix(path) == ".toml":
+        return "\n\n".join(_toml_tables(table, "")) + "\n"
+    return json.dumps(table, indent=2, ensure_ascii=False) + "\n"
+
+
 def write_table(table: dict[str, Any], path: Path) -> None:
     """Write a table; the file appears complete or not at all."""
-    if _suffix(path) == ".toml":
-        text = "\n\n".join(_toml_tables(table, "")) + "\n"
-    else:
-        text = json.dumps(table, indent=2, ensure_ascii=False) + "\n"
+    text = table_text(table, path)
     try:
         handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     except OSError as error:

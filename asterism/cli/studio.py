@@ -1,0 +1,28 @@
+"""`asterism studio`: the page on which a designer draws stars and sees the sheet rise."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from asterism.cli.common.run import Run, command
+
+
+@command
+def studio(
+    run: Run,
+    design: Annotated[
+        Path | None, typer.Argument(help="The design file (.toml or .json); without one, the gallery.")
+    ] = None,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="Port of the page; 0 takes a free one.")] = 0,
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in the browser.")] = True,
+    listen: Annotated[
+        str, typer.Option(help="Address of this machine. Another one than 127.0.0.1 lets others reach the page.")
+    ] = "127.0.0.1",
+) -> None:
+    """Draw stars on a page in the browser, and see the sheet rise."""
+    from asterism.studio.run import run_studio
+
+    run_studio(design, port=port, listen=listen, opens_browser=browser, say=lambda line: run.lines([line]))

@@ -1,0 +1,59 @@
+"""Changes of a design file's table by dotted keys."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from pattern.design.errors import DesignError
+
+MAX_DEPTH = 8
+
+
+def with_changes(table: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """The table with other values at some keys; None takes a key away.
+
+    Parameters
+    ----------
+    changes : dotted keys of the design file, as `fabric.stretch` or `border`, and their values.
+
+    Raises
+    ------
+    DesignError
+        A key leads through something that is not a table, or the values are nested too deeply.
+
+    Examples
+    --------
+    >>> with_changes({"name": "a", "fabric": {"stretch": 1.35}}, {"fabric.stretch": 1.75, "name": None})
+    {'fabric': {'stretch': 1.75}}
+    """
+    changed = dict(table)
+    for key, value in changes.items():
+        if not isinstance(key, str) or not 1 <= len(parts := key.split(".")) <= MAX_DEPTH or not all(parts):
+            raise DesignError("", "must be a key of the design file, as fabric.stretch", key)
+        _check_depth(key, value)
+        _set(changed, parts, value, key)
+    return changed
+
+
+def _set(table: dict[str, Any], parts: list[str], value: Any, key: str) -> None:
+    """Set one key; tables on the way are copied, so that the old table stays as it was."""
+    first, *rest = parts
+    if not rest:
+        if value is None:
+            table.pop(first, None)
+        else:
+            table[first] = value
+        return
+    inner = table.get(first, {})
+    if not isinstance(inner, dict):
+        raise DesignError(key, f"{first} is not a table of keys")
+    table[first] = dict(inner)
+    _set(table[first], rest, value, key)
+
+
+def _check_depth(key: str, value: Any, depth: int = 0) -> None:
+    if depth > MAX_DEPTH:
+        raise DesignError(key, "is nested too deeply")
+    for inner in value.values() if isinstance(value, dict) else value if isinstance(value, list) else ():
+        _check_depth(key, inner, depth + 1)

@@ -1,0 +1,96 @@
+"""A process of the studio that computes, and the pipe to it."""
+
+from __future__ import annotations
+
+import asyncio
+import multiprocessing
+import os
+import queue
+import signal
+import threading
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from multiprocessing.connection import Connection
+from typing import Any
+
+# Seconds that a process has to end by itself before it is killed.
+END_GRACE_S = 0.5
+
+
+def run_child(target: Callable[..., None], niceness: int, connection: Connection, *arguments: Any) -> None:
+    """The body of every child: Ctrl-C is for the server, which ends its children."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if niceness and hasattr(os, "nice"):
+        os.nice(niceness)
+    with suppress(EOFError, OSError, BrokenPipeError):
+        target(connection, *arguments)
+
+
+class Child:
+    """A process with a pipe.
+
+    Sending never blocks the caller: a thread writes and another one reads. Messages arrive in the event loop.
+
+    Parameters
+    ----------
+    target : called in the new process with its end of the pipe, and `arguments`.
+    receive : called in the event loop with this child and each message.
+    ended : called in the event loop with this child when the process has ended or closed the pipe.
+    niceness : lowers the priority, where the system can do that.
+    """
+
+    def __init__(
+        self,
+        target: Callable[..., None],
+        arguments: tuple[Any, ...],
+        receive: Callable[[Child, Any], None],
+        ended: Callable[[Child], None],
+        niceness: int = 0,
+    ) -> None:
+        self._receive, self._ended = receive, ended
+        self._loop = asyncio.get_running_loop()
+        self._outbox: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        context = multiprocessing.get_context("spawn")
+        self._connection, theirs = context.Pipe()
+        self._process = context.Process(
+            target=run_child, args=(target, niceness, theirs, *arguments), daemon=True, name=target.__name__
+        )
+        self._process.start()
+        theirs.close()
+        self.last_sign = time.monotonic()
+        for work in (self._read, self._write):
+            threading.Thread(target=work, daemon=True).start()
+
+    def send(self, message: Any) -> None:
+        """Send a message; does nothing if the process has ended."""
+        self._outbox.put(message)
+
+    def kill(self) -> None:
+        """End the process at once. Its `ended` is not called."""
+        self._ended = lambda child: None
+        self._receive = lambda child, message: None
+        self._outbox.put(None)
+        self._process.kill()
+
+    def close(self) -> None:
+        """End the process and wait for it."""
+        self.kill()
+        self._process.join(END_GRACE_S)
+
+    def _read(self) -> None:
+        with suppress(EOFError, OSError):
+            while True:
+                message = self._connection.recv()
+                self.last_sign = time.monotonic()
+                self._in_loop(lambda message=message: self._receive(self, message))  # type: ignore[misc]
+        self._in_loop(lambda: self._ended(self))
+
+    def _write(self) -> None:
+        with suppress(EOFError, OSError):
+            while (message := self._outbox.get()) is not None:
+                self._connection.send(message)
+
+    def _in_loop(self, call: Callable[[], None]) -> None:
+        with suppress(RuntimeError):  # the loop has ended
+            self._loop.call_soon_threadsafe(call)

@@ -1,0 +1,138 @@
+"""The engine as the server sees it: always there, replaced when it ends or hangs."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from asterism.studio.child import Child
+from asterism.studio.engine import run_engine
+from asterism.studio.messages import Busy, Cancel, Edit, Frame, Problem, Ready, ShapeSummary, Stop
+
+# An engine that owes an answer and gives no sign of life for so long is replaced.
+MAX_SILENCE_S = 30.0
+# After so many deaths on one edit the engine waits for another edit.
+MAX_DEATHS = 2
+
+
+class EngineLink:
+    """Sends edits to an engine process, and passes its answers on.
+
+    Attributes
+    ----------
+    status : `starting`, `computing`, `ready` or `failed`.
+
+    Parameters
+    ----------
+    receive : called with each message of the engine that belongs to the last edit or an earlier one.
+    changed : called when the status has changed.
+    target : body of the process; tests put a quick one in its place.
+    keeps_spare : a second engine loads everything and waits, so that a replacement costs no time.
+    """
+
+    def __init__(
+        self,
+        receive: Callable[[Any], None],
+        changed: Callable[[], None],
+        target: Callable[..., None] = run_engine,
+        keeps_spare: bool = True,
+    ) -> None:
+        self._receive, self._changed, self._target, self._keeps_spare = receive, changed, target, keeps_spare
+        self._known: Edit | None = None  # all that an engine has been given so far, for the next engine
+        self._deaths = 0
+        self._is_loaded = False
+        self._owes: int | None = None  # seq of the last edit without an answer
+        self._asked = time.monotonic()
+        self._spare: Child | None = None
+        self.status = "starting"
+        self._child = self._start()
+
+    def _start(self) -> Child:
+        return Child(self._target, (), self._message, self._died)
+
+    def edit(self, edit: Edit) -> None:
+        """Show a design; the newest edit wins."""
+        known = self._known
+        if known is None:
+            self._known = edit
+        else:
+            given = {
+                name: value
+                for name in ("design", "sites", "sizes_mm", "removed")
+                if (value := getattr(edit, name)) is not None
+            }
+            self._known = replace(
+                known, seq=edit.seq, folder=edit.folder, is_dragging=False, snapshot=edit.snapshot, **given
+            )
+        self._deaths = 0
+        self._ask(edit)
+
+    def ask(self, message: Any) -> None:
+        """Send `Flip` or `ShowForm`."""
+        self._ask(message)
+
+    def cancel(self) -> None:
+        """Break off what the engine is doing."""
+        if self._owes is not None:
+            self._child.send(Cancel(self._owes))
+
+    def _ask(self, message: Any) -> None:
+        self._owes, self._asked = message.seq, time.monotonic()
+        self._set("computing" if self._is_loaded else "starting")
+        self._child.send(message)
+
+    def _set(self, status: str) -> None:
+        if status != self.status:
+            self.status = status
+            self._changed()
+
+    def _message(self, child: Child, message: Any) -> None:
+        if child is not self._child:
+            return
+        if isinstance(message, Ready):
+            self._is_loaded = True
+            self._set("computing" if self._owes is not None else "ready")
+            if self._keeps_spare and self._spare is None:
+                self._spare = self._start()
+        answers = isinstance(message, Problem | ShapeSummary) or (
+            isinstance(message, Frame) and message.stage != "linear"
+        )
+        if answers and self._owes is not None and message.seq >= self._owes:
+            self._owes = None
+            self._set("ready")
+        self._receive(message)
+
+    def watch(self) -> None:
+        """Replace an engine that is silent although an answer is due; to be called now and then."""
+        silent = time.monotonic() - max(self._child.last_sign, self._asked)
+        if self._is_loaded and self._owes is not None and silent > MAX_SILENCE_S:
+            self._replace(f"the preview gave no sign for {MAX_SILENCE_S:.0f} s and was started again")
+
+    def _died(self, child: Child) -> None:
+        if child is self._spare:
+            self._spare = None
+        elif child is self._child:
+            self._replace("the preview ended unexpectedly and was started again")
+
+    def _replace(self, why: str) -> None:
+        self._child.kill()
+        self._deaths += 1
+        owed, self._owes = self._owes, None
+        self._is_loaded = self._spare is not None
+        self._child, self._spare = self._spare or self._start(), None
+        if self._deaths > MAX_DEATHS:
+            self._receive(Problem(owed or 0, "engine", "the preview cannot compute this design; change it to go on"))
+            self._set("failed")
+            return
+        self._receive(Busy(owed or 0, why))
+        if self._known is not None:
+            self._ask(self._known)
+
+    def close(self) -> None:
+        """End the engine and its spare."""
+        for child in (self._child, self._spare):
+            if child is not None:
+                child.send(Stop())
+                child.close()

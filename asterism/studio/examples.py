@@ -1,0 +1,67 @@
+"""What the studio offers on its first page: designs of the gallery, and design files in the folder."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pattern import gallery
+from pattern.layout.build import layout
+
+PICTURES = Path(__file__).parent / "gallery"
+NEW_SHEET = {"name": "sheet", "stars": {"length_mm": 8.0, "thickness_mm": 0.3}, "border": {"rings": 3}}
+MAX_FILES = 50
+
+
+@cache
+def gallery_entries() -> tuple[dict[str, Any], ...]:
+    """Name, title, number of stars and printed size (mm) of each design of the gallery."""
+    entries = []
+    for name in gallery.names():
+        sheet = layout(gallery.load(name))
+        size = np.ptp(sheet.outline, axis=0)
+        entries.append(
+            {
+                "name": name,
+                "title": _title(gallery.path(name).read_text(encoding="utf-8")),
+                "stars": len(sheet.centres),
+                "size_mm": [round(float(side), 1) for side in size],
+                "has_picture": (PICTURES / f"{name}.png").is_file(),
+            }
+        )
+    return tuple(entries)
+
+
+def _title(text: str) -> str:
+    """The first sentence of the comment at the head of a design file."""
+    comment = " ".join(line.lstrip("# ") for line in re.match(r"(#.*\n)*", text)[0].splitlines())  # type: ignore[index]
+    return re.split(r"(?<=[.:])\s", comment)[0].rstrip(":") if comment else ""
+
+
+def design_files(folder: Path) -> list[str]:
+    """Names of the design files in a folder, the newest first."""
+    files = [file for file in folder.glob("*.toml") if not file.name.startswith(".") and _is_design(file)]
+    files.sort(key=lambda file: file.stat().st_mtime, reverse=True)
+    return [file.name for file in files[:MAX_FILES]]
+
+
+def _is_design(file: Path) -> bool:
+    """Whether a file looks like a design: it has the two tables that every design has."""
+    try:
+        with file.open("rb") as stream:
+            text = stream.read(200_000)
+    except OSError:
+        return False
+    return b"[stars]" in text and b"[border]" in text
+
+
+def free_name(folder: Path, stem: str) -> Path:
+    """A name for a new design file in a folder: `stem.toml`, or `stem-2.toml` and so on if that exists."""
+    number = 1
+    while (path := folder / (f"{stem}.toml" if number == 1 else f"{stem}-{number}.toml")).exists():
+        number += 1
+    return path

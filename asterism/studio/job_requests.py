@@ -1,0 +1,132 @@
+"""Verification, export and report, as a page asks for them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, Protocol
+
+from asterism.studio import requests as ask
+from asterism.studio.document import Document
+from asterism.studio.jobs import Jobs, RunningJob
+from asterism.studio.messages import Problem, Progress, Verified, Written
+from asterism.studio.page_data import engine_problem_data
+from asterism.studio.shown import Shown
+from asterism.studio.tab import Tab
+from asterism.studio.verifier import run_verification
+from asterism.studio.writers import EXPORT_OPTIONS, run_export, run_report
+from pattern.design.files import plain
+
+
+class JobOwner(Protocol):
+    """What a job needs of the studio."""
+
+    folder: Path
+    printer: str
+    shown: Shown
+    tabs: dict[int, Tab]
+
+    def tell(self, message: dict[str, Any]) -> None: ...
+    def tell_state(self) -> None: ...
+
+
+class JobRequests:
+    """Starts jobs, and tells all pages how far they are and what came of them."""
+
+    def __init__(self, studio: JobOwner) -> None:
+        self._studio = studio
+        self._jobs = Jobs(self._tell)
+
+    def start(self, request: ask.Request, document: Document) -> None:
+        """Start a job.
+
+        Raises
+        ------
+        RequestError
+            Another job is running, or an option does not exist.
+        """
+        table, folder, stem = document.table, str(document.path.parent), document.path.stem
+        place = document.path.parent
+        match request:
+            case ask.Verify():
+                started = self._jobs.start(
+                    "verify", document.revision, run_verification, table, folder, str(place / stem)
+                )
+            case ask.ExportRequest():
+                options = self._export_options(request)
+                out = str(place / f"{stem}-print")
+                started = self._jobs.start("export", document.revision, run_export, table, folder, out, options)
+            case ask.ReportRequest():
+                out = str(place / f"{stem}.pdf")
+                started = self._jobs.start(
+                    "report", document.revision, run_report, table, folder, out, self._studio.printer
+                )
+            case _:
+                raise ask.RequestError("the server does not do that")
+        if not started:
+            raise ask.RequestError("wait for the running job, or cancel it")
+
+    def _export_options(self, request: ask.ExportRequest) -> dict[str, Any]:
+        options = {"printer": self._studio.printer, **request.options}
+        options |= {
+            key: value for key, value in (("printer", request.printer), ("plastic", request.plastic)) if value is not None
+        }
+        if unknown := sorted(set(options) - EXPORT_OPTIONS):
+            raise ask.RequestError(f"export: {unknown[0]!r} is not one of {', '.join(sorted(EXPORT_OPTIONS))}")
+        for name in ("printer", "plastic"):
+            # a name, never a file: names come from outside
+            if not isinstance(options.get(name, "x"), str) or not options.get(name, "x").replace("-", "").isalnum():
+                raise ask.RequestError(f"export: {name} must be the name of a profile")
+        return options
+
+    def cancel(self) -> None:
+        """End the running job."""
+        if (job := self._jobs.cancel()) is not None:
+            self._studio.tell({"type": "result", "job": job.kind, "cancelled": True})
+            self._studio.tell_state()
+
+    def _tell(self, job: RunningJob, message: Any) -> None:
+        studio = self._studio
+        match message:
+            case Progress():
+                studio.tell({"type": "progress", "job": job.kind, **job.progress})
+                return
+            case Problem():
+                studio.tell({**engine_problem_data(message), "job": job.kind})
+                studio.tell({"type": "result", "job": job.kind, "failed": True})
+            case Verified():
+                studio.shown.show_verified(message, job.revision, studio.tabs.values())
+                files = [Path(name) for name in message.files]
+                self._finish(job, message.summary, files, ())
+            case Written():
+                self._finish(
+                    job, message.summary, [Path(message.folder) / name for name in message.files], message.warnings
+                )
+        studio.tell_state()
+
+    def _finish(self, job: RunningJob, summary: dict[str, Any], files: list[Path], warnings: tuple[str, ...]) -> None:
+        root = self._studio.folder
+        listed = [
+            {"name": file.resolve().relative_to(root).as_posix(), "size": file.stat().st_size}
+            for file in files
+            if file.resolve().is_relative_to(root) and file.is_file()
+        ]
+        self._studio.tell(
+            {
+                "type": "result",
+                "job": job.kind,
+                "revision": job.revision,
+                "summary": plain(summary),
+                "files": listed,
+                "warnings": list(warnings),
+                "report": next((entry["name"] for entry in listed if str(entry["name"]).endswith("report.html")), None),
+            }
+        )
+
+    def data(self) -> dict[str, Any]:
+        """The running job and its progress, for the message `state`."""
+        job = self._jobs.running
+        return {} if job is None else {job.kind: {"revision": job.revision, **job.progress}}
+
+    def close(self) -> None:
+        """End what is running."""
+        self._jobs.close()

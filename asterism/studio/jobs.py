@@ -1,0 +1,79 @@
+"""Jobs beside the engine: a verification, an export, a report. One at a time, at low priority, and each can be cancelled."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from asterism.studio.child import Child
+from asterism.studio.messages import Problem, Progress, Verified, Written
+
+NICENESS = 10
+
+
+@dataclass
+class RunningJob:
+    """A job under way: its number, its kind (`verify`, `export`, `report`), the revision it is about, its progress."""
+
+    number: int
+    kind: str
+    revision: int
+    child: Child
+    progress: dict[str, Any]
+
+
+class Jobs:
+    """Runs one job at a time.
+
+    Parameters
+    ----------
+    tell : called with the job and each of its messages, and with None when it has ended without a result.
+    """
+
+    def __init__(self, tell: Callable[[RunningJob, Any], None]) -> None:
+        self._tell = tell
+        self._count = 0
+        self.running: RunningJob | None = None
+
+    def start(self, kind: str, revision: int, target: Callable[..., None], *arguments: Any) -> bool:
+        """Start a job in a process of its own; False if another one is running."""
+        if self.running is not None:
+            return False
+        self._count += 1
+        child = Child(target, (self._count, *arguments), self._message, self._died, NICENESS)
+        progress = {"stage": "starting", "done": 0, "of": 0, "seconds": 0.0}
+        self.running = RunningJob(self._count, kind, revision, child, progress)
+        return True
+
+    def cancel(self) -> RunningJob | None:
+        """End the running job, and return it."""
+        job, self.running = self.running, None
+        if job is not None:
+            job.child.kill()
+        return job
+
+    def _message(self, child: Child, message: Any) -> None:
+        job = self.running
+        if job is None or child is not job.child:
+            return
+        if isinstance(message, Progress):
+            job.progress = {
+                "stage": message.stage,
+                "done": message.done,
+                "of": message.of,
+                "seconds": message.seconds,
+            }
+        elif isinstance(message, Problem | Verified | Written):
+            self.running = None
+        self._tell(job, message)
+
+    def _died(self, child: Child) -> None:
+        job = self.running
+        if job is not None and child is job.child:
+            self.running = None
+            self._tell(job, Problem(job.number, "ended", f"the {job.kind} ended unexpectedly"))
+
+    def close(self) -> None:
+        """End what is running."""
+        self.cancel()

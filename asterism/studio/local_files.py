@@ -1,0 +1,40 @@
+"""Files below one folder, by names that come from outside."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from equilibrium.errors import Error
+
+MAX_NAME_CHARACTERS = 200
+
+
+class FileNameError(Error, ValueError):
+    """A name that does not lead to a file below the folder of the design."""
+
+
+def file_below(folder: Path, name: str) -> Path:
+    """The path of a file below a folder.
+
+    Raises
+    ------
+    FileNameError
+        The name is empty, absolute, hidden, holds characters that cannot be printed, or leads out of the folder, also by
+        a symbolic link.
+
+    Examples
+    --------
+    >>> file_below(Path("/designs"), "dome.toml").as_posix()
+    '/designs/dome.toml'
+    >>> file_below(Path("/designs"), "../dome.toml")
+    Traceback (most recent call last):
+    asterism.studio.local_files.FileNameError: '../dome.toml' must be the name of a file below the design's folder
+    """
+    if not isinstance(name, str) or not 0 < len(name) <= MAX_NAME_CHARACTERS or not name.isprintable():
+        raise FileNameError("a file's name must be 1 to 200 printable characters")
+    parts = name.replace("\\", "/").split("/")
+    root = folder.resolve()
+    path = (root / name).resolve()
+    if any(part.startswith(".") or not part or ":" in part for part in parts) or not path.is_relative_to(root):
+        raise FileNameError(f"{name!r} must be the name of a file below the design's folder")
+    return path

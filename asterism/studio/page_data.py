@@ -1,0 +1,104 @@
+"""What the page is told about document and shape, as plain data."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from asterism.studio.document import Document
+from asterism.studio.messages import Form, Limits, Notice, Problem
+from asterism.studio.painted import entries_by_site
+from asterism.studio.plan import plan_data
+from asterism.studio.printers import plastic_names, printer_entries
+from pattern.design.errors import DesignError
+from pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
+from pattern.layout.layout import Layout
+
+
+def document_data(document: Document, printer: str, limits: Limits | None) -> dict[str, Any]:
+    """The message `document`: the design as in its file, its plan, and what may be done with it."""
+    layout = document.layout
+    printers = printer_entries()
+    chosen = next((entry for entry in printers if entry["name"] == printer), printers[0])
+    table = document.table
+    painted_sites = {site for site, entry in entries_by_site(table, layout).items() if not entry.get("remove")}
+    history = document.history
+    return {
+        "type": "document",
+        "revision": document.revision,
+        "name": document.path.stem,
+        "path": str(document.path),
+        "saved": document.is_saved,
+        "can_undo": history.can_undo,
+        "can_redo": history.can_redo,
+        "history": {"position": history.position, "labels": history.labels[-50:]},
+        "kept_work": document.kept_work is not None,
+        "design": table,
+        "plan": {**plan_data(layout, painted_sites), "printer": {"name": chosen["name"], "area_mm": chosen["area_mm"]}},
+        "printers": list(printers),
+        "plastics": plastic_names(),
+        "limits": limits_data(layout, limits, chosen["rounding"]),
+    }
+
+
+def limits_data(layout: Layout, limits: Limits | None, rounding: dict[str, float]) -> dict[str, Any]:
+    """Ranges of sizes (mm): those that can be printed, and those that the law covers (null until it is loaded)."""
+    return {
+        "design": {
+            "length_mm": [MIN_ARM_MM, layout.spacing_mm],
+            "thickness_mm": list(THICKNESS_RANGE_MM),
+            "width_mm": list(WIDTH_RANGE_MM),
+        },
+        "law": None if limits is None else {key: list(ends) for key, ends in limits.law.items()},
+        "stretches": [] if limits is None else list(limits.stretches),
+        "rounding": rounding,
+    }
+
+
+def problem_data(error: Exception, layout: Layout | None) -> dict[str, Any]:
+    """The message `problem` of a refused change: one line, and the field, stars and place that it is about."""
+    numbers = getattr(error, "stars", ()) if layout is not None else ()
+    rows = [] if layout is None else layout.sheet_sites.tolist()
+    place = getattr(error, "place_mm", None)
+    is_design = isinstance(error, DesignError)
+    return {
+        "type": "problem",
+        "kind": "design" if is_design else "request",
+        "text": " ".join(str(error).split()),
+        "field": error.field if isinstance(error, DesignError) else "",
+        "allowed": error.allowed if isinstance(error, DesignError) else "",
+        "stars": [rows[number] for number in numbers if 0 <= number < len(rows)],
+        "at_mm": None if place is None else list(place),
+    }
+
+
+def engine_problem_data(problem: Problem) -> dict[str, Any]:
+    """The message `problem` of an edit or a job that has no answer."""
+    return {
+        "type": "problem",
+        "kind": problem.kind,
+        "text": problem.text,
+        "field": problem.field,
+        "value": problem.value,
+        "allowed": problem.allowed,
+        "stars": [list(site) for site in problem.stars],
+        "at_mm": None if problem.at_mm is None else list(problem.at_mm),
+    }
+
+
+def notice_data(notice: Notice) -> dict[str, Any]:
+    """A warning as plain data."""
+    return {
+        "text": notice.text,
+        "stars": [list(site) for site in notice.stars],
+        "at_mm": None if notice.at_mm is None else list(notice.at_mm),
+    }
+
+
+def form_data(form: Form) -> dict[str, Any]:
+    """One of several minima as plain data."""
+    return {
+        "index": form.index,
+        "name": form.name,
+        "energy_percent": form.energy_percent,
+        "is_shown": form.is_shown,
+    }

@@ -1,0 +1,103 @@
+"""Sizes that are painted star by star: entries of `stars.override` by lattice site."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from pattern.geometry.arrays import Floats, Ints
+from pattern.layout.layout import Layout
+from pattern.layout.painted_stars import SIZE_KEYS
+
+Site = tuple[int, int]
+# Painted sizes are kept to 0.1 micrometre: files stay readable.
+SIZE_DIGITS = 4
+
+
+def entries_by_site(table: Mapping[str, Any], layout: Layout) -> dict[Site, dict[str, Any]]:
+    """The entries of `stars.override` by lattice site; entries by star number or place become entries by site."""
+    entries: dict[Site, dict[str, Any]] = {}
+    for entry in table["stars"].get("override", ()):
+        rest = {key: value for key, value in entry.items() if key not in ("site", "star", "at_mm")}
+        if "site" in entry:
+            site = tuple(entry["site"])
+        elif "star" in entry:
+            site = tuple(layout.sheet_sites[entry["star"]].tolist())
+        else:
+            site = tuple(layout.lattice.nearest(np.asarray([entry["at_mm"]], dtype=float))[0].tolist())
+        entries[site] = rest
+    return entries
+
+
+def with_entries(table: Mapping[str, Any], entries: Mapping[Site, Mapping[str, Any]]) -> dict[str, Any]:
+    """The table with these entries as its `stars.override`; entries that change nothing are left out."""
+    stars = {key: value for key, value in table["stars"].items() if key != "override"}
+    kept = [{"site": list(site), **entry} for site, entry in entries.items() if entry]
+    if kept:
+        stars["override"] = kept
+    return {**table, "stars": stars}
+
+
+def painted(
+    entries: Mapping[Site, Mapping[str, Any]], sites: Sequence[Site], sizes: Mapping[str, Sequence[float | None]]
+) -> dict[Site, dict[str, Any]]:
+    """The entries with other sizes at some sites; None leaves a size as it is, and a removed star stays removed.
+
+    Parameters
+    ----------
+    sizes : for some of `SIZE_KEYS`, one size (mm) a site.
+    """
+    out = {site: dict(entry) for site, entry in entries.items()}
+    for key, values in sizes.items():
+        for site, value in zip(sites, values, strict=True):
+            entry = out.setdefault(site, {})
+            if value is not None and not entry.get("remove"):
+                entry[key] = round(float(value), SIZE_DIGITS)
+    return out
+
+
+def removed(entries: Mapping[Site, Mapping[str, Any]], sites: Iterable[Site]) -> dict[Site, dict[str, Any]]:
+    """The entries with the stars at these sites removed."""
+    return {**{site: dict(entry) for site, entry in entries.items()}, **{site: {"remove": True} for site in sites}}
+
+
+def restored(entries: Mapping[Site, Mapping[str, Any]], sites: Iterable[Site]) -> dict[Site, dict[str, Any]]:
+    """The entries with the removed stars at these sites back, in the sizes of the design's profiles."""
+    back = set(sites)
+    return {site: dict(entry) for site, entry in entries.items() if not (site in back and entry.get("remove"))}
+
+
+def reset(entries: Mapping[Site, Mapping[str, Any]], sites: Iterable[Site]) -> dict[Site, dict[str, Any]]:
+    """The entries without those at these sites: sizes of the design's profiles."""
+    dropped = set(sites)
+    return {site: dict(entry) for site, entry in entries.items() if site not in dropped}
+
+
+def split(table: Mapping[str, Any]) -> tuple[dict[str, Any], Ints, Floats, Ints]:
+    """A table as the engine takes it: without sizes by site, and these as arrays.
+
+    Returns
+    -------
+    The table with those entries only that are given by star or place, or set a branch; sites (n, 2) and their sizes
+    (n, 3) mm, nan where the profile's size holds; sites (m, 2) of removed stars.
+    """
+    base, sites, sizes, gone = [], [], [], []
+    for entry in table["stars"].get("override", ()):
+        if "site" not in entry or "branch" in entry:
+            base.append(entry)
+        elif entry.get("remove"):
+            gone.append(entry["site"])
+        else:
+            sites.append(entry["site"])
+            sizes.append([entry.get(key, np.nan) for key in SIZE_KEYS])
+    stars = {key: value for key, value in table["stars"].items() if key != "override"} | (
+        {"override": base} if base else {}
+    )
+    return (
+        {**table, "stars": stars},
+        np.asarray(sites, dtype=np.int64).reshape(-1, 2),
+        np.asarray(sizes, dtype=float).reshape(-1, 3),
+        np.asarray(gone, dtype=np.int64).reshape(-1, 2),
+    )

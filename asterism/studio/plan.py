@@ -1,0 +1,66 @@
+"""The plan of a sheet as plain data for the page: lattice, stars, outline and supports in printed millimetres."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from pattern.layout.layout import Layout
+
+PLAN_DIGITS = 5
+
+
+def plan_data(layout: Layout, painted_sites: set[tuple[int, int]]) -> dict[str, Any]:
+    """Plain data of a layout; lengths in mm.
+
+    Parameters
+    ----------
+    painted_sites : sites whose sizes differ from the design's profiles.
+
+    Returns
+    -------
+    outline_mm, spacing_mm, lattice, sites (in the order of the stars' numbers: site, at_mm, sizes_mm, arms, removed,
+    painted), pins (one entry a table of the design), ignored_sites.
+    """
+    places = layout.lattice.place(layout.sheet_sites)
+    arms: list[list[Any]] = [[] for _ in layout.sheet_sites]
+    numbers = layout.star_number[layout.arm_star]
+    ends = np.stack([layout.centres[layout.arm_star], layout.arm_tip], axis=1)
+    for number, arm in zip(numbers.tolist(), _plain(ends), strict=True):
+        arms[number].append(arm)
+    sites = [
+        {
+            "site": site,
+            "at_mm": at,
+            "sizes_mm": sizes,
+            "arms": arms[number],
+            "removed": sizes[0] == 0.0,
+            "painted": tuple(site) in painted_sites,
+        }
+        for number, (site, at, sizes) in enumerate(
+            zip(layout.sheet_sites.tolist(), _plain(places), _plain(layout.site_sizes_mm), strict=True)
+        )
+    ]
+    return {
+        "outline_mm": _plain(layout.outline),
+        "spacing_mm": layout.spacing_mm,
+        "lattice": {"vectors_mm": _plain(layout.lattice_vectors), "origin_mm": _plain(layout.lattice_origin)},
+        "sites": sites,
+        "pins": [
+            {
+                "points_mm": _plain(pins.points),
+                "edges": [_plain(np.array(segment)) for segment in pins.segments(layout.outline)],
+                "places_mm": _plain(pins.places(pins.points)),
+                "fixed": list(pins.fixed),
+                "step": pins.step,
+            }
+            for pins in layout.pins
+        ],
+        "ignored_sites": layout.ignored_sites.tolist(),
+    }
+
+
+def _plain(values: Any) -> list[Any]:
+    rounded: list[Any] = np.round(np.asarray(values, dtype=float), PLAN_DIGITS).tolist()
+    return rounded

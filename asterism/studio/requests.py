@@ -1,0 +1,205 @@
+"""Messages of the page, checked before anything is done with them."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+
+from equilibrium.errors import Error
+
+MAX_REQUEST_BYTES = 4_000_000
+MAX_SITES = 20_000
+Whole = Annotated[int, Field(ge=0, le=2**53)]
+Name = Annotated[str, Field(min_length=1, max_length=200)]
+SiteNumber = Annotated[int, Field(ge=-100_000, le=100_000)]
+Sites = Annotated[list[tuple[SiteNumber, SiteNumber]], Field(max_length=MAX_SITES)]
+Sizes = Annotated[list[float | None], Field(max_length=MAX_SITES)]
+Slot = Literal["A", "B", "C"]
+
+
+class RequestError(Error, ValueError):
+    """A message that the server does not understand."""
+
+
+class Request(BaseModel):
+    """A message of the page."""
+
+    model_config = ConfigDict(extra="ignore", frozen=True, allow_inf_nan=False)
+
+
+class Hello(Request):
+    type: Literal["hello"]
+
+
+class Gallery(Request):
+    type: Literal["gallery"]
+
+
+class Open(Request):
+    """Open a design file of the folder, or a copy of a design of the gallery."""
+
+    type: Literal["open"]
+    name: Name | None = None
+    gallery: Name | None = None
+
+
+class New(Request):
+    type: Literal["new"]
+
+
+class Save(Request):
+    type: Literal["save"]
+    name: Name | None = None
+
+
+class Undo(Request):
+    type: Literal["undo"]
+
+
+class Redo(Request):
+    type: Literal["redo"]
+
+
+class Recover(Request):
+    """Take the unsaved work of a former session, or forget it."""
+
+    type: Literal["recover", "discard"]
+
+
+class GestureRequest(Request):
+    """A change that belongs to a gesture; the gesture ends with `end`."""
+
+    gesture: Whole | None = None
+    end: bool = True
+
+
+class Change(GestureRequest):
+    type: Literal["edit"]
+    changes: dict[str, Any] = Field(max_length=100)
+
+
+class Paint(GestureRequest):
+    type: Literal["sizes"]
+    sites: Sites
+    length: Sizes | None = None
+    thickness: Sizes | None = None
+    width: Sizes | None = None
+
+    @property
+    def sizes(self) -> dict[str, list[float | None]]:
+        """The sizes that are given, by the keys of the design file."""
+        given = {"length_mm": self.length, "thickness_mm": self.thickness, "width_mm": self.width}
+        for key, values in given.items():
+            if values is not None and len(values) != len(self.sites):
+                raise RequestError(f"sizes: {key} must have one value for each of the {len(self.sites)} sites")
+        return {key: values for key, values in given.items() if values is not None}
+
+
+class StarsRequest(GestureRequest):
+    """Remove stars, bring them back, or drop their painted sizes."""
+
+    type: Literal["remove", "restore", "reset"]
+    sites: Sites
+
+
+class FlipRequest(Request):
+    type: Literal["flip"]
+
+
+class FormRequest(Request):
+    type: Literal["form"]
+    index: Whole
+
+
+class SlotRequest(Request):
+    """Keep the design in a slot, show the one that is there, or empty the slot."""
+
+    type: Literal["keep", "show", "drop"]
+    slot: Slot
+
+
+class Verify(Request):
+    type: Literal["verify"]
+
+
+class CancelRequest(Request):
+    type: Literal["cancel"]
+
+
+class ExportRequest(Request):
+    type: Literal["export"]
+    printer: Name | None = None
+    plastic: Name | None = None
+    options: dict[str, Any] = Field(default_factory=dict, max_length=20)
+
+
+class ReportRequest(Request):
+    type: Literal["report"]
+
+
+class PrinterRequest(Request):
+    type: Literal["printer"]
+    name: Name
+
+
+class Acknowledge(Request):
+    type: Literal["ack"]
+    frame: Whole
+
+
+AnyRequest = Annotated[
+    Hello
+    | Gallery
+    | Open
+    | New
+    | Save
+    | Undo
+    | Redo
+    | Recover
+    | Change
+    | Paint
+    | StarsRequest
+    | FlipRequest
+    | FormRequest
+    | SlotRequest
+    | Verify
+    | CancelRequest
+    | ExportRequest
+    | ReportRequest
+    | PrinterRequest
+    | Acknowledge,
+    Field(discriminator="type"),
+]
+_REQUESTS: TypeAdapter[Any] = TypeAdapter(AnyRequest)
+
+
+def read_request(text: str) -> Request:
+    """The message in a text of JSON.
+
+    Raises
+    ------
+    RequestError
+        It is not one of the messages above; the text says why, in one line.
+
+    Examples
+    --------
+    >>> read_request('{"type": "open", "gallery": "dome"}').gallery
+    'dome'
+    """
+    if len(text) > MAX_REQUEST_BYTES:
+        raise RequestError(f"a message must be at most {MAX_REQUEST_BYTES // 1_000_000} MB")
+    try:
+        data = json.loads(text)
+    except (ValueError, RecursionError):
+        raise RequestError("a message must be JSON") from None
+    try:
+        request: Request = _REQUESTS.validate_python(data)
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_input=False)[0]
+        place = ".".join(str(part) for part in first["loc"])
+        raise RequestError(f"message {place}: {first['msg']}"[:300]) from None
+    except RecursionError:
+        raise RequestError("a message is nested too deeply") from None
+    return request

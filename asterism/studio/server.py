@@ -1,0 +1,194 @@
+"""The web server of the studio: pages, files, uploads and the live connection, for this machine only."""
+
+from __future__ import annotations
+
+import asyncio
+import hmac
+import mimetypes
+import tempfile
+from collections.abc import AsyncIterator, Awaitable, Callable, MutableMapping
+from contextlib import asynccontextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, Response
+from starlette.routing import Mount, Route, WebSocketRoute
+from starlette.staticfiles import StaticFiles
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from asterism.studio.examples import PICTURES
+from asterism.studio.local_files import FileNameError, file_below
+from asterism.studio.page_data import problem_data
+from asterism.studio.studio import MAX_TABS, Studio
+from asterism.studio.uploads import MAX_UPLOAD_BYTES, UploadKind, read_upload
+from equilibrium.errors import Error
+
+PAGE = Path(__file__).parent / "page"
+# Windows may have other types for these in its registry, and a module of another type is not run.
+for _suffix, _type in ((".js", "text/javascript"), (".css", "text/css"), (".svg", "image/svg+xml")):
+    mimetypes.add_type(_type, _suffix)
+
+PAGE_POLICY = "default-src 'self'; img-src 'self' blob: data:; object-src 'none'; base-uri 'none'; frame-ancestors 'none'"
+# Reports are complete in themselves; they may style themselves and show the pictures in them, and nothing else.
+FILE_POLICY = "sandbox; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
+TRY_AGAIN_LATER = 1013
+
+Scope = MutableMapping[str, Any]
+Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
+Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
+
+
+class Guard:
+    """Lets through what comes from a page of this server, and nothing else.
+
+    A stranger's page in the same browser can send requests to this machine. It does not know the token, it cannot hide its
+    origin, and a name of its own that it points to this machine arrives as the host.
+
+    Parameters
+    ----------
+    hosts : values that the header Host may have, with the port.
+    """
+
+    def __init__(self, app: Any, token: str, hosts: frozenset[str]) -> None:
+        self._app, self._token, self._hosts = app, token.encode(), hosts
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] not in ("http", "websocket"):
+            await self._app(scope, receive, send)
+            return
+        status = self._refusal(scope)
+        if status is None:
+            await self._app(scope, receive, self._with_headers(scope, send))
+        elif scope["type"] == "websocket":
+            await receive()
+            await send({"type": "websocket.close", "code": 1008})
+        else:
+            await PlainTextResponse("not allowed" if status == 403 else "not found", status)(scope, receive, send)
+
+    def _refusal(self, scope: Scope) -> int | None:
+        """The status of a request that is refused; None if it is allowed."""
+        headers = {name.decode("latin-1"): value.decode("latin-1") for name, value in scope["headers"]}
+        if headers.get("host") not in self._hosts:
+            return 403
+        origin = headers.get("origin")
+        needs_origin = scope["type"] == "websocket" or scope["method"] not in ("GET", "HEAD")
+        if (origin is not None or needs_origin) and origin not in {f"http://{host}" for host in self._hosts}:
+            return 403
+        token = scope["path"].split("/")[1] if scope["path"].startswith("/") else ""
+        return None if hmac.compare_digest(token.encode(), self._token) else 404
+
+    @staticmethod
+    def _with_headers(scope: Scope, send: Send) -> Send:
+        if scope["type"] != "http":
+            return send
+
+        async def send_with_headers(message: MutableMapping[str, Any]) -> None:
+            if message["type"] == "http.response.start":
+                given = {name for name, _ in message["headers"]}
+                message["headers"] += [
+                    (name, value)
+                    for name, value in (
+                        (b"content-security-policy", PAGE_POLICY.encode()),
+                        (b"x-content-type-options", b"nosniff"),
+                        (b"referrer-policy", b"no-referrer"),
+                        (b"cross-origin-resource-policy", b"same-origin"),
+                        (b"cache-control", b"no-store"),
+                    )
+                    if name not in given
+                ]
+            await send(message)
+
+        return send_with_headers
+
+
+def application(studio: Studio, token: str, hosts: frozenset[str]) -> Guard:
+    """The web application of a studio; `Guard` stands before it."""
+
+    async def index(request: Request) -> Response:
+        return FileResponse(PAGE / "index.html")
+
+    async def file(request: Request) -> Response:
+        path = file_below(studio.folder, request.path_params["name"])
+        if not path.is_file():
+            return PlainTextResponse("not found", 404)
+        shown = path.suffix in (".html", ".pdf", ".png")
+        return FileResponse(
+            path,
+            filename=path.name,
+            content_disposition_type="inline" if shown else "attachment",
+            headers={"content-security-policy": FILE_POLICY},
+        )
+
+    async def upload(request: Request) -> Response:
+        try:
+            kind = UploadKind(request.query_params.get("kind", ""))
+        except ValueError:
+            return PlainTextResponse("not found", 404)
+        size = 0
+        with tempfile.TemporaryDirectory() as room:
+            suffix = Path(request.headers.get("x-name", "")).suffix.lower()
+            path = Path(room) / f"upload{suffix if suffix[1:].isalnum() and len(suffix) <= 6 else ''}"
+            with path.open("wb") as stream:
+                async for part in request.stream():
+                    size += len(part)
+                    if size > MAX_UPLOAD_BYTES:
+                        text = f"a file must be at most {MAX_UPLOAD_BYTES // 1_000_000} MB"
+                        return JSONResponse({"problem": {"text": text}}, 413)
+                    stream.write(part)
+            try:
+                return JSONResponse(await asyncio.to_thread(read_upload, kind, path))
+            except Error as error:
+                problem = problem_data(error, None)
+                return JSONResponse({"problem": {**problem, "text": problem["text"].replace(f"{path}: ", "")}}, 422)
+
+    async def live(socket: WebSocket) -> None:
+        await socket.accept()
+        tab = studio.join()
+        if tab is None:
+            await socket.send_json({"type": "problem", "kind": "tabs", "text": f"at most {MAX_TABS} pages can be open"})
+            await socket.close(TRY_AGAIN_LATER)
+            return
+        sending = asyncio.create_task(tab.serve(socket))
+        sending.add_done_callback(lambda task: task.cancelled() or task.exception())
+        try:
+            while not sending.done():
+                message = await socket.receive()
+                if message["type"] == "websocket.disconnect":
+                    break
+                await studio.receive(tab, message.get("text") or "")
+        except (WebSocketDisconnect, RuntimeError):
+            pass
+        finally:
+            studio.leave(tab)
+            sending.cancel()
+            with suppress(RuntimeError):
+                await socket.close()
+
+    async def refused(request: Request, error: Exception) -> Response:
+        return PlainTextResponse("not found", 404)
+
+    @asynccontextmanager
+    async def lifespan(app: Starlette) -> AsyncIterator[None]:
+        await studio.start()
+        try:
+            yield
+        finally:
+            await studio.stop()
+
+    routes = [
+        Mount(
+            "/{token}",
+            routes=[
+                Route("/", index),
+                Mount("/page", StaticFiles(directory=PAGE)),
+                Mount("/gallery", StaticFiles(directory=PICTURES, check_dir=False)),
+                Route("/file/{name:path}", file),
+                Route("/upload", upload, methods=["POST"]),
+                WebSocketRoute("/live", live),
+            ],
+        )
+    ]
+    app = Starlette(routes=routes, lifespan=lifespan, exception_handlers={FileNameError: refused})
+    return Guard(app, token, hosts)

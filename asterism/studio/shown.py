@@ -1,0 +1,123 @@
+"""The shape that the page shows: meshes, the last frame, numbers and warnings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from asterism.studio import frames
+from asterism.studio.messages import Frame, Mesh, Problem, ShapeSummary, Verified
+from asterism.studio.page_data import engine_problem_data, form_data, notice_data
+from asterism.studio.tab import Tab
+from pattern.design.files import plain
+
+# Older meshes than so many are dropped.
+MAX_MESHES = 6
+MAX_SNAPSHOTS = 50
+
+
+class Shown:
+    """Collects what the engine sends, and passes it to the tabs.
+
+    Attributes
+    ----------
+    meshes : packed meshes by number, the newest last.
+    numbers : of the last shape, for the message `state`.
+    snapshots : forms by the document's revision, to come back to by undo.
+    """
+
+    def __init__(self) -> None:
+        self.meshes: dict[int, bytes] = {}
+        self.snapshots: dict[int, Any] = {}
+        self.clear()
+
+    def clear(self) -> None:
+        """Forget the shape: another document is open."""
+        self.numbers: dict[str, Any] = {}
+        self.warnings: list[dict[str, Any]] = []
+        self.forms: list[dict[str, Any]] = []
+        self.problem: dict[str, Any] | None = None
+        self.busy: str | None = None
+        self.stage: str | None = None
+        self.revision: int | None = None
+        self.summary_revision: int | None = None
+        self._last: tuple[int, dict[str, Any], dict[str, Any]] | None = None
+        self.snapshots.clear()
+
+    def add_mesh(self, mesh: Mesh) -> None:
+        """Keep a mesh for the tabs."""
+        arrays = {
+            "printed": mesh.printed,
+            "triangles": mesh.triangles,
+            "outline": mesh.outline,
+            "arm_site": mesh.arm_site,
+        }
+        self.meshes[mesh.mesh] = frames.pack(frames.MESH, {"mesh": mesh.mesh, "is_fine": mesh.is_fine}, arrays)
+        for old in list(self.meshes)[:-MAX_MESHES]:
+            del self.meshes[old]
+
+    def add_frame(self, frame: Frame, revision: int, tabs: Iterable[Tab]) -> None:
+        """Show a shape in all tabs."""
+        self.stage, self.revision, self.busy, self.problem = frame.stage, revision, None, None
+        self.numbers = {**self.numbers, "height_mm": float(frame.height_mm), "is_minimum": bool(frame.is_minimum)}
+        if frame.snapshot is not None:
+            self.snapshots[revision] = frame.snapshot
+            for old in list(self.snapshots)[:-MAX_SNAPSHOTS]:
+                del self.snapshots[old]
+        header = {
+            "revision": revision,
+            "stage": frame.stage,
+            "height_mm": float(frame.height_mm),
+            "is_minimum": bool(frame.is_minimum),
+            "seconds": frame.seconds,
+        }
+        arrays = {
+            "positions": frame.positions,
+            "normals": np.rint(127.0 * np.asarray(frame.normals)).astype(np.int8),
+            "curvature": frame.curvature,
+            "strain": frame.strain,
+            "arms": frame.arms,
+            "arm_normals": np.rint(127.0 * np.asarray(frame.arm_normals)).astype(np.int8),
+            "needles": frame.needles,
+        }
+        self._last = (frame.mesh, header, arrays)
+        for tab in tabs:
+            tab.show(*self._last)
+
+    def add_summary(self, summary: ShapeSummary, revision: int) -> None:
+        """Numbers, warnings and forms of a shape."""
+        self.numbers = plain({**self.numbers, **summary.numbers})
+        self.warnings = [notice_data(notice) for notice in summary.warnings]
+        self.forms = [form_data(form) for form in summary.forms]
+        self.summary_revision = revision
+
+    def add_problem(self, problem: Problem) -> None:
+        """An edit without a shape: the last good one stays."""
+        self.problem, self.busy = engine_problem_data(problem), None
+
+    def show_verified(self, verified: Verified, revision: int, tabs: Iterable[Tab]) -> None:
+        """Show both shapes of a verification."""
+        self.add_mesh(verified.mesh)
+        arrays = {"exact": verified.exact, "preview": verified.preview, "distance": verified.distance}
+        for tab in tabs:
+            tab.show(verified.mesh.mesh, {"revision": revision}, arrays, frames.COMPARISON)
+
+    def greet(self, tab: Tab) -> None:
+        """Show the last shape in a tab that has just been opened."""
+        if self._last is not None:
+            tab.show(*self._last)
+
+    def state(self) -> dict[str, Any]:
+        """The shape's part of the message `state`."""
+        return {
+            "revision": self.revision,
+            "stage": self.stage,
+            "numbers": self.numbers,
+            "summary_revision": self.summary_revision,
+            "warnings": self.warnings,
+            "forms": self.forms,
+            "problem": self.problem,
+            "busy": self.busy,
+        }

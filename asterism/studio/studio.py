@@ -1,0 +1,349 @@
+"""The studio: one document, its engine, its jobs, and the pages that show it."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from asterism.results.files import OutputError
+from asterism.studio import requests as ask
+from asterism.studio.document import Document
+from asterism.studio.engine_link import EngineLink
+from asterism.studio.examples import NEW_SHEET, design_files, free_name, gallery_entries
+from asterism.studio.job_requests import JobRequests
+from asterism.studio.local_files import file_below
+from asterism.studio.messages import Busy, Edit, Flip, Frame, Limits, Mesh, Problem, ShapeSummary, ShowForm
+from asterism.studio.page_data import document_data, problem_data
+from asterism.studio.painted import split
+from asterism.studio.printers import DEFAULT_PRINTER, printer_entries
+from asterism.studio.shown import Shown
+from asterism.studio.slots import Slots
+from asterism.studio.tab import Tab
+from asterism.studio.watcher import FileWatch
+from equilibrium.errors import Error
+from pattern import gallery
+
+MAX_TABS = 20
+AUTOSAVE_S = 1.0
+WATCH_S = 0.5
+MAX_QUEUED = 1000
+
+
+class Studio:
+    """Connects pages, document, engine and jobs; it lives in one event loop.
+
+    Requests are worked on one after the other, so that the document never changes under a request.
+
+    Parameters
+    ----------
+    folder : of the design; all files that the studio reads and writes are below it.
+    path : the design file to open; None shows the gallery.
+    make_engine : makes the link to the engine; tests put a quick one in its place.
+    """
+
+    def __init__(self, folder: Path, path: Path | None = None, make_engine: Callable[..., EngineLink] = EngineLink):
+        self.folder = folder.resolve()
+        self.document = Document.open(path) if path is not None else None
+        self.shown = Shown()
+        self.tabs: dict[int, Tab] = {}
+        self._make_engine = make_engine
+        self._queue: asyncio.Queue[tuple[Tab, str]] = asyncio.Queue(MAX_QUEUED)
+        self._tasks: list[asyncio.Task[None]] = []
+        self._limits: Limits | None = None
+        self._seq = 0
+        self._revisions: dict[int, int] = {}
+        self._sent_base: dict[str, Any] | None = None
+        self._last_tab = 0
+        self._watch: FileWatch | None = None
+        self._autosaved: int | None = None
+        self.printer = DEFAULT_PRINTER
+        self.slots = Slots()
+
+    async def start(self) -> None:
+        """Start the engine and the work on requests; to be called in the event loop."""
+        self._engine = self._make_engine(self._from_engine, self.tell_state)
+        self.jobs = JobRequests(self)
+        if self.document is not None:
+            self._show_document()
+        for work in (self._work(), self._autosave(), self._follow()):
+            self._tasks.append(asyncio.create_task(work))
+
+    async def stop(self) -> None:
+        """End engine, jobs and requests; unsaved work is kept."""
+        for task in self._tasks:
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+        self.jobs.close()
+        self._engine.close()
+        if self.document is not None:
+            with suppress(OutputError):
+                self.document.autosave()
+
+    # pages
+
+    def join(self) -> Tab | None:
+        """A page is opened; None if there are too many."""
+        if len(self.tabs) >= MAX_TABS:
+            return None
+        self._last_tab += 1
+        tab = self.tabs[self._last_tab] = Tab(self._last_tab, self.shown.meshes)
+        return tab
+
+    def leave(self, tab: Tab) -> None:
+        """A page is closed."""
+        self.tabs.pop(tab.number, None)
+
+    async def receive(self, tab: Tab, text: str) -> None:
+        """A page has sent a message."""
+        await self._queue.put((tab, text))
+
+    def tell(self, message: dict[str, Any]) -> None:
+        """Send a message to all pages."""
+        for tab in self.tabs.values():
+            tab.send(message)
+
+    def tell_state(self) -> None:
+        """Send the message `state` to all pages."""
+        self.tell(self._state())
+
+    def tell_document(self) -> None:
+        """Send the message `document` to all pages, each with the last gesture of its own that it contains."""
+        if self.document is not None:
+            data = document_data(self.document, self.printer, self._limits)
+            for tab in self.tabs.values():
+                tab.send({**data, "gesture": tab.gesture})
+
+    def _state(self) -> dict[str, Any]:
+        return {
+            "type": "state",
+            "engine": self._engine.status,
+            **self.shown.state(),
+            "slots": self.slots.data(),
+            "jobs": self.jobs.data(),
+        }
+
+    def _gallery(self) -> dict[str, Any]:
+        return {"type": "gallery", "designs": list(gallery_entries()), "files": design_files(self.folder)}
+
+    # requests
+
+    async def _work(self) -> None:
+        while True:
+            tab, text = await self._queue.get()
+            try:
+                await self._answer(tab, ask.read_request(text))
+            except (Error, OSError, KeyError) as error:
+                tab.send(problem_data(error, None if self.document is None else self.document.layout))
+
+    async def _answer(self, tab: Tab, request: ask.Request) -> None:
+        """Do what a page asks for."""
+        match request:
+            case ask.Acknowledge():
+                tab.acknowledge(request.frame)
+            case ask.Hello():
+                await self._greet(tab)
+            case ask.Gallery():
+                tab.send(await asyncio.to_thread(self._gallery))
+            case ask.Open() | ask.New():
+                await self._open(request)
+            case ask.CancelRequest():
+                self.jobs.cancel()
+                self._engine.cancel()
+            case _ if self.document is None:
+                raise ask.RequestError("open a design first")
+            case ask.GestureRequest():
+                await self._gesture(tab, request)
+            case _:
+                await asyncio.to_thread(self.document.end_gesture)
+                await self._command(request, self.document)
+
+    async def _command(self, request: ask.Request, document: Document) -> None:
+        """A request that is no gesture; the document is laid out."""
+        match request:
+            case ask.Undo() | ask.Redo():
+                step = document.undo() if isinstance(request, ask.Undo) else document.redo()
+                await self._accept(self.shown.snapshots.get(step.revision))
+            case ask.Recover():
+                if request.type == "recover":
+                    document.recover()
+                    await self._accept()
+                else:
+                    document.discard()
+                    self.tell_document()
+            case ask.Save():
+                await asyncio.to_thread(document.save, self._path(request.name) if request.name else None)
+                self._watch = FileWatch(document.path)
+                self.tell({"type": "saved", "path": str(document.path)})
+                self.tell_document()
+            case ask.FlipRequest() | ask.FormRequest():
+                self._seq += 1
+                self._revisions[self._seq] = document.revision
+                flips = isinstance(request, ask.FlipRequest)
+                self._engine.ask(Flip(self._seq) if flips else ShowForm(self._seq, request.index))  # type: ignore[attr-defined]
+            case ask.SlotRequest():
+                await self._slot(request, document)
+            case ask.PrinterRequest():
+                if request.name not in [entry["name"] for entry in printer_entries()]:
+                    raise ask.RequestError(f"printer: there is no {request.name!r}")
+                self.printer = request.name
+                self.tell_document()
+            case _:
+                self.jobs.start(request, document)
+                self.tell_state()
+
+    async def _greet(self, tab: Tab) -> None:
+        if self.document is None:
+            tab.send(await asyncio.to_thread(self._gallery))
+        else:
+            tab.send({**document_data(self.document, self.printer, self._limits), "gesture": None})
+            self.shown.greet(tab)
+        tab.send(self._state())
+
+    async def _open(self, request: ask.Open | ask.New) -> None:
+        if self.document is not None:
+            await asyncio.to_thread(self.document.autosave)
+        if isinstance(request, ask.New):
+            table: dict[str, Any] = NEW_SHEET
+            document = await asyncio.to_thread(Document, table, free_name(self.folder, "sheet"))
+        elif request.gallery is not None:
+            path = free_name(self.folder, request.gallery)
+            document = await asyncio.to_thread(Document.copy_of, gallery.path(request.gallery), path)
+        else:
+            document = await asyncio.to_thread(Document.open, self._path(request.name or ""))
+        self.document = document
+        self.shown.clear()
+        self._sent_base = None
+        self._show_document()
+        self.tell_document()
+        self.tell_state()
+
+    def _path(self, name: str) -> Path:
+        path = file_below(self.folder, name if name.endswith((".toml", ".json")) else f"{name}.toml")
+        return path
+
+    async def _gesture(self, tab: Tab, request: ask.GestureRequest) -> None:
+        """A change of the document; at the end of the gesture the sheet is laid out."""
+        document = self.document
+        assert document is not None
+        gesture = None if request.gesture is None else (tab.number, request.gesture)
+        try:
+            self._apply(request, document, gesture)
+        except Error as error:
+            tab.send(problem_data(error, document.layout))
+        tab.gesture = request.gesture
+        if not request.end and gesture is not None:
+            self._send_edit(is_dragging=True)
+            return
+        try:
+            await asyncio.to_thread(document.end_gesture)
+        except Error as error:
+            tab.send(problem_data(error, document.layout))
+        self.tell_document()
+        self._send_edit()
+
+    @staticmethod
+    def _apply(request: ask.GestureRequest, document: Document, gesture: Any) -> None:
+        match request:
+            case ask.Change():
+                document.change(request.changes, gesture)
+            case ask.Paint():
+                document.paint(request.sites, request.sizes, gesture)
+            case ask.StarsRequest():
+                change = {"remove": document.remove, "restore": document.restore, "reset": document.reset}
+                change[request.type](request.sites, gesture)
+
+    async def _accept(self, snapshot: Any = None) -> None:
+        """The document shows another state: lay it out, and tell pages and engine."""
+        assert self.document is not None
+        await asyncio.to_thread(self.document.end_gesture)
+        self.tell_document()
+        self._send_edit(snapshot=snapshot)
+
+    async def _slot(self, request: ask.SlotRequest, document: Document) -> None:
+        if request.type == "show":
+            table, snapshot = self.slots.get(request.slot)
+            document.apply(table, None, f"show {request.slot}")
+            await self._accept(snapshot)
+        elif request.type == "keep":
+            self.slots.keep(request.slot, document, self.shown)
+            self.tell_state()
+        else:
+            self.slots.drop(request.slot)
+            self.tell_state()
+
+    # engine
+
+    def _show_document(self) -> None:
+        assert self.document is not None
+        self._watch = FileWatch(self.document.path)
+        self._autosaved = self.document.revision
+        self._send_edit()
+
+    def _send_edit(self, is_dragging: bool = False, snapshot: Any = None) -> None:
+        """Have the engine compute what the document shows."""
+        assert self.document is not None
+        base, sites, sizes, removed = split(self.document.table)
+        self._seq += 1
+        self._revisions = {seq: revision for seq, revision in self._revisions.items() if seq > self._seq - 200}
+        self._revisions[self._seq] = self.document.revision
+        design = None if base == self._sent_base else base
+        self._sent_base = base
+        folder = str(self.document.path.parent)
+        self._engine.edit(Edit(self._seq, design, sites, sizes, removed, is_dragging, snapshot, folder))
+
+    def _from_engine(self, message: Any) -> None:
+        revision = self._revisions.get(getattr(message, "seq", -1), -1)
+        match message:
+            case Mesh():
+                self.shown.add_mesh(message)
+            case Frame() if revision >= 0:
+                self.shown.add_frame(message, revision, self.tabs.values())
+                self.tell_state()
+            case ShapeSummary() if revision >= 0:
+                self.shown.add_summary(message, revision)
+                self.tell_state()
+            case Limits():
+                self._limits = message
+                self.tell_document()
+            case Problem() if message.seq >= self._seq or message.kind == "engine":
+                self.shown.add_problem(message)
+                self.tell({**self.shown.problem, "revision": revision})  # type: ignore[dict-item]
+                self.tell_state()
+            case Busy():
+                self.shown.busy = message.what
+                self.tell_state()
+
+    # files
+
+    async def _autosave(self) -> None:
+        while True:
+            await asyncio.sleep(AUTOSAVE_S)
+            self._engine.watch()
+            document = self.document
+            if document is None or document.revision == self._autosaved:
+                continue
+            self._autosaved = document.revision
+            try:
+                await asyncio.to_thread(document.autosave)
+            except OutputError as error:
+                self.tell(problem_data(error, None))
+
+    async def _follow(self) -> None:
+        """Show what somebody writes into the design file with another program."""
+        while True:
+            await asyncio.sleep(WATCH_S)
+            watch, document = self._watch, self.document
+            if watch is None or document is None or (text := await asyncio.to_thread(watch.changed_text)) is None:
+                continue
+            if document is self.document and text != document.text:
+                try:
+                    await asyncio.to_thread(document.read_again, text)
+                except Error as error:
+                    self.tell(problem_data(error, document.layout))
+                    continue
+                self.tell({"type": "followed", "path": str(document.path)})
+                self.tell_document()
+                self._send_edit()

@@ -1,0 +1,69 @@
+"""Processes that write files for a design: the export for the printer, and the page about the design."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any
+
+from asterism.studio.messages import Problem, Progress, Written
+from equilibrium.errors import Error
+
+EXPORT_OPTIONS = {
+    "printer",
+    "plastic",
+    "preview",
+    "first_layer_mm",
+    "layer_mm",
+    "plate_mm",
+    "fabric_mm",
+    "turn_deg",
+    "needle_spacing_mm",
+    "border",
+}
+
+
+def run_export(
+    connection: Connection, job: int, table: dict[str, Any], folder: str, out: str, options: dict[str, Any]
+) -> None:
+    """Write all files for the print into `out`; see `asterism.print.export.export` for the options."""
+
+    def work(say: Callable[[str], None]) -> Written:
+        from asterism.print.export import export
+        from pattern.design.design import Design
+
+        exported = export(Design.from_dict(table, folder), out, say=say, **options)
+        return Written(job, exported.summary, out, tuple(exported.files), exported.warnings)
+
+    _run(connection, job, "export", work)
+
+
+def run_report(connection: Connection, job: int, table: dict[str, Any], folder: str, out: str, printer: str) -> None:
+    """Write the page about the design, a PDF, as `out`."""
+
+    def work(say: Callable[[str], None]) -> Written:
+        from asterism.reports.design_report import report
+        from pattern.design.design import Design
+
+        report(Design.from_dict(table, folder), out, printer=printer, say=say)
+        path = Path(out)
+        return Written(job, {}, str(path.parent), (path.name,))
+
+    _run(connection, job, "report", work)
+
+
+def _run(connection: Connection, job: int, stage: str, work: Callable[[Callable[[str], None]], Written]) -> None:
+    """Send progress while the work is done, and what came of it."""
+    begun = time.monotonic()
+
+    def say(text: str) -> None:
+        connection.send(Progress(job, text, 0, 0, time.monotonic() - begun))
+
+    say(stage)
+    try:
+        connection.send(work(say))
+    except Error as error:
+        field, value, allowed = (str(getattr(error, name, "")) for name in ("field", "value", "allowed"))
+        connection.send(Problem(job, "output", str(error), field, value, allowed))
