@@ -11,6 +11,7 @@ import threading
 import time
 from collections.abc import Callable
 from contextlib import suppress
+from importlib import import_module
 from multiprocessing.connection import Connection
 from typing import Any
 
@@ -18,13 +19,14 @@ from typing import Any
 END_GRACE_S = 0.5
 
 
-def run_child(target: Callable[..., None], niceness: int, connection: Connection, *arguments: Any) -> None:
+def run_child(target: str, niceness: int, connection: Connection, *arguments: Any) -> None:
     """The body of every child: Ctrl-C is for the server, which ends its children."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if niceness and hasattr(os, "nice"):
         os.nice(niceness)
     with suppress(EOFError, OSError, BrokenPipeError):
-        target(connection, *arguments)
+        module, name = target.split(":")
+        getattr(import_module(module), name)(connection, *arguments)
 
 
 class Child:
@@ -34,7 +36,8 @@ class Child:
 
     Parameters
     ----------
-    target : called in the new process with its end of the pipe, and `arguments`.
+    target : `module:function`, called in the new process with its end of the pipe, and `arguments`. The server itself
+        does not import it: the solvers take most of a second.
     receive : called in the event loop with this child and each message.
     ended : called in the event loop with this child when the process has ended or closed the pipe.
     niceness : lowers the priority, where the system can do that.
@@ -42,7 +45,7 @@ class Child:
 
     def __init__(
         self,
-        target: Callable[..., None],
+        target: str,
         arguments: tuple[Any, ...],
         receive: Callable[[Child, Any], None],
         ended: Callable[[Child], None],
@@ -54,7 +57,7 @@ class Child:
         context = multiprocessing.get_context("spawn")
         self._connection, theirs = context.Pipe()
         self._process = context.Process(
-            target=run_child, args=(target, niceness, theirs, *arguments), daemon=True, name=target.__name__
+            target=run_child, args=(target, niceness, theirs, *arguments), daemon=True, name=target
         )
         self._process.start()
         theirs.close()

@@ -8,13 +8,15 @@ from dataclasses import replace
 from typing import Any
 
 from asterism.studio.child import Child
-from asterism.studio.engine import run_engine
-from asterism.studio.messages import Busy, Cancel, Edit, Frame, Problem, Ready, ShapeSummary, Stop
+from asterism.studio.messages import Busy, Cancel, Edit, Frame, Ready, ShapeSummary, Stop, StudioProblem
 
+ENGINE = "asterism.studio.engine:run_engine"
 # An engine that owes an answer and gives no sign of life for so long is replaced.
 MAX_SILENCE_S = 30.0
 # After so many deaths on one edit the engine waits for another edit.
 MAX_DEATHS = 2
+
+CANNOT_COMPUTE = "the preview cannot compute this design; change it to go on"
 
 
 class EngineLink:
@@ -36,7 +38,7 @@ class EngineLink:
         self,
         receive: Callable[[Any], None],
         changed: Callable[[], None],
-        target: Callable[..., None] = run_engine,
+        target: str = ENGINE,
         keeps_spare: bool = True,
     ) -> None:
         self._receive, self._changed, self._target, self._keeps_spare = receive, changed, target, keeps_spare
@@ -96,7 +98,7 @@ class EngineLink:
             self._set("computing" if self._owes is not None else "ready")
             if self._keeps_spare and self._spare is None:
                 self._spare = self._start()
-        answers = isinstance(message, Problem | ShapeSummary) or (
+        answers = isinstance(message, StudioProblem | ShapeSummary) or (
             isinstance(message, Frame) and message.stage != "linear"
         )
         if answers and self._owes is not None and message.seq >= self._owes:
@@ -123,7 +125,9 @@ class EngineLink:
         self._is_loaded = self._spare is not None
         self._child, self._spare = self._spare or self._start(), None
         if self._deaths > MAX_DEATHS:
-            self._receive(Problem(owed or 0, "engine", "the preview cannot compute this design; change it to go on"))
+            self._receive(
+                StudioProblem(owed or 0, "engine", CANNOT_COMPUTE)
+            )
             self._set("failed")
             return
         self._receive(Busy(owed or 0, why))

@@ -2,8 +2,8 @@
 
     u32 kind, u32 length of the header, the header padded with spaces to a multiple of 4, then the arrays
 
-The header's `arrays` lists name, dtype (`f4`, `u4`, `i1`, `u1`), shape and offset (bytes from the start of the frame) of each array. Every
-array starts at a multiple of 4.
+The header's `arrays` lists name, dtype (`f4`, `u4`, `i1`, `u1`), shape and offset of each array. Offsets are in bytes
+from the start of the frame, and multiples of 4.
 """
 
 from __future__ import annotations

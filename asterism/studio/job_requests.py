@@ -8,13 +8,27 @@ from typing import Any, Protocol
 from asterism.studio import requests as ask
 from asterism.studio.document import Document
 from asterism.studio.jobs import Jobs, RunningJob
-from asterism.studio.messages import Problem, Progress, Verified, Written
+from asterism.studio.messages import JobProgress, StudioProblem, Verified, Written
 from asterism.studio.page_data import engine_problem_data
 from asterism.studio.shown import Shown
 from asterism.studio.tab import Tab
-from asterism.studio.verifier import run_verification
-from asterism.studio.writers import EXPORT_OPTIONS, run_export, run_report
 from pattern.design.files import plain
+
+VERIFICATION = "asterism.studio.verifier:run_verification"
+EXPORT = "asterism.studio.writers:run_export"
+REPORT = "asterism.studio.writers:run_report"
+EXPORT_OPTIONS = {
+    "printer",
+    "plastic",
+    "preview",
+    "first_layer_mm",
+    "layer_mm",
+    "plate_mm",
+    "fabric_mm",
+    "turn_deg",
+    "needle_spacing_mm",
+    "border",
+}
 
 
 class JobOwner(Protocol):
@@ -48,17 +62,15 @@ class JobRequests:
         place = document.path.parent
         match request:
             case ask.Verify():
-                started = self._jobs.start(
-                    "verify", document.revision, run_verification, table, folder, str(place / stem)
-                )
+                started = self._jobs.start("verify", document.revision, VERIFICATION, table, folder, str(place / stem))
             case ask.ExportRequest():
                 options = self._export_options(request)
                 out = str(place / f"{stem}-print")
-                started = self._jobs.start("export", document.revision, run_export, table, folder, out, options)
+                started = self._jobs.start("export", document.revision, EXPORT, table, folder, out, options)
             case ask.ReportRequest():
                 out = str(place / f"{stem}.pdf")
                 started = self._jobs.start(
-                    "report", document.revision, run_report, table, folder, out, self._studio.printer
+                    "report", document.revision, REPORT, table, folder, out, self._studio.printer
                 )
             case _:
                 raise ask.RequestError("the server does not do that")
@@ -68,7 +80,9 @@ class JobRequests:
     def _export_options(self, request: ask.ExportRequest) -> dict[str, Any]:
         options = {"printer": self._studio.printer, **request.options}
         options |= {
-            key: value for key, value in (("printer", request.printer), ("plastic", request.plastic)) if value is not None
+            key: value
+            for key, value in (("printer", request.printer), ("plastic", request.plastic))
+            if value is not None
         }
         if unknown := sorted(set(options) - EXPORT_OPTIONS):
             raise ask.RequestError(f"export: {unknown[0]!r} is not one of {', '.join(sorted(EXPORT_OPTIONS))}")
@@ -87,10 +101,10 @@ class JobRequests:
     def _tell(self, job: RunningJob, message: Any) -> None:
         studio = self._studio
         match message:
-            case Progress():
+            case JobProgress():
                 studio.tell({"type": "progress", "job": job.kind, **job.progress})
                 return
-            case Problem():
+            case StudioProblem():
                 studio.tell({**engine_problem_data(message), "job": job.kind})
                 studio.tell({"type": "result", "job": job.kind, "failed": True})
             case Verified():

@@ -1,4 +1,4 @@
-"""Jobs beside the engine: a verification, an export, a report. One at a time, at low priority, and each can be cancelled."""
+"""Jobs beside the engine: verification, export, report. One runs at a time, at low priority, and can be cancelled."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from asterism.studio.child import Child
-from asterism.studio.messages import Problem, Progress, Verified, Written
+from asterism.studio.messages import JobProgress, StudioProblem, Verified, Written
 
 NICENESS = 10
 
@@ -36,7 +36,7 @@ class Jobs:
         self._count = 0
         self.running: RunningJob | None = None
 
-    def start(self, kind: str, revision: int, target: Callable[..., None], *arguments: Any) -> bool:
+    def start(self, kind: str, revision: int, target: str, *arguments: Any) -> bool:
         """Start a job in a process of its own; False if another one is running."""
         if self.running is not None:
             return False
@@ -57,14 +57,14 @@ class Jobs:
         job = self.running
         if job is None or child is not job.child:
             return
-        if isinstance(message, Progress):
+        if isinstance(message, JobProgress):
             job.progress = {
                 "stage": message.stage,
                 "done": message.done,
                 "of": message.of,
                 "seconds": message.seconds,
             }
-        elif isinstance(message, Problem | Verified | Written):
+        elif isinstance(message, StudioProblem | Verified | Written):
             self.running = None
         self._tell(job, message)
 
@@ -72,7 +72,7 @@ class Jobs:
         job = self.running
         if job is not None and child is job.child:
             self.running = None
-            self._tell(job, Problem(job.number, "ended", f"the {job.kind} ended unexpectedly"))
+            self._tell(job, StudioProblem(job.number, "ended", f"the {job.kind} ended unexpectedly"))
 
     def close(self) -> None:
         """End what is running."""

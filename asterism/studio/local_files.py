@@ -19,8 +19,8 @@ def file_below(folder: Path, name: str) -> Path:
     Raises
     ------
     FileNameError
-        The name is empty, absolute, hidden, holds characters that cannot be printed, or leads out of the folder, also by
-        a symbolic link.
+        The name is empty, absolute or hidden, holds characters that cannot be printed, or leads out of the folder, also
+        by a symbolic link.
 
     Examples
     --------

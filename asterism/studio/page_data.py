@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from asterism.studio.document import Document
-from asterism.studio.messages import Form, Limits, Notice, Problem
+from asterism.studio.messages import Form, Limits, Notice, StudioProblem
 from asterism.studio.painted import entries_by_site
 from asterism.studio.plan import plan_data
 from asterism.studio.printers import plastic_names, printer_entries
@@ -71,7 +71,7 @@ def problem_data(error: Exception, layout: Layout | None) -> dict[str, Any]:
     }
 
 
-def engine_problem_data(problem: Problem) -> dict[str, Any]:
+def engine_problem_data(problem: StudioProblem) -> dict[str, Any]:
     """The message `problem` of an edit or a job that has no answer."""
     return {
         "type": "problem",

@@ -30,7 +30,9 @@ PAGE = Path(__file__).parent / "page"
 for _suffix, _type in ((".js", "text/javascript"), (".css", "text/css"), (".svg", "image/svg+xml")):
     mimetypes.add_type(_type, _suffix)
 
-PAGE_POLICY = "default-src 'self'; img-src 'self' blob: data:; object-src 'none'; base-uri 'none'; frame-ancestors 'none'"
+PAGE_POLICY = (
+    "default-src 'self'; img-src 'self' blob: data:; object-src 'none'; base-uri 'none'; frame-ancestors 'none'"
+)
 # Reports are complete in themselves; they may style themselves and show the pictures in them, and nothing else.
 FILE_POLICY = "sandbox; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 TRY_AGAIN_LATER = 1013
@@ -43,8 +45,8 @@ Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
 class Guard:
     """Lets through what comes from a page of this server, and nothing else.
 
-    A stranger's page in the same browser can send requests to this machine. It does not know the token, it cannot hide its
-    origin, and a name of its own that it points to this machine arrives as the host.
+    A stranger's page in the same browser can send requests to this machine. It does not know the token, it cannot hide
+    its origin, and a name of its own that it points to this machine arrives as the host.
 
     Parameters
     ----------

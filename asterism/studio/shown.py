@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from asterism.studio import frames
-from asterism.studio.messages import Frame, Mesh, Problem, ShapeSummary, Verified
+from asterism.studio.messages import Frame, ShapeSummary, ShownMesh, StudioProblem, Verified
 from asterism.studio.page_data import engine_problem_data, form_data, notice_data
 from asterism.studio.tab import Tab
 from pattern.design.files import plain
@@ -46,7 +46,7 @@ class Shown:
         self._last: tuple[int, dict[str, Any], dict[str, Any]] | None = None
         self.snapshots.clear()
 
-    def add_mesh(self, mesh: Mesh) -> None:
+    def add_mesh(self, mesh: ShownMesh) -> None:
         """Keep a mesh for the tabs."""
         arrays = {
             "printed": mesh.printed,
@@ -93,7 +93,7 @@ class Shown:
         self.forms = [form_data(form) for form in summary.forms]
         self.summary_revision = revision
 
-    def add_problem(self, problem: Problem) -> None:
+    def add_problem(self, problem: StudioProblem) -> None:
         """An edit without a shape: the last good one stays."""
         self.problem, self.busy = engine_problem_data(problem), None
 

@@ -15,7 +15,7 @@ from asterism.studio.engine_link import EngineLink
 from asterism.studio.examples import NEW_SHEET, design_files, free_name, gallery_entries
 from asterism.studio.job_requests import JobRequests
 from asterism.studio.local_files import file_below
-from asterism.studio.messages import Busy, Edit, Flip, Frame, Limits, Mesh, Problem, ShapeSummary, ShowForm
+from asterism.studio.messages import Busy, Edit, Flip, Frame, Limits, ShapeSummary, ShowForm, ShownMesh, StudioProblem
 from asterism.studio.page_data import document_data, problem_data
 from asterism.studio.painted import split
 from asterism.studio.printers import DEFAULT_PRINTER, printer_entries
@@ -181,8 +181,8 @@ class Studio:
             case ask.FlipRequest() | ask.FormRequest():
                 self._seq += 1
                 self._revisions[self._seq] = document.revision
-                flips = isinstance(request, ask.FlipRequest)
-                self._engine.ask(Flip(self._seq) if flips else ShowForm(self._seq, request.index))  # type: ignore[attr-defined]
+                index = request.index if isinstance(request, ask.FormRequest) else None
+                self._engine.ask(Flip(self._seq) if index is None else ShowForm(self._seq, index))
             case ask.SlotRequest():
                 await self._slot(request, document)
             case ask.PrinterRequest():
@@ -297,7 +297,7 @@ class Studio:
     def _from_engine(self, message: Any) -> None:
         revision = self._revisions.get(getattr(message, "seq", -1), -1)
         match message:
-            case Mesh():
+            case ShownMesh():
                 self.shown.add_mesh(message)
             case Frame() if revision >= 0:
                 self.shown.add_frame(message, revision, self.tabs.values())
@@ -308,7 +308,7 @@ class Studio:
             case Limits():
                 self._limits = message
                 self.tell_document()
-            case Problem() if message.seq >= self._seq or message.kind == "engine":
+            case StudioProblem() if message.seq >= self._seq or message.kind == "engine":
                 self.shown.add_problem(message)
                 self.tell({**self.shown.problem, "revision": revision})  # type: ignore[dict-item]
                 self.tell_state()

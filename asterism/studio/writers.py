@@ -8,21 +8,8 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
-from asterism.studio.messages import Problem, Progress, Written
+from asterism.studio.messages import JobProgress, StudioProblem, Written
 from equilibrium.errors import Error
-
-EXPORT_OPTIONS = {
-    "printer",
-    "plastic",
-    "preview",
-    "first_layer_mm",
-    "layer_mm",
-    "plate_mm",
-    "fabric_mm",
-    "turn_deg",
-    "needle_spacing_mm",
-    "border",
-}
 
 
 def run_export(
@@ -59,11 +46,11 @@ def _run(connection: Connection, job: int, stage: str, work: Callable[[Callable[
     begun = time.monotonic()
 
     def say(text: str) -> None:
-        connection.send(Progress(job, text, 0, 0, time.monotonic() - begun))
+        connection.send(JobProgress(job, text, 0, 0, time.monotonic() - begun))
 
     say(stage)
     try:
         connection.send(work(say))
     except Error as error:
         field, value, allowed = (str(getattr(error, name, "")) for name in ("field", "value", "allowed"))
-        connection.send(Problem(job, "output", str(error), field, value, allowed))
+        connection.send(StudioProblem(job, "output", str(error), field, value, allowed))

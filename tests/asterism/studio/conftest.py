@@ -1,0 +1,106 @@
+"""A studio with an engine that answers at once, for tests of everything but the computation."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from starlette.testclient import TestClient
+
+from asterism.studio import frames
+from asterism.studio.messages import Edit, Frame, Limits, ShapeSummary, ShownMesh
+from asterism.studio.server import application
+from asterism.studio.studio import Studio
+from pattern import gallery
+
+HOST = "127.0.0.1:7000"
+TOKEN = "a-token-of-the-tests"
+
+
+class QuickEngine:
+    """Stands for the link to the engine: every edit is answered with a flat square, as high as its number."""
+
+    def __init__(self, receive: Callable[[Any], None], changed: Callable[[], None]) -> None:
+        self._receive, self.status = receive, "ready"
+        self.edits: list[Any] = []
+        square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+        none = np.empty(0, dtype=np.int64)
+        self._mesh = ShownMesh(1, square, np.array([[0, 1, 2], [0, 2, 3]]), np.arange(4), none)
+
+    def edit(self, edit: Edit) -> None:
+        self.ask(edit)
+
+    def ask(self, message: Any) -> None:
+        self.edits.append(message)
+        seq = message.seq
+        positions = np.column_stack([self._mesh.printed, np.full(4, float(seq))])
+        zeros, normals = np.zeros(4), np.tile([0.0, 0.0, 1.0], (4, 1))
+        empty = np.zeros((0, 2, 2, 3))
+        self._receive(self._mesh)
+        frame = Frame(seq, 1, "equilibrium", positions, normals, zeros, zeros, empty, empty[:, 0], empty[:, 0])
+        self._receive(frame)
+        self._receive(ShapeSummary(seq, {"expected_rms_percent": 0.5, "height_mm": float(seq)}))
+        if seq == 1:
+            self._receive(Limits(seq, {"length_mm": (3.0, 11.0)}, (1.35, 1.75)))
+
+    def cancel(self) -> None: ...
+    def watch(self) -> None: ...
+    def close(self) -> None: ...
+
+
+class Page:
+    """A page as the server sees it."""
+
+    def __init__(self, socket: Any) -> None:
+        self._socket = socket
+        self.send(type="hello")
+
+    def send(self, **message: Any) -> None:
+        self._socket.send_text(json.dumps(message))
+
+    def send_text(self, text: str) -> None:
+        self._socket.send_text(text)
+
+    def until(self, kind: str, **values: Any) -> dict[str, Any]:
+        """The next message of a type that has these values; frames on the way are acknowledged."""
+        for _ in range(500):
+            message = self._socket.receive()
+            assert message["type"] != "websocket.close", message
+            if message.get("bytes"):
+                frame_kind, header, arrays = frames.unpack(message["bytes"])
+                if frame_kind != frames.MESH:
+                    self.send(type="ack", frame=header["frame"])
+                data = {"type": {1: "mesh", 2: "shape", 3: "comparison"}[frame_kind], **header, **arrays}
+            else:
+                data = json.loads(message["text"])
+            if data["type"] == kind and all(data[key] == value for key, value in values.items()):
+                return data
+        raise AssertionError(f"no message {kind} with {values}")
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    text = gallery.path("dome").read_text(encoding="utf-8")
+    (tmp_path / "dome.toml").write_text(text, encoding="utf-8")
+    return tmp_path
+
+
+@pytest.fixture
+def studio(folder: Path) -> Studio:
+    return Studio(folder, folder / "dome.toml", QuickEngine)  # type: ignore[arg-type]
+
+
+@pytest.fixture
+def client(studio: Studio) -> Iterator[TestClient]:
+    with TestClient(application(studio, TOKEN, frozenset({HOST})), base_url=f"http://{HOST}") as client:
+        yield client
+
+
+@pytest.fixture
+def page(client: TestClient) -> Iterator[Page]:
+    with client.websocket_connect(f"ws://{HOST}/{TOKEN}/live", headers={"origin": f"http://{HOST}"}) as socket:
+        yield Page(socket)

@@ -1,0 +1,135 @@
+"""Documents and pages of the studio: what a page sees of edits, undo, files and slots."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from asterism.studio.studio import Studio
+from pattern import gallery
+from pattern.layout.load_design import load_design
+from tests.asterism.studio.conftest import Page
+
+
+def test_a_page_gets_document_state_and_shape(page: Page):
+    document = page.until("document")
+    assert document["name"] == "dome" and document["saved"] and not document["can_undo"]
+    assert len(document["plan"]["sites"]) == 37
+    assert page.until("mesh")["printed"].shape == (4, 2)
+    assert page.until("shape")["stage"] == "equilibrium"
+
+
+def test_a_gesture_is_one_step_of_undo(page: Page, studio: Studio):
+    first = page.until("document")
+    for length in (7.0, 6.5, 6.0):
+        page.send(type="sizes", gesture=1, end=length == 6.0, sites=[[0, 0], [1, 0]], length=[length, length])
+    painted = page.until("document", gesture=1)
+    sizes = {tuple(entry["site"]): entry["sizes_mm"][0] for entry in painted["plan"]["sites"]}
+    assert sizes[0, 0] == sizes[1, 0] == 6.0 and not painted["saved"]
+    page.send(type="undo")
+    undone = page.until("document", revision=first["revision"])
+    assert undone["design"] == first["design"] and undone["saved"] and undone["can_redo"]
+    page.send(type="redo")
+    assert page.until("document", revision=painted["revision"])["design"] == painted["design"]
+
+
+def test_saved_files_are_designs_and_unchanged_ones_keep_their_comments(page: Page, folder: Path):
+    original = gallery.path("dome").read_bytes()
+    page.until("document")
+    page.send(type="save")
+    page.until("saved")
+    assert (folder / "dome.toml").read_bytes() == original
+    page.send(type="remove", sites=[[0, 0]], gesture=1)
+    page.until("document", can_undo=True)
+    page.send(type="save", name="other")
+    page.until("saved")
+    assert len(load_design(folder / "other.toml").stars.override) == 1
+    page.send(type="undo")
+    page.until("document", can_undo=False)
+    page.send(type="save")
+    page.until("saved")
+    assert (folder / "other.toml").read_bytes() == original
+
+
+@pytest.mark.parametrize(
+    ("changes", "field"),
+    [
+        ({"fabric.stretch": -1}, "fabric.stretch"),
+        ({"fabric.stretchy": 1.2}, "fabric.stretchy"),
+        ({"border": {"polygon_mm": [[0, 0], [100, 100], [100, 0], [0, 100]]}}, "border.polygon_mm"),
+        ({"pins": [{"points_mm": [[900, 0]]}]}, "pins[0].points_mm"),
+        ({"": 1}, ""),
+    ],
+)
+def test_a_refused_change_leaves_the_document_as_it_is(page: Page, changes: dict, field: str):
+    before = page.until("document")
+    page.send(type="edit", gesture=1, end=True, changes=changes)
+    problem = page.until("problem")
+    assert problem["field"].startswith(field) and problem["text"] and "\n" not in problem["text"]
+    after = page.until("document")
+    assert after["design"] == before["design"] and not after["can_undo"]
+
+
+def test_a_sheet_that_cannot_be_laid_out_takes_the_whole_gesture_back(page: Page):
+    before = page.until("document")
+    page.send(type="edit", gesture=1, end=False, changes={"pins": [{"points_mm": [[10, 0]]}]})
+    page.send(type="edit", gesture=1, end=True, changes={"pins": [{"points_mm": [[900, 0]]}]})
+    page.until("problem")
+    assert page.until("document")["design"] == before["design"]
+
+
+def test_a_second_page_shows_the_same(page: Page, client, studio: Studio):
+    page.until("document")
+    page.send(type="sizes", gesture=1, sites=[[0, 0]], length=[5.0])
+    changed = page.until("document", can_undo=True)
+    with client.websocket_connect(
+        "ws://127.0.0.1:7000/a-token-of-the-tests/live", headers={"origin": "http://127.0.0.1:7000"}
+    ) as socket:
+        assert Page(socket).until("document")["design"] == changed["design"]
+
+
+def test_a_file_that_changes_on_disk_is_followed(page: Page, folder: Path):
+    page.until("document")
+    text = (folder / "dome.toml").read_text().replace("to = 4.0", "to = 5.0")
+    (folder / "dome.toml").write_text(text)
+    page.until("followed")
+    followed = page.until("document")
+    assert followed["design"]["stars"]["length_mm"]["to"] == 5.0 and followed["saved"] and followed["can_undo"]
+    (folder / "dome.toml").write_text(text.replace("rings = 3", "rings = -3"))
+    assert page.until("problem")["field"] == "border.rings"
+
+
+def test_unsaved_work_of_a_former_session_is_offered(folder: Path, studio: Studio):
+    document = studio.document
+    document.paint([(0, 0)], {"length_mm": [5.5]}, None)
+    document.autosave()
+    again = Studio(folder, folder / "dome.toml").document
+    assert again.kept_work is not None and again.is_saved
+    again.recover()
+    assert again.table == document.table and not again.is_saved
+    again.autosave()
+    again.save()
+    assert not again.autosave_path.exists()
+
+
+def test_slots_keep_designs(page: Page):
+    page.until("document")
+    page.send(type="show", slot="A")
+    assert "A" in page.until("problem")["text"]
+    page.send(type="keep", slot="A")
+    while page.until("state")["slots"]["A"] is None:
+        pass
+    page.send(type="sizes", gesture=1, sites=[[0, 0]], length=[5.0])
+    page.until("document", can_undo=True)
+    page.send(type="show", slot="A")
+    assert "override" not in page.until("document", gesture=1, saved=False)["design"]["stars"]
+
+
+def test_stars_given_by_number_and_place_can_be_painted(folder: Path):
+    path = folder / "dome.toml"
+    path.write_text(path.read_text() + "\n[[stars.override]]\nstar = 1\nlength_mm = 5.0\n")
+    document = Studio(folder, path).document
+    site = tuple(document.layout.sheet_sites[1].tolist())
+    document.paint([site], {"thickness_mm": [0.4]}, None)
+    assert document.table["stars"]["override"] == [{"site": list(site), "length_mm": 5.0, "thickness_mm": 0.4}]
