@@ -125,9 +125,7 @@ class EngineLink:
         self._is_loaded = self._spare is not None
         self._child, self._spare = self._spare or self._start(), None
         if self._deaths > MAX_DEATHS:
-            self._receive(
-                StudioProblem(owed or 0, "engine", CANNOT_COMPUTE)
-            )
+            self._receive(StudioProblem(owed or 0, "engine", CANNOT_COMPUTE))
             self._set("failed")
             return
         self._receive(Busy(owed or 0, why))
