@@ -7,6 +7,7 @@ error, the warnings and the other forms.
 
 from __future__ import annotations
 
+import pickle
 import sys
 import time
 import traceback
@@ -208,7 +209,7 @@ class Engine:
         """Whether the preview could go to the form of a snapshot."""
         assert self._preview is not None
         try:
-            self._preview.restore(replace(edit.snapshot, design=design))
+            self._preview.restore(replace(pickle.loads(edit.snapshot), design=design))
         except ValueError as error:
             if isinstance(error, Error):
                 raise
@@ -248,7 +249,7 @@ class Engine:
         if stage == "equilibrium":
             self._equilibrium_at = time.monotonic()
             self._equilibrium_sizes = preview.sheet.layout.site_sizes_mm
-            snapshot = None if self._known.is_dragging else preview.snapshot()
+            snapshot = None if self._known.is_dragging else pickle.dumps(preview.snapshot())
         seconds = {"since asked": time.monotonic() - self._begun, **preview.seconds}
         self._send(replace(frame, snapshot=snapshot, seconds=seconds))
 
@@ -277,7 +278,7 @@ class Engine:
         if self._coarse is not None:
             view.rotation = self._coarse.rotation
         frame = view.frame(preview, self._seq, "equilibrium")
-        self._send(replace(frame, snapshot=preview.snapshot(), seconds=preview.seconds))
+        self._send(replace(frame, snapshot=pickle.dumps(preview.snapshot()), seconds=preview.seconds))
         sites = preview.sheet.layout.sheet_sites
         warnings = shape.summary["warnings"]
         notices = [

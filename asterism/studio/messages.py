@@ -25,7 +25,7 @@ class Edit:
     sites, sizes_mm : (n, 2) and (n, 3), all stars with sizes of their own; nan keeps the size of the design's profile.
     removed : (m, 2), all removed stars.
     is_dragging : the pointer is down: coarse mesh, linear response first, no summary.
-    snapshot : the form to start from.
+    snapshot : the form to start from, as in a frame.
     folder : of the design file, for pictures.
     """
 
@@ -35,7 +35,7 @@ class Edit:
     sizes_mm: Array | None = None
     removed: Array | None = None
     is_dragging: bool = False
-    snapshot: Any = None
+    snapshot: bytes | None = None
     folder: str = "."
 
 
@@ -114,7 +114,7 @@ class Frame:
     strain : (V,) area of the smooth surface over that of the released sheet, minus 1.
     arms, arm_normals : (A, K, 2, 3) left and right edges of the ribbons, (A, K, 3).
     needles : (N, 2, 3) foot and tip.
-    snapshot : the form, to come back to; None for linear stages.
+    snapshot : the form, to come back to; None for linear stages. It is pickled, since only an engine can read it.
     """
 
     seq: int
@@ -130,7 +130,7 @@ class Frame:
     is_minimum: bool = False
     height_mm: float = 0.0
     seconds: dict[str, float] = field(default_factory=dict)
-    snapshot: Any = None
+    snapshot: bytes | None = None
 
 
 @dataclass(frozen=True)

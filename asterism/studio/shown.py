@@ -30,7 +30,7 @@ class Shown:
 
     def __init__(self) -> None:
         self.meshes: dict[int, bytes] = {}
-        self.snapshots: dict[int, Any] = {}
+        self.snapshots: dict[int, bytes] = {}
         self.clear()
 
     def clear(self) -> None:

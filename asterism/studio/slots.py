@@ -16,7 +16,7 @@ class Slots:
     """Three places for a design with its form and its numbers."""
 
     def __init__(self) -> None:
-        self._kept: dict[str, tuple[dict[str, Any], Any, dict[str, Any]]] = {}
+        self._kept: dict[str, tuple[dict[str, Any], bytes | None, dict[str, Any]]] = {}
 
     def keep(self, slot: str, document: Document, shown: Shown) -> None:
         """Keep the design that is shown."""
@@ -24,7 +24,7 @@ class Slots:
         data = {"name": document.path.stem, "revision": document.revision, **numbers}
         self._kept[slot] = (document.table, shown.snapshots.get(document.revision), data)
 
-    def get(self, slot: str) -> tuple[dict[str, Any], Any]:
+    def get(self, slot: str) -> tuple[dict[str, Any], bytes | None]:
         """Table and form of the design in a slot.
 
         Raises

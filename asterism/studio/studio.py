@@ -255,7 +255,7 @@ class Studio:
                 change = {"remove": document.remove, "restore": document.restore, "reset": document.reset}
                 change[request.type](request.sites, gesture)
 
-    async def _accept(self, snapshot: Any = None) -> None:
+    async def _accept(self, snapshot: bytes | None = None) -> None:
         """The document shows another state: lay it out, and tell pages and engine."""
         assert self.document is not None
         await asyncio.to_thread(self.document.end_gesture)
@@ -282,7 +282,7 @@ class Studio:
         self._autosaved = self.document.revision
         self._send_edit()
 
-    def _send_edit(self, is_dragging: bool = False, snapshot: Any = None) -> None:
+    def _send_edit(self, is_dragging: bool = False, snapshot: bytes | None = None) -> None:
         """Have the engine compute what the document shows."""
         assert self.document is not None
         base, sites, sizes, removed = split(self.document.table)
