@@ -18,6 +18,14 @@ from asterism.verification.verification import PREVIEW, RELEASE, Verification
 from asterism.verification.warnings import FLAT_HEIGHT_FACTOR
 
 MINIMA = ["exact model", "energy, N mm", "stars up", "certain to stay", "from the preview", "iterations"]
+# how the preview is laid on the exact shape, by the number of rigid motions that the supports leave free
+MOTIONS_TAKEN_OUT = {
+    0: "as the supports hold both shapes in space",
+    6: "after the preview has been turned and shifted onto the exact shape",
+}
+SOME_MOTIONS_TAKEN_OUT = "after the preview has been turned and shifted as far as the supports leave it free"
+LARGE_SWING_PERCENT = 1.0  # of the diameter: a smaller distance is not explained by a swing
+LARGE_SWING_SHARE = 0.5  # of the distance, at most what is left after a rigid motion if most of it is a swing
 MAX_ENTRY_LETTERS = 600  # characters of an entry of the design
 START_NAMES = {RELEASE: "released from the flat print", PREVIEW: "started from the preview"}
 
@@ -57,8 +65,19 @@ def _verdict(s: Mapping[str, Any]) -> str:
     branch = "the same form as" if s["same_branch"] else '<span class="bad">another form</span> than'
     expected = s["expected_rms_percent"]
     told = "" if expected is None else f" It had expected {expected:.1f} %."
-    distance = f"{s['rms_percent']:.2f} % of its diameter ({s['rms_percent'] * s['diameter_mm'] / 100.0:.2g} mm)"
-    return f"The preview shows {branch} the exact model, {distance} away.{told}{_nearly(s)}"
+    distance = f"{s['rms_percent']:.2f} % of its diameter ({s['rms_mm']:.2g} mm)"
+    return f"The preview shows {branch} the exact model, {distance} away.{told}{_swung(s)}{_nearly(s)}"
+
+
+def _swung(s: Mapping[str, Any]) -> str:
+    """That most of the distance is a rigid motion that the supports do not leave free."""
+    rest = s["rms_after_motion_percent"]
+    if s["rms_percent"] < LARGE_SWING_PERCENT or rest > LARGE_SWING_SHARE * s["rms_percent"]:
+        return ""
+    return (
+        f" Most of that is a swing on the supports: after the best rigid motion the two are {rest:.2f} % apart. The "
+        "supports do not leave that motion free, so the distance counts."
+    )
 
 
 def _nearly(s: Mapping[str, Any]) -> str:
@@ -76,11 +95,13 @@ def _nearly(s: Mapping[str, Any]) -> str:
 
 def _how(s: Mapping[str, Any]) -> str:
     """What is measured, for those who have not read the documentation."""
+    motions = MOTIONS_TAKEN_OUT.get(s["free_motions"], SOME_MOTIONS_TAKEN_OUT)
     return (
-        "Distances are between the places of the same printed points, after the preview has been turned and shifted "
-        f"onto the exact shape. Per cent are of the exact shape's diameter, {s['diameter_mm']:.0f} mm from end to end. "
+        f"Distances are between the places of the same printed points, {motions}. "
+        f"Per cent are of the exact shape's diameter, {s['diameter_mm']:.0f} mm from end to end. "
         "Surfaces are compared without the stars' bumps (means over the cell of a star), star centres with them. "
-        "rms: root mean square."
+        "rms: root mean square. Accuracy means agreement with the exact model with the paper's hinges. "
+        "The distance to a real print has not been measured."
     )
 
 

@@ -1,7 +1,12 @@
-"""Distance of two shapes of one design: at the same printed points, after the best rigid motion."""
+"""Distance of two shapes of one design, at the same printed points.
+
+Supported sheets are compared as their supports hold them in space. Only rigid motions that the supports leave free are
+taken out: all of them for a free sheet, the rotations about a single point, none where supports fix three points.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -17,9 +22,10 @@ from asterism.shape.tube import tube_radius
 from pattern.geometry.arrays import Floats
 from pattern.geometry.normals import triangle_normals, vertex_normals
 from pattern.geometry.rigid_fit import rigid_fit
-from pattern.layout.free_rotations import count_free_tilts
+from pattern.layout.free_motions import free_motions
 from pattern.layout.layout import Layout
 from pattern.layout.roll_axis import roll_axis_from_normals
+from pattern.layout.support_samples import SupportSamples, support_samples
 from pattern.layout.symmetries import Symmetry
 
 # at most about twice this many vertices are used to choose the nearest symmetric image
@@ -30,7 +36,7 @@ MAX_CENTROID_OFFSET_SPACINGS = 0.01
 
 @dataclass(frozen=True)
 class Comparison:
-    """A shape laid on a reference shape by a rigid motion, and the distances after it.
+    """A shape laid on a reference shape by the motions that its supports leave free, and the distances after these.
 
     The bumps of the stars are not part of a smooth surface. Therefore surfaces are compared by their means over a
     lattice cell (`CellMean`). Star centres are compared as they are.
@@ -42,8 +48,7 @@ class Comparison:
     layout : what was printed.
     symmetry : of the design; the compared shape stands for all its images, and this is the nearest one.
     reference_mean, other_mean : (V, 3) mm, cell means at the vertices of the reference.
-    standing, standing_mean : the other shape as its pins hold it, and its cell means: heights are read off these. Where
-        pins let it tilt they are as laid on the reference.
+    free_motions : number of independent rigid motions that the supports leave free, from 0 to 6.
     diameter_mm : of the reference, the largest distance of two of its points.
     whole : (V,) whether the cell around a vertex is not cut by the outline.
     """
@@ -54,8 +59,7 @@ class Comparison:
     symmetry: Symmetry
     reference_mean: Floats
     other_mean: Floats
-    standing: Shape
-    standing_mean: Floats
+    free_motions: int
     diameter_mm: float
     whole: NDArray[np.bool_]
 
@@ -71,14 +75,32 @@ class Comparison:
         return np.asarray(np.linalg.norm(self.other.at(centres) - self.reference.at(centres), axis=1))
 
     @property
-    def rms_percent(self) -> float:
+    def rms_mm(self) -> float:
         """Root mean square over the printed area of the distance of the cell means."""
-        return self._percent(float(self.reference.weights @ self.distance_mm**2) ** 0.5)
+        return math.sqrt(self.reference.weights @ self.distance_mm**2)
+
+    @property
+    def max_mm(self) -> float:
+        """Largest distance of the cell means."""
+        return float(self.distance_mm.max())
+
+    @property
+    def rms_percent(self) -> float:
+        """`rms_mm` in % of the diameter."""
+        return self._percent(self.rms_mm)
 
     @property
     def max_percent(self) -> float:
-        """Largest distance of the cell means."""
-        return self._percent(self.distance_mm.max())
+        """`max_mm` in % of the diameter."""
+        return self._percent(self.max_mm)
+
+    @cached_property
+    def rms_after_motion_percent(self) -> float:
+        """`rms_percent` after the best of all rigid motions: of one form that has swung on its supports it is small."""
+        weights = self.reference.weights
+        rotation, shift = rigid_fit(self.other_mean, self.reference_mean, weights)
+        gaps = self.other_mean @ rotation.T + shift - self.reference_mean
+        return self._percent(math.sqrt(weights @ (gaps**2).sum(axis=1)))
 
     @property
     def rms_stars_percent(self) -> float:
@@ -93,7 +115,7 @@ class Comparison:
     @cached_property
     def heights_mm(self) -> tuple[float, float]:
         """Extents along z of the whole shapes, bumps and all."""
-        return float(np.ptp(self.reference.positions[:, 2])), float(np.ptp(self.standing.positions[:, 2]))
+        return float(np.ptp(self.reference.positions[:, 2])), float(np.ptp(self.other.positions[:, 2]))
 
     @cached_property
     def rises_mm(self) -> tuple[float, float] | None:
@@ -107,13 +129,13 @@ class Comparison:
         level = self.reference.at(held)[:, 2].mean()
         own = self.reference.positions[:, 2] - level
         side = 1.0 if own.max() >= -own.min() else -1.0
-        others = self.standing.positions[:, 2] - self.standing.at(held)[:, 2].mean()
+        others = self.other.positions[:, 2] - self.other.at(held)[:, 2].mean()
         return float((side * own).max()), float((side * others).max())
 
     @cached_property
     def mean_heights_mm(self) -> tuple[float, float]:
         """Extents along z of the cell means."""
-        return float(np.ptp(self.reference_mean[:, 2])), float(np.ptp(self.standing_mean[:, 2]))
+        return float(np.ptp(self.reference_mean[:, 2])), float(np.ptp(self.other_mean[:, 2]))
 
     @cached_property
     def relief_error_percent(self) -> float | None:
@@ -188,17 +210,21 @@ class Comparison:
 
 
 def compare(
-    reference: Shape, other: Shape, layout: Layout, symmetries: Sequence[Symmetry], weighs: bool = False
+    reference: Shape,
+    other: Shape,
+    layout: Layout,
+    symmetries: Sequence[Symmetry],
+    gravity: Sequence[float] | None = None,
 ) -> Comparison:
-    """Lay a shape on a reference: proper rotation, shift, and the symmetry of the design that brings it nearest.
+    """Lay a shape on a reference: free motions, and the symmetry of the design that brings it nearest.
 
     Parameters
     ----------
     reference, other : two shapes of the same design, on any meshes.
-    layout : of the design.
+    layout : of the design. Its supports say which rigid motions are free.
     symmetries : of the design, from `pattern.layout.symmetries`. Symmetries turn the print, and so a mirrored one
         reflects the other shape in space too; otherwise it is only ever turned and shifted.
-    weighs : the sheet has weight, which says how it hangs where its pins let it turn.
+    gravity : (3,) its direction if the sheet has weight: then no free motion changes how the sheet hangs.
 
     Raises
     ------
@@ -207,25 +233,24 @@ def compare(
 
     References
     ----------
-    Kabsch 1976, weights: printed area.
+    Kabsch 1976 for free sheets, weights: printed area; `pattern.layout.free_motions` for supported ones.
     """
-    symmetry = _nearest(reference, other, symmetries)
+    supports = support_samples(layout)
+    symmetry = _nearest(reference, other, symmetries, supports, gravity)
     mean = CellMean(reference.printed, reference.weights, layout.lattice_vectors)
     reference_mean = mean(reference.positions)
     near = image(other, symmetry)
     near_mean = mean(near.at(reference.printed))
-    rotation, shift = rigid_fit(near_mean, reference_mean, reference.weights)
-    laid, laid_mean = replace(near, positions=near.positions @ rotation.T + shift), near_mean @ rotation.T + shift
-    standing, standing_mean = (laid, laid_mean) if count_free_tilts(layout) and not weighs else (near, near_mean)
+    free = free_motions(supports, near.at(supports.printed), gravity)
+    rotation, shift = free.fit(near_mean, reference_mean, reference.weights)
     return Comparison(
         reference,
-        laid,
+        replace(near, positions=near.positions @ rotation.T + shift),
         layout,
         symmetry,
         reference_mean,
-        laid_mean,
-        standing,
-        standing_mean,
+        near_mean @ rotation.T + shift,
+        free.count,
         diameter(reference.positions),
         np.linalg.norm(mean(reference.printed) - reference.printed, axis=1)
         < MAX_CENTROID_OFFSET_SPACINGS * layout.spacing_mm,
@@ -240,7 +265,7 @@ def _held(layout: Layout) -> Floats:
 
 
 def image(shape: Shape, symmetry: Symmetry) -> Shape:
-    """The image of a shape under a symmetry of its design, without fields of the sheet; again an equilibrium."""
+    """The image of a shape under a symmetry of its design, on the same supports, without fields of the sheet."""
     # a shape need not have a vertex at every star
     star_vertices = shape.star_vertices[symmetry.star] if len(shape.star_vertices) else shape.star_vertices
     numbers = shape.star[shape.star_vertices]
@@ -250,10 +275,9 @@ def image(shape: Shape, symmetry: Symmetry) -> Shape:
     if "star" in rod_fields and len(star_vertices):  # whose arm an edge is now
         of = dict(zip(shape.star[star_vertices].tolist(), numbers.tolist(), strict=True))
         rod_fields["star"] = np.array([of[number] for number in rod_fields["star"].tolist()], dtype=np.int64)
-    flip = np.array([-1.0 if symmetry.mirrors else 1.0, 1.0, 1.0])
     return Shape(
         printed=(shape.printed - symmetry.shift) @ symmetry.turn,
-        positions=shape.positions * flip,
+        positions=symmetry.in_space(shape.positions),
         triangles=shape.triangles[:, ::-1] if symmetry.mirrors else shape.triangles,
         star=star,
         rods=shape.rods,
@@ -265,15 +289,23 @@ def image(shape: Shape, symmetry: Symmetry) -> Shape:
     )
 
 
-def _nearest(reference: Shape, other: Shape, symmetries: Sequence[Symmetry]) -> Symmetry:
+def _nearest(
+    reference: Shape,
+    other: Shape,
+    symmetries: Sequence[Symmetry],
+    supports: SupportSamples,
+    gravity: Sequence[float] | None,
+) -> Symmetry:
     """The symmetry whose image is nearest to the reference; all images have the same bumps, which need no mean."""
     some = slice(None, None, max(len(reference.printed) // MAX_IMAGE_SAMPLES, 1))
     printed, places = reference.printed[some], reference.positions[some]
 
     def off(symmetry: Symmetry) -> float:
-        there = other.at(printed @ symmetry.turn.T + symmetry.shift)
-        there[:, 0] *= -1.0 if symmetry.mirrors else 1.0
-        rotation, shift = rigid_fit(there, places)
+        there, supported = (
+            symmetry.in_space(other.at(points @ symmetry.turn.T + symmetry.shift))
+            for points in (printed, supports.printed)
+        )
+        rotation, shift = free_motions(supports, supported, gravity).fit(there, places)
         return float(((there @ rotation.T + shift - places) ** 2).sum())
 
     return min(symmetries, key=off)

@@ -17,8 +17,12 @@ def numbers(comparison: Comparison) -> DifferenceRecord:
     reference, other = comparison.heights_mm
     radii, volumes, rises = comparison.roll_radii_mm, comparison.volumes_mm3, comparison.rises_mm
     return DifferenceRecord(
+        rms_mm=comparison.rms_mm,
+        max_mm=comparison.max_mm,
         rms_percent=comparison.rms_percent,
         max_percent=comparison.max_percent,
+        rms_after_motion_percent=comparison.rms_after_motion_percent,
+        free_motions=comparison.free_motions,
         rms_stars_percent=comparison.rms_stars_percent,
         max_stars_percent=comparison.max_stars_percent,
         diameter_mm=comparison.diameter_mm,

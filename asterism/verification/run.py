@@ -108,11 +108,11 @@ def verify(
         near, near_s = _timed(clock, partial(solve, STAGES[2], quick), layout_s, near)
     tell("comparing")
     step(STAGES[3], 0, 1)
-    same, weighs = symmetries(design, plan), design.gravity.on
+    same, pull = symmetries(design, plan), design.gravity.pull
     exact = {RELEASE: released, PREVIEW: near}
-    comparisons = {name: compare(shape, quick, plan, same, weighs) for name, shape in exact.items()}
+    comparisons = {name: compare(shape, quick, plan, same, pull) for name, shape in exact.items()}
     found = Verification(design, quick, exact, comparisons)
-    between = compare(released, near, plan, same, weighs)
+    between = compare(released, near, plan, same, pull)
     seconds = {
         "preview_s": cold_s,
         "preview_again_s": warm_s,
@@ -123,7 +123,7 @@ def verify(
     agree = certain and between.rms_percent < SAME_FORM_PERCENT and _same_stars_down(exact, plan, same)
     if agree and not same_energy(*(shape.summary["energy_n_mm"] for shape in exact.values())):
         # an image of a minimum may have another energy, as the mesh may be less symmetric than the design
-        agree = compare(released, near, plan, same[:1], weighs).rms_percent >= SAME_FORM_PERCENT
+        agree = compare(released, near, plan, same[:1], pull).rms_percent >= SAME_FORM_PERCENT
     step(STAGES[3], 1, 1)
     return replace(found, summary=_summary(found, between, agree, seconds) | {"command": command})
 

@@ -56,9 +56,9 @@ def heights(design: Design, folder: Path, law: Law) -> dict[str, Any]:
     """What both sheets reach, in mm from the ground, and the errors of the preview in %."""
     plan = layout(design)
     exact = lowest(design, folder)
-    comparison = compare(exact, preview(design, law), plan, symmetries(design, plan), design.gravity.on)
+    comparison = compare(exact, preview(design, law), plan, symmetries(design, plan), design.gravity.pull)
     rises = comparison.rises_mm
-    right, shown = exact.positions[:, 2], comparison.standing.positions[:, 2]
+    right, shown = exact.positions[:, 2], comparison.other.positions[:, 2]
     tips = exact.printed[[path[-1] for path in exact.rods]]
     return {
         "name": design.name,

@@ -39,6 +39,11 @@ class Gravity(Section):
             raise DesignError("", "must point somewhere, e.g. [0, 0, -1]", direction)
         return direction
 
+    @property
+    def pull(self) -> Place | None:
+        """The direction if the sheet has weight, else None."""
+        return self.direction if self.on else None
+
 
 class MeshChoice(Section):
     """The mesh of the exact model.

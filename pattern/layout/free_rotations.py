@@ -5,11 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from pattern.geometry.arrays import Floats
+from pattern.layout.free_motions import RIGID_MOTION_TOLERANCE, FreeMotions
 from pattern.layout.layout import Layout
 from pattern.layout.support_samples import support_samples
-
-# Of the size of the supports: a rotation that moves them by less leaves them in place.
-RIGID_MOTION_TOLERANCE = 1e-6
 
 
 def free_rotation_axes(layout: Layout) -> Floats:
@@ -25,15 +23,7 @@ def free_rotation_axes(layout: Layout) -> Floats:
     x, y = (printed - printed.mean(axis=0)).T / max(float(np.ptp(printed, axis=0).max()), 1e-9)
     assumed = np.column_stack([printed, np.ptp(printed) * (0.07 * x**2 + 0.13 * y**2 + 0.09 * x * y)])
     points = np.where(fixed, places, assumed)
-    arms = points - points.mean(axis=0)
-    size = max(float(np.abs(arms).max()), 1e-9)
-    rows = []
-    for (ax, ay, az), held in zip(arms / size, fixed, strict=True):
-        # a rotation w moves the point by w x arm
-        rotation = np.array([[0.0, az, -ay], [-az, 0.0, ax], [ay, -ax, 0.0]])
-        rows.append(np.hstack([np.eye(3), rotation])[held])
-    _, sizes, motions = np.linalg.svd(np.concatenate(rows))
-    free = motions[np.count_nonzero(sizes > RIGID_MOTION_TOLERANCE) :]
+    free = FreeMotions(points, fixed).basis(points, points.mean(axis=0)).T
     _, sizes, axes = np.linalg.svd(free[:, 3:])
     return np.asarray(axes[: np.count_nonzero(sizes > RIGID_MOTION_TOLERANCE)])
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -26,22 +26,30 @@ class Symmetry:
     turn : (2, 2) orthogonal matrix; a mirror if its determinant is -1.
     shift : (2,) mm.
     star : (S,) the star onto which each star is moved.
+    shift_in_space : (3,) mm, of the supports' places, which may have another centre than the print.
 
     Notes
     -----
     If `x(p)` is an equilibrium, so is the shape `x'(p) = Q x(turn p + shift)`. Q is any proper rotation if `turn` is
     one. A mirror puts the plastic on the wrong side of the print. So for a mirror Q must be improper: the shape is
-    reflected in space too, which leaves its energy unchanged.
+    reflected in space too, which leaves its energy unchanged. Of these shapes `in_space` gives the one whose supported
+    points are where the supports hold them.
     """
 
     turn: Floats
     shift: Floats
     star: Ints
+    shift_in_space: Floats = field(default_factory=lambda: np.zeros(3))
 
     @property
     def mirrors(self) -> bool:
         """Whether it is a mirror, and not a rotation."""
         return bool(np.linalg.det(self.turn) < 0.0)
+
+    def in_space(self, places: Floats) -> Floats:
+        """(n, 3) mm, places of the image's points p, from those (n, 3) of the points `turn p + shift` of the shape."""
+        moved = places - self.shift_in_space
+        return np.hstack([moved[:, :2] @ self.turn, moved[:, 2:]])
 
 
 def symmetries(design: Design, layout: Layout) -> list[Symmetry]:
@@ -65,8 +73,9 @@ def symmetries(design: Design, layout: Layout) -> list[Symmetry]:
         if not _keeps_order(_image(outline @ turn.T + shift, corners, tolerance)):
             continue
         motion = Symmetry(turn, shift, star)
-        if _keeps_arms(layout, arm_points, motion, tolerance) and _keeps_supports(samples, motion, tolerance):
-            found.append(motion)
+        shift_in_space = _support_shift(samples, motion, tolerance)
+        if _keeps_arms(layout, arm_points, motion, tolerance) and shift_in_space is not None:
+            found.append(replace(motion, shift_in_space=shift_in_space))
     return found
 
 
@@ -116,23 +125,28 @@ def _keeps_arms(layout: Layout, arm_points: cKDTree, motion: Symmetry, tolerance
     return equal_sizes and bool(np.abs(tips - layout.arm_tip[arm]).max(initial=0.0) < tolerance)
 
 
-def _keeps_supports(samples: SupportSamples, motion: Symmetry, tolerance: float) -> bool:
-    """Whether the supports, with their places in space, are mapped onto themselves."""
+def _support_shift(samples: SupportSamples, motion: Symmetry, tolerance: float) -> Floats | None:
+    """(3,) mm by which the places of the supports shift in space; None if the supports are not mapped onto themselves.
+
+    0 along directions in which the sheet slides at all supports.
+    """
     printed, place, kind = samples
     if len(printed) == 0:
-        return True
+        return np.zeros(3)
     # a third coordinate keeps points of different kinds apart
     height = 10.0 * (1.0 + float(np.abs(printed).max())) * kind[:, None]
     points = cKDTree(np.hstack([printed, height]))
     image = _image(np.hstack([printed @ motion.turn.T + motion.shift, height]), points, tolerance)
     if image is None:
-        return False
+        return None
     moved = place.copy()
     moved[:, :2] = place[:, :2] @ motion.turn.T
     gap = place[image] - moved
     # in space the pins may have another centre than in print: one shift for all of them
-    spread = np.nanmax(gap, axis=0, initial=-np.inf) - np.nanmin(gap, axis=0, initial=np.inf)
-    return bool(np.nanmax(spread) < tolerance)
+    low, high = np.nanmin(gap, axis=0, initial=np.inf), np.nanmax(gap, axis=0, initial=-np.inf)
+    if np.max(high - low) >= tolerance:
+        return None
+    return np.array([(a + b) / 2 if a <= b else 0.0 for a, b in zip(low, high, strict=True)])
 
 
 def _keeps_directions(design: Design, turn: Floats) -> bool:

@@ -35,19 +35,40 @@ def _exact_model(record: VerificationRecord) -> str:
     return f"{agreement}; {release.iterations} iterations, {near.iterations} from the preview"
 
 
-class DifferenceRecord(Record):
-    """Differences of a shape from a reference shape, after the best rigid motion.
+def _distance(record: DifferenceRecord) -> str:
+    rms, largest = f"{record.rms_percent:.2f} % of the diameter rms", f"{record.max_percent:.1f} % at most"
+    if "rms_mm" not in record:
+        return f"{rms}, {largest}"
+    return f"{rms} ({record.rms_mm:.2g} mm), {largest} ({record.max_mm:.2g} mm)"
 
-    Pairs hold the value of the reference first. Distances in percent are of the reference's diameter.
+
+def _without_swing(record: DifferenceRecord) -> str | None:
+    """The row of a supported sheet."""
+    if record.free_motions == 6:
+        return None
+    return f"{record.rms_after_motion_percent:.2f} % of the diameter rms, after the best rigid motion"
+
+
+class DifferenceRecord(Record):
+    """Differences of a shape from a reference shape, both as their supports hold them.
+
+    Only rigid motions that the supports leave free are taken out: all six for a free sheet. Pairs hold the value of the
+    reference first. Distances in percent are of the reference's diameter.
     """
 
-    rms_percent: float = key(
-        "Rms distance of the surfaces, without the corrugation, over the printed area.",
+    rms_mm: float = key("Rms distance of the surfaces, without the corrugation, over the printed area.", unit="mm")
+    max_mm: float = key("Largest distance of the surfaces, without the corrugation.", unit="mm")
+    rms_percent: float = key("The rms distance in percent of the diameter.", unit="%", label="distance", show=_distance)
+    max_percent: float = key("The largest distance in percent of the diameter.", unit="%")
+    rms_after_motion_percent: float = key(
+        "The rms distance after the best of all rigid motions, also of those that the supports do not leave free, in "
+        "percent of the diameter. It is far below `rms_percent` if both shapes are of one form and one of them has "
+        "swung on its supports.",
         unit="%",
-        label="distance",
-        show="{rms_percent:.2f} % of the diameter rms, {max_percent:.1f} % at most",
+        label="without a swing",
+        show=_without_swing,
     )
-    max_percent: float = key("Largest distance of the surfaces, without the corrugation.", unit="%")
+    free_motions: int = key("Rigid motions that the supports leave free and that are taken out, from 0 to 6.")
     rms_stars_percent: float = key(
         "Rms distance of the star centres.",
         unit="%",
@@ -117,6 +138,7 @@ class VerificationRecord(DifferenceRecord):
     rows = (
         "same_branch",
         "rms_percent",
+        "rms_after_motion_percent",
         "expected_rms_percent",
         "rms_stars_percent",
         "heights_mm",

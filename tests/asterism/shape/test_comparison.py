@@ -102,28 +102,72 @@ def test_distances_do_not_depend_on_where_the_other_shape_lies(quaternion, far):
     assert there.heights_mm[1] == pytest.approx(here.heights_mm[1], abs=1e-6)
 
 
-@pytest.mark.parametrize(("pins", "stands"), [([{"where": "border"}], True), ([{"edges": [0]}], False)])
-def test_heights_are_those_of_the_sheet_as_its_pins_hold_it(pins, stands):
-    """A sheet that is tilted against the other one is higher, though the best rigid motion takes the tilt away."""
+TILTED = Rotation.from_euler("x", 10, degrees=True).as_matrix()
+
+
+@pytest.mark.parametrize(
+    ("pins", "free"),
+    [([], 6), ([{"edges": [0]}], 1), ([{"where": "border"}], 0), ([{"corners": [0, 2, 4]}], 0)],
+)
+def test_only_motions_that_the_supports_leave_free_are_taken_out(pins, free):
+    """A sheet that has swung on its supports is off as it stands, though the best rigid motion takes the swing away."""
     held = design(pins=pins)
     one = shape(held, lumpy)
-    tilted = replace(one, positions=one.positions @ Rotation.from_euler("x", 10, degrees=True).as_matrix().T)
-    found = compared(held, one, tilted)
-    assert found.rms_percent == pytest.approx(0.0, abs=1e-9)
-    height = np.ptp((tilted if stands else one).positions[:, 2])
-    assert found.heights_mm[1] == pytest.approx(height, abs=1e-9)
-    assert (found.heights_mm[1] > found.heights_mm[0] + 5.0) == stands
-    assert (found.mean_heights_mm[1] > found.mean_heights_mm[0] + 5.0) == stands
+    edge = layout(held).outline[[0, 1]]
+    line = np.append(edge[1] - edge[0], 0.0) / np.linalg.norm(edge[1] - edge[0])
+    pivot = np.append(edge[0], 0.0)
+    turn = Rotation.from_rotvec(np.radians(10.0) * line).as_matrix()
+    swung = replace(one, positions=(one.positions - pivot) @ turn.T + pivot)
+    found = compared(held, one, swung)
+    assert found.free_motions == free
+    assert found.rms_after_motion_percent == pytest.approx(0.0, abs=1e-9)
+    if free:
+        assert found.max_mm == pytest.approx(0.0, abs=1e-7)
+        assert found.heights_mm[1] == pytest.approx(found.heights_mm[0], abs=1e-7)
+        return
+    distance = np.linalg.norm(CellMean(one.printed, one.weights, layout(held).lattice_vectors)(
+        swung.positions - one.positions), axis=1)  # fmt: skip
+    assert found.max_mm == pytest.approx(distance.max())
+    assert found.rms_mm == pytest.approx(np.sqrt(one.weights @ distance**2))
+    assert found.rms_percent == pytest.approx(100.0 * found.rms_mm / found.diameter_mm)
+    np.testing.assert_allclose(found.other.positions, swung.positions, atol=1e-9)
+    assert found.heights_mm[1] == pytest.approx(np.ptp(swung.positions[:, 2]))
 
 
 def test_weight_says_how_a_sheet_hangs():
-    """Then it is higher as it hangs, whatever a rigid motion could do about that."""
+    """On a needle it turns about the plumb line alone."""
     held = design(pins=[{"points_mm": [[0.0, 0.0]]}])
     one, plan = shape(held, lumpy), layout(held)
-    tilted = replace(one, positions=one.positions @ Rotation.from_euler("x", 10, degrees=True).as_matrix().T)
-    for weighs in (False, True):
-        found = compare(one, tilted, plan, symmetries(held, plan), weighs)
-        assert (found.heights_mm[1] > found.heights_mm[0] + 5.0) is weighs
+    turn = Rotation.from_euler("z", 70, degrees=True).as_matrix()
+    turned, tilted = (replace(one, positions=one.positions @ motion.T) for motion in (turn, TILTED))
+    for gravity, free, off in ((None, 3, False), ((0.0, 0.0, -1.0), 1, True)):
+        found = [compare(one, other, plan, symmetries(held, plan), gravity) for other in (turned, tilted)]
+        assert found[0].free_motions == free
+        assert found[0].max_mm == pytest.approx(0.0, abs=1e-7)
+        assert (found[1].rms_percent > 1.0) is off
+        assert (found[1].heights_mm[1] > found[1].heights_mm[0] + 5.0) is off
+
+
+@pytest.mark.parametrize("pins", [[{"where": "border", "scale": 0.8}], [{"where": "corners", "slide": "plane"}],
+                                  [{"where": "corners", "scale": 0.8, "offset_mm": [5.0, -3.0, 7.0]}]])  # fmt: skip
+def test_images_of_a_supported_sheet_stand_on_its_supports(pins):
+    """The image under a symmetry is at no distance from the shape, and its supported points are where they belong."""
+    held = design(pins=pins)
+    plan = layout(held)
+    pin, same = plan.pins[0], symmetries(held, plan)
+    assert len(same) == 6
+
+    def place(points):
+        """Held outline, lumpy inside."""
+        inner = np.maximum(1.0 - np.abs(points @ plan.outline.T / (plan.outline**2).sum(axis=1)).max(axis=1), 0.0)
+        return pin.places(points) + inner[:, None] * lumpy(points)
+
+    one = shape(held, place)
+    for symmetry in same:
+        other = image(one, symmetry)
+        np.testing.assert_allclose(other.at(plan.outline), pin.places(plan.outline), atol=1e-9)
+        found = compare(one, other, plan, same)
+        assert found.max_percent < 1e-6 and found.max_stars_percent < 1e-6
 
 
 @pytest.mark.parametrize("number", range(6))
