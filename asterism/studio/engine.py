@@ -207,7 +207,7 @@ class Engine:
 
     def _restore(self, edit: Edit, design: Design) -> bool:
         """Whether the preview could go to the form of a snapshot."""
-        assert self._preview is not None
+        assert self._preview is not None and edit.snapshot is not None
         try:
             self._preview.restore(replace(pickle.loads(edit.snapshot), design=design))
         except ValueError as error:

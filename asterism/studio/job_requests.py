@@ -14,9 +14,9 @@ from asterism.studio.shown import Shown
 from asterism.studio.tab import Tab
 from pattern.design.files import plain
 
-VERIFICATION = "asterism.studio.verifier:run_verification"
-EXPORT = "asterism.studio.writers:run_export"
-REPORT = "asterism.studio.writers:run_report"
+VERIFICATION_PROCESS = "asterism.studio.verifier:run_verification"
+EXPORT_PROCESS = "asterism.studio.writers:run_export"
+REPORT_PROCESS = "asterism.studio.writers:run_report"
 EXPORT_OPTIONS = {
     "printer",
     "plastic",
@@ -62,15 +62,17 @@ class JobRequests:
         place = document.path.parent
         match request:
             case ask.Verify():
-                started = self._jobs.start("verify", document.revision, VERIFICATION, table, folder, str(place / stem))
+                started = self._jobs.start(
+                    "verify", document.revision, VERIFICATION_PROCESS, table, folder, str(place / stem)
+                )
             case ask.ExportRequest():
                 options = self._export_options(request)
                 out = str(place / f"{stem}-print")
-                started = self._jobs.start("export", document.revision, EXPORT, table, folder, out, options)
+                started = self._jobs.start("export", document.revision, EXPORT_PROCESS, table, folder, out, options)
             case ask.ReportRequest():
                 out = str(place / f"{stem}.pdf")
                 started = self._jobs.start(
-                    "report", document.revision, REPORT, table, folder, out, self._studio.printer
+                    "report", document.revision, REPORT_PROCESS, table, folder, out, self._studio.printer
                 )
             case _:
                 raise ask.RequestError("the server does not do that")

@@ -21,10 +21,10 @@ from equilibrium.errors import Error
 
 LOOPBACK = "127.0.0.1"
 # Seconds that open connections have to end after Ctrl-C.
-END_GRACE_S = 2
+SHUTDOWN_GRACE_S = 2
 
 
-class AddressError(Error, ValueError):
+class ListenError(Error, ValueError):
     """An address or a port that the studio cannot use; the message is one line."""
 
 
@@ -66,7 +66,7 @@ def run_studio(
     ------
     DesignError
         The design file cannot be used.
-    AddressError
+    ListenError
         The address is not one of this machine, or the port is in use.
     """
     folder = Path.cwd() if path is None else path.absolute().parent
@@ -84,7 +84,7 @@ def run_studio(
                 ws="websockets-sansio",
                 ws_max_size=MAX_REQUEST_BYTES,
                 ws_per_message_deflate=False,
-                timeout_graceful_shutdown=END_GRACE_S,
+                timeout_graceful_shutdown=SHUTDOWN_GRACE_S,
                 lifespan="on",
                 server_header=False,
             )
@@ -107,15 +107,15 @@ def _bound(address: str, port: int) -> Iterator[socket.socket]:
     try:
         given = ipaddress.ip_address(address)
     except ValueError:
-        raise AddressError(f"--listen: {address!r} must be an address as {LOOPBACK}") from None
+        raise ListenError(f"--listen: {address!r} must be an address as {LOOPBACK}") from None
     if given.is_unspecified:
-        raise AddressError(f"--listen: {address} means all addresses; name the one that the page is reached at")
+        raise ListenError(f"--listen: {address} means all addresses; name the one that the page is reached at")
     family = socket.AF_INET6 if given.version == 6 else socket.AF_INET
     with socket.socket(family, socket.SOCK_STREAM) as listening:
         try:
             listening.bind((address, port))
         except OSError as error:
             reason = (error.strerror or str(error)).lower()
-            raise AddressError(f"cannot listen at {address}, port {port}: {reason}") from None
+            raise ListenError(f"cannot listen at {address}, port {port}: {reason}") from None
         listening.listen()
         yield listening
