@@ -16,6 +16,7 @@ from asterism.previews.sheet import Sheet, sheet_of
 from asterism.previews.snapshot import Snapshot
 from asterism.previews.solve import (
     at_form,
+    carried,
     followed,
     respond,
     restarted,
@@ -153,12 +154,26 @@ class Preview(PreviewReadings):
         self._say(f"{stars} star{'s' if stars > 1 else ''} on {count} triangles{patience}")
         return state_from_guesses(sheet, law, values, side, self._clock, self._watch)
 
-    def edit(self, design: Design) -> Iterator[Stage]:
+    def _printed_state(self, design: Design, plan: Layout, values: StarValues) -> PreviewState:
+        """The state of a design on a new sheet, before any search."""
+        state = self.state
+        sheet = self._clock("mesh", sheet_of, design, plan, self._triangles, state.model)
+        return self._clock("shell", state_without_search, sheet, state.law, values, state.side, state.watch)
+
+    def _kept_form(self, design: Design, plan: Layout, values: StarValues) -> PreviewState | None:
+        """The state of a design on a new sheet that goes on from the old shape, if it can."""
+        new = self._printed_state(design, plan, values)
+        x = self._clock("shell", carried, self.state, new)
+        return None if x is None else at_form(new, x, self._clock)
+
+    def edit(self, design: Design, keep_form: bool = False) -> Iterator[Stage]:
         """Change the design: first the linear response, at once, and then the equilibrium.
 
         If outline, supported points, lattice and gravity stay the same, the shape goes on from the last equilibrium;
         the pins may stand at other places in space. Otherwise, or if that leads to no minimum, it starts anew, without
         a linear response. Only a new start meets other forms: after an edit that goes on, the summary lists none.
+        With `keep_form`, a sheet with another outline, other supported points or another lattice goes on from the old
+        shape as well if it is nearly as large, which takes less time.
 
         The edit begins when the first stage is asked for; `update` asks for all. If you stop after the linear response,
         the preview shows that response, and its summary says that it is no equilibrium unless the edit changed nothing;
@@ -177,7 +192,7 @@ class Preview(PreviewReadings):
             It is no design; at once.
         """
         check_type(design, Design, "load_design reads one from a file")
-        return self._stages(design)
+        return self._stages(design, keep_form)
 
     def update(self, design: Design) -> Shape:
         """Change the design and go on to its equilibrium; what `edit` raises, and its shape."""
@@ -185,7 +200,7 @@ class Preview(PreviewReadings):
             pass
         return self.shape()
 
-    def _stages(self, design: Design) -> Iterator[Stage]:
+    def _stages(self, design: Design, keep_form: bool) -> Iterator[Stage]:
         before = self.state
         with one_blas_thread():
             self._watch.begin()
@@ -198,7 +213,8 @@ class Preview(PreviewReadings):
                 state = self._clock("fields", with_stars, state, design, plan, values)
                 state, response = respond(state, self._clock)
             else:
-                state = self._new_state(design, plan, values, state.law, state.side, state.model)
+                kept = self._kept_form(design, plan, values) if keep_form else None
+                state = kept or self._new_state(design, plan, values, state.law, state.side, state.model)
             self.state = state
             self._edits += 1
             number = self._edits
@@ -285,8 +301,7 @@ class Preview(PreviewReadings):
         if state.sheet.is_same_print(design, plan):
             state = self._clock("fields", with_stars, state, design, plan, values)
         else:
-            sheet = self._clock("mesh", sheet_of, design, plan, self._triangles, state.model)
-            state = self._clock("shell", state_without_search, sheet, state.law, values, state.side, state.watch)
+            state = self._printed_state(design, plan, values)
         if x.shape != state.shell.flat.shape:
             raise ValueError(f"positions of {len(x)} dofs are of another mesh, which has {len(state.shell.flat)}")
         if state.factor is self.state.factor:

@@ -84,6 +84,18 @@ def state_without_search(
     return PreviewState(sheet, law, side, values, shell, printed, printed, factor, watch, is_factor_resting=False)
 
 
+def carried(state: PreviewState, new: PreviewState) -> Floats | None:
+    """(N, 3) positions of the dofs of another sheet where the resting equilibrium of a state takes its points.
+
+    None if the other sheet reaches far beyond that one.
+    """
+    space, x = state.sheet.space, state.resting.x
+    try:
+        return new.sheet.space.interpolate(lambda points: space.locate(points).jets(x))
+    except ValueError:
+        return None
+
+
 def with_stars(state: PreviewState, design: Design, layout: Layout, values: StarValues) -> PreviewState:
     """The state with other stars, and pins at other places in space, on the same print.
 

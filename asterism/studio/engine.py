@@ -105,12 +105,13 @@ class Engine:
         while not self._inbox.is_closed:
             message = self._inbox.take(None if self._is_resting else REST_S)
             if message is not None:
-                self._answer(message)
+                self.answer(message)
             elif not self._inbox.is_closed:
                 self._is_resting = True
                 self._try(self._seq, self._rest)
 
-    def _answer(self, message: Any) -> None:
+    def answer(self, message: Any) -> None:
+        """Show an edit, another side or another form."""
         self._begin(message.seq, MAX_SEARCH_S)
         self._is_resting = False
         if isinstance(message, Edit):
@@ -193,7 +194,7 @@ class Engine:
         return with_painted_stars(parsed, sites, sizes, () if edit.removed is None else edit.removed)
 
     def _show_stages(self, preview: Preview, design: Design, edit: Edit) -> None:
-        for stage in preview.edit(design):
+        for stage in preview.edit(design, keep_form=edit.is_dragging):
             self._show(stage.name, stage.x)
             if stage.name == "linear" and edit.is_dragging and self._may_skip(preview):
                 return

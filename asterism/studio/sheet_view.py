@@ -12,7 +12,7 @@ from asterism.previews.session import Preview
 from asterism.shape.pose import upright_rotation
 from asterism.studio.messages import Frame, ShownMesh
 from pattern.geometry.arrays import Floats, Ints
-from pattern.geometry.planar import polygon_area
+from pattern.geometry.planar import is_in_sorted, polygon_area
 from pattern.layout.layout import Layout
 from pattern.mesh.meshing import mesh_layout
 
@@ -202,9 +202,12 @@ def outline_of(triangles: Ints) -> Ints:
     >>> outline_of(np.array([[0, 1, 2], [0, 2, 3]])).tolist()
     [0, 1, 2, 3]
     """
-    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
-    both = {(a, b) for a, b in edges.tolist()}
-    following = {a: b for a, b in both if (b, a) not in both}
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]).astype(np.int64)
+    size = int(edges.max()) + 1
+    there: Ints = edges[:, 0] * size + edges[:, 1]
+    back: Ints = edges[:, 1] * size + edges[:, 0]
+    rim = edges[~is_in_sorted(there, np.sort(back))]
+    following = dict(rim.tolist())
     ring = [min(following)]
     while (after := following[ring[-1]]) != ring[0] and len(ring) < len(following):
         ring.append(after)

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from pattern.design.design import Design
-from pattern.design.stars import Override
+from pattern.design.stars import Override, Site
 from pattern.geometry.arrays import Ints
 from pattern.layout.outline import outline
 from pattern.layout.star_cells import star_cells
 
 SIZE_KEYS = ("length_mm", "thickness_mm", "width_mm")
+NO_SIZES = (None, None, None)
+KEPT_ENTRIES = 20_000
 
 
 def with_painted_stars(design: Design, sites: ArrayLike, sizes_mm: ArrayLike, removed: ArrayLike = ()) -> Design:
@@ -45,14 +48,15 @@ def with_painted_stars(design: Design, sites: ArrayLike, sizes_mm: ArrayLike, re
         raise ValueError(f"sizes_mm must have one row a site, {len(painted)}, got {len(sizes)}")
     entries = {entry.site: entry for entry in overrides_by_site(design)}
     for site, row in zip(map(tuple, painted.tolist()), sizes.tolist(), strict=True):
-        given: dict[str, Any] = {key: size for key, size in zip(SIZE_KEYS, row, strict=True) if size == size}
+        given = tuple(None if size != size else size for size in row)
         old = entries.get(site)
         if old is not None and not old.remove:
-            entries[site] = old.model_copy(update=given)
-        elif given:
-            entries[site] = Override.model_construct(site=site, **given)
+            sizes_of_star = zip(SIZE_KEYS, given, strict=True)
+            entries[site] = old.model_copy(update={key: size for key, size in sizes_of_star if size is not None})
+        elif given != NO_SIZES:
+            entries[site] = _entry(site, *given)
     for site in map(tuple, gone.tolist()):
-        entries[site] = Override.model_construct(site=site, remove=True)
+        entries[site] = _entry(site, *NO_SIZES)
     stars = design.stars.model_copy(update={"override": tuple(entries.values())})
     return design.model_copy(update={"stars": stars})
 
@@ -74,6 +78,13 @@ def overrides_by_site(design: Design) -> list[Override]:
             site = tuple(lattice.sites.nearest(np.asarray(entry.at_mm)[None])[0].tolist())
         out.append(entry.model_copy(update={"star": None, "at_mm": None, "site": site}) if site else entry)
     return out
+
+
+@lru_cache(maxsize=KEPT_ENTRIES)
+def _entry(site: Site, length: float | None, thickness: float | None, width: float | None) -> Override:
+    """The entry of a star, without its checks; of a removed one if it has no size. A stroke changes few of many."""
+    sizes: dict[str, Any] = dict(zip(SIZE_KEYS, (length, thickness, width), strict=True))
+    return Override.model_construct(site=site, remove=(length, thickness, width) == NO_SIZES, **sizes)
 
 
 def _whole_pairs(values: ArrayLike, name: str) -> Ints:

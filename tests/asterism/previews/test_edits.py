@@ -175,3 +175,27 @@ def test_softness_is_that_of_the_sheet_after_an_edit_without_change_was_broken_o
     break_off_while_it_settles(preview, edited("dome"), monkeypatch)
     assert preview.equilibrium.is_minimum
     assert preview.shape().summary["soft_modes_n_mm3"] == pytest.approx(before, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"border": {"rings": 2}},
+        {"border": {"polygon_mm": [[62, 30], [0, 66], [-60, 35], [-55, -38], [0, -68], [60, -33]]}},
+        {"pins": [{"edges": [0, 1, 3, 4], "scale": 0.74}]},
+    ],
+    ids=["smaller", "drawn", "fewer pins"],
+)
+def test_another_outline_can_keep_the_form(change: dict[str, Any]) -> None:
+    data = edited("dome").to_dict() | change
+    design = Design.from_dict(data)
+    preview = Preview(edited("dome"))
+    (stage,) = preview.edit(design, keep_form=True)
+    assert stage.name == "equilibrium" and preview.equilibrium.is_minimum and preview.equilibrium.guess == "form"
+    assert preview.equilibrium.energy == pytest.approx(Preview(design).equilibrium.energy, rel=1e-6)
+
+
+def test_a_much_larger_sheet_starts_anew_though_its_form_is_to_be_kept() -> None:
+    preview = Preview(edited("dome", border={"rings": 1}))
+    preview_stages = list(preview.edit(edited("dome", border={"rings": 3}), keep_form=True))
+    assert len(preview_stages) == 1 and preview.equilibrium.guess != "form" and preview.equilibrium.is_minimum
