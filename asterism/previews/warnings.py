@@ -19,12 +19,14 @@ from asterism.shape.self_intersections import passing
 from asterism.shape.site_warnings import site_warnings
 from fem.search.sides import side_of
 
-MIN_NEUTRAL_RATIO = 5.0  # the softest mode is neutral if the next one is this many times stiffer
+# the softest mode is neutral if the next one is this many times stiffer
+MIN_NEUTRAL_RATIO = 5.0
 # a supported sheet is flat because of its pins if its size over its natural size is above MAX_SIZE_RATIO, and its
 # height over its diameter is below MIN_HEIGHT_RATIO
 MAX_SIZE_RATIO = 1.1
 MIN_HEIGHT_RATIO = 0.03
-MAX_BUCKLED_GAP = 0.5  # a buckled form within this share of the energy at stake above the lowest may be the right one
+# a buckled form that is higher by less than this share of the energy at stake may be the right one
+MAX_BUCKLED_GAP = 0.5
 
 
 def warnings(

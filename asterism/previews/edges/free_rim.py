@@ -1,24 +1,25 @@
-"""How the rim of a sheet lies and curls where nothing holds it.
+"""Curl and fall of a free rim: the bare fabric beyond the last stars.
 
-The law's cells are those of an endless sheet, where the fabric comes up again between a star and its neighbour. Beyond
-the last stars there is none. The fabric lies as low as the tips of their arms, and goes on as their bumps leave it: a
-bump of height B over arms of length l is a cap of curvature `2 B / l^2`. So bare fabric has the curvature at rest
+In a periodic cell, the fabric rises again between a star and its neighbour. Beyond the last stars it stays as low as
+the tips of their arms, and continues with the slope and curvature of their bumps. A bump of height B over arms of
+length l is a cap of curvature `2 B / l^2`. Therefore bare fabric has the rest curvature
 
     b_r = -c 2 B / l^2 lam^2 n n^T
 
-across the nearest side of the outline, n being normal to it, and none along it; c is
-`rim_curl_factor`: shares are smoothed, and less than half of the outline is bare, so that it is above 1.
-Without it, free rims of previews turn
-down less than the exact model's. A side that is held keeps none, along its length or at a point of it where the sheet
-is held at more than one: there the fabric is pulled along the rim, and straight. Points that slide in their plane do
-not pull. A hole, bare sites with stars all around, has no side to turn to.
+across the nearest side of the outline, whose normal is n, and zero rest curvature along it. The factor c is
+`rim_curl_factor`. It is above 1, because the shares of the stars are smoothed, so that less than half of the rim counts
+as bare. Without this term, the free rims of previews turn down less than those of the exact model.
 
-Under arms that point outwards it curls along them too: `asterism.previews.edges.rim_arms`.
+A side has no rest curvature if it is supported along its length, or at a point of a sheet with several supported
+points: there the fabric is pulled straight along the rim. Points that slide along the print do not pull. A hole, bare
+sites enclosed by stars, has no side to turn to.
 
-**Long arms turn it further.** In the exact model the rim beyond long arms goes down steeply even where bumps are flat.
-So the bare fabric falls by `rim_fall_rad` per distance from the stars, less where bumps make it curl anyway. It does
-so out to the corners of wide rims, far from all stars. What drives it is that the fabric contracts and the arms do not,
-so that fabric of a small stretch falls less: in proportion to the area it gives up, up to that of `rim_fall_stretch`.
+Below arms that point outwards, the rim also curls along the arms (`asterism.previews.edges.rim_arms`).
+
+**Fall beyond long arms.** In the exact model, the rim beyond long arms goes down steeply even if their bumps are flat.
+Therefore bare fabric falls with the slope `rim_fall_rad` from the stars outwards, and less where bumps curl it anyway.
+The cause is that the fabric contracts and the arms do not. So the fall is proportional to the area that the fabric
+loses, up to the area lost at a stretch of `rim_fall_stretch`.
 """
 
 from __future__ import annotations
@@ -35,13 +36,15 @@ from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import STRAIGHT_TURN_RAD, distance_to_segment, nearest_segment, turning_angles
 from pattern.layout.layout import Layout
 
-MIN_STAR_SHARE = 0.02  # share of the stars below which a place has no star beside it
+# a place with a smaller share of stars counts as far from all stars
+MIN_STAR_SHARE = 0.02
 
 
 def free_normals(layout: Layout, points: Floats, model: PreviewModel = PREVIEW_MODEL) -> Floats:
-    """(n, 2) unit normals of the sides nearest to printed points (n, 2) mm; zero where that side is held, and in holes.
+    """(n, 2) unit normals of the sides nearest to printed points (n, 2) mm; zero at supported sides and in holes.
 
-    A side is held along its length, or at a point of it in a sheet that is held along the print at two points or more.
+    A side is supported along its length, or at a point if supports fix at least two points of the sheet along the
+    print.
     """
     start, end = layout.outline, np.roll(layout.outline, -1, axis=0)
     along = end - start
@@ -52,7 +55,7 @@ def free_normals(layout: Layout, points: Floats, model: PreviewModel = PREVIEW_M
     if len(pins) > 1:
         near = model.rim_pin_distance * layout.spacing_mm
         held = (distance_to_segment(pins[:, None], start, end) < near).any(axis=0)
-        # a side in several pieces is one
+        # pieces of the outline that continue straight form one side
         side = np.cumsum(np.abs(turning_angles(layout.outline)) > STRAIGHT_TURN_RAD)
         side[side == 0] = side[-1]
         normal[np.isin(side, side[held])] = 0.0
@@ -64,7 +67,10 @@ def rim_curvature(
 ) -> Floats:
     """(n, 3) 1/mm, components 11, 22, 12 of `c 2 B / l^2 n n^T` times the share of bare fabric.
 
-    `weights`: (n, S) share of each star at the places, `normals`: (n, 2), see `free_normals`.
+    Parameters
+    ----------
+    weights : (n, S) share of each star at the places.
+    normals : (n, 2), from `free_normals`.
     """
     share = stars_share(weights)
     size = model.rim_curl_factor * (1.0 - share) * beside(weights, values.bump_curvature[:-1])
@@ -73,9 +79,12 @@ def rim_curvature(
 
 
 def beyond_stars(layout: Layout, points: Floats, model: PreviewModel = PREVIEW_MODEL) -> tuple[Floats, Ints]:
-    """(n,) mm of free rim between printed points (n, 2) mm and the stars, and (n,) the nearest star.
+    """Distance of printed points (n, 2) mm from the stars across a free rim, and the nearest star.
 
-    Stars reach half a spacing far.
+    Returns
+    -------
+    distance : (n,) mm, beyond half a spacing from the nearest star; zero away from free rims.
+    nearest : (n,) nearest star.
     """
     far, nearest = cKDTree(layout.centres).query(points)
     free = free_normals(layout, points, model).any(axis=1)
@@ -90,9 +99,13 @@ def rim_fall(
     spacing: float,
     model: PreviewModel = PREVIEW_MODEL,
 ) -> Floats:
-    """(n,) rad times mm, by which bare fabric lies under the stars' tips, down being where the edges go.
+    """(n,) mm, depth of bare fabric below the tips of the arms, measured to the side to which the edges go.
 
-    `weights`: (n, S) share of each star at the places, `beyond` and `nearest`: (n,), see `beyond_stars`.
+    Parameters
+    ----------
+    weights : (n, S) share of each star at the places.
+    nearest, beyond : (n,), from `beyond_stars`.
+    spacing : mm, spacing of the stars.
     """
     straight = np.maximum(1.0 - np.abs(values.bump_curvature[:-1]) * spacing / model.rim_fall_bump_turn_rad, 0.0)
     pull = min((1.0 - values.value["lam_n"][-1] ** 2) / (1.0 - model.rim_fall_stretch**-2), 1.0)
@@ -102,14 +115,14 @@ def rim_fall(
 
 
 def stars_share(weights: sp.csr_matrix) -> Floats:
-    """(n,) of all stars together; what is missing to 1 is bare fabric."""
+    """(n,) share of all stars together; bare fabric has the rest to 1."""
     return np.asarray(weights.sum(axis=1)).ravel()
 
 
 def beside(weights: sp.csr_matrix, of: Floats, nearest: Ints | None = None) -> Floats:
-    """(n, ...) mean over the stars beside a place of what each has (S, ...).
+    """(n, ...) mean of values (S, ...) over the stars near each place.
 
-    Far from all stars it is that of the `nearest` one (n,), or vanishes if that is not given.
+    Far from all stars, it is the value of the `nearest` star (n,), or zero if `nearest` is not given.
     """
     mean, share = weights @ of, stars_share(weights)
     if nearest is None:
@@ -118,5 +131,5 @@ def beside(weights: sp.csr_matrix, of: Floats, nearest: Ints | None = None) -> F
 
 
 def _rows(of: Floats, like: Floats) -> Floats:
-    """(n, 1, ...) of (n,), to divide another array's rows by."""
+    """(n,) reshaped to (n, 1, ...), to divide the rows of the array `like`."""
     return of.reshape(-1, *[1] * (like.ndim - 1))

@@ -1,18 +1,17 @@
-"""How the arms of the last stars bend the free rim beyond them.
+"""Curl of a free rim along the arms that point into it.
 
-The fabric between two stars lies under the arm of one of them only (`asterism.previews.fields.star_arms`), and a rim
-under arms that point outwards curls along them, where the next star would be flat. Sheets of three-armed stars get
-three corners that hang from it, or roll about an axis that it chooses. In a free sheet the natural curvature of bare
-fabric is that of a strain rosette of the stars half a spacing back along each arm, less what is the same in all
-directions.
+The fabric between two stars lies under the arm of only one of them (`asterism.previews.fields.star_arms`). Likewise, a
+rim below arms that point outwards curls along these arms. This term bends three corners of a sheet of three-armed stars
+down, or determines the axis about which it rolls. In a free sheet, the additional rest curvature of bare fabric is the
+deviator of a strain rosette of the stars half a spacing back along each arm.
 
-**It takes fabric to bend an arm.** What pulls at an arm is the fabric that it lies on and that follows its tip. At the
-border nothing does: an arm that ends there is hardly bent, one with a wide rim before it as much as among its like. By
-the distance x from the star to the border along its arm, over the spacing, the part that it carries on is
+**Wide rims.** The tension of the fabric along an arm and beyond its tip bends the arm. An arm that ends at the border
+stays nearly straight; an arm with a wide rim ahead bends as much as one among other stars. With the distance x from the
+star to the border along its arm, in spacings, the arm carries this share of its natural curvature into the rim:
 
-    (x - rim_arm_start)/(rim_arm_full - rim_arm_start), from 0 to 1.
+    (x - rim_arm_start) / (rim_arm_full - rim_arm_start), limited to the range from 0 to 1.
 
-An arm that leads to another star goes on under it; beside it the rim takes `rim_arm_among` of its curvature.
+If an arm leads to another star, the rim beside it takes the share `rim_arm_among`.
 """
 
 from __future__ import annotations
@@ -32,7 +31,12 @@ from pattern.layout.layout import Layout
 
 
 def carried(layout: Layout, directions: Floats, model: PreviewModel = PREVIEW_MODEL) -> Floats:
-    """(S, N) part of the natural curvature that each star's arms carry on; directions (N, 2) of arms."""
+    """(S, N) share of the natural curvature that the arms of each star carry into a free rim.
+
+    Parameters
+    ----------
+    directions : (N, 2) unit vectors of the arms.
+    """
     start, full = model.rim_arm_start, model.rim_arm_full
     part = np.empty((len(layout.centres), len(directions)))
     for k, along in enumerate(directions):
@@ -49,16 +53,16 @@ def arm_curvature(
     arms: Sequence[tuple[Floats, sp.csr_matrix]],
     part: Floats,
 ) -> Floats:
-    """(n, 3) 1/mm, the rosette of the shares of stars along the arms times the natural curvature beside.
+    """(n, 3) 1/mm, additional rest curvature, components 11, 22, 12: shares along the arms times natural curvature.
 
-    It vanishes among stars, and where the rim is held.
+    It is zero among stars and at supported sides.
 
     Parameters
     ----------
     weights : (n, S) share of each star at n places.
-    normals : (n, 2), see `asterism.previews.edges.free_rim.free_normals`.
-    arms : direction (2,) of each of N arms, and the weights (n, S) half a spacing back along it.
-    part : (S, N), see `carried`.
+    normals : (n, 2), from `asterism.previews.edges.free_rim.free_normals`.
+    arms : for each of N arms its direction (2,), and the weights (n, S) half a spacing back along it.
+    part : (S, N), from `carried`.
     """
     shares = np.column_stack([stars_share(along) for _, along in arms])
     parts = np.column_stack([along @ part[:, k] for k, (_, along) in enumerate(arms)]) / np.maximum(

@@ -1,8 +1,9 @@
-"""Held sides of round outlines.
+"""Correction of supported sides of round outlines.
 
-The shell is held along the sides of its mesh. Those may stand for several short ones of the design, and where they turn
-by little they are held as a smooth curve. So a round outline comes out beside where its pins hold it, by some tenths of
-a millimetre, and the sheet is moved there: by all of what is missing at the outline, by less with the distance from it.
+The shell is supported along the sides of its coarse mesh. One side of the mesh may replace several short sides of the
+design, and sides with small angles between them are supported as a smooth curve. Therefore a round outline misses its
+supports by some tenths of a millimetre. The sheet shown is moved to its supports: fully at the outline, and less with
+the distance from it.
 """
 
 from __future__ import annotations
@@ -14,11 +15,12 @@ from fem.elements.tabulation import Floats
 from fem.supports.conditions import EdgeSupport
 from pattern.geometry.planar import STRAIGHT_TURN_RAD, distance_to_outline, nearest_segment, turning_angles
 
-EQUAL_SIDES = 1e-6  # spacings: sides of the design that are nearer to those of the mesh are the same
+# a corner of the design within this distance of the outline of the mesh, in spacings, is on that outline
+MAX_OUTLINE_GAP_SPACINGS = 1e-6
 
 
 class SupportedEdge:
-    """Moves printed points (n, 2) near held sides of a sheet to where they are held."""
+    """Moves printed points (n, 2) mm near supported sides of a sheet to the places of the supports."""
 
     def __init__(self, sheet: Sheet, points: Floats) -> None:
         plan, width = sheet.layout, sheet.model.supported_rim_width
@@ -40,7 +42,7 @@ class SupportedEdge:
         self._share = fixed * (1.0 - away)[:, None]
 
     def __call__(self, x: Floats) -> Floats:
-        """(n, 3) mm, what positions x (N, 3) of the shell's dofs are moved by."""
+        """(n, 3) mm, moves of the points for the degrees of freedom x (N, 3) of the shell."""
         out = np.zeros((self._count, 3))
         if len(self._moved):
             out[self._moved] = self._share * (self._places - self._feet @ x)
@@ -48,15 +50,15 @@ class SupportedEdge:
 
 
 def _is_round(sheet: Sheet, start: Floats) -> bool:
-    """Whether the shell is held elsewhere than along sides that begin at some points (s, 2)."""
+    """Whether the shell misses the supported sides, which begin at points (s, 2): they are curved or replaced."""
     turn = np.abs(turning_angles(sheet.outline))
     if ((turn > STRAIGHT_TURN_RAD) & (turn <= np.radians(EdgeSupport.corner_deg))).any():
         return True
-    return bool((distance_to_outline(start, sheet.outline) > EQUAL_SIDES * sheet.layout.spacing_mm).any())
+    return bool((distance_to_outline(start, sheet.outline) > MAX_OUTLINE_GAP_SPACINGS * sheet.layout.spacing_mm).any())
 
 
 def _feet(points: Floats, start: Floats, end: Floats) -> Floats:
-    """(n, 2) the nearest point to each of some points on a segment of its own."""
+    """(n, 2) nearest point on a segment to each point; each point has its own segment."""
     along = end - start
     part = np.einsum("ni,ni->n", points - start, along) / np.einsum("ni,ni->n", along, along)
     return np.asarray(start + np.clip(part, 0.0, 1.0)[:, None] * along)

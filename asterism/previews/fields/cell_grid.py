@@ -1,4 +1,4 @@
-"""Whose cell each point of a fine grid is in, and whether it is on the sheet."""
+"""A fine grid over the sheet: the star whose cell holds each point, and whether the point is on the sheet."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from equilibrium.compiled import formula, loop
 from pattern.design.lattice import Lattice
 from pattern.layout.layout import Layout
 
-# weight of a place off the sheet: only in tongues narrower than the grid does it count
+# weight of a grid point outside of the sheet; it only matters in tongues that are narrower than the step of the grid
 MIN_SHARE_OFF_SHEET = 1e-6
-# over the grid's step: a point as near to the outline is on it, and so not inside
+# a point this near to the outline, in steps of the grid, is on the outline and does not count as inside
 OUTLINE_TOLERANCE = 1e-9
 
 
@@ -20,15 +20,15 @@ class CellGrid:
     Parameters
     ----------
     step : mm between grid points.
-    margin : mm, about.
+    margin : width of the margin in mm; rounded up to whole steps.
 
     Attributes
     ----------
-    origin : (2,) mm, the first grid point. From the middle between two points a star and its mirrored image see the
-        same grid.
+    origin : (2,) mm, the first grid point. The origin of the lattice is halfway between grid points, so that a star and
+        its mirror image have mirrored grid points.
     owner : (n, m) star whose cell holds each point, S for bare fabric.
-    count : (n, m) 1 on the sheet, MIN_SHARE_OFF_SHEET elsewhere.
-    ends : (n, m) number along its row of the next point that has another owner or count.
+    count : (n, m) weight of each point: 1 on the sheet, MIN_SHARE_OFF_SHEET elsewhere.
+    ends : (n, m) index, in the row of each point, of the next point with another owner or weight.
     """
 
     def __init__(self, layout: Layout, lattice: Lattice, step: float, margin: float) -> None:
@@ -59,9 +59,10 @@ def _fill(step, at, inverse, vectors, first, star, origin, border, owner, count,
 
 @formula
 def _fill_owners(origin, step, inverse, vectors, first, star, owner):  # type: ignore[no-untyped-def]
-    """Of the four lattice points around each grid point the nearest: triangles of a shortest basis are not obtuse.
+    """Set the owner of each grid point: the star at the nearest of the four lattice points around it.
 
-    `star` has the number of a star by its cell less `first`, and a frame without stars around.
+    Four candidates are enough, since the triangles of a shortest lattice basis are not obtuse. `star` holds the number
+    of each star at its lattice indices minus `first`, with a frame of bare cells around.
     """
     corner, square = np.empty((4, 2)), np.empty(4)
     for k in range(4):
@@ -88,7 +89,10 @@ def _fill_owners(origin, step, inverse, vectors, first, star, owner):  # type: i
 
 @formula
 def _fill_count(origin, step, border, count):  # type: ignore[no-untyped-def]
-    """Points inside the polygon (B, 2), by the crossings of its sides with lines on both sides of every row."""
+    """Set the weight of each point inside the polygon (B, 2).
+
+    Its sides are intersected with two lines for each row of the grid, directly below and above the row.
+    """
     corners = border.shape[0]
     crossings = np.empty(corners)
     for i in range(count.shape[0]):

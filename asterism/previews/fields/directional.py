@@ -1,7 +1,7 @@
-"""Stars that are not the same in all directions: what they make of a shell's bending (`homogenize.law.anisotropy`).
+"""Anisotropic stars: bending stiffness and rest curvature of the shell (`homogenize.law.anisotropy`).
 
-Cells are asked at their natural curvature, where directions differ most; flat ones hardly differ, and sheets, as caps
-mostly, are in between. `anisotropy_share` of the difference counts.
+The law holds the anisotropy of cells at their natural curvature, where it is largest. Flat cells are nearly isotropic,
+and sheets are in between. Therefore the share `anisotropy_share` of the anisotropy acts in the shell.
 """
 
 from __future__ import annotations
@@ -18,37 +18,40 @@ from homogenize.law.anisotropy import (
 )
 from pattern.geometry.arrays import Floats
 
-# the strongest direction is sought on both sides of the best one so far: in steps of 15 degrees, then ever closer
+# search for the direction of largest energy gain: angles tried around the best one, relative to the half width
 ANGLE_STEPS: Floats = np.linspace(-1.0, 1.0, 13)
-ANGLE_REFINEMENT, ANGLE_REFINEMENTS = 6.0, 4
+# the half width starts at 90 degrees and is divided by this factor after each pass
+ANGLE_REFINEMENT = 6.0
+# number of passes
+ANGLE_PASSES = 4
 
 
 def tensors(kappa: Floats, anisotropy: Floats) -> tuple[Floats, Floats]:
-    """Q (..., 3, 3) and m (..., 3), 1/mm, for the mean natural curvature kappa (...) and K numbers (..., K)."""
+    """Q (..., 3, 3) and m (..., 3) in 1/mm, from the mean natural curvature (...) and the K anisotropies (..., K)."""
     q = ISOTROPIC_PLATE + voigt_matrices(anisotropy[..., BENDING_COLUMNS])
     return q, kappa[..., None] * SPHERICAL + anisotropy[..., MOMENT_COLUMNS]
 
 
 def with_bending_tensor(stiffness: Floats, bending: Floats, q: Floats) -> Floats:
-    """(..., 6, 6) with the bending stiffness `bending Q`, (...) N mm, in place of an isotropic one."""
-    found = stiffness.copy()
-    found[..., 3:, 3:] = bending[..., None, None] * q
-    return found
+    """(..., 6, 6) stiffness with the bending part `bending Q` in place of an isotropic one; bending (...) in N mm."""
+    anisotropic = stiffness.copy()
+    anisotropic[..., 3:, 3:] = bending[..., None, None] * q
+    return anisotropic
 
 
 def rest_curvature(lam: Floats, q: Floats, m: Floats) -> Floats:
-    """(..., 3) curvature at rest (11, 22, 12), `-lam^2 Q^-1 m`, of a sheet that contracts by lam (...)."""
+    """(..., 3) rest curvature `-lam^2 Q^-1 m` in 1/mm, components 11, 22, 12, for contractions lam (...)."""
     voigt = np.linalg.solve(q, m[..., None])[..., 0]
     return np.asarray(-(lam**2)[..., None] * voigt * np.array([1.0, 1.0, 0.5]))
 
 
-def strongest(kappa: Floats, anisotropy: Floats) -> Floats:
-    """(n,) 1/mm, natural curvature of the tube that gains most; kappa (n,) where directions do not differ, K = 0."""
+def tube_of_largest_gain(kappa: Floats, anisotropy: Floats) -> Floats:
+    """(n,) natural curvature in 1/mm of the tube of largest energy gain over all axes; kappa (n,) if K = 0."""
     if anisotropy.shape[-1] == 0:
         return kappa
     q, m = tensors(kappa, anisotropy)
     best, half = np.zeros((len(kappa), 1)), 0.5 * np.pi
-    for _ in range(ANGLE_REFINEMENTS):
+    for _ in range(ANGLE_PASSES):
         tried = best + half * ANGLE_STEPS
         chosen = natural_curvatures(q, m, tried)[1].argmax(axis=-1)[:, None]
         best, half = np.take_along_axis(tried, chosen, axis=-1), half / ANGLE_REFINEMENT

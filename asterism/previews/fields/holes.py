@@ -1,4 +1,4 @@
-"""Holes in the pattern of a sheet: sites without a star that have stars all around them."""
+"""Holes in the star pattern: lattice sites without a star that are enclosed by stars."""
 
 from __future__ import annotations
 
@@ -12,13 +12,14 @@ from pattern.geometry.arrays import Floats
 from pattern.geometry.planar import distance_to_outline
 from pattern.layout.layout import Layout
 
-# steps to neighbours in the coordinates of the lattice, and how much longer than its longer vector they may be
+# steps to candidates for neighbours, in lattice coordinates
 LATTICE_NEIGHBOURS = np.array([[(i, j) for j in (-1, 0, 1)] for i in (-1, 0, 1)])
-NEIGHBOUR_TOLERANCE = 1.0 + 1e-6
+# a candidate is a neighbour if its step is at most this many times the longer lattice vector
+MAX_NEIGHBOUR_STEP = 1.0 + 1e-6
 
 
 def in_holes(layout: Layout, points: Floats, model: PreviewModel = PREVIEW_MODEL) -> np.ndarray:
-    """(n,) whether printed points (n, 2) mm are nearer to a site of a hole than to any star."""
+    """(n,) bool, whether printed points (n, 2) mm are nearer to a site of a hole than to all stars."""
     holes = hole_sites(layout, model) if model.has_holes else np.empty((0, 2))
     if not len(holes):
         return np.zeros(len(points), dtype=bool)
@@ -26,7 +27,7 @@ def in_holes(layout: Layout, points: Floats, model: PreviewModel = PREVIEW_MODEL
 
 
 def hole_sites(layout: Layout, model: PreviewModel = PREVIEW_MODEL) -> Floats:
-    """(n, 2) mm, sites of the lattice without a star from which no way over such sites leads to the sheet's rim."""
+    """(n, 2) mm, lattice sites without a star that are not connected to the rim through other such sites."""
     vectors = layout.lattice_vectors
     sites = np.rint((layout.centres - layout.lattice_origin) @ np.linalg.inv(vectors)).astype(np.int64)
     first = sites.min(axis=0) - 1
@@ -34,7 +35,7 @@ def hole_sites(layout: Layout, model: PreviewModel = PREVIEW_MODEL) -> Floats:
     empty[tuple((sites - first).T)] = False
     joined = (
         np.linalg.norm(LATTICE_NEIGHBOURS @ vectors, axis=-1)
-        <= NEIGHBOUR_TOLERANCE * np.linalg.norm(vectors, axis=1).max()
+        <= MAX_NEIGHBOUR_STEP * np.linalg.norm(vectors, axis=1).max()
     )
     region, _ = label(empty, joined)
     places = layout.lattice_origin + (np.argwhere(empty) + first) @ vectors

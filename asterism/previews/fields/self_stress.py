@@ -1,25 +1,29 @@
-"""What a sheet gains by Gaussian curvature from the stress that is in it.
+"""Gaussian modulus of the shell: work of the self-stress within cells when the sheet takes Gaussian curvature.
 
-A flat sheet of stars is under stress of its own: its fabric is pulled, and pushes the arms together. A Gaussian
-curvature K changes lengths within a cell, and that stress does work: the energy changes by the integral of -phi K, with
-phi Airy's function of the stress, which vanishes at a free border and is positive among the stars. The shell knows the
-part of it that is between bare rim and stars, as the stress of its own metric. The rest, within cells, is a modulus
+A flat sheet of stars is self-stressed: its fabric is in tension, its arms are in compression. Gaussian curvature K
+changes lengths within a cell, and the self-stress does work on that. The energy changes by the integral of -phi K. Here
+phi is Airy's stress function, which vanishes at a free border and is positive among the stars. The shell includes the
+part of this energy that acts between bare rim and stars, through its rest metric. The part within cells is added as a
+Gaussian modulus g, of the energy -g det b per printed area,
 
-    g = G (A11 + A12)(lam^2 - lam_bare^2)/2,    of the energy -g det b per printed area,
+    g = G (A11 + A12) (lam^2 - lam_bare^2) / 2,
 
-with A of bare fabric. No tube shows it, hence no cell: ribbons do, which have a border wherever they are. Previews of
-them roll up to a quarter too little without it, and sheets on their corners rise a tenth too little.
+with the membrane stiffness A of bare fabric. Periodic cells on tubes have no Gaussian curvature, so that they cannot
+show g. Ribbons can, since all of their area is near a border. Without g, previews of ribbons roll up to a quarter too
+little, and sheets supported at their corners rise a tenth too little.
 
-**G of a sheet that stays in its plane** is the difference of two integrals of phi: that of the exact model, and that of
-the shell (`python -m benchmarks.self_stress`). It grows with the square of the arms' length l, over which pull and push
-are apart, and has to make up for the shell's rim, which is stiff at large strains, Green's, unlike the fabric:
+**Planar sheets.** G is the difference of two integrals of phi, for the exact model and for the shell
+(`python -m benchmarks.self_stress`). It grows with the square of the arm length l, the distance between tension and
+compression. The second term compensates for the rim of the shell, whose energy is quadratic in Green's strain and
+therefore too stiff at large strains:
 
-    G = a l^2 - b d^2 (lam / lam_bare - 1),    d being the spacing, a `gaussian_arm_factor` and b
-`gaussian_strain_factor`.
+    G = a l^2 - b d^2 (lam / lam_bare - 1),
 
-**Bumps.** Stars that bump are softer to stretching than the fabric alone, and in the shell bear less of that stress
-than they do. Ribbons and free caps are nearest to the exact model with `G (A_bare / A_star)^n`, n being
-`gaussian_softening_exponent`, and no more than `max_gaussian_area d^2`.
+with the spacing d, a = `gaussian_arm_factor` and b = `gaussian_strain_factor`.
+
+**Stars with bumps** have a smaller membrane stiffness than bare fabric, so that the shell carries less of the
+self-stress than the exact model. The factor `(A_bare / A_star)^n` corrects this, with n = `gaussian_softening_exponent`
+fitted to ribbons and free caps. G is at most `max_gaussian_area d^2`.
 """
 
 from __future__ import annotations
@@ -32,7 +36,7 @@ from fem.elements.tabulation import Floats
 
 
 def gaussian_moduli(values: StarValues, spacing: float, model: PreviewModel = PREVIEW_MODEL) -> Floats:
-    """(S,) N mm, g of stars at a spacing in mm."""
+    """(S,) Gaussian moduli g of the stars in N mm; the spacing is in mm."""
     stretching = values.value["a11"] + values.value["a12"]
     bumps = (stretching[-1] / stretching[:-1]) ** model.gaussian_softening_exponent
     return np.asarray(
@@ -41,7 +45,7 @@ def gaussian_moduli(values: StarValues, spacing: float, model: PreviewModel = PR
 
 
 def plane_areas(values: StarValues, spacing: float, model: PreviewModel = PREVIEW_MODEL) -> Floats:
-    """(S,) mm^2, G of sheets that stay in their plane."""
+    """(S,) areas G of planar sheets in mm^2."""
     lam = values.value["lam_n"]
     strain = np.maximum(lam[:-1] / lam[-1] - 1.0, 0.0)
     return np.asarray(
@@ -53,7 +57,7 @@ def plane_areas(values: StarValues, spacing: float, model: PreviewModel = PREVIE
 
 
 def pulls(values: StarValues) -> Floats:
-    """(S,) N/mm, what bare fabric as large as the stars is pulled by."""
+    """(S,) tension in N/mm of bare fabric that is held at the contraction of each star."""
     value = values.value
     more = np.maximum(value["lam_n"][:-1] ** 2 - value["lam_n"][-1] ** 2, 0.0)
     return np.asarray(0.5 * (value["a11"][-1] + value["a12"][-1]) * more)

@@ -1,46 +1,49 @@
-"""The fields of a shell that stands for a sheet of stars.
+"""The fields of the homogenised shell: rest metric, rest curvature and stiffness from the law at the stars.
 
-Where stars share a place (`asterism.previews.fields.star_cells`), logarithms of contraction and stiffnesses are
-averaged, and curvatures, as they are. With contraction `lam` and natural curvature `kappa` of a place, in printed
-coordinates:
+At a place shared by several stars (`asterism.previews.fields.star_cells`), the logarithms of contraction and
+stiffnesses are averaged, and the curvatures themselves. For a place with contraction `lam` and natural curvature
+`kappa`, in printed coordinates:
 
-    a_r = lam^2 I                            the metric at rest; where stars change, see `star_arms`,
-    b_r = -kappa lam^2 / (1 + nu) I          the curvature at rest,
-    D = bending / lam^4,  c = c3 / lam^6     per printed curvature; c of the energy c Re[((b11 - b22)/2 + i b12)^3].
+    a_r = lam^2 I                            rest metric; see `star_arms` where stars change over the sheet,
+    b_r = -kappa lam^2 / (1 + nu) I          rest curvature,
+    D = bending / lam^4,  c = c3 / lam^6     stiffnesses against printed curvatures, in N mm and N mm^2; c is the factor
+                                             of the energy c Re[((b11 - b22)/2 + i b12)^3] per printed area.
 
-**Sign.** With the normal `x_1 x x_2`, upwards on the print, the second fundamental form `b = n . hess x` of a sheet
-whose edges go down is negative; `kappa` is positive there. **Factor.** An isotropic plate with rest curvature `c I` in
-both directions rolls to a tube of curvature `(1 + nu) c`, and gains `D ((1 + nu) c)^2 / 2` on the way. The law's
-`kappa` is the tube's, and its `bending` is defined by that gain. **Powers of lam.** The law's curvatures are those of
-the contracted sheet; a tube of radius r has `b = lam^2/r` per printed length squared. **Sixfold.**
-`b = -kappa lam^2 t t^T` has `Re[...] = -(kappa lam^2)^3 cos(6 phi)/8` for t at the angle phi to the x axis. The law's
-`c3` is `4 (psi_0 - psi_30)/kappa^3`, with angles from y: phi = 90 and 120 degrees, where cos(6 phi) is -1 and 1.
+- **Sign.** The normal `x_1 x x_2` points up on the print. If the edges of a sheet go down, its second fundamental form
+  `b = n . hess x` is negative, and `kappa` is positive.
+- **Factor.** An isotropic plate with rest curvature `c I` rolls to a tube of curvature `(1 + nu) c`, and gains the
+  energy `D ((1 + nu) c)^2 / 2`. The law's `kappa` is the curvature of the tube; this gain defines its `bending`.
+- **Powers of lam.** The curvatures of the law belong to the contracted sheet; a tube of radius r has `b = lam^2/r` per
+  squared printed length.
+- **Sixfold term.** `b = -kappa lam^2 t t^T` has `Re[...] = -(kappa lam^2)^3 cos(6 phi)/8` if t is at the angle phi to
+  the x axis. The law's `c3` is `4 (psi_0 - psi_30)/kappa^3` with angles from y. These are phi = 90 and 120 degrees,
+  where cos(6 phi) is -1 and 1.
 
-**Curled sheets contract more.** `lam` is that of the natural tube; held flat, most stars are longer, `lam_flat`. The
-lengths at rest follow the curvature,
+**Curled sheets contract more.** `lam` is the contraction of the natural tube. Most stars contract less in a flat sheet,
+to `lam_flat`. The rest metric follows the curvature:
 
-    a = (lam^2 + e (lam_flat^2 - lam^2) (1 + tr b / (kappa lam^2))) I,
+    a = (lam^2 + e (lam_flat^2 - lam^2) (1 + tr b / (kappa lam^2))) I.
 
-which on the natural tube, where `tr b = -kappa lam^2`, is `lam^2 I` again: tubes stay the law's. It couples membrane
-and bending, since strains are measured from there. Of rims that curl on their own, `tr b` is what is beyond that curl.
-Between stars that curl to opposite sides `1/kappa` is the mean curvature over the square of the mean of its size.
-In cells of long thin stars most of the way is made at a fraction of the natural curvature: it is a tanh of x, the turn
-over a spacing in units of `length_turn_rad`. Free sheets are near their natural curvature, where its slope counts,
-`e = 2x / sinh(2x)` for each star. Held ones are anywhere in between; there a straight line through sheets that are
-curled a little starts below the flat cell, `e = supported_length_share`.
+On the natural tube, `tr b = -kappa lam^2`, and a is `lam^2 I` as in the law. The membrane strain is measured from a, so
+that membrane and bending are coupled. At rims that curl on their own, `tr b` counts from that curl. Between stars that
+curl to opposite sides, `1/kappa` is the mean curvature over the square of the mean absolute curvature.
+Cells of long thin stars change most of their length at a fraction of the natural curvature: the change is a tanh of x,
+where x is the turn over one spacing in units of `length_turn_rad`. Free sheets are near their natural curvature, so
+that the slope there counts: `e = 2x / sinh(2x)` for each star. Supported sheets may have any curvature, and use the
+constant `e = supported_length_share`.
 
-**Stars and bare fabric bend in series** (`_in_series`): where they share a place their compliances add. Beyond the last
-stars nothing carries on what their arms bear. In exact strips, thick outer rows bend 11 to 28 % more than if logarithms
-of stiffnesses were averaged.
+**Stars and bare fabric bend in series** (`_in_series`): at a place that they share, their compliances add. Arms carry
+no moment into the fabric beyond the last stars. In exact strips, thick outer rows bend 11 to 28 % more than a mean of
+the logarithms of the stiffnesses predicts.
 
-**Fabric that is pulled favours caps** (`asterism.previews.fields.self_stress`): a modulus of Gaussian curvature `-g`,
-of the energy `-g det b` per printed area. It goes with the share of the stars squared, which leaves a border without a
-slope.
+**Self-stress favours caps** (`asterism.previews.fields.self_stress`): the Gaussian modulus `-g` adds the energy
+`-g det b` per printed area. It is multiplied by the squared share of the stars, so that its slope vanishes at the
+border.
 
-**Stars that are not the same in all directions** have a bending tensor in place of D, a rest curvature in place of
-`-kappa lam^2/(1 + nu) I` (`asterism.previews.fields.directional`), and lengths by the tube that gains most.
+**Anisotropic stars** have a bending tensor in place of D and a rest curvature in place of `-kappa lam^2/(1 + nu) I`
+(`asterism.previews.fields.directional`). Their lengths are those of the tube of largest energy gain.
 
-**Free rims** of bare fabric curl on their own (`asterism.previews.edges.free_rim`).
+**Free rims** of bare fabric have an additional rest curvature (`asterism.previews.edges.free_rim`).
 """
 
 from __future__ import annotations
@@ -62,10 +65,14 @@ from homogenize.law.anisotropy import BENDING_POISSON, min_bending_ratio
 from pattern.design.lattice import DEFAULT_SPACING_MM
 from pattern.geometry.arrays import Floats
 
-MIN_SATURATION_TURN_RAD = 1e-3 * DEFAULT_SPACING_MM  # over a spacing
-MIN_CURLED_TURN_RAD = 3e-3 * DEFAULT_SPACING_MM  # over a spacing: the lengths of flatter stars do not follow curvature
-MAX_GAUSSIAN_SHARE = 0.95  # of the Gaussian modulus that leaves the bending energy indefinite
-_PLAIN = ("kappa", "a12", "c3")
+# lower limit of the saturation curvature of the sixfold term, as a turn over one spacing
+MIN_SATURATION_TURN_RAD = 1e-3 * DEFAULT_SPACING_MM
+# the lengths of stars that curl by a smaller turn over one spacing do not follow the curvature
+MIN_CURLED_TURN_RAD = 3e-3 * DEFAULT_SPACING_MM
+# largest Gaussian modulus, as a share of the one at which the bending energy becomes indefinite
+MAX_GAUSSIAN_SHARE = 0.95
+# quantities of the law that are averaged as they are, without a logarithm
+AVERAGED_QUANTITIES = ("kappa", "a12", "c3")
 
 
 def sheet_fields(
@@ -80,15 +87,24 @@ def sheet_fields(
     spacing: float = DEFAULT_SPACING_MM,
     model: PreviewModel = PREVIEW_MODEL,
 ) -> Fields:
-    """The fields at places where stars count with weights (n, S), bare fabric with what is missing to 1.
+    """Compute the fields of the shell at n places.
 
-    `shape`: of the arrays, (T, Q) with n = T Q. `arms`: for each arm of a star its direction (2,) and the weights half
-    a spacing back along it (`asterism.previews.fields.star_arms`); without them the metric is `lam^2 I`. `normals`: (n,
-    2) of free rims (`asterism.previews.edges.free_rim.free_normals`); without them rims do not curl. `early`: e above,
-    of all or of each star (S + 1,), see `free_length_share`. `carried`: (S, N) part of the natural curvature that arms
-    carry on into a free rim (`asterism.previews.edges.rim_arms`). `gaussian`: (S,) N mm, g of each star; none without.
-    `spacing`: mm, of the stars. The sixfold term is larger by what its saturation takes away from it at the natural
-    curvature.
+    The sixfold term is enlarged by the part that its saturation removes at the natural curvature.
+
+    Parameters
+    ----------
+    weights : (n, S) share of each star at the places; bare fabric has the rest to 1.
+    values : the law at the stars.
+    shape : shape of the fields, (T, Q) with n = T Q.
+    arms : for each arm of a star its direction (2,), and the weights half a spacing back along it
+        (`asterism.previews.fields.star_arms`). Without arms, the rest metric is `lam^2 I`.
+    normals : (n, 2) normals of free rims (`asterism.previews.edges.free_rim.free_normals`); without them, rims do not
+        curl.
+    early : e above, one number or (S + 1,); see `free_length_share`.
+    carried : (S, N) share of the natural curvature that arms carry into a free rim
+        (`asterism.previews.edges.rim_arms`).
+    gaussian : (S,) g of each star in N mm; zero by default.
+    spacing : mm, spacing of the stars.
     """
 
     def mean(of: Floats, shares: sp.csr_matrix = weights) -> Floats:
@@ -102,7 +118,7 @@ def sheet_fields(
     bending = (_in_series if model.has_series_bending else _mean_logarithm)(values.value["bending"], weights).reshape(
         shape
     )
-    kappa, a12, c3 = (mean(values.value[name]) for name in _PLAIN)
+    kappa, a12, c3 = (mean(values.value[name]) for name in AVERAGED_QUANTITIES)
     square, zero = lam**2, np.zeros(shape)
     metric = np.stack([square, square, zero], axis=-1)
     if arms and model.has_rosette_metric:
@@ -111,14 +127,14 @@ def sheet_fields(
     bend = -kappa * square / (1.0 + BENDING_POISSON)
     stiffness = isotropic(a11, bending / lam**4, a12 / a11, BENDING_POISSON)
     curvature = np.stack([bend, bend, zero], axis=-1)
-    # of the natural tubes, and of the softest bending over the isotropic
+    # natural curvature of the tubes, and smallest bending stiffness over the isotropic one
     curl, firm = values.value["kappa"], np.ones(shape)
     if values.anisotropy.shape[1]:
         q, m = tensors(kappa, np.asarray(weights @ values.anisotropy[:-1]).reshape(*shape, -1))
         stiffness, firm = with_bending_tensor(stiffness, bending / lam**4, q), min_bending_ratio(q)
         curvature, curl = rest_curvature(lam, q, m), values.tube_curvature
     strength = mean(np.abs(curl))
-    # parts of lam^2: by how much a flat sheet's metric is larger, and how much of that the trace of b takes away
+    # relative to lam^2: excess of the metric of a flat sheet, and the decrease of this excess per trace of b
     longer = np.where(strength * spacing > MIN_CURLED_TURN_RAD, flat**2 - square, 0.0) / square
     per_trace = longer * mean(curl) / np.where(longer == 0.0, 1.0, strength) ** 2
     metric = metric * (1.0 + longer + per_trace * curvature[..., :2].sum(axis=-1) / square)[..., None]
@@ -147,27 +163,27 @@ def sheet_fields(
 
 
 def free_length_share(values: StarValues, spacing: float, model: PreviewModel = PREVIEW_MODEL) -> Floats:
-    """(S + 1,) e above at the natural curvature of stars with a spacing in mm."""
+    """(S + 1,) factors e above of a free sheet; the spacing is in mm."""
     turn = np.maximum(2.0 * np.abs(values.value["kappa"]) * spacing / model.length_turn_rad, 1e-6)
     return np.asarray(turn / np.sinh(turn))
 
 
 def _in_series(bending: Floats, weights: sp.csr_matrix) -> Floats:
-    """(n,) N mm, stiffness of places where stars, with their mean logarithm, and bare fabric share a bending moment."""
+    """(n,) bending stiffness in N mm of stars, with their mean logarithm, in series with bare fabric."""
     share = np.minimum(stars_share(weights), 1.0)
-    # over the fabric's: without stars beside, nothing is left of them in any unit
+    # relative to bare fabric: far from all stars the mean logarithm is zero, which is the stiffness of the fabric
     stars = bending[-1] * np.exp(beside(weights, np.log(bending[:-1] / bending[-1])))
     return np.asarray(1.0 / (share / stars + (1.0 - share) / bending[-1]))
 
 
 def _mean_logarithm(bending: Floats, weights: sp.csr_matrix) -> Floats:
-    """(n,) N mm, mean of the logarithms of stars and bare fabric."""
+    """(n,) bending stiffness in N mm by the mean logarithm of stars and bare fabric."""
     logs = np.log(bending)
     return np.asarray(np.exp(logs[-1] + weights @ (logs[:-1] - logs[-1])))
 
 
 def _coupled(stiffness: Floats, coupling: Floats) -> Floats:
-    """(..., 6, 6) where membrane strains count from `coupling` (mm) times the curvature's trace in all directions."""
+    """(..., 6, 6) stiffness for membrane strains measured from `coupling` (mm) times the trace of the curvature."""
     change = np.zeros((*coupling.shape, 6, 6))
     change[...] = np.eye(6)
     change[..., :2, 3:5] = -coupling[..., None, None]

@@ -1,19 +1,18 @@
-"""The rest metric where stars change over the sheet.
+"""The rest metric where the stars change over the sheet.
 
-A star of three arms is not the same in opposite directions. On a lattice whose lines follow the arms, the fabric
-between two neighbours lies under the arm of one of them only: the star that the line leaves along its arm. So at a
-place of the sheet, the contraction along an arm's direction `d_k` is not that of the stars around it, but of those half
-a spacing back along the arm:
+A star with three arms differs between opposite directions. Where the lines of the lattice follow the arms, the fabric
+between two neighbours lies under the arm of only one of them. Therefore the contraction along the direction `d_k` of an
+arm is that of the stars half a spacing back along the arm:
 
     rho_k(X) = lam(X - spacing/2 d_k).
 
-The metric with these stretches along all N arms, scaled so that their geometric mean stays `lam`, is that of a strain
-rosette,
+The rest metric has these contractions along all N arms, like a strain rosette, scaled so that their geometric mean is
+`lam`:
 
     a_r = lam^2 (m I + 4/N sum_k (s_k - m) (d_k d_k - I/2)),    s_k = rho_k^2 / (prod_j rho_j)^(2/N),    m = mean s_k.
 
-with 2/N for four arms: they lie along two lines only, which know nothing of the shear between them. For equal stars it
-is `lam^2 I`; for other numbers of arms than three a gradient does not change it.
+For four arms the factor is 2/N, since they lie along two lines only, which leaves the shear undetermined. For equal
+stars, a_r is `lam^2 I`. A gradient of the sizes changes a_r only for three arms.
 """
 
 from __future__ import annotations
@@ -31,9 +30,18 @@ def arm_metric(lam: Floats, along: Floats, directions: Floats) -> Floats:
 
     Parameters
     ----------
-    lam : (...) contraction of a place.
+    lam : (...) contraction of the places.
     along : (..., N) contraction of the stars half a spacing back along each arm.
     directions : (N, 2) unit vectors of the arms.
+
+    Examples
+    --------
+    The metric of equal stars is isotropic:
+
+    >>> angles = np.radians([90.0, 210.0, 330.0])
+    >>> directions = np.column_stack([np.cos(angles), np.sin(angles)])
+    >>> arm_metric(np.array(0.8), np.full(3, 0.8), directions).round(6) + 0.0
+    array([0.64, 0.64, 0.  ])
     """
     stretch = (along / np.exp(np.log(along).mean(axis=-1, keepdims=True))) ** 2
     mean = stretch.mean(axis=-1)
@@ -42,13 +50,13 @@ def arm_metric(lam: Floats, along: Floats, directions: Floats) -> Floats:
 
 
 def rosette(along: Floats, directions: Floats) -> Floats:
-    """(..., 3) components 11, 22, 12 of `4/N sum_k (s_k - m) (d_k d_k - I/2)`: a strain rosette less its mean.
+    """(..., 3) components 11, 22, 12 of `4/N sum_k (s_k - m) (d_k d_k - I/2)`, the deviator of a strain rosette.
 
-    Of four directions, opposite in pairs, it is half of that.
+    For four directions, which are opposite in pairs, it is half of that.
 
     Parameters
     ----------
-    along : (..., N) s_k along each direction; m is their mean.
+    along : (..., N) values s_k along the directions; m is their mean.
     directions : (N, 2) unit vectors d_k.
     """
     x, y = directions.T
@@ -59,9 +67,15 @@ def rosette(along: Floats, directions: Floats) -> Floats:
 def are_last_arms(
     layout: Layout, centres: Floats, directions: Floats, model: PreviewModel = PREVIEW_MODEL
 ) -> np.ndarray:
-    """Which arms (n,), of stars at `centres` (n, 2) mm along unit `directions` (n, 2), have no star ahead."""
+    """(n,) bool, whether arms end at the rim: the site ahead has no star.
+
+    Parameters
+    ----------
+    centres : (n, 2) mm, centres of the stars.
+    directions : (n, 2) unit vectors of the arms.
+    """
     ahead = layout.spacing_mm * directions
     steps = np.stack(np.meshgrid(*[np.arange(-3, 4)] * 2, indexing="ij"), axis=-1).reshape(-1, 2)
-    others = cKDTree(steps[steps.any(axis=1)] @ layout.lattice_vectors)
-    found = cKDTree(layout.centres).query(centres + ahead)[0]
-    return np.asarray(found > others.query(ahead)[0] + model.last_arm_margin * layout.spacing_mm)
+    sites = cKDTree(steps[steps.any(axis=1)] @ layout.lattice_vectors)
+    to_star = cKDTree(layout.centres).query(centres + ahead)[0]
+    return np.asarray(to_star > sites.query(ahead)[0] + model.last_arm_margin * layout.spacing_mm)

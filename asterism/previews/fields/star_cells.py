@@ -1,13 +1,12 @@
-"""How much each star has a say at a place of the sheet: its cell, smoothed.
+"""The share of each star at a place of the sheet: its lattice cell, smoothed by a Gaussian.
 
-The cell of a star are the places nearer to it than to any other site of its lattice, on the sheet. What no star's cell
-covers is bare fabric: the rim, and sites without a star. A shell on coarse triangles needs fields without jumps, so
-every place takes the mean over its neighbourhood with the weights `exp(-r^2/(2 w^2))` of a Gaussian, counting only what
-is on the sheet.
+The cell of a star is the part of the sheet that is nearer to this star than to all other sites of the lattice. The rest
+of the sheet is bare fabric: the rim, and sites without a star. The coarse shell needs fields without jumps. Therefore
+the share at a place is the mean over its neighbourhood on the sheet, with the weights `exp(-r^2/(2 w^2))`.
 
-**How far a star reaches.** Long arms leave their cell, and the fabric beyond the border's stars is not bare there: w is
-a fifth of the spacing. Stars with short arms keep to their cells, and the rim around them is bare: w is as small as
-the grid allows. In between a place takes the mean of both, by the length of the arms around it.
+**Width of the Gaussian.** Long arms reach beyond their cell and into the rim: w is a fifth of the spacing. Short arms
+stay within their cell, and the rim around them is bare: w is as small as the grid allows. In between, the share is a
+mean of both, by the length of the nearby arms.
 """
 
 from __future__ import annotations
@@ -25,20 +24,24 @@ from pattern.design.lattice import Lattice
 from pattern.geometry.arrays import Floats
 from pattern.layout.layout import Layout
 
+# resolution of the grid
 GRID_POINTS_PER_SPACING = 20
-GAUSSIAN_REACH = 3.0  # widths, where the Gaussian ends
-MAX_STARS = 24  # that share a place
+# radius at which the Gaussian is cut off, in widths
+GAUSSIAN_REACH = 3.0
+# at most this many stars share a place
+MAX_STARS = 24
 
 
 class Shares:
-    """Of n places, whatever the length of the arms; each width is looked at when arms ask for it.
+    """Shares of S stars at n places, as a function of the length of the arms.
+
+    The shares for each of the two widths are computed when they are first needed.
 
     Parameters
     ----------
-    by_width : gives the (n, S) share of each star by a width of the Gaussian, in mm; what is missing to 1 is bare
-        fabric.
-    widths : wide and narrow.
-    spacing_mm : of the stars.
+    by_width : function of a width of the Gaussian in mm; returns (n, S) shares, bare fabric has the rest to 1.
+    widths : wide and narrow width in mm.
+    spacing : mm, spacing of the stars.
     """
 
     def __init__(
@@ -52,16 +55,16 @@ class Shares:
 
     @cached_property
     def wide(self) -> sp.csr_matrix:
-        """(n, S) of stars with long arms."""
+        """(n, S) shares of stars with long arms."""
         return self._by_width(self._widths[0])
 
     @cached_property
     def narrow(self) -> sp.csr_matrix:
-        """(n, S) of stars with short arms."""
+        """(n, S) shares of stars with short arms."""
         return self._by_width(self._widths[1])
 
     def __call__(self, length: Floats) -> sp.csr_matrix:
-        """(n, S) share of each star, its arms being of a length (S,) mm."""
+        """(n, S) share of each star, for arm lengths (S,) in mm."""
         long = long_arms(length, self.spacing_mm, self._model)
         if (long == 1.0).all():
             return self.wide
@@ -70,26 +73,27 @@ class Shares:
 
 
 def long_arms(length: Floats, spacing: float, model: PreviewModel = PREVIEW_MODEL) -> Floats:
-    """(n,) how far arms of a length (n,) leave their cell: 0 for short ones, up to 1."""
+    """(n,) interpolation between short arms (0) and long arms (1), for lengths (n,) and a spacing in mm."""
     return np.clip((length / spacing - model.short_arm) / (model.long_arm - model.short_arm), 0.0, 1.0)
 
 
 def _scaled(matrix: sp.csr_matrix, rows: Floats) -> sp.csr_matrix:
-    """Every row times a number."""
+    """The matrix with each row multiplied by a number (n,)."""
     data = matrix.data * np.repeat(rows, np.diff(matrix.indptr))
     return sp.csr_matrix((data, matrix.indices, matrix.indptr), shape=matrix.shape)
 
 
 class StarCells:
-    """The smoothed cells of a layout's stars.
+    """The smoothed cells of the stars of a layout.
 
     Parameters
     ----------
-    model : with the widths of the Gaussian.
+    layout, lattice : of the design.
+    model : the widths of the Gaussian.
 
     Attributes
     ----------
-    width_mm : the wider one.
+    width_mm : the larger width.
     """
 
     def __init__(self, layout: Layout, lattice: Lattice, model: PreviewModel = PREVIEW_MODEL) -> None:
@@ -102,11 +106,11 @@ class StarCells:
         self._grid = CellGrid(layout, lattice, step, GAUSSIAN_REACH * self.width_mm)
 
     def shares(self, points: Floats) -> Shares:
-        """Of the stars at printed points (n, 2) mm."""
+        """The shares of the stars at printed points (n, 2) mm."""
         return Shares(partial(self._weights, points), self._widths, self._spacing, self._model)
 
     def _weights(self, points: Floats, width: float) -> sp.csr_matrix:
-        """(n, S) share of each star."""
+        """(n, S) share of each star at points (n, 2) mm, for a width in mm."""
         grid = self._grid
         place = (np.asarray(points, dtype=float) - grid.origin) / grid.step
         star, share = np.empty(len(place) * MAX_STARS, dtype=np.int32), np.empty(len(place) * MAX_STARS)
@@ -120,7 +124,7 @@ class StarCells:
 
 @formula
 def _bell(start, step, out):  # type: ignore[no-untyped-def]
-    """exp(-r^2/2) at evenly spaced r: ratios of neighbours have one ratio."""
+    """Set out to exp(-r^2/2) at evenly spaced r, by recurrence: the ratio of neighbours is a geometric sequence."""
     value, ratio = np.exp(-0.5 * start * start), np.exp(-step * (start + 0.5 * step))
     turn = np.exp(-step * step)
     for k in range(out.size):
@@ -131,9 +135,11 @@ def _bell(start, step, out):  # type: ignore[no-untyped-def]
 
 @loop
 def _gather(place, owner, count, ends, reach, step, stars, star, share, rows):  # type: ignore[no-untyped-def]
-    """Who owns the grid around each place (n, 2), by the Gaussian's weight: star and share row by row, rows (n + 1,).
+    """Sum the Gaussian's weights around each place (n, 2) by the owner of the grid points.
 
-    `ends`: where along its row the run of equal owners and counts ends that a grid point is in. Owner S is nobody.
+    The result is a CSR matrix: `star` and `share` hold its columns and values, `rows` (n + 1,) its row pointer.
+    `ends` is the index in its row at which a run of grid points with equal owner and weight ends. Owner S is bare
+    fabric.
     """
     size = 2 * reach + 1
     first, across, along = np.empty(2, dtype=np.int64), np.empty(size), np.zeros(size + 1)

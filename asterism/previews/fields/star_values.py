@@ -1,4 +1,4 @@
-"""What the law says of a layout's stars, and what it refuses."""
+"""The law evaluated at the stars of a layout, with checks that a sheet can have these values."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asterism.previews.fields.directional import strongest
+from asterism.previews.fields.directional import tube_of_largest_gain
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from homogenize.errors import LawError
 from homogenize.law.axes import star_sizes
@@ -57,12 +57,12 @@ class StarValues:
 
 
 def star_values(design: Design, layout: Layout, law: Law, model: PreviewModel = PREVIEW_MODEL) -> StarValues:
-    """The law at every star of a design.
+    """Evaluate the law at all stars of a design and at bare fabric.
 
     Raises
     ------
     LawError
-        The law is for another material, stretch or lattice, or asks for something impossible at a star.
+        The law is for another material, stretch or lattice, or its value at a star is impossible for a sheet.
     """
     sizes = star_sizes(layout, design.lattice.arms)
     asked = np.vstack([sizes, [0.0, *np.mean(sizes[:, 1:], axis=0)]])
@@ -75,10 +75,10 @@ def star_values(design: Design, layout: Layout, law: Law, model: PreviewModel = 
     outside = tuple(_placed(line, where) for line in found.outside)
     differs = law.anisotropy(design, *asked.T)
     anisotropy = model.anisotropy_share * differs
-    tube_curvature = strongest(found.value["kappa"], anisotropy)
+    tube_curvature = tube_of_largest_gain(found.value["kappa"], anisotropy)
     # as for cells, the whole difference between directions counts here, without `anisotropy_share`
     curls = found.not_scale_separated | (
-        np.abs(strongest(found.value["kappa"], differs)) * design.lattice.spacing_mm > MAX_SEPARATED_CURL
+        np.abs(tube_of_largest_gain(found.value["kappa"], differs)) * design.lattice.spacing_mm > MAX_SEPARATED_CURL
     )
     not_scale_separated = tuple(layout.star_number[curls[:-1]].tolist())
     corrugation = law.corrugation(design, *asked.T)
@@ -101,11 +101,11 @@ def star_values(design: Design, layout: Layout, law: Law, model: PreviewModel = 
 
 
 def _bounded_sixfold(value: dict[str, Floats], max_share: float) -> tuple[Floats, Bools]:
-    """(n,) `c3` as far as the bending stiffness bears it, and (n,) where it is more."""
-    c3, most = value["c3"], max_share * value["bending"]
-    taken = np.abs(c3 * value["kappa"])
-    too_much = taken > most
-    return np.where(too_much, c3 * most / np.where(too_much, taken, 1.0), c3), too_much
+    """(n,) `c3`, limited to a share of the bending stiffness, and (n,) bool, where the limit applies."""
+    c3, limit = value["c3"], max_share * value["bending"]
+    size = np.abs(c3 * value["kappa"])
+    too_much = size > limit
+    return np.where(too_much, c3 * limit / np.where(too_much, size, 1.0), c3), too_much
 
 
 def _bumps(
@@ -115,8 +115,8 @@ def _bumps(
 
     Parameters
     ----------
-    length : (n,) mm, of the arms.
-    corrugation : (n, 2, W) amplitudes.
+    length : (n,) mm, length of the arms.
+    corrugation : (n, 2, W) amplitudes of the law's waves, as in `StarValues`.
     kappa : (n,) 1/mm, natural curvature.
     """
     lattice = design.lattice
@@ -131,13 +131,13 @@ def _bumps(
 
 
 def _placed(line: str, where: Sequence[str]) -> str:
-    """The law's words on a star, with its place."""
+    """A line of the law about a star, with the number and place of the star."""
     head, text = line.split(": ", 1)
     return f"{where[int(head.split()[1])]}: {text}"
 
 
 def _check(layout: Layout, where: Sequence[str], value: dict[str, Floats]) -> None:
-    """Refuse what no sheet can do, whatever file the law comes from; values (S,) of stars that are somewhere."""
+    """Raise LawError if the values (S,) of a star are impossible for a sheet; `where` describes each star."""
     lam, bending, a11 = value["lam_n"], value["bending"], value["a11"]
     allowed = {
         "lam_n": ((lam > 0.0) & (lam <= 1.0), "a contraction above 0 and up to 1"),

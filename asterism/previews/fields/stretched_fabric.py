@@ -1,14 +1,14 @@
-"""What bare fabric does when it is stretched to twice its length and more, as it is beside a pin.
+"""Neo-Hookean energy of bare fabric at large strains, as beside a pin.
 
-The law's energy is quadratic in Green's strain: good for a few tens of percent, and far too stiff beyond. The exact
-model's fabric is neo-Hookean (`discrete.energies.membrane`), per rest area
+The law's energy is quadratic in Green's strain. It is accurate up to strains of a few tens of percent, and far too
+stiff beyond. The fabric of the exact model is neo-Hookean (`discrete.energies.membrane`), with the energy per rest area
 
     W = mu/2 (tr C - 2 - 2 ln J) + lam/2 (ln J)^2,    C = 1 + 2 E/lambda^2,    J^2 = det C,
 
-E being the strain in printed coordinates from the rest metric lambda^2. The difference of W and its quadratic part is
-added to the shell's energy, times the share of bare fabric. Where lengths at rest follow the curvature
-(`asterism.previews.fields.sheet_fields`), E counts from those: a quadratic coupling beside an energy that grows ever
-more slowly would have no lower bound.
+where E is the strain in printed coordinates from the rest metric lambda^2. The shell's energy gets the difference
+between W and its quadratic part, times the share of bare fabric. If the rest metric follows the curvature
+(`asterism.previews.fields.sheet_fields`), E is measured from that metric: W grows more slowly than a quadratic energy,
+and together with a quadratic coupling it would have no lower bound.
 """
 
 from __future__ import annotations
@@ -20,19 +20,19 @@ from fem.elements.tabulation import Floats
 from fem.shell.density import EnergyTerm
 from fem.shell.fields import Fields
 
-# det C below which ln J goes on as a parabola: strains on their way to an equilibrium may be no strains of a surface
+# below this det C, ln J continues as a parabola: during a search, strains may be impossible for a surface
 MIN_DET_C = 0.1
 
 
 def stretched_fabric(fields: Fields, stiffness: Floats, bare: Floats) -> EnergyTerm:
-    """The further law of a density with a stiffness (T, Q, 6, 6), bare (T, Q) of it being fabric.
+    """Additional energy term of a shell with stiffness (T, Q, 6, 6) and share (T, Q) of bare fabric.
 
-    Young's modulus and Poisson's ratio are those of the stiffness, so that it stays what it is for small strains.
+    Young's modulus and Poisson's ratio follow from the stiffness, so that small strains have the same energy as before.
     """
     metric = np.asarray(fields.metric, dtype=float).reshape(-1, 3)
     square = 0.5 * (metric[:, 0] + metric[:, 1])
     membrane = stiffness[..., :3, :3].reshape(-1, 3, 3)
-    # strains count from what the curvatures make of the lengths at rest
+    # strains are measured from the rest metric at the current curvature
     follows = np.linalg.solve(membrane, stiffness[..., :3, 3:].reshape(-1, 3, 3))
     coupled = bool(follows.any())
     plane = bare.ravel() * membrane[:, 0, 0] * square**2
@@ -59,7 +59,7 @@ def stretched_fabric(fields: Fields, stiffness: Floats, bare: Floats) -> EnergyT
 
 @loop
 def _beyond_quadratic(e, square, mu, lam, energy, gradient, hessian):  # type: ignore[no-untyped-def]
-    """Energy (P,) at strains e (P, 6), and its derivatives."""
+    """Set energy (P,), gradient and Hessian at strains e (P, 6)."""
     turn, stress = np.empty(3), np.empty(3)
     for p in range(e.shape[0]):
         one, two, both = e[p, 0] / square[p], e[p, 1] / square[p], e[p, 2] / square[p]
@@ -77,7 +77,7 @@ def _beyond_quadratic(e, square, mu, lam, energy, gradient, hessian):  # type: i
         stress[2] = mu[p] * both
         energy[p] = mu[p] * (one + two - log) + 0.5 * lam[p] * log * log
         energy[p] -= 0.5 * (stress[0] * one + stress[1] * two + stress[2] * both)
-        # no surface has such a C, but where lengths at rest follow the curvature strains may be of none
+        # a negative trace of C is impossible for a surface; it occurs if the rest metric follows the curvature
         inside_out = min(c11 + c22, 0.0)
         energy[p] += mu[p] * inside_out * inside_out
         for a in range(3):

@@ -1,9 +1,9 @@
-"""Other minima near one that was found: each function returns the lowest of it and of those it reaches.
+"""Further minima near a given one. Each function returns the lowest of the given minimum and those that it reaches.
 
 - `perturb_along_softest_mode` starts on both sides of the minimum, along its softest mode.
 - `buckle` starts a sheet that its supports hold narrower than its natural size from caps and arcs: such a sheet
   buckles, its form depends on the start, and all forms are stiff, so that no near-zero mode shows the others.
-- `is_inverted` finds sheets that hang wholly on the wrong side of their supports.
+- `is_inverted` detects sheets that lie completely on the wrong side of their supports.
 """
 
 from __future__ import annotations
@@ -23,18 +23,24 @@ from fem.search.sides import FLAT_SAG_MM, Side
 from fem.search.simple_shapes import SimpleShape
 from fem.shell.shell import Shell
 
-EQUAL_ENERGY = 1e-3  # share of the energy within which two minima are the same form
-MAX_RISE_SHARE = 0.1  # an inverted sheet rises by less than this share of how far it hangs
-MIN_SIZE_RATIO = 0.95  # supported size over natural size: narrower sheets buckle
-ARCS = 3  # that a narrow sheet is started from, about
+# two minima count as one form if their energies differ by less than this share
+EQUAL_ENERGY = 1e-3
+# an inverted sheet rises above its supports by less than this share of its depth below them
+MAX_RISE_SHARE = 0.1
+# sheets with a smaller ratio of supported size to natural size may buckle
+MIN_SIZE_RATIO = 0.95
+# about this many arcs are initial guesses for a narrow sheet
+ARC_GUESSES = 3
 
 
 def perturb_along_softest_mode(
     shell: Shell, factor: Factor, equilibrium: ShellEquilibrium, amplitude_mm: float
 ) -> ShellEquilibrium:
-    """The lowest of a minimum and of those that its softest mode leads to.
+    """The lowest of a minimum and of those that a perturbation along its softest mode leads to, in both directions.
 
-    `amplitude_mm` is the largest move of a dof.
+    Parameters
+    ----------
+    amplitude_mm : largest change of a degree of freedom.
     """
     mode = softest_modes(shell, equilibrium.x, factor, 1)[1][:, 0]
     step = amplitude_mm / np.abs(shell.move(np.zeros_like(equilibrium.x), mode)).max() * mode
@@ -50,10 +56,10 @@ def is_narrow(means: MeanFields) -> bool:
 def buckle(
     shell: Shell, factor: Factor, equilibrium: ShellEquilibrium, means: MeanFields, guesses: Sequence[SimpleShape]
 ) -> ShellEquilibrium:
-    """The lowest of a minimum and of those that caps and a few arcs among the guesses lead to."""
+    """The lowest of a minimum and of those that caps and a few arcs, taken from the guesses, lead to."""
     builder = GuessBuilder(shell, factor, means.centre, means.stretch)
     arcs = [shape for shape in guesses if shape.name in ("arc", "bent")]
-    tried = [shape for shape in guesses if shape.name == "cap"] + arcs[:: max(len(arcs) // ARCS, 1)]
+    tried = [shape for shape in guesses if shape.name == "cap"] + arcs[:: max(len(arcs) // ARC_GUESSES, 1)]
     starts = [builder.relax_in_plane(builder.bend(shape)) for shape in tried]
     others = [follow(shell, start.x, factor, start.shape.name, patient=False) for start in starts]
     low = min(others, key=lambda other: other.energy)
@@ -63,7 +69,7 @@ def buckle(
 
 
 def is_inverted(shell: Shell, x: Floats, side: Side) -> bool:
-    """Whether a supported sheet x (N, 3) is wholly on the other side of its supports than its edges' side asks for."""
+    """Whether a supported sheet x (N, 3) lies completely on the wrong side of its supports for the given side."""
     heights = (shell.node_positions(x)[:, 2] - shell.support_level[2]) * (1.0 if side == "down" else -1.0)
     return bool(heights.min() < -FLAT_SAG_MM and heights.max() < MAX_RISE_SHARE * -heights.min())
 

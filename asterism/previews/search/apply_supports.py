@@ -1,4 +1,4 @@
-"""Later supports take hold of a sheet: it is moved to them in equal strides."""
+"""Later supports: the supported points of a sheet move to their places in equal steps."""
 
 from __future__ import annotations
 
@@ -11,8 +11,10 @@ from fem.search.relax import follow
 from fem.shell.shell import Shell
 from pattern.geometry.rigid_fit import rigid_fit
 
-STRIDES = 6  # in which the supported dofs move to their places
-START = "pins take hold"  # name of the start of what is found
+# number of steps in which supported degrees of freedom move to their places
+SUPPORT_STEPS = 6
+# name of the start of the resulting equilibrium
+SUPPORT_START = "pins take hold"
 
 
 def apply_supports(shell: Shell, factor: Factor, x: Floats, was_free: bool) -> ShellEquilibrium:
@@ -24,10 +26,10 @@ def apply_supports(shell: Shell, factor: Factor, x: Floats, was_free: bool) -> S
     if was_free:
         x = _laid_on_supports(shell, x, target.reshape(-1, 3))
     start = x.ravel() - shell.reduction.map @ shell.reduction.project(x)
-    for stride in range(1, STRIDES + 1):
-        share = stride / STRIDES
+    for step in range(1, SUPPORT_STEPS + 1):
+        share = step / SUPPORT_STEPS
         moved = shell.with_target((1.0 - share) * start + share * target)
-        equilibrium = follow(moved, moved.constrain(x), factor, START)
+        equilibrium = follow(moved, moved.constrain(x), factor, SUPPORT_START)
         x = equilibrium.x
     return equilibrium
 

@@ -35,22 +35,26 @@ from fem.search.sides import Side, side_of
 from fem.search.simple_shapes import SimpleShape
 from fem.shell.shell import Shell
 
-# a free sheet of equal stars that would turn by more from side to side, in rad, is a tube, and not tried as a cap
+# a free sheet of equal stars whose natural turn from side to side is larger is a tube; caps are not tried
 MIN_TUBE_TURN_RAD = 3.0
-CAP_CURVATURES = (1.0, 0.7)  # over a cap's own: from afar it takes luck to reach the lowest fold
+# curvatures of the caps that are tried, over the curvature of the last cap among the guesses
+CAP_CURVATURES = (1.0, 0.7)
+# kinds of initial guesses with an axis
 ROLLED = {"arc", "bent", "saddle"}
-KINDS = ROLLED | {"cap"}  # of guesses that are not flat
-PERTURBATION = 0.04  # of the size: how far a supported sheet with two near-zero modes is perturbed
+# kinds of initial guesses that are not flat
+KINDS = ROLLED | {"cap"}
+# amplitude of the perturbation of a supported sheet with two near-zero modes, over the size of the sheet
+PERTURBATION = 0.04
 
 
 @dataclass(frozen=True)
 class SheetTraits:
-    """What decides which guesses are tried.
+    """Properties of a sheet that determine the initial guesses.
 
     Attributes
     ----------
-    has_equal_stars : all stars have one size.
-    has_tight_curls : many stars are not scale-separated.
+    has_equal_stars : whether all stars have one size.
+    has_tight_curls : whether many stars are not scale-separated.
     turns : (2, 2) rotations and mirrors of the design's symmetries; axes that they make equal count once.
     """
 
@@ -88,7 +92,7 @@ def _lowest_on_side(
     if best is None:
         factorise(shell, equilibrium.x, factor)
         return equilibrium
-    there = follow(shell, best.x, factor, best.name)  # for the evidence and the factor: it is there already
+    there = follow(shell, best.x, factor, best.name)  # best.x is a minimum; this recomputes evidence and factor
     stiffness = softest_modes(shell, there.x, factor)[0]
     return replace(there, trials=equilibrium.trials, soft_modes=stiffness, iterations=best.iterations)
 
@@ -96,7 +100,7 @@ def _lowest_on_side(
 def _lowest_on_any_side(
     shell: Shell, factor: Factor, side: Side, traits: SheetTraits, model: PreviewModel
 ) -> ShellEquilibrium:
-    """The lowest minimum; the side of the guesses is that asked for, but they may end on the other one."""
+    """The lowest minimum; the guesses are on the requested side, but may lead to the other one."""
     free = len(shell.fixed_points) == 0
     means, size, turns = mean_fields(shell), shell.extent, traits.turns
     if free and traits.has_equal_stars and abs(means.curvature) * means.stretch * size > MIN_TUBE_TURN_RAD:
@@ -133,7 +137,7 @@ def _lowest_free(
     """The lowest of a free sheet's equilibrium and of those that further kinds of guesses lead to."""
     tried = {trial.name for trial in equilibrium.trials} - ROLLED | {"flat"}
     if sum(trial.name in ROLLED for trial in equilibrium.trials) > 1:
-        tried |= ROLLED  # in several directions
+        tried |= ROLLED  # these have been tried in several directions
     offers: list[list[SimpleShape]] = []
     caps = [shape for shape in guesses if shape.name == "cap"]
     if traits.has_tight_curls and caps and "cap" not in tried:
@@ -154,5 +158,5 @@ def _lowest_free(
 
 
 def _by_direction(guesses: Sequence[SimpleShape]) -> list[list[SimpleShape]]:
-    """The guesses whose axes are in each third of a half turn; those without an axis are with the first ones."""
+    """The guesses by the direction of their axis, in three sectors of 60 degrees; caps are in the first sector."""
     return [[shape for shape in guesses if int(3.0 * shape.angle / np.pi) == third] for third in range(3)]

@@ -5,7 +5,7 @@ A mode with the eigenvalue `s_i` (N/mm^3) of the Hessian against the printed are
 
     a_i = 100/D sqrt(2 E / (s_i A)).
 
-One near-zero mode is common: the turn of a tube's axis. A sheet with two of them may rest in another form.
+One near-zero mode is common: the rotation of a tube's axis. A sheet with two near-zero modes may rest in another form.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from fem.elements.tabulation import Floats
 from fem.search.evidence import ShellEquilibrium
 from fem.shell.shell import Shell
 
+# smaller and negative eigenvalues are replaced by this one
 MIN_STIFFNESS_N_MM3 = 1e-12
 
 
@@ -38,9 +39,9 @@ def amplitudes_percent(stiffness: Floats, energy: float, area: float, diameter: 
 
 
 def second_amplitude_limit(is_supported: bool, model: PreviewModel = PREVIEW_MODEL) -> float:
-    """% of the diameter, the second amplitude from which another form is likely.
+    """Second amplitude above which another form is likely, in % of the diameter.
 
-    In a supported sheet only edges and corners move, so that smaller amplitudes count.
+    In a supported sheet only edges and corners can move, so that its limit is smaller.
     """
     return model.second_amplitude_supported_percent if is_supported else model.second_amplitude_free_percent
 
@@ -50,7 +51,7 @@ def has_two_near_zero_modes(amplitudes: Floats, is_supported: bool, model: Previ
 
     Examples
     --------
-    The turn of a tube's axis is one near-zero mode:
+    The rotation of a tube's axis is one near-zero mode:
 
     >>> has_two_near_zero_modes(np.array([80.0, 10.0]), is_supported=False)
     False
@@ -61,7 +62,7 @@ def has_two_near_zero_modes(amplitudes: Floats, is_supported: bool, model: Previ
 def is_equilibrium_near_another(
     shell: Shell, equilibrium: ShellEquilibrium, size: float, model: PreviewModel = PREVIEW_MODEL
 ) -> bool:
-    """Whether the equilibrium of a sheet that is about `size` mm large has two near-zero modes."""
+    """Whether the equilibrium of a sheet with a diameter of about `size` mm has two near-zero modes."""
     area = float(shell.assembly.weights.sum())
     amplitudes = amplitudes_percent(equilibrium.soft_modes, equilibrium.absolute_energy, area, size)
     return has_two_near_zero_modes(amplitudes, len(shell.fixed_points) > 0, model)

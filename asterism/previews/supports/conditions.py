@@ -1,4 +1,4 @@
-"""A design's pins as conditions of the shell, and its weight as a load."""
+"""Supports and weight of a design as conditions and loads of the shell."""
 
 from __future__ import annotations
 
@@ -15,23 +15,30 @@ from pattern.mesh.coarse.sheet_mesh import SheetMesh
 
 
 def conditions(layout: Layout, sheet: SheetMesh, mesh: MeshTri, step: int) -> list[Condition]:
-    """What holds the shell once the pins up to `step` have taken hold; `mesh` is that of `sheet`."""
-    found: list[Condition] = []
+    """Conditions of the shell from the pins that are active at a step.
+
+    Parameters
+    ----------
+    layout : with the pins.
+    sheet, mesh : the coarse mesh of the sheet, and the same mesh as a `MeshTri`.
+    step : step of the release; later pins are not active yet.
+    """
+    active: list[Condition] = []
     facets = _facets(mesh, sheet.rim)
     for number, pin in enumerate(layout.pins):
         if not pin.is_active(step):
             continue
         directions, name = pin.directions, f"pins[{number}]"
         if len(pin.points):
-            found.append(PointSupport(vertices_at(mesh, pin.points), pin.places(pin.points), directions, name))
+            active.append(PointSupport(vertices_at(mesh, pin.points), pin.places(pin.points), directions, name))
         if pin.edges:
             placement = affine(*pin.affine_motion)
-            found.append(EdgeSupport(facets[np.isin(sheet.side, pin.edges)], placement, directions, name=name))
-    return found
+            active.append(EdgeSupport(facets[np.isin(sheet.side, pin.edges)], placement, directions, name=name))
+    return active
 
 
 def _facets(mesh: MeshTri, pairs: Ints) -> Ints:
-    """Numbers of the mesh's edges between pairs (R, 2) of its points."""
+    """(R,) numbers of the edges between pairs (R, 2) of points of the mesh."""
     size = mesh.nvertices
     low, high = np.sort(mesh.facets, axis=0)
     codes = low * size + high
@@ -41,14 +48,18 @@ def _facets(mesh: MeshTri, pairs: Ints) -> Ints:
 
 
 def weight(design: Design, layout: Layout, weights: sp.csr_matrix, covered: Floats) -> Floats:
-    """(n, 3) N per printed mm^2 where stars count with weights (n, S); zero without gravity.
+    """(n, 3) weight in N per printed mm^2; zero without gravity.
 
-    `covered`: (S,) mm^2, the weights of each star added up over the sheet, so that it weighs what is printed.
+    Parameters
+    ----------
+    weights : (n, S) share of each star at n places.
+    covered : (S,) mm^2, integral of the share of each star over the sheet, so that the total weight is that of the
+        print.
     """
     gravity, fabric, plastic = design.gravity, design.fabric, design.plastic
     if not gravity.on:
         return np.zeros((weights.shape[0], 3))
-    # the mean of a product of two that change evenly along the arm
+    # mean of the product of two quantities that change linearly along the arm
     thickness, width = layout.arm_thickness, layout.arm_width
     section = thickness.mean(axis=1) * width.mean(axis=1) + np.diff(thickness)[:, 0] * np.diff(width)[:, 0] / 12.0
     volume = np.bincount(layout.arm_star, section * layout.arm_length, len(layout.centres))

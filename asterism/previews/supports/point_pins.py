@@ -1,16 +1,18 @@
-"""What gives way around a pin that holds a single point.
+"""Compliance of the sheet around a pin at a single point.
 
-A membrane that is pulled at a point gives way by the logarithm of its size over that of the spot where it is held, and
-without end where that is nothing. The exact model holds a vertex, a spot of some part of its triangles' edge h; the
-shell's triangles have edges L that are twenty times longer, and pull at a larger spot. A wedge of angle alpha that is
-pulled at its tip (Michell 1900; E t is Young's modulus times thickness, R how far away it is held) moves by u:
+The displacement of a membrane that is pulled at a point depends on the logarithm of the size of the loaded spot, and
+diverges if that size goes to zero. In the exact model, the spot is a fraction of the edge h of the triangles. The edges
+L of the shell are about twenty times longer, so that its spot is larger and its displacement smaller. A softer region
+around the pin compensates for this: there, the membrane stiffness is divided by `1 + A exp(-r^2/(p L)^2)`.
+
+The amplitude A follows from a wedge of angle alpha under a force F at its tip, fixed at the distance R (Michell 1900;
+E t is Young's modulus times thickness). Its tip moves by u:
 
     exact     u K / F = ln(R/h) + c(alpha),                      K = E t (alpha + sin alpha)/2
-    shell     u K / F = ln(R/L) + d(alpha) + A g(alpha),
+    shell     u K / F = ln(R/L) + d(alpha) + A g(alpha)
 
-A of a softer spot in which the stiffness to stretching is divided by `1 + A exp(-r^2/(p L)^2)`. Both models give the
-same u for `A = (ln(L/h) - (d - c))/g`. The numbers come from wedges in both models, by
-`python -m benchmarks.point_pins`.
+Both models give the same u for `A = (ln(L/h) - (d - c))/g`. `python -m benchmarks.point_pins` computes d - c and g from
+wedges in both models.
 """
 
 from __future__ import annotations
@@ -27,18 +29,21 @@ from fem.shell.fields import Fields
 from pattern.geometry.planar import triangle_angles
 from pattern.mesh.coarse.sheet_mesh import SheetMesh
 
-MIN_SOFTNESS = -0.5  # a spot is at most twice as stiff as the sheet
+# lower limit of the softness: the region around a pin is at most twice as stiff as the sheet
+MIN_SOFTNESS = -0.5
 
 
 def softness(
     mesh: SheetMesh, pins: Floats, points: Floats, edge_mm: float, model: PreviewModel = PREVIEW_MODEL
 ) -> Floats:
-    """(...,) by how much, over 1, the stiffness to stretching is divided at printed points (..., 2).
+    """(...,) softness s at printed points (..., 2) mm: the membrane stiffness is divided by 1 + s.
 
     Parameters
     ----------
-    pins : (n, 2) mm, among the points of the mesh.
-    edge_mm : of the exact model's mesh.
+    mesh : coarse mesh of the shell.
+    pins : (n, 2) mm, vertices of the mesh.
+    points : (..., 2) mm.
+    edge_mm : edge length h of the mesh of the exact model.
     """
     edges, angles = around(mesh, pins)
     amounts = amounts_of(edges, angles, edge_mm, model)
@@ -49,34 +54,44 @@ def softness(
 
 
 def spot(pin: Floats, edge_mm: float, points: Floats, model: PreviewModel = PREVIEW_MODEL) -> Floats:
-    """(...,) how much of the softness at a pin (2,) there is at points (..., 2)."""
+    """(...,) the Gaussian `exp(-r^2/(p L)^2)` at points (..., 2) mm around a pin (2,), with L = `edge_mm`."""
     square = ((points - pin) ** 2).sum(axis=-1)
     return np.asarray(np.exp(-square / (model.point_spot_radius * edge_mm) ** 2))
 
 
 def amounts_of(edges: Floats, angles_deg: Floats, edge_mm: float, model: PreviewModel = PREVIEW_MODEL) -> Floats:
-    """(n,) the softness at pins with mean edges (n,) mm and angles (n,) of the sheet; negative where h is long."""
+    """(n,) amplitudes A at pins; negative if h is long.
+
+    Parameters
+    ----------
+    edges : (n,) mm, edge lengths L of the shell at the pins.
+    angles_deg : (n,) angles alpha of the sheet at the pins.
+    edge_mm : edge length h of the exact model.
+    """
     lack, gain = (np.interp(angles_deg, model.point_angles_deg, of) for of in (model.point_lack, model.point_gain))
     return np.maximum((np.log(edges / edge_mm) - lack) / gain, MIN_SOFTNESS)
 
 
 def around(mesh: SheetMesh, pins: Floats) -> tuple[Floats, Floats]:
-    """(n,) mean length of the edges at pins (n, 2), the geometric one, in mm; and (n,) the sheet's angle there, deg."""
+    """(n,) geometric mean of the edge lengths at pins (n, 2), in mm, and (n,) angle of the sheet there, in deg."""
     corner_deg = triangle_angles(mesh.points, mesh.triangles)
     edges, angles = np.empty(len(pins)), np.empty(len(pins))
     for k, pin in enumerate(pins):
         vertex = int(((mesh.points - pin) ** 2).sum(axis=1).argmin())
         at: Ints = mesh.triangles == vertex
-        others = np.setdiff1d(mesh.triangles[at.any(axis=1)], [vertex])
-        edges[k] = np.exp(np.log(np.linalg.norm(mesh.points[others] - pin, axis=1)).mean())
+        neighbours = np.setdiff1d(mesh.triangles[at.any(axis=1)], [vertex])
+        edges[k] = np.exp(np.log(np.linalg.norm(mesh.points[neighbours] - pin, axis=1)).mean())
         angles[k] = corner_deg[at].sum()
     return edges, angles
 
 
 def with_point_softness(fields: Fields, soft: Floats, bare: Floats, model: PreviewModel = PREVIEW_MODEL) -> Fields:
-    """The fields with the fabric's large strains, and softer to stretching by a softness (T, Q).
+    """The fields with reduced membrane stiffness around pins, and with neo-Hookean bare fabric.
 
-    `bare` (T, Q) is the share of the fabric that has no star.
+    Parameters
+    ----------
+    soft : (T, Q) softness, from `softness`.
+    bare : (T, Q) share of bare fabric.
     """
     density = fields.density
     assert isinstance(density, Density)
@@ -91,9 +106,10 @@ def with_point_softness(fields: Fields, soft: Floats, bare: Floats, model: Previ
 
 
 def softened(stiffness: Floats, part: Floats) -> Floats:
-    """(..., 6, 6) with a part (...,) of the stiffness to stretching, and all of that to bending.
+    """(..., 6, 6) stiffness with the membrane part multiplied by `part` (...,), and an unchanged bending part.
 
-    Where the two are coupled, that to bending is what is left if the sheet may stretch as it likes.
+    If membrane and bending are coupled, the bending part is the Schur complement: the stiffness to bending of a sheet
+    that is free to stretch.
     """
     membrane, both = stiffness[..., :3, :3], stiffness[..., :3, 3:]
     alone = np.zeros_like(stiffness)

@@ -1,1 +1,1 @@
-"""The smooth surface and the sheet shown."""
+"""The smooth surface of the shell, and the shape with the bumps of its stars."""

@@ -1,4 +1,4 @@
-"""The shell's smooth surface at printed points: place, directions, normal and curvature."""
+"""The smooth surface of the shell at printed points: position, tangents, normal and curvature."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from fem.elements.tabulation import Evaluation, Floats
 
 @dataclass(frozen=True)
 class SmoothSurface:
-    """At n printed points.
+    """The smooth surface at n printed points.
 
     Attributes
     ----------
-    places : (n, 3) mm.
-    tangents : (n, 2, 3) derivatives of the place by the print's coordinates.
-    seconds : (n, 3, 3) 1/mm, its derivatives 11, 22, 12.
-    normals : (n, 3) unit normals, on the plastic side.
-    area : (n,) of the surface per printed area.
-    mean_curvature, gaussian_curvature : (n,) 1/mm and 1/mm^2; the mean one is positive where the plastic side is
+    places : (n, 3) mm, positions.
+    tangents : (n, 2, 3) derivatives of the position by the printed coordinates.
+    seconds : (n, 3, 3) 1/mm, second derivatives 11, 22, 12.
+    normals : (n, 3) unit normals on the plastic side.
+    area : (n,) area of the surface per printed area.
+    mean_curvature, gaussian_curvature : (n,) 1/mm and 1/mm^2; the mean curvature is positive where the plastic side is
         convex.
     """
 
@@ -33,7 +33,7 @@ class SmoothSurface:
     gaussian_curvature: Floats
 
     def moved(self, shift: Floats) -> Floats:
-        """(n, 3) mm, from the places to where the surface is after a shift (n, 2) mm of the print, to second order."""
+        """(n, 3) mm, displacement on the surface for a shift (n, 2) mm in print, to second order."""
         one, two = shift.T
         square = np.column_stack([0.5 * one**2, 0.5 * two**2, one * two])
         first = np.einsum("ni,nic->nc", shift, self.tangents)
@@ -41,7 +41,7 @@ class SmoothSurface:
 
 
 def smooth_surface(at: Evaluation, x: Floats) -> SmoothSurface:
-    """Where positions x (N, 3) mm of the shell's dofs take the points of an evaluation."""
+    """The smooth surface at the points of an evaluation, for degrees of freedom x (N, 3) of the shell."""
     jets = at.jets(x)
     first, second = jets[:, 1:3], jets[:, 3:]
     cross = np.cross(first[:, 0], first[:, 1])

@@ -21,18 +21,18 @@ from homogenize.cell.corrugation_waves import CorrugationWaves
 from pattern.mesh.mesh import Mesh
 from pattern.mesh.meshing import mesh_layout
 
-# coarsest edge of the triangles that are shown, over the spacing of the stars
+# largest edge of the triangles of a preview's shape, over the spacing of the stars
 MAX_SHOWN_EDGE = 1 / 6
 
 
 @dataclass(frozen=True)
 class Places:
-    """Of n printed points in space.
+    """Positions of n printed points in space.
 
     Attributes
     ----------
-    surface : of the shell.
-    bumps : (n, 3) mm, from there to the sheet with its stars.
+    surface : the smooth surface of the shell.
+    bumps : (n, 3) mm, vectors from there to the sheet with its bumps.
     """
 
     surface: SmoothSurface
@@ -40,17 +40,17 @@ class Places:
 
     @property
     def smooth(self) -> Floats:
-        """(n, 3) mm, on the shell."""
+        """(n, 3) mm, positions on the smooth surface."""
         return self.surface.places
 
     @property
     def bumpy(self) -> Floats:
-        """(n, 3) mm."""
+        """(n, 3) mm, positions with bumps."""
         return self.smooth + self.bumps
 
 
 class Lens:
-    """Takes shells of one sheet to a set of printed points (n, 2).
+    """Computes the positions of a fixed set of printed points (n, 2) mm for shells of one sheet.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class Lens:
     Raises
     ------
     ValueError
-        A point is off the sheet.
+        A point is outside of the sheet.
     """
 
     def __init__(self, sheet: Sheet, waves: CorrugationWaves, points: Floats) -> None:
@@ -72,7 +72,7 @@ class Lens:
         self._follow_stars(sheet)
 
     def _follow_stars(self, sheet: Sheet) -> None:
-        """Set what depends on the stars and on the places of the pins in space."""
+        """Compute everything that depends on the stars or on the positions of the pins in space."""
         self.sheet, self._rim = sheet, SupportedEdge(sheet, self.points)
         self._shares = sheet.stars.cells.shares(self.points)
         self._beyond, self._nearest = beyond_stars(sheet.layout, self.points, sheet.model)
@@ -83,7 +83,7 @@ class Lens:
         self._out, self._lifted = arms.beside(self.points)
 
     def renewed(self, sheet: Sheet) -> Lens:
-        """The lens of the same points on a sheet after an edit that keeps the print; what stays is shared.
+        """The lens of the same points on a sheet after an edit that keeps the print; unchanged parts are shared.
 
         Raises
         ------
@@ -106,7 +106,7 @@ class Lens:
         return lens
 
     def __call__(self, x: Floats, values: StarValues) -> Places:
-        """Where positions x (N, 3) of the shell's dofs take the points."""
+        """The positions of the points for degrees of freedom x (N, 3) of the shell."""
         smooth = smooth_surface(self._at, x)
         smooth = replace(smooth, places=smooth.places + self._rim(x))
         if not self._model.has_bumps:
@@ -124,23 +124,27 @@ class Lens:
 
 @dataclass(frozen=True)
 class ShownSheet:
-    """Triangles to show, and the lens that takes shells to their vertices."""
+    """The triangles of a preview's shape, and the lens that computes the positions of their vertices."""
 
     mesh: Mesh
     lens: Lens
 
 
 def shown_mesh(sheet: Sheet) -> Mesh:
-    """Triangles to show, with the arms among their edges: the design's, or coarser ones if those are coarse enough."""
+    """The mesh of a preview's shape, with arms along its edges: the design's, or a coarser one if that is fine enough.
+
+    The edge length is that of the design, but at least `MAX_SHOWN_EDGE` spacings.
+    """
     design = sheet.design
     edge = max(design.mesh.edge_mm, MAX_SHOWN_EDGE * design.lattice.spacing_mm)
     return mesh_layout(sheet.layout, edge, design.mesh.kind, design.mesh.seed, draft=True)
 
 
 def shape_of(sheet: Sheet, mesh: Mesh, places: Places) -> Shape:
-    """A shape without its summary. `bump_mm` is the vector from the smooth surface to the bumpy one.
+    """The shape with bumps, without a summary.
 
-    Normals, curvatures and strains are those of the smooth surface.
+    The field `bump_mm` holds the vectors from the smooth surface to the shape. Normals, curvatures and strains are
+    those of the smooth surface.
     """
     star = np.full(len(mesh.points), -1, dtype=np.int64)
     star[mesh.star_vertices] = sheet.layout.star_number
@@ -165,11 +169,11 @@ def shape_of(sheet: Sheet, mesh: Mesh, places: Places) -> Shape:
 
 
 def _rod_fields(sheet: Sheet, mesh: Mesh) -> dict[str, np.ndarray]:
-    """Of every edge of every arm: arm, star, and the section in its middle."""
+    """Fields of the rod edges: arm, star, and thickness and width at the middle of the edge."""
     layout, counts = sheet.layout, np.array([len(path) for path in mesh.rods])
     arm = np.repeat(np.arange(len(counts)), counts)
     step = np.linalg.norm(np.diff(mesh.points[np.concatenate(mesh.rods)], axis=0), axis=1)
-    within = arm[1:] == arm[:-1]  # the others lead from one arm to the next
+    within = arm[1:] == arm[:-1]  # false for steps from one arm to the next
     arms, step = arm[1:][within], step[within]
     total = np.bincount(arms, step)
     before = np.cumsum(total) - total

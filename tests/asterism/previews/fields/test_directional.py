@@ -11,7 +11,7 @@ import scipy.sparse as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from asterism.previews.fields.directional import strongest, tensors
+from asterism.previews.fields.directional import tensors, tube_of_largest_gain
 from asterism.previews.fields.sheet_fields import BENDING_POISSON, sheet_fields
 from asterism.previews.fields.star_values import StarValues, star_values
 from asterism.previews.session import Preview
@@ -48,7 +48,7 @@ def values(along_x: float, moment: float = 0.0, gap: float = 0.0) -> StarValues:
     flat = PLAIN.value["lam_n"].copy()
     flat[:-1] *= 1.0 + gap
     value = PLAIN.value | {"c3": np.zeros(STARS + 1), "lam": flat}
-    return replace(PLAIN, value=value, anisotropy=own, tube_curvature=strongest(kappa, own))
+    return replace(PLAIN, value=value, anisotropy=own, tube_curvature=tube_of_largest_gain(kappa, own))
 
 
 def moments(stars: StarValues, curvature: tuple[float, float]) -> Floats:
@@ -128,7 +128,7 @@ def test_the_tube_that_gains_most_is_found_in_whatever_direction_it_lies(
     turned = np.array([[c, s], [-s, c]])
     for number, both in enumerate((tensor, turned.T @ tensor @ turned)):
         own[number, MOMENT_COLUMNS] = both[0, 0], both[1, 1], both[0, 1]
-    found = strongest(kappa, own)
+    found = tube_of_largest_gain(kappa, own)
     everywhere, gain = natural_curvatures(*tensors(kappa, own), np.linspace(0.0, np.pi, 7200))
     for number in range(2):
         as_good = everywhere[number][gain[number] > 0.9999 * gain[number].max()]  # two may gain alike
