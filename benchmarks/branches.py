@@ -16,7 +16,7 @@ from typing import Any
 from asterism.exact.minima import many_minima
 from benchmarks.report import markdown, write_report
 from discrete.model.discrete_model import DiscreteModel
-from discrete.release.branches import ExactForm, distinct_forms, find_minima
+from discrete.release.forms import ExactForm, distinct_forms, find_minima
 from discrete.release.levels import coarser_models
 from discrete.release.release_start import ReleaseStart
 from discrete.release.single_mesh import solve_on_mesh
@@ -70,10 +70,10 @@ def run(name: str) -> dict[str, Any]:
     minima = find_minima(model, starts)
     return {
         "name": name,
-        "seed_energies_n_mm": [b.found.energy for b in seeds],
+        "seed_energies_n_mm": [b.equilibrium.energy for b in seeds],
         "seed_minima": len(distinct_forms(seeds, symmetries(design, plan))),
         **many_minima(minima, starts),
-        "instabilities_passed": [b.found.instabilities_passed for b in minima.fine],
+        "instabilities_passed": [b.equilibrium.instabilities_passed for b in minima.fine],
         "seconds": time.perf_counter() - begun,
     }
 

@@ -8,7 +8,7 @@ from asterism.results.records.exact import MinimumRecord
 from discrete.evidence.equilibrium import Equilibrium
 from discrete.evidence.roll_axis import roll_axis_deg
 from discrete.model.discrete_model import DiscreteModel
-from discrete.release.branches import ExactForm, Minima
+from discrete.release.forms import ExactForm, Minima
 
 # values of the key `result_is`: the reason why this minimum is the result
 FROM_DEFAULT_START = "the default start's"
@@ -38,15 +38,15 @@ def many_minima(minima: Minima, starts: int) -> dict[str, Any]:
     the symmetries of the design.
     """
     fine, coarse = minima.fine, minima.coarse
-    not_carried = minima.carried.count(False)
-    other_energies = sorted(b.found.energy for b in fine[1:])
-    lowest = fine[0].found.energy
+    not_carried = minima.refined.count(False)
+    other_energies = sorted(b.equilibrium.energy for b in fine[1:])
+    lowest = fine[0].equilibrium.energy
     # energies are compared relative to the elastic part: the potential of gravity depends on an arbitrary zero level
-    elastic = lowest - fine[0].found.energies.get("gravity", 0.0)
+    elastic = lowest - fine[0].equilibrium.energies.get("gravity", 0.0)
     by_energy = all(lowest <= energy for energy in other_energies)
     return {
         "starts": starts,
-        "starts_lost": minima.lost,
+        "starts_lost": minima.lost_starts,
         "result_is": BY_ENERGY if by_energy else BY_ENERGY_ON_BRANCH,
         "minima_seen": len(fine) + not_carried,
         "minima_not_carried": not_carried,
@@ -56,18 +56,18 @@ def many_minima(minima: Minima, starts: int) -> dict[str, Any]:
         "minima": [_entry(b, minima).changed(file=f"minimum-{k}" if k > 1 else "shape") for k, b in enumerate(fine, 1)],
         "minima_distance_percent": [[minima.distance_percent(a, b) for b in fine] for a in fine],
         "minima_coarse": [
-            _entry(b, minima).changed(carried=kept) for b, kept in zip(coarse, minima.carried, strict=True)
+            _entry(b, minima).changed(carried=kept) for b, kept in zip(coarse, minima.refined, strict=True)
         ],
     }
 
 
 def _entry(branch: ExactForm, minima: Minima) -> MinimumRecord:
-    equilibrium = branch.found
+    equilibrium = branch.equilibrium
     return MinimumRecord(
         energy_n_mm=equilibrium.energy,
         is_minimum=equilibrium.is_minimum,
         stars_up=equilibrium.stars_up,
-        stars_off_branch=len(branch.off_branch),
+        stars_off_branch=len(branch.stars_off_branch),
         roll_axis_deg=branch.roll_axis_deg,
         starts=len(branch.starts),
         start_names=list(branch.starts),

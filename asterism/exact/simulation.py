@@ -20,14 +20,14 @@ from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import cell_fields, point_fields
 from asterism.shape.tube import roll_radius
 from discrete.energies.contact import ipc_toolkit
-from discrete.energies.rods.network import curvatures
+from discrete.energies.rods.network import rod_curvatures
 from discrete.evidence.creases import measure_creases
 from discrete.evidence.equilibrium import Equilibrium
 from discrete.evidence.roll_axis import roll_axis_deg
 from discrete.model.contact_model import ContactModel
 from discrete.model.discrete_model import DiscreteModel
-from discrete.release.branches import find_minima, stars_off_branch
 from discrete.release.continuation import Report
+from discrete.release.forms import find_minima, stars_off_branch
 from discrete.release.levels import MeshLevel, find_equilibrium
 from equilibrium.linear.backends import check_backend
 from equilibrium.threads import one_blas_thread
@@ -109,7 +109,7 @@ def simulate(
     minima = many_minima(all_minima, starts)
     spent = time.perf_counter() - start
     best, *others = (
-        _shape(model, branch.found, list(branch.levels), before | branch.found.seconds, spent, minima)
+        _shape(model, branch.equilibrium, list(branch.levels), before | branch.equilibrium.seconds, spent, minima)
         for branch in all_minima.fine
     )
     return replace(best, others=tuple(others))
@@ -159,7 +159,7 @@ def _rod_fields(model: DiscreteModel, found: Equilibrium) -> dict[str, np.ndarra
     net = model.network
     bend = np.zeros(len(net.edges))
     touched = np.zeros(len(net.edges))
-    curvature = curvatures(net, found.state.positions, found.state.directors, model.mesh.points)
+    curvature = rod_curvatures(net, found.state.positions, found.state.directors, model.mesh.points)
     # an edge takes the mean of the stencils along its own arm; a stencil across a junction belongs to two arms
     own = net.signs[:, 0] > 0
     np.add.at(bend, net.stencil_edges[own], curvature[own, None])
@@ -239,10 +239,10 @@ def _contact(model: DiscreteModel, found: Equilibrium) -> ContactRecord | None:
     """Contacts of the sheet with itself; None if the model ran without contact."""
     if not isinstance(model, ContactModel):
         return None
-    pairs, smallest_gap = model.contact.touching(found.state.positions)
+    pairs, smallest_gap = model.contact.pairs_and_gap(found.state.positions)
     return ContactRecord(
         begins_at_mm=model.contact.distance,
-        closest_possible_mm=model.contact.closest,
+        closest_possible_mm=model.contact.min_distance,
         least_distance_mm=smallest_gap if pairs else None,
         pairs=pairs,
     )

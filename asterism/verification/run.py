@@ -22,8 +22,8 @@ from asterism.verification.progress import ExactProgress, StageReport
 from asterism.verification.right_shape import same_energy
 from asterism.verification.verification import PREVIEW, RELEASE, Verification
 from asterism.verification.warnings import warnings
-from discrete.release.branches import SAME_FORM_PERCENT
 from discrete.release.continuation import Report
+from discrete.release.forms import SAME_FORM_PERCENT
 from equilibrium.newton.minimise import Iteration
 from homogenize.law.law import Law
 from pattern.design.design import Design

@@ -57,32 +57,34 @@ class ContactBarrier:
 
     def __init__(self, mesh: Mesh, distance: float, stretch: float, modulus: float) -> None:
         self._ipc = ipc_toolkit()
-        self.distance, self.closest = distance, MIN_DISTANCE_FRACTION * distance
-        self._range = distance - self.closest
+        self.distance, self.min_distance = distance, MIN_DISTANCE_FRACTION * distance
+        self._barrier_width = distance - self.min_distance
         triangles = mesh.triangles.astype(np.int32)
         edges = self._ipc.edges(triangles).astype(np.int32)
         printed = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
         longest = float(np.linalg.norm(printed[edges[:, 1]] - printed[edges[:, 0]], axis=1).max())
-        self.neighbourhood = NEIGHBOUR_DISTANCE_FACTOR * (longest + stretch * distance)
+        self.neighbour_distance = NEIGHBOUR_DISTANCE_FACTOR * (longest + stretch * distance)
         self._mesh = self._ipc.CollisionMesh(*(np.asfortranarray(a) for a in (printed, edges, triangles)))
-        pairs = np.sort(cKDTree(mesh.points).query_pairs(self.neighbourhood, output_type="ndarray"), axis=1)
+        pairs = np.sort(cKDTree(mesh.points).query_pairs(self.neighbour_distance, output_type="ndarray"), axis=1)
         number = np.arange(len(mesh.points)).astype(object)  # every number once, however many pairs it is in
         apart = dict.fromkeys(zip(*number[pairs.T], strict=True), False)
         self._mesh.can_collide = self._ipc.make_sparse_filter(apart, True)
-        self._potential = self._ipc.BarrierPotential(self._range, modulus, True)
+        self._potential = self._ipc.BarrierPotential(self._barrier_width, modulus, True)
         # energy, gradient and Hessian are asked for at the same positions, one after the other
-        self._last: tuple[Array | None, Any] = None, None
-        self._known: tuple[Array | None, list[Any]] = None, []
+        self._collision_cache: tuple[Array | None, Any] = None, None
+        self._hessian_cache: tuple[Array | None, list[Any]] = None, []
 
     def energy(self, positions: Array) -> float:
-        """N mm; infinite where parts are closer than `closest`."""
+        """N mm; infinite where parts are closer than `min_distance`."""
         if not np.isfinite(positions).all():
             return float("inf")
-        return float(self._potential(self._near(positions), self._mesh, np.asfortranarray(positions)))
+        return float(self._potential(self._active_pairs(positions), self._mesh, np.asfortranarray(positions)))
 
     def gradient(self, positions: Array) -> Array:
         """(3 V,) N."""
-        return np.asarray(self._potential.gradient(self._near(positions), self._mesh, np.asfortranarray(positions)))
+        return np.asarray(
+            self._potential.gradient(self._active_pairs(positions), self._mesh, np.asfortranarray(positions))
+        )
 
     def hessian(self, positions: Array, blend: float) -> tuple[Array, Array, Array]:
         """Rows, columns and values (K,) of the Hessian over 3 V dofs, N/mm; blend 1 is positive semidefinite."""
@@ -90,63 +92,65 @@ class ContactBarrier:
         total = sum(weight * part for weight, part in weighted if weight > 0.0).tocoo()
         return total.row, total.col, total.data
 
-    def entries(self, positions: Array) -> tuple[Array, Array]:
+    def hessian_pattern(self, positions: Array) -> tuple[Array, Array]:
         """Rows and columns of what Hessians hold, whatever their blend: the toolkit leaves out zeros of each."""
-        return _places(self._hessians(positions))
+        return _entry_indices(self._hessians(positions))
 
-    def soon(self, positions: Array) -> tuple[Array, Array]:
+    def hessian_pattern_nearby(self, positions: Array) -> tuple[Array, Array]:
         """The same if contact began at twice the distance."""
-        wide = 2.0 * self.distance - self.closest
+        wide = 2.0 * self.distance - self.min_distance
         potential = self._ipc.BarrierPotential(wide, 1.0, True)
-        return _places(self._both(potential, self._collisions(positions, wide), positions))
+        return _entry_indices(self._exact_and_projected(potential, self._collisions(positions, wide), positions))
 
     def _hessians(self, positions: Array) -> list[Any]:
         """The exact and the convex one, found once for the same positions."""
-        where, known = self._known
+        where, known = self._hessian_cache
         if where is not positions:
-            known = self._both(self._potential, self._near(positions), positions)
-            self._known = positions, known
+            known = self._exact_and_projected(self._potential, self._active_pairs(positions), positions)
+            self._hessian_cache = positions, known
         return known
 
-    def _both(self, potential: Any, near: Any, positions: Array) -> list[Any]:
+    def _exact_and_projected(self, potential: Any, near: Any, positions: Array) -> list[Any]:
         method, x = self._ipc.PSDProjectionMethod, np.asfortranarray(positions)
         return [potential.hessian(near, self._mesh, x, each) for each in (method.NONE, method.CLAMP)]
 
-    def clear(self, positions: Array, target: Array) -> float:
+    def collision_free_fraction(self, positions: Array, target: Array) -> float:
         """How far the straight way to `target` (V, 3) is free, as a fraction of it; 1 for all of it."""
         way = (np.asfortranarray(x) for x in (positions, target))
         # additive, because its steps are safe however few they are; others may search for ever in flat sheets
         search = self._ipc.AdditiveCCD(max_iterations=MAX_CCD_ITERATIONS)
-        return float(self._ipc.compute_collision_free_stepsize(self._mesh, *way, self.closest, narrow_phase_ccd=search))
+        return float(
+            self._ipc.compute_collision_free_stepsize(self._mesh, *way, self.min_distance, narrow_phase_ccd=search)
+        )
 
-    def apart(self, positions: Array) -> bool:
+    def is_intersection_free(self, positions: Array) -> bool:
         """Nothing passes through anything or is too close to it."""
         free = not self._ipc.has_intersections(self._mesh, np.asfortranarray(positions))
         return free and bool(np.isfinite(self.energy(positions)))
 
-    def touching(self, positions: Array) -> tuple[int, float]:
+    def pairs_and_gap(self, positions: Array) -> tuple[int, float]:
         """Number of pairs of vertices, edges and triangles in contact, and the least distance of any, mm."""
-        near = self._near(positions)
+        near = self._active_pairs(positions)
         if len(near) == 0:
             return 0, float("inf")
         least = near.compute_minimum_distance(self._mesh, np.asfortranarray(positions))
         return len(near), float(np.sqrt(least))
 
-    def _near(self, positions: Array) -> Any:
-        where, near = self._last
+    def _active_pairs(self, positions: Array) -> Any:
+        where, near = self._collision_cache
         if where is not positions:
-            near = self._collisions(positions, self._range)
-            self._last = positions, near
+            near = self._collisions(positions, self._barrier_width)
+            self._collision_cache = positions, near
         return near
 
     def _collisions(self, positions: Array, reach: float) -> Any:
         out = self._ipc.NormalCollisions()
         out.use_area_weighting = True
-        out.build(self._mesh, np.asfortranarray(positions), reach, self.closest)
+        out.build(self._mesh, np.asfortranarray(positions), reach, self.min_distance)
         return out
 
 
-def _places(parts: list[Any]) -> tuple[Array, Array]:
+def _entry_indices(parts: list[Any]) -> tuple[Array, Array]:
     """Rows and columns of the entries of sparse matrices."""
     found = [part.tocoo() for part in parts]
     return np.concatenate([each.row for each in found]), np.concatenate([each.col for each in found])

@@ -39,7 +39,7 @@ class Elements:
         return len(self.inputs)
 
     @property
-    def n(self) -> int:
+    def dofs_per_element(self) -> int:
         """Dofs of one element."""
         return int(self.dofs.shape[1])
 
@@ -54,10 +54,10 @@ class Elements:
     def gradients(self, configuration: Array) -> Array:
         """(E, n) derivatives of each element's energy by its own dofs."""
         if not self._runs_compiled(configuration):
-            g = np.zeros((self.n, len(self)), dtype=configuration.dtype)
+            g = np.zeros((self.dofs_per_element, len(self)), dtype=configuration.dtype)
             self.formulas[1](*self._columns(configuration), g)
             return np.ascontiguousarray(g.T)
-        out = np.zeros((len(self), self.n))
+        out = np.zeros((len(self), self.dofs_per_element))
         self._sweep(configuration, 1, _NONE[0], out, _NONE)
         return out
 
@@ -69,11 +69,11 @@ class Elements:
         """
         inputs, params = self.inputs[rows], self.params[rows]
         if not self._runs_compiled(configuration):
-            h = np.zeros((self.n, self.n, len(inputs)), dtype=configuration.dtype)
+            h = np.zeros((self.dofs_per_element, self.dofs_per_element, len(inputs)), dtype=configuration.dtype)
             self.formulas[2](configuration[inputs.T], params.T, blend, h)
-            i, j = np.tril_indices(self.n)
+            i, j = np.tril_indices(self.dofs_per_element)
             return np.ascontiguousarray(h[i, j].T)
-        out = np.empty((len(inputs), self.n * (self.n + 1) // 2))
+        out = np.empty((len(inputs), self.dofs_per_element * (self.dofs_per_element + 1) // 2))
         type(self).sweep(configuration, inputs, params, 2, blend, _NONE[0], _NONE, out)
         return out
 

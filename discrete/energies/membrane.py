@@ -25,7 +25,7 @@ def invariants(q, p):  # type: ignore[no-untyped-def]
 
 
 @formula
-def volumetric(p, log_j):  # type: ignore[no-untyped-def]
+def volumetric_derivatives(p, log_j):  # type: ignore[no-untyped-def]
     """First and second derivative by L of what depends on J alone."""
     thinning = p[9] * np.exp(-2.0 * log_j)
     return p[8] * log_j - p[7] - thinning, p[8] + 2.0 * thinning
@@ -47,7 +47,7 @@ def membrane_energy(q, p):  # type: ignore[no-untyped-def]
 def membrane_gradient(q, p, g):  # type: ignore[no-untyped-def]
     """dW/dx_i = V (mu F b_i + a G b_i), with G = F C^-1 and a = dW/dL."""
     f1, f2, c11, c12, c22, log_j = invariants(q, p)
-    a, _ = volumetric(p, log_j)
+    a, _ = volumetric_derivatives(p, log_j)
     scale = a / (c11 * c22 - c12 * c12)
     # second Piola-Kirchhoff stress mu I + a C^-1, times the rest volume
     s11, s12, s22 = p[6] + scale * c22, -scale * c12, p[6] + scale * c11
@@ -65,7 +65,7 @@ def membrane_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
     in-plane spin (eigenvalue mu + a/J). `blend` lifts their negative eigenvalues towards zero.
     """
     f1, f2, c11, c12, c22, log_j = invariants(q, p)
-    a, a_prime = volumetric(p, log_j)
+    a, a_prime = volumetric_derivatives(p, log_j)
     det = c11 * c22 - c12 * c12
     j = np.sqrt(det)
     n = multiply(1.0 / j, cross(f1, f2))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from discrete.energies.elements import Array
-from discrete.energies.membrane import invariants, volumetric
+from discrete.energies.membrane import invariants, volumetric_derivatives
 from discrete.model.discrete_model import DiscreteModel
 from discrete.model.state import State
 
@@ -54,6 +54,6 @@ def _tension(model: DiscreteModel, state: State, area: Array) -> Array:
     fabric = model.parts["membrane"]
     p = fabric.params.T
     _, _, c11, _, c22, log_j = invariants(state.packed[fabric.inputs.T], p)
-    by_log_j, _ = volumetric(p, log_j)
+    by_log_j, _ = volumetric_derivatives(p, log_j)
     # half the trace of F S F^T, S the second Piola-Kirchhoff stress times the rest volume
     return np.asarray((0.5 * p[6] * (c11 + c22) + by_log_j) / area)

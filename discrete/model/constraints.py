@@ -26,12 +26,12 @@ class Constraints:
     printed: Array
     target: Array
 
-    def places(self, progress: float) -> Array:
+    def positions_at(self, progress: float) -> Array:
         """(V, 3) mm; held components move straight from the printed place to the target."""
         return self.printed + progress * (self.target - self.printed)
 
     @property
-    def level(self) -> Array:
+    def mean_support(self) -> Array:
         """(3,) mm, where positions are held at the end, in the mean; 0 for components that nothing holds."""
         places = np.where(self.held, self.target, 0.0).sum(axis=0)
         return np.asarray(places / np.maximum(self.held.sum(axis=0), 1))

@@ -26,7 +26,7 @@ SAFE_STEP_FRACTION = 0.9  # of a step without intersections
 
 def is_intersection_free(model: DiscreteModel, state: State) -> bool:
     """Whether no parts of a state pass through each other, where the model has contact."""
-    return not isinstance(model, ContactModel) or model.contact.apart(state.positions)
+    return not isinstance(model, ContactModel) or model.contact.is_intersection_free(state.positions)
 
 
 class ContactModel(DiscreteModel):
@@ -43,11 +43,11 @@ class ContactModel(DiscreteModel):
         fabric = design.fabric
         distance = min(fabric.thickness_mm, MAX_CONTACT_DISTANCE_FRACTION * self.spacing)
         self.contact = ContactBarrier(mesh, distance, max(fabric.stretch_xy), fabric.modulus_mpa)
-        self._fixed = self.pattern
-        self._extra: Array = np.empty(0, dtype=np.int64)
-        self._fits: Array | None = None  # positions whose contacts the pattern holds
-        self._reduced = np.full(self.n_dofs, -1, dtype=np.int64)
-        self._reduced[self.free] = np.arange(len(self.free))
+        self._base_pattern = self.pattern
+        self._contact_keys: Array = np.empty(0, dtype=np.int64)
+        self._pattern_positions: Array | None = None  # positions whose contacts the pattern holds
+        self._free_index = np.full(self.n_dofs, -1, dtype=np.int64)
+        self._free_index[self.free] = np.arange(len(self.free))
 
     def factor(self, backend: str = "auto") -> Factor:
         """A factorisation that follows the pattern.
@@ -71,27 +71,29 @@ class ContactModel(DiscreteModel):
 
     def hessian(self, state: State, blend: float) -> Array:
         """(nnz,) entries of the lower triangle in `pattern`, which belongs to this state from now on."""
-        if self._fits is not state.positions:  # once a state: its Hessians are added to each other
-            entries, _ = self._keys(*self.contact.entries(state.positions))
+        if self._pattern_positions is not state.positions:  # once a state: its Hessians are added to each other
+            entries, _ = self._keys(*self.contact.hessian_pattern(state.positions))
             if len(entries) and not (isinstance(self.pattern, ExtendedPattern) and self.pattern.contains(entries)):
-                self._grow(state, entries)
-            self._fits = state.positions
+                self._extend_pattern(state, entries)
+            self._pattern_positions = state.positions
         keys, values = self._keys(*self.contact.hessian(state.positions, blend))
         data = super().hessian(state, blend)
         if isinstance(self.pattern, ExtendedPattern):
             self.pattern.add(data, keys, values)
         return data
 
-    def _grow(self, state: State, keys: Array) -> None:
+    def _extend_pattern(self, state: State, keys: Array) -> None:
         """Make room for these entries and those that may follow soon: every new pattern is analysed anew."""
-        soon, _ = self._keys(*self.contact.soon(state.positions))
+        soon, _ = self._keys(*self.contact.hessian_pattern_nearby(state.positions))
         wanted = sorted_union(keys, soon)
-        self._extra = sorted_union(wanted, self._extra) if len(self._extra) < 3 * len(wanted) else wanted
-        self.pattern = ExtendedPattern(self._fixed, self._extra)
+        self._contact_keys = (
+            sorted_union(wanted, self._contact_keys) if len(self._contact_keys) < 3 * len(wanted) else wanted
+        )
+        self.pattern = ExtendedPattern(self._base_pattern, self._contact_keys)
 
     def _keys(self, rows: Array, columns: Array, values: Array | None = None) -> tuple[Array, Array]:
         """(K,) keys in the lower triangle over the free dofs, and their values."""
-        row, column = self._reduced[rows], self._reduced[columns]
+        row, column = self._free_index[rows], self._free_index[columns]
         inside = (column >= 0) & (row >= column)
         keys = entry_keys(row[inside], column[inside], len(self.free))
         return keys, np.empty(0) if values is None else values[inside]
@@ -106,13 +108,13 @@ class ContactModel(DiscreteModel):
 
         def safe(a: float) -> State:
             if a not in known:
-                known[a] = self.towards(state, curve(a))
+                known[a] = self.reachable_state(state, curve(a))
             return known[a]
 
         a = min(1.0, longest)
         for _ in range(8):
             target = curve(a)
-            free = self._free(state, target)
+            free = self._free_fraction(state, target)
             if free >= 1.0:
                 known[a] = target
                 break
@@ -120,16 +122,16 @@ class ContactModel(DiscreteModel):
             a *= max(SAFE_STEP_FRACTION * free, 0.1)
         return safe, a
 
-    def towards(self, state: State, target: State) -> State:
+    def reachable_state(self, state: State, target: State) -> State:
         """The target if it can be reached straight, else most of the way that is free."""
-        free = self._free(state, target)
+        free = self._free_fraction(state, target)
         if free >= 1.0:
             return target
-        aligned = self._aligned(state.positions, target.positions)
+        aligned = self._rigidly_aligned(state.positions, target.positions)
         positions = state.positions + SAFE_STEP_FRACTION * free * (aligned - state.positions)
         return moved_state(state, self.edges, positions, np.zeros(len(self.edges)))
 
-    def moved_pins(self, state: State) -> State:
+    def apply_supports(self, state: State) -> State:
         """As in `DiscreteModel`.
 
         Raises
@@ -137,17 +139,19 @@ class ContactModel(DiscreteModel):
         DesignError
             The pins push the sheet through itself.
         """
-        target = super().moved_pins(state)
-        if target is not state and self._free(state, target) < 1.0:
+        target = super().apply_supports(state)
+        if target is not state and self._free_fraction(state, target) < 1.0:
             raise DesignError("solver.contact", "the pins push the sheet through itself; it cannot follow them")
         return target
 
-    def _free(self, state: State, target: State) -> float:
+    def _free_fraction(self, state: State, target: State) -> float:
         if not np.isfinite(target.positions).all():
             return 0.0
-        return self.contact.clear(state.positions, self._aligned(state.positions, target.positions))
+        return self.contact.collision_free_fraction(
+            state.positions, self._rigidly_aligned(state.positions, target.positions)
+        )
 
-    def _aligned(self, positions: Array, target: Array) -> Array:
+    def _rigidly_aligned(self, positions: Array, target: Array) -> Array:
         """Target turned and shifted onto the positions: how a free sheet moves as a whole makes no difference."""
         if self.held.any():
             return target

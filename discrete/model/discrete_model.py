@@ -59,7 +59,7 @@ class DiscreteModel(System):
         held = np.concatenate([self.constraints.held.ravel(), np.zeros(len(edges), dtype=bool)])
         parts = self._fabric(compiled) | self._rods(compiled)
         super().__init__(parts, len(mesh.points), edges, held)
-        self.level = self.constraints.level
+        self.load_datum = self.constraints.mean_support
         self._weight = self._dead_load()
         self.set_release(1.0)
         self._reconstruction: Reconstruction | None = None
@@ -101,7 +101,7 @@ class DiscreteModel(System):
 
     def set_release(self, release: float) -> None:
         """Release the fabric from stretch 1 (0) to the design's stretch (1); pins and gravity go along."""
-        self.release = self.progress = release
+        self.release = self.pin_progress = release
         fabric = self.design.fabric
         sx, sy = (1.0 + release * (s - 1.0) for s in fabric.stretch_xy)
         self.parts["membrane"].params[:] = membrane_params(
@@ -142,14 +142,14 @@ class DiscreteModel(System):
 
     def flat_state(self) -> State:
         """The print with its held vertices at their places for the present progress."""
-        return self.moved_pins(self.printed_state())
+        return self.apply_supports(self.printed_state())
 
-    def moved_pins(self, state: State) -> State:
+    def apply_supports(self, state: State) -> State:
         """The state with its held components where the present progress puts them, and the rest moved along."""
-        held, places = self.constraints.held, self.constraints.places(self.progress)
+        held, places = self.constraints.held, self.constraints.positions_at(self.pin_progress)
         if not held.any() or np.array_equal(state.positions[held], places[held]):
             return state
-        return self.reconstruction.moved(state, np.where(held, places, state.positions))
+        return self.reconstruction.move_supports(state, np.where(held, places, state.positions))
 
     @property
     def reconstruction(self) -> Reconstruction:
@@ -170,9 +170,9 @@ class DiscreteModel(System):
         """Curve of states leaving `state` in `direction` (free,), turning what a straight step would stretch."""
         if straight:
             return super().path(state, direction, straight)
-        return self.reconstruction.path(state, *self.spread(direction))
+        return self.reconstruction.path(state, *self.displacements_and_twists(direction))
 
 
 def _along(network: RodNetwork, ends: Array) -> Array:
     """(R,) values at the middle of every rod edge, linear from the start to the tip (A, 2)."""
-    return np.asarray(ends[network.rod, 0] + network.middle * (ends[network.rod, 1] - ends[network.rod, 0]))
+    return np.asarray(ends[network.rod, 0] + network.midpoint * (ends[network.rod, 1] - ends[network.rod, 0]))

@@ -76,7 +76,7 @@ class Reconstruction:
         pattern = SparsePattern([self._triangles, self._edges], len(self._held), free)
         return pattern, pattern.assemble([triangle, edge])
 
-    def correction(self, triangle_lack: Array, edge_lack: Array) -> Array:
+    def displacements(self, triangle_lack: Array, edge_lack: Array) -> Array:
         """(V, 3) moves whose gradients are closest to what is lacking.
 
         triangle_lack (T, 3, 2) of the deformation gradients; edge_lack (R, 3) of the edge vectors. Held components do
@@ -97,16 +97,16 @@ class Reconstruction:
                 out[:, axes] -= out[:, axes].mean(axis=0)
         return out
 
-    def moved(self, state: State, guess: Array) -> State:
+    def move_supports(self, state: State, guess: Array) -> State:
         """The state with its held components as in `guess` (V, 3), everything else deformed as little as possible."""
         f, e = self.gradients(state.positions - guess)
-        positions = guess + self.correction(f, e)
+        positions = guess + self.displacements(f, e)
         return moved_state(state, self._edges, positions, np.zeros(len(e)))
 
-    def fitted(self, positions: Array, edge_target: Array) -> Array:
+    def fit_edges(self, positions: Array, edge_target: Array) -> Array:
         """(V, 3) positions with the gradients of the given ones, but rod edges like `edge_target` (R, 3)."""
         lack = edge_target - self.gradients(positions)[1]
-        return positions + self.correction(np.zeros((len(self._triangles), 3, 2)), lack)
+        return positions + self.displacements(np.zeros((len(self._triangles), 3, 2)), lack)
 
     def path(self, state: State, move: Array, turn: Array) -> tuple[Callable[[float], State], float]:
         """Curve of states with slope `move` (V, 3), `turn` (R,), and the longest step along it.
@@ -127,7 +127,7 @@ class Reconstruction:
         def at(a: float) -> State:
             lack = rotation_remainder(a * spin, columns, a * rate).transpose(0, 2, 1)
             edge_lack = rotation_remainder(a * edge_spin, e[:, None, :], a * edge_rate[:, None, :])[:, 0, :]
-            positions = state.positions + (a * move + self.correction(lack, edge_lack))
+            positions = state.positions + (a * move + self.displacements(lack, edge_lack))
             t_turned, directors = rotate_vectors(a * edge_spin, np.stack([t, state.directors], axis=1)).transpose(
                 1, 0, 2
             )

@@ -42,7 +42,7 @@ class System:
         self.parts, self.n_vertices, self.edges, self.held = parts, n_vertices, edges, held
         self.n_dofs = len(held)
         self.load = np.zeros(3 * n_vertices) if load is None else load
-        self.level = np.zeros(3)
+        self.load_datum = np.zeros(3)
         self.free = np.flatnonzero(~held)
         self.pattern = SparsePattern([part.dofs for part in parts.values()], self.n_dofs, self.free)
 
@@ -52,7 +52,7 @@ class System:
         with np.errstate(all="ignore"):  # a collapsed triangle is an infinite energy, not a warning
             out = {name: float(part.energies(packed).sum()) for name, part in self.parts.items()}
         if self.load.any():
-            out["gravity"] = -float(self.load @ (state.positions - self.level).ravel())
+            out["gravity"] = -float(self.load @ (state.positions - self.load_datum).ravel())
         return out
 
     def energy(self, state: State) -> float:
@@ -81,7 +81,7 @@ class System:
             for start in range(0, len(part), ELEMENTS_PER_BATCH)
         )
 
-    def spread(self, direction: Array) -> tuple[Array, Array]:
+    def displacements_and_twists(self, direction: Array) -> tuple[Array, Array]:
         """Moves (V, 3) and turns (R,) of a vector over the free dofs."""
         full = np.zeros(self.n_dofs)
         full[self.free] = direction
@@ -89,7 +89,7 @@ class System:
 
     def path(self, state: State, direction: Array, straight: bool) -> tuple[Callable[[float], State], float]:
         """Curve of states leaving `state` in `direction` (free,), and the longest step along it."""
-        move, turn = self.spread(direction)
+        move, turn = self.displacements_and_twists(direction)
         return (lambda a: moved_state(state, self.edges, state.positions + a * move, a * turn)), 1.0
 
     def rigid_modes(self, state: State) -> Array:
@@ -116,7 +116,7 @@ class System:
         """A solver for the Hessians of this system."""
         return make_solver(self.pattern, backend)
 
-    def towards(self, state: State, target: State) -> State:
+    def reachable_state(self, state: State, target: State) -> State:
         """The target, or the last state on the way to it if something is in the way; here nothing is."""
         return target
 

@@ -15,9 +15,9 @@ def prolong_without_intersection(coarse: DiscreteModel, state: State, fine: Cont
     The coarse triangles were apart; fine triangles across their edges may still come too close.
     """
     smooth = prolong(coarse, state, fine)
-    if fine.contact.apart(smooth.positions):
+    if fine.contact.is_intersection_free(smooth.positions):
         return smooth
     flat = prolong_linearly(coarse, state, fine)
-    if fine.contact.apart(flat.positions):
-        return fine.towards(flat, smooth)
+    if fine.contact.is_intersection_free(flat.positions):
+        return fine.reachable_state(flat, smooth)
     return None

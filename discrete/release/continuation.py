@@ -57,7 +57,7 @@ class ReleaseContinuation:
         self.report, self.seed = report, seed
         self.effort = Effort()
 
-    def along(self, model: DiscreteModel, start: ReleaseStart) -> Equilibrium:
+    def follow(self, model: DiscreteModel, start: ReleaseStart) -> Equilibrium:
         """Release the fabric, then let the later pins take hold, one step after the other."""
         *earlier, last = model.layout.pin_steps
         model.set_release(1.0)
@@ -65,78 +65,80 @@ class ReleaseContinuation:
         for step in earlier:
             present = model_with_pins_until(model, step)
             with self._factor(present) as factor:
-                before = self._stepped(present, start, before, step, factor), not present.held.any()
+                before = self._advance(present, start, before, step, factor), not present.held.any()
         present = model_with_pins_until(model, last)
         with self._factor(present) as factor:
-            return self._certified(present, self._stepped(present, start, before, last, factor), factor)
+            return self._certify(present, self._advance(present, start, before, last, factor), factor)
 
-    def from_state(self, model: DiscreteModel, state: State) -> Equilibrium:
+    def minimise_from(self, model: DiscreteModel, state: State) -> Equilibrium:
         """Minimise where the model is now."""
         with self._factor(model) as factor:
-            return self._certified(model, state, factor, PROLONGED_BLEND)
+            return self._certify(model, state, factor, PROLONGED_BLEND)
 
-    def _stepped(
+    def _advance(
         self, model: DiscreteModel, start: ReleaseStart, before: tuple[State, bool] | None, step: int, factor: Factor
     ) -> State:
         """After the step's pins took hold; `before` is where the last step ended, and whether the sheet was free."""
         if before is None:
-            return self._released(model, start, factor)
-        return self._pinned(model, attach_pins(model, *before), step, factor)
+            return self._release_fabric(model, start, factor)
+        return self._move_pins(model, attach_pins(model, *before), step, factor)
 
-    def _released(self, model: DiscreteModel, start: ReleaseStart, factor: Factor) -> State:
+    def _release_fabric(self, model: DiscreteModel, start: ReleaseStart, factor: Factor) -> State:
         model.set_release(start.releases[0])
-        state = start.state(model)
+        state = start.initial_state(model)
         for release in start.releases:
             model.set_release(release)
-            state = model.moved_pins(state)
-            state = start.kept(model, state)
-            state = self._followed(model, state, 0, factor, f"{100 * release:.0f} %")
+            state = model.apply_supports(state)
+            state = start.restore_branches(model, state)
+            state = self._follow_step(model, state, 0, factor, f"{100 * release:.0f} %")
         return state
 
-    def _pinned(self, model: DiscreteModel, state: State, step: int, factor: Factor) -> State:
+    def _move_pins(self, model: DiscreteModel, state: State, step: int, factor: Factor) -> State:
         for way in np.linspace(0.0, 1.0, PIN_LOAD_STEPS + 1)[1:]:
-            model.progress = float(way)
-            state = model.moved_pins(state)
-            state = self._followed(model, state, step, factor, f"pins of step {step}, {100 * way:.0f} % of their way")
+            model.pin_progress = float(way)
+            state = model.apply_supports(state)
+            state = self._follow_step(
+                model, state, step, factor, f"pins of step {step}, {100 * way:.0f} % of their way"
+            )
         return state
 
-    def _followed(self, model: DiscreteModel, state: State, step: int, factor: Factor, name: str) -> State:
+    def _follow_step(self, model: DiscreteModel, state: State, step: int, factor: Factor, name: str) -> State:
         """Loosely minimise; where the path has lost its stability, kick it to the side and minimise again."""
         fabric = model.design.fabric
         clear, loose = (
             INSTABILITY_THRESHOLD * fabric.modulus_mpa * fabric.thickness_mm,
             PATH_TOLERANCE * force_scale(model),
         )
-        result = self._minimised(model, state, loose, factor, "release", name)
+        result = self._minimise(model, state, loose, factor, "release", name)
         iterations, kicks = result.iterations, 0
         # the flag also falls for rigid motions, which cost nothing only where all forces vanish
         while kicks < MAX_PERTURBATIONS and not result.definite and np.isfinite(result.energy):
-            pair = self._lowest(model, result.state, factor, "stability")
+            pair = self._lowest_mode(model, result.state, factor, "stability")
             if pair.value >= -clear - pair.error:
                 break
             kicks += 1
             away = leave_saddle_of_model(model, result.state, pair)
-            result = self._minimised(model, away, loose, factor, "release", f"{name}, to the side")
+            result = self._minimise(model, away, loose, factor, "release", f"{name}, to the side")
             iterations += result.iterations
-        here = (step, model.release, model.progress, model.n_vertices)
+        here = (step, model.release, model.pin_progress, model.n_vertices)
         self.effort.path.append(PathStep(*here, result.energy, iterations, kicks))
         reached: State = result.state
         return reached
 
-    def _certified(self, model: DiscreteModel, state: State, factor: Factor, blend: float = 0.0) -> Equilibrium:
+    def _certify(self, model: DiscreteModel, state: State, factor: Factor, blend: float = 0.0) -> Equilibrium:
         """Minimise tightly, find the smallest eigenvalue, and while it is negative leave along its mode."""
-        result = self._minimised(model, state, gradient_tolerance(model), factor, "equilibrium", "equilibrium", blend)
+        result = self._minimise(model, state, gradient_tolerance(model), factor, "equilibrium", "equilibrium", blend)
         iterations, saddles = result.iterations, 0
         while True:
-            pair = self._lowest(model, result.state, factor, "certificate")
+            pair = self._lowest_mode(model, result.state, factor, "certificate")
             # near a saddle on a fine mesh the gradient may not fall below the tolerance
             if not (result.converged or result.stagnated) or pair.value >= -pair.error or saddles == MAX_PERTURBATIONS:
                 break
             saddles += 1
             away = leave_saddle_of_model(model, result.state, pair)
-            result = self._minimised(model, away, gradient_tolerance(model), factor, "saddle", "leaving a saddle")
+            result = self._minimise(model, away, gradient_tolerance(model), factor, "saddle", "leaving a saddle")
             iterations += result.iterations
-        here = (model.layout.pin_steps[-1], model.release, model.progress, model.n_vertices)
+        here = (model.layout.pin_steps[-1], model.release, model.pin_progress, model.n_vertices)
         self.effort.path.append(PathStep(*here, result.energy, iterations, saddles))
         return Equilibrium(
             result.state,
@@ -157,12 +159,12 @@ class ReleaseContinuation:
     def _factor(self, model: DiscreteModel) -> closing[Factor]:
         return closing(self.effort.clock("analysis", model.factor, self.backend))
 
-    def _lowest(self, model: DiscreteModel, state: State, factor: Factor, stage: str) -> Eigenpair:
+    def _lowest_mode(self, model: DiscreteModel, state: State, factor: Factor, stage: str) -> Eigenpair:
         pair = self.effort.clock(stage, lowest_mode, model, state, factor, self.seed)
         self.effort.factorisations += pair.factorisations
         return pair
 
-    def _minimised(
+    def _minimise(
         self,
         model: DiscreteModel,
         state: State,

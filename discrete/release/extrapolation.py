@@ -29,7 +29,7 @@ def extrapolate(model: DiscreteModel, before: State, state: State, share: float)
     columns = f1.transpose(0, 2, 1)
     lack = (rotate_vectors(spin, columns) - columns).transpose(0, 2, 1)
     edge_lack = rotate_vectors(edge_spin, e1[:, None])[:, 0] - e1
-    positions = state.positions + model.reconstruction.correction(lack, edge_lack)
+    positions = state.positions + model.reconstruction.displacements(lack, edge_lack)
     return State(positions, plastic_normals(model, positions))
 
 

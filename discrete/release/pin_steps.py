@@ -27,7 +27,7 @@ def model_with_pins_until(model: DiscreteModel, step: int) -> DiscreteModel:
 
 
 def attach_pins(model: DiscreteModel, state: State, was_free: bool) -> State:
-    """The state as the model's pins take hold of it: from here they move to their places (`model.progress`).
+    """The state as the model's pins take hold of it: from here they move to their places (`model.pin_progress`).
 
     A sheet that was free is first laid where its pins are nearest to their places.
     """
@@ -36,7 +36,7 @@ def attach_pins(model: DiscreteModel, state: State, was_free: bool) -> State:
         state = _laid(model, state)
     start = np.where(model.constraints.held, state.positions, model.constraints.printed)
     model.constraints = replace(model.constraints, printed=start)
-    model.progress = 0.0
+    model.pin_progress = 0.0
     return state
 
 

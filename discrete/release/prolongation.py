@@ -24,9 +24,9 @@ def prolong(coarse: DiscreteModel, state: State, fine: DiscreteModel) -> State:
 def fit_to_surface(model: DiscreteModel, surface: Array) -> State:
     """The state closest to places (V, 3) mm on a smooth surface, its pins held and its arms at their printed length."""
     held = model.constraints.held
-    smooth = np.where(held, model.constraints.places(model.progress), surface)
+    smooth = np.where(held, model.constraints.positions_at(model.pin_progress), surface)
     length = model.parts["rod_stretch"].params[:, 1:]
-    positions = model.reconstruction.fitted(smooth, length * edge_tangents(smooth, model.edges))
+    positions = model.reconstruction.fit_edges(smooth, length * edge_tangents(smooth, model.edges))
     return State(positions, plastic_normals(model, positions))
 
 
@@ -39,7 +39,7 @@ def prolong_linearly(coarse: DiscreteModel, state: State, fine: DiscreteModel) -
 def _between(coarse: DiscreteModel, state: State, fine: DiscreteModel, smooth: bool) -> Array:
     mesh = coarse.mesh
     places = interpolate_surface(mesh.points, mesh.triangles, state.positions, fine.mesh.points, smooth)
-    return np.where(fine.constraints.held, fine.constraints.places(fine.progress), places)
+    return np.where(fine.constraints.held, fine.constraints.positions_at(fine.pin_progress), places)
 
 
 def plastic_normals(model: DiscreteModel, positions: Array) -> Array:

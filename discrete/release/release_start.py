@@ -79,7 +79,7 @@ class ReleaseStart:
             raise ValueError(f"branch: must be of {len(model.layout.centres)} stars, not {len(self.branch)}")
         return np.asarray(self.branch)
 
-    def state(self, model: DiscreteModel) -> State:
+    def initial_state(self, model: DiscreteModel) -> State:
         """The state to start from, for the model's present release."""
         held, mm = model.constraints.held, spacing_ratio(model)
         if self.bend == "none":
@@ -87,12 +87,12 @@ class ReleaseStart:
         else:
             # the print is bent, and then taken to where its pins stand, however far away that is
             bent = _bent(model.mesh.points, self.bend, np.radians(self.axis_deg), mm * self.sag_mm)
-            state = model.moved_pins(_moved(model, model.printed_state(), bent))
+            state = model.apply_supports(_moved(model, model.printed_state(), bent))
         state = add_bumps(model, state, mm * START_BUMP_MM * self.branches(model))
         noise = mm * self.noise_mm * np.random.default_rng(self.seed).standard_normal(state.positions.shape)
         return _moved(model, state, state.positions + np.where(held, 0.0, noise))
 
-    def kept(self, model: DiscreteModel, state: State) -> State:
+    def restore_branches(self, model: DiscreteModel, state: State) -> State:
         """The state with the stars that are off their branch put back on it.
 
         Early in the release a star is nearly flat and goes where rounding sends it: a nudge is enough. Down is no
@@ -104,7 +104,7 @@ class ReleaseStart:
         lift = np.where((branch < 0) & (height > -MIN_BRANCH_BUMP_MM), -np.abs(height) - START_BUMP_MM, lift)
         if self.releases[-1] == model.release:
             lift = np.minimum(lift, 0.0)
-        return model.towards(state, add_bumps(model, state, mm * lift))
+        return model.reachable_state(state, add_bumps(model, state, mm * lift))
 
 
 def spacing_ratio(model: DiscreteModel) -> float:

@@ -47,15 +47,15 @@ def solve_on_mesh(
     """
     if method not in get_args(Method):
         raise ValueError(f"method = {method!r}: must be one of {', '.join(get_args(Method))}")
-    walk = ReleaseContinuation(backend, method, max_iterations, report, seed)
+    continuation = ReleaseContinuation(backend, method, max_iterations, report, seed)
     if isinstance(start, State):
         if releases is not None:
             raise ValueError("releases: a state is minimised at full release; give one or the other")
         model.set_release(1.0)
-        state = model.moved_pins(start)
+        state = model.apply_supports(start)
         if not is_intersection_free(model, state):
             raise ValueError("start: the state passes through itself, which contact cannot undo")
-        return walk.from_state(model, state)
+        return continuation.minimise_from(model, state)
     if not isinstance(start, ReleaseStart):
         if start not in get_args(StartKind):
             raise ValueError(f"start = {start!r}: must be one of {', '.join(get_args(StartKind))}")
@@ -63,7 +63,7 @@ def solve_on_mesh(
     if releases is not None:
         start = replace(start, releases=tuple(releases))
     try:
-        return walk.along(model, start)
+        return continuation.follow(model, start)
     except BaseException:
         model.set_release(1.0)  # what is interrupted leaves the model as it was
         raise

@@ -174,7 +174,7 @@ class UnitCell(System):
 
     def path(self, state: State, direction: Array, straight: bool = True) -> tuple[Callable[[float], State], float]:
         """Straight steps of the positions; parallel transport carries the directors along the unfolded rod edges."""
-        move, turn = self.spread(direction)
+        move, turn = self.displacements_and_twists(direction)
 
         def at(a: float) -> State:
             positions = state.positions + a * move

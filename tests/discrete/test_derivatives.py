@@ -53,7 +53,7 @@ def complex_steps(sample: Sample, n: int, function) -> Array:
 @PLACES
 def test_gradient(name, bent):
     sample = make(name, bent)
-    n = sample.elements.n
+    n = sample.elements.dofs_per_element
     expected = complex_steps(sample, n, sample.elements.energies)
     assert relative(sample.elements.gradients(sample.state.packed), expected) < 1e-11
 
@@ -62,7 +62,7 @@ def test_gradient(name, bent):
 @PLACES
 def test_hessian(name, bent):
     sample = make(name, bent)
-    n = sample.elements.n
+    n = sample.elements.dofs_per_element
     derivative = complex_steps(sample, n, sample.elements.gradients)
     expected = 0.5 * (derivative + derivative.swapaxes(1, 2))
     assert relative(full(sample.elements.hessians(sample.state.packed), n), expected) < 1e-11
@@ -76,7 +76,7 @@ def test_hessian(name, bent):
 def test_hessian_is_the_slope_of_the_gradient_in_real_arithmetic(name, bent):
     """The same by central differences of the compiled gradient, which never sees a complex number."""
     sample = make(name, bent)
-    n, step = sample.elements.n, 1e-5
+    n, step = sample.elements.dofs_per_element, 1e-5
     columns = []
     for i in range(n):
         d = np.zeros((COUNT, n))
@@ -109,7 +109,7 @@ def test_compiled_and_plain_paths_agree(name, bent, blend):
 def test_blend_goes_from_exact_to_semidefinite(name, bent):
     """Linear in between, so a small blend is a small change; somewhere the exact Hessian is indefinite."""
     sample = make(name, bent)
-    n, packed = sample.elements.n, sample.state.packed
+    n, packed = sample.elements.dofs_per_element, sample.state.packed
     exact, convex = (full(sample.elements.hessians(packed, blend), n) for blend in (0.0, 1.0))
     scale = np.abs(exact).max(axis=(1, 2))
     assert (np.linalg.eigvalsh(convex)[:, 0] > -1e-12 * scale).all()

@@ -70,7 +70,7 @@ def test_a_step_sets_out_in_the_direction_it_is_given(pins: list[dict]) -> None:
     d = direction(model, 1.0)
     path, _ = model.path(state, d)
     slope = (path(1e-4).positions - path(-1e-4).positions) / 2e-4
-    np.testing.assert_allclose(slope, model.spread(d)[0], atol=1e-6)
+    np.testing.assert_allclose(slope, model.displacements_and_twists(d)[0], atol=1e-6)
     held = model.constraints.held
     np.testing.assert_array_equal(path(0.3).positions[held], state.positions[held])
 

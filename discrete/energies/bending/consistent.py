@@ -14,7 +14,7 @@ from discrete.energies.elements import Array, Elements
 def _build(mesh: BendingMesh, plate: FabricPlate, compiled: bool) -> dict[str, Elements]:
     hinges = mesh.hinges
     return {
-        "plate": Plate(mesh.triangles, mesh.printed, *plate, compiled=compiled, around=mesh.around),
+        "plate": Plate(mesh.triangles, mesh.printed, *plate, compiled=compiled, surrounding=mesh.surrounding),
         "folds": Hinges(hinges, 0.0, compiled, fold_coefficients(hinges, mesh.printed, *plate)),
     }
 

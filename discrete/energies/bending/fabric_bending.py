@@ -27,13 +27,13 @@ class BendingMesh:
     triangles : (T, 3) vertices, counterclockwise.
     printed : (V, 2) mm.
     closed_hinges : (H, 4) hinges of a periodic mesh, which the triangles alone do not show; None for a plain mesh.
-    around : (R, 3) triangles around a periodic mesh, which have no energy of their own; None for a plain mesh.
+    surrounding : (R, 3) triangles around a periodic mesh, which have no energy of their own; None for a plain mesh.
     """
 
     triangles: Array
     printed: Array
     closed_hinges: Array | None = None
-    around: Array | None = None
+    surrounding: Array | None = None
 
     @property
     def hinges(self) -> Array:

@@ -210,8 +210,8 @@ class Plate(Elements):
     triangles : (T, 3) vertices, counterclockwise.
     printed : (V, 2) mm; any affine image of the rest shape gives the same curvatures.
     thickness, modulus, poisson : mm, MPa, 1.
-    shrink : rest area over printed area.
-    around : (R, 3) triangles around those, which bend them but have no energy of their own.
+    area_ratio : rest area over printed area.
+    surrounding : (R, 3) triangles around those, which bend them but have no energy of their own.
     """
 
     formulas = (plate_energy, plate_gradient, plate_hessian)
@@ -224,11 +224,11 @@ class Plate(Elements):
         thickness: float,
         modulus: float,
         poisson: float,
-        shrink: float = 1.0,
+        area_ratio: float = 1.0,
         compiled: bool = True,
-        around: Array | None = None,
+        surrounding: Array | None = None,
     ) -> None:
-        patch = patches(triangles, printed, around)
+        patch = patches(triangles, printed, surrounding)
         stiffness = modulus * thickness**3 / (24.0 * (1.0 - poisson**2))
         self._printed = stiffness * patch.area
         count = len(triangles)
@@ -237,8 +237,8 @@ class Plate(Elements):
         )
         dofs = (3 * patch.vertices[:, :, None] + np.arange(3)).reshape(count, 18)
         super().__init__(dofs, dofs, params, compiled)
-        self.set_rest_area(shrink)
+        self.set_rest_area(area_ratio)
 
-    def set_rest_area(self, shrink: float) -> None:
-        """`shrink`: rest area over printed area, the same everywhere."""
-        self.params[:, 0] = shrink * self._printed
+    def set_rest_area(self, area_ratio: float) -> None:
+        """`area_ratio`: rest area over printed area, the same everywhere."""
+        self.params[:, 0] = area_ratio * self._printed

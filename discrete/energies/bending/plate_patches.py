@@ -1,11 +1,12 @@
-"""The six vertices around each triangle, and the quadratic through them.
+"""Patches of six vertices for the plate, and the quadratic through their heights.
 
-Quadratics that vanish at the triangle's own vertices are spanned by the products `l1 l2, l2 l0, l0 l1` of its
-barycentric coordinates. What three more vertices have above the plane of the triangle therefore gives the second
-derivatives, by the inverse of the 3 x 3 matrix of those products at the three. The three are the apexes of the
-neighbours. Where one is missing (border), or where all six lie close to a conic and the inverse is large, they are
-chosen among all vertices around: the three with the least sum of squared second derivatives for unit heights.
-Quadratics stay exact everywhere.
+The quadratics that vanish at the three vertices of a triangle are spanned by the products `l1 l2, l2 l0, l0 l1` of its
+barycentric coordinates. The heights of three more vertices above the triangle's plane therefore give the second
+derivatives, by the inverse of the 3 x 3 matrix of these products at the three vertices. Every quadratic is exact.
+
+The three vertices are the apexes of the adjacent triangles (Flores and Onate 2005). At the border an apex is missing,
+and where all six vertices lie close to a conic the inverse is large. There the three are chosen among the vertices
+nearby: the choice with the least sum of squared second derivatives for unit heights.
 """
 
 from __future__ import annotations
@@ -20,8 +21,10 @@ from discrete.energies.elements import Array
 from pattern.design.errors import MeshError
 from pattern.geometry.planar import triangle_areas, triangle_gradients
 
-# of the second derivatives for unit heights, squared, times the area squared; equilateral triangles have 1
+# 1: squared second derivatives for unit heights times squared area; equilateral triangles have 1
 MAX_CURVATURE_GAIN = 4.0
+# 1: determinant of the products at the three vertices; below it the six vertices lie on a conic
+MIN_PRODUCT_DETERMINANT = 1e-9
 
 
 @dataclass(frozen=True)
@@ -30,7 +33,7 @@ class Patches:
 
     Attributes
     ----------
-    vertices : (T, 6) the triangle's own three, then the others.
+    vertices : (T, 6) the three vertices of the triangle, then the three extra ones.
     first : (T, 3, 2) 1/mm, gradients of the barycentric coordinates.
     second : (T, 6, 3) 1/mm^2, second derivatives 11, 12, 22 of the quadratic for the height of each vertex.
     area : (T,) mm^2.
@@ -42,28 +45,56 @@ class Patches:
     area: Array
 
 
-def patches(triangles: Array, points: Array, around: Array | None = None) -> Patches:
-    """Patches of counterclockwise triangles (T, 3) on points (V, 2); more triangles (R, 3) may lie around them."""
-    every = triangles if around is None else np.concatenate([triangles, around])
+def patches(triangles: Array, points: Array, surrounding: Array | None = None) -> Patches:
+    """Patches of the triangles of a mesh.
+
+    Parameters
+    ----------
+    triangles : (T, 3) vertices, counterclockwise.
+    points : (V, 2) mm.
+    surrounding : (R, 3) more triangles, whose vertices may serve as extra vertices; they get no patch.
+
+    Raises
+    ------
+    MeshError
+        A triangle has fewer than three more vertices around it that do not lie on a conic with its own.
+
+    Examples
+    --------
+    On an equilateral triangle in the middle of a larger one the extra vertices are the three corners. The second
+    derivatives of `z = x^2` are 2, 0 and 0:
+
+    >>> h = 3.0**0.5
+    >>> points = np.array([[0, 0], [2, 0], [1, h], [3, h], [-1, h], [1, -h]])
+    >>> triangles = np.array([[0, 1, 2], [1, 3, 2], [2, 4, 0], [0, 5, 1]])
+    >>> patch = patches(triangles[:1], points, triangles[1:])
+    >>> patch.vertices[0].tolist()
+    [0, 1, 2, 3, 4, 5]
+    >>> (points[patch.vertices[0], 0] ** 2 @ patch.second[0]).round(6) + 0.0
+    array([2., 0., 0.])
+    """
+    all_triangles = triangles if surrounding is None else np.concatenate([triangles, surrounding])
     first, area = triangle_gradients(points, triangles), triangle_areas(points, triangles)
     products = _products(first)
-    others = _apexes(every)[: len(triangles)]
-    second, gain = _second(points, triangles, first, products, area, np.where(others < 0, 0, others))
-    gain[(others < 0).any(axis=1)] = np.inf
-    near = _around(every)
+    extra = _apexes(all_triangles)[: len(triangles)]
+    second, gain = _second_derivatives(points, triangles, first, products, area, np.where(extra < 0, 0, extra))
+    gain[(extra < 0).any(axis=1)] = np.inf
+    neighbours = _vertex_neighbours(all_triangles)
     for t in np.flatnonzero(~(gain < MAX_CURVATURE_GAIN)):
-        for trios in _trios(triangles[t], others[t], near):
-            one = np.full(len(trios), t)
-            choice, gains = _second(points, triangles[one], first[one], products[one], area[one], trios)
-            if len(trios) and np.isfinite(gains).any():
+        for candidates in _candidates(triangles[t], extra[t], neighbours):
+            repeated = np.full(len(candidates), t)
+            choices, gains = _second_derivatives(
+                points, triangles[repeated], first[repeated], products[repeated], area[repeated], candidates
+            )
+            if len(candidates) and np.isfinite(gains).any():
                 best = int(np.argmin(gains))
-                others[t], second[t] = trios[best], choice[best]
+                extra[t], second[t] = candidates[best], choices[best]
                 break
         else:
             raise MeshError("consistent bending needs six vertices around every triangle: mesh.edge_mm must be smaller")
-    # a height is measured from the triangle's own plane
-    own = -np.einsum("tqa,tqj->tja", second, _barycentric(points, triangles, first, others))
-    return Patches(np.column_stack([triangles, others]), first, np.concatenate([own, second], axis=1), area)
+    # heights are measured from the plane of the triangle, so its own vertices enter by their barycentric coordinates
+    at_triangle = -np.einsum("tqa,tqj->tja", second, _barycentric(points, triangles, first, extra))
+    return Patches(np.column_stack([triangles, extra]), first, np.concatenate([at_triangle, second], axis=1), area)
 
 
 def _products(first: Array) -> Array:
@@ -79,69 +110,69 @@ def _products(first: Array) -> Array:
     )
 
 
-def _barycentric(points: Array, triangles: Array, first: Array, others: Array) -> Array:
-    """(T, 3, 3) barycentric coordinates (last axis) of the other three vertices."""
-    step = points[others] - points[triangles[:, :1]]
+def _barycentric(points: Array, triangles: Array, first: Array, extra: Array) -> Array:
+    """(T, 3, 3) barycentric coordinates (last axis) of the three extra vertices."""
+    step = points[extra] - points[triangles[:, :1]]
     return np.asarray(np.einsum("tjk,tqk->tqj", first, step) + np.array([1.0, 0.0, 0.0]))
 
 
-def _second(
-    points: Array, triangles: Array, first: Array, products: Array, area: Array, others: Array
+def _second_derivatives(
+    points: Array, triangles: Array, first: Array, products: Array, area: Array, extra: Array
 ) -> tuple[Array, Array]:
-    """Second derivatives (T, 3, 3) for unit heights of the others, and the gain (T,); infinite on a conic."""
-    weight = _barycentric(points, triangles, first, others)
+    """Second derivatives (T, 3, 3) for unit heights of the extra vertices, and gain (T,); infinite on a conic."""
+    weight = _barycentric(points, triangles, first, extra)
     value = np.roll(weight, -1, axis=2) * np.roll(weight, -2, axis=2)
-    possible = np.abs(np.linalg.det(value)) > 1e-9
-    value[~possible] = np.eye(3)
+    regular = np.abs(np.linalg.det(value)) > MIN_PRODUCT_DETERMINANT
+    value[~regular] = np.eye(3)
     second = np.einsum("tpq,tpa->tqa", np.linalg.inv(value), products)
     gain = (second**2 @ np.array([1.0, 2.0, 1.0])).sum(axis=1) * area**2
-    gain[~possible] = np.inf
+    gain[~regular] = np.inf
     return second, gain
 
 
 def _apexes(triangles: Array) -> Array:
-    """(T, 3) the neighbour's vertex across the side opposite to each vertex, -1 beyond the border."""
+    """(T, 3) apex of the adjacent triangle across the side opposite to each vertex; -1 at the border."""
     size = int(triangles.max()) + 1
     start, end = np.roll(triangles, -1, axis=1), np.roll(triangles, -2, axis=1)
     key = (start.astype(np.int64) * size + end).ravel()
     order = np.argsort(key)
     hinges = interior_edges(triangles).astype(np.int64)
-    sides = np.full(triangles.size, -1, dtype=np.int64)
-    # the apex on the left is in the triangle that runs along the edge as it is given
-    for one, other, apex in ((0, 1, 3), (1, 0, 2)):
-        side = order[np.searchsorted(key[order], hinges[:, one] * size + hinges[:, other])]
-        sides[side] = hinges[:, apex]
-    out = sides.reshape(triangles.shape)
-    # around a vertex of three triangles two sides share an apex
+    apexes = np.full(triangles.size, -1, dtype=np.int64)
+    # the triangle whose side runs from `tail` to `head` is adjacent to the triangle with this apex
+    for tail, head, apex in ((0, 1, 3), (1, 0, 2)):
+        side = order[np.searchsorted(key[order], hinges[:, tail] * size + hinges[:, head])]
+        apexes[side] = hinges[:, apex]
+    out = apexes.reshape(triangles.shape)
+    # around a vertex of three triangles, two sides have the same apex
     out[:, 1:][out[:, 1:] == out[:, :1]] = -1
     out[out[:, 2] == out[:, 1], 2] = -1
     return out
 
 
-def _around(triangles: Array) -> list[set[int]]:
-    """The neighbours of every vertex."""
-    around: list[set[int]] = [set() for _ in range(int(triangles.max()) + 1)]
+def _vertex_neighbours(triangles: Array) -> list[set[int]]:
+    """Vertices that share a triangle with each vertex."""
+    neighbours: list[set[int]] = [set() for _ in range(int(triangles.max()) + 1)]
     for a, b, c in triangles.tolist():
-        around[a] |= {b, c}
-        around[b] |= {c, a}
-        around[c] |= {a, b}
-    return around
+        neighbours[a] |= {b, c}
+        neighbours[b] |= {c, a}
+        neighbours[c] |= {a, b}
+    return neighbours
 
 
-def _trios(own: Array, apexes: Array, around: list[set[int]]) -> list[Array]:
-    """Candidates (n, 3) for the other three vertices, in the order in which they are tried.
+def _candidates(triangle: Array, apexes: Array, neighbours: list[set[int]]) -> list[Array]:
+    """Candidates (n, 3) for the three extra vertices, in the order in which they are tried.
 
-    At the border the apexes that exist are kept if that is possible; six vertices near a conic are all chosen anew.
+    At the border the existing apexes are kept if possible. Near a conic all three vertices are chosen anew.
     """
-    mine = set(own.tolist())
-    near = set().union(*(around[v] for v in mine)) - mine
-    # corners of the sheet have few vertices around
-    while len(near) < 4 and not set().union(*(around[v] for v in near)) <= near | mine:
-        near |= set().union(*(around[v] for v in near)) - mine
+    own = set(triangle.tolist())
+    nearby = set().union(*(neighbours[v] for v in own)) - own
+    # corners of the sheet have few vertices nearby
+    while len(nearby) < 4 and not set().union(*(neighbours[v] for v in nearby)) <= nearby | own:
+        nearby |= set().union(*(neighbours[v] for v in nearby)) - own
     existing = {int(v) for v in apexes if v >= 0}
     choices = [existing, set()] if len(existing) < 3 else [set()]
     out = []
     for kept in choices:
-        more = combinations(sorted(near - kept), 3 - len(kept))
+        more = combinations(sorted(nearby - kept), 3 - len(kept))
         out.append(np.array([[*sorted(kept), *some] for some in more], dtype=np.int64).reshape(-1, 3))
     return out

@@ -19,14 +19,14 @@ class RodNetwork:
     ----------
     edges : (R, 2) vertices, along each rod.
     rod : (R,) the rod of each edge.
-    middle : (R,) place of the edge's midpoint along its rod, 0 at the start and 1 at the end.
+    midpoint : (R,) place of the edge's midpoint along its rod, 0 at the start and 1 at the end.
     stencil_vertices : (S, 3), stencil_edges : (S, 2), and signs (S, 2): -1 where the stencil runs backwards.
     weight : (S,) share of the cross-section that bends and twists in this stencil.
     """
 
     edges: Array
     rod: Array
-    middle: Array
+    midpoint: Array
     stencil_vertices: Array
     stencil_edges: Array
     signs: Array
@@ -50,7 +50,7 @@ def rod_network(paths: tuple[Array, ...], junction: Array, printed: Array) -> Ro
     """
     edges: list[tuple[int, int]] = []
     rod: list[int] = []
-    middle: list[float] = []
+    midpoint: list[float] = []
     vertices: list[tuple[int, int, int]] = []
     pairs: list[tuple[int, int]] = []
     signs: list[tuple[float, float]] = []
@@ -63,7 +63,7 @@ def rod_network(paths: tuple[Array, ...], junction: Array, printed: Array) -> Ro
         for j in range(len(path) - 1):
             edges.append((path[j], path[j + 1]))
             rod.append(r)
-            middle.append(0.5 * (length[j] + length[j + 1]) / length[-1])
+            midpoint.append(0.5 * (length[j] + length[j + 1]) / length[-1])
             if j > 0:
                 vertices.append((path[j - 1], path[j], path[j + 1]))
                 pairs.append((start + j - 1, start + j))
@@ -80,7 +80,7 @@ def rod_network(paths: tuple[Array, ...], junction: Array, printed: Array) -> Ro
     return RodNetwork(
         np.array(edges, dtype=np.int64).reshape(-1, 2),
         np.array(rod, dtype=np.int64),
-        np.array(middle, dtype=float),
+        np.array(midpoint, dtype=float),
         np.array(vertices, dtype=np.int64).reshape(-1, 3),
         np.array(pairs, dtype=np.int64).reshape(-1, 2),
         np.array(signs, dtype=float).reshape(-1, 2),
@@ -136,7 +136,7 @@ def stencil_inputs(network: RodNetwork, n_vertices: int) -> tuple[Array, Array]:
     return np.hstack([points, directors]), np.hstack([points, 3 * n_vertices + network.stencil_edges])
 
 
-def curvatures(network: RodNetwork, positions: Array, directors: Array, printed: Array) -> Array:
+def rod_curvatures(network: RodNetwork, positions: Array, directors: Array, printed: Array) -> Array:
     """(S,) 1/mm, curvature about the width axis; positive where the rod bends away from its plastic side."""
     t = edge_tangents(positions, network.edges)[network.stencil_edges] * network.signs[:, :, None]
     width = np.cross(directors[network.stencil_edges], t)

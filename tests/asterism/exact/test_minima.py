@@ -15,7 +15,7 @@ from asterism.shape.read_shape import read_shape
 from asterism.shape.shape import Shape
 from discrete.evidence.equilibrium import Equilibrium
 from discrete.model.discrete_model import DiscreteModel
-from discrete.release import branches
+from discrete.release import forms
 from discrete.release.release_start import ReleaseStart
 from pattern import gallery
 from pattern.design.design import Design
@@ -143,13 +143,13 @@ def test_how_high_a_sheet_hangs_makes_no_difference_to_the_next_minimum() -> Non
 
 
 def test_a_start_that_cannot_go_on_is_lost_and_not_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
-    solve_on_mesh = branches.solve_on_mesh
+    solve_on_mesh = forms.solve_on_mesh
 
     def failing(model: DiscreteModel, start: ReleaseStart, *rest: Any) -> Equilibrium:
         if start.bend != "none":
             raise DesignError("solver.contact", "the pins push the sheet through itself; it cannot follow them")
         return solve_on_mesh(model, start, *rest)
 
-    monkeypatch.setattr(branches, "solve_on_mesh", failing)
+    monkeypatch.setattr(forms, "solve_on_mesh", failing)
     summary = simulate(small(), starts=3).summary
     assert summary["is_minimum"] and summary["starts_lost"] == 2

@@ -57,7 +57,7 @@ def folded_model(**more: object) -> tuple[ContactModel, State]:
     sheet = model(ContactModel, edge=3.0, **more)
     assert isinstance(sheet, ContactModel)
     state = folded(sheet, 0.7)
-    pairs, least = sheet.contact.touching(state.positions)
+    pairs, least = sheet.contact.pairs_and_gap(state.positions)
     assert pairs > 100 and 0.4 < least < 0.8
     return sheet, state
 
@@ -77,7 +77,7 @@ def test_derivatives_of_the_whole_energy(pins: list[object]) -> None:
     rng = np.random.default_rng(0)
     for _ in range(3):
         direction = rng.normal(size=len(sheet.free))
-        move, turn = sheet.spread(direction)
+        move, turn = sheet.displacements_and_twists(direction)
 
         def at(a: float, move: Array = move, turn: Array = turn) -> State:
             return moved_state(state, sheet.edges, state.positions + a * move, a * turn)
@@ -124,7 +124,7 @@ def test_one_pattern_holds_all_hessians_of_a_state() -> None:
     sheet = model(ContactModel, edge=4.0, thickness=0.3)
     assert isinstance(sheet, ContactModel)
     state = folded(sheet, 0.6, noise=0.0)
-    assert sheet.contact.touching(state.positions)[0] > 100
+    assert sheet.contact.pairs_and_gap(state.positions)[0] > 100
     exact, half, convex = (sheet.hessian(state, blend) for blend in (0.0, 0.5, 1.0))
     np.testing.assert_allclose(half, 0.5 * (exact + convex), rtol=1e-9, atol=1e-9 * np.abs(exact).max())
 
@@ -144,19 +144,19 @@ def test_steps_stop_before_they_pass_through() -> None:
     move[:, 2] = -20.0 * np.sign(state.positions[:, 2])
     direction = np.concatenate([move.ravel(), np.zeros(len(sheet.edges))])[sheet.free]
     plain, _ = DiscreteModel.path(sheet, state, direction, straight=True)
-    assert sheet.contact.clear(state.positions, plain(1.0).positions) < 0.1
+    assert sheet.contact.collision_free_fraction(state.positions, plain(1.0).positions) < 0.1
     for straight in (True, False):
         path, longest = sheet.path(state, direction, straight)
         for a in (longest, 0.3 * longest, 0.01 * longest):
-            assert sheet.towards(state, path(a)) is path(a)
-            assert sheet.contact.apart(path(a).positions)
+            assert sheet.reachable_state(state, path(a)) is path(a)
+            assert sheet.contact.is_intersection_free(path(a).positions)
 
 
 def test_moving_as_a_whole_is_free() -> None:
     sheet, state = folded_model()
     turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     there = State(state.positions @ turn.T + 100.0, state.directors @ turn.T)
-    assert sheet.towards(state, there) is there
+    assert sheet.reachable_state(state, there) is there
 
 
 def test_two_flaps_stay_apart() -> None:
@@ -185,9 +185,9 @@ def test_two_flaps_stay_apart() -> None:
     assert (np.diff(energies) > 0.0).all() and (np.diff(forces) < 0.0).all()
     assert np.isinf(contact.energy(over(0.39)))
     above, below = over(2.0), over(-2.0)
-    assert contact.apart(above) and contact.apart(below)
+    assert contact.is_intersection_free(above) and contact.is_intersection_free(below)
     # 1.6 mm of the way of 4 mm are free, and a tenth of them is left as it is
-    assert contact.clear(above, below) == pytest.approx(0.36, abs=0.02)
+    assert contact.collision_free_fraction(above, below) == pytest.approx(0.36, abs=0.02)
 
 
 def test_sheet_that_rolls_up_further_than_round() -> None:
@@ -199,8 +199,8 @@ def test_sheet_that_rolls_up_further_than_round() -> None:
     triangles = sheet.mesh.triangles
     assert plain.is_minimum and self_intersections(plain.state.positions, triangles) > 100
     assert found.is_minimum and self_intersections(found.state.positions, triangles) == 0
-    pairs, least = sheet.contact.touching(found.state.positions)
-    assert pairs > 0 and sheet.contact.closest < least < sheet.contact.distance
+    pairs, least = sheet.contact.pairs_and_gap(found.state.positions)
+    assert pairs > 0 and sheet.contact.min_distance < least < sheet.contact.distance
     assert found.energy > plain.energy
     # the certificate is that of the whole Hessian
     modes = sheet.rigid_modes(found.state)
@@ -251,7 +251,7 @@ def test_pins_that_push_the_sheet_through_itself_are_refused() -> None:
     moved[held, 2] = np.where(state.positions[held, 2] > 0.0, 30.0, -30.0)
     there = moved_state(state, sheet.edges, moved, np.zeros(len(sheet.edges)))
     with pytest.raises(DesignError, match="pins"):
-        _ = sheet.moved_pins(there)
+        _ = sheet.apply_supports(there)
 
 
 def test_a_missing_package_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -325,7 +325,9 @@ def test_what_may_soon_touch_is_within_twice_the_distance() -> None:
     found = []
     for gap in (0.9, 1.5, 1.9, 2.2):
         positions = folded(sheet, gap * contact.distance, noise=0.0).positions
-        found.append((len(contact.entries(positions)[0]) > 0, len(contact.soon(positions)[0]) > 0))
+        found.append(
+            (len(contact.hessian_pattern(positions)[0]) > 0, len(contact.hessian_pattern_nearby(positions)[0]) > 0)
+        )
     assert found == [(True, True), (False, True), (False, True), (False, False)]
 
 
@@ -337,4 +339,6 @@ def test_neighbours_are_told_by_their_places_on_the_stretched_print() -> None:
     corners = mesh.points[mesh.triangles]
     longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max()
     stretch = max(sheet.design.fabric.stretch_xy)
-    assert contact.neighbourhood == pytest.approx(NEIGHBOUR_DISTANCE_FACTOR * (longest + stretch * contact.distance))
+    assert contact.neighbour_distance == pytest.approx(
+        NEIGHBOUR_DISTANCE_FACTOR * (longest + stretch * contact.distance)
+    )

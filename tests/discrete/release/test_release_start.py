@@ -30,7 +30,7 @@ def bent(**how: object) -> tuple[np.ndarray, np.ndarray]:
     """(V,) printed distances along and across the axis at 30 degrees over half the diagonal, and heights in mm."""
     start = ReleaseStart(bumps=False, noise_mm=0.0, axis_deg=30.0, **how)  # type: ignore[arg-type]
     axis = np.array([[np.sqrt(0.75), 0.5], [-0.5, np.sqrt(0.75)]])
-    return model().mesh.points @ axis.T / np.hypot(35.0, 30.0), start.state(model()).positions[:, 2]
+    return model().mesh.points @ axis.T / np.hypot(35.0, 30.0), start.initial_state(model()).positions[:, 2]
 
 
 def test_domes_fall_to_all_sides_and_saddles_across_their_ridge_only() -> None:
@@ -50,7 +50,7 @@ def test_rolls_bend_by_at_most_two_and_a_half_radians_to_each_side(sag: float) -
 
 def test_noise_leaves_what_is_held() -> None:
     sheet = model(held=True)
-    quiet, noisy = (ReleaseStart(noise_mm=noise).state(sheet).positions for noise in (0.0, 0.5))
+    quiet, noisy = (ReleaseStart(noise_mm=noise).initial_state(sheet).positions for noise in (0.0, 0.5))
     held = sheet.constraints.held
     assert held.any()
     np.testing.assert_array_equal(noisy[held], quiet[held])
@@ -66,11 +66,11 @@ def test_stars_that_are_nearly_flat_are_nudged_until_the_last_release() -> None:
     assert bump_heights(sheet, low).min() > 0.0 and bump_heights(sheet, low).max() < MIN_BRANCH_BUMP_MM
     try:
         sheet.set_release(0.3)
-        nudged, kept = (ReleaseStart(releases=LEFT).kept(sheet, state) for state in (low, high))
+        nudged, kept = (ReleaseStart(releases=LEFT).restore_branches(sheet, state) for state in (low, high))
         gained = bump_heights(sheet, nudged) - bump_heights(sheet, low)
         assert gained.min() > 0.5 * BRANCH_NUDGE_MM
         np.testing.assert_allclose(kept.positions, high.positions)
     finally:
         sheet.set_release(1.0)
-    last = ReleaseStart(releases=LEFT).kept(sheet, low)
+    last = ReleaseStart(releases=LEFT).restore_branches(sheet, low)
     np.testing.assert_allclose(last.positions, low.positions)

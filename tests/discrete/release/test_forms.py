@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from discrete.evidence.roll_axis import roll_axis_deg
 from discrete.model.discrete_model import DiscreteModel
 from discrete.model.state import State
-from discrete.release.branches import ExactForm, distinct_forms, find_minima
+from discrete.release.forms import ExactForm, distinct_forms, find_minima
 from discrete.release.release_start import ReleaseStart, release_starts
 from discrete.release.single_mesh import solve_on_mesh
 from pattern import gallery
@@ -49,7 +49,7 @@ def image(m: DiscreteModel, state: State, symmetry: Symmetry) -> State:
 def test_images_of_a_shape_have_its_energy_and_are_no_distance_away() -> None:
     m = model()
     start = ReleaseStart(bend="roll", axis_deg=20.0, sag_mm=12.0, noise_mm=0.5)
-    state = start.state(m)
+    state = start.initial_state(m)
     m.set_release(1.0)
     same = symmetries(m.design, m.layout)
     assert len(same) == 6
@@ -72,7 +72,7 @@ def test_a_bend_is_the_same_wherever_the_sheet_is_drawn(bend: str) -> None:
         data = {"stars": {"length_mm": 6.0}, "lattice": {"origin_mm": [x, 0.0]}, "border": border}
         plan = layout(design := Design.from_dict(data))
         m = DiscreteModel(design, plan, mesh_layout(plan, 6.0))
-        return ReleaseStart(bumps=False, bend=bend, sag_mm=20.0, noise_mm=0.0).state(m)  # type: ignore[arg-type]
+        return ReleaseStart(bumps=False, bend=bend, sag_mm=20.0, noise_mm=0.0).initial_state(m)  # type: ignore[arg-type]
 
     here, there = start(-30.0).positions, start(300.0).positions
     np.testing.assert_allclose(there - [330.0, 0.0, 0.0], here, atol=1e-9)
@@ -82,7 +82,7 @@ def test_a_bend_is_the_same_wherever_the_sheet_is_drawn(bend: str) -> None:
 @pytest.mark.parametrize(("bend", "axis"), [("roll", 20.0), ("roll", 90.0), ("dome", 0.0), ("saddle", 0.0)])
 def test_roll_axis(bend: str, axis: float) -> None:
     m = model(rings=2, edge=4.0)
-    state = ReleaseStart(bumps=False, bend=bend, axis_deg=axis, sag_mm=25.0, noise_mm=0.0).state(m)  # type: ignore[arg-type]
+    state = ReleaseStart(bumps=False, bend=bend, axis_deg=axis, sag_mm=25.0, noise_mm=0.0).initial_state(m)  # type: ignore[arg-type]
     turned = Rotation.from_rotvec([1.0, 2.0, -0.5]).as_matrix()
     normals = vertex_normals(state.positions, m.mesh.triangles)[m.edges].mean(axis=1)
     found = roll_axis_deg(m, State(state.positions @ turned.T, normals @ turned.T))
@@ -138,11 +138,11 @@ def test_at_least_one_start_is_needed() -> None:
 def test_many_starts_find_the_default_minimum_and_others() -> None:
     m = model(rings=0)
     minima = find_minima(m, 9)
-    assert minima.fine == sorted(minima.fine, key=lambda b: b.found.energy)
-    assert all(b.found.is_minimum for b in minima.fine)
-    assert sum(len(b.starts) for b in minima.fine) + minima.lost == 9
+    assert minima.fine == sorted(minima.fine, key=lambda b: b.equilibrium.energy)
+    assert all(b.equilibrium.is_minimum for b in minima.fine)
+    assert sum(len(b.starts) for b in minima.fine) + minima.lost_starts == 9
     default = next(b for b in minima.fine if b.default)
-    assert default.found.energy == pytest.approx(solve_on_mesh(m).energy, rel=1e-9)
+    assert default.equilibrium.energy == pytest.approx(solve_on_mesh(m).energy, rel=1e-9)
     assert minima.distance_percent(default, default) < 1e-6
 
 
@@ -160,8 +160,8 @@ def test_prescribed_stars_decide_which_minimum_is_reported() -> None:
     """Up is lower, but a star that is prescribed down is not reported up while a minimum keeps it down."""
     m = model(rings=0, stars={"length_mm": 10.0, "thickness_mm": 0.3, "branch": "down"})
     minima = find_minima(m, 8)
-    assert minima.fine[0].found.stars_up == 0
-    assert minima.fine[0].found.energy > min(b.found.energy for b in minima.fine[1:])
+    assert minima.fine[0].equilibrium.stars_up == 0
+    assert minima.fine[0].equilibrium.energy > min(b.equilibrium.energy for b in minima.fine[1:])
 
 
 def test_of_images_the_one_with_its_own_stars_down_is_kept() -> None:
@@ -173,7 +173,7 @@ def test_of_images_the_one_with_its_own_stars_down_is_kept() -> None:
     lower = replace(other, energies={"all": mine.energy - 1e-6})
     assert mine.sides.tolist() == [1, -1, 1, 1, 1, 1, 1] and other.sides.tolist() == [1, 1, 1, -1, 1, 1, 1]
     kept = distinct_forms([ExactForm(mine, m, ("mine",), True), ExactForm(lower, m, ("other",), False)], same)
-    assert len(kept) == 1 and kept[0].found is mine and kept[0].starts == ("mine", "other")
+    assert len(kept) == 1 and kept[0].equilibrium is mine and kept[0].starts == ("mine", "other")
 
 
 def test_flat_stars_are_on_no_side() -> None:

@@ -29,13 +29,13 @@ class ExactForm:
 
     Attributes
     ----------
-    found : on the mesh of `model`.
+    equilibrium : on the mesh of `model`.
     starts : names of the starts that ended here, the first of them first.
     default : the default start did.
     levels : what the finer meshes cost; empty before they were solved.
     """
 
-    found: Equilibrium
+    equilibrium: Equilibrium
     model: DiscreteModel
     starts: tuple[str, ...]
     default: bool
@@ -44,17 +44,17 @@ class ExactForm:
     @property
     def centres(self) -> Array:
         """(S, 3) mm."""
-        return self.found.state.positions[self.model.mesh.star_vertices]
+        return self.equilibrium.state.positions[self.model.mesh.star_vertices]
 
     @property
     def roll_axis_deg(self) -> float | None:
         """Axis of the rolled sheet in print coordinates."""
-        return roll_axis_deg(self.model, self.found.state)
+        return roll_axis_deg(self.model, self.equilibrium.state)
 
     @property
-    def off_branch(self) -> list[int]:
+    def stars_off_branch(self) -> list[int]:
         """Stars that are not on the side to which their branch sends them; a flat start sends none."""
-        return stars_off_branch(self.model, self.found)
+        return stars_off_branch(self.model, self.equilibrium)
 
 
 @dataclass(frozen=True)
@@ -65,15 +65,16 @@ class Minima:
     ----------
     fine : distinct minima on the fine mesh, those with all stars on their branch first, and by energy; the first is the
         result.
-    coarse : distinct minima of the exploration in the same order; `carried` of them were solved on the fine mesh.
-    lost : starts that ended in no minimum.
+    coarse : distinct minima on the coarse mesh, in the same order.
+    refined : for each of them, whether it was solved on the fine mesh as well.
+    lost_starts : starts that ended in no minimum.
     symmetries : of the design, for `distance_percent`.
     """
 
     fine: list[ExactForm]
     coarse: list[ExactForm]
-    carried: list[bool]
-    lost: int
+    refined: list[bool]
+    lost_starts: int
     symmetries: list[Symmetry]
 
     def distance_percent(self, first: ExactForm, second: ExactForm) -> float:
@@ -122,14 +123,16 @@ def find_minima(
             lost += 1
     coarse = distinct_forms(found, same)
     ranked = _best_first(coarse)
-    low = sorted(range(len(ranked)), key=lambda i: ranked[i].found.energy)[:MAX_REFINED_FORMS]
+    low = sorted(range(len(ranked)), key=lambda i: ranked[i].equilibrium.energy)[:MAX_REFINED_FORMS]
     carried = [i == 0 or i in low or branch.default for i, branch in enumerate(ranked)]
     fine = []
     for number, branch in enumerate(b for b, kept in zip(ranked, carried, strict=True) if kept):
         tell = prefixed_report(report, f"minimum {number + 1}")
-        end, levels = solve_through_levels(models, branch.found, start, seed, backend, method, max_iterations, tell)
-        fine.append(replace(branch, found=end, model=model, levels=tuple(levels)))
-    certain = [b for b in fine if b.found.is_minimum] or fine
+        end, levels = solve_through_levels(
+            models, branch.equilibrium, start, seed, backend, method, max_iterations, tell
+        )
+        fine.append(replace(branch, equilibrium=end, model=model, levels=tuple(levels)))
+    certain = [b for b in fine if b.equilibrium.is_minimum] or fine
     return Minima(_best_first(distinct_forms(certain, same)), ranked, carried, lost, same)
 
 
@@ -153,7 +156,7 @@ def distinct_forms(branches: list[ExactForm], same: list[Symmetry]) -> list[Exac
 def _percent(first: ExactForm, second: ExactForm, same: list[Symmetry]) -> tuple[float, bool]:
     """Distance in percent of the diameter, and whether it is to an image with the same stars up."""
     apart = 100.0 * symmetric_distances(first.centres, second.centres, same) / first.model.layout.diameter_mm
-    sides, other = first.found.sides, second.found.sides
+    sides, other = first.equilibrium.sides, second.equilibrium.sides
     alike = np.array([np.array_equal(sides, other[symmetry.star]) for symmetry in same])
     if alike.any() and apart[alike].min() < SAME_FORM_PERCENT:
         return float(apart[alike].min()), True
@@ -162,7 +165,7 @@ def _percent(first: ExactForm, second: ExactForm, same: list[Symmetry]) -> tuple
 
 def _best_first(branches: list[ExactForm]) -> list[ExactForm]:
     """By energy, those whose stars are on their branch before the others."""
-    return sorted(branches, key=lambda b: (bool(b.off_branch), b.found.energy))
+    return sorted(branches, key=lambda b: (bool(b.stars_off_branch), b.equilibrium.energy))
 
 
 def stars_off_branch(model: DiscreteModel, found: Equilibrium) -> list[int]:
