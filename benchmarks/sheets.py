@@ -54,13 +54,13 @@ def exported(name: str, folder: Path) -> dict[str, Any]:
     seconds = time.perf_counter() - start
     change = None
     if summary["rounding"]["thickness"]["stars_changed"] or summary["rounding"]["width"]["stars_changed"]:
-        change = shape_change(simulate(without_rounding(design)), simulate(job.design), job.design, job.plan)
+        change = shape_change(simulate(without_rounding(design)), simulate(job.design), job.design, job.plan, "exact")
     mesh = trimesh.load_mesh(folder / "stars.stl")
     return {
         "name": name,
         "stars": summary["stars"],
         "rounding": summary["rounding"],
-        "shape_change": change,
+        "shape_change": change and change.to_json(),
         "extents_mm": mesh.extents.tolist(),
         "pieces": int(mesh.body_count),
         "volume_mm3": float(mesh.volume),

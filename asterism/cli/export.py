@@ -47,7 +47,6 @@ def export(
     from asterism.laws.replace_material import with_material
     from asterism.print.export import check_shape_request
     from asterism.print.export import export as write
-    from asterism.print.export_table import export_rows
     from asterism.print.write import ROUNDED
     from asterism.results.files import EXPORT
     from pattern.layout.load_design import load_design
@@ -77,5 +76,5 @@ def export(
             say=run.say,
         )
     run.warn(*exported.warnings)
-    run.table(export_rows(exported.summary))
+    run.table(exported.summary.table())
     run.files(directory, exported.files)

@@ -9,7 +9,7 @@ import time
 from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, TextIO
+from typing import TextIO
 
 from asterism.laws.law_text import law_lines
 from asterism.process import interruption
@@ -21,7 +21,7 @@ from homogenize.campaign.code_version import code_version
 from homogenize.campaign.fit_law import fit_law
 from homogenize.law.axes import sizes_text
 from homogenize.law.law import WITHOUT_BENDING, Law
-from homogenize.law.law_file import law_bytes, law_digest
+from homogenize.law.law_file import law_bytes
 from homogenize.law.material import Material
 from pattern.design.errors import DesignError
 
@@ -152,16 +152,3 @@ def _state(progress: CampaignProgress) -> str:
 def calibration_lines(law: Law, output: Path) -> list[str]:
     """Lines that the command prints at its end."""
     return [*law_lines(law), f"{output}: the law; its cells stay in {samples_folder(output)}"]
-
-
-def law_summary(law: Law) -> dict[str, Any]:
-    """A law as plain data: material, digest, origin, errors and failed cells."""
-    problems = [s for s in law.samples if s["problem"] is not None]
-    return {
-        "material": law.material.to_dict(),
-        "digest": law_digest(law),
-        "made": law.made,
-        "residuals": law.residuals,
-        "cells": len(law.samples),
-        "cells_without_answer": [{k: v for k, v in s.items() if k != "sample"} for s in problems],
-    }

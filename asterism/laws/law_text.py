@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections import Counter
 
+from asterism.laws.law_record import law_record
 from asterism.previews.directions_warning import directions_warning
 from asterism.previews.law_warnings import held_out_warning, mesh_warning, pleat_warning
+from asterism.results.words import table_lines
 from homogenize.law.axes import AXES
 from homogenize.law.law import Law
 from homogenize.law.law_residuals import unstable_tubes
@@ -14,6 +16,8 @@ from homogenize.law.law_table import QUANTITY_NAMES, LawTable
 # lines of values: about so many nodes of the first two axes
 LISTED_LENGTHS = 4
 LISTED_THICKNESSES = 3
+# characters of a label in the first lines
+MATERIAL_COLUMN = 11
 
 
 def law_lines(law: Law) -> list[str]:
@@ -21,7 +25,8 @@ def law_lines(law: Law) -> list[str]:
     lines = []
     for table in law.tables:
         lines += ["", *_values(table), *_errors(law, table)]
-    return [*_head(law), *lines, *_stability(law), *_warnings(law), *_problems(law)]
+    head = table_lines(law_record(law).table(), MATERIAL_COLUMN)
+    return [*head, *lines, *_stability(law), *_warnings(law), *_problems(law)]
 
 
 def middle_sizes(table: LawTable) -> tuple[float, ...]:
@@ -33,18 +38,6 @@ def table_title(table: LawTable) -> str:
     """The stretch of a table and its middle sizes, such as "stretch 1.35, width 1.2 mm"."""
     sizes = zip(AXES[2:], middle_sizes(table), strict=True)
     return ", ".join([f"stretch {table.stretch:g}", *(f"{axis.name} {size:g} {axis.unit}" for axis, size in sizes)])
-
-
-def _head(law: Law) -> list[str]:
-    fabric, plastic, made = law.material.fabric, law.material.plastic, law.made
-    rows = {
-        "material": f"{law.material.name}: fabric {fabric.thickness_mm:g} mm, modulus ratio {plastic.modulus_ratio:g}, "
-        f"bending {fabric.bending}, rest curvature {plastic.rest_curvature}",
-        "stretches": ", ".join(f"{s:g}" for s in law.stretches),
-        "cells": f"{len(law.samples)}, mesh edges of {law.edge_mm:g} mm, {made.get('cell_seconds', 0):.0f} s in all",
-        "made by": f"{made.get('command', '-')} (asterism {made.get('versions', {}).get('asterism', '-')})",
-    }
-    return [f"  {name:<11} {value}" for name, value in rows.items()]
 
 
 def _values(table: LawTable) -> list[str]:

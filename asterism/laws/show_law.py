@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from asterism.laws.calibrate import law_summary
 from asterism.laws.cells_csv import cells_csv
 from asterism.laws.law_picture import draw_law
+from asterism.laws.law_record import law_record
 from asterism.laws.law_text import law_lines
 from asterism.results.files import check_writable, staged_result
 from homogenize.law.law_file import PAPER_LAW, load_law
@@ -32,7 +32,8 @@ def show_law(path: Path | None, output: Path | None) -> list[str]:
     with staged_result(directory) as folder:
         draw_law(law, folder / "law.png")
         (folder / "cells.csv").write_text(cells_csv(law), encoding="utf-8")
-        (folder / "summary.json").write_text(json.dumps(law_summary(law), indent=1) + "\n", encoding="utf-8")
+        text = json.dumps(law_record(law).to_json(), indent=1, allow_nan=False) + "\n"
+        (folder / "summary.json").write_text(text, encoding="utf-8")
     return [*law_lines(law), f"{directory}: law.png, cells.csv, summary.json"]
 
 

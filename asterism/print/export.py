@@ -15,6 +15,7 @@ from asterism.print.printer import Printer
 from asterism.print.profiles import load_plastic, load_printer
 from asterism.print.write import write_export
 from asterism.results.files import holds_result
+from asterism.results.records.export import ExportRecord
 from asterism.shape.read_shape import folder_of, read_shape
 from asterism.shape.shape import Shape
 from homogenize.law.law import Law
@@ -34,13 +35,13 @@ class PrintExport:
     """
 
     job: Job
-    summary: dict[str, Any]
+    summary: ExportRecord
     warnings: tuple[str, ...]
 
     @property
     def files(self) -> list[str]:
         """Names of the files in the directory."""
-        return list(self.summary["files"])
+        return list(self.summary.files)
 
 
 def export(
@@ -124,7 +125,7 @@ def export(
     warnings += [f"the given shape: {line}" for line in job.shape_warnings]
     computed, change = printed_shape(job, preview, simulate, law, report, say)
     if change is not None:
-        for certified, which in zip(change["are_minima"], ("drawn", "printed"), strict=False):
+        for certified, which in zip(change.are_minima, ("drawn", "printed"), strict=False):
             if not certified:
                 warnings.append(f"the shape of the {which} design is not certified as a minimum")
         by = "exact model" if simulate else "preview"

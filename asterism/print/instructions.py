@@ -5,15 +5,16 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from asterism.print.drawing import A4_MM, Circle, Drawing, Label, Polyline, font_size_within
 from asterism.print.job import Job
 from asterism.print.layers import TEXT
-from asterism.print.needles import VISIBLE_SAG_MM, Needle, needle_names, needles_near_edge, sag_in_words
+from asterism.print.needles import Needle, needles_near_edge
 from asterism.print.printer import Printer
+from asterism.results.records.export import PrintCostRecord, TinyStarRecord
+from asterism.results.words import VISIBLE_SAG_MM, needle_names, sag_in_words
 
 # empty border of a page of instructions
 _INSTRUCTION_MARGIN_MM = 18.0
@@ -32,8 +33,8 @@ class Chapter:
     code: tuple[str, ...] = ()
 
 
-def chapters(job: Job, cost: dict[str, float], tiny: list[dict[str, Any]]) -> tuple[Chapter, ...]:
-    """The instruction for a job; `cost` from `estimate`, `tiny` from `tiny_stars`."""
+def chapters(job: Job, cost: PrintCostRecord, tiny: list[TinyStarRecord]) -> tuple[Chapter, ...]:
+    """The instruction for a job; `cost` from `print_cost`, `tiny` from `tiny_stars`."""
     return (_stretch(job), _mount(job), _offset(job), _slice(job, tiny), _print(job, cost), _finish(job))
 
 
@@ -87,7 +88,7 @@ def _offset(job: Job) -> Chapter:
     )
 
 
-def _slice(job: Job, tiny: list[dict[str, Any]]) -> Chapter:
+def _slice(job: Job, tiny: list[TinyStarRecord]) -> Chapter:
     low = np.min([solid.box[0] for solid in job.solids], axis=0)
     high = np.max([solid.box[1] for solid in job.solids], axis=0)
     middle = (low + high) / 2
@@ -107,7 +108,7 @@ def _slice(job: Job, tiny: list[dict[str, Any]]) -> Chapter:
         lines.append(f"{job.plastic.name}: nozzle about {job.plastic.nozzle_c:g} C{bed}; see the spool.")
     lines += job.plastic.advice
     if tiny:
-        places = "; ".join(f"[{x:g}, {y:g}]" for x, y in (star["at_mm"] for star in tiny[:_MAX_LISTED]))
+        places = "; ".join(f"[{x:g}, {y:g}]" for x, y in (star.at_mm for star in tiny[:_MAX_LISTED]))
         more = f"; and {len(tiny) - _MAX_LISTED} more" if len(tiny) > _MAX_LISTED else ""
         lines.append(
             f"Tiny stars may jump off the fabric. Watch those at {places}{more} (mm from the design's origin), or "
@@ -116,11 +117,11 @@ def _slice(job: Job, tiny: list[dict[str, Any]]) -> Chapter:
     return Chapter("4. Slice", tuple(lines))
 
 
-def _print(job: Job, cost: dict[str, float]) -> Chapter:
+def _print(job: Job, cost: PrintCostRecord) -> Chapter:
     return Chapter(
         "5. Print",
         (
-            f"About {cost['minutes']:.0f} minutes, {cost['filament_m']:.2f} m or {cost['mass_g']:.2f} g of "
+            f"About {cost.minutes:.0f} minutes, {cost.filament_m:.2f} m or {cost.mass_g:.2f} g of "
             f"{job.plastic.name}. Stay with the first layer: it must wet the fabric everywhere.",
         ),
     )

@@ -19,6 +19,7 @@ from asterism.print.print_cost import print_cost
 from asterism.print.printer import Printer
 from asterism.print.rounded import choose_rounding, rounded_layout, size_changes, with_rounding, without_rounding
 from asterism.print.solid import Solid, Terrace, terraced_solid
+from asterism.results.records.export import PrintCostRecord, SizeChangeRecord
 from asterism.shape.shape import Shape
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
@@ -93,14 +94,14 @@ class Job:
         return self.check_before_mm * x, self.check_before_mm * y
 
     @cached_property
-    def size_changes(self) -> dict[str, Any]:
-        """What rounding does to the sizes, see `asterism.print.rounded.changes`."""
+    def size_changes(self) -> dict[str, SizeChangeRecord]:
+        """What rounding does to the sizes of the arms: `thickness` and `width`."""
         return size_changes(self.drawn_plan, self.plan)
 
     @property
     def is_rounded(self) -> bool:
         """Whether the printer makes any star another size than the design has it."""
-        return any(size["stars_changed"] for size in self.size_changes.values())
+        return any(size.stars_changed for size in self.size_changes.values())
 
     @cached_property
     def needles_in_plastic(self) -> list[int]:
@@ -156,7 +157,7 @@ class Job:
         return tuple(solids)
 
     @cached_property
-    def cost(self) -> dict[str, float]:
+    def cost(self) -> PrintCostRecord:
         """What stars and border line take to print, see `asterism.print.print_cost`."""
         prints = [self.stars, *([(self.border,)] if self.border is not None else [])]
         return print_cost(prints, self.printer, self.rounding, self.plastic)

@@ -14,8 +14,6 @@ from pattern.geometry.planar import distance_to_outline, distance_to_segment
 from pattern.layout.layout import Layout
 from pattern.layout.supports import PinSet
 
-# by which a sheet may hang below the base: it is as thick
-VISIBLE_SAG_MM = 0.5
 # fabric that a needle needs around it
 MIN_EDGE_DISTANCE_MM = 2.0
 BASE_TOLERANCE_MM = 0.05  # lower places are on the base
@@ -108,21 +106,3 @@ def needles_through_arms(plan: Layout, some: Sequence[Needle]) -> list[int]:
     far = distance_to_segment(printed, plan.centres[plan.arm_star], plan.arm_tip)
     through = (far < 0.5 * plan.arm_width.max(axis=1)).any(axis=1)
     return [needle.number for needle, hit in zip(some, through, strict=True) if hit]
-
-
-def needle_names(numbers: Sequence[int]) -> str:
-    """Such as `needle 3` or `needles 1, 4 to 9`."""
-    runs: list[list[int]] = []
-    for number in sorted(numbers):
-        if runs and number == runs[-1][-1] + 1:
-            runs[-1].append(number)
-        else:
-            runs.append([number])
-    texts = [f"{run[0]} to {run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in runs]
-    return f"needle{'s' if len(numbers) > 1 else ''} {', '.join(texts)}"
-
-
-def sag_in_words(below_mm: float, doubt_mm: float | None) -> str:
-    """How far a sheet hangs; `doubt_mm`: how far off a preview expects its height to be."""
-    doubt = "" if doubt_mm is None else f", give or take {doubt_mm:.1f} mm"
-    return f"{below_mm:.1f} mm below the base{doubt}"

@@ -11,12 +11,13 @@ import shapely
 from asterism.print.plastic_profile import PlasticProfile
 from asterism.print.printer import Printer
 from asterism.print.solid import Terrace
+from asterism.results.records.export import PrintCostRecord
 from pattern.design.rounding import Rounding
 
 
 def print_cost(
     prints: Sequence[Sequence[Terrace]], printer: Printer, rounding: Rounding, plastic: PlasticProfile
-) -> dict[str, float]:
+) -> PrintCostRecord:
     """Volume, mass, filament and time.
 
     Every layer is filled with lines as wide as the nozzle at the printer's speed; between the islands of a layer the
@@ -44,14 +45,14 @@ def print_cost(
         speed = printer.speed.print_mm_s if layer else printer.speed.first_layer_mm_s
         seconds += lines / speed + travel / printer.speed.travel_mm_s + islands * printer.speed.island_s
         length += lines
-    return {
-        "volume_mm3": volume,
-        "mass_g": volume * plastic.density_kg_m3 * 1e-6,
-        "filament_m": volume / (math.pi / 4 * printer.filament_mm**2) * 1e-3,
-        "layers": layers,
-        "lines_m": length * 1e-3,
-        "minutes": seconds / 60.0,
-    }
+    return PrintCostRecord(
+        volume_mm3=volume,
+        mass_g=volume * plastic.density_kg_m3 * 1e-6,
+        filament_m=volume / (math.pi / 4 * printer.filament_mm**2) * 1e-3,
+        layers=layers,
+        lines_m=length * 1e-3,
+        minutes=seconds / 60.0,
+    )
 
 
 def _slice(prints: Sequence[Sequence[Terrace]], height_mm: float) -> tuple[float, int, float]:

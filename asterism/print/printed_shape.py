@@ -7,6 +7,7 @@ from typing import Any
 
 from asterism.print.job import Job
 from asterism.print.shape_change import shape_change
+from asterism.results.records.export import ShapeChangeRecord
 from asterism.shape.shape import Shape
 from homogenize.errors import LawError
 from homogenize.law.law import Law
@@ -14,7 +15,7 @@ from pattern.design.design import Design
 
 Say = Callable[[str], None]
 Report = Callable[[str, Any], None]
-Found = tuple[Shape | None, dict[str, Any] | None]
+Found = tuple[Shape | None, ShapeChangeRecord | None]
 
 
 def printed_shape(
@@ -58,10 +59,10 @@ def printed_shape(
     except LawError as error:
         if preview:
             raise
-        return None, {"model": None, "why": " ".join(str(error).split()), "are_minima": []}
+        return None, ShapeChangeRecord(model=None, why=" ".join(str(error).split()), are_minima=[])
 
 
-def _both(job: Job, shape_of: Callable[[Design], Shape], model: str) -> tuple[Shape, dict[str, Any]]:
+def _both(job: Job, shape_of: Callable[[Design], Shape], model: str) -> tuple[Shape, ShapeChangeRecord]:
     printed = shape_of(job.design)
     drawn = shape_of(job.drawn) if job.is_rounded else printed
-    return printed, {"model": model, **shape_change(drawn, printed, job.design, job.plan)}
+    return printed, shape_change(drawn, printed, job.design, job.plan, model)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from asterism.print.printer import Printer
+from asterism.results.records.export import SizeChangeRecord, TinyStarRecord
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
 from pattern.design.rounding import Rounding
@@ -45,19 +44,19 @@ def rounded_layout(design: Design, printer: Printer) -> Layout:
         raise DesignError(error.field, f"{error.allowed} (sizes rounded for the {printer.name})", error.value) from None
 
 
-def size_changes(before: Layout, after: Layout) -> dict[str, Any]:
-    """What rounding does to the sizes, in mm and as numbers of stars."""
-    result: dict[str, Any] = {}
+def size_changes(before: Layout, after: Layout) -> dict[str, SizeChangeRecord]:
+    """What rounding does to the sizes of the arms: `thickness` and `width`."""
+    result: dict[str, SizeChangeRecord] = {}
     for name in ("thickness", "width"):
         old, new = getattr(before, f"arm_{name}"), getattr(after, f"arm_{name}")
         other = np.abs(new - old) > 1e-6
         worst = np.unravel_index(np.abs(new - old).argmax(), new.shape)
-        result[name] = {
-            "values_mm": [float(value) for value in np.unique(np.round(new, 6))],
-            "stars_changed": len(np.unique(after.arm_star[other.any(axis=1)])),
-            "largest_change_mm": float(np.round((new - old)[worst], 6)),
-            "mean_change_percent": float(100 * np.mean(np.abs(new - old) / old)),
-        }
+        result[name] = SizeChangeRecord(
+            values_mm=[float(value) for value in np.unique(np.round(new, 6))],
+            stars_changed=len(np.unique(after.arm_star[other.any(axis=1)])),
+            largest_change_mm=float(np.round((new - old)[worst], 6)),
+            mean_change_percent=float(100 * np.mean(np.abs(new - old) / old)),
+        )
     return result
 
 
@@ -80,12 +79,12 @@ def better_layers(plan: Layout, rounding: Rounding) -> Rounding | None:
     return best if _thickness_change(plan, best) < now / 2 else None
 
 
-def tiny_stars(plan: Layout, arm_mm: float) -> list[dict[str, Any]]:
+def tiny_stars(plan: Layout, arm_mm: float) -> list[TinyStarRecord]:
     """Stars whose longest arm is shorter than `arm_mm`, by their place."""
     longest = np.zeros(len(plan.centres))
     np.maximum.at(longest, plan.arm_star, plan.arm_length)
     return [
-        {"at_mm": [round(float(c), 2) for c in plan.centres[star]], "arm_mm": round(float(longest[star]), 2)}
+        TinyStarRecord(at_mm=[round(float(c), 2) for c in plan.centres[star]], arm_mm=round(float(longest[star]), 2))
         for star in np.flatnonzero(longest < arm_mm)
     ]
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
-
+from asterism.results.records.export import ShapeChangeRecord
 from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
 from pattern.design.design import Design
@@ -12,31 +11,26 @@ from pattern.layout.symmetric_distance import symmetric_distances
 from pattern.layout.symmetries import symmetries
 
 
-def shape_change(drawn: Shape, printed: Shape, design: Design, plan: Layout) -> dict[str, Any]:
-    """Numbers of both shapes and their distance.
+def shape_change(drawn: Shape, printed: Shape, design: Design, plan: Layout, model: str) -> ShapeChangeRecord:
+    """Compare the shape of the rounded design with that of the design as drawn.
 
     Parameters
     ----------
-    drawn, printed : before and after rounding.
-    design, plan : either one; both have the same stars.
-
-    Returns
-    -------
-    Heights and extents in mm before and after; `star_distance_mm`, the root mean square distance of star centres after
-    the best rigid motion, a free sheet standing for all its images by the design's symmetry; the same in % of the
-    drawn shape's diameter; whether both shapes are certain; how many stars a preview's law does not know; and what else
-    is to be known of the printed one.
+    drawn, printed : the shapes before and after rounding.
+    design, plan : the design and layout before or after rounding; both have the same stars.
+    model : that computed both shapes: `exact` or `preview`.
     """
     before, after = drawn.positions[drawn.star_vertices], printed.positions[printed.star_vertices]
     distance = float(symmetric_distances(before, after, symmetries(design, plan)).min()) if len(before) > 2 else 0.0
-    return {
-        "height_mm": [drawn.height_mm, printed.height_mm],
-        "extent_mm": [list(drawn.extent_mm), list(printed.extent_mm)],
-        "star_distance_mm": distance,
-        "star_distance_percent": 100.0 * distance / diameter(drawn.positions),
-        "are_minima": [bool(shape.summary.get("is_minimum", False)) for shape in (drawn, printed)],
-        "stars_outside_law": len(
+    return ShapeChangeRecord(
+        model=model,
+        height_mm=[drawn.height_mm, printed.height_mm],
+        extent_mm=[list(drawn.extent_mm), list(printed.extent_mm)],
+        star_distance_mm=distance,
+        star_distance_percent=100.0 * distance / diameter(drawn.positions),
+        are_minima=[bool(shape.summary.get("is_minimum", False)) for shape in (drawn, printed)],
+        stars_outside_law=len(
             printed.summary.get("stars_outside_law", ()) or drawn.summary.get("stars_outside_law", ())
         ),
-        "warnings": list(printed.summary.get("warnings", [])),
-    }
+        warnings=list(printed.summary.get("warnings", [])),
+    )

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
-from typing import Any
 
 from asterism.print import instructions, sheets
 from asterism.print.formats.registry import Kind, export_formats, write_all
@@ -13,6 +12,16 @@ from asterism.print.job import Job
 from asterism.print.rounded import better_layers, tiny_stars
 from asterism.results.files import EXPORT as SUMMARY
 from asterism.results.files import holds_result, staged
+from asterism.results.records.export import (
+    CheckSquareRecord,
+    ExportRecord,
+    GivenShapeRecord,
+    LayersRecord,
+    RoundingRecord,
+    ShapeChangeRecord,
+    SolidRecord,
+    TinyStarRecord,
+)
 from asterism.shape.shape import Shape
 from asterism.shape.vtu import write_rods_vtu, write_shape_vtu
 from pattern.design.design import save_design
@@ -29,8 +38,8 @@ OPTIONAL_FILES: dict[str, tuple[Kind, ...]] = {
 SHARED_FILES = r"(shape|rods)\.vtu"
 
 
-def write_export(job: Job, directory: str | Path, change: dict[str, Any] | None = None) -> dict[str, Any]:
-    """Write everything for printing a job into a directory, all or none; returns what export.json says.
+def write_export(job: Job, directory: str | Path, change: ShapeChangeRecord | None = None) -> ExportRecord:
+    """Write everything for printing a job into a directory, all or none; returns the content of export.json.
 
     Parameters
     ----------
@@ -55,9 +64,9 @@ def write_export(job: Job, directory: str | Path, change: dict[str, Any] | None 
         save_design(job.design, folder / ROUNDED)
         if job.shape is not None:
             write_shape_files(job.shape, job.design.name, folder)
-        files = sorted([SUMMARY, *(file.name for file in folder.iterdir())])
-        summary = _summary(job, tiny, change) | {"files": files}
-        (folder / SUMMARY).write_text(json.dumps(summary, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        summary = _summary(job, tiny, change, sorted([SUMMARY, *(file.name for file in folder.iterdir())]))
+        text = json.dumps(summary.to_json(), indent=2, allow_nan=False) + "\n"
+        (folder / SUMMARY).write_text(text, encoding="utf-8")
     return summary
 
 
@@ -107,29 +116,37 @@ def _write_sheets(job: Job, folder: Path) -> None:
     write_all("pages", folder, "layout", pages)
 
 
-def _summary(job: Job, tiny: list[dict[str, Any]], change: dict[str, Any] | None) -> dict[str, Any]:
+def _summary(job: Job, tiny: list[TinyStarRecord], change: ShapeChangeRecord | None, files: list[str]) -> ExportRecord:
+    return ExportRecord(
+        design=job.design.to_dict(),
+        printer=job.printer.model_dump(mode="json"),
+        plastic=job.plastic.model_dump(mode="json"),
+        stars=len(job.plan.centres),
+        rounding=_rounding(job),
+        shape=None if job.shape is None else GivenShapeRecord(is_certain=job.is_certain, warnings=job.shape_warnings),
+        shape_change=change,
+        tiny_stars=tiny,
+        solids={each.name: SolidRecord(volume_mm3=each.volume_mm3, box_mm=each.box.tolist()) for each in job.solids},
+        printed_border=job.border is not None,
+        turn_deg=job.placement.turn_deg,
+        origin_on_bed_mm=[float(c) for c in job.placement.shift + job.printer.bed_centre_mm],
+        z_offset_mm=job.z_offset_mm,
+        fabric_given=job.fabric_given,
+        check_square_mm=CheckSquareRecord(before=[job.check_before_mm] * 2, after=list(job.check_after_mm)),
+        needles=len(job.needles),
+        needles_in_plastic=job.needles_in_plastic,
+        hangs_below_base_mm=job.hangs_mm,
+        hangs_doubt_mm=job.hangs_doubt_mm,
+        estimate=job.cost,
+        files=files,
+    )
+
+
+def _rounding(job: Job) -> RoundingRecord:
     better = better_layers(job.drawn_plan, job.rounding)
-    return {
-        "design": job.design.to_dict(),
-        "printer": job.printer.model_dump(mode="json"),
-        "plastic": job.plastic.model_dump(mode="json"),
-        "stars": len(job.plan.centres),
-        "rounding": job.rounding.model_dump(mode="json")
-        | job.size_changes
-        | {"better_layers": None if better is None else better.model_dump(mode="json")},
-        "shape": None if job.shape is None else {"is_certain": job.is_certain, "warnings": job.shape_warnings},
-        "shape_change": change,
-        "tiny_stars": tiny,
-        "solids": {solid.name: {"volume_mm3": solid.volume_mm3, "box_mm": solid.box.tolist()} for solid in job.solids},
-        "printed_border": job.border is not None,
-        "turn_deg": job.placement.turn_deg,
-        "origin_on_bed_mm": [float(c) for c in job.placement.shift + job.printer.bed_centre_mm],
-        "z_offset_mm": job.z_offset_mm,
-        "fabric_given": job.fabric_given,
-        "check_square_mm": {"before": [job.check_before_mm] * 2, "after": list(job.check_after_mm)},
-        "needles": len(job.needles),
-        "needles_in_plastic": job.needles_in_plastic,
-        "hangs_below_base_mm": job.hangs_mm,
-        "hangs_doubt_mm": job.hangs_doubt_mm,
-        "estimate": job.cost,
-    }
+    return RoundingRecord(
+        **job.rounding.model_dump(mode="json"),
+        thickness=job.size_changes["thickness"],
+        width=job.size_changes["width"],
+        better_layers=None if better is None else LayersRecord(**better.model_dump(mode="json")),
+    )

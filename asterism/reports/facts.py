@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from asterism.print.job import Job
-from asterism.print.needles import VISIBLE_SAG_MM
-from asterism.results.words import height_error
+from asterism.results.words import VISIBLE_SAG_MM, height_error
 from pattern.design.design import Design
 from pattern.design.residual_curvature import ResidualCurvature
 from pattern.layout.layout import Layout
@@ -123,8 +122,8 @@ def _print(job: Job) -> list[str]:
         *([f"LARGER than the {job.printer.name} can print in its frame"] if job.too_large else []),
         f"{job.printer.name}, {job.plastic.name}",
         *_rounded(job),
-        f"{cost['mass_g']:.1f} g, {cost['filament_m']:.2f} m of filament",
-        f"about {cost['minutes']:.0f} minutes",
+        f"{cost.mass_g:.1f} g, {cost.filament_m:.2f} m of filament",
+        f"about {cost.minutes:.0f} minutes",
         f"nozzle starts {job.z_offset_mm:g} mm above the bed" + ("" if job.fabric_given else ", on released fabric"),
     ]
 
@@ -133,9 +132,9 @@ def _rounded(job: Job) -> list[str]:
     """Which sizes the printer makes in place of the design's."""
     found = []
     for name, size in job.size_changes.items():
-        if size["stars_changed"]:
+        if size.stars_changed:
             found.append(
-                f"{name} " + ", ".join(f"{value:g}" for value in size["values_mm"][:4]) + " mm in place of the design's"
+                f"{name} " + ", ".join(f"{value:g}" for value in size.values_mm[:4]) + " mm in place of the design's"
             )
     return found
 

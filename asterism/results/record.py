@@ -7,12 +7,13 @@ the reference of all keys (`python -m asterism.results.reference`).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields
 from functools import cache
 from types import UnionType
 from typing import Any, ClassVar, Self, Union, dataclass_transform, get_args, get_origin, get_type_hints
 
+Show = str | Callable[[Any], str | Mapping[str, str] | None]
 ABSENT: Any = object()  # default of a key that not every record of its kind has
 _NAME = "key"
 
@@ -27,7 +28,7 @@ class Key:
     unit : of the value; empty for texts, counts and truth values.
     label : name of the key's row in the table on the terminal; empty if the key has no row.
     show : text of that row: a format with names of the record's keys, such as `{height_mm:.2f} mm`, or a function of
-        the record that returns the text, or None to leave the row out.
+        the record. A function returns the text, or several rows as texts by label, or None to leave the row out.
     if_null : text of the row if the value is null.
     formerly : names of the key in files of older versions.
     is_required : every record of its kind has the key.
@@ -36,7 +37,7 @@ class Key:
     meaning: str
     unit: str = ""
     label: str = ""
-    show: str | Callable[[Any], str | None] = ""
+    show: Show = ""
     if_null: str = "-"
     formerly: tuple[str, ...] = ()
     is_required: bool = True
@@ -47,7 +48,7 @@ def key(
     *,
     unit: str = "",
     label: str = "",
-    show: str | Callable[[Any], str | None] = "",
+    show: Show = "",
     if_null: str = "-",
     formerly: tuple[str, ...] = (),
     default: Any = MISSING,
@@ -128,11 +129,19 @@ class Record(Mapping[str, Any]):
         """As `changed`, from a mapping."""
         return type(self).from_json({**vars(self), **values})
 
-    def table(self) -> dict[str, str]:
-        """Rows of the table on the terminal: texts by label. Keys that the record lacks have no row."""
+    def table(self, names: Sequence[str] | None = None) -> dict[str, str]:
+        """Rows of the table on the terminal: texts by label. Keys that the record lacks have no row.
+
+        Parameters
+        ----------
+        names : keys whose rows are wanted; by default those of `rows`.
+        """
         known = keys_of(type(self))
-        texts = {known[name].label: _text(self, name, known[name]) for name in self.rows if name in self}
-        return {label: text for label, text in texts.items() if text is not None}
+        table: dict[str, str] = {}
+        for name in self.rows if names is None else names:
+            if name in self:
+                table |= _rows(self, name, known[name])
+        return table
 
     def __getitem__(self, name: str) -> Any:
         return _plain(vars(self)[name])
@@ -197,9 +206,9 @@ def _plain(value: Any) -> Any:
     """A value with dictionaries in place of records."""
     if isinstance(value, Record):
         return dict(value)
-    if isinstance(value, Mapping) and any(isinstance(each, Record) for each in value.values()):
+    if isinstance(value, Mapping) and any(isinstance(each, Mapping | list) for each in value.values()):
         return {name: _plain(each) for name, each in value.items()}
-    if isinstance(value, list | tuple) and any(isinstance(each, Record) for each in value):
+    if isinstance(value, list | tuple) and any(isinstance(each, Mapping | list) for each in value):
         return [_plain(each) for each in value]
     return value
 
@@ -213,7 +222,11 @@ def _finite(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _text(record: Record, name: str, key: Key) -> str | None:
-    if callable(key.show):
-        return key.show(record)
-    return key.if_null if record[name] is None else key.show.format_map(record)
+def _rows(record: Record, name: str, key: Key) -> Mapping[str, str]:
+    """The rows of one key: one, several or none."""
+    if not callable(key.show):
+        return {key.label: key.if_null if record[name] is None else key.show.format_map(record)}
+    shown = key.show(record)
+    if isinstance(shown, Mapping):
+        return shown
+    return {} if shown is None else {key.label: shown}

@@ -7,8 +7,12 @@ from types import NoneType, UnionType
 from typing import Any, Union, get_args, get_origin
 
 from asterism.results.record import Record, is_record, keys_of, value_types
+from asterism.results.records.comparison import OutlineComparisonRecord, ScanComparisonRecord
 from asterism.results.records.exact import ExactRecord
+from asterism.results.records.export import ExportRecord
+from asterism.results.records.law import LawRecord
 from asterism.results.records.preview import PreviewRecord
+from asterism.results.records.strips import StripFitRecord
 from asterism.results.records.verification import VerificationRecord
 
 # what the page is about, and the text above its table
@@ -19,6 +23,20 @@ SUMMARIES: dict[type[Record], tuple[str, str]] = {
         "Verification",
         "`summary.json` of `asterism verify`, and `verification.summary` of `asterism.verify`.",
     ),
+    ScanComparisonRecord: (
+        "Comparison with a scan",
+        "`summary.json` of `asterism compare` for a scan in space, and `comparison.summary` of `asterism.compare`.",
+    ),
+    OutlineComparisonRecord: (
+        "Comparison with an outline",
+        "`summary.json` of `asterism compare` for an outline from a photograph.",
+    ),
+    ExportRecord: ("Export", "`export.json` of `asterism export`, and `exported.summary` of `asterism.export`."),
+    StripFitRecord: (
+        "Fit of strips",
+        "The JSON file beside the material of `asterism strips fit`, and `material.summary` of `asterism.fit_strips`.",
+    ),
+    LawRecord: ("Law", "`summary.json` of `asterism law show`."),
 }
 _NAMES = {str: "text", int: "integer", float: "number", bool: "true or false", NoneType: "null", Any: "any"}
 

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 
 MAX_NAMED_STARS = 8
 TABLE_COLUMN = 20  # characters of a label
+# a sheet that hangs less below the base of its needles counts as lying on it: about its own thickness
+VISIBLE_SAG_MM = 0.5
 
 
 def table_lines(rows: dict[str, str], column: int = TABLE_COLUMN) -> list[str]:
@@ -78,3 +80,29 @@ def times(ratio: float) -> str:
     ('12', '2.3')
     """
     return f"{ratio:.0f}" if ratio >= 10.0 else f"{ratio:.2g}"
+
+
+def needle_names(numbers: Sequence[int]) -> str:
+    """The numbers of needles, with ranges.
+
+    >>> needle_names([3]), needle_names([1, 4, 5, 6, 7])
+    ('needle 3', 'needles 1, 4 to 7')
+    """
+    runs: list[list[int]] = []
+    for number in sorted(numbers):
+        if runs and number == runs[-1][-1] + 1:
+            runs[-1].append(number)
+        else:
+            runs.append([number])
+    texts = [f"{run[0]} to {run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in runs]
+    return f"needle{'s' if len(numbers) > 1 else ''} {', '.join(texts)}"
+
+
+def sag_in_words(below_mm: float, error_mm: float | None) -> str:
+    """How far a sheet hangs below the base of its needles, with the estimated error if there is one.
+
+    >>> sag_in_words(3.52, 1.2), sag_in_words(3.52, None)
+    ('3.5 mm below the base, give or take 1.2 mm', '3.5 mm below the base')
+    """
+    error = "" if error_mm is None else f", give or take {error_mm:.1f} mm"
+    return f"{below_mm:.1f} mm below the base{error}"

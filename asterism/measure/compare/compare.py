@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any
+from typing import IO
 
 import numpy as np
 import shapely
@@ -20,16 +20,16 @@ from asterism.measure.compare.silhouette import OutlineFit, fit_outline, silhoue
 from asterism.measure.compare.units import check_size
 from asterism.process.version import __version__
 from asterism.results.files import LAST, OutputError, check_writable, holds_result, staged_result
+from asterism.results.records.comparison import (
+    ComparisonRecord,
+    OutlineComparisonRecord,
+    OutlineDistancesRecord,
+    ScanComparisonRecord,
+)
 from asterism.shape.diameter import diameter
 from asterism.shape.read_shape import folder_of, read_shape
 from asterism.shape.shape import Shape
 from pattern.design.errors import one_line
-
-# farther off, the scan or outline may not have been laid on the shape rightly
-POOR_PERCENT = 1.5
-MANY_PERCENT = 3.0  # of the points: so many left out may be the sheet's
-# a scan is of another size by this part and more, if in its own it is so near, and so many times nearer
-OTHER_SIZE, NEAR_PERCENT, NEARER = 0.01, 1.0, 2.0
 
 
 @dataclass(frozen=True)
@@ -39,22 +39,26 @@ class MeasuredComparison:
     Attributes
     ----------
     laid : the scan laid on the shape, or the outline laid on the shape's silhouette.
-    summary : all numbers, with units in their names; the content of summary.json.
-    rows : the numbers in words, by their names.
+    summary : all numbers; the content of summary.json.
     title : head of the picture.
     """
 
     laid: ScanComparison | OutlineFit
-    summary: dict[str, Any]
-    rows: dict[str, str]
+    summary: ScanComparisonRecord | OutlineComparisonRecord
     title: str
+
+    @property
+    def rows(self) -> dict[str, str]:
+        """The numbers in words, by their labels."""
+        return self.summary.table()
 
     def draw(self, path_or_file: str | Path | IO[bytes]) -> None:
         """Draw the distance as PNG."""
         if isinstance(self.laid, ScanComparison):
             draw_scan(self.laid, self.title, path_or_file)
         else:
-            draw_outline(self.laid, self.title, _line(_outline_rows(self.summary)), path_or_file)
+            rows = self.summary.table(OutlineDistancesRecord.rows)
+            draw_outline(self.laid, self.title, _line(rows), path_or_file)
 
 
 def compare(
@@ -111,41 +115,36 @@ def compare(
     target = shape if isinstance(shape, Shape) else read_shape(shape)
     name = target.summary.get("design", {}).get("name", "shape" if isinstance(shape, Shape) else Path(shape).stem)
     title = one_line(f"{name}, {target.made_by}, and {scan.name}")
-    about: dict[str, Any] = {
-        "version": __version__,
-        "shape": name if isinstance(shape, Shape) else str(shape),
-        "shape_made": target.made_by,
-        "shape_is_minimum": target.summary.get("is_minimum"),
-        "scan": str(scan),
-        "trim": trim,
-    }
+    about = ComparisonRecord(
+        version=__version__,
+        shape=name if isinstance(shape, Shape) else str(shape),
+        shape_made=target.made_by,
+        shape_is_minimum=target.summary.get("is_minimum"),
+        scan=str(scan),
+        trim=trim,
+        units=units or "mm",
+    )
     if scan.suffix.lower() in outline.OUTLINE_FORMATS:
-        return _compare_outline(target, scan, units, view or "above", trim, title, about)
+        return _compare_outline(target, scan, units, view or "above", title, about)
     if view is not None:
         raise ScanError(scan, "--view is for outlines (.svg, .csv): a scan may be in any pose")
-    units = units or "mm"
-    measured = read_scan(scan, units)
-    check_size(scan, measured.size_mm, extent(target.positions), units)
+    measured = read_scan(scan, about.units)
+    check_size(scan, measured.size_mm, extent(target.positions), about.units)
     laid = compare_scan(target, measured, trim)
-    about |= {"units": units, "scan_triangles": measured.triangles, "scan_vertices": measured.vertices}
-    numbers = {**about, **laid.summary()}
-    return MeasuredComparison(laid, numbers, _scan_rows(numbers), title)
+    return MeasuredComparison(laid, ScanComparisonRecord(**about, **laid.distances()), title)
 
 
 def _compare_outline(
-    shape: Shape, file: Path, units: str | None, view: str, trim: float, title: str, about: dict[str, Any]
+    shape: Shape, file: Path, units: str | None, view: str, title: str, about: ComparisonRecord
 ) -> MeasuredComparison:
     """Compare the outline in a file with the silhouette of a shape."""
     outlined = read_outline(file, units)
-    laid = _fitted(shape, file, outlined, view, trim)
-    about = about | {"units": outlined.unit or "its own", "view": view, "lines": outlined.lines}
-    numbers = {**about, **outline_numbers(laid, diameter(shape.positions))}
-    rows = _outline_rows(numbers)
-    if outlined.lines > 1:
-        rows["lines in the file"] = f"{outlined.lines}, of which the largest is taken"
-    rows |= _poor(numbers, "is it of this design, in mm, and from this --view? look at compare.png")
+    laid = _fitted(shape, file, outlined, view, about.trim)
+    about = about.changed(units=outlined.unit or "its own")
+    distances = outline_distances(laid, diameter(shape.positions))
+    summary = OutlineComparisonRecord(**about, view=view, lines=outlined.lines, **distances)
     seen = "above" if view == "above" else f"the {view}"
-    return MeasuredComparison(laid, numbers, rows, f"{title}, seen from {seen}")
+    return MeasuredComparison(laid, summary, f"{title}, seen from {seen}")
 
 
 def check_comparison_directory(directory: str | Path, shape: str | Path) -> None:
@@ -172,7 +171,8 @@ def write_comparison(comparison: MeasuredComparison, directory: str | Path) -> l
     """
     with staged_result(directory) as folder:
         comparison.draw(folder / "compare.png")
-        _write(folder, comparison.summary)
+        text = json.dumps(comparison.summary.to_json(), indent=2, allow_nan=False) + "\n"
+        (folder / LAST).write_text(text, encoding="utf-8")
     return ["compare.png", LAST]
 
 
@@ -184,68 +184,25 @@ def _fitted(shape: Shape, file: Path, outlined: Outline, view: str, trim: float)
     return fit_outline(outlined.corners, target, trim)
 
 
-def outline_numbers(fitted: OutlineFit, diameter_mm: float) -> dict[str, Any]:
-    """Numbers of a fitted outline; lengths in percent are of the shape's diameter, as those of scans."""
+def outline_distances(fitted: OutlineFit, diameter_mm: float) -> OutlineDistancesRecord:
+    """The distances of a fitted outline in numbers; percentages refer to the shape's diameter (mm)."""
     distance = np.abs(fitted.distance)
     areas = [shapely.Polygon(points).area for points in (fitted.silhouette, fitted.outline)]
     rms = float(np.sqrt(np.mean(distance**2)))
-    return {
-        "rms_mm": rms,
-        "rms_percent": 100 * rms / diameter_mm,
-        "median_mm": float(np.median(distance)),
-        "max_mm": float(distance.max()),
-        "mean_outwards_mm": float(fitted.distance.mean()),
-        "max_from_silhouette_mm": float(fitted.missed.max()),
-        "area_of_shape_mm2": areas[0],
-        "area_of_outline_mm2": areas[1],
-        "diameter_mm": diameter_mm,
-        "turn_deg": fitted.turn_deg,
-        "shift_mm": fitted.shift.tolist(),
-    }
-
-
-def _scan_rows(s: dict[str, Any]) -> dict[str, str]:
-    rows = {
-        "rms": _rms(s),
-        "median, 95 %, largest": f"{s['median_mm']:.3f}, {s['largest_twentieth_above_mm']:.3f}, {s['max_mm']:.3f} mm",
-        "mean": f"{s['mean_to_plastic_side_mm']:+.3f} mm to the plastic side",
-        "left out": f"{s['points_left_out_percent']:.1f} % of the points, beyond {s['left_out_beyond_mm']:.2f} mm",
-        "scanned": f"{s['shape_covered_percent']:.0f} % of the shape",
-    }
-    rows |= _poor(s, "if the scan holds much else, crop it, or say --trim 0.5; is it of this design?")
-    whole = 100.0 * s["rms_of_all_points_mm"] / s["diameter_mm"]
-    if "a poor fit" not in rows and s["points_left_out_percent"] > MANY_PERCENT and whole > POOR_PERCENT:
-        rows["perhaps another shape"] = f"{whole:.1f} % with what is left out: is that a table or clamps, or the sheet?"
-    ratio, left = s["best_size"], s["rms_percent_at_best_size"]
-    # a scan is of one side of the sheet, which on a roll is like another size
-    if ratio and abs(ratio - 1.0) > OTHER_SIZE and left <= min(NEAR_PERCENT, s["rms_percent_lifted"] / NEARER):
-        rows["perhaps another size"] = f"{ratio:.3f} times the shape's; without that it is {left:.2f} % off"
-    if s["poses_as_good"] > 1:
-        rows["poses as good"] = f"{s['poses_as_good']}: the shape looks alike from several sides"
-    return rows
-
-
-def _outline_rows(s: dict[str, Any]) -> dict[str, str]:
-    return {
-        "rms": _rms(s),
-        "median, largest": f"{s['median_mm']:.3f}, {s['max_mm']:.3f} mm",
-        "mean": f"{s['mean_outwards_mm']:+.3f} mm outwards",
-        "area": f"{s['area_of_outline_mm2']:.0f} mm2, the shape's {s['area_of_shape_mm2']:.0f}",
-    }
-
-
-def _rms(s: dict[str, Any]) -> str:
-    return f"{s['rms_mm']:.3f} mm, {s['rms_percent']:.2f} % of the shape's diameter"
-
-
-def _poor(s: dict[str, Any], advice: str) -> dict[str, str]:
-    """A row that says so, where the fit is poor."""
-    return {"a poor fit": advice} if s["rms_percent"] > POOR_PERCENT else {}
+    return OutlineDistancesRecord(
+        rms_mm=rms,
+        rms_percent=100 * rms / diameter_mm,
+        median_mm=float(np.median(distance)),
+        max_mm=float(distance.max()),
+        mean_outwards_mm=float(fitted.distance.mean()),
+        max_from_silhouette_mm=float(fitted.missed.max()),
+        area_of_shape_mm2=areas[0],
+        area_of_outline_mm2=areas[1],
+        diameter_mm=diameter_mm,
+        turn_deg=fitted.turn_deg,
+        shift_mm=fitted.shift.tolist(),
+    )
 
 
 def _line(rows: dict[str, str]) -> str:
     return "   ·   ".join(f"{name} {value}" for name, value in rows.items())
-
-
-def _write(folder: Path, numbers: dict[str, Any]) -> None:
-    (folder / LAST).write_text(json.dumps(numbers, indent=2, allow_nan=False) + "\n", encoding="utf-8")

@@ -93,11 +93,11 @@ def _figure(title: str, words: str) -> Figure:
 
 
 def _words(found: ScanComparison) -> str:
-    s = found.summary()
+    numbers = found.distances()
     return (
-        f"rms {s['rms_mm']:.2f} mm ({s['rms_percent']:.2f} % of the diameter)   ·   largest {s['max_mm']:.2f} mm   ·   "
-        f"{s['points_left_out_percent']:.0f} % of the points left out   ·   "
-        f"{s['shape_covered_percent']:.0f} % of the shape scanned"
+        f"rms {numbers.rms_mm:.2f} mm ({numbers.rms_percent:.2f} % of the diameter)   ·   "
+        f"largest {numbers.max_mm:.2f} mm   ·   {numbers.points_left_out_percent:.0f} % of the points left out   ·   "
+        f"{numbers.shape_covered_percent:.0f} % of the shape scanned"
     )
 
 

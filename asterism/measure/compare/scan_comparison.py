@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -12,6 +11,7 @@ from asterism.measure.compare.fitted_size import FittedSize, fitted_size
 from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.measure.compare.registration import SPREAD, Pose, distinct_poses, register
 from asterism.measure.compare.scan import Scan
+from asterism.results.records.comparison import ScanDistancesRecord
 from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import triangle_areas
@@ -33,8 +33,9 @@ class ScanComparison:
 
     Attributes
     ----------
-    shape : as it was.
-    points : (n, 3) mm, of the scan, laid on the shape.
+    shape : the shape.
+    scan : the scan in its own pose.
+    points : (n, 3) mm, the scan's points after the motion onto the shape.
     distance : (n,) mm, from the shape, positive on its plastic side.
     triangle : (n,) the nearest triangle of the shape.
     used : (n,) bool, points that belong to the sheet; others (a table, clamps) are farther than `cut_mm`.
@@ -44,6 +45,7 @@ class ScanComparison:
     """
 
     shape: Shape
+    scan: Scan
     points: Floats
     distance: Floats
     triangle: Ints
@@ -62,32 +64,35 @@ class ScanComparison:
         points = np.bincount(corners.ravel(), minlength=count)
         return np.where(points > 0, total / np.maximum(points, 1), np.nan)
 
-    def summary(self) -> dict[str, Any]:
-        """Numbers; lengths in percent are of the shape's diameter."""
+    def distances(self) -> ScanDistancesRecord:
+        """The distances in numbers."""
         used, size = np.abs(self.distance[self.used]), diameter(self.shape.positions)
         rms = float(np.sqrt(np.mean(used**2)))
         area = triangle_areas(self.shape.positions, self.shape.triangles)
+        own = self.size
         matrix = np.eye(4)
         matrix[:3, :3], matrix[:3, 3] = self.poses[0].rotation, self.poses[0].shift
-        return {
-            "rms_mm": rms,
-            "rms_percent": 100 * rms / size,
-            "median_mm": float(np.median(used)),
-            "largest_twentieth_above_mm": float(np.quantile(used, 0.95)),
-            "max_mm": float(used.max()),
-            "mean_to_plastic_side_mm": float(self.distance[self.used].mean()),
-            "rms_of_all_points_mm": float(np.sqrt(np.mean(self.distance**2))),
-            "points": len(self.distance),
-            "points_left_out_percent": 100 * float(np.mean(~self.used)),
-            "left_out_beyond_mm": self.cut_mm,
-            "shape_covered_percent": 100 * float(area[self.covered].sum() / area.sum()),
-            "diameter_mm": size,
-            "best_size": self.size and self.size.ratio,
-            "rms_percent_at_best_size": self.size and 100 * self.size.rms_mm / size,
-            "rms_percent_lifted": self.size and 100 * self.size.lifted_rms_mm / size,
-            "poses_as_good": sum(p.spread_mm <= _AS_GOOD * self.poses[0].spread_mm + _SAME_MM for p in self.poses),
-            "scan_to_shape": matrix.tolist(),
-        }
+        return ScanDistancesRecord(
+            scan_triangles=self.scan.triangles,
+            scan_vertices=self.scan.vertices,
+            rms_mm=rms,
+            rms_percent=100 * rms / size,
+            median_mm=float(np.median(used)),
+            largest_twentieth_above_mm=float(np.quantile(used, 0.95)),
+            max_mm=float(used.max()),
+            mean_to_plastic_side_mm=float(self.distance[self.used].mean()),
+            rms_of_all_points_mm=float(np.sqrt(np.mean(self.distance**2))),
+            points=len(self.distance),
+            points_left_out_percent=100 * float(np.mean(~self.used)),
+            left_out_beyond_mm=self.cut_mm,
+            shape_covered_percent=100 * float(area[self.covered].sum() / area.sum()),
+            diameter_mm=size,
+            best_size=None if own is None else own.ratio,
+            rms_percent_at_best_size=None if own is None else 100 * own.rms_mm / size,
+            rms_percent_lifted=None if own is None else 100 * own.lifted_rms_mm / size,
+            poses_as_good=sum(p.spread_mm <= _AS_GOOD * self.poses[0].spread_mm + _SAME_MM for p in self.poses),
+            scan_to_shape=matrix.tolist(),
+        )
 
 
 def compare_scan(shape: Shape, scan: Scan, trim: float = 0.2, seed: int = 0) -> ScanComparison:
@@ -106,6 +111,7 @@ def compare_scan(shape: Shape, scan: Scan, trim: float = 0.2, seed: int = 0) -> 
     used = distance <= cut
     return ScanComparison(
         shape,
+        scan,
         points,
         nearest.distance,
         nearest.triangle,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 from asterism.measure.strips import statement
 from asterism.measure.strips.curvature_model import KappaBarKind, StripFormula
@@ -13,8 +13,9 @@ from asterism.measure.strips.fit_picture import draw_fit
 from asterism.measure.strips.material_file import check_ours, material_text
 from asterism.measure.strips.strip_fit import FLAT_HEIGHT_MM, StripFit, fit_readings
 from asterism.measure.strips.strip_table import read_strips
-from asterism.process.version import __version__
 from asterism.results.files import OutputError, staged
+from asterism.results.record import ABSENT
+from asterism.results.records.strips import StripFitRecord, StripOptionsRecord
 from pattern.design.errors import one_line
 from pattern.design.materials import Plastic
 
@@ -32,17 +33,22 @@ class FittedMaterial:
 
     fit: StripFit
     table: str
-    options: dict[str, Any]
+    options: StripOptionsRecord
 
     @property
     def plastic(self) -> Plastic:
         """The plastic as a design has it."""
         return self.fit.plastic()
 
+    @cached_property
+    def summary(self) -> StripFitRecord:
+        """All numbers; the content of the JSON file beside the material."""
+        return statement.fit_record(self.fit, self.table, self.options)
+
     @property
     def rows(self) -> dict[str, str]:
-        """The numbers in words, by their names."""
-        return statement.fit_rows(self.fit)
+        """The numbers in words, by their labels."""
+        return self.summary.table()
 
     @property
     def sentences(self) -> list[str]:
@@ -58,12 +64,6 @@ class FittedMaterial:
     def left_out(self) -> list[str]:
         """One line for each reading that is not used."""
         return [f"left out: {o.reading.name} (row {o.reading.row}): {o.reason}" for o in self.fit.left_out]
-
-    @property
-    def summary(self) -> dict[str, Any]:
-        """All numbers, with units in their names; the content of the JSON beside the material."""
-        about = {"version": __version__, "strips": self.table, "options": self.options}
-        return {**about, **statement.fit_summary(self.fit)}
 
 
 def fit_strips(
@@ -121,13 +121,13 @@ def fit_strips(
         flat_height_mm=flat_height_mm,
         keep_outliers=keep_outliers,
     )
-    options: dict[str, Any] = {
-        "outside": outside,
-        "flat_height_mm": flat_height_mm,
-        "keep_outliers": keep_outliers,
-    }
-    given = {"stretch": stretch, "fabric_thickness_mm": fabric_thickness_mm}
-    options |= {name: value for name, value in given.items() if value is not None}
+    options = StripOptionsRecord(
+        outside=outside,
+        flat_height_mm=flat_height_mm,
+        keep_outliers=keep_outliers,
+        stretch=ABSENT if stretch is None else stretch,
+        fabric_thickness_mm=ABSENT if fabric_thickness_mm is None else fabric_thickness_mm,
+    )
     return FittedMaterial(fit, table.name, options)
 
 
@@ -161,6 +161,6 @@ def write_material(material: FittedMaterial, path: str | Path) -> list[str]:
         text = material_text(material.fit, one_line(path.stem), remarks)
         (folder / path.name).write_text(text, encoding="utf-8")
         draw_fit(material.fit, title, folder / f"{path.stem}.png")
-        numbers = json.dumps(material.summary, indent=2) + "\n"
+        numbers = json.dumps(material.summary.to_json(), indent=2, allow_nan=False) + "\n"
         (folder / f"{path.stem}.json").write_text(numbers, encoding="utf-8")
     return [path.name, f"{path.stem}.png", f"{path.stem}.json"]

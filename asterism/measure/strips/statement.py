@@ -3,30 +3,22 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 from scipy.stats import norm
 
 from asterism.measure.strips.curvature_model import FORMULAS, StripData
 from asterism.measure.strips.strip_fit import Interval, StripFit
-from asterism.measure.strips.systematic import FABRIC_ERROR_MM, PLASTIC_ERROR_MM, STRETCH_ERROR_PERCENT, shared_errors
+from asterism.measure.strips.systematic import shared_errors
+from asterism.process.version import __version__
+from asterism.results.records.strips import (
+    KappaBarRecord,
+    LeftOutReadingRecord,
+    RatioIntervalRecord,
+    StripFitRecord,
+    StripOptionsRecord,
+)
 from pattern.design.materials import bilayer_curvature
-
-
-def ratio_rows(fit: StripFit) -> dict[str, str]:
-    """E1/E2 for each convention, as text."""
-    return {f"E1/E2, {name}": _ratio(fit.ratio[name]) for name in FORMULAS}
-
-
-def kappa_bar_rows(fit: StripFit) -> dict[str, str]:
-    """kappa_bar as text."""
-    if not fit.kappa_bar:
-        return {"kappa_bar": "taken for 0"}
-    return {
-        "kappa_bar" if h is None else f"kappa_bar, {h:g} mm": f"{k.value:.5f} /mm   {k.low:.5f} to {k.high:.5f}"
-        for h, k in fit.kappa_bar.items()
-    }
 
 
 def convention_sentences(fit: StripFit) -> list[str]:
@@ -75,55 +67,43 @@ def fit_warnings(fit: StripFit) -> list[str]:
     ]
 
 
-def fit_rows(fit: StripFit) -> dict[str, str]:
-    """Rows for the terminal."""
-    flat = sum(r.curvature_per_mm is None for r in fit.used)
-    total = len(fit.used) + len(fit.left_out)
-    shared = shared_errors(fit)
-    rows = {"readings": f"{total}, {len(fit.used)} used" + (f", {flat} of them flat: a bound only" if flat else "")}
-    rows |= ratio_rows(fit) | kappa_bar_rows(fit)
-    rows["intervals"] = f"{100 * fit.confidence:g} %"
-    rows["scatter"] = (
-        f"{fit.noise.reading_mm:.2f} mm a side of a box, {100 * fit.noise.scatter:.1f} % from strip to strip"
-        f", {100 * fit.estimate.common.with_fabric:.1f} % from thickness to thickness"
-    )
-    rows["if all strips had"] = (
-        f"{STRETCH_ERROR_PERCENT:g} % more stretch: E1/E2 {shared['stretch']:+.1f} %; "
-        f"fabric {FABRIC_ERROR_MM:g} mm thicker: {shared['fabric_thickness']:+.1f} %; "
-        f"plastic {PLASTIC_ERROR_MM:g} mm thicker: {shared['plastic_thickness']:+.1f} %"
-    )
-    return rows
-
-
-def fit_summary(fit: StripFit) -> dict[str, Any]:
-    """Plain data, units in the names."""
-
-    def interval(value: Interval, unit: str = "") -> dict[str, float | None]:
-        high = value.high if math.isfinite(value.high) else None
-        return {f"value{unit}": value.value, f"low{unit}": value.low, f"high{unit}": high}
-
-    return {
-        "rest_curvature": fit.formula,
-        "confidence": fit.confidence,
-        "modulus_ratio": {name: interval(found) for name, found in fit.ratio.items()},
-        "kappa_bar_kind": fit.kappa_bar_kind,
-        "kappa_bar": [{"thickness_mm": h, **interval(found, "_per_mm")} for h, found in fit.kappa_bar.items()],
-        "reading_error_mm": fit.noise.reading_mm,
-        "strip_scatter": fit.noise.scatter,
-        "thickness_scatter": fit.estimate.common.with_fabric,
-        "peeled_thickness_scatter_per_mm": fit.estimate.common.peeled,
-        "lack_of_fit_chance": fit.lack_of_fit,
-        "intervals_widened_by": fit.widened,
-        "kappa_bar_contradicted": fit.kappa_bar_contradicted,
-        "thicknesses_apart_mm": list(fit.thicknesses_apart),
-        "shared_error_percent": shared_errors(fit),
-        "readings_used": len(fit.used),
-        "readings_flat": sum(r.curvature_per_mm is None for r in fit.used),
-        "left_out": [
-            {"strip": o.reading.strip, "row": o.reading.row, "peeled": o.reading.peeled, "reason": o.reason}
-            for o in fit.left_out
+def fit_record(fit: StripFit, table: str, options: StripOptionsRecord) -> StripFitRecord:
+    """The summary of a fit to the table of this name."""
+    return StripFitRecord(
+        version=__version__,
+        strips=table,
+        options=options,
+        rest_curvature=fit.formula,
+        confidence=fit.confidence,
+        modulus_ratio={name: _ratio(interval) for name, interval in fit.ratio.items()},
+        kappa_bar_kind=fit.kappa_bar_kind,
+        kappa_bar=[
+            KappaBarRecord(thickness_mm=h, value_per_mm=each.value, low_per_mm=each.low, high_per_mm=each.high)
+            for h, each in fit.kappa_bar.items()
         ],
-    }
+        reading_error_mm=fit.noise.reading_mm,
+        strip_scatter=fit.noise.scatter,
+        thickness_scatter=fit.estimate.common.with_fabric,
+        peeled_thickness_scatter_per_mm=fit.estimate.common.peeled,
+        lack_of_fit_chance=fit.lack_of_fit,
+        intervals_widened_by=fit.widened,
+        kappa_bar_contradicted=fit.kappa_bar_contradicted,
+        thicknesses_apart_mm=list(fit.thicknesses_apart),
+        shared_error_percent=shared_errors(fit),
+        readings_used=len(fit.used),
+        readings_flat=sum(reading.curvature_per_mm is None for reading in fit.used),
+        left_out=[
+            LeftOutReadingRecord(
+                strip=each.reading.strip, row=each.reading.row, peeled=each.reading.peeled, reason=each.reason
+            )
+            for each in fit.left_out
+        ],
+    )
+
+
+def _ratio(interval: Interval) -> RatioIntervalRecord:
+    high = interval.high if math.isfinite(interval.high) else None
+    return RatioIntervalRecord(value=interval.value, low=interval.low, high=high)
 
 
 def _why_no_bound(fit: StripFit) -> str:
@@ -135,11 +115,6 @@ def _why_no_bound(fit: StripFit) -> str:
     if found.of_common[:, 0, 0].sum() > found.of_noise(0):
         return "strips of too few thicknesses"
     return f"{len(fit.used)} readings are too few"
-
-
-def _ratio(found: Interval) -> str:
-    high = f"{found.high:.0f}" if math.isfinite(found.high) else "without bound"
-    return f"{found.value:.0f}   {found.low:.0f} to {high}"
 
 
 def _mixed_up(fit: StripFit, other: str) -> float:

@@ -7,16 +7,15 @@ from dataclasses import replace
 from asterism.measure.strips.curvature_model import StripData
 from asterism.measure.strips.parameter_estimate import estimate_parameters
 from asterism.measure.strips.strip_fit import StripFit
+from asterism.results.records.strips import (
+    FABRIC_ERROR_MM,
+    PLASTIC_ERROR_MM,
+    STRETCH_ERROR_PERCENT,
+    SharedErrorRecord,
+)
 
-# assumed error of the stretch
-STRETCH_ERROR_PERCENT = 1.0
-# assumed error of the thickness of the fabric
-FABRIC_ERROR_MM = 0.05
-# assumed error of the thickness of the plastic
-PLASTIC_ERROR_MM = 0.01
 
-
-def shared_errors(fit: StripFit) -> dict[str, float]:
+def shared_errors(fit: StripFit) -> SharedErrorRecord:
     """Change of E1/E2 in percent if the stretch, the fabric's or the plastic's thickness were larger than stated."""
     data = StripData.of(list(fit.used), fit.flat_height_mm)
     stretch = (1 - data.mismatch) ** -0.5 * (1 + STRETCH_ERROR_PERCENT / 100)
@@ -30,7 +29,9 @@ def shared_errors(fit: StripFit) -> dict[str, float]:
         ),
     }
     before = 1 / float(fit.estimate.parameters[0])
-    return {
-        name: 100 * (1 / float(estimate_parameters(model, other).parameters[0]) / before - 1)
-        for name, (other, model) in changed.items()
-    }
+    return SharedErrorRecord(
+        **{
+            name: 100 * (1 / float(estimate_parameters(model, other).parameters[0]) / before - 1)
+            for name, (other, model) in changed.items()
+        }
+    )

@@ -85,6 +85,13 @@ def _starts(record: ExactRecord) -> str | None:
     return f"{record.starts}, of which {lost} came to no equilibrium" if lost else None
 
 
+def _minima(record: ExactRecord) -> dict[str, str] | None:
+    """One row for each minimum if several starts were tried."""
+    if record.get("starts", 1) < 2:
+        return None
+    return {f"minimum {number}": each.in_words() for number, each in enumerate(record.minima, 1)}
+
+
 class ExactRecord(ShapeRecord):
     """The summary of an exact shape.
 
@@ -106,6 +113,7 @@ class ExactRecord(ShapeRecord):
         "mesh_error_percent",
         "iterations",
         "starts_lost",
+        "minima",
     )
 
     smallest_eigenvalue: float = key(
@@ -160,7 +168,9 @@ class ExactRecord(ShapeRecord):
     )
     next_minimum_n_mm: float | None = key("The same as an energy.", unit="N mm", default=ABSENT)
     symmetries: int = key("Symmetries of the design, the identity included.", default=ABSENT)
-    minima: list[MinimumRecord] = key("The minima on the fine mesh. The first one is the result.")
+    minima: list[MinimumRecord] = key(
+        "The minima on the fine mesh. The first one is the result.", label="minimum", show=_minima
+    )
     minima_distance_percent: list[list[float]] = key(
         "Distances between all minima on the fine mesh, in percent of the diameter.", unit="%", default=ABSENT
     )
@@ -168,10 +178,3 @@ class ExactRecord(ShapeRecord):
         "The minima on the coarse mesh. Energies of two meshes cannot be compared.", default=ABSENT
     )
     path: list[PathStepRecord] = key("The way to the shape, step by step.")
-
-    def table(self) -> dict[str, str]:
-        """Rows of the table on the terminal, with one for each minimum if several starts were tried."""
-        rows = super().table()
-        if self.get("starts", 1) > 1:
-            rows |= {f"minimum {number}": each.in_words() for number, each in enumerate(self.minima, 1)}
-        return rows

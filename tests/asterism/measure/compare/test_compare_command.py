@@ -82,7 +82,7 @@ def test_an_outline_among_other_lines(folder: Path, capsys, monkeypatch) -> None
     """A picture's frame may be the largest."""
     draw(folder / "o.svg", 'width="120mm" height="100mm"', '<rect width="120" height="100"/>')
     done = command(["compare", str(folder / "shape.vtu"), str(folder / "o.svg")], capsys, monkeypatch)
-    assert done.status == 0 and "2, of which the largest is taken" in done.out
+    assert done.status == 0 and "2, of which the largest is compared" in done.out
     numbers = json.loads((folder / "o-compared" / "summary.json").read_text())
     assert numbers["lines"] == 2 and numbers["units"] == "its own"
 

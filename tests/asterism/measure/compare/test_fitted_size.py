@@ -30,7 +30,7 @@ def laid(shape: Shape, ratio: float, part: float = 1.0) -> ScanComparison:
 @pytest.mark.parametrize("ratio", [0.95, 1.0, 1.12])
 @pytest.mark.parametrize("shape", [bent_sheet(), sheet(dome)], ids=["bent", "dome"])
 def test_the_size_of_a_whole_scan_is_found(shape: Shape, ratio: float) -> None:
-    numbers = laid(shape, ratio).summary()
+    numbers = laid(shape, ratio).distances()
     assert numbers["best_size"] == pytest.approx(ratio, abs=0.005)
     assert numbers["rms_percent_at_best_size"] < 0.2
     if ratio != 1.0:
@@ -38,7 +38,7 @@ def test_the_size_of_a_whole_scan_is_found(shape: Shape, ratio: float) -> None:
 
 
 def test_a_part_fits_in_many_sizes() -> None:
-    numbers = laid(bent_sheet(), 1.05, part=0.7).summary()
+    numbers = laid(bent_sheet(), 1.05, part=0.7).distances()
     assert numbers["best_size"] is None and numbers["rms_percent_at_best_size"] is None
 
 

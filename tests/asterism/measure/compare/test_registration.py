@@ -53,7 +53,7 @@ def test_a_table_under_the_sheet_is_left_out() -> None:
     everything = np.concatenate([points, table])
     rotation, shift = motion(7)
     found = compare_scan(SHAPE, Scan(everything @ rotation.T + shift, 0, len(everything)))
-    s = found.summary()
+    s = found.distances()
     assert s["rms_mm"] < 0.2
     assert s["points_left_out_percent"] == pytest.approx(100 * 1000 / 7000, abs=0.5)
 
@@ -62,7 +62,7 @@ def test_what_is_measured() -> None:
     """A sheet that lies .5 mm off to its plastic side, with a bump of 2 mm, of which a third was scanned."""
     points, _ = scanned(SHAPE, 8, 0.0, 1.0, other=0.0)
     found = compare_scan(SHAPE, Scan(points, 0, len(points)))
-    s = found.summary()
+    s = found.distances()
     assert s["rms_mm"] < 0.02 and s["shape_covered_percent"] > 98 and s["points_left_out_percent"] == 0
     assert s["poses_as_good"] == 1
     placed = np.column_stack([points, np.ones(len(points))]) @ np.array(s["scan_to_shape"]).T
@@ -78,7 +78,7 @@ def test_what_is_measured() -> None:
     assert found.used.all()
 
     part = points[points[:, 0] < np.quantile(points[:, 0], 1 / 3)]
-    covered = compare_scan(SHAPE, Scan(part, 0, len(part))).summary()["shape_covered_percent"]
+    covered = compare_scan(SHAPE, Scan(part, 0, len(part))).distances()["shape_covered_percent"]
     assert covered == pytest.approx(100 / 3, abs=4)
 
 
@@ -89,7 +89,7 @@ def test_a_sheet_like_itself_from_two_sides_says_two() -> None:
     for seed in range(3):
         rotation, shift = motion(seed)
         found = compare_scan(shape, Scan(points @ rotation.T + shift, 0, len(points)), seed=seed)
-        assert found.summary()["poses_as_good"] == 2
+        assert found.distances()["poses_as_good"] == 2
 
 
 @pytest.mark.parametrize(("seed", "part"), [(2, 0.35), (0, 0.5)])
@@ -101,5 +101,5 @@ def test_a_scan_of_a_part_is_laid_where_it_belongs(seed: int, part: float) -> No
     along = shape.printed[shape.triangles].mean(axis=1) @ [np.cos(angle), np.sin(angle)]
     points = surface_samples(shape.positions, shape.triangles[along > np.quantile(along, 1.0 - part)], 5000, rng)[0]
     turn = Rotation.random(random_state=seed).as_matrix()
-    s = compare_scan(shape, Scan(points @ turn.T + [10.0, 20.0, 30.0], 0, len(points))).summary()
+    s = compare_scan(shape, Scan(points @ turn.T + [10.0, 20.0, 30.0], 0, len(points))).distances()
     assert s["rms_mm"] < 0.01 and s["poses_as_good"] == 1

@@ -1,0 +1,223 @@
+"""The summary of an export: what is printed, how it differs from the design, and what the print takes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from asterism.results.record import ABSENT, Record, key
+from asterism.results.words import VISIBLE_SAG_MM, needle_names, sag_in_words
+
+# tiny stars that the table lists by their place
+MAX_LISTED_TINY_STARS = 4
+
+
+class SizeChangeRecord(Record):
+    """What rounding does to the thicknesses or the widths of the arms."""
+
+    values_mm: list[float] = key("The sizes that are printed.", unit="mm")
+    stars_changed: int = key("Stars with another size than in the design.")
+    largest_change_mm: float = key("The largest change of an arm's size, with its sign.", unit="mm")
+    mean_change_percent: float = key("Mean of the relative changes of all arms.", unit="%")
+
+
+class LayersRecord(Record):
+    """Sizes that the printer makes: whole layers and whole lines."""
+
+    first_layer_mm: float = key("Height of the first layer.", unit="mm")
+    layer_mm: float = key("Height of each other layer.", unit="mm")
+    line_mm: float = key("Width of a line: that of the nozzle.", unit="mm")
+
+
+class RoundingRecord(LayersRecord):
+    """The layers and lines of the print, and what they change."""
+
+    thickness: SizeChangeRecord = key("Changes of the thicknesses.")
+    width: SizeChangeRecord = key("Changes of the widths.")
+    better_layers: LayersRecord | None = key("Layers that are much nearer to the design; null if there are none.")
+
+
+class GivenShapeRecord(Record):
+    """The shape in space whose files are written."""
+
+    is_certain: bool | None = key("The shape is certified as a minimum; null if its summary is missing.")
+    warnings: list[str] = key("Warnings from the shape's summary.")
+
+
+class ShapeChangeRecord(Record):
+    """The shape of the printed, rounded design compared with that of the design as drawn. Pairs: drawn, printed."""
+
+    model: str | None = key("`exact` or `preview`; null if the preview has no law for the fabric.")
+    why: str = key("Why there is no comparison; only if `model` is null.", default=ABSENT)
+    height_mm: list[float] = key("Extents of both shapes along z.", unit="mm", default=ABSENT)
+    extent_mm: list[list[float]] = key("Sizes of the boxes around both shapes.", unit="mm", default=ABSENT)
+    star_distance_mm: float = key(
+        "Rms distance of the star centres after the best rigid motion, up to symmetries of the design.",
+        unit="mm",
+        default=ABSENT,
+    )
+    star_distance_percent: float = key("The same in percent of the drawn shape's diameter.", unit="%", default=ABSENT)
+    are_minima: list[bool] = key("Each shape is certified as a minimum.")
+    stars_outside_law: int = key("Stars outside the range of the preview's law.", default=ABSENT)
+    warnings: list[str] = key("Warnings about the printed shape.", default=ABSENT)
+
+
+class TinyStarRecord(Record):
+    """A star so small that it may jump off the fabric."""
+
+    at_mm: list[float] = key("Centre in printed coordinates.", unit="mm")
+    arm_mm: float = key("Length of the longest arm.", unit="mm")
+
+
+class SolidRecord(Record):
+    """A solid in the printer's coordinates."""
+
+    volume_mm3: float = key("Volume.", unit="mm^3")
+    box_mm: list[list[float]] = key("Lowest and highest coordinates.", unit="mm")
+
+
+class CheckSquareRecord(Record):
+    """The square on the fabric that shows whether the stretch is right."""
+
+    before: list[float] = key("Sides before stretching.", unit="mm")
+    after: list[float] = key("Sides after stretching.", unit="mm")
+
+
+class PrintCostRecord(Record):
+    """Estimate of the plastic and the time that a print takes."""
+
+    volume_mm3: float = key("Volume of the plastic.", unit="mm^3")
+    mass_g: float = key("Mass of the plastic.", unit="g")
+    filament_m: float = key("Length of the filament.", unit="m")
+    layers: int = key("Number of layers.")
+    lines_m: float = key("Length of all printed lines.", unit="m")
+    minutes: float = key("Printing time with heating; acceleration is not modelled.", unit="min")
+
+
+def _sizes(size: SizeChangeRecord, stars: int) -> str:
+    values = ", ".join(f"{value:g}" for value in size.values_mm)
+    if not size.stars_changed:
+        return f"{values} mm, as drawn"
+    return f"{values} mm; {size.stars_changed} of {stars} stars rounded, by {size.largest_change_mm:+.3f} mm at most"
+
+
+def _rounding(record: ExportRecord) -> dict[str, str]:
+    layers = record.rounding
+    rows = {"thickness": _sizes(layers.thickness, record.stars), "width": _sizes(layers.width, record.stars)}
+    rows["layers"] = f"first {layers.first_layer_mm:g} mm, then {layers.layer_mm:g} mm"
+    if better := layers.better_layers:
+        options = f"--first-layer {better.first_layer_mm:g} --layer {better.layer_mm:g}"
+        rows["better layers"] = f"{options} is nearer to the design"
+    return rows
+
+
+def _shape_change(record: ExportRecord) -> str:
+    rounding, change = record.rounding, record.shape_change
+    if not (rounding.thickness.stars_changed or rounding.width.stars_changed):
+        return "none"
+    if change is None:
+        return "not computed"
+    if change.model is None:
+        return f"not computed ({change.why}); use --simulate"
+    before, after = change.height_mm
+    distance = f"{change.star_distance_mm:.2f} mm ({change.star_distance_percent:.1f} % of the diameter)"
+    by = "exact model" if change.model == "exact" else "preview; --simulate is exact"
+    if change.stars_outside_law:
+        by = f"not reliable: {change.stars_outside_law} of the stars are outside the preview's law; --simulate is exact"
+    return f"{distance}, height {before:.2f} -> {after:.2f} mm ({by})"
+
+
+def _tiny_stars(record: ExportRecord) -> str | None:
+    if not (tiny := record.tiny_stars):
+        return None
+    places = ", ".join("[{:g}, {:g}]".format(*star.at_mm) for star in tiny[:MAX_LISTED_TINY_STARS])
+    return f"{len(tiny)}, may jump off: at {places}" + (", ..." if len(tiny) > MAX_LISTED_TINY_STARS else "")
+
+
+def _cut_line(record: ExportRecord) -> str | None:
+    return None if record.printed_border else "not printed, in layout.pdf"
+
+
+def _z_offset(record: ExportRecord) -> str:
+    fabric = "stretched fabric" if record.fabric_given else "released fabric; measure it stretched: --fabric"
+    return f"{record.z_offset_mm:.2f} mm (plate and {fabric}), in start.gcode"
+
+
+def _check_square(record: ExportRecord) -> str:
+    before, (x, y) = record.check_square_mm.before[0], record.check_square_mm.after
+    return f"{before:g} mm before stretching, {x:.1f} x {y:.1f} mm after"
+
+
+def _needles_in_plastic(record: ExportRecord) -> str | None:
+    through = record.needles_in_plastic
+    return f"{needle_names(through)}: drill the arm there, or move the pin" if through else None
+
+
+def _hangs(record: ExportRecord) -> str | None:
+    below = record.hangs_below_base_mm
+    if below is None:
+        return "not known: the fabric has no law; use --simulate"
+    if below <= VISIBLE_SAG_MM:
+        return None
+    return f"{sag_in_words(below, record.hangs_doubt_mm)}: set needles higher, or cut it out"
+
+
+class ExportRecord(Record):
+    """The summary of an export."""
+
+    rows = (
+        "printer",
+        "rounding",
+        "shape_change",
+        "tiny_stars",
+        "printed_border",
+        "z_offset_mm",
+        "check_square_mm",
+        "needles",
+        "needles_in_plastic",
+        "hangs_below_base_mm",
+        "estimate",
+    )
+
+    design: dict[str, Any] = key("The rounded design with all defaults, as in `rounded.toml`.")
+    printer: dict[str, Any] = key(
+        "The printer's profile with all defaults.", label="printer", show="{printer[name]}, {plastic[name]}"
+    )
+    plastic: dict[str, Any] = key("The plastic's profile with all defaults.")
+    stars: int = key("Number of stars.")
+    rounding: RoundingRecord = key("Layers and lines of the print.", label="rounding", show=_rounding)
+    shape: GivenShapeRecord | None = key("The shape whose files are written; null without one.")
+    shape_change: ShapeChangeRecord | None = key(
+        "What rounding does to the shape; null if it was not computed.", label="change of shape", show=_shape_change
+    )
+    tiny_stars: list[TinyStarRecord] = key("Stars that may jump off the fabric.", label="tiny stars", show=_tiny_stars)
+    solids: dict[str, SolidRecord] = key("The solids by the names of their files: `stars`, and `border` if printed.")
+    printed_border: bool = key("The line to cut along is printed.", label="cut line", show=_cut_line)
+    turn_deg: float = key("Turn of the print on the bed, counterclockwise.", unit="deg")
+    origin_on_bed_mm: list[float] = key("Place of the design's origin in the printer's coordinates.", unit="mm")
+    z_offset_mm: float = key(
+        "Height of the fabric's surface above the bed: plate and fabric.", unit="mm", label="z offset", show=_z_offset
+    )
+    fabric_given: bool = key(
+        "The thickness of the stretched fabric was given; otherwise the design's is used, which is that of the "
+        "released fabric."
+    )
+    check_square_mm: CheckSquareRecord = key(
+        "The square that shows whether the stretch is right.", unit="mm", label="check square", show=_check_square
+    )
+    needles: int = key("Number of needles.", label="needles", show="{needles}")
+    needles_in_plastic: list[int] = key(
+        "Numbers of the needles that meet an arm.", label="in plastic", show=_needles_in_plastic
+    )
+    hangs_below_base_mm: float | None = key(
+        "How far the sheet hangs below the base of its needles; null if the shape is not known.",
+        unit="mm",
+        label="hangs",
+        show=_hangs,
+    )
+    hangs_doubt_mm: float | None = key("Estimated error of that; null if the shape is not a preview.", unit="mm")
+    estimate: PrintCostRecord = key(
+        "Plastic and time.",
+        label="estimate",
+        show="{estimate[minutes]:.0f} min, {estimate[mass_g]:.2f} g, {estimate[filament_m]:.2f} m",
+    )
+    files: list[str] = key("Names of all files of the export.")
