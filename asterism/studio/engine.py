@@ -37,11 +37,12 @@ from asterism.studio.messages import (
     StudioProblem,
     sites_of,
 )
-from asterism.studio.sheet_view import SheetView
+from asterism.studio.sheet_view import SheetView, blank_messages
 from equilibrium.errors import Error
 from homogenize.errors import ForeignLaw
 from pattern import gallery
 from pattern.design.design import Design
+from pattern.design.errors import BlankSheetError
 from pattern.geometry.arrays import Floats
 from pattern.layout.painted_stars import with_painted_stars
 
@@ -67,6 +68,7 @@ SUMMARY_KEYS = (
     "stars",
     "energy_n_mm",
 )
+WITHOUT_STARS = "the sheet has no stars: it is flat fabric, shown as it is when it is released, without pins"
 WARM_UP_DESIGN = "star"
 
 
@@ -172,6 +174,12 @@ class Engine:
         self._longest_s = MAX_DRAGGED_SEARCH_S if edit.is_dragging else MAX_SEARCH_S
         design = self._parsed(edit, parsed)
         self._send_limits(design)
+        try:
+            self._show_design(design, edit)
+        except BlankSheetError:
+            self._show_blank(design)
+
+    def _show_design(self, design: Design, edit: Edit) -> None:
         if self._preview is None:
             self._preview = Preview(design, check=self._check, say=self._say)
             self._show("equilibrium", None)
@@ -263,6 +271,16 @@ class Engine:
             self._meshes += 1
             self._send(view.numbered(self._meshes, layout))
         return view
+
+    def _show_blank(self, design: Design) -> None:
+        """Send the flat sheet of a design without stars, and all that there is to know of it."""
+        self._is_resting = True
+        self._meshes += 1
+        mesh, frame = blank_messages(design, self._meshes, self._seq)
+        self._send(mesh)
+        self._send(frame)
+        numbers = {"height_mm": 0.0, "is_minimum": True, "stars": 0}
+        self._send(ShapeSummary(self._seq, numbers, (Notice(WITHOUT_STARS),)))
 
     def _rest(self) -> None:
         """After a while without edits: a fine frame, and all that is known about the shape."""

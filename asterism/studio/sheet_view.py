@@ -9,8 +9,10 @@ import scipy.sparse as sp
 from scipy.spatial import cKDTree
 
 from asterism.previews.session import Preview
+from asterism.shape.blank_sheet import blank_sheet
 from asterism.shape.pose import upright_rotation
 from asterism.studio.messages import Frame, ShownMesh
+from pattern.design.design import Design
 from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import is_in_sorted, polygon_area
 from pattern.layout.layout import Layout
@@ -192,6 +194,34 @@ class SheetView:
         (ux, uy), (vx, vy) = (b - a).T, (c - a).T
         areas = self._beside @ (ux * vy - uy * vx)
         return np.asarray(areas / areas.sum())
+
+
+def blank_messages(design: Design, number: int, seq: int) -> tuple[ShownMesh, Frame]:
+    """The flat sheet of a design without stars: its mesh under a number, and its frame."""
+    shape = blank_sheet(design)
+    count, small = len(shape.printed), np.float32
+    mesh = ShownMesh(
+        mesh=number,
+        printed=shape.printed.astype(small),
+        triangles=shape.triangles.astype(np.uint32),
+        outline=outline_of(shape.triangles).astype(np.uint32),
+        arm_site=np.empty(0, dtype=np.uint32),
+        is_fine=True,
+    )
+    frame = Frame(
+        seq=seq,
+        mesh=number,
+        stage="equilibrium",
+        positions=shape.positions.astype(small),
+        normals=np.tile(np.array([0.0, 0.0, 1.0], dtype=small), (count, 1)),
+        curvature=np.zeros(count, dtype=small),
+        strain=np.zeros(count, dtype=small),
+        arms=np.empty((0, STATIONS, 2, 3), dtype=small),
+        arm_normals=np.empty((0, STATIONS, 3), dtype=small),
+        needles=np.empty((0, 2, 3), dtype=small),
+        is_minimum=True,
+    )
+    return mesh, frame
 
 
 def outline_of(triangles: Ints) -> Ints:

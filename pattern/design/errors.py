@@ -50,7 +50,11 @@ class DesignError(Error, ValueError):
 
     def within(self, file: str | Path) -> DesignError:
         """The same error with the name of its file."""
-        return DesignError(self.field, self.allowed, self.value, file, self.stars, self.place_mm)
+        return type(self)(self.field, self.allowed, self.value, file, self.stars, self.place_mm)
+
+
+class BlankSheetError(DesignError):
+    """A sheet without a single arm to print; `asterism.shape.blank_sheet` has its shape."""
 
 
 def from_validation(error: ValidationError, file: str | Path | None = None) -> DesignError:

@@ -10,7 +10,7 @@ import shapely
 from pattern.design.arguments import check_type
 from pattern.design.border import Border
 from pattern.design.design import Design
-from pattern.design.errors import DesignError
+from pattern.design.errors import BlankSheetError, DesignError
 from pattern.design.lattice import Lattice
 from pattern.design.stars import MIN_ARM_MM
 from pattern.geometry.arrays import Floats, Ints
@@ -55,7 +55,7 @@ def layout(design: Design) -> Layout:
     cells = _kept_cells(design.border, lattice).copy()
     if len(cells) == 0:
         margin = f"border.star_margin_mm = {star_margin_mm(design.border, lattice):.4g} from its outline"
-        raise DesignError("border", f"must have room for at least one star, {margin}")
+        raise BlankSheetError("border", f"must have room for at least one star, {margin}")
     centres = lattice.sites.place(cells)
     _check_tip_margin(design.border.tip_margin_mm, centres, corners)
     directions = lattice.arm_directions
@@ -87,7 +87,7 @@ def layout(design: Design) -> Layout:
     if len(star) == 0:
         longest = float(sizes.length.max(initial=0.0))
         problem = f"must have at least one arm of {MIN_ARM_MM:g} mm on the sheet"
-        raise DesignError("stars", f"{problem}; the longest of the design is {longest:.3g} mm")
+        raise BlankSheetError("stars", f"{problem}; the longest of the design is {longest:.3g} mm")
     check_clear(centres[star], tips, star, width, MEETING_TOLERANCE_SPACINGS * lattice.spacing_mm)
 
     sets = [pin_set(pin, corners, f"pins[{k}]") for k, pin in enumerate(design.pins)]
@@ -111,6 +111,17 @@ def layout(design: Design) -> Layout:
         site_sizes_mm=sizes.at_centres,
         ignored_sites=sizes.ignored_sites,
     )
+
+
+def sheet_outline(design: Design) -> Floats:
+    """(B, 2) mm, the outline of the sheet, also if the design has no layout.
+
+    Raises
+    ------
+    DesignError
+        The outline does not fit the lattice, or is too large.
+    """
+    return _kept_outline(design.border, design.lattice).copy()
 
 
 def sheet_sites(design: Design) -> Ints:

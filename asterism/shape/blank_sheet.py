@@ -1,0 +1,43 @@
+"""The sheet of a design without a single star: flat fabric, released."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from asterism.shape.shape import Shape
+from pattern.design.design import Design
+from pattern.geometry.planar import polygon_area
+from pattern.layout.build import sheet_outline
+from pattern.mesh.coarse.sheet_mesh import sheet_mesh
+
+MAX_BLANK_TRIANGLES = 20_000
+
+
+def blank_sheet(design: Design, edge_mm: float | None = None) -> Shape:
+    """The flat fabric of a design, released and free of its pins; its stars do not count.
+
+    The shape has no summary.
+
+    Parameters
+    ----------
+    edge_mm : length of the triangles' edges, about; the spacing of the stars by default.
+
+    Raises
+    ------
+    DesignError
+        The outline is not one of a sheet.
+
+    Examples
+    --------
+    >>> design = Design.from_dict({"stars": {"length_mm": 0}, "border": {"rectangle_mm": [54, 27]}})
+    >>> np.ptp(blank_sheet(design).positions, axis=0).round(1).tolist()
+    [40.0, 20.0, 0.0]
+    """
+    corners = sheet_outline(design)
+    shortest = float(np.sqrt(polygon_area(corners) / MAX_BLANK_TRIANGLES))
+    edge = max(edge_mm or design.lattice.spacing_mm, shortest)
+    mesh = sheet_mesh(corners, edge, np.empty((0, 2)), [])
+    count = len(mesh.points)
+    flat = np.column_stack([mesh.points / design.fabric.stretch_xy, np.zeros(count)])
+    star = np.full(count, -1, dtype=np.int64)
+    return Shape(mesh.points, flat, mesh.triangles, star, rods=(), star_vertices=np.empty(0, dtype=np.int64))
