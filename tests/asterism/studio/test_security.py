@@ -1,0 +1,296 @@
+"""Attacks on the studio: strangers, names that lead out, messages that are too large or mean nothing."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from asterism.studio.requests import MAX_REQUEST_BYTES
+from asterism.studio.studio import MAX_TABS, Studio
+from asterism.studio.uploads import MAX_UPLOAD_BYTES
+from starlette.testclient import TestClient
+from starlette.websockets import WebSocketDisconnect
+from tests.asterism.studio.conftest import HOST, TOKEN, Page
+
+ORIGIN = {"origin": f"http://{HOST}"}
+STRANGER = {"origin": "http://evil.example"}
+
+
+@pytest.mark.parametrize("token", ["", "x", TOKEN[:-1], f"{TOKEN}x", TOKEN.upper(), "page", "%00", "☃"])
+@pytest.mark.parametrize("path", ["", "page/index.html", "gallery/dome.png", "file/dome.toml"])
+def test_a_wrong_token_reaches_nothing(client: TestClient, token: str, path: str):
+    answer = client.get(f"/{token}/{path}")
+    assert answer.status_code == 404 and answer.text == "not found"
+
+
+def test_the_address_without_a_token_reaches_nothing(client: TestClient):
+    assert client.get("/").status_code == 404
+    assert client.get("/favicon.ico").status_code == 404
+
+
+@pytest.mark.parametrize(
+    "host", ["evil.example", "evil.example:7000", "127.0.0.1", "127.0.0.1:7001", f"{HOST}.evil.example", ""]
+)
+def test_another_host_is_refused(client: TestClient, host: str):
+    assert client.get(f"/{TOKEN}/", headers={"host": host}).status_code == 403
+    with (
+        pytest.raises(WebSocketDisconnect),
+        client.websocket_connect(f"/{TOKEN}/live", headers={**ORIGIN, "host": host}),
+    ):
+        pass
+
+
+@pytest.mark.parametrize(
+    "origin", ["http://evil.example", "null", "", f"https://{HOST}", f"http://{HOST}.evil.example", "http://127.0.0.1"]
+)
+def test_a_live_connection_of_another_page_is_refused(client: TestClient, studio: Studio, origin: str):
+    with pytest.raises(WebSocketDisconnect), client.websocket_connect(f"/{TOKEN}/live", headers={"origin": origin}):
+        pass
+    assert studio.tabs == {}
+
+
+def test_a_live_connection_without_an_origin_or_with_a_wrong_token_is_refused(client: TestClient, studio: Studio):
+    for path, headers in ((f"/{TOKEN}/live", {}), ("/wrong/live", ORIGIN), ("/live", ORIGIN)):
+        with pytest.raises(WebSocketDisconnect), client.websocket_connect(path, headers=headers):
+            pass
+    assert studio.tabs == {}
+
+
+def test_uploads_and_reads_of_another_page_are_refused(client: TestClient):
+    assert client.post(f"/{TOKEN}/upload?kind=image", content=b"x", headers=STRANGER).status_code == 403
+    assert client.post(f"/{TOKEN}/upload?kind=image", content=b"x").status_code == 403
+    assert client.get(f"/{TOKEN}/file/dome.toml", headers=STRANGER).status_code == 403
+
+
+@pytest.mark.parametrize("method", ["PUT", "DELETE", "PATCH", "OPTIONS", "TRACE", "POST"])
+def test_files_can_only_be_read(client: TestClient, folder: Path, method: str):
+    before = (folder / "dome.toml").read_bytes()
+    assert client.request(method, f"/{TOKEN}/file/dome.toml", headers=ORIGIN).status_code == 405
+    assert (folder / "dome.toml").read_bytes() == before
+
+
+TRAVERSALS = [
+    "../secret.toml",
+    "..%2fsecret.toml",
+    "%2e%2e/secret.toml",
+    "%2e%2e%2fsecret.toml",
+    "..%5csecret.toml",
+    "sub/../../secret.toml",
+    "sub%2f..%2f..%2fsecret.toml",
+    "//etc/passwd",
+    "%2fetc%2fpasswd",
+    "C:%5cWindows%5cwin.ini",
+    "link.toml",
+    "link/secret.toml",
+    ".hidden.toml",
+    "sub/.hidden.toml",
+    "dome.toml%00.png",
+    "dome.toml/",
+    "a" * 5000,
+    "",
+    "sub",
+]
+
+
+@pytest.fixture
+def outside(folder: Path) -> Path:
+    """A file beside the folder of the design, and links to it."""
+    secret = folder.parent / "secret.toml"
+    secret.write_text("secret = 1\n", encoding="utf-8")
+    (folder / "sub").mkdir()
+    for hidden in (folder / ".hidden.toml", folder / "sub" / ".hidden.toml"):
+        hidden.write_text("secret = 1\n", encoding="utf-8")
+    (folder / "link.toml").symlink_to(secret)
+    (folder / "link").symlink_to(folder.parent, target_is_directory=True)
+    return secret
+
+
+@pytest.mark.parametrize("name", TRAVERSALS)
+@pytest.mark.parametrize("room", ["file", "page", "gallery"])
+def test_names_lead_to_files_below_their_folder_only(client: TestClient, outside: Path, room: str, name: str):
+    answer = client.get(f"/{TOKEN}/{room}/{name}", follow_redirects=True)
+    assert answer.status_code in (400, 404)
+    assert "secret" not in answer.text and "root:" not in answer.text
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["../secret", "/tmp/x", "link", "link/secret", ".x", "a/../../x", "a\nb", "a\0b", "x" * 300, "C:\\x", "..", ""],
+)
+@pytest.mark.parametrize("request_type", ["open", "save"])
+def test_designs_are_opened_and_saved_below_the_folder_only(page: Page, outside: Path, name: str, request_type: str):
+    page.until("document")
+    before = sorted(path for path in outside.parent.rglob("*") if not path.name.startswith(".asterism"))
+    if not (request_type == "save" and name == ""):
+        page.send(type=request_type, name=name)
+        page.until("problem")
+    assert outside.read_text(encoding="utf-8") == "secret = 1\n"
+    assert sorted(path for path in outside.parent.rglob("*") if not path.name.startswith(".asterism")) == before
+
+
+@pytest.mark.parametrize("path", ["", "page/", "gallery/", "file/dome.toml", "nothing", "gallery/dome.png"])
+def test_answers_carry_the_content_policy(client: TestClient, path: str):
+    headers = client.get(f"/{TOKEN}/{path}").headers
+    assert "default-src 'self'" in headers["content-security-policy"] or "sandbox" in headers["content-security-policy"]
+    assert headers["x-content-type-options"] == "nosniff"
+    assert headers["referrer-policy"] == "no-referrer"
+    assert "access-control-allow-origin" not in headers
+
+
+@pytest.mark.parametrize("path", ["page/", "gallery/", "file/", "page", "gallery", "file"])
+def test_folders_are_not_listed(client: TestClient, path: str):
+    assert client.get(f"/{TOKEN}/{path}", follow_redirects=True).status_code == 404
+
+
+def test_a_report_cannot_run_scripts(client: TestClient, folder: Path):
+    (folder / "report.html").write_text("<script>alert(1)</script>", encoding="utf-8")
+    policy = client.get(f"/{TOKEN}/file/report.html").headers["content-security-policy"]
+    assert "sandbox" in policy and "script" not in policy
+
+
+def test_uploads_that_are_too_large_are_refused_before_they_are_read(client: TestClient):
+    read = 0
+
+    def parts() -> Any:
+        nonlocal read
+        for _ in range(100):
+            read += 1_000_000
+            yield b"\0" * 1_000_000
+
+    answer = client.post(f"/{TOKEN}/upload?kind=image", content=parts(), headers=ORIGIN)
+    assert answer.status_code == 413 and "8 MB" in answer.json()["problem"]["text"]
+    declared = client.post(f"/{TOKEN}/upload?kind=image", content=b"\0" * (MAX_UPLOAD_BYTES + 1), headers=ORIGIN)
+    assert declared.status_code == 413
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "content"),
+    [
+        ("image", "a.png", b"no picture"),
+        ("image", "", b""),
+        ("image", "../../x.png", b"\x89PNG\r\n\x1a\n" + b"\0" * 100),
+        ("outline", "a.svg", b"<svg"),
+        ("outline", "a.dxf", b"\0\1\2"),
+        ("outline", "a.exe", b"MZ"),
+        ("outline", "a.svg", b'<!DOCTYPE x [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;">]><svg>&b;</svg>'),
+        ("outline", "a.svg", b'<!DOCTYPE x [<!ENTITY a SYSTEM "file:///etc/passwd">]><svg>&a;</svg>'),
+    ],
+)
+def test_uploads_that_cannot_be_read_are_refused_in_one_line(client: TestClient, kind: str, name: str, content: bytes):
+    answer = client.post(f"/{TOKEN}/upload?kind={kind}", content=content, headers={**ORIGIN, "x-name": name})
+    assert answer.status_code == 422
+    text = answer.json()["problem"]["text"]
+    assert text and "\n" not in text and "root:" not in text and "tmp" not in text
+
+
+def test_uploads_of_other_kinds_are_refused(client: TestClient):
+    for kind in ("", "law", "image&kind=exe"):
+        assert client.post(f"/{TOKEN}/upload?kind={kind}", content=b"x", headers=ORIGIN).status_code == 404
+
+
+NONSENSE = [
+    "",
+    "{",
+    "nonsense",
+    "[]",
+    "null",
+    "1e999",
+    '"hello"',
+    "{}",
+    '{"type": 1}',
+    '{"type": "shutdown"}',
+    '{"type": "__class__"}',
+    '{"type": "ack"}',
+    '{"type": "ack", "frame": -1}',
+    '{"type": "ack", "frame": 1e400}',
+    '{"type": "ack", "frame": ' + "9" * 5000 + "}",
+    '{"type": "sizes", "sites": [[0]], "length": [1]}',
+    '{"type": "sizes", "sites": [[0, 0]], "length": [1, 2]}',
+    '{"type": "sizes", "sites": [[0, 0]], "length": [NaN]}',
+    '{"type": "sizes", "sites": [[0, 0]], "length": ["long"]}',
+    '{"type": "sizes", "sites": [[0, 0]], "length": [1e308]}',
+    '{"type": "sizes", "sites": [[1e9, 0]], "length": [5]}',
+    '{"type": "edit", "changes": []}',
+    '{"type": "edit", "changes": {"fabric": 3}}',
+    '{"type": "edit", "changes": {"fabric.stretch": NaN}}',
+    '{"type": "edit", "changes": {"fabric.stretch.deep.deeper": 1}}',
+    '{"type": "edit", "changes": {"stars": null}}',
+    '{"type": "edit", "changes": {"stars.override": [{"site": [1, 2, 3]}]}}',
+    '{"type": "edit", "changes": {"stars.override": 7}}',
+    '{"type": "edit", "changes": {"border.polygon_mm": [[0, 0], [1e300, 0], [0, 1e300]]}}',
+    '{"type": "edit", "changes": {"stars.length_mm": {"formula": "__import__(\'os\').system(\'true\')"}}}',
+    '{"type": "edit", "changes": {"stars.length_mm": {"formula": "9**9**9**9"}}}',
+    '{"type": "edit", "changes": {"name": "half a character \\ud800"}}',
+    '{"type": "edit", "changes": {"a": ' + "[" * 50_000 + "]" * 50_000 + "}}",
+    "[" * 200_000,
+    '{"type": "keep", "slot": "D"}',
+    '{"type": "form", "index": -1}',
+    '{"type": "open", "gallery": "../dome"}',
+    '{"type": "open", "gallery": "nothing"}',
+    '{"type": "open"}',
+    '{"type": "printer", "name": "/etc/passwd"}',
+    '{"type": "export", "printer": "/etc/passwd"}',
+    '{"type": "export", "printer": "../x", "plastic": "y"}',
+    '{"type": "export", "options": {"directory": "/tmp"}}',
+    '{"type": "export", "formats": ["exe"]}',
+]
+
+
+@pytest.mark.parametrize("text", NONSENSE, ids=lambda text: text[:40])
+def test_messages_without_meaning_get_a_problem_and_change_nothing(page: Page, studio: Studio, text: str):
+    before = page.until("document")
+    page.send_text(text)
+    problem = page.until("problem")
+    assert problem["text"] and "\n" not in problem["text"] and len(problem["text"]) < 2000
+    page.send(type="hello")
+    assert page.until("document")["design"] == before["design"]
+    assert studio.jobs.data() == {}
+
+
+def test_binary_messages_get_a_problem(page: Page, client: TestClient):
+    page.until("document")
+    page._socket.send_bytes(b"\0" * 1000)
+    page.until("problem")
+    page.send(type="hello")
+    page.until("document")
+
+
+def test_a_message_that_is_too_large_is_refused(page: Page):
+    page.until("document")
+    page.send_text(json.dumps({"type": "edit", "changes": {"name": "x" * MAX_REQUEST_BYTES}}))
+    assert "MB" in page.until("problem")["text"]
+
+
+def test_an_error_of_the_server_itself_is_survived(page: Page, studio: Studio, monkeypatch: pytest.MonkeyPatch):
+    page.until("document")
+
+    def broken(*arguments: Any) -> None:
+        raise ZeroDivisionError("a mistake in the server")
+
+    monkeypatch.setattr(studio.document, "undo", broken)
+    page.send(type="undo")
+    page.until("problem")
+    monkeypatch.undo()
+    page.send(type="hello")
+    page.until("document")
+
+
+def test_more_pages_than_allowed_are_refused_politely(client: TestClient, studio: Studio):
+    assert MAX_TABS == 50
+    sockets = [client.websocket_connect(f"/{TOKEN}/live", headers=ORIGIN) for _ in range(MAX_TABS)]
+    for socket in sockets:
+        socket.__enter__()
+    try:
+        with client.websocket_connect(f"/{TOKEN}/live", headers=ORIGIN) as one_more:
+            refusal = one_more.receive_json()
+            assert refusal["type"] == "problem" and "50" in refusal["text"]
+            with pytest.raises(WebSocketDisconnect):
+                one_more.receive_json()
+        assert len(studio.tabs) == MAX_TABS
+    finally:
+        for socket in sockets:
+            socket.__exit__(None, None, None)
+    with client.websocket_connect(f"/{TOKEN}/live", headers=ORIGIN) as again:
+        Page(again).until("document")
