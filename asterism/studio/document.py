@@ -4,17 +4,24 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from asterism.results.files import write_file
 from asterism.studio import painted
 from asterism.studio.changes import with_changes
+from asterism.studio.design_text import edited_text
 from asterism.studio.history import History, Step
+from asterism.studio.watcher import file_text
 from pattern.design.design import Design
 from pattern.design.files import read_table, table_text
 from pattern.layout.build import layout
 from pattern.layout.layout import Layout
+
+AUTOSAVE_SUFFIX = ".autosave.toml"
+# Texts that are kept of files that were read or written, besides the first one.
+MAX_TEXTS = 20
 
 
 class Document:
@@ -36,6 +43,7 @@ class Document:
         self._gesture: Any = None
         self._saved_revision = 0 if text is not None else -1
         self._texts = {0: text} if text is not None else {}
+        self._base_text = text  # the last text that was read or written; edits keep its comments
         self._has_autosave = False
         self._is_checked = False
         self.kept_work = self._read_autosave()
@@ -52,13 +60,27 @@ class Document:
         """
         table = read_table(path)
         Design.from_dict(table, path.parent, path)
-        return cls(table, path, path.read_text(encoding="utf-8-sig"))
+        return cls(table, path, file_text(path))
+
+    @classmethod
+    def unsaved(cls, path: Path) -> Document:
+        """The document of a design that was never saved, from its autosave.
+
+        Raises
+        ------
+        DesignError
+            There is no autosave, or it is not a design that can be printed.
+        """
+        document = cls(read_table(autosave_path(path)), path)
+        document.kept_work, document._has_autosave = None, True
+        return document
 
     @classmethod
     def copy_of(cls, source: Path, path: Path) -> Document:
         """A new document, to be saved as `path`, with the text of another design file."""
         document = cls(read_table(source), path)
-        document._texts = {0: source.read_text(encoding="utf-8-sig")}
+        document._base_text = file_text(source)
+        document._texts = {0: document._base_text}
         return document
 
     @property
@@ -83,13 +105,23 @@ class Document:
 
     @property
     def text(self) -> str:
-        """The text of the design file. A state that was read from a file gives that file's text, comments included."""
-        return self._texts.get(self.revision) or table_text(self.table, self.path)
+        """The text of the design file. A state that was read from a file gives that file's text, byte for byte."""
+        return self._texts.get(self.revision) or self._edited_text(self.path)
+
+    def _edited_text(self, path: Path) -> str:
+        if self._base_text is None or path.suffix.lower() != ".toml" or self.path.suffix.lower() != ".toml":
+            return table_text(self.table, path)
+        return edited_text(self._base_text, self.table)
 
     @property
     def autosave_path(self) -> Path:
         """Where unsaved work is kept: beside the design, hidden."""
-        return self.path.with_name(f".{self.path.stem}.autosave.toml")
+        return autosave_path(self.path)
+
+    @property
+    def _earlier_path(self) -> Path:
+        """Where the unsaved work of a former session goes if new work needs its place."""
+        return self.autosave_path.with_suffix(".earlier.toml")
 
     def design(self) -> Design:
         """The design of this state.
@@ -195,13 +227,21 @@ class Document:
         OutputError
             The file cannot be written; the document stays unsaved.
         """
-        text = self.text
-        write_file(path or self.path, text)
+        path = path or self.path
+        if self.is_saved and path == self.path and path.exists():
+            return
+        text = self.text if path.suffix.lower() == self.path.suffix.lower() else table_text(self.table, path)
+        write_file(path, text)
         if self._has_autosave:
             self.autosave_path.unlink(missing_ok=True)
             self._has_autosave = False
-        self.path = path or self.path
-        self._texts = {self.revision: text} | ({0: self._texts[0]} if 0 in self._texts else {})
+        if path.suffix.lower() != self.path.suffix.lower():
+            self._texts.clear()  # in the other format
+        self.path = path
+        self._base_text = text
+        self._texts[self.revision] = text
+        for old in sorted(self._texts)[1:-MAX_TEXTS]:
+            del self._texts[old]
         self._saved_revision = self.revision
 
     def autosave(self) -> None:
@@ -212,8 +252,12 @@ class Document:
         OutputError
             The file cannot be written.
         """
-        if not self.is_saved and self.history.position:
-            write_file(self.autosave_path, self.text)
+        if not self.is_saved and (self.history.position or self._has_autosave):
+            if self.kept_work is not None and not self._has_autosave:
+                # neither taken nor forgotten yet
+                with suppress(FileNotFoundError):
+                    self.autosave_path.replace(self._earlier_path)
+            write_file(self.autosave_path, self._edited_text(self.autosave_path))
             self._has_autosave = True
         elif self._has_autosave:
             self.autosave_path.unlink(missing_ok=True)
@@ -234,6 +278,7 @@ class Document:
     def discard(self) -> None:
         """Forget the work that a former session left."""
         self.kept_work = None
+        self._earlier_path.unlink(missing_ok=True)
         if not self._has_autosave:
             self.autosave_path.unlink(missing_ok=True)
 
@@ -256,5 +301,18 @@ class Document:
         table = read_table(self.path)
         self.apply(table, None, "file")
         self.end_gesture()
+        self._base_text = text
         self._texts[self.revision] = text
         self._saved_revision = self.revision
+
+
+def autosave_path(path: Path) -> Path:
+    """Where unsaved work on a design file is kept: beside it, hidden.
+
+    Examples
+    --------
+    >>> autosave_path(Path("designs/dome.toml")).as_posix()
+    'designs/.dome.autosave.toml'
+    """
+    stem = path.stem if path.suffix.lower() == ".toml" else path.name
+    return path.with_name(f".{stem}{AUTOSAVE_SUFFIX}")

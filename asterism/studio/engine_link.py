@@ -8,11 +8,23 @@ from dataclasses import replace
 from typing import Any
 
 from asterism.studio.child import Child
-from asterism.studio.messages import Busy, Cancel, Edit, Frame, Ready, ShapeSummary, Stop, StudioProblem
+from asterism.studio.messages import (
+    Busy,
+    Cancel,
+    Edit,
+    Frame,
+    Ready,
+    ShapeSummary,
+    ShownMesh,
+    Stop,
+    StudioProblem,
+)
 
 ENGINE = "asterism.studio.engine:run_engine"
 # An engine that owes an answer and gives no sign of life for so long is replaced.
 MAX_SILENCE_S = 30.0
+# The same while it loads: a first start compiles for half a minute on an idle machine.
+MAX_LOADING_S = 300.0
 # After so many deaths on one edit the engine waits for another edit.
 MAX_DEATHS = 2
 
@@ -31,6 +43,7 @@ class EngineLink:
     receive : called with each message of the engine that belongs to the last edit or an earlier one.
     changed : called when the status has changed.
     target : body of the process; tests put a quick one in its place.
+    max_silence_s : after so long without a sign, an engine that owes an answer is replaced.
     keeps_spare : a second engine loads everything and waits, so that a replacement costs no time.
     """
 
@@ -40,11 +53,15 @@ class EngineLink:
         changed: Callable[[], None],
         target: str = ENGINE,
         keeps_spare: bool = True,
+        max_silence_s: float = MAX_SILENCE_S,
     ) -> None:
+        self.max_silence_s = max_silence_s
         self._receive, self._changed, self._target, self._keeps_spare = receive, changed, target, keeps_spare
         self._known: Edit | None = None  # all that an engine has been given so far, for the next engine
         self._deaths = 0
-        self._is_loaded = False
+        self._loaded: set[Child] = set()
+        self._last_mesh = 0
+        self._mesh_offset = 0  # every engine counts its meshes from 1; pages need one number a mesh
         self._owes: int | None = None  # seq of the last edit without an answer
         self._asked = time.monotonic()
         self._spare: Child | None = None
@@ -82,7 +99,7 @@ class EngineLink:
 
     def _ask(self, message: Any) -> None:
         self._owes, self._asked = message.seq, time.monotonic()
-        self._set("computing" if self._is_loaded else "starting")
+        self._set("computing" if self._child in self._loaded else "starting")
         self._child.send(message)
 
     def _set(self, status: str) -> None:
@@ -91,13 +108,16 @@ class EngineLink:
             self._changed()
 
     def _message(self, child: Child, message: Any) -> None:
+        if isinstance(message, Ready):
+            self._loaded.add(child)
         if child is not self._child:
             return
         if isinstance(message, Ready):
-            self._is_loaded = True
             self._set("computing" if self._owes is not None else "ready")
-            if self._keeps_spare and self._spare is None:
-                self._spare = self._start()
+            self._start_spare()
+        if isinstance(message, Frame | ShownMesh):
+            message = replace(message, mesh=message.mesh + self._mesh_offset)
+            self._last_mesh = max(self._last_mesh, message.mesh)
         answers = isinstance(message, StudioProblem | ShapeSummary) or (
             isinstance(message, Frame) and message.stage != "linear"
         )
@@ -106,11 +126,16 @@ class EngineLink:
             self._set("ready")
         self._receive(message)
 
+    def _start_spare(self) -> None:
+        if self._keeps_spare and self._spare is None and self._child in self._loaded:
+            self._spare = self._start()
+
     def watch(self) -> None:
         """Replace an engine that is silent although an answer is due; to be called now and then."""
         silent = time.monotonic() - max(self._child.last_sign, self._asked)
-        if self._is_loaded and self._owes is not None and silent > MAX_SILENCE_S:
-            self._replace(f"the preview gave no sign for {MAX_SILENCE_S:.0f} s and was started again")
+        patience = self.max_silence_s if self._child in self._loaded else MAX_LOADING_S
+        if self._owes is not None and silent > patience:
+            self._replace(f"the preview gave no sign for {patience:.0f} s and was started again")
 
     def _died(self, child: Child) -> None:
         if child is self._spare:
@@ -120,9 +145,10 @@ class EngineLink:
 
     def _replace(self, why: str) -> None:
         self._child.kill()
+        self._loaded.discard(self._child)
+        self._mesh_offset = self._last_mesh
         self._deaths += 1
         owed, self._owes = self._owes, None
-        self._is_loaded = self._spare is not None
         self._child, self._spare = self._spare or self._start(), None
         if self._deaths > MAX_DEATHS:
             self._receive(StudioProblem(owed or 0, "engine", CANNOT_COMPUTE))
@@ -131,6 +157,7 @@ class EngineLink:
         self._receive(Busy(owed or 0, why))
         if self._known is not None:
             self._ask(self._known)
+        self._start_spare()
 
     def close(self) -> None:
         """End the engine and its spare."""

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from asterism.studio.document import AUTOSAVE_SUFFIX, autosave_path
 from pattern import gallery
 from pattern.layout.build import layout
 
@@ -43,10 +45,19 @@ def _title(text: str) -> str:
 
 
 def design_files(folder: Path) -> list[str]:
-    """Names of the design files in a folder, the newest first."""
-    files = [file for file in folder.glob("*.toml") if not file.name.startswith(".") and _is_design(file)]
-    files.sort(key=lambda file: file.stat().st_mtime, reverse=True)
-    return [file.name for file in files[:MAX_FILES]]
+    """Names of the design files in a folder, the newest first; also of designs that exist as autosaves only."""
+    times: dict[str, float] = {}
+    for file in folder.glob("*.toml"):
+        name = file.name
+        if name.startswith("."):
+            if not name.endswith(AUTOSAVE_SUFFIX):
+                continue
+            name = name[1 : -len(AUTOSAVE_SUFFIX)]
+            name = name if name.endswith(".json") else f"{name}.toml"
+        with suppress(OSError):
+            if _is_design(file) and not name.startswith("."):
+                times[name] = max(file.stat().st_mtime, times.get(name, 0.0))
+    return sorted(times, key=lambda name: times[name], reverse=True)[:MAX_FILES]
 
 
 def _is_design(file: Path) -> bool:
@@ -60,8 +71,10 @@ def _is_design(file: Path) -> bool:
 
 
 def free_name(folder: Path, stem: str) -> Path:
-    """A name for a new design file in a folder: `stem.toml`, or `stem-2.toml` and so on if that exists."""
+    """A name for a new design file in a folder: `stem.toml`, or `stem-2.toml` and so on if that is taken."""
     number = 1
-    while (path := folder / (f"{stem}.toml" if number == 1 else f"{stem}-{number}.toml")).exists():
+    while True:
+        path = folder / (f"{stem}.toml" if number == 1 else f"{stem}-{number}.toml")
+        if not path.exists() and not autosave_path(path).exists():
+            return path
         number += 1
-    return path

@@ -11,7 +11,7 @@ from asterism.studio.jobs import Jobs, RunningJob
 from asterism.studio.messages import JobProgress, StudioProblem, Verified, Written
 from asterism.studio.page_data import engine_problem_data
 from asterism.studio.shown import Shown
-from asterism.studio.tab import Tab
+from asterism.studio.tab import Tabs
 from pattern.design.files import plain
 
 VERIFICATION_PROCESS = "asterism.studio.verifier:run_verification"
@@ -37,7 +37,7 @@ class JobOwner(Protocol):
     folder: Path
     printer: str
     shown: Shown
-    tabs: dict[int, Tab]
+    tabs: Tabs
 
     def tell(self, message: dict[str, Any]) -> None: ...
     def tell_state(self) -> None: ...
@@ -110,7 +110,7 @@ class JobRequests:
                 studio.tell({**engine_problem_data(message), "job": job.kind})
                 studio.tell({"type": "result", "job": job.kind, "failed": True})
             case Verified():
-                studio.shown.show_verified(message, job.revision, studio.tabs.values())
+                studio.shown.show_verified(message, job.revision, studio.tabs)
                 files = [Path(name) for name in message.files]
                 self._finish(job, message.summary, files, ())
             case Written():

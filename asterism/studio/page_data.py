@@ -13,6 +13,8 @@ from pattern.design.errors import DesignError
 from pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
 from pattern.layout.layout import Layout
 
+MAX_VALUE_CHARACTERS = 100
+
 
 def document_data(document: Document, printer: str, limits: Limits | None) -> dict[str, Any]:
     """The message `document`: the design as in its file, its plan, and what may be done with it."""
@@ -54,21 +56,34 @@ def limits_data(layout: Layout, limits: Limits | None, rounding: dict[str, float
     }
 
 
-def problem_data(error: Exception, layout: Layout | None) -> dict[str, Any]:
-    """The message `problem` of a refused change: one line, and the field, stars and place that it is about."""
+def problem_data(error: Exception, layout: Layout | None, seq: int | None = None) -> dict[str, Any]:
+    """The message `problem` of a refused change: one line, and the field, stars and place that it is about.
+
+    Parameters
+    ----------
+    layout : of the design, for the sites of the stars.
+    seq : number of the page's message that is refused.
+    """
     numbers = getattr(error, "stars", ()) if layout is not None else ()
     rows = [] if layout is None else layout.sheet_sites.tolist()
     place = getattr(error, "place_mm", None)
-    is_design = isinstance(error, DesignError)
+    design_error = error if isinstance(error, DesignError) else None
     return {
         "type": "problem",
-        "kind": "design" if is_design else "request",
+        "kind": "request" if design_error is None else "design",
+        "seq": seq,
         "text": " ".join(str(error).split()),
-        "field": error.field if isinstance(error, DesignError) else "",
-        "allowed": error.allowed if isinstance(error, DesignError) else "",
+        "field": design_error.field if design_error else "",
+        "value": _shown_value(design_error.value) if design_error else "",
+        "allowed": design_error.allowed if design_error else "",
         "stars": [rows[number] for number in numbers if 0 <= number < len(rows)],
         "at_mm": None if place is None else list(place),
     }
+
+
+def _shown_value(value: Any) -> str:
+    """A value of a design file as short text; empty for whole tables."""
+    return str(value)[:MAX_VALUE_CHARACTERS] if isinstance(value, str | int | float | list | tuple) else ""
 
 
 def engine_problem_data(problem: StudioProblem) -> dict[str, Any]:

@@ -24,9 +24,15 @@ class RequestError(Error, ValueError):
 
 
 class Request(BaseModel):
-    """A message of the page."""
+    """A message of the page.
+
+    Attributes
+    ----------
+    seq : number of the message in its tab; a problem with the message carries it.
+    """
 
     model_config = ConfigDict(extra="ignore", frozen=True, allow_inf_nan=False)
+    seq: Whole | None = None
 
 
 class Hello(Request):

@@ -10,6 +10,7 @@ from collections.abc import AsyncIterator, Awaitable, Callable, MutableMapping
 from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 from starlette.applications import Starlette
 from starlette.requests import Request
@@ -19,9 +20,10 @@ from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from asterism.studio.examples import PICTURES
-from asterism.studio.local_files import FileNameError, file_below
+from asterism.studio.local_files import MAX_NAME_CHARACTERS, FileNameError, file_below
 from asterism.studio.page_data import problem_data
-from asterism.studio.studio import MAX_TABS, Studio
+from asterism.studio.studio import Studio
+from asterism.studio.tab import MAX_TABS, Tab
 from asterism.studio.uploads import MAX_UPLOAD_BYTES, UploadKind, read_upload
 from equilibrium.errors import Error
 
@@ -105,6 +107,12 @@ class Guard:
         return send_with_headers
 
 
+def _plain_name(name: str) -> str:
+    """The last part of a file's name, printable and short."""
+    last = name.replace("\\", "/").split("/")[-1]
+    return "".join(c for c in last if c.isprintable())[-MAX_NAME_CHARACTERS:]
+
+
 def application(studio: Studio, token: str, hosts: frozenset[str]) -> Guard:
     """The web application of a studio; `Guard` stands before it."""
 
@@ -130,7 +138,8 @@ def application(studio: Studio, token: str, hosts: frozenset[str]) -> Guard:
             return PlainTextResponse("not found", 404)
         size = 0
         with tempfile.TemporaryDirectory() as room:
-            suffix = Path(request.headers.get("x-name", "")).suffix.lower()
+            name = _plain_name(unquote(request.headers.get("x-name", "")))
+            suffix = Path(name).suffix.lower()
             path = Path(room) / f"upload{suffix if suffix[1:].isalnum() and len(suffix) <= 6 else ''}"
             with path.open("wb") as stream:
                 async for part in request.stream():
@@ -140,33 +149,30 @@ def application(studio: Studio, token: str, hosts: frozenset[str]) -> Guard:
                         return JSONResponse({"problem": {"text": text}}, 413)
                     stream.write(part)
             try:
-                return JSONResponse(await asyncio.to_thread(read_upload, kind, path))
+                return JSONResponse(await asyncio.to_thread(read_upload, kind, path, name))
             except Error as error:
                 problem = problem_data(error, None)
                 return JSONResponse({"problem": {**problem, "text": problem["text"].replace(f"{path}: ", "")}}, 422)
 
     async def live(socket: WebSocket) -> None:
         await socket.accept()
-        tab = studio.join()
+        tab = studio.tabs.join()
         if tab is None:
             await socket.send_json({"type": "problem", "kind": "tabs", "text": f"at most {MAX_TABS} pages can be open"})
             await socket.close(TRY_AGAIN_LATER)
             return
-        sending = asyncio.create_task(tab.serve(socket))
-        sending.add_done_callback(lambda task: task.cancelled() or task.exception())
+        sending = asyncio.create_task(send(socket, tab))
         try:
-            while not sending.done():
-                message = await socket.receive()
-                if message["type"] == "websocket.disconnect":
-                    break
+            while (message := await socket.receive())["type"] != "websocket.disconnect":
                 await studio.receive(tab, message.get("text") or "")
-        except (WebSocketDisconnect, RuntimeError):
-            pass
         finally:
-            studio.leave(tab)
+            studio.tabs.leave(tab)
             sending.cancel()
-            with suppress(RuntimeError):
-                await socket.close()
+
+    async def send(socket: WebSocket, tab: Tab) -> None:
+        with suppress(WebSocketDisconnect, RuntimeError):  # the page has gone
+            await tab.serve(socket)
+            await socket.close(TRY_AGAIN_LATER)  # it does not read
 
     async def refused(request: Request, error: Exception) -> Response:
         return PlainTextResponse("not found", 404)

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Callable
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from asterism.results.files import OutputError
 from asterism.studio import requests as ask
-from asterism.studio.document import Document
+from asterism.studio.document import Document, autosave_path
 from asterism.studio.engine_link import EngineLink
 from asterism.studio.examples import NEW_SHEET, design_files, free_name, gallery_entries
 from asterism.studio.job_requests import JobRequests
@@ -21,15 +20,17 @@ from asterism.studio.painted import split
 from asterism.studio.printers import DEFAULT_PRINTER, printer_entries
 from asterism.studio.shown import Shown
 from asterism.studio.slots import Slots
-from asterism.studio.tab import Tab
-from asterism.studio.watcher import FileWatch
+from asterism.studio.tab import Tab, Tabs
+from asterism.studio.upkeep import Upkeep
 from equilibrium.errors import Error
 from pattern import gallery
 
-MAX_TABS = 20
-AUTOSAVE_S = 1.0
-WATCH_S = 0.5
 MAX_QUEUED = 1000
+SERVER_MISTAKE = "the studio has made a mistake, see its terminal; the design is as it was"
+# Edits whose answers may still come.
+MAX_OPEN_EDITS = 200
+
+_log = logging.getLogger("asterism.studio")
 
 
 class Studio:
@@ -48,17 +49,15 @@ class Studio:
         self.folder = folder.resolve()
         self.document = Document.open(path) if path is not None else None
         self.shown = Shown()
-        self.tabs: dict[int, Tab] = {}
+        self.tabs = Tabs(self.shown.meshes)
+        self.lock = asyncio.Lock()
         self._make_engine = make_engine
         self._queue: asyncio.Queue[tuple[Tab, str]] = asyncio.Queue(MAX_QUEUED)
-        self._tasks: list[asyncio.Task[None]] = []
+        self._upkeep = Upkeep(self)
         self._limits: Limits | None = None
         self._seq = 0
         self._revisions: dict[int, int] = {}
         self._sent_base: dict[str, Any] | None = None
-        self._last_tab = 0
-        self._watch: FileWatch | None = None
-        self._autosaved: int | None = None
         self.printer = DEFAULT_PRINTER
         self.slots = Slots()
 
@@ -67,34 +66,19 @@ class Studio:
         self._engine = self._make_engine(self._from_engine, self.tell_state)
         self.jobs = JobRequests(self)
         if self.document is not None:
-            self._show_document()
-        for work in (self._work(), self._autosave(), self._follow()):
-            self._tasks.append(asyncio.create_task(work))
+            self._show_document(self.document)
+        self._upkeep.start()
+        self._working = asyncio.create_task(self._work())
 
     async def stop(self) -> None:
         """End engine, jobs and requests; unsaved work is kept."""
-        for task in self._tasks:
-            task.cancel()
-        await asyncio.gather(*self._tasks, return_exceptions=True)
+        self._working.cancel()
+        await asyncio.gather(self._working, return_exceptions=True)
+        await self._upkeep.stop()
         self.jobs.close()
         self._engine.close()
-        if self.document is not None:
-            with suppress(OutputError):
-                self.document.autosave()
 
     # pages
-
-    def join(self) -> Tab | None:
-        """A page is opened; None if there are too many."""
-        if len(self.tabs) >= MAX_TABS:
-            return None
-        self._last_tab += 1
-        tab = self.tabs[self._last_tab] = Tab(self._last_tab, self.shown.meshes)
-        return tab
-
-    def leave(self, tab: Tab) -> None:
-        """A page is closed."""
-        self.tabs.pop(tab.number, None)
 
     async def receive(self, tab: Tab, text: str) -> None:
         """A page has sent a message."""
@@ -102,8 +86,7 @@ class Studio:
 
     def tell(self, message: dict[str, Any]) -> None:
         """Send a message to all pages."""
-        for tab in self.tabs.values():
-            tab.send(message)
+        self.tabs.tell(message)
 
     def tell_state(self) -> None:
         """Send the message `state` to all pages."""
@@ -113,7 +96,7 @@ class Studio:
         """Send the message `document` to all pages, each with the last gesture of its own that it contains."""
         if self.document is not None:
             data = document_data(self.document, self.printer, self._limits)
-            for tab in self.tabs.values():
+            for tab in self.tabs:
                 tab.send({**data, "gesture": tab.gesture})
 
     def _state(self) -> dict[str, Any]:
@@ -133,10 +116,21 @@ class Studio:
     async def _work(self) -> None:
         while True:
             tab, text = await self._queue.get()
-            try:
-                await self._answer(tab, ask.read_request(text))
-            except (Error, OSError, KeyError) as error:
-                tab.send(problem_data(error, None if self.document is None else self.document.layout))
+            async with self.lock:
+                await self._answer_or_refuse(tab, text)
+
+    async def _answer_or_refuse(self, tab: Tab, text: str) -> None:
+        """Do what a page asks for; whatever goes wrong becomes a message."""
+        seq = None
+        try:
+            request = ask.read_request(text)
+            seq = request.seq
+            await self._answer(tab, request)
+        except (Error, OSError) as error:
+            tab.send(problem_data(error, None if self.document is None else self.document.layout, seq))
+        except Exception as error:
+            _log.exception("a request of a page")
+            tab.send(problem_data(RuntimeError(f"{SERVER_MISTAKE}: {type(error).__name__}"), None, seq))
 
     async def _answer(self, tab: Tab, request: ask.Request) -> None:
         """Do what a page asks for."""
@@ -165,17 +159,17 @@ class Studio:
         match request:
             case ask.Undo() | ask.Redo():
                 step = document.undo() if isinstance(request, ask.Undo) else document.redo()
-                await self._accept(self.shown.snapshots.get(step.revision))
+                await self.accept(self.shown.snapshots.get(step.revision))
             case ask.Recover():
                 if request.type == "recover":
                     document.recover()
-                    await self._accept()
+                    await self.accept()
                 else:
                     document.discard()
                     self.tell_document()
             case ask.Save():
                 await asyncio.to_thread(document.save, self._path(request.name) if request.name else None)
-                self._watch = FileWatch(document.path)
+                self._upkeep.begin(document)
                 self.tell({"type": "saved", "path": str(document.path)})
                 self.tell_document()
             case ask.FlipRequest() | ask.FormRequest():
@@ -203,26 +197,29 @@ class Studio:
         tab.send(self._state())
 
     async def _open(self, request: ask.Open | ask.New) -> None:
-        if self.document is not None:
-            await asyncio.to_thread(self.document.autosave)
-        if isinstance(request, ask.New):
-            table: dict[str, Any] = NEW_SHEET
-            document = await asyncio.to_thread(Document, table, free_name(self.folder, "sheet"))
-        elif request.gallery is not None:
-            path = free_name(self.folder, request.gallery)
-            document = await asyncio.to_thread(Document.copy_of, gallery.path(request.gallery), path)
-        else:
-            document = await asyncio.to_thread(Document.open, self._path(request.name or ""))
-        self.document = document
+        await self._upkeep.keep_work()
+        self.document = document = await asyncio.to_thread(self._opened, request)
         self.shown.clear()
+        self._revisions.clear()
         self._sent_base = None
-        self._show_document()
+        for tab in self.tabs:
+            tab.gesture = None
+        self._show_document(document)
         self.tell_document()
         self.tell_state()
 
+    def _opened(self, request: ask.Open | ask.New) -> Document:
+        if isinstance(request, ask.New):
+            return Document(NEW_SHEET, free_name(self.folder, "sheet"))
+        if request.gallery is not None:
+            if request.gallery not in gallery.names():
+                raise ask.RequestError(f"{request.gallery!r} is not in the gallery")
+            return Document.copy_of(gallery.path(request.gallery), free_name(self.folder, request.gallery))
+        path = self._path(request.name or "")
+        return Document.unsaved(path) if not path.exists() and autosave_path(path).exists() else Document.open(path)
+
     def _path(self, name: str) -> Path:
-        path = file_below(self.folder, name if name.endswith((".toml", ".json")) else f"{name}.toml")
-        return path
+        return file_below(self.folder, name if name.endswith((".toml", ".json")) else f"{name}.toml")
 
     async def _gesture(self, tab: Tab, request: ask.GestureRequest) -> None:
         """A change of the document; at the end of the gesture the sheet is laid out."""
@@ -232,7 +229,7 @@ class Studio:
         try:
             self._apply(request, document, gesture)
         except Error as error:
-            tab.send(problem_data(error, document.layout))
+            tab.send(problem_data(error, document.layout, request.seq))
         tab.gesture = request.gesture
         if not request.end and gesture is not None:
             self._send_edit(is_dragging=True)
@@ -240,7 +237,7 @@ class Studio:
         try:
             await asyncio.to_thread(document.end_gesture)
         except Error as error:
-            tab.send(problem_data(error, document.layout))
+            tab.send(problem_data(error, document.layout, request.seq))
         self.tell_document()
         self._send_edit()
 
@@ -255,7 +252,7 @@ class Studio:
                 change = {"remove": document.remove, "restore": document.restore, "reset": document.reset}
                 change[request.type](request.sites, gesture)
 
-    async def _accept(self, snapshot: bytes | None = None) -> None:
+    async def accept(self, snapshot: bytes | None = None) -> None:
         """The document shows another state: lay it out, and tell pages and engine."""
         assert self.document is not None
         await asyncio.to_thread(self.document.end_gesture)
@@ -266,7 +263,7 @@ class Studio:
         if request.type == "show":
             table, snapshot = self.slots.get(request.slot)
             document.apply(table, None, f"show {request.slot}")
-            await self._accept(snapshot)
+            await self.accept(snapshot)
         elif request.type == "keep":
             self.slots.keep(request.slot, document, self.shown)
             self.tell_state()
@@ -276,10 +273,12 @@ class Studio:
 
     # engine
 
-    def _show_document(self) -> None:
-        assert self.document is not None
-        self._watch = FileWatch(self.document.path)
-        self._autosaved = self.document.revision
+    def watch_engine(self) -> None:
+        """Replace an engine that hangs."""
+        self._engine.watch()
+
+    def _show_document(self, document: Document) -> None:
+        self._upkeep.begin(document)
         self._send_edit()
 
     def _send_edit(self, is_dragging: bool = False, snapshot: bytes | None = None) -> None:
@@ -287,7 +286,9 @@ class Studio:
         assert self.document is not None
         base, sites, sizes, removed = split(self.document.table)
         self._seq += 1
-        self._revisions = {seq: revision for seq, revision in self._revisions.items() if seq > self._seq - 200}
+        self._revisions = {
+            seq: revision for seq, revision in self._revisions.items() if seq > self._seq - MAX_OPEN_EDITS
+        }
         self._revisions[self._seq] = self.document.revision
         design = None if base == self._sent_base else base
         self._sent_base = base
@@ -300,7 +301,7 @@ class Studio:
             case ShownMesh():
                 self.shown.add_mesh(message)
             case Frame() if revision >= 0:
-                self.shown.add_frame(message, revision, self.tabs.values())
+                self.shown.add_frame(message, revision, self.tabs)
                 self.tell_state()
             case ShapeSummary() if revision >= 0:
                 self.shown.add_summary(message, revision)
@@ -315,35 +316,3 @@ class Studio:
             case Busy():
                 self.shown.busy = message.what
                 self.tell_state()
-
-    # files
-
-    async def _autosave(self) -> None:
-        while True:
-            await asyncio.sleep(AUTOSAVE_S)
-            self._engine.watch()
-            document = self.document
-            if document is None or document.revision == self._autosaved:
-                continue
-            self._autosaved = document.revision
-            try:
-                await asyncio.to_thread(document.autosave)
-            except OutputError as error:
-                self.tell(problem_data(error, None))
-
-    async def _follow(self) -> None:
-        """Show what somebody writes into the design file with another program."""
-        while True:
-            await asyncio.sleep(WATCH_S)
-            watch, document = self._watch, self.document
-            if watch is None or document is None or (text := await asyncio.to_thread(watch.changed_text)) is None:
-                continue
-            if document is self.document and text != document.text:
-                try:
-                    await asyncio.to_thread(document.read_again, text)
-                except Error as error:
-                    self.tell(problem_data(error, document.layout))
-                    continue
-                self.tell({"type": "followed", "path": str(document.path)})
-                self.tell_document()
-                self._send_edit()

@@ -1,14 +1,17 @@
-"""One page that is open: what waits to be sent to it."""
+"""The pages that are open, and what waits to be sent to each."""
 
 from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 from asterism.studio import frames
 
+# Pages that may be open at the same time.
+MAX_TABS = 50
 # Text messages that may wait for a page that does not read; a page that falls further behind is closed.
 MAX_WAITING = 500
 
@@ -18,6 +21,16 @@ class PageSocket(Protocol):
 
     async def send_text(self, text: str) -> None: ...
     async def send_bytes(self, frame: bytes) -> None: ...
+
+
+@dataclass(frozen=True)
+class WaitingShape:
+    """A shape or a comparison on a mesh, as it is packed into a frame."""
+
+    kind: int
+    mesh: int
+    header: dict[str, Any]
+    arrays: dict[str, Any]
 
 
 class Tab:
@@ -34,23 +47,26 @@ class Tab:
         self._meshes = meshes
         self._known: set[int] = set()
         self._texts: list[str] = []
-        self._shape: tuple[dict[str, Any], dict[str, Any], int] | None = None
+        self._shape: WaitingShape | None = None
+        self._comparison: WaitingShape | None = None
         self._in_flight: int | None = None
         self._frame = 0
-        self._seq = 0
         self._wake = asyncio.Event()
         self.is_behind = False
 
     def send(self, message: Mapping[str, Any]) -> None:
-        """Send a message; it gets this tab's next sequence number."""
-        self._seq += 1
-        self._texts.append(json.dumps({**message, "seq": self._seq}, allow_nan=False, default=str))
+        """Send a message."""
+        self._texts.append(json.dumps(message, allow_nan=False, default=str))
         self.is_behind = len(self._texts) > MAX_WAITING
         self._wake.set()
 
     def show(self, mesh: int, header: dict[str, Any], arrays: dict[str, Any], kind: int = frames.SHAPE) -> None:
-        """Show a shape. It replaces one that still waits, unless that is a comparison."""
-        self._shape = ({**header, "mesh": mesh, "kind": kind}, arrays, mesh)
+        """Show a shape. It replaces one of the same kind that still waits."""
+        waiting = WaitingShape(kind, mesh, header, arrays)
+        if kind == frames.COMPARISON:
+            self._comparison = waiting
+        else:
+            self._shape = waiting
         self._wake.set()
 
     def acknowledge(self, frame: int) -> None:
@@ -66,17 +82,65 @@ class Tab:
             self._wake.clear()
             while self._texts:
                 await socket.send_text(self._texts.pop(0))
-            if self._shape is None or self._in_flight is not None:
-                continue
-            header, arrays, mesh = self._shape
+            if self._in_flight is None and (waiting := self._next()) is not None:
+                await self._draw(socket, waiting)
+
+    def _next(self) -> WaitingShape | None:
+        """What is drawn next; a comparison goes first."""
+        waiting = self._comparison or self._shape
+        if waiting is not None and waiting is self._comparison:
+            self._comparison = None
+        else:
             self._shape = None
-            if mesh not in self._meshes:
-                continue
-            if mesh not in self._known:
-                await socket.send_bytes(self._meshes[mesh])
-                self._known = {known for known in self._known if known in self._meshes} | {mesh}
-            self._frame += 1
-            self._in_flight = self._frame
-            kind = header.pop("kind")
-            await socket.send_bytes(frames.pack(kind, {**header, "frame": self._frame}, arrays))
+        return waiting
+
+    async def _draw(self, socket: PageSocket, waiting: WaitingShape) -> None:
+        """Send a shape, and its mesh before it if the page does not have it."""
+        mesh = waiting.mesh
+        if mesh not in self._meshes:
             self._wake.set()
+            return
+        if mesh not in self._known:
+            self._known = {known for known in self._known if known in self._meshes} | {mesh}
+            await socket.send_bytes(self._meshes[mesh])
+        self._frame += 1
+        self._in_flight = self._frame
+        header = {**waiting.header, "mesh": mesh, "frame": self._frame}
+        await socket.send_bytes(frames.pack(waiting.kind, header, waiting.arrays))
+
+
+class Tabs:
+    """All pages that are open.
+
+    Parameters
+    ----------
+    meshes : packed meshes by their number.
+    """
+
+    def __init__(self, meshes: Mapping[int, bytes]) -> None:
+        self._meshes = meshes
+        self._open: dict[int, Tab] = {}
+        self._last = 0
+
+    def __iter__(self) -> Iterator[Tab]:
+        return iter(list(self._open.values()))
+
+    def __len__(self) -> int:
+        return len(self._open)
+
+    def join(self) -> Tab | None:
+        """A page is opened; None if there are too many."""
+        if len(self) >= MAX_TABS:
+            return None
+        self._last += 1
+        tab = self._open[self._last] = Tab(self._last, self._meshes)
+        return tab
+
+    def leave(self, tab: Tab) -> None:
+        """A page is closed."""
+        self._open.pop(tab.number, None)
+
+    def tell(self, message: Mapping[str, Any]) -> None:
+        """Send a message to all pages."""
+        for tab in self:
+            tab.send(message)

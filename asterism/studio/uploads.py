@@ -26,8 +26,12 @@ class UploadError(Error, ValueError):
     """A file that cannot be used; the message is one line."""
 
 
-def read_upload(kind: UploadKind, path: Path) -> dict[str, Any]:
+def read_upload(kind: UploadKind, path: Path, name: str = "") -> dict[str, Any]:
     """The part of a design file that a file stands for.
+
+    Parameters
+    ----------
+    name : of the file as the page gives it; it goes into the design as a note.
 
     Returns
     -------
@@ -45,7 +49,7 @@ def read_upload(kind: UploadKind, path: Path) -> dict[str, Any]:
         except ImageError as error:
             raise UploadError(f"the picture {error}") from None
         rows, columns = grey.shape
-        return {"value": {"image": path.name, "pixels": [columns, rows], "grey": pack(grey)}}
+        return {"value": {"image": name or path.name, "pixels": [columns, rows], "grey": pack(grey)}}
     if path.suffix not in OUTLINE_FORMATS:
         raise UploadError(f"an outline must be a file of {' or '.join(OUTLINE_FORMATS)}")
     corners = read_outline(path).corners

@@ -5,6 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 
+def file_text(path: Path) -> str:
+    """The text of a file with its line ends, so that it can be written back byte for byte."""
+    with path.open(encoding="utf-8-sig", newline="") as stream:
+        return stream.read()
+
+
 class FileWatch:
     """Compares a file with what it held before.
 
@@ -31,7 +37,7 @@ class FileWatch:
             stamp = (status.st_mtime_ns, status.st_size)
             if stamp == self._stamp:
                 return None
-            text = self._path.read_text(encoding="utf-8-sig")
+            text = file_text(self._path)
         except (OSError, ValueError):
             return None
         self._stamp = stamp

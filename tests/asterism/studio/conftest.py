@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import anyio
 import numpy as np
 import pytest
 from starlette.testclient import TestClient
@@ -19,6 +20,8 @@ from pattern import gallery
 
 HOST = "127.0.0.1:7000"
 TOKEN = "a-token-of-the-tests"
+# Seconds after which a message that does not come fails the test.
+PATIENCE_S = 20.0
 
 
 class QuickEngine:
@@ -65,10 +68,14 @@ class Page:
     def send_text(self, text: str) -> None:
         self._socket.send_text(text)
 
+    async def _receive(self) -> Any:
+        with anyio.fail_after(PATIENCE_S):
+            return await self._socket._send_rx.receive()
+
     def until(self, kind: str, **values: Any) -> dict[str, Any]:
         """The next message of a type that has these values; frames on the way are acknowledged."""
         for _ in range(500):
-            message = self._socket.receive()
+            message = self._socket.portal.call(self._receive)
             assert message["type"] != "websocket.close", message
             if message.get("bytes"):
                 frame_kind, header, arrays = frames.unpack(message["bytes"])
