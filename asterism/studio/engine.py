@@ -51,8 +51,10 @@ STALE_S = 0.4  # a search that has taken longer ends when a newer edit waits
 MAX_STALE_S = 2.0  # the same if the search before it has ended so
 EQUILIBRIUM_EVERY_S = 0.25  # while edits follow each other
 MAX_LENGTH_CHANGE_MM = 1.0  # since the last equilibrium: the linear response is off after larger changes
-MAX_DRAGGED_SEARCH_S = 2.5  # of an edit while the pointer is down
-MAX_SEARCH_S = 20.0  # of other edits
+# processor time of the search of an edit while the pointer is down, and of other edits
+MAX_DRAGGED_SEARCH_S = 2.5
+MAX_SEARCH_S = 20.0
+MAX_SLOWDOWN = 3.0  # over these, by the clock, as other programs want the cores too
 SIGN_EVERY_S = 2.0  # of life, in long searches
 SUMMARY_KEYS = (
     "expected_rms_percent",
@@ -98,7 +100,7 @@ class Engine:
         self._coarse: SheetView | None = None
         self._fine: SheetView | None = None
         self._meshes = 0
-        self._seq, self._longest_s, self._begun, self._sign = 0, MAX_SEARCH_S, 0.0, 0.0
+        self._seq, self._longest_s, self._begun, self._sign, self._worked = 0, MAX_SEARCH_S, 0.0, 0.0, 0.0
         self._yields, self._was_stale, self._is_resting = False, False, True
         self._equilibrium_at, self._equilibrium_sizes = -np.inf, np.empty((0, 3))
 
@@ -143,6 +145,7 @@ class Engine:
     def _begin(self, seq: int, longest_s: float, yields: bool = False) -> None:
         self._seq, self._longest_s, self._yields = seq, longest_s, yields
         self._begun = self._sign = time.monotonic()
+        self._worked = time.thread_time()
 
     def _check(self) -> None:
         """Called in each Newton iteration: end what nobody waits for, and give signs of life."""
@@ -153,7 +156,8 @@ class Engine:
             stale = MAX_STALE_S if self._was_stale else STALE_S
             if self._yields or now - self._begun > stale:
                 raise Superseded
-        if now - self._begun > self._longest_s:
+        worked = time.thread_time() - self._worked
+        if worked > self._longest_s or now - self._begun > MAX_SLOWDOWN * self._longest_s:
             raise SearchLimitError(f"no equilibrium within {self._longest_s:g} s; the shape is that before the edit")
         if now - self._sign > SIGN_EVERY_S:
             self._send(Busy(self._seq, f"searching for the equilibrium, {now - self._begun:.0f} s"))
