@@ -24,7 +24,7 @@ import numpy as np
 from asterism.previews.model import PreviewModel
 from asterism.previews.model_parts import PARTS, without
 from asterism.previews.run import preview
-from asterism.shape.comparison import compare
+from asterism.shape.comparison import compare_shapes
 from asterism.shape.shape import Shape
 from asterism.verification.numbers import same_branch
 from benchmarks.accuracy.designs import EDGE_MM, RANDOM, drawn, meshed
@@ -102,7 +102,7 @@ def _ablated_distance(reference: Shape, design: Design, plan: Layout, model: Pre
 
 def _distance(reference: Shape, shape: Shape, design: Design, plan: Layout) -> dict[str, Any]:
     """rms distance to the exact shape in % of the diameter, and whether both have one form."""
-    comparison = compare(reference, shape, plan, symmetries(design, plan))
+    comparison = compare_shapes(reference, shape, plan, symmetries(design, plan))
     return {"rms_percent": float(comparison.rms_percent), "same_form": bool(same_branch(comparison, None))}
 
 

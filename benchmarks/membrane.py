@@ -13,7 +13,7 @@ from asterism.previews.session import Preview
 from benchmarks.cells import sheet
 from benchmarks.report import markdown, write_report
 from equilibrium.newton.minimise import minimise
-from homogenize.cell.flat_cell import gradient_tolerance, relax_flat_cell
+from homogenize.cell.flat_cell import cell_gradient_tolerance, relax_flat_cell
 from homogenize.cell.natural_curvature import trace_tubes
 from homogenize.cell.rolling import Tube
 from homogenize.cell.tube_membrane import tube_membrane_stiffness
@@ -93,7 +93,7 @@ def _along(cell: UnitCell, tube: Tube, modulus: float, strains: list[float]) -> 
         pull = modulus * strain * tube.axial  # N/mm per printed length, conjugate to the stretch
         cell.load = np.zeros(3 * cell.n_vertices)
         cell.load[macro] = pull * cell.area * share
-        at = minimise(cell, state, cell.factor(), gradient_tolerance(cell))
+        at = minimise(cell, state, cell.factor(), cell_gradient_tolerance(cell))
         if not at.converged:
             break
         state = at.state

@@ -26,7 +26,7 @@ from asterism.laws.calibrate import calibrate
 from asterism.laws.design_law import material_for_design
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.run import preview
-from asterism.shape.comparison import compare
+from asterism.shape.comparison import compare_shapes
 from benchmarks.accuracy.exact import exact
 from benchmarks.accuracy.report import FAR
 from benchmarks.report import markdown, write_report
@@ -103,7 +103,7 @@ def row(number: int, folder: Path, shares: Sequence[float] = SHARES) -> dict[str
     ]
     right = min(shapes, key=lambda shape: shape.summary["energy_n_mm"])
     same = symmetries(design, plan)
-    compared = [compare(right, each, plan, same) for each in shown]
+    compared = [compare_shapes(right, each, plan, same) for each in shown]
     used = shares.index(SHARE)
     height, other = compared[used].heights_mm
     return {

@@ -126,3 +126,24 @@ def test_no_class_has_the_name_of_another() -> None:
 def test_no_constant_has_the_name_of_another() -> None:
     constants = defined((ast.Assign, ast.AnnAssign))
     assert {name: at for name, at in constants.items() if name.isupper() and len(set(at)) > 1} == {}
+
+
+def is_command(node: ast.stmt) -> bool:
+    """Whether a statement defines a command of the command line."""
+    decorators = node.decorator_list if isinstance(node, ast.FunctionDef) else []
+    return any(isinstance(each, ast.Name) and each.id == "command" for each in decorators)
+
+
+def test_no_function_has_the_name_of_another() -> None:
+    """A command carries its word on the command line, which is also the name of the public function behind it."""
+    commands = {(node.name, module) for module in FILES for node in tree(module).body if is_command(node)}
+    functions = {
+        name: [module for module in modules if (name, module) not in commands]
+        for name, modules in defined((ast.FunctionDef,)).items()
+    }
+    assert {name: modules for name, modules in functions.items() if len(modules) > 1} == {}
+
+
+def test_no_class_has_the_name_of_a_function_or_an_alias() -> None:
+    others = defined((ast.FunctionDef, ast.Assign, ast.AnnAssign))
+    assert {name: [*at, *others[name]] for name, at in defined((ast.ClassDef,)).items() if name in others} == {}

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from asterism.cli.common.options import Backend, Contact, DesignFile, MaterialFile, output_option
+from asterism.cli.common.options import BackendOption, Contact, DesignFile, MaterialFile, output_option
 from asterism.cli.common.run import DONE, NO_ANSWER, Run, command
 
 
@@ -36,7 +36,7 @@ def simulate(
     ] = None,
     contact: Contact = None,
     material: MaterialFile = None,
-    backend: Backend = "auto",
+    backend: BackendOption = "auto",
 ) -> int:
     """Compute the exact shape of a design, and certify that it is an equilibrium.
 

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from asterism.cli.common.options import Backend, Contact, DesignFile, LawFile, MaterialFile, output_option
+from asterism.cli.common.options import BackendOption, Contact, DesignFile, LawFile, MaterialFile, output_option
 from asterism.cli.common.run import DONE, NO_ANSWER, Run, command
 
 
@@ -24,7 +24,7 @@ def verify(
     ] = None,
     contact: Contact = None,
     material: MaterialFile = None,
-    backend: Backend = "auto",
+    backend: BackendOption = "auto",
 ) -> int:
     """Compare the preview of a design with its exact shape.
 

@@ -28,7 +28,7 @@ from discrete.model.contact_model import ContactModel
 from discrete.model.discrete_model import DiscreteModel
 from discrete.release.continuation import Report
 from discrete.release.forms import find_minima, stars_off_branch
-from discrete.release.levels import MeshLevel, find_equilibrium
+from discrete.release.levels import MeshLevel, solve_on_meshes
 from equilibrium.linear.backends import check_backend
 from equilibrium.threads import one_blas_thread
 from pattern.design.design import Design
@@ -100,7 +100,7 @@ def simulate(
     solver = design.solver
     before = {"mesh": meshed - start, "model": built - meshed}
     if starts == 1:
-        equilibrium, levels = find_equilibrium(
+        equilibrium, levels = solve_on_meshes(
             model, solver.start, seed=solver.seed, backend=backend, report=report, near=near.at if near else None
         )
         minima = one_minimum(model, equilibrium, near is not None)

@@ -8,7 +8,7 @@ from shlex import quote
 from asterism.laws.replace_material import with_material
 from homogenize.campaign.design_plan import plan_for_sizes
 from homogenize.errors import ForeignLaw, LawError
-from homogenize.law.axes import star_sizes
+from homogenize.law.axes import law_coordinates
 from homogenize.law.law import Law
 from homogenize.law.law_file import load_law
 from homogenize.law.material import PAPER_MATERIAL, Material, load_material
@@ -69,7 +69,7 @@ def material_from_file(file: Path | None, other: Path | None = None) -> Material
 
 def material_for_design(design: Design, edge_mm: float | None = None) -> Material:
     """The material of a design, with a plan of cells for its own stars (`plan_for_sizes`)."""
-    return plan_for_sizes(design, star_sizes(layout(design), design.lattice.arms), edge_mm)
+    return plan_for_sizes(design, law_coordinates(layout(design), design.lattice.arms), edge_mm)
 
 
 def law_for_design(design: Design, law: Path | None, file: Path, other: Path | None = None) -> Law:

@@ -13,7 +13,7 @@ from skfem import MeshTri
 
 from asterism.previews.corrugation.arms import Arms
 from asterism.previews.edges.free_rim import free_normals
-from asterism.previews.edges.rim_arms import carried
+from asterism.previews.edges.rim_arms import rim_curvature_share
 from asterism.previews.fields.self_stress import gaussian_moduli
 from asterism.previews.fields.sheet_fields import free_length_share, sheet_fields
 from asterism.previews.fields.star_cells import Shares, StarCells
@@ -51,7 +51,7 @@ class StarShares:
     shares : of the stars at the points.
     along_arms : direction (2,) of each arm, and the shares half a spacing back along it.
     rim_normals : (n, 2) of free sides, see `asterism.previews.edges.free_rim.free_normals`.
-    carried : (S, N), see `asterism.previews.edges.rim_arms.carried`; None for supported sheets.
+    carried : (S, N), see `asterism.previews.edges.rim_arms.rim_curvature_share`; None for supported sheets.
     """
 
     cells: StarCells
@@ -68,7 +68,7 @@ class StarShares:
         back = model.arm_setback * lattice.spacing_mm
         along = tuple((arm, cells.shares(points - back * arm)) for arm in lattice.arm_directions)
         normals, curls = free_normals(layout, points, model), model.has_rim_arms and not layout.is_supported_in_plane
-        part = carried(layout, lattice.arm_directions, model) if curls else None
+        part = rim_curvature_share(layout, lattice.arm_directions, model) if curls else None
         return cls(cells, shares, along, normals, part)
 
 

@@ -21,7 +21,7 @@ from equilibrium.linear.watched_factor import WatchedFactor
 from fem.elements.tabulation import Floats
 from fem.search.evidence import ShellEquilibrium
 from fem.search.linear_response import Response, linear_response
-from fem.search.relax import energies_by_part, factorise, follow, softest_modes
+from fem.search.relax import energies_by_part, factorise, follow, softest_shell_modes
 from fem.search.sides import Side
 from homogenize.law.law import Law
 from pattern.design.design import Design
@@ -184,7 +184,7 @@ def with_near_zero_modes(state: PreviewState, clock: Clock) -> PreviewState:
     if not state.is_factor_resting:  # an edit that changes nothing was interrupted
         state = replace(state, is_factor_resting=factorise(state.shell, shown.x, state.factor))
     if not len(shown.soft_modes):
-        stiffness, _ = clock("soft modes", softest_modes, state.shell, shown.x, state.factor)
+        stiffness, _ = clock("soft modes", softest_shell_modes, state.shell, shown.x, state.factor)
         state = replace(state, equilibrium=replace(shown, soft_modes=stiffness))
     return state
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from asterism.previews.state import PreviewState
 from asterism.previews.uncertainty.estimate import ErrorEstimate
-from asterism.previews.warnings import warnings
+from asterism.previews.warnings import preview_warnings
 from asterism.process.version import __version__
 from asterism.results.records.preview import PreviewRecord
 from asterism.shape.contraction import contraction
@@ -78,7 +78,7 @@ def summary(
         "extent_mm": list(shape.extent_mm),
         "contraction": contraction(layout, shape),
         "self_intersections": crossings,
-        "warnings": warnings(state, estimate, axis, crossings, shape.height_mm),
+        "warnings": preview_warnings(state, estimate, axis, crossings, shape.height_mm),
         "version": __version__,
         "design": state.design.to_dict(),
     }

@@ -29,7 +29,7 @@ MIN_HEIGHT_RATIO = 0.03
 MAX_BUCKLED_GAP = 0.5
 
 
-def warnings(
+def preview_warnings(
     state: PreviewState,
     estimate: ErrorEstimate,
     axis_deg: float | None,

@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 
 from asterism.print import instructions, sheets
-from asterism.print.formats.registry import Kind, export_formats, write_all
+from asterism.print.formats.registry import FormatKind, export_formats, write_all
 from asterism.print.job import Job
 from asterism.print.rounded import better_layers, tiny_stars
 from asterism.results.files import EXPORT as SUMMARY
@@ -29,7 +29,7 @@ from pattern.design.design import save_design
 # not summary.json: an export may go into the directory of a simulation
 ROUNDED = "rounded.toml"
 # files that only some exports write: an earlier export's would be taken for this one's
-OPTIONAL_FILES: dict[str, tuple[Kind, ...]] = {
+OPTIONAL_FILES: dict[str, tuple[FormatKind, ...]] = {
     "border": ("solid",),
     "needles": ("table", "drawing"),
     "shape": ("shape",),

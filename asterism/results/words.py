@@ -45,10 +45,10 @@ def roll(axis_deg: float | None, radius_mm: float | None) -> str:
     return f"{direction(axis_deg)} deg" + ("" if radius_mm is None else f", radius {radius_mm:.1f} mm")
 
 
-def extent(sizes_mm: Sequence[float]) -> str:
+def box_in_words(sizes_mm: Sequence[float]) -> str:
     """The sizes of a box.
 
-    >>> extent([20.04, 18.55, 7.0])
+    >>> box_in_words([20.04, 18.55, 7.0])
     '20.0 x 18.6 x 7.0 mm'
     """
     return " x ".join(f"{size:.1f}" for size in sizes_mm) + " mm"

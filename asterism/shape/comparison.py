@@ -209,7 +209,7 @@ class Comparison:
         return float((mean[triangles, 2].mean(axis=1) - level) @ over_ground)
 
 
-def compare(
+def compare_shapes(
     reference: Shape,
     other: Shape,
     layout: Layout,

@@ -11,7 +11,7 @@ import numpy as np
 from asterism.results.records.of_shape import AnyShapeRecord, shape_record
 from asterism.results.records.preview import PreviewRecord
 from asterism.shape.pose import upright_rotation
-from asterism.shape.surface_fields import triangle_areas
+from asterism.shape.surface_fields import surface_triangle_areas
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
 from pattern.geometry.arrays import Floats, Ints
@@ -151,6 +151,6 @@ class Shape:
     @cached_property
     def weights(self) -> Floats:
         """(V,) share of each vertex in the printed area; the sum is 1."""
-        third = np.repeat(triangle_areas(self.printed, self.triangles) / 3, 3)
+        third = np.repeat(surface_triangle_areas(self.printed, self.triangles) / 3, 3)
         areas = np.bincount(self.triangles.ravel(), weights=third, minlength=len(self.printed))
         return np.asarray(areas / areas.sum())

@@ -7,16 +7,16 @@ from scipy.sparse import coo_array
 
 from pattern.geometry import planar
 from pattern.geometry.arrays import Floats, Ints
-from pattern.geometry.normals import gather, triangle_normals, vertex_normals
+from pattern.geometry.normals import sum_at_vertices, triangle_normals, vertex_normals
 
 
-def triangle_areas(positions: Floats, triangles: Ints) -> Floats:
+def surface_triangle_areas(positions: Floats, triangles: Ints) -> Floats:
     """(T,) areas in mm^2; `positions` are (V, 2) or (V, 3) mm.
 
     Examples
     --------
     >>> import numpy as np
-    >>> triangle_areas(np.array([[0.0, 0.0], [2.0, 0.0], [0.0, 3.0]]), np.array([[0, 1, 2]]))
+    >>> surface_triangle_areas(np.array([[0.0, 0.0], [2.0, 0.0], [0.0, 3.0]]), np.array([[0, 1, 2]]))
     array([3.])
     """
     if positions.shape[1] == 2:
@@ -43,21 +43,23 @@ def vertex_areas(positions: Floats, triangles: Ints) -> Floats:
     Meyer, Desbrun, Schroeder and Barr, Discrete differential-geometry operators for triangulated
     2-manifolds, 2003, section 3.3.
     """
-    area = triangle_areas(positions, triangles)[:, None]
+    area = surface_triangle_areas(positions, triangles)[:, None]
     cotangents, squares = _cotangents(positions, triangles)
     # the cell of a corner has a share of its two edges, which are opposite to the other two corners
     share = (cotangents * squares) / 8
     voronoi = share.sum(axis=1, keepdims=True) - share
     obtuse = cotangents < 0
     halves = np.where(obtuse, area / 2, area / 4)
-    return gather(triangles, np.where(obtuse.any(axis=1, keepdims=True), halves, voronoi).ravel(), len(positions))
+    return sum_at_vertices(
+        triangles, np.where(obtuse.any(axis=1, keepdims=True), halves, voronoi).ravel(), len(positions)
+    )
 
 
 def gaussian_curvature(positions: Floats, triangles: Ints) -> Floats:
     """(V,) 1/mm^2, angle defect (2 pi minus the angles around a vertex) over its area; NaN on the border."""
     cotangents, _ = _cotangents(positions, triangles)
     angles = np.arctan2(1.0, cotangents)
-    defect = 2 * np.pi - gather(triangles, angles.ravel(), len(positions))
+    defect = 2 * np.pi - sum_at_vertices(triangles, angles.ravel(), len(positions))
     return _per_area(defect, positions, triangles)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from asterism.measure.compare.outline import OUTLINE_FORMATS, read_outline
 from equilibrium.errors import Error
-from pattern.design.sizing.grey_image import ImageError, pack, read_grey
+from pattern.design.sizing.grey_image import ImageError, pack_image, read_grey
 
 MAX_UPLOAD_BYTES = 8_000_000
 MAX_CORNERS = 1000
@@ -49,7 +49,7 @@ def read_upload(kind: UploadKind, path: Path, name: str = "") -> dict[str, Any]:
         except ImageError as error:
             raise UploadError(f"the picture {error}") from None
         rows, columns = grey.shape
-        return {"value": {"image": name or path.name, "pixels": [columns, rows], "grey": pack(grey)}}
+        return {"value": {"image": name or path.name, "pixels": [columns, rows], "grey": pack_image(grey)}}
     if path.suffix not in OUTLINE_FORMATS:
         raise UploadError(f"an outline must be a file of {' or '.join(OUTLINE_FORMATS)}")
     corners = read_outline(path).corners

@@ -22,7 +22,7 @@ def run_export(
         from pattern.design.design import Design
 
         exported = export(Design.from_dict(table, folder), out, say=say, **options)
-        return Written(job, exported.summary, out, tuple(exported.files), exported.warnings)
+        return Written(job, exported.summary.to_json(), out, tuple(exported.files), exported.warnings)
 
     _run(connection, job, "export", work)
 

@@ -15,13 +15,13 @@ from asterism.process.version import __version__
 from asterism.results.files import VERIFICATION
 from asterism.results.records.exact import ExactRecord
 from asterism.results.records.verification import VerificationRecord, VerifiedStartRecord
-from asterism.shape.comparison import Comparison, compare
+from asterism.shape.comparison import Comparison, compare_shapes
 from asterism.shape.shape import Shape
 from asterism.verification.numbers import numbers, same_branch
 from asterism.verification.progress import ExactProgress, StageReport
 from asterism.verification.right_shape import same_energy
 from asterism.verification.verification import PREVIEW, RELEASE, Verification
-from asterism.verification.warnings import warnings
+from asterism.verification.warnings import verification_warnings
 from discrete.release.continuation import Report
 from discrete.release.forms import SAME_FORM_PERCENT
 from equilibrium.newton.minimise import Iteration
@@ -110,9 +110,9 @@ def verify(
     step(STAGES[3], 0, 1)
     same, pull = symmetries(design, plan), design.gravity.pull
     exact = {RELEASE: released, PREVIEW: near}
-    comparisons = {name: compare(shape, quick, plan, same, pull) for name, shape in exact.items()}
+    comparisons = {name: compare_shapes(shape, quick, plan, same, pull) for name, shape in exact.items()}
     found = Verification(design, quick, exact, comparisons)
-    between = compare(released, near, plan, same, pull)
+    between = compare_shapes(released, near, plan, same, pull)
     seconds = {
         "preview_s": cold_s,
         "preview_again_s": warm_s,
@@ -123,7 +123,7 @@ def verify(
     agree = certain and between.rms_percent < SAME_FORM_PERCENT and _same_stars_down(exact, plan, same)
     if agree and not same_energy(*(shape.summary["energy_n_mm"] for shape in exact.values())):
         # an image of a minimum may have another energy, as the mesh may be less symmetric than the design
-        agree = compare(released, near, plan, same[:1], pull).rms_percent >= SAME_FORM_PERCENT
+        agree = compare_shapes(released, near, plan, same[:1], pull).rms_percent >= SAME_FORM_PERCENT
     step(STAGES[3], 1, 1)
     return replace(found, summary=_summary(found, between, agree, seconds) | {"command": command})
 
@@ -179,7 +179,7 @@ def _summary(found: Verification, between: Comparison, agree: bool, seconds: dic
                 )
                 for name, shape in found.exact.items()
             },
-            "warnings": warnings(found, between.rms_percent),
+            "warnings": verification_warnings(found, between.rms_percent),
             "version": __version__,
             "preview": found.preview.summary,
             "exact": exact,

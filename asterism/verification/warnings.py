@@ -19,7 +19,7 @@ HEIGHTS_PERCENT = 10.0  # by which heights may differ where it expected none
 FLAT_HEIGHT_FACTOR = 1e-3  # part of the diameter: heights that differ by less are those of flat sheets
 
 
-def warnings(found: Verification, apart_percent: float) -> list[str]:
+def verification_warnings(found: Verification, apart_percent: float) -> list[str]:
     """One line each; `apart_percent` of the diameter, distance of the two exact shapes."""
     preview, exact = found.preview.summary, found.exact[found.result].summary
     own = [*map(str, preview.get("warnings", []))]

@@ -16,7 +16,7 @@ from typing import Any
 from asterism.exact.simulation import simulate
 from asterism.previews.session import Preview
 from asterism.reports.write_results import write_results
-from asterism.shape.comparison import compare
+from asterism.shape.comparison import compare_shapes
 from asterism.verification.numbers import alike
 from benchmarks.accuracy.designs import RANDOM, designs, drawn
 from benchmarks.accuracy.expectation import FITTED, UNSEEN
@@ -51,7 +51,7 @@ def _rows(design: Design, folder: Path) -> Iterator[dict[str, Any]]:
         start = preview.shape()
         exact = simulate(design, near=start)
         write_results(exact, folder / design.name / f"form-{len(energies)}")
-        comparison = compare(exact, start, plan, symmetries(design, plan))
+        comparison = compare_shapes(exact, start, plan, symmetries(design, plan))
         yield {
             "name": design.name,
             "form": trial.name,

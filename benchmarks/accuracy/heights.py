@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from asterism.previews.run import preview
-from asterism.shape.comparison import compare
+from asterism.shape.comparison import compare_shapes
 from benchmarks.accuracy.designs import RANDOM, designs, drawn
 from benchmarks.accuracy.exact import lowest
 from benchmarks.report import markdown, write_report
@@ -56,7 +56,7 @@ def heights(design: Design, folder: Path, law: Law) -> dict[str, Any]:
     """What both sheets reach, in mm from the ground, and the errors of the preview in %."""
     plan = layout(design)
     exact = lowest(design, folder)
-    comparison = compare(exact, preview(design, law), plan, symmetries(design, plan), design.gravity.pull)
+    comparison = compare_shapes(exact, preview(design, law), plan, symmetries(design, plan), design.gravity.pull)
     rises = comparison.rises_mm
     right, shown = exact.positions[:, 2], comparison.other.positions[:, 2]
     tips = exact.printed[[path[-1] for path in exact.rods]]

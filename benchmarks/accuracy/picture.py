@@ -17,7 +17,7 @@ from asterism.previews.run import preview
 from asterism.reports.html import png
 from asterism.reports.views import comparison_views
 from asterism.results.files import write_file
-from asterism.shape.comparison import compare
+from asterism.shape.comparison import compare_shapes
 from benchmarks.accuracy.designs import EDGE_MM, meshed
 from benchmarks.accuracy.exact import exact
 from benchmarks.accuracy.report import DOCS
@@ -35,7 +35,7 @@ def draw(folder: Path, law: Law) -> None:
     """Three views from the same place, from left to right."""
     design = meshed(gallery.load(DESIGN), EDGE_MM)
     plan = layout(design)
-    found = compare(exact(design, folder), preview(design, law), plan, symmetries(design, plan))
+    found = compare_shapes(exact(design, folder), preview(design, law), plan, symmetries(design, plan))
     seen = comparison_views(found)
     images = [Image.open(BytesIO(png(seen[name][0]))).convert("RGB") for name in ("exact", "preview", "overlaid")]
     width, height = sum(image.width + GAP for image in images), max(image.height for image in images)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from asterism.previews.run import preview
-from asterism.shape.comparison import compare
+from asterism.shape.comparison import compare_shapes
 from asterism.shape.shape import Shape
 from asterism.verification.numbers import numbers, same_branch
 from asterism.verification.run import verify
@@ -32,10 +32,10 @@ def quick_row(design: Design, folder: Path, law: Law) -> dict[str, Any]:
     shapes = known(design, folder)
     same = symmetries(design, plan)
     right, *other = shapes.values()
-    comparison, *with_other = [compare(shape, shown, plan, same) for shape in shapes.values()]
+    comparison, *with_other = [compare_shapes(shape, shown, plan, same) for shape in shapes.values()]
     form = same_branch(comparison, None)
     if other and other[0].summary["is_minimum"]:
-        form = same_branch(comparison, with_other[0], compare(right, other[0], plan, same).rms_percent)
+        form = same_branch(comparison, with_other[0], compare_shapes(right, other[0], plan, same).rms_percent)
     return dict(numbers(comparison)) | {
         "name": design.name,
         "stars_down": len(right.summary["stars_down"]),

@@ -50,7 +50,7 @@ class MeshLevel:
         return {name: getattr(self, name) for name in names}
 
 
-def find_equilibrium(
+def solve_on_meshes(
     model: DiscreteModel,
     start: StartKind = "bump",
     seed: int = 0,

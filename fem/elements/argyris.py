@@ -23,7 +23,7 @@ from fem.elements.monomials import monomials, polynomials, powers
 from fem.elements.printed_mesh import checked_mesh
 from fem.elements.tabulation import Evaluation, Floats, Ints, Tabulation
 
-Map = Callable[[Floats], Floats]
+JetMap = Callable[[Floats], Floats]
 
 ORDERS = np.array([0, 1, 1, 2, 2, 2])  # of the vertex dofs: value, derivatives 1, 2, 11, 22, 12
 POWERS = powers(5)
@@ -129,7 +129,7 @@ class Argyris:
     def penalty(self, modulus: Floats | float = 1.0) -> None:
         """None: the functions are C1, so their slopes have no jumps."""
 
-    def interpolate(self, jets: Map) -> Floats:
+    def interpolate(self, jets: JetMap) -> Floats:
         """(N, 3) coefficients of a map of the printed sheet into space.
 
         `jets` takes (n, 2) mm to (n, 6, 3), its value and derivatives 1, 2, 11, 22, 12.

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from fem.elements.tabulation import Floats
 
-Map = Callable[[Floats], Floats]
+PlaneMap = Callable[[Floats], Floats]
 
 
 @dataclass(frozen=True)
@@ -24,9 +24,9 @@ class Deformation:
     hessian : to (n, 3, 3) per mm, derivatives 11, 22, 12.
     """
 
-    position: Map
-    gradient: Map
-    hessian: Map
+    position: PlaneMap
+    gradient: PlaneMap
+    hessian: PlaneMap
 
     def jets(self, points: Floats) -> Floats:
         """(n, 6, 3) place and derivatives 1, 2, 11, 22, 12."""

@@ -97,7 +97,7 @@ def relax(
         if best is not found[-1]:
             factorise(shell, best.x, factor)
         begin = time.perf_counter()
-        best = replace(best, soft_modes=softest_modes(shell, best.x, factor, soft_modes)[0])
+        best = replace(best, soft_modes=softest_shell_modes(shell, best.x, factor, soft_modes)[0])
         seconds["soft modes"] = time.perf_counter() - begin
     for each in found:
         for part, spent in each.seconds.items():
@@ -160,7 +160,7 @@ def follow_load_steps(shell: Shell, factor: Factor, steps: int) -> ShellEquilibr
     return None if found is None else replace(found, load_steps=steps)
 
 
-def softest_modes(shell: Shell, x: Floats, factor: Factor, count: int = MODE_COUNT) -> tuple[Floats, Floats]:
+def softest_shell_modes(shell: Shell, x: Floats, factor: Factor, count: int = MODE_COUNT) -> tuple[Floats, Floats]:
     """Smallest eigenvalues (k,) in N/mm^3 and modes (n, k); the factor holds the Hessian at the minimum x (N, 3).
 
     Rigid motions are left out, also those that loads resist: they do not change the form.

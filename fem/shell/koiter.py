@@ -23,7 +23,7 @@ from equilibrium.compiled import formula, loop
 
 
 @formula
-def gather(x, dofs, own):  # type: ignore[no-untyped-def]
+def gather_dofs(x, dofs, own):  # type: ignore[no-untyped-def]
     """own (3, m): the dofs of a triangle, of x (N, 3)."""
     for i in range(dofs.shape[0]):
         for c in range(3):
@@ -61,7 +61,7 @@ def frame_of(jet, dual, n):  # type: ignore[no-untyped-def]
 
 
 @formula
-def dot(a, b):  # type: ignore[no-untyped-def]
+def dot_3d(a, b):  # type: ignore[no-untyped-def]
     """Of two vectors in space."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
@@ -71,13 +71,13 @@ def strains(table, dofs, x, rest, out):  # type: ignore[no-untyped-def]
     """out (T, Q, 6): e of positions x (N, 3); rest (T, Q, 6) is what `(a/2, b)` is at rest, shear as in e."""
     own, jet, dual, n = np.empty((3, dofs.shape[1])), np.empty((5, 3)), np.empty((2, 3)), np.empty(3)
     for t in range(table.shape[0]):
-        gather(x, dofs[t], own)
+        gather_dofs(x, dofs[t], own)
         for q in range(table.shape[1]):
             jet_of(table[t, q], own, jet)
             a11, a22, a12 = frame_of(jet, dual, n)
             e, r = out[t, q], rest[t, q]
             e[0], e[1], e[2] = 0.5 * a11 - r[0], 0.5 * a22 - r[1], a12 - r[2]
-            e[3], e[4], e[5] = dot(n, jet[2]) - r[3], dot(n, jet[3]) - r[4], 2.0 * dot(n, jet[4]) - r[5]
+            e[3], e[4], e[5] = dot_3d(n, jet[2]) - r[3], dot_3d(n, jet[3]) - r[4], 2.0 * dot_3d(n, jet[4]) - r[5]
 
 
 @loop
@@ -86,20 +86,20 @@ def strain_changes(table, dofs, x, move, out):  # type: ignore[no-untyped-def]
     own, moves = np.empty((3, dofs.shape[1])), np.empty((3, dofs.shape[1]))
     jet, change, dual, n = np.empty((5, 3)), np.empty((5, 3)), np.empty((2, 3)), np.empty(3)
     for t in range(table.shape[0]):
-        gather(x, dofs[t], own)
-        gather(move, dofs[t], moves)
+        gather_dofs(x, dofs[t], own)
+        gather_dofs(move, dofs[t], moves)
         for q in range(table.shape[1]):
             jet_of(table[t, q], own, jet)
             jet_of(table[t, q], moves, change)
             frame_of(jet, dual, n)
             e = out[t, q]
-            e[0], e[1] = dot(jet[0], change[0]), dot(jet[1], change[1])
-            e[2] = dot(jet[0], change[1]) + dot(jet[1], change[0])
-            one, two = dot(n, change[0]), dot(n, change[1])
+            e[0], e[1] = dot_3d(jet[0], change[0]), dot_3d(jet[1], change[1])
+            e[2] = dot_3d(jet[0], change[1]) + dot_3d(jet[1], change[0])
+            one, two = dot_3d(n, change[0]), dot_3d(n, change[1])
             for k in range(3):
                 factor = 2.0 if k == 2 else 1.0
-                turned = dot(dual[0], jet[2 + k]) * one + dot(dual[1], jet[2 + k]) * two
-                e[3 + k] = factor * (dot(n, change[2 + k]) - turned)
+                turned = dot_3d(dual[0], jet[2 + k]) * one + dot_3d(dual[1], jet[2 + k]) * two
+                e[3 + k] = factor * (dot_3d(n, change[2 + k]) - turned)
 
 
 @loop
@@ -109,15 +109,15 @@ def forces(table, dofs, weights, x, stress, out):  # type: ignore[no-untyped-def
     jet, dual, n, pull = np.empty((5, 3)), np.empty((2, 3)), np.empty(3), np.empty((5, 3))
     own, total = np.empty((3, m)), np.empty((3, m))
     for t in range(table.shape[0]):
-        gather(x, dofs[t], own)
+        gather_dofs(x, dofs[t], own)
         total[:] = 0.0
         for q in range(table.shape[1]):
             basis, s, weight = table[t, q], stress[t, q], weights[t, q]
             jet_of(basis, own, jet)
             frame_of(jet, dual, n)
             w = (weight * s[3], weight * s[4], 2.0 * weight * s[5])
-            one = w[0] * dot(dual[0], jet[2]) + w[1] * dot(dual[0], jet[3]) + w[2] * dot(dual[0], jet[4])
-            two = w[0] * dot(dual[1], jet[2]) + w[1] * dot(dual[1], jet[3]) + w[2] * dot(dual[1], jet[4])
+            one = w[0] * dot_3d(dual[0], jet[2]) + w[1] * dot_3d(dual[0], jet[3]) + w[2] * dot_3d(dual[0], jet[4])
+            two = w[0] * dot_3d(dual[1], jet[2]) + w[1] * dot_3d(dual[1], jet[3]) + w[2] * dot_3d(dual[1], jet[4])
             for c in range(3):
                 pull[0, c] = weight * (s[0] * jet[0, c] + s[2] * jet[1, c]) - one * n[c]
                 pull[1, c] = weight * (s[1] * jet[1, c] + s[2] * jet[0, c]) - two * n[c]

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from equilibrium.compiled import formula, loop
-from fem.shell.koiter import dot, frame_of, gather, jet_of
+from fem.shell.koiter import dot_3d, frame_of, gather_dofs, jet_of
 
 
 @formula
@@ -16,7 +16,7 @@ def covariant(basis, jet, dual, bends):  # type: ignore[no-untyped-def]
     """bends (3, m): second derivatives 11, 22 and twice 12 of the basis functions along the surface."""
     for k in range(3):
         factor = 2.0 if k == 2 else 1.0
-        one, two = dot(dual[0], jet[2 + k]), dot(dual[1], jet[2 + k])
+        one, two = dot_3d(dual[0], jet[2 + k]), dot_3d(dual[1], jet[2 + k])
         for i in range(basis.shape[1]):
             bends[k, i] = factor * (basis[2 + k, i] - one * basis[0, i] - two * basis[1, i])
 
@@ -28,7 +28,9 @@ def second_derivative(jet, dual, n, stiffness, stress, weight, h):  # type: igno
     By dx_1, dx_2 and the second derivatives of dx that `covariant` makes, one table for each pair of components of the
     position: 00, 10, 11, 20, 21, 22.
     """
-    bend = weight * (stress[3] * dot(n, jet[2]) + stress[4] * dot(n, jet[3]) + 2.0 * stress[5] * dot(n, jet[4]))
+    bend = weight * (
+        stress[3] * dot_3d(n, jet[2]) + stress[4] * dot_3d(n, jet[3]) + 2.0 * stress[5] * dot_3d(n, jet[4])
+    )
     pair = 0
     for c in range(3):
         for d in range(c + 1):
@@ -41,7 +43,7 @@ def second_derivative(jet, dual, n, stiffness, stress, weight, h):  # type: igno
                     value = one * jet[b, d] + two * jet[1 - b, d]
                     if c == d:
                         value += stress[a] if a == b else stress[2]
-                    part[a, b] = weight * value - bend * dot(dual[a], dual[b]) * both
+                    part[a, b] = weight * value - bend * dot_3d(dual[a], dual[b]) * both
                 for k in range(3):
                     one = stiffness[3 + k, a] * jet[a, c] + stiffness[3 + k, 2] * jet[1 - a, c]
                     two = stiffness[3 + k, a] * jet[a, d] + stiffness[3 + k, 2] * jet[1 - a, d]
@@ -63,7 +65,7 @@ def tangent(table, dofs, weights, x, stiffness, stress, places, indptr, data):  
     own, jet, dual, n, h = np.empty((3, m)), np.empty((5, 3)), np.empty((2, 3)), np.empty(3), np.empty((6, 5, 5))
     basis, right, element = np.empty((points, 5, m)), np.empty((points, 5, 6, m)), np.empty((m, 6 * m))
     for t in range(table.shape[0]):
-        gather(x, dofs[t], own)
+        gather_dofs(x, dofs[t], own)
         for q in range(points):
             jet_of(table[t, q], own, jet)
             frame_of(jet, dual, n)

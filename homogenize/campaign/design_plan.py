@@ -27,7 +27,7 @@ def plan_for_sizes(design: Design, sizes: Floats, edge_mm: float | None = None) 
 
     Parameters
     ----------
-    sizes : (S, A) of the stars, in the order of `homogenize.law.axes.AXES`, see `star_sizes` there.
+    sizes : (S, A) of the stars, in the order of `homogenize.law.axes.AXES`, see `law_coordinates` there.
     edge_mm : of the cells' mesh; by default a fifteenth of the spacing, and at least `MIN_CELL_EDGE_MM`.
 
     Raises

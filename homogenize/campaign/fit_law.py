@@ -26,7 +26,7 @@ _Q = len(QUANTITY_NAMES)
 _SCATTERED_SHAPE = tuple(axis.scattered_nodes for axis in AXES)
 # nodes along each axis at which scattered cells meet the bare fabric; of more nodes, every other one
 MAX_BARE_NODES = 4
-Rows = Mapping[Sizes, Floats | None]
+CellRows = Mapping[Sizes, Floats | None]
 
 
 def fit_law(material: Material, records: Sequence[SampleRecord], made: dict[str, Any] | None = None) -> Law:
@@ -81,7 +81,7 @@ def _table(material: Material, stretch: float, records: list[SampleRecord]) -> L
 
 
 def _grid_rows(
-    material: Material, fabric: Floats, stars: Rows, units: Floats
+    material: Material, fabric: Floats, stars: CellRows, units: Floats
 ) -> tuple[tuple[Floats, ...], Floats, Bools]:
     """Axis nodes, rows (n1, ..., nA, Q + K + 2 W) and solved nodes (n1, ..., nA) of a grid of cells."""
     plan = material.plan
@@ -118,7 +118,7 @@ def fill_failed_rows(lengths: Floats, stored: Floats, solved: Bools) -> Floats:
 
 
 def _scattered_rows(
-    material: Material, fabric: Floats, stars: Rows, units: Floats
+    material: Material, fabric: Floats, stars: CellRows, units: Floats
 ) -> tuple[tuple[Floats, ...], Floats, Bools]:
     """As `_grid_rows`, of scattered cells: cubic radial functions through all cells give the rows at the nodes.
 
@@ -154,7 +154,7 @@ def _from_stored(stored: Floats, units: Floats) -> Floats:
     return np.concatenate([from_stored(stored[..., :_Q], units), stored[..., _Q:]], axis=-1)
 
 
-def scattered_points(stars: Rows, fabric: Floats, axis_nodes: Sequence[Floats]) -> tuple[Floats, Floats]:
+def scattered_points(stars: CellRows, fabric: Floats, axis_nodes: Sequence[Floats]) -> tuple[Floats, Floats]:
     """Places (n, A) in the unit cube and rows (n, Q + K + 2 W) of all answers.
 
     The bare fabric stands at many places of the side with length 0.

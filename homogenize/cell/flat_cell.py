@@ -56,7 +56,7 @@ class FlatCell:
         return float(np.sqrt(np.linalg.det(self.deformation)))
 
 
-def gradient_tolerance(cell: UnitCell, part: float = FINAL_GRADIENT_RATIO) -> float:
+def cell_gradient_tolerance(cell: UnitCell, part: float = FINAL_GRADIENT_RATIO) -> float:
     """Gradient norm of a converged cell, N.
 
     Parameters
@@ -96,7 +96,7 @@ def _released(cell: UnitCell) -> FlatCell:
             cell,
             state,
             cell.factor(),
-            gradient_tolerance(cell, FINAL_GRADIENT_RATIO if last else INTERMEDIATE_GRADIENT_RATIO),
+            cell_gradient_tolerance(cell, FINAL_GRADIENT_RATIO if last else INTERMEDIATE_GRADIENT_RATIO),
             check_definite=last,
         )
         iterations += found.iterations
@@ -111,7 +111,7 @@ def _other_side(cell: UnitCell, flat: FlatCell) -> FlatCell | None:
     cell.set_flat()
     mirror = np.array([1.0, 1.0, -1.0])
     start = with_orthogonal_directors(cell, State(flat.state.positions * mirror, -flat.state.directors * mirror))
-    found = minimise(cell, start, cell.factor(), gradient_tolerance(cell))
+    found = minimise(cell, start, cell.factor(), cell_gradient_tolerance(cell))
     if not found.converged:
         return None
     other = flat_cell_from_minimum(cell, found, found.iterations)

@@ -15,7 +15,7 @@ from discrete.energies.elements import Array
 from discrete.model.star_bumps import bump_heights
 from discrete.model.state import State
 from equilibrium.newton.minimise import minimise
-from homogenize.cell.flat_cell import FlatCell, gradient_tolerance, with_orthogonal_directors
+from homogenize.cell.flat_cell import FlatCell, cell_gradient_tolerance, with_orthogonal_directors
 from homogenize.cell.unit_cell import UnitCell
 
 
@@ -134,7 +134,7 @@ def roll_cell(cell: UnitCell, sheet: UnrolledCell, curvature: float, angle: floa
         Newton's method did not converge.
     """
     start = rolled_state(cell, sheet, curvature, angle)
-    found = minimise(cell, start, cell.factor(), gradient_tolerance(cell))
+    found = minimise(cell, start, cell.factor(), cell_gradient_tolerance(cell))
     if not found.converged:
         raise ArithmeticError(f"tube: no equilibrium at curvature {curvature:.4g}/mm")
     k = curvature

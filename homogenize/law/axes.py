@@ -110,7 +110,7 @@ WIDTH = Axis(
 AXES = (LENGTH, THICKNESS, WIDTH)
 
 
-def star_sizes(layout: Layout, arms: int) -> Floats:
+def law_coordinates(layout: Layout, arms: int) -> Floats:
     """(S, A) sizes of the stars of a layout, one column for each of `AXES`.
 
     Lengths are means over the arms, and arms that the outline cuts away count as length 0. The other sizes are means

@@ -17,13 +17,13 @@ def triangle_normals(positions: Floats, triangles: Ints) -> Floats:
 
 def vertex_normals(positions: Floats, triangles: Ints) -> Floats:
     """(V, 3) unit normals on the plastic side: mean of the triangles around, weighted by area."""
-    normals = gather(triangles, np.repeat(triangle_normals(positions, triangles), 3, axis=0), len(positions))
+    normals = sum_at_vertices(triangles, np.repeat(triangle_normals(positions, triangles), 3, axis=0), len(positions))
     # where the sheet is folded onto itself, the normal is undefined: use an arbitrary unit vector
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     return np.where(length > 0, normals / np.where(length > 0, length, 1.0), [0.0, 0.0, 1.0])
 
 
-def gather(triangles: Ints, per_corner: Floats, count: int) -> Floats:
+def sum_at_vertices(triangles: Ints, per_corner: Floats, count: int) -> Floats:
     """Sum over the corners at each vertex of values (3 T,) or (3 T, m) listed triangle by triangle."""
     gathered = np.zeros((count, *per_corner.shape[1:]))
     np.add.at(gathered, triangles.ravel(), per_corner)

@@ -14,14 +14,14 @@ MAX_TABLE_ENTRIES = 2_000_000
 STRAIGHT_TURN_RAD = 1e-6
 
 
-def cross(a: Floats, b: Floats) -> Floats:
+def cross_2d(a: Floats, b: Floats) -> Floats:
     """z component of the cross product of the vectors in the last axis."""
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
 def polygon_area(polygon: Floats) -> float:
     """Signed area of a polygon (n, 2): positive if counterclockwise."""
-    return float(cross(polygon, np.roll(polygon, -1, axis=0)).sum() / 2)
+    return float(cross_2d(polygon, np.roll(polygon, -1, axis=0)).sum() / 2)
 
 
 def turning_angles(ring: Floats) -> Floats:
@@ -33,7 +33,7 @@ def turning_angles(ring: Floats) -> Floats:
     [1.5708, 1.5708, 1.5708, 1.5708]
     """
     ahead, behind = np.roll(ring, -1, axis=0) - ring, ring - np.roll(ring, 1, axis=0)
-    return np.asarray(np.arctan2(cross(behind, ahead), (behind * ahead).sum(axis=1)))
+    return np.asarray(np.arctan2(cross_2d(behind, ahead), (behind * ahead).sum(axis=1)))
 
 
 def triangle_areas(points: Floats, triangles: Ints) -> Floats:
@@ -47,7 +47,7 @@ def triangle_gradients(points: Floats, triangles: Ints) -> Floats:
     """Gradients (T, 3, 2) of the barycentric coordinates of triangles, 1 over the unit of the points."""
     a, b, c = points[triangles].swapaxes(0, 1)
     e1, e2 = b - a, c - a
-    twice = cross(e1, e2)[:, None]
+    twice = cross_2d(e1, e2)[:, None]
     b1 = np.column_stack([e2[:, 1], -e2[:, 0]]) / twice
     b2 = np.column_stack([-e1[:, 1], e1[:, 0]]) / twice
     return np.stack([-b1 - b2, b1, b2], axis=1)
@@ -68,7 +68,7 @@ def mean_circumcentres(points: Floats, triangles: Ints) -> Floats:
     """
     a, b, c = points[triangles].swapaxes(0, 1)
     u, v = b - a, c - a
-    twice = cross(u, v)
+    twice = cross_2d(u, v)
     u2, v2 = (u**2).sum(axis=1), (v**2).sum(axis=1)
     from_a = np.column_stack([u2 * v[:, 1] - v2 * u[:, 1], v2 * u[:, 0] - u2 * v[:, 0]]) / (2 * twice[:, None])
     corner, weight = triangles.ravel(), np.repeat(twice, 3)
@@ -121,9 +121,9 @@ def distance_to_outline(points: Floats, polygon: Floats) -> Floats:
 def distance_along(points: Floats, direction: Floats, polygon: Floats) -> Floats:
     """Distance (n,) from points to a polygon's outline along a unit vector (2,); infinite where the ray misses it."""
     start, edge = polygon, np.roll(polygon, -1, axis=0) - polygon
-    to, turn = start - points[:, None], cross(direction, edge)
+    to, turn = start - points[:, None], cross_2d(direction, edge)
     crosses = np.abs(turn) > 1e-12 * np.linalg.norm(edge, axis=1)  # others run along
     safe = np.where(crosses, turn, 1.0)
-    along, part = cross(to, edge) / safe, cross(to, direction) / safe
+    along, part = cross_2d(to, edge) / safe, cross_2d(to, direction) / safe
     meets = crosses & (along >= 0.0) & (part >= 0.0) & (part <= 1.0)
     return np.asarray(np.where(meets, along, np.inf).min(axis=1))

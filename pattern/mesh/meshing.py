@@ -10,11 +10,11 @@ from pattern.mesh.aligned.aligned_mesh import aligned_mesh
 from pattern.mesh.free.delaunay_mesh import MAX_SPLITS, delaunay_mesh
 from pattern.mesh.mesh import Mesh
 
-Kind = Literal["auto", "aligned", "delaunay"]
+MeshKind = Literal["auto", "aligned", "delaunay"]
 
 
 def mesh_layout(
-    layout: Layout, edge_mm: float, kind: Kind = "auto", seed: int = 0, graded: bool = False, draft: bool = False
+    layout: Layout, edge_mm: float, kind: MeshKind = "auto", seed: int = 0, graded: bool = False, draft: bool = False
 ) -> Mesh:
     """Mesh the sheet with edges of about `edge_mm`; "auto" prefers the aligned mesh (`seed` is the Delaunay one's).
 

@@ -9,7 +9,7 @@ import numpy as np
 from asterism.exact.simulation import simulate
 from asterism.laws.design_law import material_for_design
 from asterism.previews.run import preview
-from asterism.shape.comparison import Comparison, compare
+from asterism.shape.comparison import Comparison, compare_shapes
 from asterism.shape.shape import Shape
 from homogenize.campaign.campaign import SampleRecord
 from homogenize.campaign.fit_law import fit_law
@@ -41,7 +41,9 @@ def compared(name: str, law: Law | None) -> Comparison:
     """The same with a law of one's own."""
     design = figure(name)
     plan = layout(design)
-    return compare(exact(name), shown(name) if law is None else preview(design, law), plan, symmetries(design, plan))
+    return compare_shapes(
+        exact(name), shown(name) if law is None else preview(design, law), plan, symmetries(design, plan)
+    )
 
 
 @cache

@@ -16,15 +16,15 @@ Contact = Annotated[
     bool | None,
     typer.Option("--contact/--no-contact", help="Keep the sheet from passing through itself (needs ipctk)."),
 ]
-Backend = Annotated[str, typer.Option(help="Linear solver: auto, pardiso, cholmod, superlu or amg.")]
+BackendOption = Annotated[str, typer.Option(help="Linear solver: auto, pardiso, cholmod, superlu or amg.")]
 
 
 def output_option(help: str) -> Any:
     """-o, for the annotation of a parameter that is a path, or None without the option."""
-    return typer.Option("-o", "--output", help=help, parser=path)
+    return typer.Option("-o", "--output", help=help, parser=nonempty_path)
 
 
-def path(text: str) -> Path:
+def nonempty_path(text: str) -> Path:
     """An empty name would be the working directory: most likely a variable that is not set."""
     if not str(text):
         raise typer.BadParameter("must not be empty")

@@ -14,7 +14,7 @@ from asterism.measure.compare.scan import Scan
 from asterism.results.records.comparison import ScanDistancesRecord
 from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
-from asterism.shape.surface_fields import triangle_areas
+from asterism.shape.surface_fields import surface_triangle_areas
 from pattern.geometry.arrays import Floats, Ints
 
 # poses whose spread is larger than the best one's by less than this are as good
@@ -68,7 +68,7 @@ class ScanComparison:
         """The distances in numbers."""
         used, size = np.abs(self.distance[self.used]), diameter(self.shape.positions)
         rms = float(np.sqrt(np.mean(used**2)))
-        area = triangle_areas(self.shape.positions, self.shape.triangles)
+        area = surface_triangle_areas(self.shape.positions, self.shape.triangles)
         own = self.size
         matrix = np.eye(4)
         matrix[:3, :3], matrix[:3, 3] = self.poses[0].rotation, self.poses[0].shift

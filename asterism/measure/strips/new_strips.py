@@ -10,7 +10,9 @@ import shapely
 
 from asterism.measure.strips.form import PrintStart, csv_text, strip_form
 from asterism.measure.strips.specimen import THICKNESSES_MM, PrintedStrip, Specimen, lay_out_specimen, layer_heights
-from asterism.print.formats import pdf, stl, threemf
+from asterism.print.formats.pdf import write_pdf
+from asterism.print.formats.stl import write_stl
+from asterism.print.formats.threemf import write_3mf
 from asterism.print.printer import Printer
 from asterism.print.profiles import load_printer
 from asterism.print.solid import Solid, Terrace, terraced_solid
@@ -96,10 +98,10 @@ def new_strips(
     under_nozzle = fabric_thickness_mm if stretched_thickness_mm is None else stretched_thickness_mm
     start = PrintStart(machine, under_nozzle)
     with staged(directory) as folder:
-        threemf.write(folder / "strips.3mf", solids, "strips")
-        stl.write(folder / "strips.stl", *_joined(solids))
+        write_3mf(folder / "strips.3mf", solids, "strips")
+        write_stl(folder / "strips.stl", *_joined(solids))
         (folder / "strips.csv").write_text(text, encoding="utf-8", newline="\n")
-        pdf.write(folder / "strips.pdf", strip_form(specimen, start, heights, stretch, fabric_thickness_mm))
+        write_pdf(folder / "strips.pdf", strip_form(specimen, start, heights, stretch, fabric_thickness_mm))
         code = machine.start_snippet(start.z_offset_mm, under_nozzle if stretched_thickness_mm is None else None)
         (folder / "start.gcode").write_text(code, encoding="utf-8", newline="\n")
     return StripsPrint(specimen, heights, start.z_offset_mm)

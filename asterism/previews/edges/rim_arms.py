@@ -30,7 +30,7 @@ from pattern.geometry.planar import distance_along
 from pattern.layout.layout import Layout
 
 
-def carried(layout: Layout, directions: Floats, model: PreviewModel = PREVIEW_MODEL) -> Floats:
+def rim_curvature_share(layout: Layout, directions: Floats, model: PreviewModel = PREVIEW_MODEL) -> Floats:
     """(S, N) share of the natural curvature that the arms of each star carry into a free rim.
 
     Parameters
@@ -62,7 +62,7 @@ def arm_curvature(
     weights : (n, S) share of each star at n places.
     normals : (n, 2), from `asterism.previews.edges.free_rim.free_normals`.
     arms : for each of N arms its direction (2,), and the weights (n, S) half a spacing back along it.
-    part : (S, N), from `carried`.
+    part : (S, N), from `rim_curvature_share`.
     """
     shares = np.column_stack([stars_share(along) for _, along in arms])
     parts = np.column_stack([along @ part[:, k] for k, (_, along) in enumerate(arms)]) / np.maximum(

@@ -39,7 +39,7 @@ def with_bending_tensor(stiffness: Floats, bending: Floats, q: Floats) -> Floats
     return anisotropic
 
 
-def rest_curvature(lam: Floats, q: Floats, m: Floats) -> Floats:
+def rest_curvature_tensor(lam: Floats, q: Floats, m: Floats) -> Floats:
     """(..., 3) rest curvature `-lam^2 Q^-1 m` in 1/mm, components 11, 22, 12, for contractions lam (...)."""
     voigt = np.linalg.solve(q, m[..., None])[..., 0]
     return np.asarray(-(lam**2)[..., None] * voigt * np.array([1.0, 1.0, 0.5]))

@@ -55,7 +55,7 @@ import scipy.sparse as sp
 
 from asterism.previews.edges.free_rim import beside, rim_curvature, stars_share
 from asterism.previews.edges.rim_arms import arm_curvature
-from asterism.previews.fields.directional import rest_curvature, tensors, with_bending_tensor
+from asterism.previews.fields.directional import rest_curvature_tensor, tensors, with_bending_tensor
 from asterism.previews.fields.star_arms import arm_metric
 from asterism.previews.fields.star_values import StarValues
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
@@ -132,7 +132,7 @@ def sheet_fields(
     if values.anisotropy.shape[1]:
         q, m = tensors(kappa, np.asarray(weights @ values.anisotropy[:-1]).reshape(*shape, -1))
         stiffness, firm = with_bending_tensor(stiffness, bending / lam**4, q), min_bending_ratio(q)
-        curvature, curl = rest_curvature(lam, q, m), values.tube_curvature
+        curvature, curl = rest_curvature_tensor(lam, q, m), values.tube_curvature
     strength = mean(np.abs(curl))
     # relative to lam^2: excess of the metric of a flat sheet, and the decrease of this excess per trace of b
     longer = np.where(strength * spacing > MIN_CURLED_TURN_RAD, flat**2 - square, 0.0) / square

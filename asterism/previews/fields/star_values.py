@@ -10,7 +10,7 @@ import numpy as np
 from asterism.previews.fields.directional import tube_of_largest_gain
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from homogenize.errors import LawError
-from homogenize.law.axes import star_sizes
+from homogenize.law.axes import law_coordinates
 from homogenize.law.law import Law
 from homogenize.law.law_table import MAX_SEPARATED_CURL, QUANTITY_NAMES
 from pattern.design.design import Design
@@ -64,7 +64,7 @@ def star_values(design: Design, layout: Layout, law: Law, model: PreviewModel = 
     LawError
         The law is for another material, stretch or lattice, or its value at a star is impossible for a sheet.
     """
-    sizes = star_sizes(layout, design.lattice.arms)
+    sizes = law_coordinates(layout, design.lattice.arms)
     asked = np.vstack([sizes, [0.0, *np.mean(sizes[:, 1:], axis=0)]])
     found = law.evaluate(design, *asked.T)
     where = [

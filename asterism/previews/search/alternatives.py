@@ -18,7 +18,7 @@ from fem.elements.tabulation import Floats
 from fem.search.evidence import ShellEquilibrium
 from fem.search.guess_builder import GuessBuilder
 from fem.search.mean_fields import MeanFields
-from fem.search.relax import factorise, follow, softest_modes
+from fem.search.relax import factorise, follow, softest_shell_modes
 from fem.search.sides import FLAT_SAG_MM, Side
 from fem.search.simple_shapes import SimpleShape
 from fem.shell.shell import Shell
@@ -42,7 +42,7 @@ def perturb_along_softest_mode(
     ----------
     amplitude_mm : largest change of a degree of freedom.
     """
-    mode = softest_modes(shell, equilibrium.x, factor, 1)[1][:, 0]
+    mode = softest_shell_modes(shell, equilibrium.x, factor, 1)[1][:, 0]
     step = amplitude_mm / np.abs(shell.move(np.zeros_like(equilibrium.x), mode)).max() * mode
     others = [follow(shell, shell.move(equilibrium.x, sign * step), factor, "pushed") for sign in (1.0, -1.0)]
     return lowest(shell, factor, equilibrium, others)
@@ -84,5 +84,5 @@ def lowest(
             best = other
     factorise(shell, best.x, factor)
     if best is not equilibrium:
-        best = replace(best, soft_modes=softest_modes(shell, best.x, factor)[0])
+        best = replace(best, soft_modes=softest_shell_modes(shell, best.x, factor)[0])
     return replace(best, trials=equilibrium.trials + tuple(trial for other in others for trial in other.trials))

@@ -30,7 +30,7 @@ from fem.elements.tabulation import Floats
 from fem.search.candidate_shapes import candidate_shapes
 from fem.search.evidence import ShellEquilibrium, Trial
 from fem.search.mean_fields import mean_fields
-from fem.search.relax import factorise, follow, relax, softest_modes
+from fem.search.relax import factorise, follow, relax, softest_shell_modes
 from fem.search.sides import Side, side_of
 from fem.search.simple_shapes import SimpleShape
 from fem.shell.shell import Shell
@@ -93,7 +93,7 @@ def _lowest_on_side(
         factorise(shell, equilibrium.x, factor)
         return equilibrium
     there = follow(shell, best.x, factor, best.name)  # best.x is a minimum; this recomputes evidence and factor
-    stiffness = softest_modes(shell, there.x, factor)[0]
+    stiffness = softest_shell_modes(shell, there.x, factor)[0]
     return replace(there, trials=equilibrium.trials, soft_modes=stiffness, iterations=best.iterations)
 
 

@@ -19,7 +19,7 @@ _ONE_AT_A_TIME = threading.Lock()
 
 
 @export_format("DXF", ".dxf", "drawing")
-def write(path: Path, drawing: Drawing) -> None:
+def write_dxf(path: Path, drawing: Drawing) -> None:
     """Write a drawing in the format of AutoCAD 2010; the same drawing is the same file, byte for byte."""
     with _without_dates():
         _write(path, drawing)

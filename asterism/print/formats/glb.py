@@ -24,7 +24,7 @@ _CREAM = [0.96, 0.90, 0.78, 1.0]
 
 
 @export_format("GLB", ".glb", "shape")
-def write(path: Path, shape: Shape, name: str) -> None:
+def write_glb(path: Path, shape: Shape, name: str) -> None:
     """Write the sheet, in metres with y upwards as the format demands."""
     points = np.asarray(shape.positions @ _TO_METRES.T, dtype="<f4")
     normals = vertex_normals(shape.positions, shape.triangles) @ (_TO_METRES.T * 1e3)

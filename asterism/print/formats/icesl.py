@@ -46,7 +46,7 @@ end
 
 
 @export_format("IceSL", ".lua", "script")
-def write(path: Path, job: Job) -> None:
+def write_icesl(path: Path, job: Job) -> None:
     """Write the stars of a job in the printer's coordinates."""
     lines = [f"-- {one_line(job.design.name)}: stars for the {one_line(job.printer.name)}, in mm", f"-- {HEADING}", ""]
     lines.append("stars = {")

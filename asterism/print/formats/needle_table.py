@@ -13,7 +13,7 @@ NEEDLE_COLUMNS = ("number", "printed_x_mm", "printed_y_mm", "x_mm", "y_mm", "z_m
 
 
 @export_format("CSV", ".csv", "table")
-def write(path: Path, needles: tuple[Needle, ...]) -> None:
+def write_needle_table(path: Path, needles: tuple[Needle, ...]) -> None:
     """Write needles, a line each; places in space that are not known are empty."""
     with path.open("w", encoding="utf-8", newline="") as stream:
         table = csv.writer(stream, lineterminator="\n")

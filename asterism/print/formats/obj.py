@@ -11,7 +11,7 @@ from asterism.shape.shape import Shape
 from pattern.geometry.arrays import Floats, Ints
 
 
-def write(path: Path, points: Floats, triangles: Ints) -> None:
+def write_obj(path: Path, points: Floats, triangles: Ints) -> None:
     """Write triangles (m, 3) over points (n, 3) mm."""
     with path.open("w", encoding="ascii", newline="\n") as stream:
         stream.write("# unit: mm\n")
@@ -20,6 +20,6 @@ def write(path: Path, points: Floats, triangles: Ints) -> None:
 
 
 @export_format("OBJ", ".obj", "shape")
-def write_shape(path: Path, shape: Shape, name: str) -> None:
+def write_shape_obj(path: Path, shape: Shape, name: str) -> None:
     """Write the sheet in space; the format has no place for its name."""
-    write(path, shape.positions, shape.triangles)
+    write_obj(path, shape.positions, shape.triangles)

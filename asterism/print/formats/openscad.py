@@ -25,7 +25,7 @@ union() for (s = stars) star(s);
 
 
 @export_format("OpenSCAD", ".scad", "script")
-def write(path: Path, job: Job) -> None:
+def write_openscad(path: Path, job: Job) -> None:
     """Write the stars of a job in the printer's coordinates."""
     lines = [f"// {one_line(job.design.name)}: stars for the {one_line(job.printer.name)}, in mm", f"// {HEADING}", ""]
     lines.append("stars = [")

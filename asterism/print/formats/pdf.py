@@ -28,7 +28,7 @@ _POINTS = 72 / _INCH
 
 
 @export_format("PDF", ".pdf", "pages")
-def write(path: Path, drawings: Sequence[Drawing]) -> None:
+def write_pdf(path: Path, drawings: Sequence[Drawing]) -> None:
     """Write drawings as pages, without a date; signs that the font lacks are boxes."""
     with (
         warnings.catch_warnings(),

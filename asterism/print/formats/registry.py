@@ -9,7 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
-Kind = Literal["solid", "print", "drawing", "pages", "table", "script", "shape"]
+FormatKind = Literal["solid", "print", "drawing", "pages", "table", "script", "shape"]
 Writer = TypeVar("Writer", bound=Callable[..., None])
 
 
@@ -28,14 +28,14 @@ class ExportFormat:
 
     name: str
     suffix: str
-    kind: Kind
+    kind: FormatKind
     write: Callable[..., None]
 
 
 _FORMATS: list[ExportFormat] = []
 
 
-def export_format(name: str, suffix: str, *kinds: Kind) -> Callable[[Writer], Writer]:
+def export_format(name: str, suffix: str, *kinds: FormatKind) -> Callable[[Writer], Writer]:
     """Register the decorated function as the writer of a format.
 
     The function takes the path, and by its kind: a `Solid`; solids and a title (print); a `Drawing`; drawings (pages);
@@ -49,7 +49,7 @@ def export_format(name: str, suffix: str, *kinds: Kind) -> Callable[[Writer], Wr
     return register
 
 
-def export_formats(kind: Kind) -> list[ExportFormat]:
+def export_formats(kind: FormatKind) -> list[ExportFormat]:
     """The registered formats of a kind, in the order of their suffixes.
 
     Examples
@@ -65,7 +65,7 @@ def export_formats(kind: Kind) -> list[ExportFormat]:
     return sorted((found for found in _FORMATS if found.kind == kind), key=lambda found: found.suffix)
 
 
-def write_all(kind: Kind, folder: Path, stem: str, *content: Any) -> None:
+def write_all(kind: FormatKind, folder: Path, stem: str, *content: Any) -> None:
     """Write one file in each format of a kind."""
     for found in export_formats(kind):
         found.write(folder / f"{stem}{found.suffix}", *content)

@@ -13,7 +13,7 @@ from asterism.shape.shape import Shape
 from pattern.geometry.arrays import Floats, Ints
 
 
-def write(path: Path, points: Floats, triangles: Ints) -> None:
+def write_stl(path: Path, points: Floats, triangles: Ints) -> None:
     """Write triangles (m, 3) over points (n, 3) mm."""
     a, b, c = (points[triangles[:, k]] for k in range(3))
     normals = np.cross(b - a, c - a)
@@ -28,10 +28,10 @@ def write(path: Path, points: Floats, triangles: Ints) -> None:
 @export_format("STL", ".stl", "solid")
 def write_solid(path: Path, solid: Solid) -> None:
     """Write a solid."""
-    write(path, solid.points, solid.triangles)
+    write_stl(path, solid.points, solid.triangles)
 
 
 @export_format("STL", ".stl", "shape")
-def write_shape(path: Path, shape: Shape, name: str) -> None:
+def write_shape_stl(path: Path, shape: Shape, name: str) -> None:
     """Write the sheet in space; the format has no place for its name."""
-    write(path, shape.positions, shape.triangles)
+    write_stl(path, shape.positions, shape.triangles)

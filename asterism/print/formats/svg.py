@@ -20,7 +20,7 @@ _ANCHOR = {"left": "start", "middle": "middle"}
 
 
 @export_format("SVG", ".svg", "drawing")
-def write(path: Path, drawing: Drawing) -> None:
+def write_svg(path: Path, drawing: Drawing) -> None:
     """Write a drawing; coordinates to a tenth of a micrometre."""
     width, height = (_number(side) for side in drawing.size_mm)
     root = xml.Element(

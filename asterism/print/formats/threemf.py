@@ -25,7 +25,7 @@ _LONG_AGO = (1980, 1, 1, 0, 0, 0)
 
 
 @export_format("3MF", ".3mf", "print")
-def write(path: Path, solids: Sequence[Solid], title: str) -> None:
+def write_3mf(path: Path, solids: Sequence[Solid], title: str) -> None:
     """Write solids as objects of one print; coordinates to a tenth of a micrometre."""
     files = {
         "[Content_Types].xml": _content_types(),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from asterism.results.record import Record, key
-from asterism.results.words import direction, extent, height_error, roll
+from asterism.results.words import box_in_words, direction, height_error, roll
 
 
 def _height(record: ShapeRecord) -> str:
@@ -82,7 +82,7 @@ class ShapeRecord(Record):
         "axes, the largest first.",
         unit="mm",
         label="extent",
-        show=lambda record: extent(record.extent_mm),
+        show=lambda record: box_in_words(record.extent_mm),
     )
     contraction: float | None = key(
         "Mean distance of neighbouring star centres over the printed distance; null for a single star.",

@@ -55,7 +55,7 @@ class ExpressionError(ValueError):
     """A formula that cannot be evaluated; the message completes "the formula ..."."""
 
 
-def check(text: str) -> None:
+def check_expression(text: str) -> None:
     """Raise `ExpressionError` unless the formula is made of known names, numbers and operations."""
     evaluate(text, {name: np.ones(1) for name in FORMULA_VARIABLES})
 

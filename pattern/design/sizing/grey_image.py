@@ -74,19 +74,19 @@ def _eight_bits(picture: Any) -> Any:
     return reduced
 
 
-def pack(grey: Grey) -> str:
+def pack_image(grey: Grey) -> str:
     """Grey values compressed as text.
 
     Examples
     --------
-    >>> unpack(pack(np.array([[0, 255]], dtype=np.uint8)), 1, 2).tolist()
+    >>> unpack_image(pack_image(np.array([[0, 255]], dtype=np.uint8)), 1, 2).tolist()
     [[0.0, 1.0]]
     """
     return base64.b64encode(zlib.compress(grey.tobytes(), 9)).decode("ascii")
 
 
-def unpack(text: str, rows: int, columns: int) -> Floats:
-    """(rows, columns) grey values from 0 (black) to 1 (white) of a text made by `pack`.
+def unpack_image(text: str, rows: int, columns: int) -> Floats:
+    """(rows, columns) grey values from 0 (black) to 1 (white) of a text made by `pack_image`.
 
     Raises
     ------

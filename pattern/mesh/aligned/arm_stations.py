@@ -45,10 +45,10 @@ class _ArmLinks:
     taken: Ints
 
 
-Border = Callable[[Ints, Ints], tuple[Ints, Floats]]
+BorderStations = Callable[[Ints, Ints], tuple[Ints, Floats]]
 
 
-def arm_stations(layout: Layout, grid: LatticeGrid, border: Border, grading: Grading | None = None) -> Stations:
+def arm_stations(layout: Layout, grid: LatticeGrid, border: BorderStations, grading: Grading | None = None) -> Stations:
     """Spread every arm evenly over grid edges, and the gap behind its tip over those left on its link.
 
     A grading decides where vertices lie on an arm; then the gaps stay free.
@@ -95,7 +95,7 @@ def arm_stations(layout: Layout, grid: LatticeGrid, border: Border, grading: Gra
     return Stations(centres, arms, np.concatenate(ij), np.concatenate(places))
 
 
-def _links(layout: Layout, grid: LatticeGrid, border: Border) -> _ArmLinks:
+def _links(layout: Layout, grid: LatticeGrid, border: BorderStations) -> _ArmLinks:
     """The link of every arm: up to the lattice point at or behind its tip, or to the border."""
     centres, step, length = grid.centres(layout), grid.directions(layout), layout.arm_length
     start, centre = centres[layout.arm_star], layout.centres[layout.arm_star]

@@ -10,7 +10,7 @@ from pattern.design.errors import MeshError
 from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import distance_to_outline, inside, mean_circumcentres, triangle_angles
 from pattern.layout.layout import Layout
-from pattern.mesh.aligned.arm_stations import Border, arm_stations
+from pattern.mesh.aligned.arm_stations import BorderStations, arm_stations
 from pattern.mesh.aligned.grid_motion import moved, prescribed
 from pattern.mesh.aligned.lattice_grid import ON_LINE_TOLERANCE, GridPatch, LatticeGrid
 from pattern.mesh.free.triangulate import triangulate
@@ -89,7 +89,7 @@ def _patch_around(layout: Layout, grid: LatticeGrid) -> GridPatch:
     return GridPatch(grid, ij[near])
 
 
-def _ends_on_border(layout: Layout, grid: LatticeGrid, tolerance: float) -> Border:
+def _ends_on_border(layout: Layout, grid: LatticeGrid, tolerance: float) -> BorderStations:
     """For arms that end on the outline: their number of edges and their tip."""
     steps = grid.directions(layout)
     on = distance_to_outline(layout.arm_tip, layout.outline) <= tolerance

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pattern.design.errors import MeshError
 from pattern.geometry.arrays import Floats, Ints
-from pattern.geometry.planar import cross
+from pattern.geometry.planar import cross_2d
 from pattern.geometry.plane_lattice import GRID_DIRECTIONS
 from pattern.layout.layout import Layout
 from pattern.mesh.aligned.springs import means_of_neighbours
@@ -71,7 +71,7 @@ class LatticeGrid:
         unit = step / np.linalg.norm(step, axis=1, keepdims=True)
         arm = layout.arm_tip - layout.centres[layout.arm_star]
         best = np.argmax(arm @ unit.T, axis=1)
-        off = np.abs(cross(arm, unit[best])) > ON_LINE_TOLERANCE * np.linalg.norm(self.basis[0])
+        off = np.abs(cross_2d(arm, unit[best])) > ON_LINE_TOLERANCE * np.linalg.norm(self.basis[0])
         if off.any():
             star = layout.star_number[layout.arm_star[np.argmax(off)]]
             raise MeshError(f"an arm of star {star} does not lie on a line of the lattice")

@@ -261,8 +261,8 @@ def test_no_equilibrium_is_status_one(tmp_path: Path, capsys, monkeypatch: pytes
     """A state that is not converged is written, said to be none, and ends with status 1."""
     import discrete.release.levels
 
-    find = discrete.release.levels.find_equilibrium
-    monkeypatch.setattr("asterism.exact.simulation.find_equilibrium", lambda *a, **k: find(*a, **k, max_iterations=1))
+    find = discrete.release.levels.solve_on_meshes
+    monkeypatch.setattr("asterism.exact.simulation.solve_on_meshes", lambda *a, **k: find(*a, **k, max_iterations=1))
     (tmp_path / "d.toml").write_text(SMALL)
     stopped = command(["simulate", str(tmp_path / "d.toml"), "-o", str(tmp_path / "out")], capsys, monkeypatch)
     assert stopped.status == 1

@@ -22,8 +22,8 @@ from asterism.previews.session import Preview
 from asterism.previews.supports.conditions import weight
 from asterism.previews.uncertainty.estimate import estimate_error
 from asterism.previews.uncertainty.other_forms import OtherForm, close_form
-from asterism.previews.warnings import warnings
-from asterism.shape.comparison import compare
+from asterism.previews.warnings import preview_warnings
+from asterism.shape.comparison import compare_shapes
 from equilibrium.clock import Clock
 from homogenize.errors import LawError
 from homogenize.law.law_table import QUANTITY_NAMES
@@ -131,8 +131,8 @@ def test_an_edit_gives_the_shape_of_a_new_preview() -> None:
 def test_softness_is_known_after_edits_and_pins_too(step: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """No edit waits for it; it is found once, when a summary is asked for."""
     asked: list[None] = []
-    find = solve_module.softest_modes
-    monkeypatch.setattr(solve_module, "softest_modes", lambda *given: asked.append(None) or find(*given))
+    find = solve_module.softest_shell_modes
+    monkeypatch.setattr(solve_module, "softest_shell_modes", lambda *given: asked.append(None) or find(*given))
     pins = [{"edges": [0]}, {"points_mm": [[0.0, -60.0]], "target_mm": [[0.0, -45.0, 5.0]], "step": step}]
     one, other = (design(stars={"thickness_mm": t}, pins=pins, mesh={"edge_mm": 4.0}) for t in (0.3, 0.303))
     preview, fresh = Preview(one, plain_law()), Preview(other, plain_law())
@@ -496,7 +496,7 @@ def test_the_exact_model_agrees(name: str, percent: float) -> None:
     """Signs, sides, axes and sizes at once: only turns and the design's own symmetries are taken out."""
     plan = gallery.load(name)
     shown, exact = asterism.preview(plan), asterism.simulate(plan)
-    found = compare(exact, shown, layout(plan), symmetries(plan, layout(plan)))
+    found = compare_shapes(exact, shown, layout(plan), symmetries(plan, layout(plan)))
     assert found.rms_percent < percent
 
 
@@ -688,7 +688,7 @@ def test_a_lower_form_is_not_called_nearly_as_low(curly: Preview) -> None:
         for form in (high, low)
     )
     near, below = (
-        next(line for line in warnings(curly.state, each, None, 0, 10.0) if "another form, " in line)
+        next(line for line in preview_warnings(curly.state, each, None, 0, 10.0) if "another form, " in line)
         for each in estimates
     )
     assert "nearly the same energy (-1.0 %)" in near and "9 % of the diameter" in near

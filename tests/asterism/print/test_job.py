@@ -11,7 +11,7 @@ import pytest
 import shapely
 
 from asterism.print.arm_pieces import _height_steps
-from asterism.print.formats.needle_table import write
+from asterism.print.formats.needle_table import write_needle_table
 from asterism.print.print_cost import print_cost
 from asterism.print.profiles import load_printer
 from asterism.print.rounded import better_layers, choose_rounding, size_changes, tiny_stars
@@ -191,7 +191,7 @@ def test_needles_that_slide_along_z_have_a_place_and_no_height(tmp_path: Path) -
     held, slides = job(design(pins=pins)).needles
     assert held.height_mm == 3.0 and slides.height_mm is None and not slides.is_raised
     assert slides.place is not None and slides.place[:2] == pytest.approx(0.8 * slides.printed)
-    write(tmp_path / "needles.csv", (held, slides))
+    write_needle_table(tmp_path / "needles.csv", (held, slides))
     rows = [line.split(",") for line in (tmp_path / "needles.csv").read_text().splitlines()]
     assert rows[1][3:6] == ["30.000", "4.000", "3.000"]
     assert [float(text) for text in rows[2][3:5]] == pytest.approx(0.8 * slides.printed, abs=1e-3)

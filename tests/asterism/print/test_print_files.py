@@ -9,14 +9,15 @@ import numpy as np
 import pytest
 import trimesh
 
-from asterism.print.formats import stl, threemf
+from asterism.print.formats.stl import write_stl
+from asterism.print.formats.threemf import write_3mf
 from tests.asterism.print.jobs import design, job
 
 
 def test_stl_is_watertight_and_in_place(tmp_path: Path) -> None:
     one = job()
     for solid in one.solids:
-        stl.write(tmp_path / "a.stl", solid.points, solid.triangles)
+        write_stl(tmp_path / "a.stl", solid.points, solid.triangles)
         mesh = trimesh.load_mesh(tmp_path / "a.stl")
         assert mesh.is_watertight and mesh.is_winding_consistent
         assert mesh.volume == pytest.approx(solid.volume_mm3, rel=1e-5)
@@ -29,7 +30,7 @@ def test_stl_is_watertight_and_in_place(tmp_path: Path) -> None:
 def test_3mf_passes_the_strict_reader_of_its_makers(tmp_path: Path) -> None:
     lib3mf = pytest.importorskip("lib3mf")
     one = job(design(name='<small> & "ä" 名'))
-    threemf.write(tmp_path / "a.3mf", one.solids, one.design.name)
+    write_3mf(tmp_path / "a.3mf", one.solids, one.design.name)
     model = lib3mf.get_wrapper().CreateModel()
     reader = model.QueryReader("3mf")
     reader.SetStrictModeActive(True)
@@ -57,8 +58,8 @@ def test_3mf_passes_the_strict_reader_of_its_makers(tmp_path: Path) -> None:
 
 def test_3mf_says_millimetres_and_has_no_transforms(tmp_path: Path) -> None:
     """Several slicers take the unit for the vertices and not for transforms."""
-    threemf.write(tmp_path / "a.3mf", job().solids, "small")
-    threemf.write(tmp_path / "b.3mf", job().solids, "small")
+    write_3mf(tmp_path / "a.3mf", job().solids, "small")
+    write_3mf(tmp_path / "b.3mf", job().solids, "small")
     assert (tmp_path / "a.3mf").read_bytes() == (tmp_path / "b.3mf").read_bytes()
     with zipfile.ZipFile(tmp_path / "a.3mf") as package:
         assert package.namelist()[0] == "[Content_Types].xml"

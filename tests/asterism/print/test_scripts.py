@@ -14,7 +14,8 @@ import pytest
 import shapely
 import trimesh
 
-from asterism.print.formats import icesl, openscad
+from asterism.print.formats.icesl import write_icesl
+from asterism.print.formats.openscad import write_openscad
 from asterism.print.job import Job
 from tests.asterism.print.jobs import design, job
 
@@ -38,7 +39,7 @@ def volume(prisms: list[tuple[float, shapely.Polygon]]) -> float:
 
 def test_lua_runs_and_makes_the_stars(tapered: Job, tmp_path: Path) -> None:
     lupa = pytest.importorskip("lupa")
-    icesl.write(tmp_path / "stars.lua", tapered)
+    write_icesl(tmp_path / "stars.lua", tapered)
     lua = lupa.LuaRuntime()
     emitted: list[Any] = []
 
@@ -67,7 +68,7 @@ def test_lua_runs_and_makes_the_stars(tapered: Job, tmp_path: Path) -> None:
 
 
 def test_the_table_of_openscad_holds_the_stars(tapered: Job, tmp_path: Path) -> None:
-    openscad.write(tmp_path / "stars.scad", tapered)
+    write_openscad(tmp_path / "stars.scad", tapered)
     text = (tmp_path / "stars.scad").read_text()
     table = ast.literal_eval(re.search(r"stars = (\[.*?\n\]);", text, re.DOTALL)[1])
     assert len(table) == len(tapered.plan.centres)
@@ -82,7 +83,7 @@ def test_the_table_of_openscad_holds_the_stars(tapered: Job, tmp_path: Path) -> 
 
 @pytest.mark.skipif(shutil.which("openscad") is None, reason="OpenSCAD is not installed")
 def test_openscad_itself_makes_the_solid_of_the_stl(tapered: Job, tmp_path: Path) -> None:
-    openscad.write(tmp_path / "stars.scad", tapered)
+    write_openscad(tmp_path / "stars.scad", tapered)
     command = ["openscad", "-o", str(tmp_path / "stars.off"), str(tmp_path / "stars.scad")]
     subprocess.run(command, check=True, capture_output=True, timeout=300)
     mesh, solid = trimesh.load_mesh(tmp_path / "stars.off"), tapered.solids[0]
@@ -93,8 +94,8 @@ def test_openscad_itself_makes_the_solid_of_the_stl(tapered: Job, tmp_path: Path
 
 def test_a_name_stays_within_its_comment(tmp_path: Path) -> None:
     one = job(design(name="ring ]] } ' \" -- //"))
-    icesl.write(tmp_path / "a.lua", one)
-    openscad.write(tmp_path / "a.scad", one)
+    write_icesl(tmp_path / "a.lua", one)
+    write_openscad(tmp_path / "a.scad", one)
     for file, sign in (("a.lua", "--"), ("a.scad", "//")):
         first, second, *_ = (tmp_path / file).read_text().splitlines()
         assert first.startswith(f"{sign} ring ]] }} ' \" -- //: stars") and second.startswith(sign)

@@ -15,7 +15,9 @@ import shapely
 
 from asterism.print import sheets
 from asterism.print.drawing import Drawing, Label, Polyline
-from asterism.print.formats import dxf, pdf, svg
+from asterism.print.formats.dxf import write_dxf
+from asterism.print.formats.pdf import write_pdf
+from asterism.print.formats.svg import write_svg
 from asterism.print.job import Job
 from tests.asterism.print import measure
 from tests.asterism.print.jobs import design, job
@@ -36,10 +38,10 @@ def folder(one: Job, tmp_path_factory: pytest.TempPathFactory) -> Path:
     template = sheets.needle_sheet(one)
     assert template is not None
     pages = [sheets.layout_sheet(one), sheets.stretch_sheet(one), template]
-    pdf.write(path / "layout.pdf", pages)
-    svg.write(path / "layout.svg", pages[0])
-    dxf.write(path / "layout.dxf", pages[0])
-    dxf.write(path / "needles.dxf", template)
+    write_pdf(path / "layout.pdf", pages)
+    write_svg(path / "layout.svg", pages[0])
+    write_dxf(path / "layout.dxf", pages[0])
+    write_dxf(path / "needles.dxf", template)
     return path
 
 
@@ -71,7 +73,7 @@ def test_pages_are_a3_with_the_papers_frame(folder: Path) -> None:
 
 def test_pages_grow_with_the_frame(tmp_path: Path) -> None:
     large = job(printer={"frame": {"size_mm": [400.0, 350.0], "plate_mm": 4.0}})
-    pdf.write(tmp_path / "a.pdf", [sheets.layout_sheet(large)])
+    write_pdf(tmp_path / "a.pdf", [sheets.layout_sheet(large)])
     assert measure.pdf_size_mm(tmp_path / "a.pdf", 0) == pytest.approx((560.0, 387.0), abs=SAME_MM)
 
 
@@ -231,7 +233,7 @@ def texts(page: Drawing) -> list[str]:
 def test_every_text_of_a_pdf_is_there_once(tmp_path: Path) -> None:
     """Numbers of needles have white around them, which is no text."""
     drawing = sheets.layout_sheet(job())
-    pdf.write(tmp_path / "a.pdf", [drawing])
+    write_pdf(tmp_path / "a.pdf", [drawing])
     texts = [item.text for item in drawing.items if isinstance(item, Label)]
     assert Counter(measure.pdf_words(tmp_path / "a.pdf", 0)) == Counter(" ".join(texts).split())
 
@@ -240,13 +242,14 @@ WRITES = """
 import sys
 import numpy as np
 from pathlib import Path
-from asterism.print.formats import dxf, pdf
+from asterism.print.formats.dxf import write_dxf
+from asterism.print.formats.pdf import write_pdf
 from asterism.print.drawing import Drawing, Label, rectangle
 from asterism.print.layers import CUT, TEXT
 items = (rectangle(CUT, (10.0, 10.0)), Label(TEXT, np.zeros(2), "Kuppel"))
 drawing = Drawing("a", np.full(2, -9.0), np.full(2, 9.0), items)
-dxf.write(Path(sys.argv[1]) / "a.dxf", drawing)
-pdf.write(Path(sys.argv[1]) / "a.pdf", [drawing])
+write_dxf(Path(sys.argv[1]) / "a.dxf", drawing)
+write_pdf(Path(sys.argv[1]) / "a.pdf", [drawing])
 """
 
 
@@ -265,5 +268,5 @@ def test_the_same_drawing_is_the_same_file(tmp_path: Path) -> None:
 def test_dates_of_other_dxf_files_stay(tmp_path: Path) -> None:
     import ezdxf
 
-    dxf.write(tmp_path / "a.dxf", sheets.layout_sheet(job()))
+    write_dxf(tmp_path / "a.dxf", sheets.layout_sheet(job()))
     assert not ezdxf.options.write_fixed_meta_data_for_testing

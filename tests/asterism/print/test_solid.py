@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from asterism.print.arm_pieces import arm_pieces
 from asterism.print.arm_regions import border_terrace, star_terraces
-from asterism.print.formats import stl
+from asterism.print.formats.stl import write_stl
 from asterism.print.solid import GRID_MM, Solid, Terrace, nested_terraces, terraced_solid
 from pattern.design.design import Design
 from pattern.design.rounding import Rounding
@@ -168,6 +168,6 @@ def test_stars_of_many_kinds_are_watertight_in_single_precision(
     border = {"rectangle_mm": [90.0, 70.0]}
     one = job(design(fabric={}, lattice=lattice, stars=stars, border=border, pins=[]), turn_deg=17.3 if taper else 0.0)
     for solid, steps in zip(one.solids, (one.stars, (one.border,)), strict=True):
-        stl.write(tmp_path / "a.stl", solid.points, solid.triangles)
+        write_stl(tmp_path / "a.stl", solid.points, solid.triangles)
         assert trimesh.load_mesh(tmp_path / "a.stl").is_watertight
         assert solid.volume_mm3 == pytest.approx(volume(steps), rel=1e-7)

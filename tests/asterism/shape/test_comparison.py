@@ -12,9 +12,9 @@ from scipy.spatial.transform import Rotation
 
 from asterism.exact.simulation import simulate
 from asterism.shape.cell_mean import CellMean
-from asterism.shape.comparison import Comparison, compare, image
+from asterism.shape.comparison import Comparison, compare_shapes, image
 from asterism.shape.diameter import diameter
-from asterism.shape.surface_fields import triangle_areas
+from asterism.shape.surface_fields import surface_triangle_areas
 from asterism.verification.numbers import alike
 from pattern.design.design import Design
 from pattern.layout.build import layout
@@ -29,7 +29,7 @@ UNLIKE = design(stars={"length_mm": {"profile": "axis", "axis": "x", "from": 8.0
 
 def compared(of: Design, one, other) -> Comparison:
     plan = layout(of)
-    return compare(one, other, plan, symmetries(of, plan))
+    return compare_shapes(one, other, plan, symmetries(of, plan))
 
 
 def test_a_shape_is_at_no_distance_from_itself():
@@ -141,7 +141,7 @@ def test_weight_says_how_a_sheet_hangs():
     turn = Rotation.from_euler("z", 70, degrees=True).as_matrix()
     turned, tilted = (replace(one, positions=one.positions @ motion.T) for motion in (turn, TILTED))
     for gravity, free, off in ((None, 3, False), ((0.0, 0.0, -1.0), 1, True)):
-        found = [compare(one, other, plan, symmetries(held, plan), gravity) for other in (turned, tilted)]
+        found = [compare_shapes(one, other, plan, symmetries(held, plan), gravity) for other in (turned, tilted)]
         assert found[0].free_motions == free
         assert found[0].max_mm == pytest.approx(0.0, abs=1e-7)
         assert (found[1].rms_percent > 1.0) is off
@@ -166,7 +166,7 @@ def test_images_of_a_supported_sheet_stand_on_its_supports(pins):
     for symmetry in same:
         other = image(one, symmetry)
         np.testing.assert_allclose(other.at(plan.outline), pin.places(plan.outline), atol=1e-9)
-        found = compare(one, other, plan, same)
+        found = compare_shapes(one, other, plan, same)
         assert found.max_percent < 1e-6 and found.max_stars_percent < 1e-6
 
 
@@ -179,7 +179,7 @@ def test_images_under_the_designs_symmetries_are_the_same_shape(number):
     one, symmetry = shape(UNIFORM, lumpy), same[number]
     flip = [-1.0 if symmetry.mirrors else 1.0, 1.0, 1.0]
     image = replace(one, positions=one.at(one.printed @ symmetry.turn.T + symmetry.shift) * flip)
-    found = compare(one, image, plan, same)
+    found = compare_shapes(one, image, plan, same)
     # the inverse of the symmetry brings it back
     assert np.allclose(found.symmetry.turn, symmetry.turn.T, atol=1e-9)
     assert found.max_percent < 1e-6 and found.max_stars_percent < 1e-6
@@ -234,7 +234,7 @@ def test_volume_under_a_cap():
     of = design(border={"rings": 4})
     caps = [shape(of, lambda p, s=s: np.column_stack([p, -s * (p**2).sum(axis=1) / 200.0]), 3.0) for s in (1.0, 2.0)]
     one, other = compared(of, *caps).volumes_mm3
-    area = triangle_areas(caps[0].printed, caps[0].triangles).sum()
+    area = surface_triangle_areas(caps[0].printed, caps[0].triangles).sum()
     # the mean over cells takes a little off at the outline
     assert one == pytest.approx(area**2 / np.pi / 200.0 / 2.0, rel=0.2)
     assert other == pytest.approx(2.0 * one, rel=0.02)

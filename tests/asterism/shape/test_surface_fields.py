@@ -53,11 +53,11 @@ def test_curvature_is_undefined_on_the_border_only() -> None:
 
 def test_vertex_areas_add_up_to_the_sheet() -> None:
     shape = sheets.sheet(sheets.saddle)
-    total = fields.triangle_areas(shape.positions, shape.triangles).sum()
+    total = fields.surface_triangle_areas(shape.positions, shape.triangles).sum()
     areas = fields.vertex_areas(shape.positions, shape.triangles)
     assert areas.sum() == pytest.approx(total, rel=1e-12)
     assert areas.min() > 0
-    assert fields.triangle_areas(shape.printed, shape.triangles).sum() == pytest.approx(8000, rel=1e-12)
+    assert fields.surface_triangle_areas(shape.printed, shape.triangles).sum() == pytest.approx(8000, rel=1e-12)
 
 
 def test_gauss_bonnet_on_a_closed_surface() -> None:

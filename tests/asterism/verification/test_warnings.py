@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from asterism.shape.comparison import compare
+from asterism.shape.comparison import compare_shapes
 from asterism.verification.verification import Verification
-from asterism.verification.warnings import warnings
+from asterism.verification.warnings import verification_warnings
 from pattern.geometry.arrays import Floats
 from pattern.layout.build import layout
 from pattern.layout.symmetries import symmetries
@@ -35,13 +35,17 @@ def bowl(depth: float) -> Any:
 @cache
 def bowls(exact: float, preview: float) -> Verification:
     one, other = replace(shape(OF, bowl(exact)), summary=EXACT), shape(OF, bowl(preview))
-    return Verification(OF, other, {"release": one}, {"release": compare(one, other, PLAN, symmetries(OF, PLAN))})
+    return Verification(
+        OF, other, {"release": one}, {"release": compare_shapes(one, other, PLAN, symmetries(OF, PLAN))}
+    )
 
 
 def said(depths: tuple[float, float] = (0.01, 0.01), preview: dict[str, Any] | None = None, **exact: Any) -> list[str]:
     found = bowls(*depths)
     one = replace(found.exact["release"], summary=EXACT | exact)
-    return warnings(replace(found, preview=replace(found.preview, summary=preview or {}), exact={"release": one}), 0.0)
+    return verification_warnings(
+        replace(found, preview=replace(found.preview, summary=preview or {}), exact={"release": one}), 0.0
+    )
 
 
 def test_nothing_is_said_of_shapes_that_are_alike() -> None:
@@ -107,7 +111,7 @@ def with_other(apart: float, one: dict[str, Any], other: dict[str, Any]) -> list
         for name, own in (("release", one), ("preview", other))
     }
     both = replace(found, exact=shapes, comparisons=dict.fromkeys(shapes, found.comparison))
-    return warnings(both, apart)
+    return verification_warnings(both, apart)
 
 
 @pytest.mark.parametrize(

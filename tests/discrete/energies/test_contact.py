@@ -13,7 +13,7 @@ from discrete.energies.elements import Array
 from discrete.model.contact_model import ContactModel
 from discrete.model.discrete_model import DiscreteModel
 from discrete.model.state import State, moved_state
-from discrete.release.levels import find_equilibrium
+from discrete.release.levels import solve_on_meshes
 from discrete.release.single_mesh import solve_on_mesh
 from equilibrium.errors import BackendError
 from equilibrium.linear.extended_pattern import ExtendedPattern
@@ -235,11 +235,11 @@ def test_the_same_digits_on_the_second_run() -> None:
 
 @pytest.mark.slow
 def test_finer_meshes_stay_apart() -> None:
-    from discrete.release.levels import find_equilibrium
+    from discrete.release.levels import solve_on_meshes
 
     sheet = model(ContactModel, 2, edge=1.5)
     assert isinstance(sheet, ContactModel)
-    found, levels = find_equilibrium(sheet)
+    found, levels = solve_on_meshes(sheet)
     assert len(levels) == 3 and found.is_minimum
     assert self_intersections(found.state.positions, sheet.mesh.triangles) == 0
 
@@ -314,7 +314,7 @@ def test_a_start_that_passes_through_itself_is_not_taken() -> None:
     flat = sheet.flat_state()
     with pytest.raises(ValueError, match="passes through itself"):
         solve_on_mesh(sheet, moved_state(flat, sheet.edges, crossed(sheet.mesh.points), np.zeros(len(sheet.edges))))
-    near, alone = (find_equilibrium(sheet, near=start)[0] for start in (crossed, None))
+    near, alone = (solve_on_meshes(sheet, near=start)[0] for start in (crossed, None))
     assert near.is_minimum and near.energy == pytest.approx(alone.energy, rel=1e-9)
 
 

@@ -9,7 +9,7 @@ from discrete.model.discrete_model import DiscreteModel
 from discrete.model.reconstruction import rotate_vectors
 from discrete.model.state import State
 from discrete.release.extrapolation import extrapolate, rotation_vectors
-from discrete.release.levels import find_equilibrium
+from discrete.release.levels import solve_on_meshes
 from discrete.release.prolongation import plastic_normals
 from pattern import gallery
 from pattern.design.design import Design
@@ -74,7 +74,7 @@ def test_a_fine_mesh_starts_closer_to_its_minimum(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr("discrete.release.levels.COARSE_VERTICES", 250)
     plate = gallery.load("tube").to_dict()["fabric"] | {"bending": "consistent"}
     edge = 17.3205 / 16
-    found, levels = find_equilibrium(model(edge, fabric=plate, mesh={"edge_mm": edge, "graded": True}))
+    found, levels = solve_on_meshes(model(edge, fabric=plate, mesh={"edge_mm": edge, "graded": True}))
     assert found.is_minimum and len(levels) == 4 and len(starts) == 2
     for (_, without, start), level in zip(starts, levels[2:], strict=True):
         assert rms_distance(start.positions, level.positions) < 0.8 * rms_distance(without.positions, level.positions)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from discrete.model.discrete_model import DiscreteModel
-from discrete.release.levels import find_equilibrium
+from discrete.release.levels import solve_on_meshes
 from discrete.release.prolongation import prolong
 from discrete.release.single_mesh import solve_on_mesh
 from pattern import gallery
@@ -31,7 +31,7 @@ SLIT = {"polygon_mm": [[-25, -25], [25, -25], [25, -0.05], [3, 0], [25, 0.05], [
 @pytest.mark.parametrize("border", [{"rings": 1}, SLIT])
 def test_levels_agree_with_one_mesh(border: dict[str, object]) -> None:
     fine = model(1.0, border=border)
-    found, levels = find_equilibrium(fine)
+    found, levels = solve_on_meshes(fine)
     assert [level.vertices for level in levels][-1] == fine.n_vertices
     assert len(levels) == 2 and levels[0].vertices < fine.n_vertices / 2
     assert found.iterations == sum(level.iterations for level in levels)
@@ -41,7 +41,7 @@ def test_levels_agree_with_one_mesh(border: dict[str, object]) -> None:
 
 
 def test_small_models_have_one_level() -> None:
-    _, levels = find_equilibrium(model(3.0))
+    _, levels = solve_on_meshes(model(3.0))
     assert len(levels) == 1
 
 
@@ -63,5 +63,5 @@ def test_prolongation_keeps_the_length_of_the_arms_and_the_shape() -> None:
 
 
 def test_the_same_answer_on_the_second_run() -> None:
-    first, second = (find_equilibrium(model(1.0))[0] for _ in range(2))
+    first, second = (solve_on_meshes(model(1.0))[0] for _ in range(2))
     np.testing.assert_allclose(first.state.positions, second.state.positions, atol=1e-7)

@@ -9,7 +9,7 @@ from pydantic import field_validator
 
 from pattern.design.errors import DesignError
 from pattern.design.section import Text
-from pattern.design.sizing.expression import ExpressionError, check, evaluate
+from pattern.design.sizing.expression import ExpressionError, check_expression, evaluate
 from pattern.design.sizing.profile import Profile
 from pattern.geometry.arrays import Floats
 
@@ -31,7 +31,7 @@ class FormulaProfile(Profile):
     @classmethod
     def _is_readable(cls, text: str) -> str:
         try:
-            check(text)
+            check_expression(text)
         except ExpressionError as problem:
             raise DesignError("", str(problem), text) from None
         return text

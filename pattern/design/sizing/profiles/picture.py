@@ -12,7 +12,7 @@ from pydantic import Field, ValidationInfo, model_validator
 from pydantic_core import PydanticCustomError
 
 from pattern.design.section import Number, Point, Text, Whole
-from pattern.design.sizing.grey_image import MAX_PIXELS_A_SIDE, ImageError, pack, read_grey, unpack
+from pattern.design.sizing.grey_image import MAX_PIXELS_A_SIDE, ImageError, pack_image, read_grey, unpack_image
 from pattern.design.sizing.profile import Profile
 from pattern.geometry.arrays import Floats
 
@@ -52,7 +52,7 @@ class PictureProfile(Profile):
             grey = read_grey(folder / data["image"])
         except ImageError as problem:
             raise _error("image", str(problem), data["image"]) from None
-        return {**data, "pixels": grey.shape[::-1], "grey": pack(grey)}
+        return {**data, "pixels": grey.shape[::-1], "grey": pack_image(grey)}
 
     @model_validator(mode="after")
     def _is_complete(self) -> PictureProfile:
@@ -70,7 +70,7 @@ class PictureProfile(Profile):
     def _grey_values(self) -> Floats:
         """(rows, columns) 0 to 1, rows from the top."""
         columns, rows = self.pixels or (0, 0)
-        return unpack(self.grey or "", rows, columns)
+        return unpack_image(self.grey or "", rows, columns)
 
     def at(self, points: Floats) -> Floats:
         """(n,) values at the printed points (n, 2) mm."""

@@ -9,7 +9,7 @@ import pytest
 import scipy.sparse as sp
 
 from asterism.exact.simulation import simulate
-from asterism.previews.edges.rim_arms import arm_curvature, carried
+from asterism.previews.edges.rim_arms import arm_curvature, rim_curvature_share
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.session import Preview
@@ -55,11 +55,11 @@ def test_arms_carry_on_what_the_fabric_before_them_allows() -> None:
     plan = layout(design)
     directions = np.asarray(design.lattice.arm_directions)
     assert len(plan.centres) == 1
-    part = carried(plan, directions)[0]
+    part = rim_curvature_share(plan, directions)[0]
     assert part[np.abs(directions[:, 0]) > 0.5] == pytest.approx(0.5)
     assert part[directions[:, 1] < -0.9] == pytest.approx(0.1)
     # stars of a hexagon: arms that lead to others, and those of the last stars
-    parts = carried(PLAN, np.asarray(TUBE.lattice.arm_directions))
+    parts = rim_curvature_share(PLAN, np.asarray(TUBE.lattice.arm_directions))
     middle = int(np.linalg.norm(PLAN.centres, axis=1).argmin())
     assert parts[middle] == pytest.approx(AMONG)
     outwards = (np.sqrt(0.75) - NONE) / (ALL - NONE)
@@ -70,7 +70,7 @@ def test_arms_between_the_lattice_lines_lead_to_other_stars() -> None:
     design = Design.from_dict(TUBE.to_dict() | {"lattice": {"orientation_deg": 30.0}})
     plan = layout(design)
     middle = int(np.linalg.norm(plan.centres, axis=1).argmin())
-    assert carried(plan, np.asarray(design.lattice.arm_directions))[middle] == pytest.approx(AMONG)
+    assert rim_curvature_share(plan, np.asarray(design.lattice.arm_directions))[middle] == pytest.approx(AMONG)
 
 
 def test_corners_under_arms_hang_from_a_free_hexagon() -> None:
@@ -123,7 +123,7 @@ def test_no_arm_carries_on_more_than_all_of_its_curvature() -> None:
     design = Design.from_dict(TUBE.to_dict() | {"border": {"rectangle_mm": [90.0, 90.0], "star_margin_mm": 35.0}})
     plan = layout(design)
     assert len(plan.centres) == 1
-    assert carried(plan, np.asarray(design.lattice.arm_directions)) == pytest.approx(1.0)
+    assert rim_curvature_share(plan, np.asarray(design.lattice.arm_directions)) == pytest.approx(1.0)
 
 
 def test_a_rim_curls_along_an_arm_as_far_as_its_star_reaches() -> None:

@@ -13,7 +13,7 @@ from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL
 from fem.elements.tabulation import Floats
 from homogenize.errors import LawError
-from homogenize.law.axes import star_sizes
+from homogenize.law.axes import law_coordinates
 from homogenize.law.law_table import QUANTITY_NAMES
 from pattern import gallery
 from pattern.design.design import Design
@@ -170,7 +170,7 @@ def test_an_arm_cut_short_counts_as_it_is() -> None:
     data = TUBE.to_dict() | {"border": {"rectangle_mm": [46.0, 60.0], "star_margin_mm": 5.0}}
     design = Design.from_dict(data)
     plan = layout(design)
-    sizes = star_sizes(plan, 3)
+    sizes = law_coordinates(plan, 3)
     assert sizes[:, 0].min() < 9.9 < sizes[:, 0].max() == pytest.approx(10.0)
     assert sizes[:, 1:] == pytest.approx(np.tile([0.4, 1.2], (len(sizes), 1)))
 

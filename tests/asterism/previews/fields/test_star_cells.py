@@ -9,7 +9,7 @@ import pytest
 
 from asterism.previews.fields.star_cells import StarCells
 from asterism.previews.model import PREVIEW_MODEL
-from homogenize.law.axes import star_sizes
+from homogenize.law.axes import law_coordinates
 from pattern import gallery
 from pattern.design.design import Design
 from pattern.layout.build import layout
@@ -108,6 +108,6 @@ def test_a_star_is_as_thick_as_its_arms_are_on_the_mean_of_their_lengths() -> No
     centre = PLAN.centres[PLAN.arm_star]
     thickness = np.tile([[0.2, 0.4], [0.4, 0.8], [9.0, 9.0]], (COUNT, 1))
     cut = replace(PLAN, arm_tip=centre + parts[:, None] * (PLAN.arm_tip - centre), arm_thickness=thickness)
-    sizes = star_sizes(cut, 3)
-    assert sizes[:, 0] == pytest.approx(star_sizes(PLAN, 3)[:, 0] / 2.0)
+    sizes = law_coordinates(cut, 3)
+    assert sizes[:, 0] == pytest.approx(law_coordinates(PLAN, 3)[:, 0] / 2.0)
     assert sizes[:, 1] == pytest.approx((0.3 + 0.5 * 0.6) / 1.5)

@@ -9,7 +9,7 @@ from asterism.exact.simulation import simulate
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.session import Preview
 from asterism.previews.supports.point_pins import amounts_of, softened
-from asterism.shape.comparison import compare
+from asterism.shape.comparison import compare_shapes
 from benchmarks.point_pins import TURNED_DEG, exact_stiffness, measured, shell_stiffness
 from pattern import gallery
 from pattern.design.design import Design
@@ -82,7 +82,7 @@ def test_heights_depend_on_the_exact_models_mesh_and_not_on_the_shells_triangles
 def test_a_sheet_on_its_corners_is_near_the_exact_one() -> None:
     design = pinned()
     plan, exact, shown = layout(design), simulate(design), Preview(design).shape()
-    comparison = compare(exact, shown, plan, symmetries(design, plan))
+    comparison = compare_shapes(exact, shown, plan, symmetries(design, plan))
     one, other = comparison.mean_heights_mm
     assert other == pytest.approx(one, rel=0.12)
     assert comparison.rms_percent < 0.3
