@@ -229,12 +229,11 @@ class Document:
         """
         path = path or self.path
         if self.is_saved and path == self.path and path.exists():
+            self._drop_autosave()
             return
         text = self.text if path.suffix.lower() == self.path.suffix.lower() else table_text(self.table, path)
         write_file(path, text)
-        if self._has_autosave:
-            self.autosave_path.unlink(missing_ok=True)
-            self._has_autosave = False
+        self._drop_autosave()
         if path.suffix.lower() != self.path.suffix.lower():
             self._texts.clear()  # in the other format
         self.path = path
@@ -259,7 +258,12 @@ class Document:
                     self.autosave_path.replace(self._earlier_path)
             write_file(self.autosave_path, self._edited_text(self.autosave_path))
             self._has_autosave = True
-        elif self._has_autosave:
+        else:
+            self._drop_autosave()
+
+    def _drop_autosave(self) -> None:
+        """Take the autosave of this session away; that of a former one stays until it is taken or forgotten."""
+        if self._has_autosave:
             self.autosave_path.unlink(missing_ok=True)
             self._has_autosave = False
 

@@ -48,6 +48,7 @@ class History:
         self._next = 0
         self._steps = [self._step(table, "opened")]
         self._shown = 0
+        self._undone: list[Step] = []  # states that the last push dropped
 
     def _step(self, table: dict[str, Any], label: str) -> Step:
         step = Step(self._next, label, zlib.compress(json.dumps(table).encode()))
@@ -81,6 +82,7 @@ class History:
 
     def push(self, table: dict[str, Any], label: str) -> int:
         """Append a state after the shown one, drop those that were undone, and return its revision."""
+        self._undone = self._steps[self._shown + 1 :]
         del self._steps[self._shown + 1 :]
         self._steps.append(self._step(table, label))
         if len(self._steps) > MAX_STEPS:
@@ -94,9 +96,10 @@ class History:
         return self.shown.revision
 
     def drop(self) -> None:
-        """Take back the last `push`: the state before it is shown, and the one after it is forgotten."""
+        """Take back the last `push`, as if it had not been made."""
         if self._shown:
-            del self._steps[self._shown :]
+            self._steps[self._shown :] = self._undone
+            self._undone = []
             self._shown -= 1
 
     def undo(self) -> Step:

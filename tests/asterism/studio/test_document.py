@@ -1,0 +1,231 @@
+"""The document of the studio: every sequence of edits can be undone, and files keep what was not edited."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from asterism.studio.design_text import edited_text
+from asterism.studio.document import Document, autosave_path
+from asterism.studio.examples import design_files, free_name
+from equilibrium.errors import Error
+from pattern import gallery
+from pattern.design.files import read_table
+from pattern.layout.load_design import load_design
+
+SITES = st.tuples(st.integers(-4, 4), st.integers(-4, 4))
+SIZES = st.one_of(st.none(), st.floats(-1.0, 20.0), st.just(1e9))
+GESTURES = st.one_of(st.none(), st.integers(0, 2))
+CHANGES: list[dict[str, Any]] = [
+    {},
+    {"name": "another"},
+    {"name": None},
+    {"fabric.stretch": 1.75},
+    {"fabric.stretch": "wide"},
+    {"fabric.nothing": 1},
+    {"border": {"rings": 2}},
+    {"border": {"polygon_mm": [[-40.0, -40.0], [45.0, -40.0], [0.0, 50.0]]}},
+    {"border": {"polygon_mm": [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]}},
+    {"border.rings": None},
+    {"pins": None},
+    {"pins": [{"points_mm": [[0.0, 10.0]]}]},
+    {"pins": [{"points_mm": [[900.0, 0.0]]}]},
+    {"stars.length_mm": 8.5},
+    {"stars.length_mm": {"formula": "9 - abs(x)/20"}},
+    {"stars.length_mm": {"formula": "9 -"}},
+    {"stars.override": [{"star": 3, "length_mm": 6.0}]},
+    {"stars": None},
+    {"lattice.spacing_mm": 1e6},
+]
+OPERATIONS = st.one_of(
+    st.tuples(st.just("paint"), st.lists(st.tuples(SITES, SIZES, SIZES), max_size=4), GESTURES),
+    st.tuples(st.sampled_from(["remove", "restore", "reset"]), st.lists(SITES, max_size=4), GESTURES),
+    st.tuples(st.just("change"), st.sampled_from(CHANGES), GESTURES),
+    st.tuples(st.sampled_from(["undo", "redo", "end", "autosave"])),
+)
+
+
+def perform(document: Document, operation: Any) -> None:
+    """Do what a page may ask for; a refused change must leave the document as it was."""
+    before = json.dumps(document.table)
+    try:
+        match operation:
+            case ("paint", stars, gesture):
+                sizes = {"length_mm": [length for _, length, _ in stars], "thickness_mm": [h for _, _, h in stars]}
+                document.paint([site for site, _, _ in stars], sizes, gesture)
+            case ("remove" | "restore" | "reset" as kind, sites, gesture):
+                getattr(document, kind)(sites, gesture)
+            case ("change", changes, gesture):
+                document.change(changes, gesture)
+            case ("end",):
+                document.end_gesture()
+            case (kind,):
+                getattr(document, kind)()
+    except Error:
+        assert operation[0] == "end" or json.dumps(document.table) == before
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(operations=st.lists(OPERATIONS, max_size=12))
+def test_undoing_everything_gives_the_first_document_byte_for_byte(tmp_path: Path, operations: list[Any]):
+    path = tmp_path / "dome.toml"
+    original = gallery.path("dome").read_bytes()
+    path.write_bytes(original)
+    document = Document.open(path)
+    first = json.dumps(document.table)
+    for operation in operations:
+        perform(document, operation)
+    with suppress(Error):
+        document.end_gesture()
+    document.design()  # whatever happened, the document is a design
+    last, revision = json.dumps(document.table), document.revision
+    steps = 0
+    while document.history.can_undo:
+        document.undo()
+        steps += 1
+    assert json.dumps(document.table) == first and document.is_saved
+    assert document.text.encode() == original
+    document.save()
+    assert path.read_bytes() == original
+    for _ in range(steps):
+        document.redo()
+    while document.revision != revision and document.history.can_undo:
+        document.undo()
+    assert json.dumps(document.table) == last
+
+
+def test_a_refused_change_leaves_what_can_be_redone(tmp_path: Path):
+    path = tmp_path / "dome.toml"
+    path.write_bytes(gallery.path("dome").read_bytes())
+    document = Document.open(path)
+    document.change({"name": "other"})
+    document.undo()
+    for changes in ({"fabric.stretch": -1}, {"pins": [{"points_mm": [[900.0, 0.0]]}]}):
+        with pytest.raises(Error):
+            document.change(changes)
+            document.end_gesture()
+    assert document.history.can_redo and not document.history.can_undo
+    document.redo()
+    assert document.table["name"] == "other"
+
+
+@pytest.mark.parametrize("ends", ["\n", "\r\n"])
+def test_a_file_keeps_its_comments_where_it_was_not_edited(tmp_path: Path, ends: str):
+    path = tmp_path / "dome.toml"
+    text = gallery.path("dome").read_text(encoding="utf-8").replace("rings = 3", "rings = 3 # three rings")
+    path.write_bytes(text.replace("\n", ends).encode())
+    document = Document.open(path)
+    document.paint([(0, 0)], {"length_mm": [7.0]}, None)
+    document.save()
+    saved = path.read_bytes().decode()
+    assert saved.startswith("# Figure 8, bottom left") and "rings = 3 # three rings" in saved
+    assert read_table(path) == document.table
+    document.undo()
+    document.save()
+    assert path.read_bytes() == text.replace("\n", ends).encode()
+
+
+@pytest.mark.parametrize("name", gallery.names())
+def test_the_text_of_an_edited_file_holds_the_edited_table(name: str):
+    text = gallery.path(name).read_text(encoding="utf-8")
+    table = read_table(gallery.path(name))
+    assert edited_text(text, table) == text
+    for changed in (
+        {**table, "name": "other"},
+        {**table, "border": {"rings": 2}},
+        {key: value for key, value in table.items() if key != "pins"},
+        {**table, "stars": {**table["stars"], "override": [{"site": [0, 0], "length_mm": 5.0}]}},
+        {"stars": {"length_mm": 9.0, "thickness_mm": 0.3}, "border": {"rings": 1}},
+    ):
+        assert tomllib.loads(edited_text(text, changed)) == changed
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        'name = """a\n[border]\n"""\n[stars]\nlength_mm = 9.0\n[border]\nrings = 1\n',
+        "stars = { length_mm = 9.0 }\nborder = { rings = 1 }\n",
+        "stars.length_mm = 9.0\nborder.rings = 1\n",
+        '[stars]\nlength_mm = { formula = "9" } # [border]\n["border"]\nrings = 1\n',
+        "[border]\nrings = 1\n[[stars.override]]\nstar = 0\nlength_mm = 5.0\n[stars]\nlength_mm = 9.0\n",
+        "",
+    ],
+)
+def test_unusual_texts_are_written_anew_rather_than_wrong(text: str):
+    changed = {"stars": {"length_mm": 9.0}, "border": {"rings": 2}, "name": "a"}
+    assert tomllib.loads(edited_text(text, changed)) == changed
+
+
+def test_json_files_are_edited_and_autosaved(tmp_path: Path):
+    path = tmp_path / "dome.json"
+    path.write_text(json.dumps(read_table(gallery.path("dome"))), encoding="utf-8")
+    original = path.read_bytes()
+    document = Document.open(path)
+    document.paint([(0, 0)], {"length_mm": [7.0]}, None)
+    document.autosave()
+    again = Document.open(path)
+    assert again.kept_work == document.table
+    document.save()
+    assert load_design(path).stars.override[0].length_mm == 7.0
+    document.undo()
+    document.save()
+    assert path.read_bytes() == original
+
+
+def test_saving_under_another_name_goes_on_with_that_file(tmp_path: Path):
+    path = tmp_path / "dome.toml"
+    path.write_bytes(gallery.path("dome").read_bytes())
+    document = Document.open(path)
+    document.change({"name": "copy"})
+    document.save(tmp_path / "copy.json")
+    assert document.path.name == "copy.json" and document.is_saved
+    assert load_design(tmp_path / "copy.json").name == "copy"
+    assert path.read_bytes() == gallery.path("dome").read_bytes()
+
+
+def test_unsaved_work_is_never_written_over(tmp_path: Path):
+    path = tmp_path / "dome.toml"
+    path.write_bytes(gallery.path("dome").read_bytes())
+    earlier = Document.open(path)
+    earlier.change({"name": "earlier"})
+    earlier.autosave()
+    later = Document.open(path)
+    later.change({"name": "later"})
+    later.autosave()
+    kept = [read_table(file)["name"] for file in sorted(tmp_path.glob(".dome.*"))]
+    assert sorted(kept) == ["earlier", "later"]
+    later.discard()
+    later.save()
+    assert list(tmp_path.glob(".dome.*")) == []
+
+
+def test_a_sheet_that_was_never_saved_is_offered_and_keeps_its_name(tmp_path: Path):
+    path = free_name(tmp_path, "dome")
+    document = Document.copy_of(gallery.path("dome"), path)
+    document.autosave()
+    assert list(tmp_path.iterdir()) == []
+    document.change({"name": "drawn"})
+    document.autosave()
+    assert design_files(tmp_path) == ["dome.toml"]
+    assert free_name(tmp_path, "dome").name == "dome-2.toml"
+    again = Document.unsaved(path)
+    assert again.table["name"] == "drawn" and not again.is_saved and again.kept_work is None
+    again.autosave()
+    assert autosave_path(path).exists()
+    again.save()
+    assert path.exists() and not autosave_path(path).exists()
+
+
+def test_an_autosave_that_cannot_be_read_is_not_offered(tmp_path: Path):
+    path = tmp_path / "dome.toml"
+    path.write_bytes(gallery.path("dome").read_bytes())
+    for text in (b"\xff\xfe", b"[stars", b"name = 3\n", b""):
+        autosave_path(path).write_bytes(text)
+        assert Document.open(path).kept_work is None

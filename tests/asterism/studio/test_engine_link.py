@@ -1,0 +1,123 @@
+"""The link to the engine: processes that end or hang are replaced, and the design goes on with the next one."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from asterism.studio.engine_link import MAX_DEATHS, EngineLink
+from asterism.studio.messages import Busy, Edit, Frame, ShownMesh, StudioProblem
+
+QUICK = "tests.asterism.studio.quick_engines:serve"
+PATIENCE_S = 60.0
+
+
+class Links:
+    """A link and what it has passed on."""
+
+    def __init__(self, **options: Any) -> None:
+        self.messages: list[Any] = []
+        self._changed = asyncio.Event()
+        self.link = EngineLink(self._receive, self._changed.set, QUICK, **options)
+
+    def _receive(self, message: Any) -> None:
+        self.messages.append(message)
+        self._changed.set()
+
+    async def until(self, holds: Callable[[], bool]) -> None:
+        async with asyncio.timeout(PATIENCE_S):
+            while not holds():
+                self.link.watch()
+                self._changed.clear()
+                try:
+                    await asyncio.wait_for(self._changed.wait(), 0.1)
+                except TimeoutError:
+                    continue
+
+    def frames(self, seq: int) -> list[Frame]:
+        return [message for message in self.messages if isinstance(message, Frame) and message.seq == seq]
+
+
+def run(test: Callable[[Links], Awaitable[None]], **options: Any) -> None:
+    async def body() -> None:
+        links = Links(**options)
+        try:
+            await test(links)
+        finally:
+            links.link.close()
+
+    asyncio.run(body())
+
+
+def test_an_engine_that_ends_is_replaced_and_given_the_design_again(tmp_path: Path):
+    mark = tmp_path / "mark"
+    mark.touch()
+
+    async def test(links: Links) -> None:
+        links.link.edit(Edit(1, {"name": "a"}))
+        await links.until(lambda: bool(links.frames(1)) and links.link.status == "ready")
+        links.link.edit(Edit(2, {"die_once": str(mark)}))
+        await links.until(lambda: bool(links.frames(2)))
+        assert any(isinstance(message, Busy) and "started again" in message.what for message in links.messages)
+        meshes = [message.mesh for message in links.messages if isinstance(message, ShownMesh)]
+        assert len(set(meshes)) == 2, "meshes of different engines have different numbers"
+        assert links.frames(2)[-1].mesh == meshes[-1]
+        await links.until(lambda: links.link.status == "ready")
+
+    run(test)
+
+
+def test_an_engine_that_hangs_is_replaced(tmp_path: Path):
+    mark = tmp_path / "mark"
+    mark.touch()
+
+    async def test(links: Links) -> None:
+        links.link.edit(Edit(1, {"name": "a"}))
+        await links.until(lambda: bool(links.frames(1)))
+        links.link.edit(Edit(2, {"hang_once": str(mark)}))
+        await links.until(lambda: bool(links.frames(2)))
+
+    run(test, max_silence_s=1.0, keeps_spare=False)
+
+
+def test_a_design_that_ends_every_engine_waits_for_another_edit():
+    async def test(links: Links) -> None:
+        links.link.edit(Edit(1, {"die": True}))
+        await links.until(lambda: links.link.status == "failed")
+        assert isinstance(links.messages[-1], StudioProblem) or any(
+            isinstance(message, StudioProblem) for message in links.messages
+        )
+        deaths = sum(isinstance(message, Busy) for message in links.messages)
+        assert deaths == MAX_DEATHS
+        links.link.edit(Edit(2, {"name": "a"}))
+        await links.until(lambda: bool(links.frames(2)) and links.link.status == "ready")
+
+    run(test, keeps_spare=False)
+
+
+def test_later_edits_carry_what_they_do_not_repeat(tmp_path: Path):
+    mark = tmp_path / "mark"
+    mark.touch()
+
+    async def test(links: Links) -> None:
+        links.link.edit(Edit(1, {"die_once": str(mark)}))
+        links.link.edit(Edit(2))
+        await links.until(lambda: bool(links.frames(2)))
+
+    run(test, keeps_spare=False)
+
+
+@pytest.mark.parametrize("spare", [False, True])
+def test_closing_ends_all_processes(spare: bool):
+    async def test(links: Links) -> None:
+        links.link.edit(Edit(1, {"name": "a"}))
+        await links.until(lambda: bool(links.frames(1)))
+        children = [child for child in (links.link._child, links.link._spare) if child is not None]
+        links.link.close()
+        assert children and not any(child._process.is_alive() for child in children)
+
+    run(test, keeps_spare=spare)
