@@ -32,7 +32,7 @@ def model(**sections: object) -> DiscreteModel:
 
 
 def mass(stars: int) -> float:
-    """kg: 300 kg/m^3 of .7 mm thick fabric, 60/1.2 by 60/1.5 mm large at rest, and arms of 1200 kg/m^3."""
+    """kg: 300 kg/m^3 of 0.7 mm thick fabric, 60/1.2 by 60/1.5 mm large at rest, and arms of 1200 kg/m^3."""
     return 1e-9 * (300.0 * 0.7 * 50.0 * 40.0 + 1200.0 * stars * 3 * 6.0 * 0.4 * 1.1)
 
 

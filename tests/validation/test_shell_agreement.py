@@ -1,4 +1,4 @@
-"""Two discretisations that share nothing but the energy: each from its own starts, within .1 % of the diameter."""
+"""Two discretisations that share nothing but the energy: each from its own starts, within 0.1 % of the diameter."""
 
 from functools import cache
 

@@ -507,7 +507,7 @@ def test_bumps_vanish_where_the_sheet_is_held_apart():
         design = Design.from_dict(data | {"pins": [{"where": "border", "scale": scale}]})
         return float(np.abs(Preview(design).shape().point_fields["bump_mm"][:, 2]).max())
 
-    # the stars' flat cells are .84 of the print
+    # the stars' flat cells are 0.84 of the print
     assert bump(1.0) < 0.05 * bump(0.84)
     assert 0.3 < bump(0.87) / bump(0.84) < 1.0
 

@@ -150,7 +150,7 @@ def test_the_drilling_template_has_the_needles_in_space(one: Job, folder: Path) 
     holes = np.array([circle.dxf.center for circle in space.query("CIRCLE")])[:, :2]
     places = np.array([needle.place for needle in one.needles])[:, :2]
     assert holes == pytest.approx(places, abs=SAME_MM)
-    # two edges of the hexagon, held at .8 of their printed place
+    # two edges of the hexagon, held at 0.8 of their printed place
     assert places == pytest.approx(0.8 * np.array([n.printed for n in one.needles]))
 
 

@@ -257,7 +257,7 @@ def test_what_is_slower_is_not_called_faster(found, monkeypatch):
 
 
 def test_heights_of_nothing_are_no_percent(found, monkeypatch):
-    """A preview of .001 mm that expects to be .4 mm off."""
+    """A preview of 0.001 mm that expects to be 0.4 mm off."""
     monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
     flat = {"heights_mm": [0.03, 0.001], "height_error_percent": -96.7, "expected_height_percent": 40000.0}
     s = found.summary | flat

@@ -13,7 +13,7 @@ from pattern.mesh.mesh import Mesh
 from pattern.mesh.meshing import mesh_layout
 
 WHOLE = [[-30, -30], [30, -30], [30, 30], [-30, 30]]
-# a cut whose lips are .2 mm apart at the rim, and meet in the middle
+# a cut whose lips are 0.2 mm apart at the rim, and meet in the middle
 SLIT = [[-30, -30], [30, -30], [30, -0.1], [0, 0], [30, 0.1], [30, 30], [-30, 30]]
 
 

@@ -210,9 +210,9 @@ def test_cut_arms_are_rounded_too():
     "tables",
     [
         {"lattice": {"arms": 6}, "stars": {"length_mm": 10}},  # arms that face each other overlap beyond d/2
-        {"lattice": {"arms": 6}, "stars": {"length_mm": 8.5}},  # .32 mm between tips 1.2 mm wide
+        {"lattice": {"arms": 6}, "stars": {"length_mm": 8.5}},  # 0.32 mm between tips 1.2 mm wide
         {"lattice": {"arms": 4, "orientation_deg": 13}, "stars": {"length_mm": 12}},
-        {"stars": {"length_mm": 17}},  # .32 mm short of the neighbour
+        {"stars": {"length_mm": 17}},  # 0.32 mm short of the neighbour
         {"lattice": {"arms": 6}, "stars": {"length_fraction": 1.0}},
     ],
 )
@@ -320,7 +320,7 @@ def test_corners_that_point_inwards_cut_no_arm_behind_them():
 
 @pytest.mark.parametrize("corner", [0.5, 0.5001, 0.51])
 def test_an_arm_along_a_corner_goes_on_behind_it(corner):
-    """The corner of what is .5 mm inside: half a millimetre above the arm, to a hair or to the last digit."""
+    """The corner of what is 0.5 mm inside: half a millimetre above the arm, to a hair or to the last digit."""
     border = {"polygon_mm": [[-30, -30], [12, -30], [12, corner], [5, corner], [5, 30], [-30, 30]], "star_margin_mm": 4}
     stars = {"length_mm": 4, "width_mm": 0.5, "override": [{"star": 0, "length_mm": 15}]}
     sheet = lay(border=border, stars=stars, lattice={"kind": "square", "spacing_mm": 20, "arms": 4})

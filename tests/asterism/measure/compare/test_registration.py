@@ -59,7 +59,7 @@ def test_a_table_under_the_sheet_is_left_out() -> None:
 
 
 def test_what_is_measured() -> None:
-    """A sheet that lies .5 mm off to its plastic side, with a bump of 2 mm, of which a third was scanned."""
+    """A sheet that lies 0.5 mm off to its plastic side, with a bump of 2 mm, of which a third was scanned."""
     points, _ = scanned(SHAPE, 8, 0.0, 1.0, other=0.0)
     found = compare_scan(SHAPE, Scan(points, 0, len(points)))
     s = found.distances()

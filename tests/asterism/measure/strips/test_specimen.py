@@ -124,7 +124,7 @@ def test_the_sheet_says_what_to_do_and_has_every_strip(folder: Path) -> None:
 
 
 def test_the_nozzle_starts_on_the_fabric(folder: Path, tmp_path: Path, capsys, monkeypatch) -> None:
-    """4 mm of plate and .8 of fabric, or what the options say; in the start code, on the page and in the terminal."""
+    """4 mm of plate and 0.8 of fabric, or what the options say; in the start code, on the page and in the terminal."""
     from asterism.print.profiles import load_printer
 
     assert (folder / "start.gcode").read_text() == load_printer("ultimaker2").start_snippet(4.8, released_mm=0.8)

@@ -60,7 +60,7 @@ def test_dents_are_rims() -> None:
 
 
 def test_the_fabric_of_a_hole_does_not_dip() -> None:
-    """In the exact model it is .1 mm above the stars around it; with a rim's fall it would be 1.6 mm below them."""
+    """In the exact model it is 0.1 mm above the stars around it; with a rim's fall it would be 1.6 mm below them."""
     data = without(0).to_dict()
     data["stars"] |= {"length_mm": 9.0, "thickness_mm": 0.5}
     preview = Preview(Design.from_dict(data | {"border": {"rings": 2}}))

@@ -21,7 +21,7 @@ COUNT = len(PLAN.centres)
 
 def test_a_star_rules_its_own_centre() -> None:
     weights = StarCells(PLAN, TUBE.lattice).shares(PLAN.centres).wide.toarray()
-    # a Gaussian of a fifth of the spacing has .956 of its weight in the cell's inner circle, .985 in its outer one
+    # a Gaussian of a fifth of the spacing has 0.956 of its weight in the cell's inner circle, 0.985 in its outer one
     assert np.diag(weights)[:7] == pytest.approx(0.97, abs=0.01)
     assert (weights.argmax(axis=1) == np.arange(len(PLAN.centres))).all()
 
