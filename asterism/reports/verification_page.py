@@ -13,7 +13,7 @@ from asterism.reports.views import comparison_views
 from asterism.results.records.exact import ExactRecord, mesh_error_in_words
 from asterism.results.words import direction, height_error, small_percent, times
 from asterism.verification.origins import origins
-from asterism.verification.right_shape import SURE, gap
+from asterism.verification.right_shape import MIN_CERTAIN_GAP, gap
 from asterism.verification.verification import PREVIEW, RELEASE, Verification
 from asterism.verification.warnings import FLAT_HEIGHT_FACTOR
 
@@ -85,7 +85,7 @@ def _nearly(s: Mapping[str, Any]) -> str:
     other = s["starts"][RELEASE if s["result_from"] == PREVIEW else PREVIEW]
     more = gap(s["exact"], other)
     nearer = other["is_minimum"] and other["rms_percent"] < s["rms_percent"]
-    if s["same_branch"] or not nearer or more > SURE:
+    if s["same_branch"] or not nearer or more > MIN_CERTAIN_GAP:
         return ""
     return (
         f" The exact model has another minimum, {other['rms_percent']:.2f} % away, whose energy differs by "

@@ -1,19 +1,22 @@
-"""The numbers of a comparison of two shapes, and whether they are of one form."""
+"""The numbers of a comparison of two shapes, and whether they have the same form."""
 
 from __future__ import annotations
 
 from asterism.results.records.verification import DifferenceRecord
 from asterism.shape.comparison import Comparison
 
-# shapes further apart than this, in % of the diameter, or rolled about axes that differ by more, or with normals that
-# differ by more in the rms, are different ones. Normals of 236 previews are within 22 deg, or another form's
-LIKE_PERCENT, LIKE_DEG, LIKE_NORMALS_DEG = 10.0, 20.0, 30.0
-# exact minima that are nearer to each other, in % of the diameter, are one form
-FORM_PERCENT = 2.5
+# two shapes have different forms if one of these limits is exceeded: the rms distance, in % of the diameter
+MAX_LIKE_DISTANCE_PERCENT = 10.0
+# the angle between their roll axes
+MAX_LIKE_AXIS_DEG = 20.0
+# the rms angle between their normals. In 236 previews it is below 22 deg, or the form is another one
+MAX_LIKE_NORMALS_DEG = 30.0
+# two exact minima have the same form if their rms distance, in % of the diameter, is below this
+MAX_FORM_DISTANCE_PERCENT = 2.5
 
 
 def numbers(comparison: Comparison) -> DifferenceRecord:
-    """Keys of summary.json; errors are those of the other shape against the reference, None where not defined."""
+    """The record of a comparison: errors of the other shape relative to the reference; None if undefined."""
     reference, other = comparison.heights_mm
     radii, volumes, rises = comparison.roll_radii_mm, comparison.volumes_mm3, comparison.rises_mm
     return DifferenceRecord(
@@ -43,33 +46,34 @@ def numbers(comparison: Comparison) -> DifferenceRecord:
 
 
 def alike(comparison: Comparison) -> bool:
-    """Whether two shapes are one form: near to each other, facing the same ways, and rolled about one axis if at all.
+    """Whether two shapes have the same form: small distance, similar normals, and the same roll axis if rolled.
 
-    A pleated sheet is near to a smooth one, and faces other ways.
+    The normals distinguish a pleated sheet from a smooth one, which may be near to it.
     """
     one, other = comparison.roll_axes_deg
-    if (one is None) != (other is None) or comparison.rms_percent > LIKE_PERCENT:
+    if (one is None) != (other is None) or comparison.rms_percent > MAX_LIKE_DISTANCE_PERCENT:
         return False
-    if comparison.normals_rms_deg > LIKE_NORMALS_DEG:
+    if comparison.normals_rms_deg > MAX_LIKE_NORMALS_DEG:
         return False
     if one is None or other is None:
         return True
     apart = abs(one - other) % 180.0
-    return min(apart, 180.0 - apart) < LIKE_DEG
+    return min(apart, 180.0 - apart) < MAX_LIKE_AXIS_DEG
 
 
 def same_branch(comparison: Comparison, with_other: Comparison | None, apart_percent: float = 0.0) -> bool:
-    """Whether a shape is of the form that counts, where the exact model may have found another minimum too.
+    """Whether a shape has the form of the exact result, and not that of another exact minimum.
 
     Parameters
     ----------
-    comparison, with_other : of the shape, with the exact shape that counts and with the other minimum, if there is one.
-    apart_percent : of the diameter, distance of the two exact shapes; the near ones are one form.
+    comparison : of the shape with the exact result.
+    with_other : of the shape with the other exact minimum; None if there is none.
+    apart_percent : rms distance of the two exact shapes, in % of the diameter.
     """
     nearer = with_other is None or comparison.rms_percent <= with_other.rms_percent
-    return bool((nearer or apart_percent < FORM_PERCENT) and alike(comparison))
+    return bool((nearer or apart_percent < MAX_FORM_DISTANCE_PERCENT) and alike(comparison))
 
 
 def _relative(right: float, other: float) -> float | None:
-    """% of the right value; None if that is nothing."""
+    """Relative error in %; None if the reference value is zero."""
     return None if abs(right) < 1e-9 else 100.0 * (other - right) / right

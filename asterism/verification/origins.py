@@ -1,4 +1,4 @@
-"""What a verification was made from, besides the design."""
+"""The inputs of a verification besides the design: command, law, meshes and version."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 
 def origins(summary: Mapping[str, Any]) -> list[list[str]]:
-    """Rows of a table, from the summary of a verification; a shape in place of a preview may have no law."""
+    """Rows of a table, from the summary of a verification. The law is missing if another shape replaced the preview."""
     preview, exact = summary["preview"], summary["exact"]
     rows = [["command", summary["command"]]] if summary["command"] else []
     if law := preview.get("law"):

@@ -1,4 +1,4 @@
-"""How far a verification is, in numbers."""
+"""Progress of a verification in numbers."""
 
 from __future__ import annotations
 
@@ -8,18 +8,19 @@ from collections.abc import Callable
 from equilibrium.newton.minimise import Iteration
 
 StageReport = Callable[[str, int, int], None]
-WHOLE = 100  # steps of a stage
-# Of an exact shape, the release on the coarsest mesh takes about so much of the time, and the finer meshes the rest.
+# number of steps of a stage
+WHOLE = 100
+# share of the release on the coarsest mesh in the computing time of an exact shape; the finer meshes take the rest
 RELEASE_SHARE = 0.5
 
 
 class ExactProgress:
-    """Counts how far an exact shape is, from what `simulate` reports.
+    """Counts the progress of an exact shape from the reports of `simulate`.
 
     Parameters
     ----------
     stage : name of the stage.
-    tell : called with the stage, the steps that are done, and the number of all steps.
+    tell : called with the stage, the number of completed steps, and the number of all steps.
     """
 
     def __init__(self, stage: str, tell: StageReport) -> None:
@@ -41,10 +42,10 @@ class ExactProgress:
         else:
             size = int(mesh[1]) / max(self._final_vertices, 1) if mesh else 1.0
             share = RELEASE_SHARE + (1.0 - RELEASE_SHARE) * min(size, 1.0)
-        # a stage under way is not done, and repeated stages do not lead back
+        # an unfinished stage stays below 100 %, and a repeated stage does not decrease the count
         self._done = max(self._done, min(int(WHOLE * share), WHOLE - 1))
         self._tell(self._stage, self._done, WHOLE)
 
     def finish(self) -> None:
-        """All steps are done."""
+        """Report that all steps are completed."""
         self._tell(self._stage, WHOLE, WHOLE)

@@ -1,4 +1,4 @@
-"""Which of several exact shapes of a design counts as right."""
+"""The choice of the result among several exact shapes of a design."""
 
 from __future__ import annotations
 
@@ -8,29 +8,39 @@ from typing import Any
 
 from asterism.shape.shape import Shape
 
-# energies that differ by a smaller part of them are one; and by what part of the elastic one two minima differ on
-# another mesh
-SAME_ENERGY, SURE = 1e-6, 0.005
+# two minima are equal if their energies differ by at most this part
+MAX_EQUAL_ENERGY_GAP = 1e-6
+# another mesh may exchange the order of two minima whose energies differ by at most this part of the elastic energy
+MIN_CERTAIN_GAP = 0.005
 
 
 def same_energy(one: float, other: float) -> bool:
-    """Whether two minima may be one."""
-    return abs(one - other) <= SAME_ENERGY * abs(one)
+    """Whether the energies (N mm) of two minima are equal up to the accuracy of the solver.
+
+    Examples
+    --------
+    >>> same_energy(1808.98, 1808.9801), same_energy(1808.98, 1809.98)
+    (True, False)
+    """
+    return abs(one - other) <= MAX_EQUAL_ENERGY_GAP * abs(one)
 
 
 def gap(one: Mapping[str, Any], other: Mapping[str, Any]) -> float:
-    """By what part of the elastic energy two minima differ; how high a sheet hangs makes none of them more certain.
+    """Difference of the energies of two minima over the elastic energy of the first; gravity has an arbitrary zero.
 
-    `one`: the summary of an exact shape; of the other its energy is enough.
+    Parameters
+    ----------
+    one : summary of an exact shape.
+    other : summary of another one; only its energy is used.
     """
     elastic = one["energy_n_mm"] - one.get("gravity", 0.0)
     return float(abs(other["energy_n_mm"] - one["energy_n_mm"]) / elastic) if elastic else math.inf
 
 
 def right_shape(exact: Mapping[str, Shape]) -> str:
-    """The name of the certified one, and of several the lowest; of equal ones the first.
+    """The name of the certified shape; among several, the one of lowest energy, and among equal energies the first.
 
-    One whose stars are all on their side comes before one that has stars off it.
+    A shape whose stars are all on the side that the design asks for comes before shapes with stars on the other side.
     """
 
     def rank(name: str) -> tuple[bool, bool]:

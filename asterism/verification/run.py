@@ -1,4 +1,4 @@
-"""Preview and exact model of one design, held against each other."""
+"""Verification: preview and exact shape of one design, computed and compared."""
 
 from __future__ import annotations
 
@@ -31,7 +31,10 @@ from pattern.layout.build import layout
 from pattern.layout.layout import Layout
 from pattern.layout.symmetries import Symmetry, symmetries
 
-AGAIN, LONG_S = 3, 2.0  # previews of which the fastest counts, once everything is loaded; fewer if they take so long
+# number of repeated previews, with everything loaded, of which the fastest is reported
+MAX_REPEATS = 3
+# no further repeat starts once the repeats have taken this long
+MAX_REPEATS_S = 2.0
 STAGES = ("preview", "exact model from the flat print", "exact model from the preview", "comparison")
 COPIED_KEYS = ("energy_n_mm", "is_minimum", "stars_up", "iterations", "factorisations")
 
@@ -49,18 +52,18 @@ def verify(
     ready: Shape | None = None,
     progress: StageReport | None = None,
 ) -> Verification:
-    """Preview a design, simulate it from the flat print and from the preview, and compare.
+    """Compute the preview and two exact shapes, from the flat print and from the preview, and compare them.
 
     Parameters
     ----------
-    law : for the preview; that of the paper's material by default.
+    law : law of the preview; that of the paper's material by default.
     backend, report, say : as in `simulate`.
-    released, near : what the exact model has found from the flat print and from a preview, if that is known already.
-    shown : what is compared with the exact model in place of `preview`.
-    command : the line that asked for it, for the report.
-    ready : a preview of this design, if there is one already; it is not made and timed again.
-    progress : called with the name of a stage, the number of its steps that are done, and the number of all of them.
-        The stages are those of `STAGES`, in this order.
+    released, near : exact shapes from the flat print and from the preview, if they are available already.
+    shown : function that computes the shape to compare, instead of `preview`.
+    command : command line, for the report.
+    ready : a preview of this design, if it is available already. It is not computed and timed again.
+    progress : called with the name of a stage, the number of completed steps, and the number of all steps. The stages
+        are those of `STAGES`, in this order.
 
     Raises
     ------
@@ -95,7 +98,7 @@ def verify(
             return shape
 
         quick, cold_s = _timed(clock, make, layout_s, ready)
-        if ready is None and cold_s > LONG_S:
+        if ready is None and cold_s > MAX_REPEATS_S:
             tell(f"preview done in {cold_s:.2f} s; once more, to see how long it takes with everything loaded")
         warm_s = cold_s if ready is not None else _again(clock, make, layout_s)
         tell(f"preview done in {cold_s:.2f} s, again in {warm_s:.3f} s")
@@ -131,7 +134,7 @@ def verify(
 def _timed(
     clock: Callable[[], float], make: Callable[[], Shape], layout_s: float, known: Shape | None = None
 ) -> tuple[Shape, float]:
-    """A shape and the seconds that it takes, those of the shared layout included, or took if it is known already."""
+    """A shape and its computing time (s) including the shared layout; the recorded time if the shape is known."""
     if known is not None:
         return known, float(known.summary["wall_s"])
     begun = clock()
@@ -139,15 +142,15 @@ def _timed(
 
 
 def _again(clock: Callable[[], float], make: Callable[[], Shape], layout_s: float) -> float:
-    """Seconds of a shape that has been made before."""
+    """Shortest time (s) of repeated computations of the same shape."""
     seconds: list[float] = []
-    while len(seconds) < AGAIN and sum(seconds) < LONG_S:
+    while len(seconds) < MAX_REPEATS and sum(seconds) < MAX_REPEATS_S:
         seconds.append(_timed(clock, make, layout_s)[1])
     return min(seconds)
 
 
 def _same_stars_down(exact: Mapping[str, Shape], plan: Layout, same: Sequence[Symmetry]) -> bool:
-    """Whether the stars that bump down in one shape are those of an image of the other; cell means do not see them."""
+    """Whether two shapes have the same inverted stars, up to a symmetry; the cell means do not show these."""
     first, second = (np.isin(plan.star_number, shape.summary["stars_down"]) for shape in exact.values())
     return any(np.array_equal(first, second[symmetry.star]) for symmetry in same)
 
@@ -155,7 +158,7 @@ def _same_stars_down(exact: Mapping[str, Shape], plan: Layout, same: Sequence[Sy
 def _summary(found: Verification, between: Comparison, agree: bool, seconds: dict[str, float]) -> VerificationRecord:
     result, other = found.result, next(name for name in found.exact if name != found.result)
     exact = ExactRecord.from_json(found.exact[result].summary)
-    # where a start has stopped at no minimum there is no form that the sheet could rest in
+    # a start that ends without a minimum has no form to compare with
     with_other = found.comparisons[other] if found.exact[other].summary["is_minimum"] else None
     form = same_branch(found.comparison, with_other, between.rms_percent) if exact.is_minimum else None
     return VerificationRecord.from_json(

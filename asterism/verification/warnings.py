@@ -1,4 +1,4 @@
-"""What a reader of a verification should know before trusting its numbers."""
+"""Warnings of a verification: reasons to read its numbers with care."""
 
 from __future__ import annotations
 
@@ -9,25 +9,35 @@ from asterism.exact.star_sides import off_branch
 from asterism.exact.warnings import passes_through
 from asterism.results.words import small_percent, star_numbers
 from asterism.shape.comparison import Comparison
-from asterism.verification.numbers import FORM_PERCENT
-from asterism.verification.right_shape import SURE, gap
+from asterism.verification.numbers import MAX_FORM_DISTANCE_PERCENT
+from asterism.verification.right_shape import MIN_CERTAIN_GAP, gap
 from asterism.verification.verification import Verification
 
-ALIKE = 1.3  # largest ratio of two edge lengths that count as one
-SURPRISE = 2.0  # times the error that the preview expected
-HEIGHTS_PERCENT = 10.0  # by which heights may differ where it expected none
-FLAT_HEIGHT_FACTOR = 1e-3  # part of the diameter: heights that differ by less are those of flat sheets
+# largest ratio of the edge lengths of law and exact model without a warning
+MAX_EDGE_RATIO = 1.3
+# largest ratio of an error and its estimate by the preview without a warning
+MAX_ERROR_RATIO = 2.0
+# largest difference of the heights, in % of the exact height, without a warning if the preview has no estimate
+MAX_HEIGHT_ERROR_PERCENT = 10.0
+# heights that differ by less than this part of the diameter count as equal: both sheets are nearly flat
+FLAT_HEIGHT_FACTOR = 1e-3
 
 
 def verification_warnings(found: Verification, apart_percent: float) -> list[str]:
-    """One line each; `apart_percent` of the diameter, distance of the two exact shapes."""
+    """The warnings of the preview, of the exact shape and of their comparison, one line each.
+
+    Parameters
+    ----------
+    found : the verification.
+    apart_percent : rms distance of the two exact shapes, in % of the diameter.
+    """
     preview, exact = found.preview.summary, found.exact[found.result].summary
-    own = [*map(str, preview.get("warnings", []))]
-    own += _exact_shape(exact, own)
-    if not exact["is_minimum"]:  # nothing to hold the preview against
-        return own
+    lines = [*map(str, preview.get("warnings", []))]
+    lines += _exact_shape(exact, lines)
+    if not exact["is_minimum"]:  # without an exact minimum, the comparison has no meaning
+        return lines
     return [
-        *own,
+        *lines,
         *_two_minima(found, apart_percent),
         *_far(found.comparison, preview.get("expected_rms_percent")),
         *_high(found.comparison, preview.get("expected_height_percent")),
@@ -36,7 +46,7 @@ def verification_warnings(found: Verification, apart_percent: float) -> list[str
 
 
 def _exact_shape(exact: Mapping[str, Any], known: Sequence[str]) -> Iterator[str]:
-    """What the exact model said of its shape, and was not said in other words or before."""
+    """The warnings of the exact shape that the preview's warnings do not contain, in any wording."""
     if not exact["is_minimum"]:
         yield "the exact shape is not certified to be a minimum"
     yield from passes_through(exact, "the exact sheet")
@@ -44,18 +54,18 @@ def _exact_shape(exact: Mapping[str, Any], known: Sequence[str]) -> Iterator[str
     if down:
         yield f"{len(down)} of {total} stars of the exact shape bump down: {star_numbers(down)}"
     named = list(off_branch(exact))
-    if set(off) - set(down):  # sent down, and up again
+    if set(off) - set(down):  # stars that are up although the design asks for down
         yield from named
-    said = {*known, *named, *passes_through(exact)}
-    yield from (f"the exact model: {line}" for line in exact.get("warnings", []) if line not in said)
+    repeated = {*known, *named, *passes_through(exact)}
+    yield from (f"the exact model: {line}" for line in exact.get("warnings", []) if line not in repeated)
 
 
 def _two_minima(found: Verification, apart: float) -> Iterator[str]:
-    """Two exact shapes of which the model cannot tell the lower one."""
+    """Two exact minima whose energies are so close that either may be the lower one."""
     exact = found.exact[found.result].summary
     for other in (shape.summary for name, shape in found.exact.items() if name != found.result):
         more = gap(exact, other)
-        if other["is_minimum"] and apart > FORM_PERCENT and more <= SURE:
+        if other["is_minimum"] and apart > MAX_FORM_DISTANCE_PERCENT and more <= MIN_CERTAIN_GAP:
             yield (
                 f"the exact model has two minima, {apart:.1f} % of the diameter apart, whose energies differ by "
                 f"{small_percent(100.0 * more)}: a print may rest in either"
@@ -63,37 +73,40 @@ def _two_minima(found: Verification, apart: float) -> Iterator[str]:
 
 
 def _far(comparison: Comparison, expected: float | None) -> Iterator[str]:
-    """What "the same form" does not say."""
+    """A distance far above the estimated error of the preview."""
     distance = comparison.rms_percent
-    if expected is not None and distance > SURPRISE * expected:
-        yield f"the distance ({distance:.1f} %) is more than twice what the preview expected ({expected:.1f} %)"
+    if expected is not None and distance > MAX_ERROR_RATIO * expected:
+        estimate = f"the estimated error of the preview ({expected:.1f} %)"
+        yield f"the distance ({distance:.1f} %) is more than twice {estimate}"
 
 
 def _high(comparison: Comparison, expected: float | None) -> Iterator[str]:
-    """Heights that differ by more than the preview had said."""
+    """Heights that differ by far more than the estimated error of the preview."""
     exact, preview = comparison.heights_mm
-    off, most = 100.0 * abs(preview - exact), HEIGHTS_PERCENT if expected is None else SURPRISE * expected
-    if off > 100.0 * FLAT_HEIGHT_FACTOR * comparison.diameter_mm and off > most * exact:
+    limit = MAX_HEIGHT_ERROR_PERCENT if expected is None else MAX_ERROR_RATIO * expected
+    off = 100.0 * abs(preview - exact)
+    if off > 100.0 * FLAT_HEIGHT_FACTOR * comparison.diameter_mm and off > limit * exact:
         heights = f"the preview is {preview:.1f} mm high, the exact shape {exact:.1f} mm"
-        told = "" if expected is None else f", more than twice what it expected ({expected:.1f} %)"
-        yield f"{heights}: {off / exact:.0f} % off{told}" if exact else heights
+        estimate = "" if expected is None else f", more than twice its estimated error ({expected:.1f} %)"
+        yield f"{heights}: {off / exact:.0f} % off{estimate}" if exact else heights
 
 
 def _meshes(exact: Mapping[str, Any], of_law: float | None, distance: float) -> Iterator[str]:
+    """Meshes of the law and the exact model that differ, and a mesh error above the distance."""
     edge = exact["edge_mm"]
-    if of_law is not None and not 1.0 / ALIKE < of_law / edge < ALIKE:
-        # who asked for a finer mesh than the law's has a reason
-        alike = f"; mesh.edge_mm = {of_law:g} (--edge {of_law:g}) makes them alike" if edge > of_law else ""
+    if of_law is not None and not 1.0 / MAX_EDGE_RATIO < of_law / edge < MAX_EDGE_RATIO:
+        # advice only for a coarser exact mesh: a finer one was chosen on purpose
+        advice = f"; mesh.edge_mm = {of_law:g} (--edge {of_law:g}) makes them equal" if edge > of_law else ""
         coarser = "exact model's" if edge > of_law else "law's"
         yield (
-            f"the law was made with edges of {of_law:g} mm, the exact model's are {edge:g} mm: part of the distance is "
-            f"the error of the {coarser} coarser mesh{alike}"
+            f"the law has edges of {of_law:g} mm, the exact model {edge:g} mm: part of the distance is "
+            f"the error of the {coarser} coarser mesh{advice}"
         )
     error, change = exact["mesh_error_percent"], exact.get("mesh_change_percent")
     if error is not None and error > distance:
-        yield f"the exact model's own mesh error ({error:.1f} %) is larger than the distance ({distance:.1f} %)"
+        yield f"the mesh error of the exact model ({error:.1f} %) is larger than the distance ({distance:.1f} %)"
     elif error is None and change is not None and change > distance:
         yield (
-            f"the exact model's own mesh error is not known: its shape is {change:.1f} % from that of the next coarser "
-            f"mesh, more than the distance ({distance:.1f} %)"
+            f"the mesh error of the exact model is unknown: its shape is {change:.1f} % away from that on the next "
+            f"coarser mesh, more than the distance ({distance:.1f} %)"
         )

@@ -26,7 +26,7 @@ from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.run import preview
 from asterism.previews.search.near_zero_modes import has_two_near_zero_modes
 from asterism.previews.uncertainty.distance_error import amplitude_share, unequal_stars_percent
-from asterism.verification.numbers import LIKE_PERCENT
+from asterism.verification.numbers import MAX_LIKE_DISTANCE_PERCENT
 from benchmarks.accuracy import expected_heights
 from benchmarks.accuracy.__main__ import kept
 from benchmarks.accuracy.designs import RANDOM, designs, drawn, even, ribbons
@@ -170,7 +170,9 @@ def fitted(rows: Sequence[Row]) -> tuple[float, ...]:
     From designs within 10 % of the exact shape that are not soft in two ways, or have no symmetry to be broken.
     """
     some = [
-        one for one in rows if one["rms_percent"] < LIKE_PERCENT and (one["kind"] < SYMMETRIC or not _two_ways(one))
+        one
+        for one in rows
+        if one["rms_percent"] < MAX_LIKE_DISTANCE_PERCENT and (one["kind"] < SYMMETRIC or not _two_ways(one))
     ]
     size, kind, unequal = (np.array([one[name] for one in some]) for name in ("amplitude", "kind", "unequal"))
     distance = np.log([one["rms_percent"] for one in some])

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from asterism.previews.model import PREVIEW_MODEL
-from asterism.verification.numbers import LIKE_PERCENT
+from asterism.verification.numbers import MAX_LIKE_DISTANCE_PERCENT
 from benchmarks.accuracy.report import height_announced, height_expected, height_missed
 from benchmarks.report import markdown
 
@@ -45,7 +45,7 @@ def section(groups: dict[str, Sequence[Row]], unseen: Sequence[Row], others: dic
 
 def fitted(rows: Sequence[Row]) -> tuple[float, ...]:
     """The constants that make the errors of near forms likeliest, if each is normal with what is expected of it."""
-    some = [one for one in rows if one["rms_percent"] < LIKE_PERCENT]
+    some = [one for one in rows if one["rms_percent"] < MAX_LIKE_DISTANCE_PERCENT]
     parts = np.array([_parts(one) for one in some])
     error = np.array([np.subtract(*one["heights_mm"]) for one in some])
 

@@ -112,7 +112,10 @@ def distance(one: Array, other: Array) -> float:
 
 @EQUILIBRIA
 def test_equilibrium(name):
-    """From its own positions the model goes to a minimum close by; every star is up. Measured: 0.02, 0.04, 0.09, 0.06 %."""
+    """From its own positions the model goes to a minimum close by; every star is up.
+
+    Measured: 0.02, 0.04, 0.09, 0.06 %.
+    """
     data = reference.load(name)
     model = reference.model(data)
     np.testing.assert_allclose(

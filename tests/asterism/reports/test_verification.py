@@ -54,9 +54,9 @@ def folder(found, tmp_path_factory) -> Path:
     return out
 
 
-@pytest.mark.parametrize(("long_s", "made"), [(1e3, 1 + run.AGAIN), (1e-9, 2)])
+@pytest.mark.parametrize(("long_s", "made"), [(1e3, 1 + run.MAX_REPEATS), (1e-9, 2)])
 def test_previews_that_take_long_are_made_once_more_and_it_is_said(found, monkeypatch, long_s, made):
-    monkeypatch.setattr(run, "LONG_S", long_s)
+    monkeypatch.setattr(run, "MAX_REPEATS_S", long_s)
     count, said = [], []
 
     def shown(of: Design):

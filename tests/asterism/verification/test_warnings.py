@@ -57,7 +57,8 @@ def test_nothing_is_said_of_shapes_that_are_alike() -> None:
 def test_a_distance_far_above_the_expected_one_is_told_with_both_numbers(times: float, surprising: bool) -> None:
     distance = bowls(0.01, 0.0107).comparison.rms_percent
     lines = said((0.01, 0.0107), {"expected_rms_percent": distance / times})
-    line = f"the distance ({distance:.1f} %) is more than twice what the preview expected ({distance / times:.1f} %)"
+    estimate = f"the estimated error of the preview ({distance / times:.1f} %)"
+    line = f"the distance ({distance:.1f} %) is more than twice {estimate}"
     assert lines == ([line] if surprising else [])
 
 
@@ -83,7 +84,7 @@ def test_heights_that_were_expected_to_differ_are_no_surprise(
     expected = 100.0 * abs(preview / exact - 1.0) / times
     lines = said(depths, {"expected_height_percent": expected})
     assert len(lines) == surprising
-    assert all(line.endswith(f"% off, more than twice what it expected ({expected:.1f} %)") for line in lines)
+    assert all(line.endswith(f"% off, more than twice its estimated error ({expected:.1f} %)") for line in lines)
 
 
 @pytest.mark.parametrize(
@@ -156,14 +157,14 @@ def test_what_the_exact_model_said_is_passed_on_once() -> None:
     [
         (1.0, None),
         (2.5, "part of the distance is the error of the exact model's coarser mesh; "
-              "mesh.edge_mm = 1.15 (--edge 1.15) makes them alike"),
+              "mesh.edge_mm = 1.15 (--edge 1.15) makes them equal"),
         (0.8, "part of the distance is the error of the law's coarser mesh"),
     ],
 )  # fmt: skip
 def test_the_coarser_of_two_meshes_is_told(edge: float, line: str | None) -> None:
     """Nobody who asked for a fine mesh is sent back to the law's."""
     lines = said(preview={"law": {"edge_mm": 1.15}}, edge_mm=edge)
-    made = f"the law was made with edges of 1.15 mm, the exact model's are {edge:g} mm: "
+    made = f"the law has edges of 1.15 mm, the exact model {edge:g} mm: "
     assert lines == ([] if line is None else [made + line])
 
 
