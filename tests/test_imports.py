@@ -123,3 +123,8 @@ def test_texts_are_finished_and_know_no_machine(file: Path) -> None:
     for number, line in enumerate(file.read_text(encoding="utf-8").splitlines(), start=1):
         assert not UNFINISHED.search(line), f"{name(file)}:{number} is unfinished: {line.strip()}"
         assert not MACHINE_PATH.search(line), f"{name(file)}:{number} names a path of one machine: {line.strip()}"
+
+
+def test_the_command_line_toolkit_stays_in_the_command_line() -> None:
+    users = {name(file) for file in SOURCES if "typer" in imports(file)}
+    assert users and all(user.startswith("asterism/cli/") for user in users)

@@ -1,13 +1,13 @@
-"""Printers and plastics as data files: those that come along, and the user's own."""
+"""Profiles of printers and plastics: files of the package and of the user."""
 
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TypeVar
 
-import typer
 from pydantic import ValidationError
 
 from asterism.print.plastic_profile import PlasticProfile
@@ -16,30 +16,49 @@ from pattern.design.errors import DesignError, from_validation
 from pattern.design.files import read_table
 from pattern.design.section import Section
 
-# a folder of the user's with printers/ and plastics/ in it
+# environment variable with the path of a folder that holds printers/ and plastics/
 PROFILES_VARIABLE = "ASTERISM_PROFILES"
-_OURS = Path(__file__).parent / "data"
+_PACKAGE_FOLDER = Path(__file__).parent / "data"
 _Kind = TypeVar("_Kind", bound=Section)
 
 
 def profile_folders() -> list[Path]:
-    """Where profiles are looked for; the first that has a name wins."""
+    """Folders of profiles in the order of the search: of `ASTERISM_PROFILES`, of the user, of the package."""
     own = [Path(os.environ[PROFILES_VARIABLE])] if os.environ.get(PROFILES_VARIABLE) else []
-    return [*own, Path(typer.get_app_dir("asterism")), _OURS]
+    return [*own, user_folder(), _PACKAGE_FOLDER]
+
+
+def user_folder() -> Path:
+    """The folder of the user's settings for asterism, where the operating system keeps such folders."""
+    if sys.platform == "win32":
+        return Path(os.environ.get("APPDATA", Path.home())) / "asterism"
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Application Support" / "asterism"
+    return Path(os.environ.get("XDG_CONFIG_HOME", Path.home() / ".config")) / "asterism"
 
 
 def profile_names(kind: str) -> list[str]:
-    """Names of the `printers` or `plastics` that are found."""
+    """Names of all profiles of a kind: `printers` or `plastics`."""
     return sorted({path.stem for path in _files(kind)})
 
 
 def load_printer(name_or_file: str) -> Printer:
-    """A printer by its name, or from a `.toml` or `.json` file; `DesignError` names what is wrong."""
+    """The profile of a printer.
+
+    Parameters
+    ----------
+    name_or_file : name of a profile, or path of a `.toml` or `.json` file.
+
+    Raises
+    ------
+    DesignError
+        No profile has the name, or the file is wrong; the message names the field, its value and the range.
+    """
     return _load("printers", name_or_file, Printer)
 
 
 def load_plastic(name_or_file: str) -> PlasticProfile:
-    """A plastic by its name, or from a file, likewise."""
+    """The profile of a plastic; parameter and errors as of `load_printer`."""
     return _load("plastics", name_or_file, PlasticProfile)
 
 

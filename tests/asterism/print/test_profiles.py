@@ -1,10 +1,11 @@
-"""Printers and plastics as data files, those that come along and the user's own."""
+"""Profiles of printers and plastics: files of the package and of the user."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 import pytest
+import typer
 
 from asterism.print import profiles
 from asterism.print.printer import Printer
@@ -28,10 +29,10 @@ heating_min = 2.0
 
 
 @pytest.fixture(autouse=True)
-def nobodys_own(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """Whoever runs the tests may have printers too."""
+def no_profiles_of_the_user(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """The person who runs the tests may have profiles."""
     monkeypatch.delenv(profiles.PROFILES_VARIABLE, raising=False)
-    monkeypatch.setattr(profiles.typer, "get_app_dir", lambda name: str(tmp_path / "home" / name))
+    monkeypatch.setattr(profiles, "user_folder", lambda: tmp_path / "home" / "asterism")
 
 
 @pytest.mark.parametrize("name", ["ultimaker2", "prusa-mk4", "ender-3"])
@@ -57,6 +58,15 @@ def test_all_that_come_along_can_be_read() -> None:
     assert {"ultimaker2", "prusa-mk4", "ender-3"} <= set(profiles.profile_names("printers"))
     for name in profiles.profile_names("plastics"):
         assert profiles.load_plastic(name).density_kg_m3 > 500
+
+
+@pytest.mark.parametrize("variable", ["HOME", "XDG_CONFIG_HOME"])
+def test_the_folder_of_the_user_is_that_of_command_line_programs(
+    variable: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.undo()
+    monkeypatch.setenv(variable, str(tmp_path))
+    assert profiles.user_folder() == Path(typer.get_app_dir("asterism"))
 
 
 def test_own_files_by_path_by_folder_and_by_home(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
