@@ -13,6 +13,7 @@ from asterism.studio import painted
 from asterism.studio.changes import with_changes
 from asterism.studio.design_text import edited_text
 from asterism.studio.history import History, Step
+from asterism.studio.thumbnails import Thumbnails
 from asterism.studio.watcher import file_text
 from pattern.design.design import Design
 from pattern.design.files import read_table, table_text
@@ -34,6 +35,7 @@ class Document:
     ----------
     path : the design file; it need not exist yet.
     layout : of the last table that was laid out, see `check`.
+    thumbnails : small plans of the last states.
     kept_work : the table of an autosave that a former session left; None without one, or if it cannot be read.
     """
 
@@ -46,6 +48,7 @@ class Document:
         self._base_text = text  # the last text that was read or written; edits keep its comments
         self._has_autosave = False
         self._is_checked = False
+        self.thumbnails = Thumbnails()
         self.kept_work = self._read_autosave()
         self.layout: Layout = self.check()
 
@@ -143,6 +146,7 @@ class Document:
         """
         self.layout = layout(self.design())
         self._is_checked = True
+        self.thumbnails.add(self.revision, self.layout)
         return self.layout
 
     def apply(self, table: dict[str, Any], gesture: Any, label: str) -> None:
@@ -218,6 +222,11 @@ class Document:
         """Show the state after."""
         self._gesture, self._is_checked = None, False
         return self._history.redo()
+
+    def go(self, position: int) -> Step:
+        """Show the state at a position of the history."""
+        self._gesture, self._is_checked = None, False
+        return self._history.go(position)
 
     def save(self, path: Path | None = None) -> None:
         """Write the design file, complete or not at all, and drop the autosave.

@@ -71,6 +71,11 @@ class History:
         return self._shown < len(self._steps) - 1
 
     @property
+    def steps(self) -> tuple[Step, ...]:
+        """All states, oldest first."""
+        return tuple(self._steps)
+
+    @property
     def labels(self) -> list[str]:
         """What made each state, oldest first."""
         return [step.label for step in self._steps]
@@ -102,12 +107,15 @@ class History:
             self._undone = []
             self._shown -= 1
 
+    def go(self, position: int) -> Step:
+        """Show the state at a position, or the nearest one."""
+        self._shown = min(max(position, 0), len(self._steps) - 1)
+        return self.shown
+
     def undo(self) -> Step:
         """Show the state before, if there is one."""
-        self._shown = max(self._shown - 1, 0)
-        return self.shown
+        return self.go(self._shown - 1)
 
     def redo(self) -> Step:
         """Show the state after, if there is one."""
-        self._shown = min(self._shown + 1, len(self._steps) - 1)
-        return self.shown
+        return self.go(self._shown + 1)

@@ -68,6 +68,19 @@ class Redo(Request):
     type: Literal["redo"]
 
 
+class HistoryRequest(Request):
+    """Send small plans of the last states."""
+
+    type: Literal["history"]
+
+
+class Go(Request):
+    """Show the state at a position of the history."""
+
+    type: Literal["go"]
+    position: Whole
+
+
 class Recover(Request):
     """Take the unsaved work of a former session, or forget it."""
 
@@ -163,6 +176,8 @@ AnyRequest = Annotated[
     | Save
     | Undo
     | Redo
+    | HistoryRequest
+    | Go
     | Recover
     | Change
     | Paint

@@ -152,13 +152,18 @@ class Studio:
                 await self._gesture(tab, request)
             case _:
                 await asyncio.to_thread(self.document.end_gesture)
-                await self._command(request, self.document)
+                await self._command(tab, request, self.document)
 
-    async def _command(self, request: ask.Request, document: Document) -> None:
+    async def _command(self, tab: Tab, request: ask.Request, document: Document) -> None:
         """A request that is no gesture; the document is laid out."""
         match request:
-            case ask.Undo() | ask.Redo():
-                step = document.undo() if isinstance(request, ask.Undo) else document.redo()
+            case ask.HistoryRequest():
+                tab.send({"type": "history", "states": document.thumbnails.data(document.history)})
+            case ask.Undo() | ask.Redo() | ask.Go():
+                if isinstance(request, ask.Go):
+                    step = document.go(request.position)
+                else:
+                    step = document.undo() if isinstance(request, ask.Undo) else document.redo()
                 await self.accept(self.shown.snapshots.get(step.revision))
             case ask.Recover():
                 if request.type == "recover":

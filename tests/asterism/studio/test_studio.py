@@ -113,6 +113,24 @@ def test_unsaved_work_of_a_former_session_is_offered(folder: Path, studio: Studi
     assert not again.autosave_path.exists()
 
 
+def test_the_last_states_can_be_seen_and_shown_again(page: Page, folder: Path):
+    first = page.until("document")
+    page.send(type="sizes", gesture=1, sites=[[0, 0]], length=[5.0])
+    page.until("document", gesture=1)
+    page.send(type="edit", gesture=2, changes={"border": {"rings": 2}})
+    page.until("document", gesture=2)
+    page.send(type="history")
+    states = page.until("history")["states"]
+    assert [state["position"] for state in states] == [0, 1, 2] and states[2]["is_shown"]
+    assert [len(state["at_mm"]) for state in states] == [37, 37, 19] and len(states[0]["outline_mm"]) == 6
+    at = states[1]["at_mm"].index([0.0, 0.0])
+    assert states[1]["sizes_mm"][at][0] == 5.0 and states[0]["sizes_mm"][at][0] == 10.0
+    page.send(type="go", position=0)
+    assert page.until("document", revision=first["revision"])["can_redo"]
+    page.send(type="go", position=99)
+    assert not page.until("document", gesture=2)["can_redo"]
+
+
 def test_slots_keep_designs(page: Page):
     page.until("document")
     page.send(type="show", slot="A")
