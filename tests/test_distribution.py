@@ -51,6 +51,16 @@ def test_archive_and_wheel_install_and_run_elsewhere(tmp_path: Path) -> None:
     where = run("-c", "import " + ", ".join(sorted(PACKAGES)) + "; print(asterism.__file__)")
     assert Path(where.strip()).is_relative_to(packages)
     assert (packages / "asterism" / "py.typed").exists()
+    for room in ("page", "gallery"):
+        files = {
+            root / "asterism" / "studio" / room: sorted(
+                file.relative_to(root).as_posix()
+                for file in (root / "asterism/studio" / room).rglob("*")
+                if file.is_file()
+            )
+            for root in (ROOT, packages)
+        }
+        assert len({tuple(names) for names in files.values()}) == 1, room
     run("-m", "asterism", "new", "star", "-o", "star.toml")
     run("-m", "asterism", "preview", "star.toml", "-o", "out")
     assert json.loads((elsewhere / "out" / "summary.json").read_text(encoding="utf-8"))["is_minimum"]

@@ -1,0 +1,118 @@
+"""`asterism studio` as it is started and stopped: addresses, mistakes in one line, Ctrl-C, unsaved work."""
+
+from __future__ import annotations
+
+import json
+import re
+import signal
+import socket
+import subprocess
+import sys
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import ClientConnection, connect
+
+from asterism.studio.requests import MAX_REQUEST_BYTES
+from pattern import gallery
+from tests.asterism.commands import command
+
+PATIENCE_S = 60
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    (tmp_path / "dome.toml").write_bytes(gallery.path("dome").read_bytes())
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        (["nothing.toml"], "nothing.toml"),
+        (["bad.toml"], "stars.length_mm"),
+        (["dome.txt"], ".toml"),
+        (["dome.toml", "--listen", "0.0.0.0"], "0.0.0.0"),
+        (["dome.toml", "--listen", "::"], "::"),
+        (["dome.toml", "--listen", "localhost"], "localhost"),
+        (["dome.toml", "--listen", "192.0.2.1"], "192.0.2.1"),
+        (["dome.toml", "--port", "70000"], "--port"),
+    ],
+)
+def test_mistakes_are_one_line(folder: Path, words: list[str], named: str, capsys, monkeypatch):
+    (folder / "bad.toml").write_text("[stars]\nlength_mm = -1\n[border]\nrings = 1\n", encoding="utf-8")
+    refused = command(["studio", "--no-browser", *words], capsys, monkeypatch)
+    assert refused.status == 2 and named in refused.line
+
+
+def test_a_port_in_use_is_one_line(folder: Path, capsys, monkeypatch):
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", 0))
+        other.listen()
+        port = other.getsockname()[1]
+        refused = command(["studio", "dome.toml", "--no-browser", "--port", str(port)], capsys, monkeypatch)
+    assert refused.status == 2 and str(port) in refused.line and "in use" in refused.line
+
+
+@pytest.fixture
+def running(folder: Path) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """A studio of the dome, and the address of its page."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "asterism", "studio", "dome.toml", "--no-browser"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        assert process.stdout is not None
+        line = process.stdout.readline()
+        found = re.search(r"http://127\.0\.0\.1:\d+/[\w-]{20,}/", line)
+        assert found, line
+        yield process, found[0]
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def page_of(url: str) -> ClientConnection:
+    origin = "/".join(url.split("/")[:3])
+    return connect(url.replace("http", "ws", 1) + "live", origin=origin, max_size=None, compression=None)  # type: ignore[arg-type]
+
+
+def until(page: ClientConnection, kind: str) -> dict:
+    while True:
+        message = page.recv(timeout=PATIENCE_S)
+        if isinstance(message, str) and json.loads(message)["type"] == kind:
+            return json.loads(message)
+
+
+def test_it_serves_its_page_and_keeps_unsaved_work_at_ctrl_c(running: tuple[subprocess.Popen[str], str], folder: Path):
+    process, url = running
+    with urllib.request.urlopen(url, timeout=PATIENCE_S) as answer:
+        assert "default-src 'self'" in answer.headers["content-security-policy"] and b"<html" in answer.read()
+    with pytest.raises(urllib.error.HTTPError, match="404"):
+        urllib.request.urlopen(url[:-3] + "/", timeout=PATIENCE_S)
+    with page_of(url) as page:
+        page.send('{"type": "hello"}')
+        until(page, "document")
+        page.send('{"type": "sizes", "gesture": 1, "sites": [[0, 0]], "length": [7.5]}')
+        until(page, "document")
+        # larger than any message may be: the connection ends, the studio does not
+        with pytest.raises(ConnectionClosed):
+            page.send(json.dumps({"type": "edit", "changes": {"name": "x" * (MAX_REQUEST_BYTES + 1)}}))
+            while True:
+                page.recv(timeout=PATIENCE_S)
+    with page_of(url) as page:
+        page.send('{"type": "hello"}')
+        until(page, "document")
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode == 0 and err == ""
+    assert ".dome.autosave.toml" in out
+    assert "7.5" in (folder / ".dome.autosave.toml").read_text(encoding="utf-8")
+    assert (folder / "dome.toml").read_bytes() == gallery.path("dome").read_bytes()
