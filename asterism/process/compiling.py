@@ -5,6 +5,7 @@ numba compiles a loop at its first call and keeps the machine code on disk for l
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -47,6 +48,42 @@ def announce_compiling(say: Callable[[str], None]) -> Iterator[None]:
 
     with event.install_listener("numba:compile", Listener()):
         yield
+
+
+@contextmanager
+def signs_while_compiling(say: Callable[[str], None], every_s: float) -> Iterator[None]:
+    """Within the block, call `say` with a line of text every so many seconds in which loops are compiled.
+
+    `say` is called in another thread.
+    """
+    if not HAVE_NUMBA:
+        yield
+        return
+    from numba.core import event
+
+    under_way: list[Any] = []
+    is_over = threading.Event()
+
+    class Listener(event.Listener):
+        """numba calls `on_start` before it compiles a function, and `on_end` after."""
+
+        def on_start(self, event: Any) -> None:
+            under_way.append(event)
+
+        def on_end(self, event: Any) -> None:
+            under_way.pop()
+
+    def watch() -> None:
+        while not is_over.wait(every_s):
+            if under_way:
+                say("compiling, in the first run only")
+
+    threading.Thread(target=watch, daemon=True).start()
+    try:
+        with event.install_listener("numba:compile", Listener()):
+            yield
+    finally:
+        is_over.set()
 
 
 @contextmanager

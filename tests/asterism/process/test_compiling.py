@@ -9,7 +9,7 @@ from types import ModuleType
 
 import pytest
 
-from asterism.process.compiling import announce_compiling, clock_without_compiling
+from asterism.process.compiling import announce_compiling, clock_without_compiling, signs_while_compiling
 from pattern import gallery
 from pattern.design.errors import MeshError
 from tests.asterism.commands import command
@@ -104,3 +104,14 @@ def test_commands_say_it(
         "compiling the preview's shell: about 20 s, in the first run only",
         "asterism: enough",
     ]
+
+
+def test_long_compiling_gives_signs_of_life(tmp_path: Path) -> None:
+    signs: list[str] = []
+    with signs_while_compiling(signs.append, 0.001):
+        assert fresh(tmp_path, "fem.loops").first(3) == 7
+    assert signs and "first run" in signs[0]
+    signs.clear()
+    with signs_while_compiling(signs.append, 0.001):
+        assert fresh(tmp_path, "fem.loops").first(3) == 7
+    assert signs == []

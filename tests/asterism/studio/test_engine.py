@@ -186,7 +186,7 @@ def test_free_sheets_keep_their_pose_while_they_change(engine: EnginePipe) -> No
 
 
 def test_long_work_gives_signs_of_life(engine: EnginePipe, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("asterism.studio.engine.SIGN_EVERY_S", 0.0)
+    monkeypatch.setattr("asterism.studio.search_bounds.SIGN_EVERY_S", 0.0)
     engine.send(Edit(1, table()))
     engine.frame(1)
     assert any(isinstance(answer, Busy) and answer.seq == 1 for answer in engine.answers)
@@ -195,7 +195,7 @@ def test_long_work_gives_signs_of_life(engine: EnginePipe, monkeypatch: pytest.M
 def test_work_that_takes_too_long_is_given_up(engine: EnginePipe, monkeypatch: pytest.MonkeyPatch) -> None:
     engine.send(Edit(1, table()))
     before = engine.frame(1)
-    monkeypatch.setattr("asterism.studio.engine.MAX_SEARCH_S", 0.02)
+    monkeypatch.setattr("asterism.studio.search_bounds.MAX_SEARCH_S", 0.02)
     engine.send(Edit(2, table(border={"rings": 4})))
     assert engine.problem(2).kind == "too long"
     monkeypatch.undo()

@@ -1,0 +1,43 @@
+"""All that is known about a shape at rest, as a message."""
+
+from __future__ import annotations
+
+from asterism.previews.session import Preview
+from asterism.results.placed_warning import PlacedWarning
+from asterism.shape.shape import Shape
+from asterism.studio.messages import Form, Notice, ShapeSummary, sites_of
+
+WITHOUT_STARS = "the sheet has no stars: it is flat fabric, shown as it is when it is released, without pins"
+SHOWN_FORM = -1  # its index among the forms
+SUMMARY_KEYS = (
+    "expected_rms_percent",
+    "expected_height_percent",
+    "height_mm",
+    "extent_mm",
+    "contraction",
+    "roll_radius_mm",
+    "is_minimum",
+    "law_in_range",
+    "stars_outside_law",
+    "side",
+    "stars",
+    "energy_n_mm",
+)
+
+
+def rest_summary(seq: int, preview: Preview, shape: Shape) -> ShapeSummary:
+    """Numbers, warnings and other forms of the shape that a preview shows."""
+    sites = preview.sheet.layout.sheet_sites
+    notices = [
+        Notice(str(line), sites_of(sites, line.stars) if isinstance(line, PlacedWarning) else ())
+        for line in shape.summary["warnings"]
+    ]
+    forms = [Form(index, form.start, 100.0 * form.gap, False) for index, form in enumerate(preview.forms)]
+    if forms:
+        forms.insert(0, Form(SHOWN_FORM, preview.equilibrium.guess, 0.0, True))
+    return ShapeSummary(seq, {key: shape.summary[key] for key in SUMMARY_KEYS}, tuple(notices), tuple(forms))
+
+
+def blank_summary(seq: int) -> ShapeSummary:
+    """The same of a sheet without stars."""
+    return ShapeSummary(seq, {"height_mm": 0.0, "is_minimum": True, "stars": 0}, (Notice(WITHOUT_STARS),))

@@ -1,0 +1,83 @@
+"""When the engine ends a search: a newer message waits, the page has cancelled it, or it has taken too long."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+from asterism.previews.watch import SearchLimitError
+from asterism.studio.inbox import Inbox
+from asterism.studio.messages import Busy
+
+STALE_S = 0.4  # a search that has taken longer ends when a newer edit waits
+MAX_STALE_S = 2.0  # the same if the search before it has ended so
+# processor time of the search of an edit while the pointer is down, and of other edits
+MAX_DRAGGED_SEARCH_S = 2.5
+MAX_SEARCH_S = 20.0
+MAX_SLOWDOWN = 3.0  # over these, by the clock, as other programs want the cores too
+SIGN_EVERY_S = 2.0  # of life, in long searches
+
+
+class Superseded(Exception):
+    """A newer message waits, and the work on an older one ends."""
+
+
+class Cancelled(Exception):
+    """The work on a message was broken off."""
+
+
+class SearchBounds:
+    """Watches the work on one message at a time.
+
+    Parameters
+    ----------
+    inbox : where newer messages wait.
+    send : passes a sign of life on.
+    clock : seconds, without those in which loops are compiled.
+
+    Attributes
+    ----------
+    seq : of the message.
+    longest_s : processor time that the work may take.
+    """
+
+    def __init__(self, inbox: Inbox, send: Callable[[Any], None], clock: Callable[[], float]) -> None:
+        self._inbox, self._send, self._clock = inbox, send, clock
+        self._was_stale = False
+        self.begin(0)
+
+    def begin(self, seq: int, yields: bool = False) -> None:
+        """Begin the work on a message; work that yields ends as soon as another message waits."""
+        self.seq, self.longest_s, self._yields = seq, MAX_SEARCH_S, yields
+        self._begun, self.last_sign = self._clock(), time.monotonic()
+        self._worked, self._compiled = time.thread_time(), time.perf_counter() - self._clock()
+
+    def end(self, is_superseded: bool) -> None:
+        """End the work, in favour of a newer message or with an answer."""
+        self._was_stale = is_superseded and not self._yields
+
+    @property
+    def seconds(self) -> float:
+        """Since the work began."""
+        return self._clock() - self._begun
+
+    def check(self) -> None:
+        """Called in each Newton iteration, in the thread that computes.
+
+        Raises
+        ------
+        Superseded, Cancelled, SearchLimitError
+            The work ends.
+        """
+        if self._inbox.is_closed or self._inbox.is_cancelled(self.seq):
+            raise Cancelled
+        if self._inbox.has_waiting and (self._yields or self.seconds > (MAX_STALE_S if self._was_stale else STALE_S)):
+            raise Superseded
+        compiled = time.perf_counter() - self._clock() - self._compiled
+        worked = time.thread_time() - self._worked - compiled
+        if worked > self.longest_s or self.seconds > MAX_SLOWDOWN * self.longest_s:
+            raise SearchLimitError(f"no equilibrium within {self.longest_s:g} s; the shape is that before the edit")
+        if time.monotonic() - self.last_sign > SIGN_EVERY_S:
+            self._send(Busy(self.seq, f"searching for the equilibrium, {self.seconds:.0f} s"))
+            self.last_sign = time.monotonic()
