@@ -6,13 +6,20 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import shapely
+
 from asterism.measure.compare.outline import OUTLINE_FORMATS, read_outline
+from asterism.studio.dxf_outline import read_dxf_outline
 from equilibrium.errors import Error
 from pattern.design.sizing.grey_image import ImageError, pack_image, read_grey
+from pattern.geometry.arrays import Floats
 
 MAX_UPLOAD_BYTES = 8_000_000
 MAX_CORNERS = 1000
 OUTLINE_DIGITS = 4
+# Corners that are nearer to the line between their neighbours are left out.
+MAX_SIMPLIFICATION_MM = 0.05
 
 
 class UploadKind(StrEnum):
@@ -50,9 +57,23 @@ def read_upload(kind: UploadKind, path: Path, name: str = "") -> dict[str, Any]:
             raise UploadError(f"the picture {error}") from None
         rows, columns = grey.shape
         return {"value": {"image": name or path.name, "pixels": [columns, rows], "grey": pack_image(grey)}}
-    if path.suffix not in OUTLINE_FORMATS:
-        raise UploadError(f"an outline must be a file of {' or '.join(OUTLINE_FORMATS)}")
-    corners = read_outline(path).corners
-    if len(corners) > MAX_CORNERS:
-        raise UploadError(f"the outline has {len(corners)} corners; at most {MAX_CORNERS} are allowed")
-    return {"border": {"polygon_mm": corners.round(OUTLINE_DIGITS).tolist()}}
+    if path.suffix not in (*OUTLINE_FORMATS, ".dxf"):
+        raise UploadError(f"an outline must be a file of {', '.join((*OUTLINE_FORMATS, '.dxf'))}")
+    corners = read_dxf_outline(path) if path.suffix == ".dxf" else read_outline(path).corners
+    return {"border": {"polygon_mm": border_corners(corners).round(OUTLINE_DIGITS).tolist()}}
+
+
+def border_corners(corners: Floats) -> Floats:
+    """An outline for a design: around the origin, counterclockwise, and with as few corners as a print can show.
+
+    Raises
+    ------
+    UploadError
+        The outline still has too many corners.
+    """
+    polygon = shapely.Polygon(corners).simplify(MAX_SIMPLIFICATION_MM)
+    simple: Floats = np.asarray(shapely.geometry.polygon.orient(polygon).exterior.coords)[:-1, :2]
+    if len(simple) > MAX_CORNERS:
+        raise UploadError(f"the outline has {len(simple)} corners; at most {MAX_CORNERS} are allowed")
+    centred: Floats = simple - (simple.min(axis=0) + simple.max(axis=0)) / 2
+    return centred

@@ -1,0 +1,96 @@
+"""Files that a page sends: outlines in SVG, CSV and DXF, and grey pictures."""
+
+from __future__ import annotations
+
+from io import BytesIO, StringIO
+from typing import Any
+
+import ezdxf
+import numpy as np
+import pytest
+from PIL import Image
+from starlette.testclient import TestClient
+
+from pattern.design.design import Design
+from tests.asterism.studio.conftest import HOST, TOKEN, Page
+
+ORIGIN = {"origin": f"http://{HOST}"}
+SQUARE = [(10.0, 20.0), (110.0, 20.0), (110.0, 80.0), (10.0, 80.0)]
+CENTRED = {(-50.0, -30.0), (50.0, -30.0), (50.0, 30.0), (-50.0, 30.0)}
+
+
+def sent(client: TestClient, kind: str, name: str, content: bytes) -> dict[str, Any]:
+    answer = client.post(f"/{TOKEN}/upload?kind={kind}", content=content, headers={**ORIGIN, "x-name": name})
+    assert answer.status_code == 200, answer.text
+    data: dict[str, Any] = answer.json()
+    return data
+
+
+def dxf(draw: Any, unit: int = 4) -> bytes:
+    drawing = ezdxf.new(units=unit)
+    draw(drawing.modelspace())
+    out = StringIO()
+    drawing.write(out)
+    return out.getvalue().encode()
+
+
+def rectangle(space: Any) -> None:
+    space.add_lwpolyline(SQUARE, close=True)
+    space.add_circle((60, 50), 5)
+
+
+def four_lines(space: Any) -> None:
+    for start, end in zip(SQUARE, SQUARE[1:] + SQUARE[:1], strict=True):
+        space.add_line(start, end)
+
+
+@pytest.mark.parametrize("draw", [rectangle, four_lines])
+def test_an_outline_in_dxf_is_centred(client: TestClient, draw: Any):
+    corners = sent(client, "outline", "a.dxf", dxf(draw))["border"]["polygon_mm"]
+    assert {tuple(corner) for corner in corners} == CENTRED
+
+
+def test_units_and_curves_of_a_dxf(client: TestClient):
+    content = dxf(lambda space: space.add_circle((1, 1), 2), unit=1)  # inches
+    corners = np.array(sent(client, "outline", "a.dxf", content)["border"]["polygon_mm"])
+    np.testing.assert_allclose(np.hypot(*corners.T), 50.8, atol=0.05)
+    assert 20 < len(corners) < 200
+
+
+def test_an_outline_in_svg(client: TestClient):
+    content = b'<svg xmlns="http://www.w3.org/2000/svg" width="200mm" height="200mm" viewBox="0 0 200 200">'
+    content += b'<rect x="10" y="20" width="100" height="60"/></svg>'
+    corners = sent(client, "outline", "a.svg", content)["border"]["polygon_mm"]
+    assert {tuple(corner) for corner in corners} == CENTRED
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        dxf(lambda space: space.add_line((0, 0), (10, 0))),
+        dxf(lambda space: None),
+        dxf(rectangle, unit=3),  # miles
+        dxf(lambda space: space.add_lwpolyline([(0, 0), (1e9, 0), (1e9, 1e9)], close=True)),
+        b"0\nSECTION\n2\nENTITIES\n0\nLINE\n",
+        b"0\nSECTION\n" * 1000,
+        b"AutoCAD Binary DXF\r\n\x1a\x00" + b"\xff" * 100,
+    ],
+    ids=["open", "empty", "miles", "huge", "cut", "repeated", "binary"],
+)
+def test_drawings_without_an_outline_are_refused_in_one_line(client: TestClient, content: bytes):
+    answer = client.post(f"/{TOKEN}/upload?kind=outline", content=content, headers={**ORIGIN, "x-name": "a.dxf"})
+    assert answer.status_code == 422 and "\n" not in answer.json()["problem"]["text"]
+
+
+def test_a_grey_picture_becomes_a_profile(client: TestClient, page: Page):
+    out = BytesIO()
+    Image.fromarray(np.tile(np.linspace(0, 255, 40), (20, 1)).astype(np.uint8)).save(out, "PNG")
+    value = sent(client, "image", "sk%C3%A4tch.png", out.getvalue())["value"]
+    assert value["image"] == "skätch.png" and value["pixels"] == [40, 20]
+    profile = {**value, "low": 5.0, "high": 9.0, "extent_mm": [100.0, 90.0]}
+    design = Design.from_dict({"stars": {"length_mm": profile, "thickness_mm": 0.3}, "border": {"rings": 2}})
+    assert design.to_dict()["stars"]["length_mm"]["grey"] == value["grey"]
+    page.until("document")
+    page.send(type="edit", gesture=1, changes={"stars.length_mm": profile})
+    lengths = [site["sizes_mm"][0] for site in page.until("document", gesture=1)["plan"]["sites"]]
+    assert min(lengths) < 6.0 and max(lengths) > 8.0
