@@ -138,7 +138,7 @@ class Engine:
         if self._preview is None:
             self._preview = Preview(design, check=self._bounds.check, say=self._say)
             self._show("equilibrium", None)
-        elif edit.snapshot is not None and self._restore(edit, design):
+        elif edit.snapshot is not None and self._restore(edit.snapshot, design):
             self._show("equilibrium", None)
         else:
             self._show_stages(self._preview, design, edit)
@@ -169,11 +169,11 @@ class Engine:
         is_recent = time.monotonic() - self._equilibrium_at < EQUILIBRIUM_EVERY_S
         return self._inbox.has_waiting and is_recent and bool(change < MAX_LENGTH_CHANGE_MM)
 
-    def _restore(self, edit: Edit, design: Design) -> bool:
+    def _restore(self, snapshot: bytes, design: Design) -> bool:
         """Whether the preview could go to the form of a snapshot."""
         assert self._preview is not None
         try:
-            self._preview.restore(replace(pickle.loads(edit.snapshot), design=design))
+            self._preview.restore(replace(pickle.loads(snapshot), design=design))
         except ValueError as error:
             if isinstance(error, Error):
                 raise
