@@ -29,6 +29,16 @@ export function replace(element, ...children) {
   append(element, children);
 }
 
+const drawn = new WeakMap();
+
+/** Replaces the content only if what it shows has changed: a button must not vanish under the pointer. */
+export function refresh(element, content, build) {
+  const text = JSON.stringify(content);
+  if (drawn.get(element) === text) return;
+  drawn.set(element, text);
+  replace(element, build());
+}
+
 /** A button with text, an icon, or both. `label` is its accessible name, `keys` the shortcut shown in the tooltip. */
 export function button({ text, icon: name, label, keys, kind = "", testid, onclick, pressed, disabled }) {
   const title = [label ?? text, keys && `(${keys})`].filter(Boolean).join(" ");

@@ -97,7 +97,7 @@ export class Edits {
 
   /** Takes over a document of the server; what is painted right now stays on top. */
   arrived(document) {
-    const isCurrent = document.gesture === undefined || document.gesture === null || document.gesture >= this.#sent;
+    const isCurrent = (document.gesture ?? 0) >= this.#sent || this.#arrived >= this.#sent;
     if (isCurrent) this.#arrived = this.#sent;
     if (!this.#isOpen && isCurrent) this.#local = emptyLocal();
     this.store.set({ document });

@@ -32,7 +32,7 @@ import { View } from "./view/view.js";
 const $ = (id) => document.getElementById(id);
 
 const store = createStore();
-const studio = { store, isNew: true };
+const studio = { store, isNew: true, opened: 0 };
 const handlers = {};
 studio.connection = new Connection({
   message: (message) => handlers.message(message),
@@ -136,14 +136,15 @@ const shown = {
   revision: () => store.get("document")?.revision ?? null,
   shownRevision: () => store.get("frame")?.revision ?? null,
   stage: () => store.get("frame")?.stage ?? null,
-  isFine: () => Boolean(view?.shape?.smooth),
-  height: () => store.get("frame")?.height_mm ?? null,
+  height: () => store.get("state").numbers?.height_mm ?? null,
+  isSummarised: () => store.get("state").summary_revision === store.get("document")?.revision,
   engine: () => store.get("state").engine,
   state: () => structuredClone(store.get("state")),
   document: () => structuredClone(store.get("document")),
   connected: () => store.get("connection") === "open",
   drawn: () => view?.frames ?? 0,
   drawMs: () => view?.drawMs ?? 0,
+  opened: () => studio.opened,
   isEditing: () => studio.edits.isOpen,
   isWaiting: () => studio.edits.isWaiting,
   tool: () => store.get("tool"),

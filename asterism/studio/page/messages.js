@@ -11,18 +11,20 @@ export function listen(studio) {
       edits.arrived(message);
       if (studio.isNew || before?.path !== message.path) {
         studio.isNew = false;
+        studio.opened += 1;
         studio.plan.fit();
         studio.view?.reset();
       }
       const comparison = store.get("comparison");
       if (comparison && !comparison.isOld) store.set({ comparison: { ...comparison, isOld: true } });
       prune();
-      if (message.kept_work && !before?.kept_work) offerKeptWork();
+      if (message.kept_work && (!before?.kept_work || before.path !== message.path)) offerKeptWork();
+      if (!message.kept_work) document.querySelector("[data-text^='An earlier session']")?.remove();
     },
     state(message) {
       const before = store.get("state");
       store.set({ state: message, problem: message.problem ? { ...message.problem, isBlocking: true } : null });
-      if (message.jobs?.verify && !store.get("jobs").verify) store.set({ jobs: { ...store.get("jobs"), verify: message.jobs.verify } });
+      if (message.jobs) store.set({ jobs: message.jobs });
       if (before.engine !== message.engine && message.engine === "ready" && store.get("frame")) announce("The sheet is in equilibrium");
     },
     gallery: (message) => store.set({ gallery: message }),

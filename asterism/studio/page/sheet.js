@@ -19,7 +19,7 @@ export class Sheet {
     this.limits = readLimits(limits ?? {});
     this.printer = plan.printer ?? null;
     this.tables = local.pins ?? design.pins ?? [];
-    this.pins = plan.pins ?? [];
+    this.pins = (plan.pins ?? []).map((shown, k) => (local.outline && this.tables[k] ? { ...shown, edges: heldEdges(this.tables[k], this.outline) } : shown));
     this.directions = armDirections(design.lattice ?? {});
     this.tipMargin = design.border?.tip_margin_mm ?? TIP_MARGIN_MM;
     this.stars = plan.sites.map((entry, row) => this.#star(entry, row));
@@ -109,6 +109,12 @@ export class Sheet {
   get printed() {
     return this.stars.filter((star) => star.isPrinted);
   }
+}
+
+/** Edges that a table holds while the outline is dragged. */
+function heldEdges(table, outline) {
+  const numbers = table.where === "border" ? outline.map((_, k) => k) : (table.edges ?? []);
+  return numbers.filter((k) => outline[k]).map((k) => [outline[k], outline[(k + 1) % outline.length]]);
 }
 
 export function emptyLocal() {

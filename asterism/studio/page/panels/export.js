@@ -8,13 +8,15 @@ import { numberField } from "./fields.js";
 export function openExport({ store, connection }) {
   const { printers = [], plastics = [] } = store.get("document");
   let printer = store.get("sheet").printer?.name ?? printers[0]?.name;
-  let plastic = plastics[0];
+  let plastic = plastics.find((name) => name.startsWith("tpu")) ?? plastics[0];
   const machine = choice({ label: "Printer", testid: "export-printer", options: printers.map(({ name, title }) => ({ value: name, text: title ?? name })), value: printer, onchange: (value) => (printer = value) });
   const material = plastics.length ? choice({ label: "Plastic", testid: "export-plastic", options: plastics.map((name) => ({ value: name, text: name })), value: plastic, onchange: (value) => (plastic = value) }) : null;
   const preview = check({ text: "Write the shape too (OBJ, STL, GLB), and what rounding does to it", value: true, testid: "export-preview", onchange: () => {} });
   const border = check({ text: "Print a line to cut along", value: true, testid: "export-border", onchange: () => {} });
   const spacing = numberField({ label: "Needles on held edges, at most apart", value: 20, min: 2, max: 200, testid: "export-spacing", onchange: (value) => (needleSpacing = value) });
   let needleSpacing = 20;
+  const said = h("span", { class: "grow" });
+  const waiting = h("div", { class: "row", hidden: true }, said, button({ text: "Cancel", testid: "export-cancel", onclick: () => connection.send("cancel") }));
   const written = h("div", { role: "status", testid: "export-result" });
   const go = button({
     icon: "export",
@@ -30,7 +32,8 @@ export function openExport({ store, connection }) {
     const { export: result } = store.get("results");
     const { export: progress } = store.get("jobs");
     go.disabled = Boolean(progress);
-    if (progress) replace(written, h("div", { class: "row" }, h("span", { class: "grow" }, `${progress.stage} · ${seconds(progress.seconds)}`), button({ text: "Cancel", testid: "export-cancel", onclick: () => connection.send("cancel") })));
+    waiting.hidden = !progress;
+    if (progress) (said.textContent = `${progress.stage} · ${seconds(progress.seconds)}`), replace(written);
     else replace(written, result?.files ? [section("Written", h("span", { class: "count" }, result.folder ?? "")), (result.warnings ?? []).map((text) => hint(text)), fileList(result.files)] : null);
   };
   const stop = store.on(["results", "jobs"], update);
@@ -46,6 +49,7 @@ export function openExport({ store, connection }) {
       border.element,
       spacing.element,
       h("div", { class: "row" }, go),
+      waiting,
       written,
     ),
     { testid: "export-dialog", onclose: stop },

@@ -120,7 +120,7 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
     to.set(settings.to);
     count();
   });
-  on(["document"], () => edits.isOpen || read());
+  on(["document"], () => edits.isWaiting || read());
   on(["problem"], ({ problem }) => problem?.field?.startsWith("stars.") && settings.kind === "formula" && say(problem.text));
   read();
   count();

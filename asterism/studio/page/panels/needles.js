@@ -1,7 +1,8 @@
 // Panel of the supports: one block for each table of the design, exact places of the selected needle.
 
 import { button, check, choice, h, hint, section } from "../dom.js";
-import { isPoints, pointsOf, targetsOf, titleOf, withMoved, withTable } from "../supports.js";
+import { isPoints, pointsOf, targetsOf, titleOf, usualScale, withMoved, withTable } from "../supports.js";
+import { round as rounded } from "../geometry.js";
 import { icon } from "../icons.js";
 import { numberField } from "./fields.js";
 
@@ -20,13 +21,14 @@ export function needlesPanel({ store, edits, tools }, { on }) {
     if (!now.tables.length) parts.push(hint("The sheet is free. Click in the plan to place a needle, or hold the whole outline."));
     parts.push(
       h("ul", { class: "list" }, now.tables.map((table, k) => h("li", {}, item(table, k)))),
-      h(
-        "div",
-        { class: "row wrap" },
-        button({ text: "Hold the outline", testid: "hold-border", disabled: now.tables.length > 0, onclick: () => send([{ where: "border", scale: 0.74 }]) }),
-        button({ text: "Hold the corners", testid: "hold-corners", disabled: now.tables.length > 0, onclick: () => send([{ where: "corners", scale: 0.74 }]) }),
-        button({ icon: "trash", text: "Free", label: "Remove all supports", testid: "free-sheet", disabled: !now.tables.length, onclick: () => (send([]), store.set({ support: null })) }),
-      ),
+      now.tables.length
+        ? button({ icon: "trash", text: "Free the sheet", kind: "wide", testid: "free-sheet", onclick: () => (send([]), store.set({ support: null })) })
+        : h(
+            "div",
+            { class: "row wrap" },
+            button({ text: "Hold the outline", testid: "hold-border", onclick: () => send([{ where: "border", scale: rounded(usualScale(now), 2) }]) }),
+            button({ text: "Hold the corners", testid: "hold-corners", onclick: () => send([{ where: "corners", scale: rounded(usualScale(now), 2) }]) }),
+          ),
     );
     const support = store.get("support");
     if (support && now.tables[support.table]) parts.push(...chosen(now, support));

@@ -14,8 +14,10 @@ export function buildStart(element, { store, connection, actions }) {
   element.setAttribute("aria-label", "Open a design");
   element.dataset.testid = "start";
 
+  let built = {};
+
   function card(design) {
-    const picture = h("img", { src: `gallery/${design.name}.png`, alt: "", loading: "lazy" });
+    const picture = h("img", { src: `gallery/${design.name}.png`, alt: "" });
     const shot = h("div", { class: "shot" }, picture);
     picture.addEventListener("error", () => shot.replaceChildren(icon("outline")));
     return h(
@@ -31,7 +33,8 @@ export function buildStart(element, { store, connection, actions }) {
     const document = store.get("document");
     const isShown = store.get("startOpen") || (!document && store.get("connection") === "open" && gallery !== null);
     element.hidden = !isShown;
-    if (!isShown) return;
+    if (!isShown || (built.gallery === gallery && built.hasDocument === Boolean(document))) return;
+    built = { gallery, hasDocument: Boolean(document) };
     const blank = h(
       "button",
       { type: "button", class: "card blank", testid: "new", onclick: () => actions.startNew() },
@@ -49,7 +52,7 @@ export function buildStart(element, { store, connection, actions }) {
           "div",
           { class: "head" },
           h("div", {}, h("h1", {}, "What do you want to make?"), h("p", { class: "lead" }, "Stars of plastic printed on stretched fabric make it rise when it is released. Start from a sheet that works, or from an even one; everything can be changed.")),
-          document ? button({ icon: "close", text: "Back to the design", keys: "Escape", testid: "start-close", onclick: () => store.set({ startOpen: false }) }) : null,
+          h("div", { hidden: !document }, button({ icon: "close", text: "Back to the design", keys: "Escape", testid: "start-close", onclick: () => store.set({ startOpen: false }) })),
         ),
         files.length
           ? [h("h2", { class: "section" }, "In this folder"), h("div", { class: "row wrap" }, files.map((name) => button({ icon: "open", text: name, testid: `file-${name}`, onclick: () => actions.open({ name }) }))), h("h2", { class: "section" }, "Examples")]

@@ -19,11 +19,13 @@ export function buildStatus(element, { store, actions }) {
     const document = store.get("document");
     const [words, kind] = engineText(store);
     replace(engine, h("i", { class: `dot ${kind}`, "aria-hidden": "true" }), words);
+    const isStale = store.get("state").summary_revision !== document?.revision;
+    for (const one of [error, extent]) one.classList.toggle("stale", isStale);
     const isDrawn = Boolean(document && frame);
     const expected = numbers.expected_rms_percent;
     replace(error, "Expected error ", h("b", {}, Number.isFinite(expected) ? percent(expected) : "–"));
     error.title = `${trust(expected).words}. Root mean square distance to the exact shape, in percent of the diameter.`;
-    replace(height, "Height ", h("b", {}, isDrawn ? mm(frame.height_mm ?? numbers.height_mm) : "–"));
+    replace(height, "Height ", h("b", {}, isDrawn ? mm(numbers.height_mm ?? frame.height_mm) : "–"));
     replace(extent, "Size ", h("b", {}, numbers.extent_mm ? size(numbers.extent_mm) : "–"));
     const printed = store.get("sheet")?.printed.length;
     replace(stars, printed === undefined ? "No sheet" : plural(printed, "star"));

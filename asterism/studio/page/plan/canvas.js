@@ -27,6 +27,8 @@ export class PlanCanvas {
     for (const name of ["pointerdown", "pointermove", "pointerup", "pointercancel", "pointerleave"]) {
       canvas.addEventListener(name, (event) => this.#pointer(name, event));
     }
+    canvas.addEventListener("keydown", () => delete canvas.dataset.pointer);
+    canvas.addEventListener("blur", () => delete canvas.dataset.pointer);
     canvas.addEventListener("dblclick", (event) => this.tool?.double?.(this.#event(event)));
     canvas.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
     canvas.addEventListener("contextmenu", (event) => event.preventDefault());
@@ -122,6 +124,7 @@ export class PlanCanvas {
     const told = this.#event(event);
     if (name === "pointerdown") {
       this.canvas.setPointerCapture(event.pointerId);
+      this.canvas.dataset.pointer = "";
       this.canvas.focus({ preventScroll: true });
       this.#pointers.set(event.pointerId, told.pixel);
       if (this.#pointers.size === 2) {

@@ -238,6 +238,7 @@ function drawMarks(paint) {
     context.stroke();
     context.setLineDash([]);
   };
+  const isQuiet = !["select", "brush"].includes(store.get("tool"));
   for (const key of store.get("selection")) {
     const star = sheet.byKey.get(key);
     if (!star) continue;
@@ -245,15 +246,15 @@ function drawMarks(paint) {
     context.beginPath();
     context.arc(x, y, Math.max(6, radius - 2), 0, 2 * Math.PI);
     context.fillStyle = accent;
-    context.globalAlpha = 0.14;
+    context.globalAlpha = isQuiet ? 0.06 : 0.14;
     context.fill();
     context.globalAlpha = 1;
-    ring(star, 1.5);
+    if (!isQuiet) ring(star, 1.5);
   }
   const hover = sheet.byKey.get(store.get("hover"));
   if (hover) ring(hover, 1, [3, 3]);
   const cursor = sheet.byKey.get(store.get("cursor"));
-  if (cursor && document.activeElement === plan.canvas && plan.canvas.matches(":focus-visible")) ring(cursor, 3);
+  if (cursor && document.activeElement === plan.canvas && !("pointer" in plan.canvas.dataset)) ring(cursor, 3);
   if (plan.pulse) drawPulse(paint);
 }
 
@@ -288,8 +289,11 @@ function drawScaleBar(paint) {
   label(paint, `${Number(length.toPrecision(2))} mm`, [x, y - 10], "left", "muted");
 }
 
-export function label({ context, colour }, text, [x, y], align = "left", name = "text") {
+/** A text with a halo, kept within the canvas. */
+export function label({ context, colour }, text, [left, y], align = "left", name = "text") {
   context.font = `12px ${getComputedStyle(document.body).fontFamily}`;
+  const room = context.canvas.clientWidth - 8 - context.measureText(text).width;
+  const x = align === "left" ? Math.max(8, Math.min(left, room)) : left;
   context.textAlign = align;
   context.textBaseline = "alphabetic";
   context.lineWidth = 3;

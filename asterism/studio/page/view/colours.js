@@ -31,9 +31,9 @@ export function rampDomain(values) {
 export const FIELDS = {
   none: { name: "Plain" },
   height: { name: "Height", unit: "mm", digits: 1, scale: "viridis" },
-  curvature: { name: "Mean curvature", unit: "1/m", digits: 1, scale: "diverging", factor: 1000 },
-  strain: { name: "Area strain", unit: "%", digits: 1, scale: "diverging", factor: 100 },
-  distance: { name: "Distance to the exact shape", unit: "mm", digits: 2, scale: "viridis" },
+  curvature: { name: "Curvature", title: "Mean curvature", unit: "1/m", digits: 1, scale: "diverging", factor: 1000 },
+  strain: { name: "Strain", title: "Area strain", unit: "%", digits: 1, scale: "diverging", factor: 100 },
+  distance: { name: "Distance", unit: "mm", digits: 2, scale: "viridis" },
 };
 
 /** Range of a field: robust (2 to 98 %) for curvature and strain, symmetric about 0 for signed scales. */

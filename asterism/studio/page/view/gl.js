@@ -6,7 +6,7 @@ const SHADOW_PX = 256;
 
 export class Renderer {
   constructor(canvas) {
-    const gl = canvas.getContext("webgl2", { antialias: true, alpha: true, premultipliedAlpha: false, preserveDrawingBuffer: false });
+    const gl = canvas.getContext("webgl2", { antialias: true, alpha: true, premultipliedAlpha: true, preserveDrawingBuffer: false });
     if (!gl) throw new Error("This browser has no WebGL 2. The plan works; the sheet in space cannot be drawn.");
     this.gl = gl;
     this.canvas = canvas;

@@ -19,7 +19,7 @@ export function showLegend(element, name, domain) {
   const ticks = [4, 3, 2, 1, 0].map((k) => domain[0] + (k / 4) * (domain[1] - domain[0]));
   replace(
     element,
-    h("div", { class: "title" }, `${field.name}, ${field.unit}`),
+    h("div", { class: "title" }, `${field.title ?? field.name}, ${field.unit}`),
     h("div", { class: "scale" }, strip, h("div", { class: "ticks" }, ticks.map((value) => h("span", {}, fixed(value, field.digits))))),
   );
 }

@@ -12,9 +12,12 @@ export function listenToView(view, { store, edits }) {
   let drag = null;
   let way = 0;
 
+  canvas.addEventListener("keydown", () => delete canvas.dataset.pointer);
+  canvas.addEventListener("blur", () => delete canvas.dataset.pointer);
   canvas.addEventListener("contextmenu", (event) => event.preventDefault());
   canvas.addEventListener("pointerdown", (event) => {
     canvas.setPointerCapture(event.pointerId);
+    canvas.dataset.pointer = "";
     canvas.focus({ preventScroll: true });
     pointers.set(event.pointerId, [event.clientX, event.clientY]);
     last = span();

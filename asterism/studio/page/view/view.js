@@ -129,7 +129,7 @@ export class View {
       domain = fieldDomain(name, values);
       this.renderer.fill(this.sheetSurface, { colours: vertexColours(name, values, domain) });
     }
-    showLegend(document.getElementById("legend"), this.isColoured ? name : "none", domain);
+    showLegend(document.getElementById("legend"), this.isColoured && this.store.get("shown") !== "both" ? name : "none", domain);
     this.invalidate();
   }
 
@@ -201,7 +201,7 @@ export class View {
       reach: 1.15 * size,
       level: Math.min(0, low[2]) - 0.4,
       line: isDark ? [0.85, 0.87, 0.9] : [0.2, 0.22, 0.26],
-      lineAlpha: isDark ? 0.16 : 0.2,
+      lineAlpha: isDark ? 0.14 : 0.2,
       shade: isDark ? 0.6 : 0.34,
       stepMm: size > 400 ? 50 : 10,
     };

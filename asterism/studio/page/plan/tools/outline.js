@@ -19,7 +19,7 @@ export class OutlineTool {
   }
 
   get hint() {
-    return "Drag a corner · click an edge to add one · Delete removes";
+    return "Drag corners · click an edge to add one";
   }
 
   down(event) {

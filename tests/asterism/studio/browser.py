@@ -1,0 +1,141 @@
+"""A studio in a process of its own, and a page of it in a real browser."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
+
+import pytest
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+# software drawing, so that a machine without a graphics card behaves as one with it
+ARGUMENTS = ("--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+VIEWPORT = {"width": 1280, "height": 720}
+PATIENCE_S = 120.0
+REST = (
+    "studio.document && studio.engine === 'ready' && !studio.isWaiting && studio.shownRevision === studio.revision"
+    " && studio.stage === 'equilibrium'"
+)
+
+
+def browser_path() -> str:
+    """An installed browser; without one the test is skipped, or fails where the run promises one."""
+    for name in BROWSERS:
+        if found := shutil.which(name):
+            return found
+    reason = f"none of the browsers {', '.join(BROWSERS)} is installed"
+    if os.environ.get("ASTERISM_NEEDS_BROWSER") == "1":
+        pytest.fail(reason)
+    pytest.skip(reason)
+
+
+@contextmanager
+def running_studio(folder: Path) -> Iterator[str]:
+    """Address of a studio that serves a folder; it is ended by Ctrl-C."""
+    command = [sys.executable, "-m", "asterism", "studio", "--no-browser"]
+    root = str(Path(__file__).parents[3])
+    path = os.pathsep.join(filter(None, (root, os.environ.get("PYTHONPATH"))))
+    process = subprocess.Popen(
+        command, cwd=folder, stdout=subprocess.PIPE, text=True, env={**os.environ, "PYTHONPATH": path}
+    )
+    assert process.stdout is not None
+    try:
+        lines = iter(process.stdout.readline, "")
+        yield next(match[0] for line in lines if (match := re.search(r"http://\S+", line)))
+    finally:
+        process.send_signal(signal.SIGINT)
+        process.wait(30)
+        process.stdout.close()
+
+
+class StudioPage:
+    """A page under test: waits for states, and draws with pointer and keys in printed millimetres.
+
+    Attributes
+    ----------
+    complaints : errors of the console and of scripts, requests that leave this machine.
+    """
+
+    def __init__(self, page: Any, url: str) -> None:
+        self.page, self.url = page, url
+        self.complaints: list[str] = []
+        page.on("console", lambda message: self._console(message))
+        page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        page.on("request", lambda request: self._request(request.url))
+        page.goto(url)
+        self.wait("window.studio && studio.connected")
+
+    def _console(self, message: Any) -> None:
+        if message.type == "error":
+            self.complaints.append(message.text)
+
+    def _request(self, url: str) -> None:
+        parts = urlsplit(url)
+        if parts.scheme not in ("data", "blob") and parts.hostname != "127.0.0.1":
+            self.complaints.append(f"request to {url}")
+
+    def wait(self, condition: str, seconds: float = PATIENCE_S) -> None:
+        """Wait until an expression of JavaScript is true."""
+        self.page.evaluate(
+            f"""async () => {{
+                const begun = performance.now();
+                while (!({condition})) {{
+                    if (performance.now() - begun > {1000 * seconds}) throw new Error({condition!r});
+                    await new Promise((resolve) => setTimeout(resolve, 10));
+                }}
+            }}"""
+        )
+
+    def rest(self) -> None:
+        """Wait until the newest document's equilibrium is drawn."""
+        self.wait(REST)
+
+    def summarised(self) -> None:
+        """Wait until the numbers at rest belong to the newest document."""
+        self.wait(f"{REST} && studio.isSummarised")
+
+    def get(self, expression: str) -> Any:
+        return self.page.evaluate(expression)
+
+    def item(self, name: str) -> Any:
+        return self.page.get_by_test_id(name)
+
+    def open(self, name: str) -> None:
+        """Open an example, or a file of the folder."""
+        self.wait("studio.document || document.querySelector('[data-testid=new]')")
+        opened = self.get("studio.opened")
+        if self.get("Boolean(studio.document)"):
+            self.item("open").click()
+        self.item(name).click()
+        self.wait(f"studio.opened > {opened}")
+        self.rest()
+
+    def point(self, at: Sequence[float]) -> tuple[float, float]:
+        """Place in the window of a printed place."""
+        x, y = self.page.evaluate(
+            """(at) => {
+                const box = document.getElementById('plan-canvas').getBoundingClientRect();
+                const [x, y] = studio.screenOf(at);
+                return [box.left + x, box.top + y];
+            }""",
+            list(at),
+        )
+        return x, y
+
+    def drag(self, *places: Sequence[float]) -> None:
+        """Press at the first place, move over the others, and let go."""
+        mouse = self.page.mouse
+        mouse.move(*self.point(places[0]))
+        mouse.down()
+        for place in places[1:]:
+            mouse.move(*self.point(place), steps=4)
+        mouse.up()

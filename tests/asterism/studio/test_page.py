@@ -1,0 +1,200 @@
+"""The studio's page in a real browser: every test waits for a state of the page, none for a time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import asterism
+from tests.asterism.studio.browser import ARGUMENTS, VIEWPORT, StudioPage, browser_path, running_studio
+
+NEEDLES = """
+name = "canopy"
+[stars]
+length_mm = 7.0
+[border]
+rings = 2
+[[pins]]
+points_mm = [[43.0, 24.8], [-43.0, 24.8], [-43.0, -24.8], [43.0, -24.8]]
+target_mm = [[31.0, 18.0, 0.0], [-31.0, 18.0, 0.0], [-31.0, -18.0, 0.0], [31.0, -18.0, 0.0]]
+"""
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    path = browser_path()
+    playwright = pytest.importorskip("playwright.sync_api")
+    with playwright.sync_playwright() as driver:
+        launched = driver.chromium.launch(executable_path=path, args=list(ARGUMENTS))
+        yield launched
+        launched.close()
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    made = tmp_path_factory.mktemp("studio")
+    (made / "canopy.toml").write_text(NEEDLES, encoding="utf-8")
+    return made
+
+
+@pytest.fixture(scope="module")
+def address(browser: Any, folder: Path) -> Iterator[str]:
+    with running_studio(folder) as url:
+        yield url
+
+
+@pytest.fixture
+def new_page(browser: Any, address: str) -> Iterator[Callable[[], StudioPage]]:
+    """Makes pages; afterwards none may have complained."""
+    context = browser.new_context(viewport=VIEWPORT, reduced_motion="reduce")
+    pages: list[StudioPage] = []
+
+    def make() -> StudioPage:
+        pages.append(StudioPage(context.new_page(), address))
+        return pages[-1]
+
+    yield make
+    context.close()
+    assert [complaint for page in pages for complaint in page.complaints] == []
+
+
+@pytest.fixture
+def page(new_page: Callable[[], StudioPage]) -> StudioPage:
+    return new_page()
+
+
+def saved_height(page: StudioPage) -> float:
+    """Height (mm) of the preview of the file that the page saves."""
+    page.item("save").click()
+    page.wait("studio.document.saved")
+    design = asterism.load_design(page.get("studio.document.path"))
+    return float(asterism.preview(design).height_mm)
+
+
+def test_painting_changes_the_shape_as_the_saved_file_and_undo_brings_the_sizes_back(page: StudioPage) -> None:
+    page.open("gallery-dome")
+    page.summarised()
+    sizes, height = page.get("studio.sizes"), page.get("studio.height")
+    page.item("target").fill("5")
+    page.item("target").press("Enter")
+    page.drag((-20, 0), (0, 5), (20, 0))
+    page.summarised()
+    assert page.get("studio.sizes") != sizes
+    assert abs(page.get("studio.height") - height) > 0.1
+    assert page.get("studio.height") == pytest.approx(saved_height(page), rel=1e-9)
+
+    page.item("undo").click()
+    page.wait("studio.document.can_redo")
+    page.rest()
+    assert page.get("studio.sizes") == sizes
+
+
+def test_a_needle_is_dragged_and_lifted(page: StudioPage) -> None:
+    page.open("file-canopy.toml")
+    page.item("tool-needles").click()
+    page.drag((43.0, 24.8), (36.0, 20.0))
+    page.rest()
+    pins = page.get("studio.document.design.pins")[0]
+    assert pins["points_mm"][0] == pytest.approx([36.0, 20.0], abs=1.0)
+    page.item("needle-target-z").fill("12")
+    page.item("needle-target-z").press("Enter")
+    page.wait("studio.document.design.pins[0].target_mm[0][2] === 12")
+    page.summarised()
+    assert page.get("studio.height") == pytest.approx(saved_height(page), rel=1e-9)
+
+
+def test_a_corner_is_moved_and_the_outline_stays_when_it_would_cross_itself(page: StudioPage) -> None:
+    page.open("gallery-dome")
+    page.item("tool-outline").click()
+    corner = page.get("studio.document.plan.outline_mm")[0]
+    page.drag(corner, (corner[0] - 6, corner[1] - 3))
+    page.rest()
+    moved = page.get("studio.document.design.border.polygon_mm")
+    assert len(moved) == 6
+    assert moved[0] == pytest.approx([corner[0] - 6, corner[1] - 3], abs=1.0)
+
+
+def test_a_verification_is_cancelled_and_the_preview_stays(page: StudioPage) -> None:
+    page.open("gallery-dome")
+    height = page.get("studio.height")
+    page.item("verify").click()
+    page.wait("document.querySelector('[data-testid=cancel]')")
+    page.item("cancel").click()
+    page.wait("document.querySelector('[data-testid=verify-panel]')")
+    assert page.get("studio.height") == height
+    assert not page.get("studio.comparison")
+
+
+def test_a_verification_shows_the_distance_to_the_exact_shape(page: StudioPage) -> None:
+    page.open("gallery-star")
+    page.item("verify").click()
+    page.wait("studio.comparison && document.querySelector('[data-testid=verified]')")
+    assert page.item("legend").is_visible()
+    page.item("shown-both").click()
+    assert page.item("shown-both").get_attribute("aria-checked") == "true"
+
+
+def test_the_export_writes_files_that_can_be_downloaded(page: StudioPage, folder: Path) -> None:
+    page.open("gallery-star")
+    page.item("export").click()
+    page.item("export-preview").uncheck()
+    page.item("export-go").click()
+    page.wait("document.querySelectorAll('[data-testid=export-result] a').length > 5")
+    link = page.page.locator("[data-testid=export-result] a", has_text="print.3mf")
+    with page.page.expect_download() as download:
+        link.click()
+    assert Path(download.value.path()).stat().st_size > 1000
+
+
+def test_reload_and_a_second_tab_show_the_same_state(new_page: Callable[[], StudioPage]) -> None:
+    first = new_page()
+    first.open("gallery-dome")
+    first.drag((0, 0), (10, 10))
+    first.rest()
+    second = new_page()
+    second.rest()
+    assert second.get("studio.sizes") == first.get("studio.sizes")
+    second.item("undo").click()
+    first.wait("studio.document.can_redo")
+    first.rest()
+    assert first.get("studio.sizes") == second.get("studio.sizes")
+    sizes = first.get("studio.sizes")
+    first.page.reload()
+    first.wait("window.studio && studio.connected")
+    first.rest()
+    assert first.get("studio.sizes") == sizes
+
+
+def test_stars_are_changed_by_keyboard_alone(page: StudioPage) -> None:
+    page.open("gallery-dome")
+    before = page.get("studio.sizes")
+    page.page.locator("#plan-canvas").focus()
+    press = page.page.keyboard.press
+    press("ArrowRight")  # to the star in the middle
+    press("ArrowUp")
+    press("Enter")
+    assert len(page.get("studio.selection")) == 1
+    press("-")
+    page.rest()
+    after = page.get("studio.sizes")
+    changed = [star for star, (old, new) in enumerate(zip(before, after, strict=True)) if old != new]
+    assert len(changed) == 1
+    assert after[changed[0]][0] < before[changed[0]][0]
+    press("Control+z")
+    page.wait("studio.document.can_redo")
+    page.rest()
+    assert page.get("studio.sizes") == before
+
+
+def test_a_refused_value_shows_its_limits_at_the_field(page: StudioPage) -> None:
+    page.open("gallery-dome")
+    page.item("tool-gradient").click()
+    page.item("gradient-kind-formula").click()
+    page.item("formula").fill("10 - nonsense(x)")
+    page.item("use-formula").click()
+    page.wait("!document.querySelector('[data-testid=formula-fault]').hidden")
+    assert "nonsense" in page.item("formula-fault").inner_text()
+    assert page.get("typeof studio.document.design.stars.length_mm.formula") == "undefined"
