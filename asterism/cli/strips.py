@@ -88,10 +88,10 @@ def fit(
     rest_curvature: Annotated[_Formula, typer.Option(help="The material's convention.")] = _Formula.paper,
     kappa_bar: Annotated[_KappaBar, typer.Option(help="Curvature of peeled plastic.")] = _KappaBar.constant,
     stretch: Annotated[
-        float | None, typer.Option(min=1.01, max=3, help="Of the fabric, where the table does not say.")
+        float | None, typer.Option(min=1.01, max=3, help="Stretch of the fabric, if the table gives none.")
     ] = None,
     fabric_thickness: Annotated[
-        float | None, typer.Option(min=0.01, max=10, help="In mm, where the table does not say.")
+        float | None, typer.Option(min=0.01, max=10, help="Thickness of the fabric in mm, if the table gives none.")
     ] = None,
     outside: Annotated[
         bool, typer.Option("--outside", help="Boxes are drawn around the strips with their thickness.")

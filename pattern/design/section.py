@@ -6,11 +6,24 @@ import difflib
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Strict, Tag, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    Strict,
+    Tag,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError, PydanticKnownError
 
 from pattern.design.errors import DesignError
 
+# range of densities; numbers from 0 to the lower bound are most likely in g/cm3
+MIN_DENSITY_KG_M3 = 25.0
+MAX_DENSITY_KG_M3 = 20_000.0
 # larger numbers are mistakes, and their squares may overflow
 MAX_NUMBER = 1e12
 
@@ -46,6 +59,16 @@ Text = Annotated[str, Strict()]
 Line = Annotated[Text, AfterValidator(_printable)]
 Point = tuple[Number, Number]
 Place = tuple[Number, Number, Number]
+
+
+def _density(value: float) -> float:
+    if 0 < value < MIN_DENSITY_KG_M3:
+        hint = "; is it in g/cm3?" if value * 1000 <= MAX_DENSITY_KG_M3 else ""
+        raise DesignError("", f"must be 0, or from {MIN_DENSITY_KG_M3:g} to {MAX_DENSITY_KG_M3:g} kg/m3{hint}", value)
+    return value
+
+
+Density = Annotated[Number, Field(ge=0, le=MAX_DENSITY_KG_M3), AfterValidator(_density)]
 
 
 class Section(BaseModel):

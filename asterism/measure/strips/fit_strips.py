@@ -85,7 +85,7 @@ def fit_strips(
     table : CSV file with a row for each strip, as `new_strips` writes it.
     rest_curvature : convention of E1/E2: paper or timoshenko.
     kappa_bar : curvature of peeled plastic: constant, per-thickness or zero.
-    stretch, fabric_thickness_mm : values for rows without them. A value in the table wins.
+    stretch, fabric_thickness_mm : values for all strips, if the table gives none.
     outside : the boxes enclose the thickness of the strips.
     flat_height_mm : strips whose arc is lower count as flat.
     confidence : probability with which the intervals contain the true values.

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from asterism.measure.strips import arc
 from asterism.measure.strips.reading import Reading
+from asterism.measure.strips.table_checks import check_given_once, check_not_swapped
 from asterism.results.csv_cells import Row, TableError, read_rows
 from pattern.design.stars import THICKNESS_RANGE_MM
 
@@ -14,7 +15,8 @@ GIVEN = ("strip", "thickness_mm", "length_mm", "stretch", "fabric_thickness_mm")
 BOXES = ("box_width_mm", "box_height_mm", "peeled_box_width_mm", "peeled_box_height_mm")
 CURVATURES = ("curvature_per_mm", "peeled_curvature_per_mm")
 STRIP_COLUMNS = (*GIVEN, *BOXES, *CURVATURES)
-LENGTH_MM = (5.0, 1000.0)
+# allowed lengths of strips; shorter ones are given in another unit or hardly bend
+LENGTH_RANGE_MM = (10.0, 1000.0)
 FABRIC_RANGE_MM = (0.01, 10.0)
 STRETCH = (1.01, 3.0)
 MAX_BOX_MM = 2000.0
@@ -25,7 +27,9 @@ FEWEST_SIDES = 6
 ARC_TOLERANCE = 0.1
 # no box along a chord is higher than wide; that of a strip that is nearly a circle may be read so
 ROUND_PART, ROUND_MM = 1.02, 1.0
-_UNITS = {"inches": 1 / 25.4, "centimetres": 0.1, "metres": 0.001, "tenths of a millimetre": 10.0}
+# arc of a box over the length of its strip, if the box or the length is given in another unit
+_UNITS_OF_BOX = {"inches": 1 / 25.4, "centimetres": 0.1, "metres": 0.001}
+_UNITS_OF_LENGTH = {"inches": 25.4, "centimetres": 10.0}
 
 
 def read_strips(
@@ -35,7 +39,7 @@ def read_strips(
 
     Parameters
     ----------
-    stretch, fabric_thickness_mm : for rows that do not give them.
+    stretch, fabric_thickness_mm : of all strips, if the table gives none.
     outside : boxes were drawn around the strip with its thickness, not along a line of it.
 
     Raises
@@ -46,6 +50,8 @@ def read_strips(
     rows = read_rows(path, STRIP_COLUMNS, ("strip", "thickness_mm", "length_mm"))
     if not rows:
         raise TableError(path, None, None, "has a header but no strips")
+    check_given_once(rows, "stretch", stretch, "--stretch")
+    check_given_once(rows, "fabric_thickness_mm", fabric_thickness_mm, "--fabric-thickness")
     seen: dict[str, int] = {}
     readings: list[Reading] = []
     boxes: list[tuple[float, float] | None] = []  # as written; None where a curvature or "flat" was
@@ -61,6 +67,7 @@ def read_strips(
             boxes.append(box)
     if not readings:
         raise TableError(path, None, None, "no strip has been measured yet: fill in the boxes or curvatures")
+    check_not_swapped(rows, readings)
     step = _ruler_step([side for box in boxes if box is not None for side in box])
     return [replace(r, step_mm=step) if box is not None else r for r, box in zip(readings, boxes, strict=True)]
 
@@ -80,7 +87,7 @@ Measured = tuple[Reading, tuple[float, float] | None]
 def _readings(row: Row, name: str, stretch: float | None, fabric_mm: float | None, outside: bool) -> list[Measured]:
     """What was measured of one strip, and the box: nothing, or with its fabric, peeled, or both."""
     thickness = _needed(row, "thickness_mm", THICKNESS_RANGE_MM)
-    length = _needed(row, "length_mm", LENGTH_MM)
+    length = _needed(row, "length_mm", LENGTH_RANGE_MM)
     fabric = _needed(row, "fabric_thickness_mm", FABRIC_RANGE_MM, fabric_mm, "--fabric-thickness")
     stretched = _needed(row, "stretch", STRETCH, stretch, "--stretch")
     plain = Reading(name, row.number, thickness, length, stretched, fabric, False, None)
@@ -121,7 +128,13 @@ def _boxed(row: Row, prefix: str, reading: Reading, around: float) -> Measured:
         except ValueError as error:
             raise row.wrong(across, str(error)) from None
     ratio = float(arc.arc_length(width, height)) / reading.length_mm
-    for unit, factor in _UNITS.items():
+    for unit, factor in _UNITS_OF_LENGTH.items():
+        if abs(ratio / factor - 1) < ARC_TOLERANCE:
+            length, arc_mm = reading.length_mm, ratio * reading.length_mm
+            raise row.wrong(
+                "length_mm", f"{length:g} must be the length in mm, about {arc_mm:.0f} by its box; is it in {unit}?"
+            )
+    for unit, factor in _UNITS_OF_BOX.items():
         if abs(ratio / factor - 1) < ARC_TOLERANCE:
             raise row.wrong(
                 across, f"a strip of {reading.length_mm:g} mm has no arc of this size; is it in {unit}? write mm"

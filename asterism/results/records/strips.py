@@ -16,10 +16,8 @@ class StripOptionsRecord(Record):
     outside: bool = key("The boxes enclose the thickness of the strips.")
     flat_height_mm: float = key("Strips whose arc is lower count as flat.", unit="mm")
     keep_outliers: bool = key("Readings that contradict the others were used.")
-    stretch: float = key("Stretch of rows without one, if it was given.", default=ABSENT)
-    fabric_thickness_mm: float = key(
-        "Fabric thickness of rows without one, if it was given.", unit="mm", default=ABSENT
-    )
+    stretch: float = key("Stretch of all strips, if the table gives none.", default=ABSENT)
+    fabric_thickness_mm: float = key("Thickness of the fabric, if the table gives none.", unit="mm", default=ABSENT)
 
 
 class RatioIntervalRecord(Record):

@@ -113,6 +113,12 @@ def test_a_mistake_is_one_line_with_file_and_field(change: tuple[str, str], mess
     assert str(caught.value).startswith(str(tmp_path / "mine.toml")) and "\n" not in str(caught.value)
 
 
+def test_a_density_in_other_units_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "p.toml").write_text('name = "x"\ndensity_kg_m3 = 1.22\n')
+    with pytest.raises(DesignError, match=r"p.toml: density_kg_m3 = 1.22: must be 0, or from 25 to .* in g/cm3"):
+        profiles.load_plastic(str(tmp_path / "p.toml"))
+
+
 def test_an_unknown_name_lists_what_there_is() -> None:
     with pytest.raises(DesignError, match=r"--printer = 'ulti': must be a file.*ender-3, prusa-mk4, ultimaker2"):
         profiles.load_printer("ulti")

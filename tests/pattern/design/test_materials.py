@@ -53,6 +53,15 @@ def test_stretch_by_direction():
         rest_curvature(0.3, fabric, Plastic())
 
 
+@pytest.mark.parametrize("section", ["fabric", "plastic"])
+def test_a_density_in_other_units_is_refused(section: str):
+    design = {"stars": {"length_mm": 10}, "border": {"rings": 0}}
+    for wrong, hint in ((1.22, "is it in g/cm3"), (-1.0, "at least 0"), (30_000.0, "at most 20000")):
+        with pytest.raises(DesignError, match=rf"^{section}\.density_kg_m3 = {wrong}.*{hint}"):
+            Design.from_dict({**design, section: {"density_kg_m3": wrong}})
+    assert Design.from_dict({**design, section: {"density_kg_m3": 0.0}})
+
+
 def test_stretch_xy():
     assert Fabric(stretch=1.2).stretch_xy == (1.2, 1.2)
     assert Fabric(stretch=[1.2, 1.3]).stretch_xy == (1.2, 1.3)

@@ -129,6 +129,67 @@ def test_tables_without_a_material_end_in_one_line(rows, options, problem, tmp_p
     assert [file.name for file in tmp_path.iterdir()] == ["strips.csv"]
 
 
+BOXES = HEAD.replace("peeled_curvature_per_mm", "peeled_box_width_mm,peeled_box_height_mm").replace(
+    "curvature_per_mm", "box_width_mm,box_height_mm"
+)
+WITHOUT_FABRIC = HEAD.replace("stretch,fabric_thickness_mm,", "")
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "place", "problem"),
+    [
+        (
+            HEAD + "1,.3,60,1.35,.8,.003,.030\n2,.4,60,1.35,.8,.003,.017",
+            [],
+            "row 2, column peeled_curvature",
+            "swapped",
+        ),
+        (HEAD + "1,.3,60,1.35,.8,0,.030\n2,.4,60,1.35,.8,.0,.017", [], "row 2, column peeled_curvature", "swapped"),
+        (BOXES + "a,.3,60,1.35,.8,59.8,1.35,48.4,13\n", [], "row 2, column peeled_box_width_mm", "swapped"),
+        (HEAD + "1,.3,60,1.35,.8,.03,.003", ["--stretch", "1.4"], "row 2, column stretch", "--stretch is for tables"),
+        (HEAD + "1,.3,60,1.35,.8,.03,.003", ["--stretch", "1.35"], "row 2, column stretch", "--stretch is for tables"),
+        (
+            HEAD + "1,.3,60,1.35,,.03,.003\n2,.3,60,1.35,.8,.03,.003",
+            ["--fabric-thickness", ".7"],
+            "row 3, column fabric_thickness_mm",
+            "--fabric-thickness is for tables",
+        ),
+        (
+            HEAD + "1,.3,6,1.35,.8,.03,.003",
+            [],
+            "row 2, column length_mm",
+            "from 10 to 1000 mm; is it in inches or cent",
+        ),
+        (
+            BOXES + "1,.3,15,1.35,.8,105.3,49.7,,\n",
+            [],
+            "row 2, column length_mm",
+            "about 160 by its box; is it in cent",
+        ),
+        (BOXES + "1,.3,60,1.35,.8,5.3,1.18,,\n", [], "row 2, column box_width_mm", "centimetres"),
+        (HEAD + "1,.03,60,1.35,.8,.03,.003", [], "row 2, column thickness_mm", "is it in inches or centimetres"),
+    ],
+)
+def test_a_wrong_table_is_refused_with_its_place(
+    text: str, options: list[str], place: str, problem: str, tmp_path, capsys, monkeypatch
+) -> None:
+    (tmp_path / "strips.csv").write_text(text)
+    done = command(["strips", "fit", str(tmp_path / "strips.csv"), *options], capsys, monkeypatch)
+    assert done.status == 2 and not done.out
+    assert f"strips.csv, {place}" in done.line and problem in done.line
+    assert [file.name for file in tmp_path.iterdir()] == ["strips.csv"]
+
+
+def test_the_options_fill_a_table_without_these_columns(tmp_path: Path, capsys, monkeypatch) -> None:
+    """Empty columns count as no columns."""
+    rows = [(f"{h}", f"{k}", f"{k / 100}") for h, k in ((0.3, 0.031), (0.3, 0.030), (0.4, 0.018), (0.4, 0.017))]
+    for head, row in ((WITHOUT_FABRIC, "{},{},60,{},{}"), (HEAD, "{},{},60,,,{},{}")):
+        lines = [row.format(number, *each) for number, each in enumerate(rows)]
+        (tmp_path / "strips.csv").write_text(head + "\n".join(lines))
+        words = ["strips", "fit", str(tmp_path / "strips.csv"), "--stretch", "1.35", "--fabric-thickness", "0.8"]
+        assert command(words, capsys, monkeypatch).status == 0
+
+
 @pytest.mark.parametrize("name", ["a\N{GRINNING FACE}.toml", "m\udce9s.toml"])
 def test_a_material_of_any_file_name_can_be_read(name: str, strips: Path, capsys, monkeypatch) -> None:
     try:
