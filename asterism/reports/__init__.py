@@ -1,1 +1,1 @@
-"""One page about a design."""
+"""Reports: the page about a design (PDF) and the page of a verification (HTML)."""

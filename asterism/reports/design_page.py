@@ -1,4 +1,4 @@
-"""The page about a design, an A4: picture, facts, layout to a round scale, needles."""
+"""The A4 page about a design as PDF: picture, facts, layout at a round scale, needles."""
 
 from __future__ import annotations
 
@@ -32,18 +32,38 @@ from pattern.geometry.arrays import Floats
 PAGE_MM = np.array(A4_MM)
 # empty border of the page
 DESIGN_PAGE_MARGIN_MM = 15.0
-RED, SHEET = "#c8553d", "#f3f1ea"
-# room for the drawing, and the most needles that are listed
-LAYOUT_MM, LAYOUT_AT = np.array([112.0, 122.0]), np.array([83.0, 42.0])
-MOST_NEEDLES = 12
-# characters of a line of doubts, and lines
-DOUBT_WIDTH, DOUBT_LINES = 145, 3
+# colours of needles and warnings, and of the sheet
+RED = "#c8553d"
+SHEET = "#f3f1ea"
+# size of the area for the layout, and its lower left corner on the page
+LAYOUT_MM = np.array([112.0, 122.0])
+LAYOUT_AT = np.array([83.0, 42.0])
+# the page lists the places of at most this many needles
+MAX_LISTED_NEEDLES = 12
+# longest line of the warnings, in characters
+WARNING_WIDTH = 145
+# largest number of lines of the warnings
+MAX_WARNING_LINES = 3
+# scales 1:n of the layout
 SCALES = (1, 1.5, 2, 2.5, 3, 4, 5, 10, 20, 50)
+# points per mm
 _POINTS = 72 / 25.4
 
 
-def write_design_page(path: Path, job: Job, found: Facts, doubts: Sequence[str], shape: Shape | None) -> float:
-    """Write the page as PDF, with doubts about the shape; returns n of the layout's scale 1:n."""
+def write_design_page(path: Path, job: Job, facts: Facts, lines: Sequence[str], shape: Shape | None) -> float:
+    """Write the page as PDF.
+
+    Parameters
+    ----------
+    job : the design on the printer's bed.
+    facts : from `asterism.reports.facts.design_facts`.
+    lines : warnings about the shape.
+    shape : shape of the picture; the page has no picture if it is None.
+
+    Returns
+    -------
+    n of the layout's scale 1:n.
+    """
     figure = Figure(figsize=tuple(PAGE_MM / 25.4), dpi=72.0, facecolor="white")
     FigureCanvasAgg(figure)
     to_page = Affine2D().scale(_POINTS)
@@ -51,8 +71,8 @@ def write_design_page(path: Path, job: Job, found: Facts, doubts: Sequence[str],
     _text(figure, to_page, DESIGN_PAGE_MARGIN_MM, 276.0, name, 7.0 * min(1.0, 40 / max(len(name), 1)), weight="bold")
     if shape is not None:
         _picture(figure, shape)
-    _doubts(figure, to_page, doubts)
-    _facts(figure, to_page, found)
+    _warnings(figure, to_page, lines)
+    _facts(figure, to_page, facts)
     parts = _layout(figure, to_page, job)
     _needles(figure, to_page, job)
     settings: dict[Any, Any] = {"pdf.fonttype": 42, "path.simplify": False}
@@ -60,7 +80,7 @@ def write_design_page(path: Path, job: Job, found: Facts, doubts: Sequence[str],
         warnings.filterwarnings("ignore", "Glyph .* missing from font")
         page = BytesIO()
         figure.savefig(page, format="pdf", dpi=300, metadata={"Title": name, "CreationDate": None})
-    # written here: on a full disk matplotlib would raise another error than OSError
+    # not by matplotlib, whose error on a full disk is not an OSError
     path.write_bytes(page.getvalue())
     return parts
 
@@ -69,7 +89,7 @@ def _picture(figure: Figure, shape: Shape) -> None:
     stream = BytesIO()
     draw_shape(shape, "", stream)
     with Image.open(stream) as image:
-        # its head is said by the page
+        # without the caption, which the page repeats as text
         pixels = np.asarray(image.convert("RGB"))[140:]
     height, width = pixels.shape[:2]
     size = np.array([PAGE_MM[0] - 2 * DESIGN_PAGE_MARGIN_MM, 0.0])
@@ -80,18 +100,18 @@ def _picture(figure: Figure, shape: Shape) -> None:
     axes.axis("off")
 
 
-def _doubts(figure: Figure, to_page: Transform, doubts: Sequence[str]) -> None:
-    """Between the picture and the facts, as many as there is room for."""
-    lines = [line for doubt in doubts for line in textwrap.wrap(doubt, DOUBT_WIDTH)]
-    if len(lines) > DOUBT_LINES:
-        lines = [*lines[: DOUBT_LINES - 1], "... and more: see the summary of the results"]
+def _warnings(figure: Figure, to_page: Transform, texts: Sequence[str]) -> None:
+    """Write the warnings between the picture and the facts, as many as fit."""
+    lines = [line for text in texts for line in textwrap.wrap(text, WARNING_WIDTH)]
+    if len(lines) > MAX_WARNING_LINES:
+        lines = [*lines[: MAX_WARNING_LINES - 1], "... and more: see the summary of the results"]
     for k, line in enumerate(lines):
         _text(figure, to_page, DESIGN_PAGE_MARGIN_MM, 181.5 - 3.2 * k, line, 2.3, color=RED)
 
 
-def _facts(figure: Figure, to_page: Transform, found: Facts) -> None:
+def _facts(figure: Figure, to_page: Transform, facts: Facts) -> None:
     y = 170.0
-    for head, lines in found.items():
+    for head, lines in facts.items():
         _text(figure, to_page, DESIGN_PAGE_MARGIN_MM, y, head, 3.3, weight="bold")
         for line in lines:
             y -= 4.2
@@ -100,7 +120,7 @@ def _facts(figure: Figure, to_page: Transform, found: Facts) -> None:
 
 
 def _layout(figure: Figure, to_page: Transform, job: Job) -> float:
-    """The layout as it is printed, seen from the plastic side, with its needles."""
+    """Draw the printed layout, seen from the plastic side, with its needles; returns n of its scale 1:n."""
     border = job.plan.outline
     low, high = border.min(axis=0), border.max(axis=0)
     parts = next((n for n in SCALES if ((high - low) / n <= LAYOUT_MM).all()), SCALES[-1])
@@ -113,13 +133,13 @@ def _layout(figure: Figure, to_page: Transform, job: Job) -> float:
     for needle in job.needles[:200]:
         spot = shapely.Point(needle.printed).buffer(1.0 * parts)
         _draw(figure, to_drawing, spot, facecolor=RED, linewidth=0)
-        if len(job.needles) <= MOST_NEEDLES:
-            # towards the middle, so that nothing leaves the room of the drawing
+        if len(job.needles) <= MAX_LISTED_NEEDLES:
+            # the number stands towards the middle, so that it stays within the drawing
             inwards = (low + high) / 2 - needle.printed
             far = float(np.linalg.norm(inwards))
             at = needle.printed + 4.0 * parts * (inwards / far if far > 4.0 * parts else np.array([0.0, 1.0]))
             x, y = (at - (low + high) / 2) / parts + middle
-            # its own ground, where it comes to lie on an arm
+            # with a background, since it may lie on an arm
             style = {"color": RED, "weight": "bold", "bbox": {"facecolor": SHEET, "edgecolor": "none", "pad": 0.6}}
             _text(figure, to_page, x, y - 1.0, str(needle.number), 2.8, ha="center", **style)
     head = f"Layout 1:{parts:g}, on the stretched fabric, plastic side"
@@ -133,8 +153,8 @@ def _needles(figure: Figure, to_page: Transform, job: Job) -> None:
         _text(figure, to_page, DESIGN_PAGE_MARGIN_MM, 33.0, "No needles: the sheet is free.", 2.7, color=PALE)
         return
     _text(figure, to_page, DESIGN_PAGE_MARGIN_MM, 35.0, f"Needles: {len(needles)}", 3.3, weight="bold")
-    if len(needles) > MOST_NEEDLES:
-        text = "Red dots in the layout; asterism export writes their places (needles.csv) and a drilling template."
+    if len(needles) > MAX_LISTED_NEEDLES:
+        text = "Red dots in the layout. asterism export writes their places (needles.csv) and a drilling template."
         _text(figure, to_page, DESIGN_PAGE_MARGIN_MM, 30.5, text, 2.7)
         return
     for i, needle in enumerate(needles):
@@ -146,7 +166,7 @@ def _needles(figure: Figure, to_page: Transform, job: Job) -> None:
 
 
 def _numbers(place: Floats) -> str:
-    """In mm, without a minus before nothing; a height that is not known slides."""
+    """Coordinates in mm, without negative zeros; an open coordinate is `slides`."""
     return ", ".join("slides" if np.isnan(value) else f"{value:.1f}" for value in np.round(place, 1) + 0.0)
 
 

@@ -78,7 +78,7 @@ def report(
     check_writable(path.parent, path.name)
     machine = load_printer(printer) if isinstance(printer, str) else printer
     profile = load_plastic(plastic) if isinstance(plastic, str) else plastic
-    # before anything is computed: most mistakes are found here
+    # before the preview: this finds most mistakes
     prepare(design, machine, profile, any_size=True)
     shape, source = shape_for_report(
         design,

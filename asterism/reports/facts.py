@@ -1,4 +1,4 @@
-"""What the page about a design says, as headed lines."""
+"""The facts on the page about a design, as lines under headings."""
 
 from __future__ import annotations
 
@@ -17,14 +17,15 @@ Facts = dict[str, list[str]]
 
 
 def design_facts(job: Job, summary: Mapping[str, Any], source: str) -> Facts:
-    """Parameters, shape, accuracy and material; what is not known is left out.
+    """Lines on parameters, shape, accuracy and material, as far as they are available.
 
     Parameters
     ----------
-    summary : of the shape; empty if there is none.
-    source : where the shape comes from, or why there is none.
+    job : the design on the printer's bed.
+    summary : summary of the shape; empty if there is no shape.
+    source : origin of the shape, or the reason for its absence.
     """
-    found = {
+    facts = {
         "Fabric": _fabric(job.design),
         "Plastic": _plastic(job.design),
         "Stars": _stars(job.drawn_plan, job.design),
@@ -32,16 +33,16 @@ def design_facts(job: Job, summary: Mapping[str, Any], source: str) -> Facts:
         "Accuracy": _accuracy(summary),
         "Print": _print(job),
     }
-    return {head: lines for head, lines in found.items() if lines}
+    return {head: lines for head, lines in facts.items() if lines}
 
 
 def _fabric(design: Design) -> list[str]:
     x, y = design.fabric.stretch_xy
     stretch = f"{x:g}" if x == y else f"{x:g} along x, {y:g} along y"
     lines = [f"stretch {stretch}, {design.fabric.thickness_mm:g} mm thick", f"bending: {design.fabric.bending}"]
-    if design.gravity.on:  # only then the modulus counts
+    if design.gravity.on:  # without gravity, the shape does not depend on the modulus
         x, y, z = design.gravity.direction
-        lines.append(f"E {design.fabric.modulus_mpa:g} MPa, its weight pulls along ({x:g}, {y:g}, {z:g})")
+        lines.append(f"E {design.fabric.modulus_mpa:g} MPa, weight along ({x:g}, {y:g}, {z:g})")
     return lines
 
 
@@ -64,17 +65,17 @@ def _stars(plan: Layout, design: Design) -> list[str]:
 
 
 def _sides(plan: Layout) -> list[str]:
-    """Where stars do not all start up."""
+    """The number of stars that start down or flat."""
     down, free = (int((plan.star_branch == side).sum()) for side in (-1, 0))
-    started = [f"{count} {how}" for count, how in ((down, "bumped down"), (free, "flat")) if count]
-    return ["started " + ", ".join(started)] if started else []
+    parts = [f"{count} {how}" for count, how in ((down, "down"), (free, "flat")) if count]
+    return ["started " + ", ".join(parts)] if parts else []
 
 
 def _as_drawn(job: Job, summary: Mapping[str, Any]) -> list[str]:
-    """That the shape is not of what is printed, where the printer rounds."""
+    """A line if the shape belongs to the design as drawn, and the printer rounds its sizes."""
     if not job.is_rounded or "design" not in summary or Design.from_dict(summary["design"]).stars == job.design.stars:
         return []
-    return ["as drawn; the print is rounded, see there"]
+    return ["as drawn, before rounding (see Print)"]
 
 
 def _shape(summary: Mapping[str, Any]) -> list[str]:
@@ -84,7 +85,7 @@ def _shape(summary: Mapping[str, Any]) -> list[str]:
     if "extent_mm" in summary:
         lines.append("extent " + " x ".join(f"{size:.1f}" for size in summary["extent_mm"]) + " mm")
     if "is_minimum" in summary:
-        lines.append("a certified equilibrium" if summary["is_minimum"] else "NOT certain to stay")
+        lines.append("a certified equilibrium" if summary["is_minimum"] else "NOT a certified equilibrium")
     return lines
 
 
@@ -99,18 +100,18 @@ def _hanging(job: Job) -> list[str]:
 def _accuracy(summary: Mapping[str, Any]) -> list[str]:
     lines = []
     if (expected := summary.get("expected_rms_percent")) is not None:
-        lines.append(f"expected rms {expected:.1f} % of the diameter")
-        lines.append("from the exact model")
+        lines.append(f"estimated error {expected:.1f} % of the diameter")
+        lines.append("(rms, from the exact model)")
     if (height := summary.get("expected_height_percent")) is not None:
         lines.append(f"height give or take {height_error(height, summary['height_mm'])}")
     if (mesh := summary.get("mesh_error_percent")) is not None:
         lines.append(f"mesh error about {mesh:.1f} % of the diameter")
     elif (change := summary.get("mesh_change_percent")) is not None:
-        lines += ["mesh error not known", f"{change:.1f} % from the next coarser mesh"]
+        lines += ["mesh error unknown;", f"{change:.1f} % from the next coarser mesh"]
     elif summary and summary.get("model") != "preview":
-        lines.append("mesh error not known, one mesh was solved")
+        lines.append("mesh error unknown: one mesh was solved")
     elif summary and not lines:
-        lines.append("not known how far from the exact model")
+        lines.append("no error estimate")
     if (law := summary.get("law")) is not None:
         lines.append(f"law: {law['material']}, edges of {law['edge_mm']:g} mm")
     return lines
@@ -129,14 +130,12 @@ def _print(job: Job) -> list[str]:
 
 
 def _rounded(job: Job) -> list[str]:
-    """Which sizes the printer makes in place of the design's."""
-    found = []
+    """The sizes that the printer makes, if they differ from those of the design."""
+    lines = []
     for name, size in job.size_changes.items():
         if size.stars_changed:
-            found.append(
-                f"{name} " + ", ".join(f"{value:g}" for value in size.values_mm[:4]) + " mm in place of the design's"
-            )
-    return found
+            lines.append(f"{name} " + ", ".join(f"{value:g}" for value in size.values_mm[:4]) + " mm after rounding")
+    return lines
 
 
 def _range(values: np.ndarray) -> str:

@@ -1,4 +1,4 @@
-"""The parts that a report is made of: escaped text, tables, pictures inside the file."""
+"""Building blocks of an HTML report: escaped text, tables, embedded pictures."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ td { overflow-wrap: anywhere; } td.n, td:first-child { overflow-wrap: normal; }
 
 
 def html_page(title: str, parts: Sequence[str]) -> str:
-    """A whole document that needs no other file and no network."""
+    """A complete HTML document without references to other files."""
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
@@ -50,7 +50,7 @@ def html_page(title: str, parts: Sequence[str]) -> str:
 
 
 def html_table(header: Sequence[str], rows: Sequence[Sequence[str]], numbers: bool = True) -> str:
-    """Text in the first column; numbers, to the right, in the others, or text there too."""
+    """A table. The first column is text; the others are right-aligned numbers, or text if `numbers` is false."""
 
     def line(cells: Sequence[str], tag: str) -> str:
         kinds = ["", *([' class="n"' if numbers else ""] * (len(cells) - 1))]
@@ -61,13 +61,13 @@ def html_table(header: Sequence[str], rows: Sequence[Sequence[str]], numbers: bo
 
 
 def tiles(values: Mapping[str, str]) -> str:
-    """Large numbers, each with what it is below."""
+    """Large numbers (the values), each with its meaning (the key) below."""
     each = (f'<div class="tile"><b>{escape(v)}</b><span>{escape(k)}</span></div>' for k, v in values.items())
     return '<div class="tiles">' + "".join(each) + "</div>"
 
 
 def figures(pictures: Sequence[tuple[bytes, str]]) -> str:
-    """PNG pictures side by side, with captions."""
+    """Pairs of PNG data and caption, side by side."""
     each = (
         f'<figure><img alt="{escape(caption, quote=True)}" src="data:image/png;base64,{b64encode(png).decode()}">'
         f"<figcaption>{escape(caption)}</figcaption></figure>"
@@ -77,7 +77,7 @@ def figures(pictures: Sequence[tuple[bytes, str]]) -> str:
 
 
 def png(image: Floats) -> bytes:
-    """An image (height, width, 4), row 0 the lowest, on white."""
+    """PNG of an image (height, width, 4), row 0 the lowest, on white."""
     opacity = image[..., 3:]
     colour = opacity * image[..., :3] + (1.0 - opacity)
     picture = Image.fromarray(np.clip(255.0 * np.flipud(colour) + 0.5, 0, 255).astype(np.uint8))

@@ -1,4 +1,4 @@
-"""The distance over the printed sheet, and profiles through its middle."""
+"""Plots of a verification: the distance over the printed sheet, and profiles through its middle."""
 
 from __future__ import annotations
 
@@ -15,16 +15,17 @@ from pattern.geometry.arrays import Floats
 from pattern.geometry.planar import inside
 
 BLUE = "#4f6d92"
+# number of points of a profile
 POINTS_PER_CUT = 241
-# cuts end this much before the outline, so that rounding does not take them over it
-INSIDE = 0.999
+# a profile ends at this part of the distance to the outline, so that rounding does not move it outside
+MAX_CUT_SHARE = 0.999
 
 
 def distance_map(comparison: Comparison) -> bytes:
-    """PNG: distance of the cell means in % of the diameter over the print, star centres on top."""
+    """PNG of the distance over the print, in % of the diameter: cell means as colours, star centres as dots."""
     reference, layout = comparison.reference, comparison.layout
     width, height = np.ptp(layout.outline, axis=0)
-    # a long sheet has no bar of colours that towers over it
+    # the height follows the sheet, so that the colour bar is not much higher than the sheet
     figure = Figure(figsize=(5.6, float(np.clip(1.0 + 4.0 * height / width, 2.2, 4.6))), dpi=130, layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.subplots()
@@ -41,10 +42,10 @@ def distance_map(comparison: Comparison) -> bytes:
 
 
 def profiles(comparison: Comparison) -> bytes:
-    """PNG: two cuts through the middle of the print, along it and across, each seen in its own plane."""
+    """PNG of two perpendicular cuts through the middle of the print, each in its own plane."""
     curves = {name: _in_plane(*profile_cut(comparison, way)) for name, way in profile_directions(comparison).items()}
     tallest = max(float(np.divide(*np.ptp(np.concatenate(pair), axis=0)[::-1])) for pair in curves.values())
-    # flat cuts leave no empty paper
+    # flat cuts have a low picture
     figure = Figure(figsize=(10.0, float(np.clip(1.3 + 4.4 * tallest, 2.0, 4.6))), dpi=130, layout="constrained")
     FigureCanvasAgg(figure)
     for axes, (name, pair) in zip(figure.subplots(1, 2), curves.items(), strict=True):
@@ -57,7 +58,7 @@ def profiles(comparison: Comparison) -> bytes:
 
 
 def profile_directions(comparison: Comparison) -> dict[str, Floats]:
-    """Two directions on the print: across the axis and along it for a rolled sheet, else x and y."""
+    """Two unit directions on the print: across and along the axis of a rolled sheet, otherwise x and y."""
     axis = comparison.roll_axes_deg[0]
     a = np.radians(axis if axis is not None else 90.0)
     along, across = np.array([np.cos(a), np.sin(a)]), np.array([np.sin(a), -np.cos(a)])
@@ -67,9 +68,9 @@ def profile_directions(comparison: Comparison) -> dict[str, Floats]:
 
 
 def profile_cut(comparison: Comparison, direction: Floats) -> tuple[Floats, Floats]:
-    """(n, 3) mm of both shapes along a straight line of the print through the middle of its stars.
+    """(n, 3) mm, positions of both shapes along a straight line of the print through the mean of the star centres.
 
-    Where that is off the sheet, as in an L, through the star nearest to it.
+    If this point is outside of the sheet, as for an L, the line passes through the nearest star.
     """
     border, centres = comparison.layout.outline, comparison.layout.centres
     middle = centres.mean(axis=0)
@@ -80,24 +81,24 @@ def profile_cut(comparison: Comparison, direction: Floats) -> tuple[Floats, Floa
 
 
 def _ends(border: Floats, middle: Floats, direction: Floats) -> tuple[float, float]:
-    """mm from the middle along the direction to the outline, backwards (negative) and forwards."""
+    """Distances in mm from the middle to the outline along the direction, backwards (negative) and forwards."""
     normal = np.array([-direction[1], direction[0]])
     gap, along = (border - middle) @ normal, (border - middle) @ direction
     after, beyond = np.roll(gap, -1), np.roll(along, -1)
     crossing = (gap < 0.0) != (after < 0.0)
     way = gap[crossing] / (gap[crossing] - after[crossing])
     at = along[crossing] + way * (beyond - along)[crossing]
-    return INSIDE * float(at[at < 0.0].max()), INSIDE * float(at[at > 0.0].min())
+    return MAX_CUT_SHARE * float(at[at < 0.0].max()), MAX_CUT_SHARE * float(at[at > 0.0].min())
 
 
 def _in_plane(exact: Floats, preview: Floats) -> tuple[Floats, Floats]:
-    """(n, 2) mm, both curves in the plane nearest to the exact one, seen from its middle."""
+    """(n, 2) mm, both curves projected to the best-fit plane of the exact curve, with its centre as origin."""
     plane, middle = _plane(exact), exact.mean(axis=0)
     return (exact - middle) @ plane.T, (preview - middle) @ plane.T
 
 
 def _plane(curve: Floats) -> Floats:
-    """(2, 3) axes of the plane nearest to a curve: from its start to its end, and as far upwards as that leaves."""
+    """(2, 3) axes of the best-fit plane of a curve: along its chord, and perpendicular to it, upwards."""
     normal = np.linalg.svd(curve - curve.mean(axis=0), full_matrices=False)[2][2]
     chord = curve[-1] - curve[0]
     chord -= (chord @ normal) * normal

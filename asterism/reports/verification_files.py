@@ -13,7 +13,9 @@ from pattern.design.arguments import check_type
 
 
 def write_verification(found: Verification, directory: str | Path) -> list[str]:
-    """Write report.html, exact.vtu, preview.vtu (laid on the exact shape) and summary.json, all or none.
+    """Write report.html, exact.vtu, preview.vtu (laid on the exact shape) and summary.json.
+
+    The files appear together, or none of them if writing fails.
 
     Returns
     -------
@@ -26,7 +28,7 @@ def write_verification(found: Verification, directory: str | Path) -> list[str]:
     """
     check_type(found, Verification, "verify makes them")
     with staged_result(directory) as folder:
-        # the command holds names of files, which may be no text
+        # the command line may hold file names that are not valid text
         (folder / "report.html").write_text(verification_page(found), encoding="utf-8", errors="backslashreplace")
         write_shape_vtu(found.comparison.reference, folder / "exact.vtu")
         write_shape_vtu(found.comparison.other, folder / "preview.vtu")

@@ -1,4 +1,4 @@
-"""report.html: preview and exact shape of a design, seen and in numbers, in one file that needs nothing else."""
+"""report.html of a verification: pictures and numbers of preview and exact shape, in one self-contained file."""
 
 from __future__ import annotations
 
@@ -17,16 +17,20 @@ from asterism.verification.right_shape import MIN_CERTAIN_GAP, gap
 from asterism.verification.verification import PREVIEW, RELEASE, Verification
 from asterism.verification.warnings import FLAT_HEIGHT_FACTOR
 
-MINIMA = ["exact model", "energy, N mm", "stars up", "certain to stay", "from the preview", "iterations"]
+MINIMA_HEADER = ["exact model", "energy, N mm", "stars up", "certified", "distance of the preview", "iterations"]
+# how the preview is laid on the exact shape, by the number of rigid motions that the supports leave free
 # how the preview is laid on the exact shape, by the number of rigid motions that the supports leave free
 MOTIONS_TAKEN_OUT = {
-    0: "as the supports hold both shapes in space",
-    6: "after the preview has been turned and shifted onto the exact shape",
+    0: "with both shapes in space as their supports hold them",
+    6: "after the preview is rotated and shifted onto the exact shape",
 }
-SOME_MOTIONS_TAKEN_OUT = "after the preview has been turned and shifted as far as the supports leave it free"
-LARGE_SWING_PERCENT = 1.0  # of the diameter: a smaller distance is not explained by a swing
-LARGE_SWING_SHARE = 0.5  # of the distance, at most what is left after a rigid motion if most of it is a swing
-MAX_ENTRY_LETTERS = 600  # characters of an entry of the design
+SOME_MOTIONS_TAKEN_OUT = "after the preview is rotated and shifted as far as the supports allow"
+# smaller distances, in % of the diameter, are not explained by a rigid motion
+LARGE_SWING_PERCENT = 1.0
+# the distance is mostly a rigid motion if at most this part of it remains after the best one
+LARGE_SWING_SHARE = 0.5
+# longer entries of the design are shortened to this number of characters
+MAX_ENTRY_LETTERS = 600
 START_NAMES = {RELEASE: "released from the flat print", PREVIEW: "started from the preview"}
 
 
@@ -44,14 +48,14 @@ def verification_page(found: Verification) -> str:
         html_table(["", "exact", "preview", "difference"], _numbers(s)),
         f"<p>Mesh error of the exact shape: {escape(mesh_error_in_words(ExactRecord.from_json(s['exact'])))}.</p>",
         "<h2>Minima seen</h2>",
-        html_table(MINIMA, _minima(s)),
+        html_table(MINIMA_HEADER, _minima(s)),
         f"<p>{_agreement(s)}</p>",
-        "<h2>Seconds</h2>",
-        html_table(["without compiling", "s"], _seconds(s)),
+        "<h2>Computing time</h2>",
+        html_table(["without compilation of loops", "s"], _seconds(s)),
         "<h2>The design</h2>",
-        html_table(["", "as it was computed, with defaults"], _design(s["design"]), numbers=False),
-        "<h2>Made from</h2>",
-        html_table(["", "besides the design"], origins(s), numbers=False),
+        html_table(["", "as computed, with defaults"], _design(s["design"]), numbers=False),
+        "<h2>Other inputs</h2>",
+        html_table(["", ""], origins(s), numbers=False),
     ]
     return html_page(f"{name}: preview and exact model", parts)
 
@@ -59,29 +63,30 @@ def verification_page(found: Verification) -> str:
 def _verdict(s: Mapping[str, Any]) -> str:
     if not s["exact"]["is_minimum"]:
         return (
-            'The exact model has <span class="bad">not found a shape that is certain to stay</span>: this says nothing '
-            "about the preview. Pictures and numbers show where the exact model stopped."
+            'The exact model has <span class="bad">not found a certified equilibrium</span>. Therefore the preview '
+            "cannot be judged. Pictures and numbers show the state in which the exact model stopped."
         )
     branch = "the same form as" if s["same_branch"] else '<span class="bad">another form</span> than'
     expected = s["expected_rms_percent"]
-    told = "" if expected is None else f" It had expected {expected:.1f} %."
-    distance = f"{s['rms_percent']:.2f} % of its diameter ({s['rms_mm']:.2g} mm)"
-    return f"The preview shows {branch} the exact model, {distance} away.{told}{_swung(s)}{_nearly(s)}"
+    estimate = "" if expected is None else f" Its estimated error is {expected:.1f} %."
+    distance = f"{s['rms_percent']:.2f} % of the diameter ({s['rms_mm']:.2g} mm)"
+    verdict = f"The preview shows {branch} the exact model, at an rms distance of {distance}."
+    return f"{verdict}{estimate}{_swung(s)}{_nearly(s)}"
 
 
 def _swung(s: Mapping[str, Any]) -> str:
-    """That most of the distance is a rigid motion that the supports do not leave free."""
+    """A sentence if most of the distance is a rigid motion that the supports do not leave free."""
     rest = s["rms_after_motion_percent"]
     if s["rms_percent"] < LARGE_SWING_PERCENT or rest > LARGE_SWING_SHARE * s["rms_percent"]:
         return ""
     return (
-        f" Most of that is a swing on the supports: after the best rigid motion the two are {rest:.2f} % apart. The "
-        "supports do not leave that motion free, so the distance counts."
+        f" Most of this distance is a rigid motion: after the best rigid motion, {rest:.2f} % remain. The motion "
+        "counts as an error, because the supports prevent it."
     )
 
 
 def _nearly(s: Mapping[str, Any]) -> str:
-    """That another exact minimum is nearer, and as low as the model can tell."""
+    """A sentence if another exact minimum is nearer to the preview, and its energy is almost the same."""
     other = s["starts"][RELEASE if s["result_from"] == PREVIEW else PREVIEW]
     more = gap(s["exact"], other)
     nearer = other["is_minimum"] and other["rms_percent"] < s["rms_percent"]
@@ -89,18 +94,18 @@ def _nearly(s: Mapping[str, Any]) -> str:
         return ""
     return (
         f" The exact model has another minimum, {other['rms_percent']:.2f} % away, whose energy differs by "
-        f"{small_percent(100.0 * more)}: which of the two counts is not certain."
+        f"{small_percent(100.0 * more)}. It is uncertain which of the two is lower."
     )
 
 
 def _how(s: Mapping[str, Any]) -> str:
-    """What is measured, for those who have not read the documentation."""
+    """An explanation of the numbers for readers who do not know the documentation."""
     motions = MOTIONS_TAKEN_OUT.get(s["free_motions"], SOME_MOTIONS_TAKEN_OUT)
     return (
-        f"Distances are between the places of the same printed points, {motions}. "
-        f"Per cent are of the exact shape's diameter, {s['diameter_mm']:.0f} mm from end to end. "
-        "Surfaces are compared without the stars' bumps (means over the cell of a star), star centres with them. "
-        "rms: root mean square. Accuracy means agreement with the exact model with the paper's hinges. "
+        f"Distances are measured between the positions of the same printed points, {motions}. "
+        f"Percentages refer to the diameter of the exact shape, {s['diameter_mm']:.0f} mm. "
+        "Surfaces are compared without the bumps of the stars (means over the cell of a star), star centres with them. "
+        "rms means root mean square. Accuracy means agreement with the exact model with the paper's hinges. "
         "The distance to a real print has not been measured."
     )
 
@@ -114,16 +119,16 @@ def _headline(s: Mapping[str, Any]) -> dict[str, str]:
         "distance of the surfaces, rms": _percent(s["rms_percent"], 2),
         "largest distance": _percent(s["max_percent"], 1),
         "distance of star centres, rms": _percent(s["rms_stars_percent"], 2),
-        **({} if _is_flat(s) else {"height of the preview, against the exact one": _signed(s["height_error_percent"])}),
-        **({} if rise is None else {"rise over what is held, against the exact one": _signed(rise)}),
-        **({} if radius is None else {"radius of the preview's roll, against the exact one": _signed(radius)}),
+        **({} if _is_flat(s) else {"height error of the preview": _signed(s["height_error_percent"])}),
+        **({} if rise is None else {"error of the rise over the supports": _signed(rise)}),
+        **({} if radius is None else {"error of the roll radius": _signed(radius)}),
         **_mesh(s["mesh_error_percent"], s["mesh_change_percent"]),
         f"{'faster than' if s['speedup'] > 1.0 else 'as fast as'} the exact model": f"{times(s['speedup'])} ×",
     }
 
 
 def _is_flat(s: Mapping[str, Any]) -> bool:
-    """Heights of nothing, whose ratio says nothing."""
+    """Whether both sheets are nearly flat, so that the ratio of their heights has no meaning."""
     exact, preview = s["heights_mm"]
     return bool(
         abs(preview - exact) < FLAT_HEIGHT_FACTOR * s["diameter_mm"] and abs(s["height_error_percent"] or 0.0) > 50.0
@@ -131,12 +136,12 @@ def _is_flat(s: Mapping[str, Any]) -> bool:
 
 
 def _mesh(error: float | None, change: float | None) -> dict[str, str]:
-    """What is known of the exact model's mesh."""
+    """The mesh error of the exact model, or the distance to its shape on the next coarser mesh."""
     if error is not None:
-        return {"the exact model's own mesh error": _percent(error, 1)}
+        return {"mesh error of the exact model": _percent(error, 1)}
     if change is not None:
-        return {"the exact shape, from that on a coarser mesh": _percent(change, 1)}
-    return {"the exact model's own mesh error: one mesh was solved": "not known"}
+        return {"distance of the exact shape from that on a coarser mesh": _percent(change, 1)}
+    return {"mesh error of the exact model: only one mesh was solved": "unknown"}
 
 
 def _warnings(lines: list[str]) -> str:
@@ -149,24 +154,24 @@ def _pictures(found: Verification) -> list[str]:
     largest = found.comparison.distance_mm.max()
     return [
         "<h2>Side by side</h2>",
-        figures([(seen["exact"][0], "exact model"), (seen["preview"][0], "preview, with its stars' bumps")]),
-        "<h2>One in the other</h2>",
+        figures([(seen["exact"][0], "exact model"), (seen["preview"][0], "preview, with the bumps of its stars")]),
+        "<h2>Both shapes together</h2>",
         figures(
             [
-                (seen["overlaid"][0], "exact blue, preview orange; what is outside is seen"),
+                (seen["overlaid"][0], "exact blue, preview orange; the outer surface is visible"),
                 (seen["overlaid"][1], "from the front"),
                 (seen["overlaid"][2], "from the side"),
             ]
         ),
-        "<h2>Where the distance is</h2>",
+        "<h2>Distance over the sheet</h2>",
         figures(
             [
                 (distance_map(found.comparison), "over the print; dots are star centres"),
-                (seen["distance"][0], f"on the exact shape, from none (light) to {largest:.1f} mm (dark)"),
+                (seen["distance"][0], f"on the exact shape, from 0 (light) to {largest:.1f} mm (dark)"),
             ]
         ),
         "<h2>Profiles through the middle</h2>",
-        figures([(profiles(found.comparison), "cuts along straight lines of the print, each seen in its own plane")]),
+        figures([(profiles(found.comparison), "cuts along straight lines of the print, each in its own plane")]),
     ]
 
 
@@ -174,7 +179,7 @@ def _numbers(s: Mapping[str, Any]) -> list[list[str]]:
     off = "" if _is_flat(s) else _signed(s["height_error_percent"])
     rows = [["height, mm", *_pair(s["heights_mm"], 1), off]]
     if s["rises_mm"] is not None:
-        rows.append(["rise over what is held, mm", *_pair(s["rises_mm"], 1), _signed(s["rise_error_percent"])])
+        rows.append(["rise over the supports, mm", *_pair(s["rises_mm"], 1), _signed(s["rise_error_percent"])])
     if s["roll_radii_mm"] is not None:
         rows.append(["radius of the roll, mm", *_pair(s["roll_radii_mm"], 1), _signed(s["roll_radius_error_percent"])])
     if s["volumes_mm3"] is not None:
@@ -184,7 +189,7 @@ def _numbers(s: Mapping[str, Any]) -> list[list[str]]:
     if axes != ["-", "-"]:
         itself = s["preview"].get("roll_axis_deg")
         turned = itself is not None and direction(itself) != axes[1]
-        laid = f" (the preview's before it was laid: {direction(itself)})" if turned else ""
+        laid = f" (of the preview before the rigid motion: {direction(itself)})" if turned else ""
         rows.append([f"axis of the roll on the print, deg{laid}", *axes, ""])
     high = s["expected_height_percent"]
     return [
@@ -194,9 +199,9 @@ def _numbers(s: Mapping[str, Any]) -> list[list[str]]:
         ["surface, largest", "", "", _percent(s["max_percent"], 2)],
         ["star centres, rms", "", "", _percent(s["rms_stars_percent"], 2)],
         ["star centres, largest", "", "", _percent(s["max_stars_percent"], 2)],
-        ["stars' bumps, rms, of their size", "", "", _percent(s["relief_error_percent"], 0)],
-        ["surface, rms, as the preview expected", "", "", _percent(s["expected_rms_percent"], 2)],
-        ["height, as the preview expected", "", "", "-" if high is None else height_error(high, s["heights_mm"][1])],
+        ["bumps, rms, relative to their size", "", "", _percent(s["relief_error_percent"], 0)],
+        ["surface, rms, estimated by the preview", "", "", _percent(s["expected_rms_percent"], 2)],
+        ["height, estimated by the preview", "", "", "-" if high is None else height_error(high, s["heights_mm"][1])],
         ["diameter, mm", f"{s['diameter_mm']:.1f}", "", ""],
     ]
 
@@ -204,7 +209,7 @@ def _numbers(s: Mapping[str, Any]) -> list[list[str]]:
 def _minima(s: Mapping[str, Any]) -> list[list[str]]:
     return [
         [
-            START_NAMES[name] + (" (counts)" if name == s["result_from"] else ""),
+            START_NAMES[name] + (" (result)" if name == s["result_from"] else ""),
             f"{one['energy_n_mm']:.4f}",
             str(one["stars_up"]),
             "yes" if one["is_minimum"] else "no",
@@ -217,14 +222,14 @@ def _minima(s: Mapping[str, Any]) -> list[list[str]]:
 
 def _agreement(s: Mapping[str, Any]) -> str:
     if not s["exact"]["is_minimum"]:
-        return "Neither start has come to a minimum that is certain to stay."
+        return "Neither start has reached a certified minimum."
     if s["starts_agree"]:
         return "Both starts end in the same minimum."
     lost = [START_NAMES[name] for name, one in s["starts"].items() if not one["is_minimum"]]
     if lost:
-        return f"One start ({lost[0]}) has come to no minimum that is certain to stay; the other one counts."
+        return f"One start ({lost[0]}) has not reached a certified minimum. The other one is the result."
     apart = f"{s['starts_distance_percent']:.2g} % of the diameter apart and of different energy"
-    return f"The two starts end in different minima, {apart}. The certain one of lower energy counts."
+    return f"The two starts end in different minima, {apart}. The certified one of lower energy is the result."
 
 
 def _seconds(s: Mapping[str, Any]) -> list[list[str]]:
@@ -238,7 +243,7 @@ def _seconds(s: Mapping[str, Any]) -> list[list[str]]:
 
 
 def _design(design: Mapping[str, Any]) -> list[list[str]]:
-    """A line for every entry; sections that were left out have none."""
+    """One row for each entry of the design, without empty entries."""
     rows = []
     for name, value in design.items():
         entries = value if isinstance(value, Mapping) else {"": value}
@@ -249,7 +254,7 @@ def _design(design: Mapping[str, Any]) -> list[list[str]]:
 
 
 def _shortened(text: str) -> str:
-    """Of a grey picture or an outline of many corners the beginning is enough."""
+    """The beginning of a long entry, such as an image or an outline of many corners."""
     return (
         text
         if len(text) <= MAX_ENTRY_LETTERS

@@ -1,4 +1,4 @@
-"""Both shapes from the same places and to the same scale: each alone, one in the other, and the distance as colour."""
+"""Views of both shapes of a verification, with the same cameras and scale: alone, together, and with their distance."""
 
 from __future__ import annotations
 
@@ -11,15 +11,18 @@ from asterism.shape.comparison import Comparison
 from pattern.geometry.arrays import Floats
 
 ORANGE = (0.93, 0.47, 0.16)
-TALL, WIDE = 440, 640  # pixels: no picture is larger
+# largest size of a view
+MAX_VIEW_HEIGHT_PX = 440
+MAX_VIEW_WIDTH_PX = 640
 DISTANCE_COLOURS = colormaps["magma_r"]
 
 
 def comparison_views(comparison: Comparison) -> dict[str, list[Floats]]:
-    """Images (height, width, 4) by name, in perspective, and `overlaid` from the front and from the side too.
+    """Images (height, width, 4) by name.
 
-    `exact` and `preview` with their arms; `overlaid`: the exact sheet blue, the preview orange; `distance`: the exact
-    sheet, the darker the further the preview is away.
+    - `exact`, `preview`: the shape with its arms, in perspective.
+    - `overlaid`: the exact sheet in blue and the preview in orange, in perspective, from the front and from the side.
+    - `distance`: the exact sheet in perspective; darker colours show a larger distance of the preview.
     """
     exact, preview = scene(comparison.reference), scene(comparison.other)
     things = {
@@ -39,7 +42,7 @@ def comparison_views(comparison: Comparison) -> dict[str, list[Floats]]:
 
 
 def colours_of(comparison: Comparison) -> Floats:
-    """(V, 3) of the distance at the vertices of the exact sheet, from nothing to its largest."""
+    """(V, 3) colours of the distance at the vertices of the exact sheet, from zero to its maximum."""
     far = max(float(comparison.distance_mm.max()), 1e-12)
     return np.asarray(DISTANCE_COLOURS(comparison.distance_mm / far))[:, :3]
 
@@ -56,10 +59,10 @@ def _together(one: Scene, other: Scene) -> Scene:
 
 
 def _framed(thing: Scene, view: Camera, frame: Floats) -> Floats:
-    """The view of a thing in the picture that shows all points of `frame`; row 0 the lowest."""
+    """The view of a scene, placed in a picture that encloses all points of `frame`; row 0 the lowest."""
     seen, own = view.project(frame)[:, :2], view.project(thing.points)[:, :2]
     low, high = seen.min(axis=0), seen.max(axis=0)
-    scale = float((np.array([WIDE, TALL]) / np.maximum(high - low, 1e-3)).min())
+    scale = float((np.array([MAX_VIEW_WIDTH_PX, MAX_VIEW_HEIGHT_PX]) / np.maximum(high - low, 1e-3)).min())
     image = render(thing, view, scale)
     width, height = np.ceil((high - low) * scale).astype(int) + 8
     out = np.zeros((height, width, 4))

@@ -1,4 +1,4 @@
-"""The files of a shape: summary.json, shape.vtu, rods.vtu, shape.png, and a pair for each further minimum."""
+"""The files of a shape: summary.json, shape.vtu, rods.vtu and shape.png, and two files for each further minimum."""
 
 from __future__ import annotations
 
@@ -13,7 +13,11 @@ from pattern.design.arguments import check_type
 
 
 def write_results(shape: Shape, directory: str | Path) -> list[str]:
-    """Write the files of a shape into a directory, all or none; returns their names.
+    """Write the files of a shape into a directory; they appear together, or none of them if writing fails.
+
+    Returns
+    -------
+    Names of the files.
 
     Raises
     ------

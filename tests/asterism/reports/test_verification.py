@@ -159,15 +159,17 @@ def test_page_needs_nothing_else(folder):
 def test_page_says_what_counts(found, folder):
     """Distance in mm too, what the preview expected, and what is to be known before."""
     s, text = found.summary, (folder / "report.html").read_text(encoding="utf-8")
-    assert f"({s['rms_percent'] * s['diameter_mm'] / 100:.2g} mm) away" in text
+    assert f"({s['rms_percent'] * s['diameter_mm'] / 100:.2g} mm)" in text
     assert "The preview shows the same form as the exact model, " in text
     assert "<li>a star is beyond the law&#x27;s range</li>" in text
     released = s["starts"]["release"]
-    assert f'<td class="n">{released["energy_n_mm"]:.4f}</td>' in text and "from end to end" in text
+    assert (
+        f'<td class="n">{released["energy_n_mm"]:.4f}</td>' in text and f"{s['diameter_mm']:.0f} mm. Surfaces" in text
+    )
 
 
 def test_page_says_what_it_was_made_from(found, folder, monkeypatch):
-    text = (folder / "report.html").read_text(encoding="utf-8").split("Made from")[1]
+    text = (folder / "report.html").read_text(encoding="utf-8").split("Other inputs")[1]
     exact = found.summary["exact"]
     assert "asterism verify &lt;stars&gt;.toml --edge 2.5" in text and f"<td>{__version__}</td>" in text
     assert f"edges of 2.5 mm, {exact['triangles']} triangles" in text and f"solver {exact['backend']}" in text
@@ -176,7 +178,7 @@ def test_page_says_what_it_was_made_from(found, folder, monkeypatch):
     law = replace(plain_law(), made={"command": "asterism calibrate my.toml"})
     made = preview(OF, law).summary
     text = verification_page(replace(found, summary=found.summary | {"preview": made, "command": None})).split(
-        "Made from"
+        "Other inputs"
     )[1]
     edges = f"edges of {law.edge_mm:g} mm"
     assert f"<td>plain, fabric stretched 1.35, {edges}, made by asterism calibrate my.toml</td>" in text
@@ -201,7 +203,7 @@ def test_a_start_without_a_minimum_is_no_other_form(found, monkeypatch):
     lines = "\n".join((one.summary | {"expected_height_percent": None}).table().values())
     assert "one start in a minimum" in lines and "two minima" not in lines
     monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
-    assert "has come to no minimum that is certain to stay; the other one counts" in verification_page(one)
+    assert "has not reached a certified minimum. The other one is the result" in verification_page(one)
 
 
 def test_nothing_is_said_against_a_preview_where_the_exact_model_has_failed(found, monkeypatch):
@@ -216,8 +218,8 @@ def test_nothing_is_said_against_a_preview_where_the_exact_model_has_failed(foun
     assert "not known: no certified exact shape" in lines and "no minimum; " in lines
     monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])  # they take seconds
     text = verification_page(lost)
-    assert "not found a shape that is certain to stay" in text and "The preview shows" not in text
-    assert '<div class="tile">' not in text and "Neither start has come to a minimum" in text
+    assert "not found a certified equilibrium" in text and "The preview shows" not in text
+    assert '<div class="tile">' not in text and "Neither start has reached a certified minimum" in text
 
 
 def test_page_says_that_another_minimum_is_nearer_and_as_low(found, monkeypatch):
@@ -273,15 +275,15 @@ def test_an_axis_that_was_taken_to_an_equivalent_one_is_told(found, monkeypatch)
     preview = found.summary["preview"] | {"roll_axis_deg": 90.0}
     for axis, told in ((30.0, True), (90.0, False)):
         s = found.summary | {"preview": preview, "roll_axes_deg": [axis, axis]}
-        assert ("before it was laid: 90)" in verification_page(replace(found, summary=s))) is told
+        assert ("before the rigid motion: 90)" in verification_page(replace(found, summary=s))) is told
 
 
 @pytest.mark.parametrize(
     ("error", "change", "tile"),
     [
-        (1.23, 4.0, "<b>1.2 %</b><span>the exact model&#x27;s own mesh error</span>"),
-        (None, 4.0, "<b>4.0 %</b><span>the exact shape, from that on a coarser mesh</span>"),
-        (None, None, "<b>not known</b><span>the exact model&#x27;s own mesh error: one mesh was solved</span>"),
+        (1.23, 4.0, "<b>1.2 %</b><span>mesh error of the exact model</span>"),
+        (None, 4.0, "<b>4.0 %</b><span>distance of the exact shape from that on a coarser mesh</span>"),
+        (None, None, "<b>unknown</b><span>mesh error of the exact model: only one mesh was solved</span>"),
     ],
 )
 def test_page_says_what_is_known_of_the_mesh(found, error, change, tile, monkeypatch):
