@@ -252,6 +252,15 @@ class Preview(PreviewReadings):
         self.state = flipped
         return flipped.side
 
+    @one_blas_thread()
+    def search_again(self) -> Stage:
+        """Search for the equilibrium anew, as a new preview of the design does; what `edit` raises."""
+        self._watch.begin()
+        self._clock = Clock()
+        self._edits += 1
+        self.state = restarted(self.state, self._clock)
+        return Stage("equilibrium", self.state.equilibrium.x.copy())
+
     def snapshot(self) -> Snapshot:
         """The design and the last equilibrium, to which `restore` goes back.
 

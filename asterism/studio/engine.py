@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from asterism.previews.session import Preview, paper_law
-from asterism.previews.solve import EDIT_START
+from asterism.previews.solve import EDIT_START, FORM_START
 from asterism.process.compiling import clock_without_compiling, signs_while_compiling
 from asterism.studio.engine_problem import UNEXPECTED, engine_problem
 from asterism.studio.inbox import Inbox, merged
@@ -65,6 +65,7 @@ class Engine:
         self._fine: SheetView | None = None
         self._meshes = 0
         self._is_resting = True
+        self._owes_search = False  # the shape went on from one with another outline, and may not be the lowest
         self._equilibrium_at, self._equilibrium_sizes = -np.inf, np.empty((0, 3))
 
     def serve(self) -> None:
@@ -157,7 +158,9 @@ class Engine:
         return with_painted_stars(parsed, sites, sizes, () if edit.removed is None else edit.removed)
 
     def _show_stages(self, preview: Preview, design: Design, edit: Edit) -> None:
-        for stage in preview.edit(design, keep_form=edit.is_dragging):
+        for stage in preview.edit(design, keep_form=True):
+            if preview.equilibrium.guess != EDIT_START:
+                self._owes_search = preview.equilibrium.guess == FORM_START
             self._show(stage.name, stage.x)
             if stage.name == "linear" and edit.is_dragging and self._may_skip(preview):
                 return
@@ -178,6 +181,7 @@ class Engine:
             if isinstance(error, Error):
                 raise
             return False  # the form of another mesh
+        self._owes_search = False
         return True
 
     def _flip(self) -> None:
@@ -189,6 +193,7 @@ class Engine:
             text = f"the sheet has no form but the one with its edges {side}"
             self._send(StudioProblem(self._bounds.seq, "no other side", text))
             return
+        self._owes_search = False
         self._show("equilibrium", None)
 
     def _show_form(self, index: int) -> None:
@@ -196,6 +201,7 @@ class Engine:
             self._send(StudioProblem(self._bounds.seq, "no such form", "the list of forms has changed"))
             return
         self._preview.show_form(index)
+        self._owes_search = False
         self._show("equilibrium", None)
 
     # what is shown
@@ -240,6 +246,10 @@ class Engine:
             return
         if preview.equilibrium is not preview.state.resting:
             return  # a linear response
+        if self._owes_search:
+            preview.search_again()
+            self._owes_search = False
+            self._show("equilibrium", None)
         shape = preview.shape()
         view = self._fine = self._view(preview, self._fine, is_fine=True)
         if self._inbox.has_waiting:

@@ -199,3 +199,10 @@ def test_a_much_larger_sheet_starts_anew_though_its_form_is_to_be_kept() -> None
     preview = Preview(edited("dome", border={"rings": 1}))
     preview_stages = list(preview.edit(edited("dome", border={"rings": 3}), keep_form=True))
     assert len(preview_stages) == 1 and preview.equilibrium.guess != "form" and preview.equilibrium.is_minimum
+
+
+def test_a_kept_form_can_be_searched_again() -> None:
+    preview, smaller = Preview(edited("dome")), edited("dome", border={"rings": 2})
+    list(preview.edit(smaller, keep_form=True))
+    assert preview.search_again().name == "equilibrium" and preview.equilibrium.guess != "form"
+    assert np.array_equal(preview.equilibrium.x, Preview(smaller).equilibrium.x)

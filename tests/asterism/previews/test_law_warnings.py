@@ -90,3 +90,14 @@ def test_what_a_law_keeps_of_its_cells_stability_is_what_its_cells_say() -> None
     free[0]["sample"]["natural_supercell_eigenvalue"][1] = -1e-4
     free[1] |= {"problem": "none", "sample": None}
     assert unstable_tubes(free) == {"count": 2, "unstable": 1}
+
+
+def test_the_sizes_that_a_law_covers_are_numbers() -> None:
+    law = load_law()
+    for stretch in law.stretches:
+        ranges = law.size_ranges(stretch)
+        assert list(ranges) == ["length_mm", "thickness_mm", "width_mm"]
+        lows, highs = zip(*ranges.values(), strict=True)
+        table = law.at(stretch)
+        assert table(*lows).inside.all() and table(*highs).inside.all()
+        assert not table(highs[0], highs[1] * 1.01, highs[2]).inside.any()

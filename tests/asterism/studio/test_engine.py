@@ -215,3 +215,19 @@ def test_a_sheet_without_stars_is_flat_and_released(engine: EnginePipe) -> None:
     assert len(engine.frame(3).arms) == 0
     engine.send(Edit(4, removed=np.empty((0, 2))))
     assert len(engine.frame(4).arms) == 37 * 3
+
+
+def test_another_outline_goes_on_from_the_old_shape_and_is_searched_at_rest(engine: EnginePipe) -> None:
+    engine.send(Edit(1, table()))
+    engine.summary(1)
+    smaller = table(border={"rings": 2})
+    engine.send(Edit(2, smaller))
+    quick = engine.frame(2)
+    summary = engine.summary(2)
+    expected = asterism.preview(asterism.Design.from_dict(smaller)).summary
+    assert quick.is_minimum and summary.numbers["height_mm"] == pytest.approx(expected["height_mm"], rel=1e-9)
+    assert [notice.text for notice in summary.warnings] == expected["warnings"]
+    # a form that was chosen stays at rest
+    engine.send(Flip(3))
+    flipped = engine.frame(3)
+    assert engine.summary(3).numbers["height_mm"] == pytest.approx(flipped.height_mm, rel=0.05)  # on other meshes
