@@ -1,1 +1,8 @@
-"""The exact model: discrete elastic rods on a discrete shell."""
+"""The exact model: discrete elastic rods (the arms) on a discrete shell (the fabric), one element per mesh edge.
+
+Rooms: `energies` (formulas and their derivatives), `model` (unknowns, supports, steps), `release` (from the stretched
+print to a minimum), `evidence` (the certificate and measures of a result).
+
+Units: mm, N, MPa, N mm, rad. Array sizes in docstrings: V vertices, T triangles, R rod edges, S stencils (two rod edges
+that meet) or stars, H hinges, E elements of one kind.
+"""

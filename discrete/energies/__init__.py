@@ -1,1 +1,1 @@
-"""The energies of the exact model."""
+"""The energies of the exact model: each one a formula for one element, evaluated over all its elements at once."""

@@ -1,4 +1,4 @@
-"""Common ground of the energies: many equal elements, their inputs, dofs and parameters."""
+"""Elements of one kind, evaluated all at once: energies, gradients and Hessians from their formulas."""
 
 from __future__ import annotations
 
@@ -14,16 +14,20 @@ Array = NDArray[Any]
 
 
 class Elements:
-    """Elements of one kind, evaluated all at once.
+    """Elements of one kind. A subclass provides the three formulas of its energy and the compiled loop over them.
 
     Parameters
     ----------
-    inputs : (E, m) indices into the packed configuration (positions, then directors) that one element reads.
-    dofs : (E, n) indices of the dofs (positions, then twists) that its derivatives belong to.
-    params : (E, p) numbers of each element.
-    compiled : use the compiled loop; the plain numpy path otherwise.
+    inputs : (E, m) indices into the packed configuration (positions, then directors) that an element reads.
+    dofs : (E, n) indices of the dofs (positions, then twists) by which the energy is differentiated.
+    params : (E, p) parameters of each element.
+    compiled : run the compiled loop; otherwise, or without numba, the formulas run on arrays.
 
-    Subclasses give the three formulas and the compiled loop over them.
+    Attributes
+    ----------
+    formulas : energy (q, p), gradient (q, p, g) and Hessian (q, p, blend, h) of one element; the last two write to
+        their last argument.
+    sweep : compiled loop over the elements, from `discrete.energies.kernel.sweep`.
     """
 
     formulas: tuple[Callable[..., Any], Callable[..., Any], Callable[..., Any]]
@@ -40,11 +44,11 @@ class Elements:
 
     @property
     def dofs_per_element(self) -> int:
-        """Dofs of one element."""
+        """Number n of dofs of one element."""
         return int(self.dofs.shape[1])
 
     def energies(self, configuration: Array) -> Array:
-        """(E,) N mm."""
+        """(E,) N mm, energy of each element in a packed configuration."""
         if not self._runs_compiled(configuration):
             return np.asarray(self.formulas[0](*self._columns(configuration)))
         out = np.empty(len(self))
@@ -52,7 +56,7 @@ class Elements:
         return out
 
     def gradients(self, configuration: Array) -> Array:
-        """(E, n) derivatives of each element's energy by its own dofs."""
+        """(E, n) N or N mm, derivatives of each element's energy by its dofs."""
         if not self._runs_compiled(configuration):
             g = np.zeros((self.dofs_per_element, len(self)), dtype=configuration.dtype)
             self.formulas[1](*self._columns(configuration), g)
@@ -62,10 +66,10 @@ class Elements:
         return out
 
     def hessians(self, configuration: Array, blend: float = 0.0, rows: slice = slice(None)) -> Array:
-        """(E, n (n + 1) / 2) lower triangles, row by row, of the element Hessians; of all elements or some rows.
+        """(E, n (n + 1)/2) lower triangles of the element Hessians, row by row, of all elements or a slice of them.
 
-        `blend` takes out that part of what can make them indefinite: 0 is the exact Hessian,
-        1 is positive semidefinite.
+        `blend` is the share of the possibly indefinite terms that is left out: 0 gives the exact Hessian, 1 a positive
+        semidefinite one.
         """
         inputs, params = self.inputs[rows], self.params[rows]
         if not self._runs_compiled(configuration):

@@ -1,9 +1,8 @@
-"""One source for two ways of running an element formula.
+"""Element formulas that run in two ways, and the vector operations in which they are written.
 
-Every energy writes its formula once, for one element, with plain arithmetic on components. Numba compiles
-it inside a loop over the elements; without numba the same functions run on all elements at once, with an
-array over the elements in the place of every number. The two agree to rounding, and the second accepts
-complex numbers, which the derivative tests use.
+Each energy has one formula, for one element, in plain arithmetic on components. Numba compiles it within a loop over
+the elements. Without numba the same function runs on all elements at once: every number becomes an array over the
+elements. Both agree up to rounding. The second way also accepts complex numbers, by which the tests differentiate.
 """
 
 from __future__ import annotations
@@ -44,7 +43,7 @@ def multiply(s, a):  # type: ignore[no-untyped-def]
 
 @formula
 def dot(a, b):  # type: ignore[no-untyped-def]
-    """a . b, without conjugation: complex steps pass through."""
+    """a . b without complex conjugation, so that complex steps differentiate it."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
@@ -61,9 +60,10 @@ def sweep(
     gradient_of: Callable[..., Any],
     hessian_of: Callable[..., Any],
 ) -> Callable[..., None]:
-    """The compiled loop over elements that read m numbers and have n dofs, of their three formulas.
+    """Compile the loop over elements that read m numbers and have n dofs.
 
-    It writes energies (order 0), gradients (1) or packed lower triangles of Hessians (2).
+    The loop writes energies (order 0), gradients (order 1) or packed lower triangles of Hessians (order 2) to the last
+    three of its arguments.
     """
 
     def over(configuration, inputs, params, order, blend, energy, gradient, hessian):  # type: ignore[no-untyped-def]
@@ -83,6 +83,6 @@ def sweep(
                         hessian[e, k] = h[i, j]
                         k += 1
 
-    # numba names files by this: loops that share them may, compiled by two processes at once, be taken for each other
+    # numba names its cache files after the function: with equal names, two processes could load each other's loop
     over.__qualname__ = energy_of.__name__
     return loop(over)

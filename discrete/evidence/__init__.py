@@ -1,1 +1,1 @@
-"""What is known of an equilibrium."""
+"""The evidence of an equilibrium: certificate, effort, and measures of its shape."""

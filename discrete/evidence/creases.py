@@ -1,4 +1,4 @@
-"""How wide the fabric's creases along the arms are, and how finely the mesh cuts them."""
+"""The width of the fabric's creases along the arms, and whether the mesh resolves them."""
 
 from __future__ import annotations
 
@@ -11,15 +11,17 @@ from discrete.energies.membrane import invariants, volumetric_derivatives
 from discrete.model.discrete_model import DiscreteModel
 from discrete.model.state import State
 
-MAX_EDGE_OVER_WIDTH = 0.7  # largest edge over the width
+MAX_EDGE_OVER_WIDTH = 0.7  # 1: height of the triangles at the arms over the width of a crease, if it is resolved
 
 
 @dataclass(frozen=True)
 class Creases:
-    """`width` sqrt(D/N), mm: bending stiffness over the mean tension of the triangles at the arms.
+    """Creases of a deformed sheet. A kink over an arm decays like `exp(-distance/width)` in a sheet under tension.
 
-    `edge`: mm, median height of these triangles over the arm. Both in the deformed sheet. A kink over an arm, in a
-    sheet under the tension N, decays like exp(-distance/width).
+    Attributes
+    ----------
+    width : mm, `sqrt(D/N)` with the bending stiffness D and the mean tension N of the triangles at the arms.
+    edge : mm, median height of these triangles over the arm.
     """
 
     width: float
@@ -27,12 +29,12 @@ class Creases:
 
     @property
     def resolved(self) -> bool:
-        """A crease spans more than one triangle: from there on tubes converge (see the page on the mesh)."""
+        """A crease spans more than one triangle; on such meshes tubes converge (docs/explanation/mesh.md)."""
         return self.edge <= MAX_EDGE_OVER_WIDTH * self.width
 
 
 def measure_creases(model: DiscreteModel, state: State) -> Creases:
-    """Of a sheet at rest; the width is zero for fabric without bending, and infinite where there is no tension."""
+    """Measure the creases of a state. The width is zero without bending stiffness and infinite without tension."""
     triangles, edges = model.mesh.triangles, np.sort(model.edges, axis=1)
     corner = state.positions[triangles]
     sides = np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2), axis=2)
@@ -50,10 +52,10 @@ def measure_creases(model: DiscreteModel, state: State) -> Creases:
 
 
 def _tension(model: DiscreteModel, state: State, area: Array) -> Array:
-    """(T,) N/mm of deformed length, mean of the principal ones."""
+    """(T,) N/mm of deformed length, mean of the two principal tensions; `area` is the deformed area (T,) mm^2."""
     fabric = model.parts["membrane"]
     p = fabric.params.T
     _, _, c11, _, c22, log_j = invariants(state.packed[fabric.inputs.T], p)
     by_log_j, _ = volumetric_derivatives(p, log_j)
-    # half the trace of F S F^T, S the second Piola-Kirchhoff stress times the rest volume
+    # half the trace of F S F^T, with the second Piola-Kirchhoff stress times rest volume S
     return np.asarray((0.5 * p[6] * (c11 + c22) + by_log_j) / area)

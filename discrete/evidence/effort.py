@@ -1,4 +1,4 @@
-"""What the way to an equilibrium was, and what it cost."""
+"""The steps on the way to an equilibrium, and their effort."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from equilibrium.newton.minimise import NewtonResult
 
 @dataclass(frozen=True)
 class PathStep:
-    """One step of the way.
+    """One step of the continuation; a summary has an entry with these names for each step.
 
     Attributes
     ----------
-    step : 0 while the fabric is released; then that of the pins that take hold.
-    release : how much of the stretch is let go, 0 to 1.
-    moved : how much of their way the pins of this step have gone, 0 to 1.
-    vertices : of the mesh.
-    energy_n_mm : where it ended.
-    iterations : of Newton's method, kicks included.
-    kicks : times that the path had lost its stability, and was followed down to the side.
+    step : 0 during the release of the fabric; later the `step` of the pins that take hold.
+    release : released part of the stretch, 0 to 1.
+    moved : part of their way that the pins have moved, 0 to 1.
+    vertices : number of vertices of the mesh.
+    energy_n_mm : energy at the end of the step.
+    iterations : number of Newton iterations, those after kicks included.
+    kicks : number of times that the state had become unstable and was moved along its negative mode.
     """
 
     step: int
@@ -34,7 +34,7 @@ class PathStep:
 
 @dataclass
 class Effort:
-    """Work done so far; `clock` has the seconds by stage."""
+    """Effort so far: numbers of iterations and factorisations, seconds by stage (`clock`), and the steps taken."""
 
     iterations: int = 0
     factorisations: int = 0
@@ -42,6 +42,6 @@ class Effort:
     path: list[PathStep] = field(default_factory=list)
 
     def add(self, result: NewtonResult) -> None:
-        """Count what a minimisation took."""
+        """Add the iterations and factorisations of a minimisation."""
         self.iterations += result.iterations
         self.factorisations += result.factorisations

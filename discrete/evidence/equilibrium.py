@@ -1,4 +1,4 @@
-"""An equilibrium, and the evidence that it is one."""
+"""An equilibrium of the exact model, with its certificate."""
 
 from __future__ import annotations
 
@@ -11,25 +11,27 @@ from discrete.evidence.effort import PathStep
 from discrete.model.state import State
 from pattern.geometry.arrays import Ints
 
-MIN_SIDE_BUMP_MM = 1e-6  # a bump that is lower is on neither side
+MIN_SIDE_BUMP_MM = 1e-6  # mm, smallest height of a bump that counts as up or down
 
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """A state of the exact model with the evidence for what it is.
+    """A state of the exact model with its certificate.
 
     Attributes
     ----------
     state : positions and directors.
     energies : N mm, by part.
-    gradient_norm : 2-norm over the free dofs, N.
-    tolerance : that `converged` compares it with.
-    smallest_eigenvalue : of the Hessian in (mm, rad) coordinates without its rigid motions, N/mm; `eigenvalue_error`
-        is the norm of its residual.
-    bumps : (S,) mm, positive for stars that bump to the plastic side.
-    path : the steps that led here; the last one is the tight minimisation.
-    saddles_left : after it; kicks before are in `path`.
+    gradient_norm : N, 2-norm of the gradient by the free dofs.
+    tolerance : N, limit of the gradient norm.
+    smallest_eigenvalue : N/mm, of the Hessian in (mm, rad) coordinates without rigid motions.
+    eigenvalue_error : N/mm, norm of its residual.
+    bumps : (S,) mm, heights of the stars; positive to the plastic side.
+    iterations, factorisations : their total numbers.
+    saddles_left : number of saddles left in the final minimisation; kicks before it are in `path`.
+    backend : name of the linear solver.
     seconds : wall time by stage.
+    path : the steps that led here; the last one is the final minimisation.
     """
 
     state: State
@@ -53,25 +55,25 @@ class Equilibrium:
 
     @property
     def converged(self) -> bool:
-        """The gradient is below the tolerance."""
+        """The gradient norm is at most the tolerance."""
         return self.gradient_norm <= self.tolerance
 
     @property
     def is_minimum(self) -> bool:
-        """Converged, and every eigenvalue is positive beyond the error of the smallest."""
+        """The certificate: converged, and the smallest eigenvalue is positive beyond its error."""
         return self.converged and self.smallest_eigenvalue > self.eigenvalue_error
 
     @property
     def sides(self) -> Ints:
-        """(S,) 1 for stars that bump to the plastic side, -1 for the other one, 0 for flat ones."""
+        """(S,) 1 for stars that bump to the plastic side, -1 for inverted stars, 0 for flat ones."""
         return np.where(np.abs(self.bumps) > MIN_SIDE_BUMP_MM, np.sign(self.bumps), 0.0).astype(np.int64)
 
     @property
     def stars_up(self) -> int:
-        """Stars that bump to the plastic side."""
+        """Number of stars that bump to the plastic side."""
         return int((self.sides > 0).sum())
 
     @property
     def instabilities_passed(self) -> int:
-        """Times that the path lost its stability and was followed down to the side, saddles at its end included."""
+        """Number of unstable states left on the way, saddles of the final minimisation included."""
         return sum(step.kicks for step in self.path)

@@ -1,4 +1,4 @@
-"""The axis about which the exact model's sheet is rolled."""
+"""The axis about which an exact shape is rolled."""
 
 from __future__ import annotations
 
@@ -9,5 +9,5 @@ from pattern.layout.roll_axis import roll_axis_from_normals
 
 
 def roll_axis_deg(model: DiscreteModel, state: State) -> float | None:
-    """Axis of a rolled sheet in print coordinates, 0 to 180 deg from the x axis; None for other shapes."""
+    """Axis of a rolled sheet in printed coordinates, 0 to 180 deg from the x axis; None for other shapes."""
     return roll_axis_from_normals(model.layout, star_normals(model, state))

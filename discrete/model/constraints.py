@@ -1,4 +1,4 @@
-"""Which dofs the pins hold, and where."""
+"""The supports on the mesh: which components of which vertices are held, and where."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from pattern.mesh.mesh import Mesh
 
 @dataclass(frozen=True)
 class Constraints:
-    """Held components of vertices.
+    """Held components of vertices and their prescribed motion.
 
     Attributes
     ----------
     held : (V, 3) bool.
-    printed : (V, 3) mm, places before release (of pins that take hold after it: when they do).
-    target : (V, 3) mm, places at the end (where held).
+    printed : (V, 3) mm, positions before the release; for pins that act after it, positions at which they take hold.
+    target : (V, 3) mm, positions of the held components at the end.
     """
 
     held: Array
@@ -27,18 +27,18 @@ class Constraints:
     target: Array
 
     def positions_at(self, progress: float) -> Array:
-        """(V, 3) mm; held components move straight from the printed place to the target."""
+        """(V, 3) mm, positions of held components at a progress from 0 (printed) to 1 (target), on a straight line."""
         return self.printed + progress * (self.target - self.printed)
 
     @property
     def mean_support(self) -> Array:
-        """(3,) mm, where positions are held at the end, in the mean; 0 for components that nothing holds."""
-        places = np.where(self.held, self.target, 0.0).sum(axis=0)
-        return np.asarray(places / np.maximum(self.held.sum(axis=0), 1))
+        """(3,) mm, mean target of the held components along x, y and z; 0 along an axis without supports."""
+        total = np.where(self.held, self.target, 0.0).sum(axis=0)
+        return np.asarray(total / np.maximum(self.held.sum(axis=0), 1))
 
 
 def pin_constraints(layout: Layout, mesh: Mesh) -> Constraints:
-    """The pins of a layout on the vertices of its mesh."""
+    """The supports of a layout on the vertices of its mesh."""
     printed = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
     held = np.zeros(printed.shape, dtype=bool)
     target = printed.copy()

@@ -1,4 +1,4 @@
-"""The exact model of a sheet that does not pass through itself."""
+"""The exact model with self-contact: its states are free of intersections."""
 
 from __future__ import annotations
 
@@ -19,23 +19,25 @@ from pattern.geometry.rigid_fit import rigid_fit
 from pattern.layout.layout import Layout
 from pattern.mesh.mesh import Mesh
 
-# Contact begins at the thickness of the fabric, or at this fraction of the spacing if that is smaller.
+# 1: distance at which contact begins over the spacing, at most; it is the fabric's thickness if that is smaller
 MAX_CONTACT_DISTANCE_FRACTION = 0.1
-SAFE_STEP_FRACTION = 0.9  # of a step without intersections
+SAFE_STEP_FRACTION = 0.9  # 1: step taken over the largest step without intersections
+# 1: entries of the pattern from earlier states over those of the present state, up to which they are kept
+MAX_STALE_ENTRIES_RATIO = 3
 
 
 def is_intersection_free(model: DiscreteModel, state: State) -> bool:
-    """Whether no parts of a state pass through each other, where the model has contact."""
+    """True if no parts of the state intersect, or if the model has no contact."""
     return not isinstance(model, ContactModel) or model.contact.is_intersection_free(state.positions)
 
 
 class ContactModel(DiscreteModel):
-    """`DiscreteModel` with a contact barrier. Its paths are free of intersections. Parameters as there.
+    """`DiscreteModel` with a contact barrier, and paths without intersections. Parameters as there.
 
     Attributes
     ----------
     contact : the barrier.
-    pattern : of the Hessian; another object when new pairs have come into contact.
+    pattern : sparsity pattern of the last Hessian; another object after new pairs have come into contact.
     """
 
     def __init__(self, design: Design, layout: Layout, mesh: Mesh, compiled: bool = True) -> None:
@@ -45,32 +47,32 @@ class ContactModel(DiscreteModel):
         self.contact = ContactBarrier(mesh, distance, max(fabric.stretch_xy), fabric.modulus_mpa)
         self._base_pattern = self.pattern
         self._contact_keys: Array = np.empty(0, dtype=np.int64)
-        self._pattern_positions: Array | None = None  # positions whose contacts the pattern holds
+        self._pattern_positions: Array | None = None  # positions for whose contacts the pattern has entries
         self._free_index = np.full(self.n_dofs, -1, dtype=np.int64)
         self._free_index[self.free] = np.arange(len(self.free))
 
     def factor(self, backend: str = "auto") -> Factor:
-        """A factorisation that follows the pattern.
+        """A factorisation that is analysed anew when the pattern changes.
 
         Raises
         ------
         BackendError
-            The backend is multigrid, which knows one pattern only.
+            The backend is multigrid, which needs a constant pattern.
         """
         return ReanalysingFactor(self, backend)
 
     def energies(self, state: State) -> dict[str, float]:
-        """N mm, by part."""
+        """N mm, by part; the barrier has the name contact."""
         return super().energies(state) | {"contact": self.contact.energy(state.positions)}
 
     def full_gradient(self, state: State) -> Array:
-        """(3 V + R,) N and N mm over all dofs."""
+        """(3 V + R,) N and N mm, gradient by all dofs."""
         total = super().full_gradient(state)
         total[: 3 * self.n_vertices] += self.contact.gradient(state.positions)
         return total
 
     def hessian(self, state: State, blend: float) -> Array:
-        """(nnz,) entries of the lower triangle in `pattern`, which belongs to this state from now on."""
+        """(nnz,) entries of the lower triangle of the Hessian in `pattern`, which is adapted to this state."""
         if self._pattern_positions is not state.positions:  # once a state: its Hessians are added to each other
             entries, _ = self._keys(*self.contact.hessian_pattern(state.positions))
             if len(entries) and not (isinstance(self.pattern, ExtendedPattern) and self.pattern.contains(entries)):
@@ -83,47 +85,47 @@ class ContactModel(DiscreteModel):
         return data
 
     def _extend_pattern(self, state: State, keys: Array) -> None:
-        """Make room for these entries and those that may follow soon: every new pattern is analysed anew."""
-        soon, _ = self._keys(*self.contact.hessian_pattern_nearby(state.positions))
-        wanted = sorted_union(keys, soon)
-        self._contact_keys = (
-            sorted_union(wanted, self._contact_keys) if len(self._contact_keys) < 3 * len(wanted) else wanted
-        )
+        """Add these entries to the pattern, and those of pairs nearby, since a new pattern costs a new analysis."""
+        nearby, _ = self._keys(*self.contact.hessian_pattern_nearby(state.positions))
+        needed = sorted_union(keys, nearby)
+        if len(self._contact_keys) < MAX_STALE_ENTRIES_RATIO * len(needed):
+            needed = sorted_union(needed, self._contact_keys)
+        self._contact_keys = needed
         self.pattern = ExtendedPattern(self._base_pattern, self._contact_keys)
 
     def _keys(self, rows: Array, columns: Array, values: Array | None = None) -> tuple[Array, Array]:
-        """(K,) keys in the lower triangle over the free dofs, and their values."""
+        """(K,) keys of the entries in the lower triangle over the free dofs, and their values."""
         row, column = self._free_index[rows], self._free_index[columns]
         inside = (column >= 0) & (row >= column)
         keys = entry_keys(row[inside], column[inside], len(self.free))
         return keys, np.empty(0) if values is None else values[inside]
 
     def path(self, state: State, direction: Array, straight: bool = False) -> tuple[Callable[[float], State], float]:
-        """Curve of states leaving `state` in `direction`; all of them can be reached without passing through anything.
+        """Curve of states that leaves `state` in `direction`, without intersections, and the largest step along it.
 
-        A state of the model's own curve that cannot be reached straight is replaced by one on the straight way to it.
+        If a state of the curve of `DiscreteModel` cannot be reached on a straight line, `reachable_state` replaces it.
         """
         curve, longest = super().path(state, direction, straight)
-        known: dict[float, State] = {}
+        computed: dict[float, State] = {}
 
-        def safe(a: float) -> State:
-            if a not in known:
-                known[a] = self.reachable_state(state, curve(a))
-            return known[a]
+        def safe_state_at(a: float) -> State:
+            if a not in computed:
+                computed[a] = self.reachable_state(state, curve(a))
+            return computed[a]
 
         a = min(1.0, longest)
         for _ in range(8):
             target = curve(a)
             free = self._free_fraction(state, target)
             if free >= 1.0:
-                known[a] = target
+                computed[a] = target
                 break
-            # shorter steps along the curve, which turns where a straight way would stretch
+            # shorten the step along the curve, which rotates elements where a straight line would stretch them
             a *= max(SAFE_STEP_FRACTION * free, 0.1)
-        return safe, a
+        return safe_state_at, a
 
     def reachable_state(self, state: State, target: State) -> State:
-        """The target if it can be reached straight, else most of the way that is free."""
+        """The target if the straight way to it is free of contact, else the state at most of the free way."""
         free = self._free_fraction(state, target)
         if free >= 1.0:
             return target
@@ -132,7 +134,7 @@ class ContactModel(DiscreteModel):
         return moved_state(state, self.edges, positions, np.zeros(len(self.edges)))
 
     def apply_supports(self, state: State) -> State:
-        """As in `DiscreteModel`.
+        """The state with its held components in place, as in `DiscreteModel`.
 
         Raises
         ------
@@ -152,7 +154,7 @@ class ContactModel(DiscreteModel):
         )
 
     def _rigidly_aligned(self, positions: Array, target: Array) -> Array:
-        """Target turned and shifted onto the positions: how a free sheet moves as a whole makes no difference."""
+        """The target, for a free sheet moved rigidly onto the positions, since rigid motions cause no contact."""
         if self.held.any():
             return target
         rotation, shift = rigid_fit(target, positions)

@@ -1,4 +1,4 @@
-"""The exact model of a design on a mesh, between the stretched print and its release."""
+"""The exact model of a design on a mesh, at any release between the stretched print and the released sheet."""
 
 from __future__ import annotations
 
@@ -33,27 +33,45 @@ from pattern.mesh.mesh import Mesh
 
 
 class DiscreteModel(System):
-    """Rods on a shell: all energies of a design.
+    """Elastic rods on a shell: all energies of a design, with its supports and its weight.
 
     Parameters
     ----------
-    design, layout, mesh : what is printed, and its mesh.
-    compiled : compiled loops (the default) or plain numpy.
+    design : the design.
+    layout : its stars, outline and supports, from `pattern.layout.build.layout`.
+    mesh : mesh of the layout, from `pattern.mesh.meshing.mesh_layout`.
+    compiled : run compiled loops; otherwise the formulas run on arrays.
 
     Attributes
     ----------
-    bending : entry of the fabric's bending energy in the registry.
+    bending : bending energy of the fabric, from the registry.
     parts : the energies by name: membrane, those of `bending`, rod_bending, rod_stretch, rod_twist.
-    release : 0 is the stretched print, 1 the released design; see `set_release`.
-    progress : how much of their way the pins have gone; that of the release, but for pins that take hold after it.
+    release : 0 for the stretched print, 1 for the released sheet; see `set_release`.
+    pin_progress : part of their way that the pins have moved. It equals the release, except for pins that act later.
+
+    Examples
+    --------
+    One star, as printed and not yet released: the fabric holds all the energy.
+
+    >>> from pattern import gallery
+    >>> from pattern.layout.build import layout
+    >>> from pattern.mesh.meshing import mesh_layout
+    >>> design = gallery.load("star")
+    >>> plan = layout(design)
+    >>> model = DiscreteModel(design, plan, mesh_layout(plan, 4.0), compiled=False)
+    >>> model.bending.name, sorted(model.parts)
+    ('paper', ['hinges', 'membrane', 'rod_bending', 'rod_stretch', 'rod_twist'])
+    >>> energies = model.energies(model.printed_state())
+    >>> energies["membrane"] > 10 * energies["rod_bending"] > 0 and abs(energies["rod_stretch"]) < 1e-12
+    True
     """
 
     def __init__(self, design: Design, layout: Layout, mesh: Mesh, compiled: bool = True) -> None:
         self.design, self.layout, self.mesh, self.compiled = design, layout, mesh, compiled
         self.bending = FABRIC_BENDING[design.fabric.bending]
         self.network = rod_network(mesh.rods, layout.arm_star, mesh.points)
-        self.edge_thickness = _along(self.network, layout.arm_thickness)
-        self.edge_width = _along(self.network, layout.arm_width)
+        self.edge_thickness = _at_midpoints(self.network, layout.arm_thickness)
+        self.edge_width = _at_midpoints(self.network, layout.arm_width)
         self.constraints = pin_constraints(layout, mesh)
         edges = self.network.edges
         held = np.concatenate([self.constraints.held.ravel(), np.zeros(len(edges), dtype=bool)])
@@ -75,7 +93,7 @@ class DiscreteModel(System):
         h, w = self.edge_thickness, self.edge_width
         inputs, dofs = stencil_inputs(net, len(points))
         edge_dofs = (3 * net.edges[:, :, None] + np.arange(3)).reshape(-1, 6)
-        # set_release gives the rest curvature
+        # set_release sets the rest curvature
         bend = bend_params(net, points, modulus, w, h, np.zeros(len(h)))
         return {
             "rod_bending": RodBend(inputs, dofs, bend, compiled),
@@ -84,13 +102,13 @@ class DiscreteModel(System):
         }
 
     def _dead_load(self) -> Array:
-        """(3 V,) N, the weight of fabric and plastic on the vertices; zero without gravity."""
+        """(3 V,) N, weight of fabric and plastic, lumped to the vertices; zero without gravity."""
         gravity, fabric, plastic = self.design.gravity, self.design.fabric, self.design.plastic
         if not gravity.on:
             return np.zeros(3 * self.n_vertices)
         length = self.parts["rod_stretch"].params[:, 1]
         sheet = fabric.printed_mass * triangle_areas(self.mesh.points, self.mesh.triangles) / 3.0
-        # kg/m^3 times mm^3 is 1e-9 kg
+        # kg/m^3 times mm^3 = 1e-9 kg
         rod = 1e-9 * plastic.density_kg_m3 * self.edge_thickness * self.edge_width * length / 2.0
         mass = np.zeros(self.n_vertices)
         np.add.at(mass, self.mesh.triangles, sheet[:, None])
@@ -100,7 +118,10 @@ class DiscreteModel(System):
         return (mass[:, None] * pull).ravel()
 
     def set_release(self, release: float) -> None:
-        """Release the fabric from stretch 1 (0) to the design's stretch (1); pins and gravity go along."""
+        """Set the rest shape for a release from 0 (stretched print) to 1 (the design's stretch is released).
+
+        The rest curvature of the arms, the positions of the pins and the weight follow.
+        """
         self.release = self.pin_progress = release
         fabric = self.design.fabric
         sx, sy = (1.0 + release * (s - 1.0) for s in fabric.stretch_xy)
@@ -112,7 +133,7 @@ class DiscreteModel(System):
             fabric.poisson,
             fabric.model == "incompressible",
         )
-        # a rest shape similar to the print changes no coefficient
+        # bending coefficients depend on the rest shape only up to its size
         rest_shape = self.mesh.points / (sx / sy, 1.0) if len(set(fabric.stretch_xy)) > 1 else None
         self.bending.set_rest(self.parts, self.fabric_plate, 1.0 / (sx * sy), rest_shape)
         net = self.network
@@ -122,7 +143,7 @@ class DiscreteModel(System):
         kappa = rest_curvature(self.edge_thickness, partly, self.design.plastic, step / length[:, None])
         span = length[net.stencil_edges].sum(axis=1)
         self.parts["rod_bending"].params[:, 2] = 0.5 * kappa[net.stencil_edges].mean(axis=1) * span
-        # what nothing holds would fall: it lies on the ground until its first pins take hold
+        # a sheet without supports lies on the ground until its first pins take hold
         self.load = release * self._weight if self.constraints.held.any() else np.zeros_like(self._weight)
 
     @property
@@ -133,19 +154,22 @@ class DiscreteModel(System):
 
     @property
     def spacing(self) -> float:
-        """mm, nearest distance of two stars of the lattice."""
+        """mm, distance of adjacent stars of the lattice."""
         return self.layout.spacing_mm
 
     def printed_state(self) -> State:
-        """The print as it lies: flat, plastic up."""
+        """The flat print, plastic side up."""
         return State(self.constraints.printed.copy(), np.tile([0.0, 0.0, 1.0], (len(self.edges), 1)))
 
     def flat_state(self) -> State:
-        """The print with its held vertices at their places for the present progress."""
+        """The print with its held components at their positions for the present `pin_progress`."""
         return self.apply_supports(self.printed_state())
 
     def apply_supports(self, state: State) -> State:
-        """The state with its held components where the present progress puts them, and the rest moved along."""
+        """The state with its held components at their positions for the present `pin_progress`.
+
+        The rest of the sheet follows with as little deformation as possible.
+        """
         held, places = self.constraints.held, self.constraints.positions_at(self.pin_progress)
         if not held.any() or np.array_equal(state.positions[held], places[held]):
             return state
@@ -153,7 +177,7 @@ class DiscreteModel(System):
 
     @property
     def reconstruction(self) -> Reconstruction:
-        """Positions from gradients; made when first asked for."""
+        """The least-squares reconstruction of positions from gradients, built at its first use."""
         if self._reconstruction is None:
             membrane, (ea, length) = self.parts["membrane"].params, self.parts["rod_stretch"].params.T
             self._reconstruction = Reconstruction(
@@ -167,12 +191,15 @@ class DiscreteModel(System):
         return self._reconstruction
 
     def path(self, state: State, direction: Array, straight: bool = False) -> tuple[Callable[[float], State], float]:
-        """Curve of states leaving `state` in `direction` (free,), turning what a straight step would stretch."""
+        """Curve of states that leaves `state` in `direction` (free,), and the largest step along it.
+
+        Triangles and rod edges rotate along it; `straight` gives straight steps, which stretch them to second order.
+        """
         if straight:
             return super().path(state, direction, straight)
         return self.reconstruction.path(state, *self.displacements_and_twists(direction))
 
 
-def _along(network: RodNetwork, ends: Array) -> Array:
-    """(R,) values at the middle of every rod edge, linear from the start to the tip (A, 2)."""
+def _at_midpoints(network: RodNetwork, ends: Array) -> Array:
+    """(R,) values at the midpoint of every rod edge, linear between the values (A, 2) at the centre and the tip."""
     return np.asarray(ends[network.rod, 0] + network.midpoint * (ends[network.rod, 1] - ends[network.rod, 0]))

@@ -1,4 +1,4 @@
-"""Rigid motions of a state."""
+"""Infinitesimal rigid motions of a state, in the coordinates of the dofs."""
 
 from __future__ import annotations
 
@@ -9,13 +9,19 @@ from discrete.model.state import State, edge_tangents
 
 
 def rigid_motions(state: State, edges: Array, held: Array, free: Array) -> Array:
-    """(free, k) infinitesimal rigid motions, independent, that move no held dof (k from 0 to 6).
+    """(free, k) linearly independent rigid motions that move no held dof, k from 0 to 6.
 
-    Turning the body by `w` turns an edge with tangent t by `w . t` beyond what parallel transport does.
+    A rotation `w` of the body twists an edge with tangent t by `w . t` relative to parallel transport.
+
+    Parameters
+    ----------
+    edges : (R, 2) vertices of the rod edges.
+    held : (3 V + R,) bool, dofs that do not move.
+    free : indices of the other dofs.
     """
     n = len(state.positions)
     x = state.positions - state.positions.mean(axis=0)
-    size = np.sqrt((x**2).sum(axis=1).mean()) + 1e-30  # turns and shifts of about the same length
+    size = np.sqrt((x**2).sum(axis=1).mean()) + 1e-30  # scales rotations to the length of translations
     modes = np.zeros((3 * n + len(edges), 6))
     t = edge_tangents(state.positions, edges)
     for i, axis in enumerate(np.eye(3)):
@@ -31,5 +37,5 @@ def rigid_motions(state: State, edges: Array, held: Array, free: Array) -> Array
 
 
 def rigid_modes(state: State, edges: Array, held: Array, free: Array) -> Array:
-    """(free, k) the same, orthonormal."""
+    """(free, k) orthonormal basis of `rigid_motions`."""
     return np.linalg.qr(rigid_motions(state, edges, held, free))[0]

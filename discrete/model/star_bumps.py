@@ -1,4 +1,4 @@
-"""Which way every star bumps."""
+"""The bumps of the stars: their heights, and states with prescribed bumps."""
 
 from __future__ import annotations
 
@@ -10,11 +10,13 @@ from discrete.model.discrete_model import DiscreteModel
 from discrete.model.state import State, moved_state
 from pattern.geometry.normals import vertex_normals
 
+BUMP_RADIUS_FRACTION = 0.35  # 1: radius at which a Gaussian bump falls to 1/e, over the spacing of the stars
+
 
 def bump_heights(model: DiscreteModel, state: State) -> Array:
-    """(S,) mm, height of each star's centre over the mean of its tips, along its plastic normal; 0 without arms.
+    """(S,) mm, height of each star's centre above the mean of its tips, along its plastic normal; 0 without arms.
 
-    Positive: the star bumps to the plastic side (up).
+    A positive height is a bump to the plastic side (up).
     """
     mesh, stars = model.mesh, model.layout.arm_star
     n_stars = len(model.layout.centres)
@@ -22,12 +24,12 @@ def bump_heights(model: DiscreteModel, state: State) -> Array:
     np.add.at(tips, stars, state.positions[[rod[-1] for rod in mesh.rods]])
     arms = np.bincount(stars, minlength=n_stars)[:, None]
     centre = state.positions[mesh.star_vertices]
-    drop = np.where(arms > 0, centre - tips / np.maximum(arms, 1), 0.0)
-    return np.asarray((drop * star_normals(model, state)).sum(axis=1))
+    above_tips = np.where(arms > 0, centre - tips / np.maximum(arms, 1), 0.0)
+    return np.asarray((above_tips * star_normals(model, state)).sum(axis=1))
 
 
 def star_normals(model: DiscreteModel, state: State) -> Array:
-    """(S, 3) mean plastic normal of every star's arms, of unit length; zero without arms."""
+    """(S, 3) unit vectors along the mean plastic normal of each star's arms; zero without arms."""
     normal = np.zeros((len(model.layout.centres), 3))
     np.add.at(normal, model.layout.arm_star[model.network.rod], state.directors)
     length = np.linalg.norm(normal, axis=1, keepdims=True)
@@ -35,15 +37,17 @@ def star_normals(model: DiscreteModel, state: State) -> Array:
 
 
 def add_bumps(model: DiscreteModel, state: State, heights: Array) -> State:
-    """The state with a smooth bump at every star, `heights` (S,) mm to the plastic side; 0 leaves a star alone.
+    """The state with a Gaussian bump added at every star.
 
-    Held components stay where they are.
+    Parameters
+    ----------
+    heights : (S,) mm, to the plastic side; a star of height 0 does not change. Held components do not move.
     """
-    chosen = np.flatnonzero(heights)
-    if len(chosen) == 0:
+    bumped = np.flatnonzero(heights)
+    if len(bumped) == 0:
         return state
-    distance, nearest = cKDTree(model.layout.centres[chosen]).query(model.mesh.points)
-    lift = heights[chosen][nearest] * np.exp(-((distance / (0.35 * model.spacing)) ** 2))
+    distance, nearest = cKDTree(model.layout.centres[bumped]).query(model.mesh.points)
+    lift = heights[bumped][nearest] * np.exp(-((distance / (BUMP_RADIUS_FRACTION * model.spacing)) ** 2))
     positions = state.positions + lift[:, None] * vertex_normals(state.positions, model.mesh.triangles)
     positions = np.where(model.constraints.held, state.positions, positions)
     return moved_state(state, model.edges, positions, np.zeros(len(model.edges)))

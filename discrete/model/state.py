@@ -1,4 +1,4 @@
-"""A configuration of the exact model: positions and the rods' directors."""
+"""A state of the exact model: positions of the vertices and directors of the rod edges."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from discrete.energies.elements import Array
 
 @dataclass(frozen=True)
 class State:
-    """Positions and directors; together they are all that the energy depends on.
+    """Positions and directors. The energy depends on these alone, so a state can be saved, rotated and restarted.
 
     Attributes
     ----------
     positions : (V, 3) mm.
-    directors : (R, 3) unit plastic normal of every rod edge, orthogonal to it.
+    directors : (R, 3) unit normal on the plastic side of every rod edge, orthogonal to the edge.
     """
 
     positions: Array
@@ -29,15 +29,33 @@ class State:
 
 
 def edge_tangents(positions: Array, edges: Array) -> Array:
-    """(R, 3) unit vectors along the edges (R, 2)."""
+    """(R, 3) unit tangents of edges (R, 2) between positions (V, 3)."""
     e = positions[edges[:, 1]] - positions[edges[:, 0]]
     return np.asarray(e / np.sqrt((e * e).sum(axis=1, keepdims=True)))
 
 
 def moved_state(state: State, edges: Array, positions: Array, turn: Array) -> State:
-    """The state moved to `positions`: directors follow by parallel transport, then turn by `turn` (R,) rad.
+    """The state moved to new positions: parallel transport carries the directors along, then they rotate by `turn`.
 
-    Works with complex numbers, so that derivatives along it can be taken by complex steps.
+    Complex numbers work as well, so that complex steps give derivatives.
+
+    Parameters
+    ----------
+    state : the state to move.
+    edges : (R, 2) vertices of the rod edges.
+    positions : (V, 3) mm.
+    turn : (R,) rad, rotation of each director about its edge.
+
+    Examples
+    --------
+    An edge along x is laid along z; its director follows, then rotates by 90 degrees:
+
+    >>> edges, flat = np.array([[0, 1]]), State(np.array([[0, 0, 0], [1, 0, 0.0]]), np.array([[0, 0, 1.0]]))
+    >>> upright = np.array([[0, 0, 0], [0, 0, 1.0]])
+    >>> moved_state(flat, edges, upright, np.array([0.0])).directors.round(6) + 0.0
+    array([[-1.,  0.,  0.]])
+    >>> moved_state(flat, edges, upright, np.array([np.pi / 2])).directors.round(6) + 0.0
+    array([[ 0., -1.,  0.]])
     """
     t1 = edge_tangents(positions, edges)
     d = parallel_transport(state.directors, edge_tangents(state.positions, edges), t1)
@@ -46,12 +64,12 @@ def moved_state(state: State, edges: Array, positions: Array, turn: Array) -> St
 
 
 def parallel_transport(directors: Array, before: Array, after: Array) -> Array:
-    """(R, 3) directors carried by parallel transport from the unit tangents `before` (R, 3) to those `after`."""
+    """(R, 3) directors after parallel transport from the unit tangents `before` (R, 3) to the unit tangents `after`."""
     along = (directors * after).sum(axis=1) / (1.0 + (before * after).sum(axis=1))
     return orthonormal_to_tangents(directors - along[:, None] * (before + after), after)
 
 
 def orthonormal_to_tangents(directors: Array, along: Array) -> Array:
-    """(R, 3) directors with what they have along the unit tangents (R, 3) taken out, again of unit length."""
+    """(R, 3) directors made orthogonal to the unit tangents `along` (R, 3) and of unit length."""
     d = directors - (directors * along).sum(axis=1, keepdims=True) * along
     return np.asarray(d / np.sqrt((d * d).sum(axis=1, keepdims=True)))

@@ -1,4 +1,4 @@
-"""A sum of energies over positions and directors, with some dofs held: what Newton walks on."""
+"""A sum of energies over positions and directors with some dofs held: the problem that Newton's method minimises."""
 
 from __future__ import annotations
 
@@ -14,26 +14,42 @@ from equilibrium.linear.factor import Factor
 from equilibrium.linear.rigid_support import independent_dofs
 from equilibrium.linear.sparse_pattern import SparsePattern
 
-HESSIAN_ROUNDING = 1e-13  # of the Hessian's largest entry: what it does to a rigid motion where no force acts
-ELEMENTS_PER_BATCH = 8192  # elements whose Hessians are in memory, and in the processor's cache, at a time
+# 1: product of Hessian and rigid motion over the largest entry of the Hessian, by rounding alone
+HESSIAN_ROUNDING = 1e-13
+# elements whose Hessians are in memory at a time; so many fit in the cache of the processor
+ELEMENTS_PER_BATCH = 8192
 
 
 class System:
-    """Energies and dead loads of a set of vertices and rod edges.
+    """Energies and dead loads over vertices and rod edges: an `equilibrium.newton.problem.Problem`.
 
     Parameters
     ----------
     parts : the energies by name.
-    n_vertices : V.
-    edges : (R, 2) vertices of the rod edges; their twists are dofs 3 V .. 3 V + R.
+    n_vertices : number V of vertices.
+    edges : (R, 2) vertices of the rod edges; their twists are the dofs 3 V to 3 V + R.
     held : (3 V + R,) bool, dofs that do not move.
-    load : (3 V,) N, dead load; none by default.
+    load : (3 V,) N, dead load; zero by default.
 
     Attributes
     ----------
-    level : (3,) mm, from where on the dead load does its work; the origin, if nothing else is said.
+    load_datum : (3,) mm, position at which the potential of the dead load is zero; the origin by default.
     free : indices of the dofs that move.
-    pattern : of the Hessian over them.
+    pattern : sparsity pattern of the Hessian over the free dofs.
+
+    Examples
+    --------
+    A spring of one rod edge (EA = 100 N, 10 mm) that carries 1 N at its end, with only that end free to move along x:
+
+    >>> from discrete.energies.rods.stretch import RodStretch
+    >>> from equilibrium.newton.minimise import minimise
+    >>> spring = RodStretch(np.arange(6)[None], np.arange(6)[None], np.array([[100.0, 10.0]]), compiled=False)
+    >>> edges, held = np.array([[0, 1]]), np.array([True, True, True, False, True, True, True])
+    >>> system = System({"spring": spring}, 2, edges, held, load=np.array([0, 0, 0, 1.0, 0, 0]))
+    >>> start = State(np.array([[0, 0, 0], [10, 0, 0.0]]), np.array([[0, 0, 1.0]]))
+    >>> result = minimise(system, start, system.factor("superlu"), tolerance=1e-9)
+    >>> round(float(result.state.positions[1, 0]), 6)
+    10.1
     """
 
     def __init__(
@@ -47,7 +63,7 @@ class System:
         self.pattern = SparsePattern([part.dofs for part in parts.values()], self.n_dofs, self.free)
 
     def energies(self, state: State) -> dict[str, float]:
-        """N mm, by part; the potential of the dead load is called gravity."""
+        """N mm, by part. The potential of a dead load has the name gravity."""
         packed = state.packed
         with np.errstate(all="ignore"):  # a collapsed triangle is an infinite energy, not a warning
             out = {name: float(part.energies(packed).sum()) for name, part in self.parts.items()}
@@ -56,11 +72,11 @@ class System:
         return out
 
     def energy(self, state: State) -> float:
-        """N mm; not finite where the fabric has collapsed."""
+        """N mm; not finite if a triangle has collapsed."""
         return sum(self.energies(state).values())
 
     def full_gradient(self, state: State) -> Array:
-        """(3 V + R,) N and N mm over all dofs; at held ones it is the reaction of what holds them."""
+        """(3 V + R,) N and N mm, gradient by all dofs; at held dofs it is the reaction of the supports."""
         packed = state.packed
         total = np.zeros(self.n_dofs)
         for part in self.parts.values():
@@ -69,11 +85,11 @@ class System:
         return total
 
     def gradient(self, state: State) -> Array:
-        """(free,) N and N mm."""
+        """(free,) N and N mm, gradient by the free dofs."""
         return self.full_gradient(state)[self.free]
 
     def hessian(self, state: State, blend: float) -> Array:
-        """(nnz,) entries of the lower triangle in `pattern`; see `Elements.hessians` for `blend`."""
+        """(nnz,) entries of the lower triangle of the Hessian in `pattern`; `blend` as in `Elements.hessians`."""
         packed = state.packed
         return self.pattern.assemble(
             part.hessians(packed, blend, slice(start, start + ELEMENTS_PER_BATCH))
@@ -82,22 +98,22 @@ class System:
         )
 
     def displacements_and_twists(self, direction: Array) -> tuple[Array, Array]:
-        """Moves (V, 3) and turns (R,) of a vector over the free dofs."""
+        """Displacements (V, 3) and twists (R,) of a vector over the free dofs; zero at held dofs."""
         full = np.zeros(self.n_dofs)
         full[self.free] = direction
         return full[: 3 * self.n_vertices].reshape(-1, 3), full[3 * self.n_vertices :]
 
     def path(self, state: State, direction: Array, straight: bool) -> tuple[Callable[[float], State], float]:
-        """Curve of states leaving `state` in `direction` (free,), and the longest step along it."""
+        """Curve of states that leaves `state` in `direction` (free,), and the largest step along it. Here: straight."""
         move, turn = self.displacements_and_twists(direction)
         return (lambda a: moved_state(state, self.edges, state.positions + a * move, a * turn)), 1.0
 
     def rigid_modes(self, state: State) -> Array:
-        """(free, k) orthonormal rigid motions that what is held leaves free, and that cost nothing.
+        """(free, k) orthonormal rigid motions that the supports allow and that cost no energy.
 
-        Where pins allow a motion to first order only (a sheet that tilts between two vertical slides), their forces
-        give it a stiffness, which may be negative: such a motion is not rigid, and stays in the spectrum. So does one
-        that weight gives a stiffness, however small, as to a pendulum.
+        Supports may allow a rigid motion only to first order, as a sheet may tilt between two vertical slides. Then the
+        support forces give it a stiffness, possibly a negative one, and it stays in the spectrum. The same holds for a
+        motion that gets a stiffness from the weight, as a pendulum does.
         """
         modes = rigid_modes(state, self.edges, self.held, self.free)
         if modes.shape[1] == 0 or not self.held.any():
@@ -105,36 +121,36 @@ class System:
         data = self.hessian(state, 0.0)
         stiffness = self.pattern.product(data, modes)
         size_mm = float(np.linalg.norm(state.positions - state.positions.mean(axis=0)))
-        tiny = (
+        rounding = (
             HESSIAN_ROUNDING * np.abs(data[self.pattern.diagonal]).max()
             + np.linalg.norm(self.gradient(state)) / size_mm
         )
         _, size, rows = np.linalg.svd(stiffness, full_matrices=False)
-        return np.asarray(modes @ rows[size < tiny].T)
+        return np.asarray(modes @ rows[size < rounding].T)
 
     def factor(self, backend: str = "auto") -> Factor:
-        """A solver for the Hessians of this system."""
+        """Linear solver for the Hessians of this system; backends as in `equilibrium.linear.backends`."""
         return make_solver(self.pattern, backend)
 
     def reachable_state(self, state: State, target: State) -> State:
-        """The target, or the last state on the way to it if something is in the way; here nothing is."""
+        """The target, or the last state on the straight way to it without intersections. Here: the target."""
         return target
 
     def near_nullspace(self, state: State) -> tuple[Array, Array]:
-        """What multigrid coarsens: the vertex of every free dof (free,) and the six rigid motions (free, 6).
+        """Vertex of every free dof (free,) and the six rigid motions (free, 6), for multigrid.
 
-        A twist goes with the first vertex of its rod edge. What is held is ignored: away from it the motions still
-        cost nearly nothing.
+        A twist belongs to the first vertex of its rod edge. Supports are ignored, since away from them rigid motions
+        still cost almost no energy.
         """
         vertex = np.concatenate([np.repeat(np.arange(self.n_vertices), 3), self.edges[:, 0]])[self.free]
         nodes = np.unique(vertex, return_inverse=True)[1]
         return nodes, rigid_motions(state, self.edges, np.zeros_like(self.held), self.free)
 
     def support(self, state: State) -> Array:
-        """(k,) positions among the free dofs of an isostatic support; empty if what is held suffices."""
+        """(k,) positions among the free dofs of an isostatic support; empty if the supports prevent rigid motions."""
         motions = rigid_motions(state, self.edges, self.held, self.free)
         if motions.shape[1] and self.held.any():
-            # a motion on which forces do work is not rigid (see rigid_modes), and must not be stopped
+            # a motion on which forces do work is not a rigid mode (see `rigid_modes`) and stays free
             work = motions.T @ self.gradient(state)
             rows = np.linalg.svd(work[None, :])[2]
             motions = motions @ rows[1 if np.linalg.norm(work) > 1e-12 else 0 :].T

@@ -1,4 +1,4 @@
-"""A state of one mesh carried to a finer mesh without parts passing through each other."""
+"""Prolongation of a state with contact to a finer mesh, without intersections."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from discrete.release.prolongation import prolong, prolong_linearly
 
 
 def prolong_without_intersection(coarse: DiscreteModel, state: State, fine: ContactModel) -> State | None:
-    """The fine state of `prolong`, or as much of it as can be reached from the coarse triangles; None if neither can.
+    """The state of `prolong`, or the part of it that is reachable from the coarse triangles; None if neither exists.
 
-    The smooth surface is the better start, but between the vertices of the coarse mesh nothing keeps its parts apart.
-    The coarse triangles were apart; fine triangles across their edges may still come too close.
+    The smooth surface is the better start, but its parts may intersect between the vertices of the coarse mesh. The
+    coarse triangles do not intersect; yet fine triangles across their edges may come closer than contact allows.
     """
     smooth = prolong(coarse, state, fine)
     if fine.contact.is_intersection_free(smooth.positions):
         return smooth
-    flat = prolong_linearly(coarse, state, fine)
-    if fine.contact.is_intersection_free(flat.positions):
-        return fine.reachable_state(flat, smooth)
+    linear = prolong_linearly(coarse, state, fine)
+    if fine.contact.is_intersection_free(linear.positions):
+        return fine.reachable_state(linear, smooth)
     return None

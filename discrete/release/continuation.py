@@ -1,4 +1,8 @@
-"""The way to an equilibrium: release, later pins, kicks where stability is lost, certificate."""
+"""Continuation from the print to a certified equilibrium.
+
+Stages: release of the fabric in steps; pins that take hold later; a perturbation along the negative mode wherever the
+path becomes unstable; final minimisation and certificate.
+"""
 
 from __future__ import annotations
 
@@ -22,35 +26,41 @@ from equilibrium.newton.regularisation import Method
 
 Report = Callable[[str, Iteration], None]
 
-EQUILIBRIUM_TOLERANCE = 1e-8  # gradient over the force scale, of the equilibrium
-PATH_TOLERANCE = 1e-4  # gradient over the force scale, of the steps before it
-WEIGHT_TOLERANCE = 1e-3  # gradient over the norm of the vertex weights: the weight decides how a sheet on needles hangs
-# Eigenvalue, over modulus times thickness, below which a state is unstable in spite of the loose path tolerance.
+# 1: gradient norm over the force scale, at the equilibrium
+EQUILIBRIUM_TOLERANCE = 1e-8
+# 1: gradient norm over the force scale, at the steps before it
+PATH_TOLERANCE = 1e-4
+# 1: gradient norm over the norm of the vertex weights; the weight alone decides how a stiff sheet on needles hangs
+WEIGHT_TOLERANCE = 1e-3
+# 1: negative eigenvalue over modulus times thickness, beyond which a loosely converged state counts as unstable
 INSTABILITY_THRESHOLD = 1e-7
-PROLONGED_BLEND = 1.0  # first blend at a state from another mesh; the factorisation would refuse smaller ones
-MAX_PERTURBATIONS = 5  # along negative modes, in each step
-PIN_LOAD_STEPS = 5  # for pins that take hold after the release
+# 1: first blend of the Hessian at a state from another mesh; the factorisation would refuse smaller ones
+PROLONGED_BLEND = 1.0
+# perturbations along negative modes in each step
+MAX_PERTURBATIONS = 5
+# steps in which pins that act after the release move to their targets
+PIN_LOAD_STEPS = 5
 
 
 def prefixed_report(report: Report | None, name: str) -> Report | None:
-    """The report with a name before every stage."""
+    """The report with a prefix to the name of every stage."""
     return (lambda stage, iteration: report(f"{name}, {stage}", iteration)) if report else None
 
 
 def force_scale(model: DiscreteModel) -> float:
-    """N: modulus times fabric thickness times star spacing."""
+    """N, modulus times thickness of the fabric times spacing of the stars: the scale of membrane forces."""
     fabric = model.design.fabric
     return float(fabric.modulus_mpa * fabric.thickness_mm * model.spacing)
 
 
 def gradient_tolerance(model: DiscreteModel) -> float:
-    """N, the gradient of an equilibrium: a part of the force scale, and of the weight that must hang."""
-    part, weight = EQUILIBRIUM_TOLERANCE * force_scale(model), WEIGHT_TOLERANCE * float(np.linalg.norm(model.load))
-    return min(part, weight) if weight else part
+    """N, largest gradient norm of an equilibrium, relative to the force scale and to the weight."""
+    elastic, weight = EQUILIBRIUM_TOLERANCE * force_scale(model), WEIGHT_TOLERANCE * float(np.linalg.norm(model.load))
+    return min(elastic, weight) if weight else elastic
 
 
 class ReleaseContinuation:
-    """Minimises step by step and keeps count; parameters as in `discrete.release.single_mesh.solve_on_mesh`."""
+    """Minimises step by step and counts the effort; parameters as in `discrete.release.single_mesh.solve_on_mesh`."""
 
     def __init__(self, backend: str, method: Method, max_iterations: int, report: Report | None, seed: int) -> None:
         self.backend, self.method, self.max_iterations = backend, method, max_iterations
@@ -58,7 +68,7 @@ class ReleaseContinuation:
         self.effort = Effort()
 
     def follow(self, model: DiscreteModel, start: ReleaseStart) -> Equilibrium:
-        """Release the fabric, then let the later pins take hold, one step after the other."""
+        """Release the fabric from a start, then attach the later pins step by step, and certify the result."""
         *earlier, last = model.layout.pin_steps
         model.set_release(1.0)
         before: tuple[State, bool] | None = None
@@ -71,14 +81,14 @@ class ReleaseContinuation:
             return self._certify(present, self._advance(present, start, before, last, factor), factor)
 
     def minimise_from(self, model: DiscreteModel, state: State) -> Equilibrium:
-        """Minimise where the model is now."""
+        """Minimise from a state at the present release of the model, and certify the result."""
         with self._factor(model) as factor:
             return self._certify(model, state, factor, PROLONGED_BLEND)
 
     def _advance(
         self, model: DiscreteModel, start: ReleaseStart, before: tuple[State, bool] | None, step: int, factor: Factor
     ) -> State:
-        """After the step's pins took hold; `before` is where the last step ended, and whether the sheet was free."""
+        """State at the end of a pin step; `before` is the end of the step before, and whether the sheet was free."""
         if before is None:
             return self._release_fabric(model, start, factor)
         return self._move_pins(model, attach_pins(model, *before), step, factor)
@@ -94,52 +104,49 @@ class ReleaseContinuation:
         return state
 
     def _move_pins(self, model: DiscreteModel, state: State, step: int, factor: Factor) -> State:
-        for way in np.linspace(0.0, 1.0, PIN_LOAD_STEPS + 1)[1:]:
-            model.pin_progress = float(way)
+        for progress in np.linspace(0.0, 1.0, PIN_LOAD_STEPS + 1)[1:]:
+            model.pin_progress = float(progress)
             state = model.apply_supports(state)
-            state = self._follow_step(
-                model, state, step, factor, f"pins of step {step}, {100 * way:.0f} % of their way"
-            )
+            name = f"pins of step {step}, {100 * progress:.0f} % of their way"
+            state = self._follow_step(model, state, step, factor, name)
         return state
 
     def _follow_step(self, model: DiscreteModel, state: State, step: int, factor: Factor, name: str) -> State:
-        """Loosely minimise; where the path has lost its stability, kick it to the side and minimise again."""
+        """Minimise to the path tolerance; perturb an unstable state along its negative mode and minimise again."""
         fabric = model.design.fabric
-        clear, loose = (
-            INSTABILITY_THRESHOLD * fabric.modulus_mpa * fabric.thickness_mm,
-            PATH_TOLERANCE * force_scale(model),
-        )
-        result = self._minimise(model, state, loose, factor, "release", name)
+        threshold = INSTABILITY_THRESHOLD * fabric.modulus_mpa * fabric.thickness_mm
+        tolerance = PATH_TOLERANCE * force_scale(model)
+        result = self._minimise(model, state, tolerance, factor, "release", name)
         iterations, kicks = result.iterations, 0
-        # the flag also falls for rigid motions, which cost nothing only where all forces vanish
+        # `definite` may also be False because of rigid motions, which have zero energy only if all forces vanish
         while kicks < MAX_PERTURBATIONS and not result.definite and np.isfinite(result.energy):
             pair = self._lowest_mode(model, result.state, factor, "stability")
-            if pair.value >= -clear - pair.error:
+            if pair.value >= -threshold - pair.error:
                 break
             kicks += 1
-            away = leave_saddle_of_model(model, result.state, pair)
-            result = self._minimise(model, away, loose, factor, "release", f"{name}, to the side")
+            perturbed = leave_saddle_of_model(model, result.state, pair)
+            result = self._minimise(model, perturbed, tolerance, factor, "release", f"{name}, off a saddle")
             iterations += result.iterations
-        here = (step, model.release, model.pin_progress, model.n_vertices)
-        self.effort.path.append(PathStep(*here, result.energy, iterations, kicks))
-        reached: State = result.state
-        return reached
+        place = (step, model.release, model.pin_progress, model.n_vertices)
+        self.effort.path.append(PathStep(*place, result.energy, iterations, kicks))
+        end: State = result.state
+        return end
 
     def _certify(self, model: DiscreteModel, state: State, factor: Factor, blend: float = 0.0) -> Equilibrium:
-        """Minimise tightly, find the smallest eigenvalue, and while it is negative leave along its mode."""
+        """Minimise to the final tolerance; while the smallest eigenvalue is negative, leave the saddle and repeat."""
         result = self._minimise(model, state, gradient_tolerance(model), factor, "equilibrium", "equilibrium", blend)
         iterations, saddles = result.iterations, 0
         while True:
             pair = self._lowest_mode(model, result.state, factor, "certificate")
-            # near a saddle on a fine mesh the gradient may not fall below the tolerance
+            # near a saddle on a fine mesh the gradient may stay above the tolerance
             if not (result.converged or result.stagnated) or pair.value >= -pair.error or saddles == MAX_PERTURBATIONS:
                 break
             saddles += 1
-            away = leave_saddle_of_model(model, result.state, pair)
-            result = self._minimise(model, away, gradient_tolerance(model), factor, "saddle", "leaving a saddle")
+            perturbed = leave_saddle_of_model(model, result.state, pair)
+            result = self._minimise(model, perturbed, gradient_tolerance(model), factor, "saddle", "leaving a saddle")
             iterations += result.iterations
-        here = (model.layout.pin_steps[-1], model.release, model.pin_progress, model.n_vertices)
-        self.effort.path.append(PathStep(*here, result.energy, iterations, saddles))
+        place = (model.layout.pin_steps[-1], model.release, model.pin_progress, model.n_vertices)
+        self.effort.path.append(PathStep(*place, result.energy, iterations, saddles))
         return Equilibrium(
             result.state,
             model.energies(result.state),
@@ -168,27 +175,27 @@ class ReleaseContinuation:
         self,
         model: DiscreteModel,
         state: State,
-        goal: float,
+        tolerance: float,
         factor: Factor,
         stage: str,
         name: str,
         blend: float = 0.0,
     ) -> NewtonResult:
-        """Newton's method on the clock of a stage, to a gradient of `goal` N."""
+        """Newton's method to a gradient norm of `tolerance` N, timed as `stage` and reported as `name`."""
         report = self.report
-        tell = (lambda iteration: report(name, iteration)) if report else None
+        stage_report = (lambda iteration: report(name, iteration)) if report else None
         result = self.effort.clock(
             stage,
             lambda: minimise(
                 model,
                 state,
                 factor,
-                goal,
+                tolerance,
                 self.max_iterations,
                 self.method,
-                report=tell,
+                report=stage_report,
                 blend=blend,
-                check_definite=stage == "release",  # elsewhere the certificate follows
+                check_definite=stage == "release",  # at the end the certificate decides
             ),
         )
         self.effort.add(result)

@@ -1,4 +1,4 @@
-"""Minima of a design from many starts: found on the coarse mesh, told apart, the best carried to the fine mesh."""
+"""The forms of a design: minima from many starts on the coarse mesh; the lowest are solved on the fine mesh."""
 
 from __future__ import annotations
 
@@ -19,20 +19,21 @@ from pattern.design.errors import DesignError
 from pattern.layout.symmetric_distance import symmetric_distances
 from pattern.layout.symmetries import Symmetry, symmetries
 
-SAME_FORM_PERCENT = 0.5  # of the diameter: minima nearer than this are one
-MAX_REFINED_FORMS = 6  # lowest minima that are solved on the fine mesh, besides the default start's and the result
+SAME_FORM_PERCENT = 0.5  # % of the diameter, rms distance below which two minima are the same form
+MAX_REFINED_FORMS = 6  # lowest forms that are solved on the fine mesh, besides the result and that of the default start
 
 
 @dataclass(frozen=True)
 class ExactForm:
-    """A minimum and how it was found.
+    """One of the minima of a design, and the starts that led to it.
 
     Attributes
     ----------
-    equilibrium : on the mesh of `model`.
-    starts : names of the starts that ended here, the first of them first.
-    default : the default start did.
-    levels : what the finer meshes cost; empty before they were solved.
+    equilibrium : the minimum, on the mesh of `model`.
+    model : the model.
+    starts : names of the starts that ended in this form, in their order.
+    default : the default start is one of them.
+    levels : the effort on the finer meshes; empty before they are solved.
     """
 
     equilibrium: Equilibrium
@@ -43,32 +44,32 @@ class ExactForm:
 
     @property
     def centres(self) -> Array:
-        """(S, 3) mm."""
+        """(S, 3) mm, centres of the stars."""
         return self.equilibrium.state.positions[self.model.mesh.star_vertices]
 
     @property
     def roll_axis_deg(self) -> float | None:
-        """Axis of the rolled sheet in print coordinates."""
+        """Axis of a rolled sheet in printed coordinates, 0 to 180 deg; None for other shapes."""
         return roll_axis_deg(self.model, self.equilibrium.state)
 
     @property
     def stars_off_branch(self) -> list[int]:
-        """Stars that are not on the side to which their branch sends them; a flat start sends none."""
+        """Stars that are not on the side of their branch, see `stars_off_branch`."""
         return stars_off_branch(self.model, self.equilibrium)
 
 
 @dataclass(frozen=True)
 class Minima:
-    """All that many starts have found.
+    """The forms that many starts have reached.
 
     Attributes
     ----------
-    fine : distinct minima on the fine mesh, those with all stars on their branch first, and by energy; the first is the
-        result.
-    coarse : distinct minima on the coarse mesh, in the same order.
-    refined : for each of them, whether it was solved on the fine mesh as well.
-    lost_starts : starts that ended in no minimum.
-    symmetries : of the design, for `distance_percent`.
+    fine : forms on the fine mesh: first those with all stars on the side of their branch, then by energy. The first
+        form is the result.
+    coarse : forms on the coarse mesh, in the same order.
+    refined : for each coarse form, whether it was solved on the fine mesh.
+    lost_starts : number of starts that ended in no minimum.
+    symmetries : symmetries of the design.
     """
 
     fine: list[ExactForm]
@@ -78,8 +79,8 @@ class Minima:
     symmetries: list[Symmetry]
 
     def distance_percent(self, first: ExactForm, second: ExactForm) -> float:
-        """Rms distance of the star centres over the diameter, modulo rigid motions and symmetries."""
-        return _percent(first, second, self.symmetries)[0]
+        """Rms distance of the star centres in % of the diameter, up to rigid motions and symmetries of the design."""
+        return _form_distance(first, second, self.symmetries)[0]
 
 
 def find_minima(
@@ -91,84 +92,90 @@ def find_minima(
     max_iterations: int = 500,
     report: Report | None = None,
 ) -> Minima:
-    """Distinct minima from a fixed sequence of starts, the design's own first; other arguments as in `solve_on_mesh`.
+    """Find the forms of a design from a fixed sequence of starts, the start of the design first.
 
-    The result is the lowest minimum whose stars are all on the side to which their branch sends them (up, unless the
-    layout says otherwise), where there is one: a print does not start from any other.
+    The result is the lowest minimum whose stars are all on the side of their branch, if there is one: a print starts on
+    these sides. Otherwise it is the lowest minimum.
+
+    Parameters
+    ----------
+    model : model on the fine mesh.
+    starts : number of starts, see `release_starts`.
+    seed, backend, method, max_iterations, report : as in `solve_on_mesh`.
 
     Raises
     ------
     ValueError
-        Fewer than one start.
+        `starts` is below 1.
     """
     if starts < 1:
         raise ValueError(f"starts = {starts}: must be at least 1")
     models, start = [*coarser_models(model), model], model.design.solver.start
-    same = symmetries(model.design, model.layout)
-    found: list[ExactForm] = []
+    design_symmetries = symmetries(model.design, model.layout)
+    forms: list[ExactForm] = []
     lost = 0
-    for number, one in enumerate(release_starts(len(model.layout.centres), starts, start == "bump", seed)):
-        tell = prefixed_report(report, f"start {number + 1} of {starts}")
+    for number, release_start in enumerate(release_starts(len(model.layout.centres), starts, start == "bump", seed)):
+        start_report = prefixed_report(report, f"start {number + 1} of {starts}")
         try:
-            end = solve_on_mesh(models[0], one, None, seed, backend, method, max_iterations, tell)
+            end = solve_on_mesh(models[0], release_start, None, seed, backend, method, max_iterations, start_report)
         except (DesignError, FloatingPointError):
-            # what the design's own start cannot do is a mistake in it; another one may begin where nothing goes on
+            # an error of the design's start is an error of the design; other starts may fail
             if number == 0:
                 raise
             lost += 1
             continue
         if end.is_minimum or number == 0:
-            found.append(ExactForm(end, models[0], (one.name,), number == 0))
+            forms.append(ExactForm(end, models[0], (release_start.name,), number == 0))
         else:
             lost += 1
-    coarse = distinct_forms(found, same)
-    ranked = _best_first(coarse)
-    low = sorted(range(len(ranked)), key=lambda i: ranked[i].equilibrium.energy)[:MAX_REFINED_FORMS]
-    carried = [i == 0 or i in low or branch.default for i, branch in enumerate(ranked)]
+    coarse = _best_first(distinct_forms(forms, design_symmetries))
+    lowest = sorted(range(len(coarse)), key=lambda i: coarse[i].equilibrium.energy)[:MAX_REFINED_FORMS]
+    refined = [i == 0 or i in lowest or form.default for i, form in enumerate(coarse)]
     fine = []
-    for number, branch in enumerate(b for b, kept in zip(ranked, carried, strict=True) if kept):
-        tell = prefixed_report(report, f"minimum {number + 1}")
+    for number, form in enumerate(form for form, chosen in zip(coarse, refined, strict=True) if chosen):
+        form_report = prefixed_report(report, f"minimum {number + 1}")
         end, levels = solve_through_levels(
-            models, branch.equilibrium, start, seed, backend, method, max_iterations, tell
+            models, form.equilibrium, start, seed, backend, method, max_iterations, form_report
         )
-        fine.append(replace(branch, equilibrium=end, model=model, levels=tuple(levels)))
-    certain = [b for b in fine if b.equilibrium.is_minimum] or fine
-    return Minima(_best_first(distinct_forms(certain, same)), ranked, carried, lost, same)
+        fine.append(replace(form, equilibrium=end, model=model, levels=tuple(levels)))
+    certified = [form for form in fine if form.equilibrium.is_minimum] or fine
+    return Minima(_best_first(distinct_forms(certified, design_symmetries)), coarse, refined, lost, design_symmetries)
 
 
-def distinct_forms(branches: list[ExactForm], same: list[Symmetry]) -> list[ExactForm]:
-    """One of each minimum: of those that are nearer than SAME_PERCENT with the same stars up, the best."""
+def distinct_forms(forms: list[ExactForm], design_symmetries: list[Symmetry]) -> list[ExactForm]:
+    """The distinct forms: of those nearer than SAME_FORM_PERCENT with the same stars up, the best with all starts."""
     groups: list[list[ExactForm]] = []
-    for branch in _best_first(branches):
+    for form in _best_first(forms):
         for group in groups:
-            percent, alike = _percent(group[0], branch, same)
-            if alike and percent < SAME_FORM_PERCENT:
-                group.append(branch)
+            percent, same_sides = _form_distance(group[0], form, design_symmetries)
+            if same_sides and percent < SAME_FORM_PERCENT:
+                group.append(form)
                 break
         else:
-            groups.append([branch])
+            groups.append([form])
     return [
-        replace(group[0], starts=tuple(s for b in group for s in b.starts), default=any(b.default for b in group))
+        replace(group[0], starts=tuple(s for f in group for s in f.starts), default=any(f.default for f in group))
         for group in groups
     ]
 
 
-def _percent(first: ExactForm, second: ExactForm, same: list[Symmetry]) -> tuple[float, bool]:
-    """Distance in percent of the diameter, and whether it is to an image with the same stars up."""
-    apart = 100.0 * symmetric_distances(first.centres, second.centres, same) / first.model.layout.diameter_mm
-    sides, other = first.equilibrium.sides, second.equilibrium.sides
-    alike = np.array([np.array_equal(sides, other[symmetry.star]) for symmetry in same])
-    if alike.any() and apart[alike].min() < SAME_FORM_PERCENT:
-        return float(apart[alike].min()), True
-    return float(apart.min()), False
+def _form_distance(first: ExactForm, second: ExactForm, design_symmetries: list[Symmetry]) -> tuple[float, bool]:
+    """Distance in % of the diameter, and whether it is to a symmetric image with the same stars up."""
+    diameter = first.model.layout.diameter_mm
+    percent = 100.0 * symmetric_distances(first.centres, second.centres, design_symmetries) / diameter
+    first_sides, second_sides = first.equilibrium.sides, second.equilibrium.sides
+    same_sides = np.array([np.array_equal(first_sides, second_sides[image.star]) for image in design_symmetries])
+    if same_sides.any() and percent[same_sides].min() < SAME_FORM_PERCENT:
+        return float(percent[same_sides].min()), True
+    return float(percent.min()), False
 
 
-def _best_first(branches: list[ExactForm]) -> list[ExactForm]:
-    """By energy, those whose stars are on their branch before the others."""
-    return sorted(branches, key=lambda b: (bool(b.stars_off_branch), b.equilibrium.energy))
+def _best_first(forms: list[ExactForm]) -> list[ExactForm]:
+    """First the forms with all stars on the side of their branch, then the others, each by energy."""
+    return sorted(forms, key=lambda form: (bool(form.stars_off_branch), form.equilibrium.energy))
 
 
-def stars_off_branch(model: DiscreteModel, found: Equilibrium) -> list[int]:
-    """Stars that did not keep the side to which their branch sent them; from a flat start none is sent."""
-    sent = model.layout.star_branch if model.design.solver.start == "bump" else 0
-    return [int(i) for i in np.flatnonzero(found.sides * sent < 0)]
+def stars_off_branch(model: DiscreteModel, equilibrium: Equilibrium) -> list[int]:
+    """Stars on the opposite side to their branch; empty for designs with a flat start, which prescribe no side."""
+    prescribed = model.layout.star_branch if model.design.solver.start == "bump" else 0
+    return [int(i) for i in np.flatnonzero(equilibrium.sides * prescribed < 0)]

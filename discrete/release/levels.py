@@ -1,4 +1,4 @@
-"""Coarse to fine: the branch is found on about a thousand vertices, each finer mesh only corrects it."""
+"""Search from coarse to fine: a mesh of about 1100 vertices finds the form, and each finer mesh corrects it."""
 
 from __future__ import annotations
 
@@ -25,16 +25,24 @@ from equilibrium.newton.regularisation import Method
 from pattern.design.errors import MeshError
 from pattern.mesh.meshing import mesh_layout
 
-COARSE_VERTICES = 1100
-MIN_EDGES_PER_SPACING = 4.0  # edges between two stars, at least
-MAX_VERTEX_RATIO = 3.0  # of vertices between two levels: soft shapes move from mesh to mesh, and far moves are slow
+COARSE_VERTICES = 1100  # vertices of the coarsest mesh, about; more if the design has many stars
+MIN_EDGES_PER_SPACING = 4.0  # edges between two adjacent stars of the coarsest mesh
+MAX_VERTEX_RATIO = 3.0  # 1: vertices of a level over those of the level before; large changes of a soft shape are slow
+MAX_COARSE_VERTEX_FRACTION = 0.6  # 1: vertices of a coarse mesh over those of the finest, if it is worth its time
 
-SurfaceMap = Callable[[Array], Array]  # printed points (n, 2) to places (n, 3) mm
+SurfaceMap = Callable[[Array], Array]  # printed points (n, 2) mm to points in space (n, 3) mm
 
 
 @dataclass(frozen=True)
 class MeshLevel:
-    """What one mesh cost, and the shape found on it: `printed` (V, 2) and `positions` (V, 3) of its vertices, mm."""
+    """The shape on one mesh, and its effort.
+
+    Attributes
+    ----------
+    vertices, iterations, factorisations : their numbers.
+    seconds : wall time by stage.
+    printed, positions : (V, 2) and (V, 3) mm, the shape.
+    """
 
     vertices: int
     iterations: int
@@ -45,7 +53,7 @@ class MeshLevel:
 
     @property
     def cost(self) -> dict[str, Any]:
-        """All but the shape, for the summary."""
+        """All attributes but the shape, for the summary."""
         names = ("vertices", "iterations", "factorisations", "seconds")
         return {name: getattr(self, name) for name in names}
 
@@ -60,26 +68,33 @@ def solve_on_meshes(
     report: Report | None = None,
     near: SurfaceMap | None = None,
 ) -> tuple[Equilibrium, list[MeshLevel]]:
-    """Equilibrium of a model through coarser meshes of the same sheet; arguments as in `solve_on_mesh`.
+    """Find an equilibrium of a model through coarser meshes of the same sheet.
 
-    With `near` the coarsest mesh starts on that surface, bumps and all, released and held as it will be at the end; if
-    there is contact and the surface passes through itself, it starts from the print. Iterations, factorisations and
-    seconds of the result are those of all levels together.
+    Parameters
+    ----------
+    model, start, seed, backend, method, max_iterations, report : as in `solve_on_mesh`.
+    near : surface, bumps included, from which the coarsest mesh starts at full release, with all supports in place. If
+        the model has contact and the surface intersects itself, the search starts from the print.
+
+    Returns
+    -------
+    The equilibrium on the mesh of the model, and the levels from coarse to fine. Iterations, factorisations and seconds
+    of the equilibrium are totals over all levels.
     """
     models = [*coarser_models(model), model]
-    tell = prefixed_report(report, f"{models[0].n_vertices} vertices") if len(models) > 1 else report
-    begin: StartKind | State = start
+    level_report = prefixed_report(report, f"{models[0].n_vertices} vertices") if len(models) > 1 else report
+    first: StartKind | State = start
     if near is not None:
         models[0].set_release(1.0)
-        there = fit_to_surface(models[0], near(models[0].mesh.points))
-        begin = there if is_intersection_free(models[0], there) else start
-    found = solve_on_mesh(models[0], begin, None, seed, backend, method, max_iterations, tell)
-    return solve_through_levels(models, found, start, seed, backend, method, max_iterations, report)
+        on_surface = fit_to_surface(models[0], near(models[0].mesh.points))
+        first = on_surface if is_intersection_free(models[0], on_surface) else start
+    coarsest = solve_on_mesh(models[0], first, None, seed, backend, method, max_iterations, level_report)
+    return solve_through_levels(models, coarsest, start, seed, backend, method, max_iterations, report)
 
 
 def solve_through_levels(
     models: Sequence[DiscreteModel],
-    found: Equilibrium,
+    coarsest: Equilibrium,
     start: StartKind,
     seed: int,
     backend: str,
@@ -87,74 +102,91 @@ def solve_through_levels(
     max_iterations: int,
     report: Report | None,
 ) -> tuple[Equilibrium, list[MeshLevel]]:
-    """The equilibrium of the last model, from one of the first model through those between."""
-    levels = [_level(models[0], found, found.seconds)]
-    path = found.path
+    """Prolong an equilibrium of the first model through all models; arguments and result as in `find_equilibrium`.
+
+    Parameters
+    ----------
+    models : from coarse to fine.
+    coarsest : equilibrium of the first model.
+    """
+    equilibrium = coarsest
+    levels = [_level(models[0], equilibrium, equilibrium.seconds)]
+    path = equilibrium.path
     before: tuple[DiscreteModel, State] | None = None
-    for previous, level in pairwise(models):
+    for coarse, fine in pairwise(models):
         begun = time.perf_counter()
-        state = _carried(previous, found.state, level, start, before)
-        before = previous, found.state
+        state = _prolonged(coarse, equilibrium.state, fine, start, before)
+        before = coarse, equilibrium.state
         prepared = time.perf_counter() - begun
-        tell = prefixed_report(report, f"{level.n_vertices} vertices")
-        found = solve_on_mesh(level, state, None, seed, backend, method, max_iterations, tell)
-        path += found.path
-        levels.append(_level(level, found, {"prolongation": prepared, **found.seconds}))
+        level_report = prefixed_report(report, f"{fine.n_vertices} vertices")
+        equilibrium = solve_on_mesh(fine, state, None, seed, backend, method, max_iterations, level_report)
+        path += equilibrium.path
+        levels.append(_level(fine, equilibrium, {"prolongation": prepared, **equilibrium.seconds}))
     stages: dict[str, float] = {}
-    for one in levels:
-        for stage, spent in one.seconds.items():
+    for level in levels:
+        for stage, spent in level.seconds.items():
             stages[stage] = stages.get(stage, 0.0) + spent
-    whole = replace(
-        found,
-        iterations=sum(one.iterations for one in levels),
-        factorisations=sum(one.factorisations for one in levels),
+    total = replace(
+        equilibrium,
+        iterations=sum(level.iterations for level in levels),
+        factorisations=sum(level.factorisations for level in levels),
         seconds=stages,
         path=path,
     )
-    return whole, levels
+    return total, levels
 
 
-def _level(model: DiscreteModel, found: Equilibrium, seconds: dict[str, float]) -> MeshLevel:
-    work = found.iterations, found.factorisations
-    return MeshLevel(model.n_vertices, *work, seconds, model.mesh.points, found.state.positions)
+def _level(model: DiscreteModel, equilibrium: Equilibrium, seconds: dict[str, float]) -> MeshLevel:
+    work = equilibrium.iterations, equilibrium.factorisations
+    return MeshLevel(model.n_vertices, *work, seconds, model.mesh.points, equilibrium.state.positions)
 
 
-def _carried(
+def _prolonged(
     coarse: DiscreteModel,
     state: State,
     fine: DiscreteModel,
     start: StartKind,
     before: tuple[DiscreteModel, State] | None,
 ) -> State | StartKind:
-    """The state on a finer mesh, moved on as it did from the mesh `before`.
+    """The state on the fine mesh, extrapolated from the meshes `before` and `coarse` while creases are not resolved.
 
-    Where its parts cannot be kept apart there, that mesh starts from the print.
+    With contact, a state that would intersect itself on the fine mesh is replaced by the start.
     """
     if isinstance(fine, ContactModel):
         return prolong_without_intersection(coarse, state, fine) or start
-    here = prolong(coarse, state, fine)
-    if before is None or measure_creases(coarse, state).resolved:  # what moves a sheet from mesh to mesh ends there
-        return here
-    # an error in proportion to the edge; never further than the last move
+    state_on_fine = prolong(coarse, state, fine)
+    if before is None or measure_creases(coarse, state).resolved:  # from here on shapes change little between meshes
+        return state_on_fine
+    # the mesh error is proportional to the edge length; extrapolate at most as far as the last change
     edges = [1.0 / np.sqrt(m.n_vertices) for m in (before[0], coarse, fine)]
     share = min((edges[1] - edges[2]) / (edges[0] - edges[1]), 1.0)
-    return extrapolate(fine, prolong(*before, fine), here, share)
+    return extrapolate(fine, prolong(*before, fine), state_on_fine, share)
 
 
 def coarser_models(model: DiscreteModel) -> list[DiscreteModel]:
-    """Coarser models of the same design, the coarsest first; none for small ones."""
+    """Models of the same design on coarser meshes, the coarsest first; empty for a small model.
+
+    Examples
+    --------
+    >>> from pattern import gallery
+    >>> from pattern.layout.build import layout
+    >>> design = gallery.load("star")
+    >>> plan = layout(design)
+    >>> coarser_models(DiscreteModel(design, plan, mesh_layout(plan, 4.0), compiled=False))
+    []
+    """
     ratio = model.n_vertices / COARSE_VERTICES
-    choice = model.design.mesh
-    # many stars need more vertices than that
-    growth = min(np.sqrt(ratio), model.spacing / MIN_EDGES_PER_SPACING / choice.edge_mm)
+    section = model.design.mesh
+    # designs of many stars need more than COARSE_VERTICES
+    growth = min(np.sqrt(ratio), model.spacing / MIN_EDGES_PER_SPACING / section.edge_mm)
     steps = int(np.ceil(2.0 * np.log(growth) / np.log(MAX_VERTEX_RATIO))) if ratio > 2.0 and growth > 1.0 else 0
     models: list[DiscreteModel] = []
     for step in range(steps, 0, -1):
-        coarse_edge = choice.edge_mm * growth ** (step / steps)
+        coarse_edge = section.edge_mm * growth ** (step / steps)
         try:
-            mesh = mesh_layout(model.layout, coarse_edge, choice.kind, choice.seed, choice.graded)
-        except MeshError:  # arms may be too short for a coarse mesh: start on a finer one
+            mesh = mesh_layout(model.layout, coarse_edge, section.kind, section.seed, section.graded)
+        except MeshError:  # arms too short for this mesh: the search starts on a finer one
             continue
-        if len(mesh.points) < 0.6 * model.n_vertices:
+        if len(mesh.points) < MAX_COARSE_VERTEX_FRACTION * model.n_vertices:
             models.append(type(model)(model.design, model.layout, mesh, model.compiled))
     return models

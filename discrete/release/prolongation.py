@@ -1,4 +1,4 @@
-"""A state of one mesh carried to another mesh of the same sheet."""
+"""Prolongation of a state from one mesh to another mesh of the same sheet."""
 
 from __future__ import annotations
 
@@ -12,17 +12,21 @@ from pattern.geometry.normals import vertex_normals
 
 
 def prolong(coarse: DiscreteModel, state: State, fine: DiscreteModel) -> State:
-    """The fine model's state closest to a smooth surface through the coarse one, its arms at their printed length.
+    """The state of the fine model closest to a C1 surface through the coarse state, its arms at their printed length.
 
-    A piecewise linear surface has kinks that the fine hinges would have to undo; a C1 interpolation has none. It
-    still shortens the arms where they bend, so the positions are put together again from its gradients, with every
-    rod edge as long as printed.
+    A piecewise linear surface would have kinks and a high bending energy on the fine mesh; a C1 surface has none. Its
+    chords shorten bent arms, so positions are reconstructed from its gradients with rod edges of the printed length.
     """
-    return fit_to_surface(fine, _between(coarse, state, fine, smooth=True))
+    return fit_to_surface(fine, _interpolated(coarse, state, fine, smooth=True))
 
 
 def fit_to_surface(model: DiscreteModel, surface: Array) -> State:
-    """The state closest to places (V, 3) mm on a smooth surface, its pins held and its arms at their printed length."""
+    """The state closest to points (V, 3) mm of a smooth surface, with held components in place and arms at full length.
+
+    Parameters
+    ----------
+    surface : (V, 3) mm, point of the surface for every vertex.
+    """
     held = model.constraints.held
     smooth = np.where(held, model.constraints.positions_at(model.pin_progress), surface)
     length = model.parts["rod_stretch"].params[:, 1:]
@@ -31,19 +35,20 @@ def fit_to_surface(model: DiscreteModel, surface: Array) -> State:
 
 
 def prolong_linearly(coarse: DiscreteModel, state: State, fine: DiscreteModel) -> State:
-    """The fine model's state on the coarse triangles themselves: parts that were apart stay apart, about."""
-    positions = _between(coarse, state, fine, smooth=False)
+    """The state of the fine model on the triangles of the coarse state, with nearly the same distances of its parts."""
+    positions = _interpolated(coarse, state, fine, smooth=False)
     return State(positions, plastic_normals(fine, positions))
 
 
-def _between(coarse: DiscreteModel, state: State, fine: DiscreteModel, smooth: bool) -> Array:
+def _interpolated(coarse: DiscreteModel, state: State, fine: DiscreteModel, smooth: bool) -> Array:
+    """(V, 3) mm, the coarse state at the vertices of the fine mesh, with held components in place."""
     mesh = coarse.mesh
-    places = interpolate_surface(mesh.points, mesh.triangles, state.positions, fine.mesh.points, smooth)
-    return np.where(fine.constraints.held, fine.constraints.positions_at(fine.pin_progress), places)
+    positions = interpolate_surface(mesh.points, mesh.triangles, state.positions, fine.mesh.points, smooth)
+    return np.where(fine.constraints.held, fine.constraints.positions_at(fine.pin_progress), positions)
 
 
 def plastic_normals(model: DiscreteModel, positions: Array) -> Array:
-    """(R, 3) mean normal of the sheet along every rod edge, orthogonal to it."""
+    """(R, 3) unit normals of the sheet at every rod edge, orthogonal to the edge: the directors of `positions`."""
     t = edge_tangents(positions, model.edges)
     d = vertex_normals(positions, model.mesh.triangles)[model.edges].sum(axis=1)
     return orthonormal_to_tangents(d, t)

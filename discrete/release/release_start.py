@@ -1,4 +1,4 @@
-"""Where the search for a minimum starts: bumps, a bend, noise, and how suddenly the fabric is let go."""
+"""The start of a release: bumps of the stars, bend of the sheet, noise, and the steps of the release."""
 
 from __future__ import annotations
 
@@ -16,11 +16,13 @@ from pattern.design.lattice import DEFAULT_SPACING_MM
 
 SheetBend = Literal["none", "roll", "dome", "saddle"]
 
-# at the paper's spacing of the stars, and in proportion at others, as `ReleaseStart`'s lengths: see `spacing_ratio`
-START_BUMP_MM = 2.0
-MIN_BRANCH_BUMP_MM = 0.1
-BRANCH_NUDGE_MM = 0.5
-START_NOISE_MM = 1e-3
+# lengths are at the paper's spacing of the stars, and in proportion at others (`spacing_ratio`)
+START_BUMP_MM = 2.0  # mm, height of the bump at every star
+MIN_BRANCH_BUMP_MM = 0.1  # mm, height below which a star counts as flat between two steps
+BRANCH_NUDGE_MM = 0.5  # mm, bump that is added to a flat star
+START_NOISE_MM = 1e-3  # mm, standard deviation of the noise
+MAX_ROLL_HALF_ANGLE_RAD = 2.5  # rad, so that a rolled sheet does not meet itself
+# released parts of the stretch, step by step: gradual (the default), at once (which reaches other minima), in two steps
 GRADUAL_RELEASE = tuple(np.linspace(0.03, 1.0, 10))
 SUDDEN_RELEASE = (1.0,)
 TWO_STEP_RELEASE = (0.3, 1.0)
@@ -28,24 +30,32 @@ TWO_STEP_RELEASE = (0.3, 1.0)
 
 @dataclass(frozen=True)
 class ReleaseStart:
-    """One way to start.
+    """One start of a release.
 
     Attributes
     ----------
-    name : for people.
-    bumps : every star starts as a bump to the side of its branch; otherwise flat.
-    branch : 1 up, -1 down, 0 free, for each star; None: as the layout prescribes.
-    bend : shape of the whole sheet: nothing, rolled about an axis, a dome or a saddle.
-    axis_deg : direction in print coordinates of the roll's axis, or of the saddle's ridge.
-    sag_mm : how far the edge lies below (saddle: below and above) the middle, at the paper's spacing of the stars.
-    noise_mm, seed : standard deviation of the noise at every vertex, at that spacing too.
-    releases : steps of the continuation; the last is 1.
+    name : shown in reports.
+    bumps : every star starts with a bump to the side of its branch; otherwise flat.
+    branch : 1 up, -1 down or 0 free, for each star; None takes the branches of the layout.
+    bend : shape of the whole sheet: flat, rolled about an axis, a dome, or a saddle.
+    axis_deg : deg, direction of the axis of the roll or of the ridge of the saddle, in printed coordinates.
+    sag_mm : mm, sag of the outermost point below the centre (of a saddle: below and above), at the paper's spacing.
+    noise_mm : mm, standard deviation of the noise at every vertex, at the paper's spacing.
+    seed : seed of the noise.
+    releases : releases of the continuation; the last is 1.
 
     Raises
     ------
     ValueError
-        The releases do not grow from 0 to 1, the bend has no such name or none to speak of, or branches are others than
-        -1, 0 and 1, or not as many as stars.
+        The releases do not grow from 0 to 1, the bend has no such name or no sag, or a branch is not -1, 0 or 1.
+
+    Examples
+    --------
+    >>> ReleaseStart(bend="roll", axis_deg=45.0, sag_mm=12.0, releases=SUDDEN_RELEASE).name
+    'default'
+    >>> ReleaseStart(bend="dome")
+    Traceback (most recent call last):
+    ValueError: sag_mm = 0.0: a bend needs one above 0
     """
 
     name: str = "default"
@@ -70,7 +80,7 @@ class ReleaseStart:
             raise ValueError(f"sag_mm = {self.sag_mm}: a bend needs one above 0")
 
     def branches(self, model: DiscreteModel) -> Array:
-        """(S,) 1 up, -1 down, 0 free."""
+        """(S,) 1 up, -1 down or 0 free; ValueError if `branch` has not one entry for each star."""
         if not self.bumps:
             return np.zeros(len(model.layout.centres), dtype=np.int64)
         if self.branch is None:
@@ -80,23 +90,23 @@ class ReleaseStart:
         return np.asarray(self.branch)
 
     def initial_state(self, model: DiscreteModel) -> State:
-        """The state to start from, for the model's present release."""
+        """The first state, at the present release of the model."""
         held, mm = model.constraints.held, spacing_ratio(model)
         if self.bend == "none":
             state = model.flat_state()
         else:
-            # the print is bent, and then taken to where its pins stand, however far away that is
-            bent = _bent(model.mesh.points, self.bend, np.radians(self.axis_deg), mm * self.sag_mm)
-            state = model.apply_supports(_moved(model, model.printed_state(), bent))
+            # bend the print first, then move its pins, which may be far away
+            bent = _bent_sheet(model.mesh.points, self.bend, np.radians(self.axis_deg), mm * self.sag_mm)
+            state = model.apply_supports(_with_positions(model, model.printed_state(), bent))
         state = add_bumps(model, state, mm * START_BUMP_MM * self.branches(model))
         noise = mm * self.noise_mm * np.random.default_rng(self.seed).standard_normal(state.positions.shape)
-        return _moved(model, state, state.positions + np.where(held, 0.0, noise))
+        return _with_positions(model, state, state.positions + np.where(held, 0.0, noise))
 
     def restore_branches(self, model: DiscreteModel, state: State) -> State:
-        """The state with the stars that are off their branch put back on it.
+        """The state with all stars on the side of their branch.
 
-        Early in the release a star is nearly flat and goes where rounding sends it: a nudge is enough. Down is no
-        minimum before the star is bent enough: there it is turned inside out again in every step, until it stays.
+        Early in the release a star is nearly flat, and rounding decides its side; a small bump is enough. An inverted
+        star is no minimum before its arms are bent enough, so it is inverted again in every step.
         """
         mm = spacing_ratio(model)
         branch, height = self.branches(model), bump_heights(model, state) / mm
@@ -108,28 +118,41 @@ class ReleaseStart:
 
 
 def spacing_ratio(model: DiscreteModel) -> float:
-    """The model's spacing of the stars over the paper's: larger stars start as larger bumps, and smaller as smaller."""
+    """Spacing of the stars over that of the paper; lengths of a start scale with it."""
     return model.spacing / float(DEFAULT_SPACING_MM)
 
 
 def release_starts(n_stars: int, count: int, bumps: bool = True, seed: int = 0) -> list[ReleaseStart]:
-    """The first `count` of a fixed sequence of starts, the default one first.
+    """The first `count` starts of a fixed sequence, the default start first.
 
-    The gentle release ends in the same minimum from nearly everywhere: most of the others let the fabric go at once,
-    or in two steps, from a bent sheet.
+    A gradual release ends in the same minimum from almost any start. Most other starts therefore release a bent sheet
+    at once or in two steps.
+
+    Parameters
+    ----------
+    n_stars : number of stars.
+    count : number of starts.
+    bumps : the default start has bumps.
+    seed : seed of the sequence.
+
+    Examples
+    --------
+    >>> [start.name for start in release_starts(7, 4)]
+    ['default', 'roll at 0 deg', 'roll at 90 deg', 'dome']
     """
     rng = np.random.default_rng([seed, n_stars])
     out = [ReleaseStart(bumps=bumps, seed=seed)]
     for k in range(count - 1):
         cycle, kind = divmod(k, 9)
-        one = _different(kind, cycle, n_stars, rng)
-        out.append(replace(one, seed=seed + 1 + k))
+        start = _start_of_cycle(kind, cycle, n_stars, rng)
+        out.append(replace(start, seed=seed + 1 + k))
     return out
 
 
-def _different(kind: int, cycle: int, n_stars: int, rng: np.random.Generator) -> ReleaseStart:
+def _start_of_cycle(kind: int, cycle: int, n_stars: int, rng: np.random.Generator) -> ReleaseStart:
+    """One of the nine kinds of start; cycles differ in angle, sag and releases."""
     releases = SUDDEN_RELEASE if cycle % 2 == 0 else TWO_STEP_RELEASE
-    # 0, 90, 45, 135, ... deg, a finer fan in every cycle
+    # 0, 90, 45, 135, ... deg: every cycle halves the intervals
     angle = 180.0 * _van_der_corput(2 * cycle + kind % 2)
     sag = (20.0, 5.0, 12.0)[cycle % 3]
     match kind:
@@ -158,10 +181,10 @@ def _different(kind: int, cycle: int, n_stars: int, rng: np.random.Generator) ->
             )
 
 
-def _bent(points: Array, bend: SheetBend, axis: float, sag: float) -> Array:
-    """(V, 3) mm, the print (V, 2) laid on a cylinder or a quadric that sags by `sag` at its farthest point.
+def _bent_sheet(points: Array, bend: SheetBend, axis: float, sag: float) -> Array:
+    """(V, 3) mm, the print (V, 2) laid on a cylinder or a quadric with the sag `sag` at its farthest point.
 
-    The cylinder's top, or the quadric's, is over the middle of the sheet, wherever it is drawn.
+    The apex of the surface is above the centre of the sheet.
     """
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
     points = points - middle
@@ -169,9 +192,9 @@ def _bent(points: Array, bend: SheetBend, axis: float, sag: float) -> Array:
     across = points @ [-np.sin(axis), np.cos(axis)]
     size = float(np.linalg.norm(points, axis=1).max())
     if bend == "roll":
-        # half the angle of the arc: its sag is size (1 - cos turn) / turn, about size turn / 2
-        turn = min(2.0 * sag / size, 2.5)
-        u, z = size / turn * np.sin(across * turn / size), size / turn * (np.cos(across * turn / size) - 1.0)
+        # half the angle of the arc, whose sag is size (1 - cos(angle))/angle, about size angle/2
+        angle = min(2.0 * sag / size, MAX_ROLL_HALF_ANGLE_RAD)
+        u, z = size / angle * np.sin(across * angle / size), size / angle * (np.cos(across * angle / size) - 1.0)
         x = along * np.cos(axis) - u * np.sin(axis)
         y = along * np.sin(axis) + u * np.cos(axis)
         return np.column_stack([middle[0] + x, middle[1] + y, z])
@@ -179,12 +202,12 @@ def _bent(points: Array, bend: SheetBend, axis: float, sag: float) -> Array:
     return np.column_stack([middle + points, -sag / size**2 * z])
 
 
-def _moved(model: DiscreteModel, state: State, positions: Array) -> State:
+def _with_positions(model: DiscreteModel, state: State, positions: Array) -> State:
     return moved_state(state, model.edges, positions, np.zeros(len(model.edges)))
 
 
 def _van_der_corput(n: int) -> float:
-    """0, 1/2, 1/4, 3/4, 1/8, ...: evenly spread at every length."""
+    """Element n of van der Corput's sequence 0, 1/2, 1/4, 3/4, 1/8, ..., which is evenly spread at every length."""
     value, step = 0.0, 0.5
     while n:
         value += step * (n & 1)

@@ -1,4 +1,4 @@
-"""Saddles of the exact model: how to see one, and the way down from it."""
+"""Saddle points of the exact model: the lowest mode, and the descent along it."""
 
 from __future__ import annotations
 
@@ -9,11 +9,12 @@ from equilibrium.linear.factor import Factor, IterativeFactor
 from equilibrium.newton.certificate import Eigenpair, smallest_eigenvalue
 from equilibrium.newton.saddle import leave_saddle
 
-MAX_SADDLE_MOVE_MM = 2.0  # at the paper's spacing of the stars, and in proportion at others
+# mm, largest displacement when a saddle is left, at the paper's spacing of the stars and in proportion at others
+MAX_SADDLE_MOVE_MM = 2.0
 
 
 def lowest_mode(model: DiscreteModel, state: State, factor: Factor, seed: int) -> Eigenpair:
-    """Smallest eigenvalue of the exact Hessian and its mode, rigid motions left out."""
+    """Smallest eigenvalue of the exact Hessian and its mode, without the rigid motions; `seed` starts Lanczos."""
     data = model.hessian(state, 0.0)
     if isinstance(factor, IterativeFactor):
         factor.set_near_nullspace(*model.near_nullspace(state))
@@ -21,6 +22,6 @@ def lowest_mode(model: DiscreteModel, state: State, factor: Factor, seed: int) -
 
 
 def leave_saddle_of_model(model: DiscreteModel, state: State, pair: Eigenpair) -> State:
-    """The state moved along a negative mode, to the lower side, while the energy falls, by a ninth of the spacing."""
-    away: State = leave_saddle(model, state, pair.vector, spacing_ratio(model) * MAX_SADDLE_MOVE_MM)
-    return away
+    """The state moved along a negative mode to its lower side, while the energy falls and no further than the limit."""
+    lower: State = leave_saddle(model, state, pair.vector, spacing_ratio(model) * MAX_SADDLE_MOVE_MM)
+    return lower

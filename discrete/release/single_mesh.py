@@ -1,4 +1,4 @@
-"""From the print to a certified equilibrium."""
+"""From the print to a certified equilibrium, on one mesh."""
 
 from __future__ import annotations
 
@@ -27,23 +27,44 @@ def solve_on_mesh(
     max_iterations: int = 500,
     report: Report | None = None,
 ) -> Equilibrium:
-    """Equilibrium of a model.
+    """Find an equilibrium of a model and certify it.
 
     Parameters
     ----------
-    start : `bump`: every star starts 2 mm to the side of its branch (up, which printing on the plastic side favours,
-        unless the layout says otherwise), and is nudged between the steps while it is still flat; `flat`: as printed;
-        a `ReleaseStart`; or a state, minimised at full release with all pins in place.
-    releases : steps of the continuation; the last must be 1. The start's own by default.
-    seed : of the noise (a thousandth of a mm) that takes an exactly symmetric start off its symmetry.
-    backend : sparse factorisation, see `equilibrium.linear.factor`.
-    report : called after every iteration with the stage's name.
+    model : the model; it is fully released at the end, also after an exception.
+    start : `bump`: every star starts 2 mm to the side that its layout prescribes (up by default), and flat stars are
+        nudged to that side between the steps. `flat`: as printed. A `ReleaseStart`: as it states. A state: minimised
+        at full release with all pins in place.
+    releases : releases of the continuation, from above 0 to 1; those of the start by default.
+    seed : seed of the noise (standard deviation 0.001 mm) that breaks the symmetry of the start.
+    backend : linear solver, see `equilibrium.linear.backends`.
+    method : treatment of indefinite Hessians, see `equilibrium.newton.minimise`.
+    max_iterations : of each minimisation.
+    report : called after every iteration with the name of the stage.
+
+    Returns
+    -------
+    The equilibrium; `is_minimum` is its certificate.
 
     Raises
     ------
     ValueError
-        Releases that do not grow from 0 to 1 or come with a state, no start or method of this name, or, with contact, a
-        state that passes through itself.
+        The releases do not grow from 0 to 1, or are given with a state; the start or method has no such name; or a
+        given state intersects itself and the model has contact.
+
+    Examples
+    --------
+    A single star without rest curvature of its arms, as coarse as it can be meshed:
+
+    >>> from pattern import gallery
+    >>> from pattern.layout.build import layout
+    >>> from pattern.mesh.meshing import mesh_layout
+    >>> design = gallery.load("star")
+    >>> plan = layout(design)
+    >>> model = DiscreteModel(design, plan, mesh_layout(plan, 6.0), compiled=False)
+    >>> equilibrium = solve_on_mesh(model, releases=[0.3, 1.0], backend="superlu")
+    >>> equilibrium.is_minimum, equilibrium.stars_up, [step.release for step in equilibrium.path]
+    (True, 1, [0.3, 1.0, 1.0])
     """
     if method not in get_args(Method):
         raise ValueError(f"method = {method!r}: must be one of {', '.join(get_args(Method))}")
@@ -54,7 +75,7 @@ def solve_on_mesh(
         model.set_release(1.0)
         state = model.apply_supports(start)
         if not is_intersection_free(model, state):
-            raise ValueError("start: the state passes through itself, which contact cannot undo")
+            raise ValueError("start: the state passes through itself; contact cannot separate intersecting parts")
         return continuation.minimise_from(model, state)
     if not isinstance(start, ReleaseStart):
         if start not in get_args(StartKind):
@@ -65,5 +86,5 @@ def solve_on_mesh(
     try:
         return continuation.follow(model, start)
     except BaseException:
-        model.set_release(1.0)  # what is interrupted leaves the model as it was
+        model.set_release(1.0)  # also after an interruption
         raise

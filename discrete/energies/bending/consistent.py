@@ -1,4 +1,7 @@
-"""Fabric bending `consistent`: the plate of the fabric's thickness, and hinges that make sharp folds expensive."""
+"""Fabric bending `consistent`: a plate of the fabric's thickness, and a fold energy at its edges.
+
+The fold energy bounds the angle between adjacent triangles; it vanishes on a fine mesh (`fold_coefficients`).
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the model needs from a bending energy of the fabric."""
+"""The interface of a bending energy of the fabric: how it is built, and how its rest state is set."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from discrete.energies.elements import Array, Elements
 
 
 class FabricPlate(NamedTuple):
-    """Thickness (mm), Young's modulus (MPa) and Poisson's ratio of the fabric."""
+    """The fabric as a plate: thickness (mm), Young's modulus (MPa) and Poisson's ratio."""
 
     thickness: float
     modulus: float
@@ -26,8 +26,8 @@ class BendingMesh:
     ----------
     triangles : (T, 3) vertices, counterclockwise.
     printed : (V, 2) mm.
-    closed_hinges : (H, 4) hinges of a periodic mesh, which the triangles alone do not show; None for a plain mesh.
-    surrounding : (R, 3) triangles around a periodic mesh, which have no energy of their own; None for a plain mesh.
+    closed_hinges : (H, 4) hinges of a periodic mesh, also those across its borders; None for a plain mesh.
+    surrounding : (R, 3) triangles around a periodic mesh that have no energy; None for a plain mesh.
     """
 
     triangles: Array
@@ -37,7 +37,7 @@ class BendingMesh:
 
     @property
     def hinges(self) -> Array:
-        """(H, 4) vertices of each interior edge and of the two triangles beside it."""
+        """(H, 4) vertices of each interior edge, then the apexes of the triangles on its left and right."""
         return interior_edges(self.triangles) if self.closed_hinges is None else self.closed_hinges
 
 
@@ -47,13 +47,13 @@ class FabricBending:
 
     Attributes
     ----------
-    name : as in the design file, `fabric.bending`.
+    name : value of `fabric.bending` in the design file.
     parts : names of its energies in the model.
-    build : makes these energies; its last argument is True for compiled loops.
-    set_rest : sets them for a rest area over printed area and, if the rest shape is not similar to the print, for the
-        rest shape (V, 2) mm, whose size does not matter.
-    crease_factor : its stiffness at a straight crease over that of the plate of the fabric's thickness.
-    needs_neighbours : an element reaches beyond its triangle's vertices, so a periodic mesh needs triangles around it.
+    build : builds these energies from the mesh and the plate; the last argument is True for compiled loops.
+    set_rest : sets the ratio of rest area to printed area and, if the rest shape is not similar to the print, the rest
+        shape (V, 2) mm up to its size.
+    crease_factor : stiffness at a straight crease over that of a plate of the fabric's thickness.
+    needs_neighbours : an element uses vertices beyond its triangle, so a periodic mesh needs surrounding triangles.
     """
 
     name: str
@@ -64,5 +64,5 @@ class FabricBending:
     needs_neighbours: bool = False
 
     def energy(self, energies: Mapping[str, float]) -> float:
-        """Bending energy of the fabric, N mm, from the energies of the model by part."""
+        """Bending energy of the fabric in N mm, from the energies of the model by part."""
         return sum(energies.get(part, 0.0) for part in self.parts)

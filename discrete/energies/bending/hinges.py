@@ -1,15 +1,15 @@
-"""Bending of the fabric: the hinge energy of the paper (Tamstorf and Grinspun 2013, rest angle zero).
+"""Hinge bending of the fabric, the energy of the paper (Tamstorf and Grinspun 2013, rest angle zero).
 
-`W = c (2 tan(theta/2))^2`, `c = k_B 3 |e|^2/(A1 + A2)`, `k_B = E h^3/(24 (1 - nu^2))`, no further 1/2.
-Positive theta: the two triangles fold towards their normals.
+`W = c (2 tan(theta/2))^2` with `c = k_B 3 |e|^2/(A1 + A2)` and `k_B = E h^3/(24 (1 - nu^2))`; there is no further
+factor 1/2. A positive angle theta folds the two triangles to the side of their normals.
 
-A second coefficient f adds `f (2 tan(theta/2))^4`. Alone it makes folds expensive and costs nothing in the limit of a
-fine mesh, where the angles of a smooth sheet go to zero: see `fold_coefficients`.
+A second coefficient f adds `f (2 tan(theta/2))^4`. This term bounds sharp folds and vanishes on a fine mesh, where the
+angles of a smooth sheet go to zero (`fold_coefficients`).
 
-Derivatives: a triangle (x0, x1, p) with unit normal n, edge direction t = (x1 - x0)/|e|, in-plane conormal
-m = n x t, height h and foot fraction s turns about the edge by `d(phi) = n . dq / h` with
-`dq = dp - (1 - s) dx0 - s dx1`; the second variation follows by differentiating n, h and s. The part of it
-that is not symmetric (the turning of the edge's own frame) cancels between the two triangles.
+Derivatives. A triangle (x0, x1, p) has the unit normal n, edge direction `t = (x1 - x0)/|e|`, in-plane conormal
+`m = n x t`, height h and foot fraction s of its apex. It rotates about the edge by `d(phi) = n . dq/h` with
+`dq = dp - (1 - s) dx0 - s dx1`. Differentiating n, h and s gives the second variation. Its unsymmetric part, the
+rotation of the edge's frame, cancels between the two triangles.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from discrete.energies.kernel import combine, cross, dot, formula, multiply, poi
 
 
 @formula
-def _flap(x0, x1, p):  # type: ignore[no-untyped-def]
+def _triangle_geometry(x0, x1, p):  # type: ignore[no-untyped-def]
     """Unit normal, edge direction, conormal, edge length, height and foot fraction of a triangle."""
     e, d = sub(x1, x0), sub(p, x0)
     normal = cross(e, d)
@@ -31,14 +31,14 @@ def _flap(x0, x1, p):  # type: ignore[no-untyped-def]
 
 
 @formula
-def _tangent(n_a, n_b, t):  # type: ignore[no-untyped-def]
-    """tan(theta/2) from the unit normals on both sides of the edge with direction t."""
+def _half_angle_tangent(n_a, n_b, t):  # type: ignore[no-untyped-def]
+    """`tan(theta/2)` from the unit normals on both sides of an edge of direction t."""
     return dot(cross(n_b, n_a), t) / (1.0 + dot(n_a, n_b))
 
 
 @formula
-def _law(p, tangent):  # type: ignore[no-untyped-def]
-    """dW/dtheta and d2W/dtheta2 from tan(theta/2)."""
+def _energy_derivatives(p, tangent):  # type: ignore[no-untyped-def]
+    """`dW/dtheta` and `d2W/dtheta2` from `tan(theta/2)`."""
     square = tangent * tangent
     slope = (1.0 + square) * tangent * (4.0 * p[0] + 32.0 * p[1] * square)
     bend = 2.0 * (1.0 + square) * (p[0] * (1.0 + 3.0 * square) + 8.0 * p[1] * square * (3.0 + 5.0 * square))
@@ -47,22 +47,22 @@ def _law(p, tangent):  # type: ignore[no-untyped-def]
 
 @formula
 def hinge_energy(q, p):  # type: ignore[no-untyped-def]
-    """Energy of the hinge (x0, x1; x2 left of the edge, x3 right of it); p = (c, f)."""
+    """Energy of a hinge in N mm: edge (x0, x1), apex x2 on its left and x3 on its right; p = (c, f)."""
     x0, x1, x2, x3 = point(q, 0), point(q, 1), point(q, 2), point(q, 3)
-    n_a, t, _, _, _, _ = _flap(x0, x1, x2)
-    n_b, _, _, _, _, _ = _flap(x1, x0, x3)
-    tangent = _tangent(n_a, n_b, t)
+    n_a, t, _, _, _, _ = _triangle_geometry(x0, x1, x2)
+    n_b, _, _, _, _, _ = _triangle_geometry(x1, x0, x3)
+    tangent = _half_angle_tangent(n_a, n_b, t)
     square = 4.0 * tangent * tangent
     return square * (p[0] + p[1] * square)
 
 
 @formula
 def hinge_gradient(q, p, g):  # type: ignore[no-untyped-def]
-    """dW/dtheta times the gradient of theta: the normals over the heights, shared out by the feet."""
+    """`dW/dtheta` times the gradient of theta: normals over heights, distributed by the foot fractions."""
     x0, x1, x2, x3 = point(q, 0), point(q, 1), point(q, 2), point(q, 3)
-    n_a, t, _, _, h_a, s_a = _flap(x0, x1, x2)
-    n_b, _, _, _, h_b, s_b = _flap(x1, x0, x3)
-    force, _ = _law(p, _tangent(n_a, n_b, t))
+    n_a, t, _, _, h_a, s_a = _triangle_geometry(x0, x1, x2)
+    n_b, _, _, _, h_b, s_b = _triangle_geometry(x1, x0, x3)
+    force, _ = _energy_derivatives(p, _half_angle_tangent(n_a, n_b, t))
     for k in range(3):
         a, b = force * n_a[k] / h_a, force * n_b[k] / h_b
         g[k] = -(1.0 - s_a) * a - s_b * b
@@ -73,13 +73,13 @@ def hinge_gradient(q, p, g):  # type: ignore[no-untyped-def]
 
 @formula
 def hinge_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
-    """W'' grad theta grad theta^T + (1 - blend) W' hess theta; only the second can be indefinite."""
+    """`W'' grad(theta) grad(theta)^T + (1 - blend) W' hess(theta)`; only the second term can be indefinite."""
     x0, x1, x2, x3 = point(q, 0), point(q, 1), point(q, 2), point(q, 3)
-    n_a, t, m_a, length, h_a, s_a = _flap(x0, x1, x2)
-    n_b, t_b, m_b, _, h_b, s_b = _flap(x1, x0, x3)
-    slope, stiffness = _law(p, _tangent(n_a, n_b, t))
+    n_a, t, m_a, length, h_a, s_a = _triangle_geometry(x0, x1, x2)
+    n_b, t_b, m_b, _, h_b, s_b = _triangle_geometry(x1, x0, x3)
+    slope, stiffness = _energy_derivatives(p, _half_angle_tangent(n_a, n_b, t))
     force = (1.0 - blend) * slope
-    # weights of the four vertices in dq and de of each triangle; in the right one the edge runs backwards
+    # weights of the four vertices in dq and de of each triangle; the triangle on the right has the reversed edge
     q_a = (-(1.0 - s_a), -s_a, 1.0, 0.0)
     q_b = (-s_b, -(1.0 - s_b), 0.0, 1.0)
     e = (-1.0, 1.0, 0.0, 0.0)
@@ -108,13 +108,22 @@ def hinge_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
 
 
 class Hinges(Elements):
-    """Interior edges of the fabric.
+    """Hinges at the interior edges of the fabric.
 
     Parameters
     ----------
-    hinges : (H, 4) vertices: the edge, then the apex on its left and the apex on its right.
+    hinges : (H, 4) vertices: the edge, the apex on its left, and the apex on its right.
     coefficient : (H,) N mm, c.
-    fold : (H,) N mm, f; none by default.
+    compiled : as in `Elements`.
+    fold : (H,) N mm, f.
+
+    Examples
+    --------
+    Two triangles folded by 90 degrees, `W = c (2 tan(45 deg))^2`:
+
+    >>> fold = np.array([[0, 0, 0], [0, 1, 0], [-1, 0, 0], [0, 0, 1.0]])
+    >>> Hinges(np.array([[0, 1, 2, 3]]), 0.5, compiled=False).energies(fold.ravel()).round(6)
+    array([2.])
     """
 
     formulas = (hinge_energy, hinge_gradient, hinge_hessian)
@@ -129,24 +138,30 @@ class Hinges(Elements):
 
     @property
     def vertices(self) -> Array:
-        """(H, 4), as given."""
+        """(H, 4) vertices of the hinges."""
         return self.inputs[:, ::3] // 3
 
 
 def interior_edges(triangles: Array) -> Array:
-    """(H, 4) hinges of a mesh of counterclockwise triangles, in the order of their edges' vertices."""
+    """(H, 4) hinges of counterclockwise triangles (T, 3), sorted by the vertices of their edges.
+
+    Examples
+    --------
+    >>> interior_edges(np.array([[0, 1, 2], [0, 2, 3]])).tolist()
+    [[2, 0, 1, 3]]
+    """
     start = triangles.ravel()
     end = np.roll(triangles, -1, axis=1).ravel()
     apex = np.roll(triangles, -2, axis=1).ravel()
     key = np.minimum(start, end).astype(np.int64) * (int(triangles.max()) + 1) + np.maximum(start, end)
     order = np.argsort(key, kind="stable")
     pair = np.flatnonzero(key[order][1:] == key[order][:-1])
-    one, other = order[pair], order[pair + 1]
-    return np.column_stack([start[one], end[one], apex[one], apex[other]])
+    left, right = order[pair], order[pair + 1]
+    return np.column_stack([start[left], end[left], apex[left], apex[right]])
 
 
 def paper_coefficients(hinges: Array, rest: Array, thickness: float, modulus: float, poisson: float) -> Array:
-    """(H,) `k_B 3 |e|^2/(A1 + A2)`: it does not change with the size of the rest shape (rest: (V, 2) mm)."""
+    """(H,) N mm, `c = k_B 3 |e|^2/(A1 + A2)` on the rest shape (V, 2) mm; the size of the shape does not matter."""
     x0, x1, x2, x3 = (rest[hinges[:, i]] for i in range(4))
     e, a, b = x1 - x0, x2 - x0, x3 - x0
     areas = 0.5 * (np.abs(e[:, 0] * a[:, 1] - e[:, 1] * a[:, 0]) + np.abs(e[:, 0] * b[:, 1] - e[:, 1] * b[:, 0]))
@@ -154,10 +169,10 @@ def paper_coefficients(hinges: Array, rest: Array, thickness: float, modulus: fl
 
 
 def fold_coefficients(hinges: Array, rest: Array, thickness: float, modulus: float, poisson: float) -> Array:
-    """(H,) the fourth-order term that the plate's patches need, `k_B |e|^2/(A1 + A2)/2`.
+    """(H,) N mm, coefficient f of the fold energy beside the plate: `k_B |e|^2/(2 (A1 + A2))`.
 
-    A patch measures heights, `sin(theta)` in place of `2 tan(theta/2)`, and would let a fold beyond 90 degrees get
-    cheaper again. The squares of the two differ by theta^4/2 to leading order; this is that difference, of the hinges
-    that are as stiff as the plate for a cylinder (a third of the paper's).
+    The patches of the plate measure heights, so a fold costs about `sin(theta)^2` instead of `(2 tan(theta/2))^2`, and
+    its energy would fall again beyond 90 degrees. The difference of the two is `theta^4/2` to leading order. The fold
+    energy adds this difference, for hinges as stiff as the plate of a cylinder (a third of the paper's).
     """
     return paper_coefficients(hinges, rest, thickness, modulus, poisson) / 6.0

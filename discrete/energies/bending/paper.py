@@ -1,4 +1,4 @@
-"""Fabric bending `paper`: the paper's hinges. Their stiffness depends on the mesh."""
+"""Fabric bending `paper`: the hinge energy of the paper. Its stiffness depends on the mesh."""
 
 from __future__ import annotations
 
@@ -21,5 +21,5 @@ def _set_rest(parts: Mapping[str, Elements], plate: FabricPlate, area_ratio: flo
         hinges.params[:, 0] = paper_coefficients(hinges.vertices, shape, *plate)
 
 
-# On equilateral triangles, bent to a cylinder, these hinges are three times as stiff as the plate.
+# on equilateral triangles bent to a cylinder these hinges are three times as stiff as the plate
 PAPER = FabricBending("paper", ("hinges",), _build, _set_rest, crease_factor=3.0)

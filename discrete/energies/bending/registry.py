@@ -1,7 +1,7 @@
-"""The registry of the fabric's bending energies.
+"""The registry of the fabric's bending energies, by their names in the design file.
 
-A new energy needs three files: a file with its `FabricBending` beside this one, a line in `FABRIC_BENDING`, and its
-name in `pattern.design.materials`.
+A new energy takes three changes: a file with its `FabricBending` next to this one, an entry in `FABRIC_BENDING`, and
+its name in `pattern.design.materials`.
 """
 
 from __future__ import annotations

@@ -1,1 +1,1 @@
-"""Energies of the rods: stretch, bend, twist."""
+"""Energies of the arms as Kirchhoff rods (discrete elastic rods): bending, twist and axial stretch."""

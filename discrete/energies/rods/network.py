@@ -1,4 +1,4 @@
-"""The arms of a layout as rods on a mesh: edges, stencils and their parameters."""
+"""The arms of a layout as rods on a mesh: edges, stencils, junctions, and the parameters of their energies."""
 
 from __future__ import annotations
 
@@ -13,15 +13,17 @@ from discrete.model.state import edge_tangents
 
 @dataclass(frozen=True)
 class RodNetwork:
-    """Edges and stencils of rods that may share their first vertex with others (junctions).
+    """Edges and stencils of rods, which meet at junctions by their first vertices.
 
     Attributes
     ----------
     edges : (R, 2) vertices, along each rod.
     rod : (R,) the rod of each edge.
-    midpoint : (R,) place of the edge's midpoint along its rod, 0 at the start and 1 at the end.
-    stencil_vertices : (S, 3), stencil_edges : (S, 2), and signs (S, 2): -1 where the stencil runs backwards.
-    weight : (S,) share of the cross-section that bends and twists in this stencil.
+    midpoint : (R,) position of the edge's midpoint along its rod, 0 at the start and 1 at the end.
+    stencil_vertices : (S, 3) vertices.
+    stencil_edges : (S, 2) edges.
+    signs : (S, 2) 1, or -1 where the stencil runs against the edge.
+    weight : (S,) share of the cross-section that bends and twists in this stencil, see `rod_network`.
     """
 
     edges: Array
@@ -38,15 +40,24 @@ def rod_network(paths: tuple[Array, ...], junction: Array, printed: Array) -> Ro
 
     Parameters
     ----------
-    paths : one vertex path a rod.
-    junction : (n rods,) rods with the same number (>= 0) are joined at their first vertex; -1: free start.
+    paths : one path of vertices for each rod.
+    junction : (rods,) rods with the same number (>= 0) meet at their first vertex; -1 is a free start.
     printed : (V, 2) mm.
 
     Notes
     -----
-    A junction of N rods splits every rod into N - 1 copies, one for each of the others, and bonds the pairs: each of
-    the N (N - 1)/2 pairs bends and twists with weight 1/(N - 1). Three arms have the paper's weight 1/2 (section 3.2),
-    two make one straight rod.
+    At a junction of N rods each rod splits into N - 1 copies, one for each other rod. Each of the N (N - 1)/2 pairs
+    bends and twists with weight 1/(N - 1). Three arms have the paper's weight 1/2 (section 3.2); two arms are one
+    straight rod.
+
+    Examples
+    --------
+    Three arms of one edge each from vertex 0:
+
+    >>> tips = np.array([[0, 0], [1, 0], [-0.5, 0.9], [-0.5, -0.9]])
+    >>> star = rod_network((np.array([0, 1]), np.array([0, 2]), np.array([0, 3])), np.zeros(3, dtype=int), tips)
+    >>> star.stencil_vertices.tolist(), star.weight.tolist()
+    ([[1, 0, 2], [1, 0, 3], [2, 0, 3]], [0.5, 0.5, 0.5])
     """
     edges: list[tuple[int, int]] = []
     rod: list[int] = []
@@ -89,7 +100,7 @@ def rod_network(paths: tuple[Array, ...], junction: Array, printed: Array) -> Ro
 
 
 def stretch_params(network: RodNetwork, printed: Array, modulus: float, width: Array, thickness: Array) -> Array:
-    """(R, 2) EA (N) and printed length (mm); width, thickness (R,) mm of every edge."""
+    """(R, 2) parameters of `RodStretch`, for a modulus in MPa and the width and thickness (R,) mm of every edge."""
     length = np.linalg.norm(printed[network.edges[:, 1]] - printed[network.edges[:, 0]], axis=1)
     return np.column_stack([modulus * width * thickness, length])
 
@@ -97,10 +108,14 @@ def stretch_params(network: RodNetwork, printed: Array, modulus: float, width: A
 def bend_params(
     network: RodNetwork, printed: Array, modulus: float, width: Array, thickness: Array, curvature: Array
 ) -> Array:
-    """(S, 6) of `RodBend`: the stiffnesses of a stencil are the means of its two edges.
+    """(S, 6) parameters of `RodBend`. The stiffness of a stencil is the mean of its two edges.
 
-    width, thickness (mm) and curvature (1/mm, rest curvature about the width) are (R,), one for every edge. The rest
-    value in the plane is the angle of the layout.
+    Parameters
+    ----------
+    printed : (V, 2) mm; the rest curvature in the plane of the sheet is the angle between the printed edges.
+    modulus : MPa, of the plastic.
+    width, thickness : (R,) mm, of every edge.
+    curvature : (R,) 1/mm, rest curvature about the width.
     """
     about_width = _mean(network, modulus * width * thickness**3 / 12.0) * network.weight
     in_plane = _mean(network, modulus * thickness * width**3 / 12.0) * network.weight
@@ -116,20 +131,20 @@ def bend_params(
 def twist_params(
     network: RodNetwork, printed: Array, modulus: float, poisson: float, width: Array, thickness: Array
 ) -> Array:
-    """(S, 3) of `RodTwist`."""
+    """(S, 3) parameters of `RodTwist`; arguments as in `bend_params`. The shear modulus is `E/(2 (1 + nu))`."""
     stiffness = modulus / (2.0 * (1.0 + poisson)) * torsion_constant(width, thickness)
     span = stencil_length(network, printed)
     return np.column_stack([_mean(network, stiffness) * network.weight / span, network.signs])
 
 
 def stencil_length(network: RodNetwork, printed: Array) -> Array:
-    """(S,) mm, printed length of a stencil's two edges together."""
+    """(S,) mm, sum of the printed lengths of the two edges of each stencil."""
     length = np.linalg.norm(printed[network.edges[:, 1]] - printed[network.edges[:, 0]], axis=1)
     return np.asarray(length[network.stencil_edges].sum(axis=1))
 
 
 def stencil_inputs(network: RodNetwork, n_vertices: int) -> tuple[Array, Array]:
-    """Inputs (S, 15) and dofs (S, 11) of the stencils: three points, then two directors or twists."""
+    """Inputs (S, 15) and dofs (S, 11) of the stencils: three vertices, then two directors or twists."""
     xyz = np.arange(3)
     points = (3 * network.stencil_vertices[:, :, None] + xyz).reshape(-1, 9)
     directors = (3 * n_vertices + 3 * network.stencil_edges[:, :, None] + xyz).reshape(-1, 6)
@@ -137,7 +152,7 @@ def stencil_inputs(network: RodNetwork, n_vertices: int) -> tuple[Array, Array]:
 
 
 def rod_curvatures(network: RodNetwork, positions: Array, directors: Array, printed: Array) -> Array:
-    """(S,) 1/mm, curvature about the width axis; positive where the rod bends away from its plastic side."""
+    """(S,) 1/mm, curvature of the rods about their width; positive where they bend away from their plastic side."""
     t = edge_tangents(positions, network.edges)[network.stencil_edges] * network.signs[:, :, None]
     width = np.cross(directors[network.stencil_edges], t)
     binormal = 2.0 * np.cross(t[:, 0], t[:, 1]) / (1.0 + (t[:, 0] * t[:, 1]).sum(axis=1))[:, None]
