@@ -22,7 +22,7 @@ from homogenize.campaign.campaign import run_campaign
 from homogenize.law.law_file import load_law
 from homogenize.law.material import Material
 from tests.asterism.commands import command
-from tests.homogenize import fake
+from tests.homogenize import fake, same_process
 
 PLAN = """
 name = "small"
@@ -61,6 +61,7 @@ def test_a_law_with_all_that_made_it(place: Path) -> None:
     assert (np.diff(values["lam"]) > 0).all() and (np.diff(values["kappa"]) > 0).all()
 
 
+@pytest.mark.slow
 def test_the_same_plan_gives_the_same_law_from_the_start(
     place: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -75,6 +76,7 @@ def test_the_same_plan_gives_the_same_law_from_the_start(
 
 def test_a_law_is_made_without_numba(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its version is not asked for where it is not installed."""
+    same_process.use(monkeypatch)
 
     def version(name: str) -> str:
         if name == "numba":
@@ -110,10 +112,13 @@ def test_show_writes_a_picture_and_a_table(
     assert min(float(cell[name]) for cell in starred for name in ("flat_bump_mm", "natural_bump_mm")) > 0.0
 
 
-def test_the_law_that_comes_with_the_package(tmp_path: Path) -> None:
-    result = run("law", "show", cwd=tmp_path)
-    assert result.returncode == 0, result.stderr
-    assert "stretch 1.75" in result.stdout and (tmp_path / "paper-law" / "law.png").exists()
+def test_the_law_that_comes_with_the_package(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    shown = command(["law", "show"], capsys, monkeypatch)
+    assert shown.status == 0, shown.err
+    assert "stretch 1.75" in shown.out and (tmp_path / "paper-law" / "law.png").exists()
     law = load_law()
     assert law.made["command"] == "asterism calibrate" and law.stretches == (1.35, 1.75)
     for table in law.tables:
@@ -155,6 +160,7 @@ def test_cells_that_all_fail_are_status_one(
     """Arms of neighbouring stars that overlap have no cell."""
     (tmp_path / "m.toml").write_text(PLAN.replace("3.0, 10.0", "12.0, 14.0") + "[lattice]\narms = 5\n")
     monkeypatch.chdir(tmp_path)
+    same_process.use(monkeypatch)
     ended = command(["calibrate", "m.toml", "--jobs", "2"], capsys, monkeypatch)
     assert ended.status == 1
     last = ended.err.splitlines()[-1]
@@ -176,6 +182,7 @@ def test_interrupted_before_a_cell_is_finished(
     assert [file.name for file in tmp_path.iterdir()] == ["m.toml"]
 
 
+@pytest.mark.slow
 def test_interrupted_and_resumed(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

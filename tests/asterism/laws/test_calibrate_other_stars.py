@@ -17,6 +17,9 @@ from homogenize.law.law_file import law_bytes, load_law
 from pattern.design.design import Design
 from tests.asterism.laws.test_calibrate import PLAN, run
 
+# its law takes a quarter of a minute; files of such laws, and previews with them, have quick tests beside their code
+pytestmark = pytest.mark.slow
+
 LEFT = "which previews model in part"
 
 

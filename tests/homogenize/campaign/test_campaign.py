@@ -22,7 +22,7 @@ from homogenize.campaign.fit_law import fit_law
 from homogenize.errors import AddressError, CampaignError
 from homogenize.law.law_file import law_bytes, law_digest
 from homogenize.law.material import Material
-from tests.homogenize import fake
+from tests.homogenize import fake, same_process
 
 SMALL = {"lengths_mm": [5.0, 10.0], "thicknesses_mm": [0.2, 0.4], "widths_mm": [1.0, 1.4], "held_out": 2}
 
@@ -35,7 +35,15 @@ def material(**plan: Any) -> Material:
 def once(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[SampleRecord]]:
     """A folder of samples, and their records."""
     folder = tmp_path_factory.mktemp("campaign") / "samples"
-    return folder, run_campaign(material(), folder, 1, respond=fake.solve_cell)
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        same_process.use(monkeypatch)
+        return folder, run_campaign(material(), folder, 1, respond=fake.solve_cell)
+
+
+@pytest.fixture
+def one_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    """For tests of what a campaign does with its answers, whichever process finds them."""
+    same_process.use(monkeypatch)
 
 
 @pytest.fixture
@@ -61,6 +69,7 @@ def test_the_law_does_not_depend_on_the_number_of_workers(tmp_path: Path) -> Non
     assert law_bytes(again) == law_bytes(laws[0]) and [p.done for p in told] == [p.total for p in told]
 
 
+@pytest.mark.usefixtures("one_process")
 def test_progress_counts_and_estimates(tmp_path: Path) -> None:
     told: list[CampaignProgress] = []
     records = run_campaign(material(), tmp_path, 2, report=told.append, respond=fake.fails_when_thin)
@@ -71,6 +80,7 @@ def test_progress_counts_and_estimates(tmp_path: Path) -> None:
     assert reasons == {"tube: still curling at 0.13/mm, the tightest tried"}
 
 
+@pytest.mark.usefixtures("one_process")
 def test_files_are_reused_only_for_the_same_inputs(samples: Path, records: list[SampleRecord]) -> None:
     assert len(fake.files(samples)) == len(records)
     # more cells: only the new ones are solved
@@ -83,6 +93,7 @@ def test_files_are_reused_only_for_the_same_inputs(samples: Path, records: list[
     assert len(keys) == 3 * len(records)
 
 
+@pytest.mark.usefixtures("one_process")
 def test_samples_belong_to_what_solved_them(samples: Path) -> None:
     told: list[CampaignProgress] = []
     other = run_campaign(material(), samples, 1, report=told.append, respond=fake.curls_more)
@@ -102,6 +113,7 @@ def test_samples_belong_to_the_code_that_made_them(samples: Path, monkeypatch: p
     assert {record.failed for record in records} == {"RuntimeError: the worker has another version of asterism"}
 
 
+@pytest.mark.usefixtures("one_process")
 def test_a_damaged_file_is_solved_again(samples: Path, records: list[SampleRecord]) -> None:
     files = sorted(samples.iterdir())
     files[0].write_text('{"inputs": ')
@@ -134,10 +146,12 @@ def test_an_exception_is_a_failed_cell_and_tried_again(tmp_path: Path, monkeypat
     records = run_campaign(material(), tmp_path, 2, respond=fake.breaks)
     assert {r.failed for r in records if r.task.length_mm == 10.0} == {"ZeroDivisionError: a bug"}
     assert all(r.failed is None for r in records if r.task.length_mm != 10.0)
+    same_process.use(monkeypatch)
     monkeypatch.setenv("ASTERISM_FAKE_MENDED", "")
     assert all(r.failed is None for r in run_campaign(material(), tmp_path, 2, respond=fake.breaks))
 
 
+@pytest.mark.usefixtures("one_process")
 def test_arms_that_overlap_are_a_failed_cell_and_not_tried_again(tmp_path: Path) -> None:
     square = {"kind": "square", "spacing_mm": 17.0, "arms": 4}
     plan = {"lengths_mm": [12.0], "thicknesses_mm": [0.3], "widths_mm": [1.2], "edge_mm": 4.0, "held_out": 0}
@@ -153,10 +167,12 @@ def test_arms_that_overlap_are_a_failed_cell_and_not_tried_again(tmp_path: Path)
 def test_a_worker_that_dies_ends_the_campaign_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(CampaignError, match="worker process has ended"):
         run_campaign(material(), tmp_path, 2, respond=fake.dies)
+    same_process.use(monkeypatch)
     monkeypatch.setenv("ASTERISM_FAKE_MENDED", "")
     assert all(r.failed is None for r in run_campaign(material(), tmp_path, 2, respond=fake.dies))
 
 
+@pytest.mark.usefixtures("one_process")
 def test_no_law_from_too_few_answers(tmp_path: Path) -> None:
     records = run_campaign(material(), tmp_path, 1, respond=fake.fails)
     with pytest.raises(CampaignError, match=r"bare fabric .* no equilibrium at all"):
@@ -164,7 +180,9 @@ def test_no_law_from_too_few_answers(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
-def test_interrupted_campaigns_leave_whole_files_and_no_workers(number: int, tmp_path: Path) -> None:
+def test_interrupted_campaigns_leave_whole_files_and_no_workers(
+    number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     psutil = pytest.importorskip("psutil")
     script = tmp_path / "campaign.py"
     script.write_text(
@@ -185,14 +203,15 @@ def test_interrupted_campaigns_leave_whole_files_and_no_workers(number: int, tmp
     process.send_signal(number)
     process.wait(timeout=20)
     assert not psutil.wait_procs(children, timeout=10)[1]
+    same_process.use(monkeypatch)
     told: list[CampaignProgress] = []
     records = run_campaign(material(), samples, 2, report=told.append, respond=fake.slow)
     assert 2 <= told[0].done < len(records) and all(record.failed is None for record in records)
 
 
-def test_dask_gives_the_same_law(tmp_path: Path) -> None:
+def test_dask_gives_the_same_law(tmp_path: Path, records: list[SampleRecord]) -> None:
     distributed = pytest.importorskip("distributed")
-    own = fit_law(material(), run_campaign(material(), tmp_path / "own", 2, respond=fake.solve_cell))
+    own = fit_law(material(), records)
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
     ) as cluster:  # fmt: skip
@@ -226,6 +245,7 @@ def test_a_cluster_whose_workers_have_gone_is_given_up(tmp_path: Path, monkeypat
     assert len(list(tmp_path.iterdir())) >= 1
 
 
+@pytest.mark.usefixtures("one_process")
 def test_a_folder_that_another_run_took_away_is_made_again(tmp_path: Path) -> None:
     """A run that ends before its first cell leaves no empty folder, but others may be about to write there."""
     folder = tmp_path / "law.samples"
