@@ -50,9 +50,20 @@ def name(file: Path) -> str:
     return str(file.relative_to(ROOT))
 
 
-def imports(file: Path) -> Iterator[str]:
+@cache
+def nodes(file: Path) -> list[ast.AST]:
+    """The syntax tree of a file, node by node; each file is parsed once."""
+    return list(ast.walk(ast.parse(file.read_text(encoding="utf-8"))))
+
+
+@cache
+def imports(file: Path) -> list[str]:
     """Full names of the modules that a file imports anywhere, also within functions."""
-    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+    return list(_imports(file))
+
+
+def _imports(file: Path) -> Iterator[str]:
+    for node in nodes(file):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -81,6 +92,14 @@ def test_imports_go_down_only(file: Path) -> None:
 
 
 @cache
+def declared() -> set[str]:
+    """Packages that pyproject.toml asks for."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    required = project["dependencies"] + [r for group in project["optional-dependencies"].values() for r in group]
+    return {re.split(r"[^\w.-]", requirement)[0].lower().replace("_", "-") for requirement in required}
+
+
+@cache
 def installed() -> Mapping[str, list[str]]:
     """Packages by the modules that they hold. All that is installed is looked at."""
     # optional, so perhaps not installed here; and a package that always comes with another
@@ -90,13 +109,10 @@ def installed() -> Mapping[str, list[str]]:
 
 @pytest.mark.parametrize("file", SOURCES, ids=name)
 def test_every_package_used_is_declared(file: Path) -> None:
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    required = project["dependencies"] + [r for group in project["optional-dependencies"].values() for r in group]
-    declared = {re.split(r"[^\w.-]", requirement)[0].lower().replace("_", "-") for requirement in required}
     homes = installed()
     for module in roots(file) - set(MAY_IMPORT) - sys.stdlib_module_names:
         packages = {package.lower().replace("_", "-") for package in homes.get(module, [module])}
-        assert packages & declared, f"{module} is not among the dependencies of pyproject.toml"
+        assert packages & declared(), f"{module} is not among the dependencies of pyproject.toml"
 
 
 def test_a_preview_runs_without_the_exact_model() -> None:
@@ -113,7 +129,7 @@ def test_triangle_is_called_in_its_guarded_file_only() -> None:
 
 @pytest.mark.parametrize("file", [f for f in SOURCES if f.relative_to(ROOT).parts[0] in ENGINES], ids=name)
 def test_engines_print_nothing(file: Path) -> None:
-    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+    for node in nodes(file):
         called = node.func if isinstance(node, ast.Call) else None
         assert not (isinstance(called, ast.Name) and called.id == "print"), f"{name(file)}:{called.lineno} prints"
 

@@ -75,6 +75,7 @@ def test_a_step_sets_out_in_the_direction_it_is_given(pins: list[dict]) -> None:
     np.testing.assert_array_equal(path(0.3).positions[held], state.positions[held])
 
 
+@pytest.mark.slow
 def test_a_small_step_has_the_rounding_of_its_coordinates(plate: DiscreteModel, relaxed: State) -> None:
     """It turns by second order, 1e-18 mm here: all else that it has beyond a straight one is rounding."""
     assert np.linalg.norm(np.diff(plate.mesh.points[plate.edges], axis=1), axis=2).min() < 0.11
@@ -84,6 +85,7 @@ def test_a_small_step_has_the_rounding_of_its_coordinates(plate: DiscreteModel, 
     assert apart <= 2.0 * np.spacing(np.abs(relaxed.positions).max())
 
 
+@pytest.mark.slow
 def test_newton_goes_down_to_the_rounding_of_the_coordinates(plate: DiscreteModel, relaxed: State) -> None:
     """Moving every coordinate by its last digit changes the gradient by so much: nothing else may be in the way."""
     last = np.spacing(np.abs(relaxed.positions))

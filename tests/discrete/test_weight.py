@@ -94,7 +94,7 @@ def hung(
     return found, mass @ places / mass.sum(), places[m.constraints.held.any(axis=1)]
 
 
-@pytest.mark.parametrize("modulus", [7.1875, 1000.0])
+@pytest.mark.parametrize("modulus", [7.1875, pytest.param(1000.0, marks=pytest.mark.slow)])
 def test_a_sheet_on_one_needle_hangs_below_it_or_is_no_equilibrium(modulus: float) -> None:
     """Its weight is a hundred millionth of what would stretch it; turned over, it stands on the needle and falls."""
     needle = {"points_mm": [[0.0, 0.0]]}
@@ -107,7 +107,7 @@ def test_a_sheet_on_one_needle_hangs_below_it_or_is_no_equilibrium(modulus: floa
     assert not above.is_minimum or middle[2] > 1.0
 
 
-@pytest.mark.parametrize("modulus", [7.1875, 1e4])
+@pytest.mark.parametrize("modulus", [7.1875, pytest.param(1e4, marks=pytest.mark.slow)])
 def test_a_sheet_on_two_needles_hangs_below_them_or_is_no_equilibrium(modulus: float) -> None:
     found, middle, (first, second) = hung(modulus, {"corners": [0, 1]})
     along = (second - first) / np.linalg.norm(second - first)

@@ -176,7 +176,7 @@ def test_two_cells_have_twice_the_energy_and_no_forces(tube: bool) -> None:
     assert np.linalg.norm(two.gradient(moved)) < 4.0 * error + 1e-9
 
 
-@pytest.mark.parametrize("thickness", [0.4, 0.6])
+@pytest.mark.parametrize("thickness", [pytest.param(0.4, marks=pytest.mark.slow), 0.6])
 def test_free_and_aligned_meshes_agree(monkeypatch: pytest.MonkeyPatch, thickness: float) -> None:
     """Three-armed stars, edges of 1.92 mm: within what another mesh makes of it."""
     star = design(10.0, thickness)

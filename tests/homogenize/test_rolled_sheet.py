@@ -131,6 +131,7 @@ def _response(found: Sample, name: str) -> np.ndarray:
     return np.asarray(getattr(found, name))
 
 
+@pytest.mark.slow
 def test_responses_do_not_jump_where_the_number_of_edges_changes() -> None:
     edge = SPACING / 6
     below, at, above = (solve_cell(design(part * edge, 0.4), EDGE) for part in (2.997, 3.0, 3.003))

@@ -34,7 +34,7 @@ PLACES = [
 @given(st.lists(st.tuples(st.sampled_from(PLACES), values), max_size=3))
 @example([("pins", [{"where": "border", "target_mm": [1, [2]]}])])
 @example([("pins", [{"corners": [0], "target_mm": []}])])
-@settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_garbage_is_refused_or_laid_out(changes):
     design = copy.deepcopy(GOOD)
     for place, value in changes:
@@ -92,7 +92,7 @@ good_designs = st.fixed_dictionaries(
 
 
 @given(good_designs, st.sampled_from(["toml", "json"]))
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_round_trip(tmp_path, data, suffix):
     design = Design.from_dict(data)
     assert Design.from_dict(design.to_dict()) == design

@@ -40,6 +40,7 @@ def test_a_sheet_that_passes_through_itself_is_told(folder: Path, capsys, monkey
     assert summary["self_intersections"] > 0 and summary["self_contact"] is None
 
 
+@pytest.mark.slow
 def test_contact_keeps_it_apart(folder: Path, capsys, monkeypatch) -> None:
     pytest.importorskip("ipctk")
     result = command(["simulate", "d.toml", "--contact"], capsys, monkeypatch)

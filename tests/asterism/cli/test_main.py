@@ -57,15 +57,18 @@ def test_new_lists_and_writes(
         assert refused.status == 2 and expected in refused.line
 
 
-def test_simulate_writes_results_and_a_table(tmp_path: Path) -> None:
+def test_simulate_writes_results_and_a_table(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
     (tmp_path / "d.toml").write_text(SMALL)
-    result = run("simulate", "d.toml", "-o", "out", cwd=tmp_path)
-    assert result.returncode == 0, result.stderr
-    assert "stable" in result.stdout and "released" in result.stderr
+    result = command(["simulate", "d.toml", "-o", "out"], capsys, monkeypatch)
+    assert result.status == 0, result.err
+    assert "stable" in result.out and "released" in result.err
     files = sorted(file.name for file in (tmp_path / "out").iterdir())
     assert files == ["rods.vtu", "shape.png", "shape.vtu", "summary.json"]
     assert json.loads((tmp_path / "out" / "summary.json").read_text())["is_minimum"]
-    assert "asks for" not in result.stderr
+    assert "asks for" not in result.err
 
 
 @pytest.mark.usefixtures("blank_pictures")

@@ -99,7 +99,7 @@ def test_pins_after_release_are_in_the_path() -> None:
 @pytest.mark.parametrize(
     "sections",
     [
-        {"fabric": {"bending": "consistent"}},
+        pytest.param({"fabric": {"bending": "consistent"}}, marks=pytest.mark.slow),
         {"solver": {"contact": True}},
         {
             "fabric": {"modulus_mpa": 0.5},
@@ -131,6 +131,7 @@ def test_where_the_pins_stand_makes_no_difference_to_the_starts() -> None:
     assert there["energy_n_mm"] == pytest.approx(here["energy_n_mm"], rel=1e-8)
 
 
+@pytest.mark.slow
 def test_how_high_a_sheet_hangs_makes_no_difference_to_the_next_minimum() -> None:
     weight = {"gravity": {"on": True}, "fabric": {"modulus_mpa": 1.0, "density_kg_m3": 2000.0}}
     held = {"corners": [0, 2, 4], "scale": 0.8}

@@ -40,7 +40,11 @@ def break_off_while_it_settles(preview: Preview, design: Design, monkeypatch: py
 
 @pytest.mark.parametrize(
     ("name", "key", "ends"),
-    [("dome", "length_mm", (9.0, 7.0)), ("tube", "thickness_mm", (0.4, 0.5)), ("tunnel", "thickness_mm", (0.3, 0.36))],
+    [
+        ("dome", "length_mm", (9.0, 7.0)),
+        ("tube", "thickness_mm", (0.4, 0.5)),
+        pytest.param("tunnel", "thickness_mm", (0.3, 0.36), marks=pytest.mark.slow),
+    ],
 )
 def test_who_drags_through_linear_responses_sees_a_sheet(name: str, key: str, ends: tuple[float, float]) -> None:
     """Each starts from the last equilibrium, not from the last response."""

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.font_manager import FontProperties
-from matplotlib.textpath import TextPath
+from matplotlib.textpath import text_to_path
 
 from asterism.previews.run import preview
 from asterism.print import instructions, sheets
@@ -33,10 +33,8 @@ def said(one: Job) -> str:
 def width_mm(item: Label) -> float:
     """Of a text in the font of the PDF."""
     family = "DejaVu Sans Mono" if item.fixed_pitch else "DejaVu Sans"
-    font = FontProperties(family=family, weight="bold" if item.bold else "normal")
-    return (
-        float(TextPath((0, 0), item.text, size=item.size_mm, prop=font).get_extents().x1) if item.text.strip() else 0.0
-    )
+    font = FontProperties(family=family, weight="bold" if item.bold else "normal", size=item.size_mm)
+    return float(text_to_path.get_text_width_height_descent(item.text, font, ismath=False)[0])
 
 
 def check_texts(page: Drawing) -> None:

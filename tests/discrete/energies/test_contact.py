@@ -190,6 +190,7 @@ def test_two_flaps_stay_apart() -> None:
     assert contact.collision_free_fraction(above, below) == pytest.approx(0.36, abs=0.02)
 
 
+@pytest.mark.slow
 def test_sheet_that_rolls_up_further_than_round() -> None:
     """19 stars with thin arms: the sheet passes through itself without contact, and is a minimum apart with it."""
     plain = solve_on_mesh(model(DiscreteModel, 2))
@@ -209,7 +210,6 @@ def test_sheet_that_rolls_up_further_than_round() -> None:
     assert found.smallest_eigenvalue == pytest.approx(values[0], abs=2 * found.eigenvalue_error + 1e-8)
 
 
-@pytest.mark.slow
 @pytest.mark.slow
 def test_a_tube_of_37_stars_closes_only_as_far_as_it_can() -> None:
     """The paper's figure 3 with arms of 0.3 mm: the tube winds through itself without contact, and is wider with it."""

@@ -28,7 +28,7 @@ def model(edge: float, **changes: object) -> DiscreteModel:
 SLIT = {"polygon_mm": [[-25, -25], [25, -25], [25, -0.05], [3, 0], [25, 0.05], [25, 25], [-25, 25]]}
 
 
-@pytest.mark.parametrize("border", [{"rings": 1}, SLIT])
+@pytest.mark.parametrize("border", [{"rings": 1}, pytest.param(SLIT, marks=pytest.mark.slow)])
 def test_levels_agree_with_one_mesh(border: dict[str, object]) -> None:
     fine = model(1.0, border=border)
     found, levels = solve_on_meshes(fine)
@@ -62,6 +62,7 @@ def test_prolongation_keeps_the_length_of_the_arms_and_the_shape() -> None:
     np.testing.assert_allclose(normal, 0.0, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_the_same_answer_on_the_second_run() -> None:
     first, second = (solve_on_meshes(model(1.0))[0] for _ in range(2))
     np.testing.assert_allclose(first.state.positions, second.state.positions, atol=1e-7)

@@ -57,6 +57,7 @@ def test_six_directions_have_the_mean_of_all() -> None:
     assert curvature_misfit(three + 0.002 * np.sin(6 * np.array(THREEFOLD_ANGLES_RAD))) == pytest.approx(0.04, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_law_of_five_arms_follows_its_directions() -> None:
     """The same star seen from the next direction, turned with its lattice, has the same row, the mean over directions.
 

@@ -57,7 +57,9 @@ def test_bare_fabric_that_bends_as_a_plate():
     np.testing.assert_allclose(bare.bending, plate[0, 0] / STRETCH**2, rtol=1e-3)
 
 
-@pytest.mark.parametrize(("length", "thickness"), [(10.0, 0.4), (10.0, 0.6), (7.0, 0.3)])
+@pytest.mark.parametrize(
+    ("length", "thickness"), [pytest.param(10.0, 0.4, marks=pytest.mark.slow), (10.0, 0.6), (7.0, 0.3)]
+)
 def test_three_arms_make_isotropic_linear_responses(length, thickness):
     found = sample(length, thickness)
     metric = found.rest_metric
@@ -153,7 +155,7 @@ def test_rest_curvature_of_the_linear_cell_is_that_of_slightly_curled_tubes():
     np.testing.assert_allclose(found.natural_print_curvature * found.natural_hoop, cylinder, rtol=0.01)
 
 
-@pytest.mark.parametrize("length", [SPACING * 2.0 / 9.0, 4.0])
+@pytest.mark.parametrize("length", [SPACING * 2.0 / 9.0, pytest.param(4.0, marks=pytest.mark.slow)])
 def test_slight_curvatures_continue_those_that_are_looked_for(length, monkeypatch):
     """The parabola of the energy against the tube without a moment, for a star that both can treat."""
     found = {}
@@ -206,6 +208,7 @@ def test_edges_and_angles_that_are_none(edge, angles):
         solve_cell(design(7.0, 0.4), edge, angles)
 
 
+@pytest.mark.slow
 def test_sixfold_compares_the_first_direction_with_the_last():
     """However many lie between, and for stars with threefold symmetry only."""
     angles = tuple(np.linspace(0.0, np.pi / 6, 6))

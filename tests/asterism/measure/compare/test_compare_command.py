@@ -105,6 +105,7 @@ def test_an_outline_that_fits_poorly(scale: list[float], poor: bool, folder: Pat
     assert (numbers["rms_percent"] > 1.5) == poor
 
 
+@pytest.mark.slow
 def test_a_mirrored_scan_is_not_taken_for_the_shape(folder: Path, capsys, monkeypatch) -> None:
     """Most of a shallow sheet's mirror image lies on it; what does not is left out, and told."""
     mirrored = SHAPE.positions * [1.0, 1.0, -1.0]

@@ -92,6 +92,7 @@ def test_a_sheet_like_itself_from_two_sides_says_two() -> None:
         assert found.distances()["poses_as_good"] == 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("seed", "part"), [(2, 0.35), (0, 0.5)])
 def test_a_scan_of_a_part_is_laid_where_it_belongs(seed: int, part: float) -> None:
     """Pieces of a rolled sheet without noise; the first starts lay both elsewhere, .8 and 1.6 mm off."""

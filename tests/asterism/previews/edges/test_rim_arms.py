@@ -96,6 +96,7 @@ def test_corners_under_arms_hang_from_a_free_hexagon() -> None:
     assert abs(found - right) < 0.7 * abs(without - right), (right, found, without)
 
 
+@pytest.mark.slow
 def test_a_wide_rim_hangs_under_the_arms_that_point_into_it() -> None:
     """Seven stars in a rectangle: the two upper corners have arms before them, the two lower ones do not."""
     design = Design.from_dict(

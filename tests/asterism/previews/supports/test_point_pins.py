@@ -79,6 +79,7 @@ def test_heights_depend_on_the_exact_models_mesh_and_not_on_the_shells_triangles
     assert heights[1.2, None] > 1.05 * heights[2.0, None]
 
 
+@pytest.mark.slow
 def test_a_sheet_on_its_corners_is_near_the_exact_one() -> None:
     design = pinned()
     plan, exact, shown = layout(design), simulate(design), Preview(design).shape()

@@ -79,7 +79,7 @@ def test_what_is_held_ends_at_a_point_of_the_mesh() -> None:
     assert triangle_areas(mesh.points, mesh.triangles).sum() == pytest.approx(polygon_area(border))
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=12)
 @given(st.integers(0, 10**6), st.floats(8.0, 40.0))
 def test_any_wavy_outline(seed: int, edge: float) -> None:
     random = np.random.default_rng(seed)

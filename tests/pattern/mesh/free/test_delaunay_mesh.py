@@ -153,7 +153,7 @@ def test_refused(sheet, edge):
     assert "\n" not in str(caught.value)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(st.data())
 def test_any_polygon(data):
     """Star-shaped outlines with stars of any length and direction: a sound mesh, or one line that says why not."""

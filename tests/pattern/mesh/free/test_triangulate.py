@@ -153,7 +153,7 @@ def test_refused_options(options):
 COORDINATE = st.one_of(st.integers(0, 4).map(float), st.floats(0, 4), st.integers(0, 4).map(lambda i: i + 1e-8))
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=120, deadline=None)
 @given(
     st.lists(st.tuples(COORDINATE, COORDINATE), min_size=3, max_size=12),
     st.lists(st.tuples(st.integers(0, 11), st.integers(0, 11)), max_size=14),
