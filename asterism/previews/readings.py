@@ -1,4 +1,4 @@
-"""What one reads off a preview: its state by parts, and printed points in space."""
+"""Read access to a preview: the parts of its state, and the positions of printed points."""
 
 from __future__ import annotations
 
@@ -18,38 +18,38 @@ from pattern.layout.symmetries import Symmetry
 
 
 class PreviewReadings:
-    """A preview as far as it only shows its state.
+    """The part of a preview that reads its state and does not change it.
 
     Attributes
     ----------
-    state : all that was computed, a frozen value; edits replace it as a whole.
+    state : all results, as one frozen value; an edit replaces it as a whole.
     """
 
     state: PreviewState
 
     @property
     def design(self) -> Design:
-        """As given, or as edited since."""
+        """The current design."""
         return self.state.design
 
     @property
     def law(self) -> Law:
-        """As given."""
+        """The law of the material."""
         return self.state.law
 
     @property
     def side(self) -> Side:
-        """To which the edges were asked to go."""
+        """The requested side of the edges."""
         return self.state.side
 
     @property
     def sheet(self) -> Sheet:
-        """The print and its mesh."""
+        """The printed sheet and its mesh."""
         return self.state.sheet
 
     @property
     def values(self) -> StarValues:
-        """The law at the design's stars."""
+        """The law at the stars of the design."""
         return self.state.values
 
     @property
@@ -59,7 +59,7 @@ class PreviewReadings:
 
     @property
     def equilibrium(self) -> ShellEquilibrium:
-        """The state of the shell with its evidence."""
+        """The state of the shell with its certificate."""
         return self.state.equilibrium
 
     @property
@@ -69,30 +69,35 @@ class PreviewReadings:
 
     @property
     def forms(self) -> list[OtherForm]:
-        """Other minima that the last search has met, the lowest one first; `Preview.show_form` goes to one of them."""
+        """Other minima of the last search, the lowest one first; `Preview.show_form` shows one of them."""
         return [form for form, _ in forms_met(self.state)]
 
     def at(self, points: Floats, x: Floats | None = None) -> Places:
-        """Printed points (n, 2) mm, or a single one, in space; `x` of a stage in place of the equilibrium.
+        """The positions of printed points in space.
 
-        In the pose of the shell: free sheets of `shape` are turned upright.
+        They are in the pose of the shell, whereas `Preview.shape` turns free sheets upright.
+
+        Parameters
+        ----------
+        points : (n, 2) mm, or a single point.
+        x : degrees of freedom of the shell, from a `Stage`; those of the equilibrium by default.
 
         Raises
         ------
         ValueError
-            These are no points, or one is off the sheet; x is not of a stage.
+            `points` has another form, or a point is outside of the sheet, or x does not belong to this mesh.
         """
         state = self.state
         points, x = checked_points(points), checked_positions(x, state)
         return Lens(state.sheet, state.law.waves, points)(x, state.values)
 
     def lens(self, points: Floats) -> PointLens:
-        """Printed points (n, 2) mm, followed over edits: it takes stages to places as `at` does, and faster.
+        """A function that computes the positions of fixed printed points (n, 2) mm, like `at`, but faster.
 
         Raises
         ------
         ValueError
-            These are no points, or one is off the sheet.
+            `points` has another form, or a point is outside of the sheet.
 
         Examples
         --------

@@ -1,4 +1,4 @@
-"""`asterism.preview`: from a design to its homogenised shape."""
+"""`asterism.preview`: the fast, homogenised shape of a design."""
 
 from __future__ import annotations
 
@@ -22,27 +22,27 @@ def preview(
     model: PreviewModel = PREVIEW_MODEL,
     plan: Layout | None = None,
 ) -> Shape:
-    """The homogenised shape of a design, with its stars' bumps.
+    """Compute the homogenised shape of a design, with the bumps of its stars.
 
     Parameters
     ----------
     design : from `load_design`, `new` or `Design.from_dict`.
     law : from `homogenize.law.law_file.load_law`; that of the paper's material by default.
-    side : to which the edges go: `down`, with the plastic outside, or `up`; `auto` leaves it to the stars.
-    say : called with a line of text when something begins.
+    side : side of the edges: `down` (plastic outside), `up`, or `auto`, which follows from the stars.
+    say : called with a line of text at the beginning of each stage.
     model : constants of the preview model.
-    plan : layout of the design, if it is there already.
+    plan : layout of the design; computed by default.
 
     Returns
     -------
-    The shape; `summary` says whether it is a minimum, names stars outside the law's range, and holds the whole design.
-    A free sheet lies with its principal axes along x, y and z. `point_fields["bump_mm"]` leads from the shell's smooth
-    surface to the bumpy one.
+    The shape. Its `summary` holds the certificate (`is_minimum`), the stars outside the range of the law, the estimated
+    error, and the whole design. The principal axes of a free sheet lie along x, y and z. `point_fields["bump_mm"]`
+    holds the vectors from the smooth surface to the shape.
 
     Raises
     ------
     DesignError, MeshError, LawError
-        As for `Preview`, which keeps its state for further edits.
+        As for `Preview`, which keeps its state for edits.
     """
     begin = time.perf_counter()
     shape = Preview(design, law, side, say=say, model=model, plan=plan).shape()

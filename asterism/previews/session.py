@@ -1,4 +1,4 @@
-"""A preview that stays: edits go on from the last equilibrium."""
+"""A preview that keeps its state, so that edits start from the last equilibrium."""
 
 from __future__ import annotations
 
@@ -48,8 +48,10 @@ from pattern.layout.layout import Layout
 from pattern.layout.weight_support import check_weight_is_supported
 
 Say = Callable[[str], None]
-PATIENCE_TRIANGLES = 300  # a line of text announces that a larger sheet takes long: some need hundreds of iterations
-MAX_ASKED_TRIANGLES = 10_000  # many more would fill the memory
+# from this number of triangles on, a message announces a long computation: some sheets take hundreds of iterations
+PATIENCE_TRIANGLES = 300
+# largest number of triangles that the caller may give, which limits the memory
+MAX_ASKED_TRIANGLES = 10_000
 OTHER_SIDE: dict[Side, Side] = {"down": "up", "up": "down"}
 
 
@@ -66,7 +68,7 @@ class Stage:
     Attributes
     ----------
     name : `linear`, the linear response of the last equilibrium to the edit; or `equilibrium`.
-    x : (N, 3) mm, positions of the shell's dofs; a copy.
+    x : (N, 3) degrees of freedom of the shell; a copy.
     """
 
     name: Literal["linear", "equilibrium"]
@@ -74,35 +76,36 @@ class Stage:
 
 
 class Preview(PreviewReadings):
-    """The homogenised shape of a design, kept ready for changes.
+    """The homogenised shape of a design, with its state kept for edits.
 
     Parameters
     ----------
     design : from `load_design`, `new` or `Design.from_dict`.
-    law : of the design's material; the paper's by default.
-    side : to which the edges go: `down`, with the plastic outside, or `up`; `auto` leaves it to the stars.
-    triangles : of the shell's mesh, about, at most 10000; by default as many as the stars need.
-    say : called with a line of text when something begins.
+    law : law of the design's material; that of the paper's material by default.
+    side : side of the edges: `down` (plastic outside), `up`, or `auto`, which follows from the stars.
+    triangles : approximate number of triangles of the shell's mesh, at most 10000; by default it follows from the
+        stars.
+    say : called with a line of text at the beginning of each stage.
     model : constants of the preview model.
-    plan : layout of the design, if it is there already.
+    plan : layout of the design; computed by default.
     check : called at least once in each Newton iteration. An error that it raises ends the edit, and the preview keeps
         the state before it.
-    max_seconds : wall time after which the search of an edit's stage is given up.
+    max_seconds : longest wall time of the search in one stage of an edit.
 
     Attributes
     ----------
-    state : all that was computed, a frozen value; edits replace it as a whole.
+    state : all results, as one frozen value; an edit replaces it as a whole.
 
     Raises
     ------
     DesignError, MeshError
-        The design cannot be printed, or its sheet not meshed.
+        The design cannot be printed, or its sheet cannot be meshed.
     LawError
-        The law is not for this material, or gives values at a star that no sheet can have.
+        The law is for another material, or its values at a star are impossible for a sheet.
     SearchLimitError
         The search takes longer than `max_seconds`.
     TypeError, ValueError
-        An argument is no design, no law or no side.
+        An argument has the wrong type or value.
 
     Examples
     --------
@@ -155,47 +158,58 @@ class Preview(PreviewReadings):
         return state_from_guesses(sheet, law, values, side, self._clock, self._watch)
 
     def _printed_state(self, design: Design, plan: Layout, values: StarValues) -> PreviewState:
-        """The state of a design on a new sheet, before any search."""
+        """The state of a design on a new sheet, before a search."""
         state = self.state
         sheet = self._clock("mesh", sheet_of, design, plan, self._triangles, state.model)
         return self._clock("shell", state_without_search, sheet, state.law, values, state.side, state.watch)
 
     def _kept_form(self, design: Design, plan: Layout, values: StarValues) -> PreviewState | None:
-        """The state of a design on a new sheet that goes on from the old shape, if it can."""
+        """The state of a design on a new sheet, started from the old shape; None if that is impossible."""
         new = self._printed_state(design, plan, values)
         x = self._clock("shell", carried, self.state, new)
         return None if x is None else at_form(new, x, self._clock)
 
     def edit(self, design: Design, keep_form: bool = False) -> Iterator[Stage]:
-        """Change the design: first the linear response, at once, and then the equilibrium.
+        """Change the design in two stages: first the linear response, then the equilibrium.
 
-        If outline, supported points, lattice and gravity stay the same, the shape goes on from the last equilibrium;
-        the pins may stand at other places in space. Otherwise, or if that leads to no minimum, it starts anew, without
-        a linear response. Only a new start meets other forms: after an edit that goes on, the summary lists none.
-        With `keep_form`, a sheet with another outline, other supported points or another lattice goes on from the old
-        shape as well if it is nearly as large, which takes less time.
+        The linear response starts from the last equilibrium. It requires that outline, lattice, gravity and supported
+        points stay the same; the pins may have other positions in space. For other changes, or if the edit leads to no
+        minimum, the search starts again from initial guesses, in one stage. Only such a search lists other forms in
+        the summary.
 
-        The edit begins when the first stage is asked for; `update` asks for all. If you stop after the linear response,
-        the preview shows that response, and its summary says that it is no equilibrium unless the edit changed nothing;
-        the next edit's linear response is that of the last equilibrium again. If the edit fails or is interrupted
-        before, the preview stays as it was.
+        With `keep_form`, a sheet of nearly the same size whose outline, lattice or supported points change also starts
+        from the old shape, which takes less time.
+
+        The edit begins at the first request for a stage; `update` requests all stages. If you stop after the first
+        stage, the preview shows the linear response, and its summary states that this is not an equilibrium. The next
+        edit then starts from the last equilibrium again. If the edit fails or is interrupted before its first stage,
+        the preview keeps its state.
+
+        Parameters
+        ----------
+        design : the new design.
+        keep_form : start from the old shape in more cases, see above.
+
+        Yields
+        ------
+        The stages.
 
         Raises
         ------
         DesignError, MeshError, LawError
-            As for a new preview; the old one then stays as it was.
+            As for a new preview. The preview keeps its state.
         SearchLimitError
-            A stage takes longer than `max_seconds`; the preview then stays as it was before the edit.
+            A stage takes longer than `max_seconds`. The preview keeps its state before the edit.
         RuntimeError
-            A later edit or a flip has overtaken this one.
+            A later edit or a flip has begun before this edit was complete.
         TypeError
-            It is no design; at once.
+            `design` is not a design; raised at once.
         """
         check_type(design, Design, "load_design reads one from a file")
         return self._stages(design, keep_form)
 
     def update(self, design: Design) -> Shape:
-        """Change the design and go on to its equilibrium; what `edit` raises, and its shape."""
+        """Change the design and return the shape of the new equilibrium; raises the errors of `edit`."""
         for _ in self.edit(design):
             pass
         return self.shape()
@@ -224,7 +238,7 @@ class Preview(PreviewReadings):
                 raise RuntimeError("this edit was overtaken by a later one, or by a flip")
             with one_blas_thread():
                 self._watch.begin()
-                # the search changes the content of the factor: an interruption leaves a state that says so
+                # the search overwrites the factor: if it is interrupted, the state must record that
                 self.state = replace(self.state, is_factor_resting=False)
                 try:
                     self.state = followed(self.state, response, self._clock)
@@ -236,9 +250,9 @@ class Preview(PreviewReadings):
 
     @one_blas_thread()
     def flip(self) -> Side:
-        """Turn the edges to the other side of the print; returns the side they have then.
+        """Search for the form whose edges are on the other side; return the side of the edges afterwards.
 
-        If the search finds no form on the other side, the preview stays as it was.
+        If the search finds no form on the other side, the preview keeps its state.
         """
         self._watch.begin()
         self._clock = Clock()
@@ -254,7 +268,7 @@ class Preview(PreviewReadings):
 
     @one_blas_thread()
     def search_again(self) -> Stage:
-        """Search for the equilibrium anew, as a new preview of the design does; what `edit` raises."""
+        """Search for the equilibrium from initial guesses, as a new preview does; raises the errors of `edit`."""
         self._watch.begin()
         self._clock = Clock()
         self._edits += 1
@@ -262,35 +276,35 @@ class Preview(PreviewReadings):
         return Stage("equilibrium", self.state.equilibrium.x.copy())
 
     def snapshot(self) -> Snapshot:
-        """The design and the last equilibrium, to which `restore` goes back.
+        """The design and the last equilibrium, for `restore`.
 
-        After the first stage of an edit that is the equilibrium before it, with the design of the edit.
+        After the first stage of an edit, this is the design of the edit with the equilibrium before the edit.
         """
         state = self.state
         return Snapshot(state.design, state.side, self._triangles, state.resting.x, state.resting.energy)
 
     def restore(self, snapshot: Snapshot) -> Stage:
-        """Go back to a snapshot of this preview, or of another one with the same law and model.
+        """Return to a snapshot of this preview, or of another one with the same law and model.
 
-        The equilibrium is certified again. If the snapshot's positions lead to no minimum, the shape starts anew.
+        The equilibrium is certified again. If the snapshot leads to no minimum, the search starts from initial guesses.
 
         Raises
         ------
         DesignError, MeshError, LawError, SearchLimitError
-            As for an edit; the preview then stays as it was.
+            As for an edit. The preview keeps its state.
         ValueError
-            The snapshot is of another mesh.
+            The snapshot belongs to another mesh.
         """
         check_type(snapshot, Snapshot, "preview.snapshot() makes one")
         return self._at_form(snapshot.design, snapshot.x)
 
     def show_form(self, number: int) -> Stage:
-        """Go to a form of `forms`, by its number in that list from 0. The form that was shown is in the list then.
+        """Show one of the `forms`, by its index in that list. The form shown before is in the list afterwards.
 
         Raises
         ------
         ValueError
-            There is no such form.
+            The list has no such index.
         """
         minima = forms_met(self.state)
         if not (is_whole(number) and 0 <= number < len(minima)):
@@ -299,7 +313,7 @@ class Preview(PreviewReadings):
 
     @one_blas_thread()
     def _at_form(self, design: Design, x: Floats) -> Stage:
-        """The equilibrium of a design near positions x (N, 3) of the shell's dofs."""
+        """The equilibrium of a design near degrees of freedom x (N, 3) of the shell."""
         self._watch.begin()
         self._clock = Clock()
         self._edits += 1
@@ -314,22 +328,22 @@ class Preview(PreviewReadings):
         if x.shape != state.shell.flat.shape:
             raise ValueError(f"positions of {len(x)} dofs are of another mesh, which has {len(state.shell.flat)}")
         if state.factor is self.state.factor:
-            self.state = replace(self.state, is_factor_resting=False)  # the search changes its content
+            self.state = replace(self.state, is_factor_resting=False)  # the search overwrites the factor
         self.state = at_form(state, x, self._clock)
         return Stage("equilibrium", self.state.equilibrium.x.copy())
 
     def __reduce__(self) -> NoReturn:
-        """Refuse copies, which would share the factor that edits change."""
+        """Refuse copies, because they would share the factor, which edits overwrite."""
         raise TypeError("a preview cannot be copied or pickled: Preview(preview.design, preview.law) makes another")
 
     @property
     def seconds(self) -> dict[str, float]:
-        """Wall time by part, since the preview was made, edited or flipped."""
+        """Wall time (s) by part, since the last start, edit or flip."""
         return dict(self._clock.seconds)
 
     @one_blas_thread()
     def shape(self) -> Shape:
-        """The sheet with its stars' bumps, as files and pictures show it, with its summary."""
+        """The shape with the bumps of the stars and its summary, as for files and pictures."""
         self.state = with_near_zero_modes(self.state, self._clock)
         self.state = with_shown_sheet(self.state, self._clock)
         state, shown = self.state, self.state.shown

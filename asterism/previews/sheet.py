@@ -35,22 +35,25 @@ from pattern.layout.layout import Layout
 from pattern.layout.symmetries import Symmetry, symmetries
 from pattern.mesh.coarse.sheet_mesh import SheetMesh, sheet_mesh
 
-EDGE_SPACINGS = 1.3  # edge of the shell's mesh over the spacing of the stars
+# edge length of the shell's mesh, in spacings of the stars
+EDGE_SPACINGS = 1.3
 MIN_TRIANGLES = 24
-MAX_TRIANGLES = 600  # that are made if nobody asks for a number
-ARM_PLACES = ("centres", "star_number", "arm_star", "arm_tip")  # where the arms of a layout are
+# most triangles of the shell's mesh, unless the caller gives a number
+MAX_TRIANGLES = 600
+# attributes of a layout that determine the positions of its arms
+ARM_PLACES = ("centres", "star_number", "arm_star", "arm_tip")
 
 
 @dataclass(frozen=True)
 class StarShares:
-    """How much each star counts at the quadrature points (n, 2) mm of a sheet, and how its rim lies.
+    """The shares of the stars at the quadrature points (n, 2) mm of a sheet, and the normals of its rim.
 
     Attributes
     ----------
     cells : smoothed cells of the stars.
-    shares : of the stars at the points.
+    shares : shares of the stars at the points.
     along_arms : direction (2,) of each arm, and the shares half a spacing back along it.
-    rim_normals : (n, 2) of free sides, see `asterism.previews.edges.free_rim.free_normals`.
+    rim_normals : (n, 2) normals of free sides, from `asterism.previews.edges.free_rim.free_normals`.
     carried : (S, N), see `asterism.previews.edges.rim_arms.rim_curvature_share`; None for supported sheets.
     """
 
@@ -62,7 +65,7 @@ class StarShares:
 
     @classmethod
     def at(cls, points: Floats, design: Design, layout: Layout, model: PreviewModel) -> StarShares:
-        """Of a design's stars at printed points (n, 2) mm."""
+        """The shares of a design's stars at printed points (n, 2) mm."""
         lattice, cells = design.lattice, StarCells(layout, design.lattice, model)
         shares = cells.shares(points)
         back = model.arm_setback * lattice.spacing_mm
@@ -74,14 +77,14 @@ class StarShares:
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
-    """A printed sheet; `sheet_of` makes one.
+    """A printed sheet with its mesh and finite elements; made by `sheet_of`.
 
     Attributes
     ----------
-    design, layout, model : that the sheet was made from.
+    design, layout, model : inputs of `sheet_of`.
     mesh : coarse triangles of the shell.
-    space : C1 quintic functions on them.
-    table : the functions at the quadrature points.
+    space : C1 quintic elements on these triangles.
+    table : shape functions at the quadrature points.
     stars : shares of the stars at the quadrature points.
     """
 
@@ -106,35 +109,36 @@ class Sheet:
         return sheet
 
     def has_arms_of(self, layout: Layout) -> bool:
-        """Whether the arms of another layout of this sheet are at the same places; thickness and width may differ."""
+        """Whether another layout of this sheet has its arms at the same positions; thickness and width may differ."""
         return all(np.array_equal(getattr(layout, name), getattr(self.layout, name)) for name in ARM_PLACES)
 
     def is_same_print(self, design: Design, layout: Layout) -> bool:
-        """Whether a design has the print of this one, held at the same points, but for its stars and material.
+        """Whether a design differs from this one only in its stars, its material and the positions of its pins in
+        space.
 
-        The pins may stand at other places in space.
+        Outline, lattice, gravity and supported points are the same.
         """
         return (
             np.array_equal(layout.outline, self.layout.outline)
             and len(layout.pins) == len(self.layout.pins)
-            # pins beside an arm are on it, and move with it
+            # a pin beside an arm is moved onto the arm, so that it depends on the stars
             and all(new.holds_as(old) for new, old in zip(layout.pins, self.layout.pins, strict=True))
             and design.lattice == self.design.lattice
             and design.gravity == self.design.gravity
         )
 
     def has_pins_of(self, layout: Layout) -> bool:
-        """Whether another layout of this print has its pins at the same places in space, too."""
+        """Whether another layout of this print has its pins at the same positions in space."""
         return all(new.stands_as(old) for new, old in zip(layout.pins, self.layout.pins, strict=True))
 
     @property
     def outline(self) -> Floats:
-        """(R, 2) mm, of the mesh."""
+        """(R, 2) mm, corners of the outline of the mesh."""
         return np.asarray(self.mesh.points[self.mesh.rim[:, 0]])
 
     @cached_property
     def arms(self) -> Arms:
-        """Arms of the stars, on shells of this sheet."""
+        """Arms of the stars, for shells of this sheet."""
         return Arms(self.layout, self.space, self.model)
 
     @cached_property
@@ -144,7 +148,7 @@ class Sheet:
 
     @cached_property
     def _pin_softness(self) -> Floats | None:
-        """(T, Q) softness around single points that pull at the sheet; None without any."""
+        """(T, Q) softness around supported points; None if the sheet has none."""
         pins = self.layout.in_plane_pin_points
         pulls = self.layout.is_supported_in_plane and len(pins) > 0
         return softness(self.mesh, pins, self.table.points, self.design.mesh.edge_mm, self.model) if pulls else None
@@ -182,7 +186,7 @@ class Sheet:
 
     def loads(self) -> Floats:
         """(N, 3) N, the weight of fabric and plastic."""
-        # cells at the outline reach over it, and share what is left
+        # the outline cuts the cells near it: the weight of a star is distributed over the rest of its cell
         covered = self.stars.shares.wide.T @ self.table.weights.ravel()
 
         def weights(points: Floats) -> Floats:
@@ -198,7 +202,7 @@ class Sheet:
         DesignError
             The supports contradict each other.
         """
-        # a sheet without supports would fall: it has no weight until its first supports take hold
+        # a sheet without supports would fall: gravity acts only from the step of the first supports on
         is_carried = self.layout.is_supported(step)
         loads = self.loads() if self.design.gravity.on and is_carried else None
         try:
@@ -228,7 +232,7 @@ def sheet_of(
 
     Parameters
     ----------
-    triangles : about how many the mesh has; by default its edges are EDGE_SPACINGS long.
+    triangles : approximate number of triangles; by default the edges are `EDGE_SPACINGS` spacings long.
 
     Raises
     ------

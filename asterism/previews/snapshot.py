@@ -1,4 +1,4 @@
-"""A preview's form to go back to, for undo and for comparisons of designs."""
+"""Snapshots of a preview, for undo and for comparisons of designs."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from pattern.design.design import Design
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """A design and the equilibrium of its shell; `Preview.restore` goes back to it. It can be pickled.
+    """A design and the equilibrium of its shell, for `Preview.restore`. It can be pickled.
 
     Attributes
     ----------
-    design : of the sheet.
-    side : to which the edges were asked to go.
-    triangles : of the shell's mesh that were asked for, if any.
-    x : (N, 3) mm, positions of the shell's dofs; read only.
-    energy_n_mm : of the equilibrium.
+    design : the design.
+    side : requested side of the edges.
+    triangles : requested number of triangles; None for the default.
+    x : (N, 3) degrees of freedom of the shell; read-only.
+    energy_n_mm : energy of the equilibrium.
     """
 
     design: Design

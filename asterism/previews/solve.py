@@ -27,10 +27,14 @@ from homogenize.law.law import Law
 from pattern.design.design import Design
 from pattern.layout.layout import Layout
 
-EQUAL_SIZES = 0.01  # sizes of stars that differ by less than this share are equal
-MAX_TIGHT_SHARE = 0.4  # of the stars: with more that are not scale-separated, caps are tried
-EDIT_START = "edit"  # name of the start of an equilibrium that goes on from another one
-FORM_START = "form"  # name of the start of an equilibrium that was chosen or restored
+# star sizes that differ by at most this part are equal
+EQUAL_SIZES = 0.01
+# if a larger share of the stars is not scale-separated, caps are among the initial guesses
+MAX_TIGHT_SHARE = 0.4
+# name of the start of an equilibrium that an edit led to
+EDIT_START = "edit"
+# name of the start of an equilibrium that was chosen from other forms, or restored
+FORM_START = "form"
 
 
 def state_from_guesses(

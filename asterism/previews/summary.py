@@ -1,4 +1,4 @@
-"""The numbers of a preview's summary.json."""
+"""The summary of a preview."""
 
 from __future__ import annotations
 
@@ -16,13 +16,19 @@ from asterism.shape.tube import roll_radius
 from pattern.layout.roll_axis import roll_axis_from_normals
 from pattern.mesh.mesh import Mesh
 
-EQUAL_AXES_DEG = 2.0  # axes that differ by less are one
+# axes that differ by a smaller angle count as one
+EQUAL_AXES_DEG = 2.0
 
 
 def summary(
     state: PreviewState, shape: Shape, mesh: Mesh, estimate: ErrorEstimate, seconds: dict[str, float]
 ) -> PreviewRecord:
-    """Keys as in a simulation's summary where they mean the same; `mesh` is that of the shape."""
+    """The record of a preview. Keys that it shares with the record of an exact shape have the same meaning.
+
+    Parameters
+    ----------
+    mesh : mesh of the shape.
+    """
     equilibrium, layout, law, values = state.equilibrium, state.layout, state.law, state.values
     axis = roll_axis_from_normals(layout, shape.point_fields["normal"][shape.star_vertices])
     surface = shape.positions, shape.triangles
@@ -86,7 +92,7 @@ def summary(
 
 
 def equivalent_axes_deg(state: PreviewState, axis_deg: float | None) -> list[float]:
-    """Axes, 0 to 180 deg, to which the design's symmetries map the roll axis, itself among them; empty without one."""
+    """The axes (0 to 180 deg) to which the symmetries of the design map the roll axis; empty if it is None."""
     if axis_deg is None:
         return []
     along = np.array([np.cos(np.radians(axis_deg)), np.sin(np.radians(axis_deg))])

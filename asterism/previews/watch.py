@@ -1,4 +1,4 @@
-"""How a preview's search is watched: a function of the caller, and a limit of time."""
+"""Supervision of a search: a function of the caller, and a time limit."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from equilibrium.errors import Error
 
 
 class SearchLimitError(Error):
-    """A search that took longer than its limit. The preview keeps the shape before it."""
+    """A search takes longer than its time limit. The preview keeps its state before the search."""
 
     exit_status = 1
 
@@ -24,7 +24,7 @@ class Watch:
 
     Attributes
     ----------
-    has_stopped : the watch has ended the search that `begin` began last.
+    has_stopped : whether the watch has ended the current search.
     """
 
     def __init__(self, check: Callable[[], None] | None = None, max_seconds: float | None = None) -> None:
@@ -34,12 +34,12 @@ class Watch:
         self.begin()
 
     def begin(self) -> None:
-        """Begin to count the time of a search."""
+        """Start the clock of a search."""
         self._begun = time.perf_counter()
         self.has_stopped = False
 
     def __call__(self) -> None:
-        """Call the check, and end a search that takes too long."""
+        """Call the check, and raise SearchLimitError after the time limit."""
         try:
             if self._check is not None:
                 self._check()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from pattern.design.section import Density, Line, Number, Section
+from pattern.design.section import Line, MassDensity, Number, Section
 
 
 class PlasticProfile(Section):
@@ -19,7 +19,7 @@ class PlasticProfile(Section):
     """
 
     name: Line = Field(min_length=1, max_length=100)
-    density_kg_m3: Density = Field(gt=0)
+    density_kg_m3: MassDensity = Field(gt=0)
     tiny_arm_mm: Number = Field(3.0, ge=0, le=100)
     nozzle_c: Number | None = Field(None, ge=0, le=500)
     bed_c: Number | None = Field(None, ge=0, le=200)

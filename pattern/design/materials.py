@@ -10,7 +10,7 @@ from pydantic import Field, field_validator
 
 from pattern.design.errors import DesignError
 from pattern.design.residual_curvature import KappaBar, residual_curvature
-from pattern.design.section import Density, Number, NumberOrPair, Section
+from pattern.design.section import MassDensity, Number, NumberOrPair, Section
 
 MESH_DEPENDENT_BENDING = ("paper",)  # bending energies whose stiffness depends on the mesh
 
@@ -33,7 +33,7 @@ class Fabric(Section):
     poisson: Number = Field(0.3, ge=0, le=0.49)
     model: Literal["neo-hookean", "incompressible"] = "neo-hookean"
     bending: Literal["paper", "consistent", "none"] = "paper"
-    density_kg_m3: Density = 400.0
+    density_kg_m3: MassDensity = 400.0
 
     @field_validator("stretch")
     @classmethod
@@ -82,7 +82,7 @@ class Plastic(Section):
     poisson: Number = Field(0.3, ge=0, le=0.49)
     rest_curvature: Literal["paper", "timoshenko", "none"] = "paper"
     kappa_bar_per_mm: KappaBar = 0.0
-    density_kg_m3: Density = 1220.0
+    density_kg_m3: MassDensity = 1220.0
 
 
 def rest_curvature(

@@ -68,7 +68,7 @@ def _density(value: float) -> float:
     return value
 
 
-Density = Annotated[Number, Field(ge=0, le=MAX_DENSITY_KG_M3), AfterValidator(_density)]
+MassDensity = Annotated[Number, Field(ge=0, le=MAX_DENSITY_KG_M3), AfterValidator(_density)]
 
 
 class Section(BaseModel):

@@ -13,8 +13,10 @@ from asterism.shape.diameter import diameter
 from fem.search.evidence import Trial
 from pattern.layout.symmetric_distance import symmetric_distances
 
-MIN_STARS = 3  # star centres that tell forms apart
-EQUAL_FORM_PERCENT = 2.0  # of the diameter, rms distance within which two minima are one form
+# sheets with fewer stars have no list of other forms, because their star centres cannot distinguish them
+MIN_STARS = 3
+# two minima have the same form if the rms distance of their star centres, in % of the diameter, is at most this
+EQUAL_FORM_PERCENT = 2.0
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,10 @@ from asterism.previews.state import PreviewState
 from fem.elements.tabulation import Floats
 from fem.search.linear_response import rms_response
 
-EQUAL_SIZE = 1e-9  # relative range of a size below which the stars are equal
-TRIED_ERROR = 1e-3  # e above for which the response is computed
+# stars are equal if the relative range of their sizes is at most this
+EQUAL_SIZE = 1e-9
+# value of e for which the response is computed
+TRIED_ERROR = 1e-3
 
 
 def strain_sensitivity(state: PreviewState) -> float:
