@@ -1,6 +1,7 @@
 // What buttons and keys do.
 
 import { openExport } from "./panels/export.js";
+import { openHistory } from "./panels/history.js";
 import { toast } from "./panels/toasts.js";
 import { openTable } from "./table.js";
 import { openHelp } from "./keys.js";
@@ -17,6 +18,7 @@ export function createActions(studio) {
     saveAs: (name) => connection.send("save", { name }),
     report: () => connection.send("report"),
     cancel: () => connection.send("cancel"),
+    openHistory: () => openHistory(studio),
     openTable: () => store.get("document") && openTable(studio),
     openHelp,
     openExport: () => openExport(studio),

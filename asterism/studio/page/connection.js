@@ -3,6 +3,7 @@
 const TYPES = { f4: Float32Array, u4: Uint32Array, i1: Int8Array, u1: Uint8Array, f8: Float64Array };
 const BYTES = { f4: 4, u4: 4, i1: 1, u1: 1, f8: 8 };
 const MAX_WAIT_MS = 5000;
+const TRY_AGAIN_LATER = 1013; // too many pages are open
 
 /** Header and arrays of a binary frame: kind, length of the header, header as JSON, arrays. */
 export function unpack(buffer) {
@@ -58,7 +59,8 @@ export class Connection {
       if (typeof data === "string") this.handlers.message(JSON.parse(data));
       else this.handlers.frame(unpack(data));
     };
-    socket.onclose = () => {
+    socket.onclose = ({ code }) => {
+      if (code === TRY_AGAIN_LATER) this.#wait = MAX_WAIT_MS;
       if (this.#isClosed || socket !== this.#socket) return;
       this.handlers.status("lost");
       this.#timer = setTimeout(() => this.open(), this.#wait);

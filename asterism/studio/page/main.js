@@ -5,7 +5,7 @@ import { Connection } from "./connection.js";
 import { Edits } from "./edits.js";
 import { listenToKeys } from "./keys.js";
 import { listen } from "./messages.js";
-import { buildCompare, buildPlanBar, buildViewBar } from "./panels/bars.js";
+import { buildCompare, buildPlanBar, buildViewBar, buildViewNote } from "./panels/bars.js";
 import { brushPanel } from "./panels/brush.js";
 import { gradientPanel, rulerPanel } from "./panels/gradient.js";
 import { buildInspector } from "./panels/inspector.js";
@@ -54,7 +54,7 @@ try {
   studio.view = new View($("view-canvas"), store, { onFrame });
   listenToView(studio.view, studio);
 } catch (error) {
-  $("view-note").append(error.message);
+  toast(error.message, { isBad: true, stay: 0 });
 }
 studio.actions = createActions(studio);
 Object.assign(handlers, listen(studio));
@@ -65,6 +65,7 @@ buildStatus($("status"), studio);
 buildPlanBar($("plan-bar"), studio);
 buildViewBar($("view-bar"), studio);
 buildCompare($("compare"), studio);
+buildViewNote($("view-note"), studio);
 buildStart($("start"), studio);
 buildInspector($("inspector"), {
   store,

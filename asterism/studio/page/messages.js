@@ -13,7 +13,7 @@ export function listen(studio) {
         studio.isNew = false;
         studio.opened += 1;
         studio.plan.fit();
-        studio.view?.reset();
+        if (before) studio.view?.reset();
       }
       const comparison = store.get("comparison");
       if (comparison && !comparison.isOld) store.set({ comparison: { ...comparison, isOld: true } });
@@ -27,6 +27,7 @@ export function listen(studio) {
       if (message.jobs) store.set({ jobs: message.jobs });
       if (before.engine !== message.engine && message.engine === "ready" && store.get("frame")) announce("The sheet is in equilibrium");
     },
+    history: (message) => store.set({ history: message.states }),
     gallery: (message) => store.set({ gallery: message }),
     progress(message) {
       store.set({ jobs: { ...store.get("jobs"), [message.job]: message } });

@@ -61,6 +61,7 @@ export function createStore() {
     comparison: null, // arrays of the last verification
     jobs: {}, // progress by job
     results: {}, // results by job
+    history: null, // earlier states, as the server listed them
     problem: null,
     tool: "brush",
     page: "tool", // tool | sheet | shape

@@ -1,6 +1,6 @@
 // The bars above plan and view.
 
-import { button, choice, dialog, h, segments } from "../dom.js";
+import { button, choice, dialog, h, refresh, segments } from "../dom.js";
 import { QUANTITIES } from "../format.js";
 import { VIEWS } from "../view/camera.js";
 import { FIELDS } from "../view/colours.js";
@@ -62,6 +62,23 @@ export function buildViewBar(element, { store, view }) {
     button({ icon: "fit", label: "Fit the view", keys: "F", testid: "fit-view", onclick: () => view.fit() }),
     button({ icon: "camera", label: "Save a picture", testid: "picture", onclick: () => openPicture({ store, view }) }),
   );
+}
+
+/** One line below the view: why there is no shape yet, or why the last good one is shown. */
+export function buildViewNote(element, { store, actions }) {
+  const update = () => {
+    const { problem, busy, engine } = store.get("state");
+    const parts = [];
+    if (store.get("document") && problem) {
+      const place = problem.stars?.length || problem.at_mm ? button({ text: "Show the place", onclick: () => actions.showPlace(problem) }) : null;
+      parts.push(h("span", { class: "strong problem", role: "alert" }, h("span", {}, `${problem.text} The last good shape is shown.`), place));
+    } else if (store.get("document") && !store.get("frame")) {
+      parts.push(h("span", { class: "strong" }, busy ?? (engine === "starting" ? "The engine starts; the sheet rises in a moment." : "Computing the first shape.")));
+    }
+    refresh(element, [problem, busy, engine, Boolean(store.get("frame")), Boolean(store.get("document"))], () => parts);
+  };
+  store.on(["state", "frame", "document"], update);
+  update();
 }
 
 /** Preview, exact shape, or both: shown after a verification. */

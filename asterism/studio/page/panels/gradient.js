@@ -99,7 +99,7 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
     if (typeof profile === "number") (settings.kind = "number"), number.set(profile);
     else if (profile?.formula) (settings.kind = "formula"), (text.value = profile.formula);
     else if (profile?.image || profile?.pixels) settings.kind = "image";
-    const [least, most] = store.get("sheet")?.range(settings.quantity, false) ?? [0, 20];
+    const [least, most] = store.get("sheet")?.range(settings.quantity, store.get("inLaw")) ?? [0, 20];
     const shown = Math.min(most, { length: 20, thickness: 1.2, width: 4 }[settings.quantity]);
     for (const one of [from, to, number, low, high]) one.limits(least, shown);
     from.set(settings.from);

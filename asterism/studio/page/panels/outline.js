@@ -45,7 +45,7 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
       actions.fitSoon();
     },
   });
-  const upload = button({ icon: "upload", text: "SVG or DXF…", kind: "wide", testid: "upload-outline", onclick: () => actions.upload("outline", ".svg,.dxf") });
+  const upload = button({ icon: "upload", text: "SVG or CSV…", kind: "wide", testid: "upload-outline", onclick: () => actions.upload("outline", ".svg,.csv") });
   const title = section("Corners", h("span", { class: "count" }));
   const list = h("div", { class: "corners" });
   let made = 0;

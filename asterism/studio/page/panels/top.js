@@ -13,6 +13,7 @@ export function buildTop(element, { store, actions }) {
   const saved = h("span", { class: "saved", testid: "saved", role: "status" });
   const undo = button({ icon: "undo", label: "Undo", keys: "Ctrl+Z", kind: "plain", testid: "undo", onclick: actions.undo });
   const redo = button({ icon: "redo", label: "Redo", keys: "Ctrl+Shift+Z", kind: "plain", testid: "redo", onclick: actions.redo });
+  const past = button({ icon: "history", label: "Earlier states", kind: "plain", testid: "history", onclick: actions.openHistory });
   const open = button({ icon: "open", text: "Open", keys: "Ctrl+O", kind: "plain", testid: "open", onclick: actions.openStart });
   const save = button({ icon: "save", text: "Save", keys: "Ctrl+S", kind: "plain", testid: "save", onclick: actions.save });
   const report = button({ icon: "report", text: "Report", kind: "plain", testid: "report", onclick: actions.report });
@@ -26,6 +27,7 @@ export function buildTop(element, { store, actions }) {
     h("span", { class: "gap" }),
     undo,
     redo,
+    past,
     h("span", { class: "rule" }),
     open,
     save,
@@ -38,7 +40,7 @@ export function buildTop(element, { store, actions }) {
   function update() {
     const document = store.get("document");
     const isRunning = Boolean(store.get("jobs").verify);
-    for (const one of [save, report, files]) one.disabled = !document;
+    for (const one of [save, report, files, past]) one.disabled = !document;
     verify.disabled = !document || isRunning;
     undo.disabled = !document?.can_undo;
     redo.disabled = !document?.can_redo;

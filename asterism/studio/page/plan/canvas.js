@@ -5,6 +5,7 @@ import { drawPlan } from "./draw.js";
 
 const MARGIN_PX = 48;
 const TOP_PX = 56; // below the bar
+const BOTTOM_PX = 104; // above scale bar and legend
 const MIN_SCALE = 0.2; // px per mm
 const MAX_SCALE = 80;
 
@@ -55,7 +56,7 @@ export class PlanCanvas {
     const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
     if (!sheet || !width) return;
     const { size, centre } = sheet.box;
-    const room = [width - 2 * MARGIN_PX, height - TOP_PX - MARGIN_PX - 24];
+    const room = [width - 2 * MARGIN_PX, height - TOP_PX - BOTTOM_PX];
     this.scale = clamp(Math.min(room[0] / size[0], room[1] / size[1]), MIN_SCALE, MAX_SCALE);
     this.offset = [width / 2 - this.scale * centre[0], TOP_PX + room[1] / 2 + 8 + this.scale * centre[1]];
     this.#hasFit = true;

@@ -19,6 +19,7 @@ export function drawPlan(context, plan) {
   plan.tool?.draw?.(context, plan, colour);
   drawMarks(paint);
   drawScaleBar(paint);
+  drawSizeLegend(paint);
 }
 
 function trace({ context, plan }, points, isClosed = true) {
@@ -73,8 +74,9 @@ function drawGrid({ context, plan, sheet, colour }) {
 
 /** The area that the printer reaches, centred on the sheet's box, as the export places it. */
 function drawPrintArea(paint) {
-  const { context, plan, sheet, colour } = paint;
-  const { area_mm: size, title, name } = sheet.printer;
+  const { context, plan, sheet, store, colour } = paint;
+  const { area_mm: size, name } = sheet.printer;
+  const title = store.get("document").printers?.find((one) => one.name === name)?.title;
   const [cx, cy] = sheet.box.centre;
   const corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([a, b]) => [cx + (a * size[0]) / 2, cy + (b * size[1]) / 2]);
   const isTooLarge = sheet.box.size[0] > size[0] || sheet.box.size[1] > size[1];
@@ -86,6 +88,12 @@ function drawPrintArea(paint) {
   context.setLineDash([]);
   const [x, y] = plan.toScreen(corners[0]);
   label(paint, `${title ?? name}: ${fixed(size[0], 0)} × ${fixed(size[1], 0)} mm${isTooLarge ? ", the sheet is larger" : ""}`, [x, y + 14], "left", isTooLarge ? "bad" : "muted");
+}
+
+/** Viridis without the end that vanishes on this paper. */
+function sizeColour(share) {
+  const isDark = getComputedStyle(document.documentElement).colorScheme.trim() === "dark";
+  return ramp("viridis", isDark ? 0.24 + 0.76 * share : 0.86 * share);
 }
 
 function drawStars(paint) {
@@ -102,7 +110,7 @@ function drawStars(paint) {
       continue;
     }
     if (sheet.isOutsideLaw(star)) drawOutsideLaw(paint, star);
-    context.strokeStyle = entry ? ramp("viridis", (star.sizes[entry.column] - domain[0]) / (domain[1] - domain[0])) : ink;
+    context.strokeStyle = entry ? sizeColour((star.sizes[entry.column] - domain[0]) / (domain[1] - domain[0])) : ink;
     context.globalAlpha = star.isReset ? 0.45 : 1;
     context.lineWidth = Math.max(1, star.sizes[2] * plan.scale);
     context.beginPath();
@@ -274,7 +282,7 @@ function drawPulse({ context, plan, colour }) {
 function drawScaleBar(paint) {
   const { context, plan, colour } = paint;
   const length = nice(80 / plan.scale);
-  const [x, y] = [16, plan.canvas.clientHeight - 20];
+  const [x, y] = [16, plan.canvas.clientHeight - 16];
   const end = x + length * plan.scale;
   context.strokeStyle = colour("muted");
   context.lineWidth = 1.5;
@@ -287,6 +295,22 @@ function drawScaleBar(paint) {
   context.lineTo(end, y + 4);
   context.stroke();
   label(paint, `${Number(length.toPrecision(2))} mm`, [x, y - 10], "left", "muted");
+}
+
+/** The colours of the stars' sizes, from the least to the largest. */
+function drawSizeLegend(paint) {
+  const { context, plan, sheet, store } = paint;
+  const entry = QUANTITIES[store.get("planColour")];
+  if (!entry) return;
+  const [low, high] = rampDomain(sheet.printed.map((star) => star.sizes[entry.column]));
+  const [x, y] = [16, plan.canvas.clientHeight - 70];
+  for (let k = 0; k < 96; k++) {
+    context.fillStyle = sizeColour(k / 95);
+    context.fillRect(x + k, y, 1.5, 8);
+  }
+  label(paint, `${entry.name}, mm`, [x, y - 8], "left", "muted");
+  label(paint, fixed(low, entry.digits), [x, y + 22], "left", "muted");
+  label(paint, fixed(high, entry.digits), [x + 96, y + 22], "right", "muted");
 }
 
 /** A text with a halo, kept within the canvas. */

@@ -48,6 +48,12 @@ export class Renderer {
     }
   }
 
+  clear() {
+    const { gl } = this;
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+  }
+
   /** Draws everything. `scene`: {surfaces: [{surface, front, back, ..}], ground, camera, matrix, clear}. */
   draw({ surfaces, ground, camera, width, height }) {
     const { gl } = this;

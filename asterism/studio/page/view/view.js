@@ -73,6 +73,8 @@ export class View {
   /** Forgets the shape and the camera's place: another design is opened. */
   reset() {
     this.#hasFit = false;
+    this.shape = null;
+    this.renderer.clear();
     this.store.set({ comparison: null, shown: "preview" });
     if (this.store.get("viewColour") === "distance") this.store.set({ viewColour: "none" });
   }
