@@ -127,6 +127,11 @@ def test_triangle_is_called_in_its_guarded_file_only() -> None:
     assert users <= {"pattern/mesh/free/triangulate.py"}
 
 
+def test_the_web_server_is_used_in_the_studio_only() -> None:
+    users = {name(file) for file in SOURCES if {"starlette", "uvicorn", "websockets"} & roots(file)}
+    assert users and all(user.startswith("asterism/studio/") for user in users)
+
+
 @pytest.mark.parametrize("file", [f for f in SOURCES if f.relative_to(ROOT).parts[0] in ENGINES], ids=name)
 def test_engines_print_nothing(file: Path) -> None:
     for node in nodes(file):

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
+from asterism.studio.local_files import FileNameError, file_below
 from pattern.design.errors import DesignError
 
 MAX_DEPTH = 8
@@ -50,6 +52,23 @@ def _set(table: dict[str, Any], parts: list[str], value: Any, key: str) -> None:
         raise DesignError(key, f"{first} is not a table of keys")
     table[first] = dict(inner)
     _set(table[first], rest, value, key)
+
+
+def check_pictures(value: Any, folder: Path) -> None:
+    """Refuse pictures outside a folder: changes come from a page, and a picture's file is read.
+
+    Raises
+    ------
+    DesignError
+        A sizing profile names a file that is not below the folder.
+    """
+    for inner in value.values() if isinstance(value, Mapping) else value if isinstance(value, list) else ():
+        check_pictures(inner, folder)
+    if isinstance(value, Mapping) and isinstance(value.get("image"), str) and "grey" not in value:
+        try:
+            file_below(folder, value["image"])
+        except FileNameError as error:
+            raise DesignError("image", str(error)) from None
 
 
 def _check_depth(key: str, value: Any, depth: int = 0) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 
 from asterism.results.files import write_file
 from asterism.studio import painted
-from asterism.studio.changes import with_changes
+from asterism.studio.changes import check_pictures, with_changes
 from asterism.studio.design_text import edited_text
 from asterism.studio.history import History, Step
 from asterism.studio.thumbnails import Thumbnails
@@ -189,7 +189,9 @@ class Document:
 
     def change(self, changes: Mapping[str, Any], gesture: Any = None) -> None:
         """Other values at dotted keys of the design file; see `with_changes`."""
-        self.apply(with_changes(self.table, changes), gesture, ", ".join(sorted(changes))[:60])
+        changed = with_changes(self.table, changes)
+        check_pictures(dict(changes), self.path.parent)
+        self.apply(changed, gesture, ", ".join(sorted(changes))[:60])
 
     def paint(self, sites: Sequence[painted.Site], sizes: Mapping[str, Sequence[float | None]], gesture: Any) -> None:
         """Other sizes (mm) of stars at lattice sites."""

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from PIL import Image
 from starlette.testclient import TestClient
 from starlette.websockets import WebSocketDisconnect
 
@@ -131,6 +132,15 @@ def test_designs_are_opened_and_saved_below_the_folder_only(page: Page, outside:
         page.until("problem")
     assert outside.read_text(encoding="utf-8") == "secret = 1\n"
     assert sorted(path for path in outside.parent.rglob("*") if not path.name.startswith(".asterism")) == before
+
+
+@pytest.mark.parametrize("image", ["../secret.png", "/etc/passwd", "link/secret.png", ".hidden.png"])
+def test_pictures_of_a_design_are_read_below_its_folder_only(page: Page, outside: Path, image: str):
+    Image.new("L", (4, 4), 90).save(outside.with_suffix(".png"))
+    page.until("document")
+    profile = {"image": image, "low": 5.0, "high": 9.0}
+    page.send(type="edit", changes={"stars.override": [{"site": [0, 0]}], "stars.length_mm": profile})
+    assert "below the design's folder" in page.until("problem")["text"]
 
 
 @pytest.mark.parametrize("path", ["", "page/", "gallery/", "file/dome.toml", "nothing", "gallery/dome.png"])
