@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
-from typing import Literal, NoReturn
+from typing import NoReturn
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from asterism.previews.solve import (
     with_shown_sheet,
     with_stars,
 )
+from asterism.previews.stage import Stage
 from asterism.previews.state import PreviewState
 from asterism.previews.summary import summary
 from asterism.previews.surface.surface import shape_of
@@ -59,20 +60,6 @@ OTHER_SIDE: dict[Side, Side] = {"down": "up", "up": "down"}
 def paper_law() -> Law:
     """The law that comes with the package, read once."""
     return load_law()
-
-
-@dataclass(frozen=True)
-class Stage:
-    """A result of an edit.
-
-    Attributes
-    ----------
-    name : `linear`, the linear response of the last equilibrium to the edit; or `equilibrium`.
-    x : (N, 3) degrees of freedom of the shell; a copy.
-    """
-
-    name: Literal["linear", "equilibrium"]
-    x: Floats
 
 
 class Preview(PreviewReadings):
