@@ -23,6 +23,17 @@ def studio(
     ] = "127.0.0.1",
 ) -> None:
     """Draw stars on a page in the browser, and see the sheet rise."""
-    from asterism.studio.run import run_studio
+    from asterism.studio.child import ENGINE, StartedProcess
 
-    run_studio(design, port=port, listen=listen, opens_browser=browser, say=lambda line: run.lines([line]))
+    # the engine takes longest to load, so it starts first
+    engine = StartedProcess(ENGINE)
+
+    def say(line: str) -> None:
+        run.lines([line])
+
+    try:
+        from asterism.studio.run import run_studio
+
+        run_studio(design, port=port, listen=listen, opens_browser=browser, say=say, engine=engine)
+    finally:
+        engine.process.kill()

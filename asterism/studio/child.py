@@ -15,6 +15,8 @@ from importlib import import_module
 from multiprocessing.connection import Connection
 from typing import Any
 
+# The body of an engine's process.
+ENGINE = "asterism.studio.engine:run_engine"
 # Seconds that a process has to end by itself before it is killed.
 END_GRACE_S = 0.5
 
@@ -29,38 +31,45 @@ def run_child(target: str, niceness: int, connection: Connection, *arguments: An
         getattr(import_module(module), name)(connection, *arguments)
 
 
-class Child:
-    """A process with a pipe.
-
-    Sending never blocks the caller: a thread writes and another one reads. Messages arrive in the event loop.
+class StartedProcess:
+    """A process that has been started, and this side's end of the pipe to it.
 
     Parameters
     ----------
     target : `module:function`, called in the new process with its end of the pipe, and `arguments`. The server itself
         does not import it: the solvers take most of a second.
-    receive : called in the event loop with this child and each message.
-    ended : called in the event loop with this child when the process has ended or closed the pipe.
     niceness : lowers the priority, where the system can do that.
     """
 
+    def __init__(self, target: str, arguments: tuple[Any, ...] = (), niceness: int = 0) -> None:
+        context = multiprocessing.get_context("spawn")
+        self.connection, theirs = context.Pipe()
+        self.process = context.Process(
+            target=run_child, args=(target, niceness, theirs, *arguments), daemon=True, name=target
+        )
+        self.process.start()
+        theirs.close()
+
+
+class Child:
+    """A process that the event loop talks to.
+
+    Sending never blocks the caller: a thread writes and another one reads. Messages arrive in the event loop.
+
+    Parameters
+    ----------
+    started : the process.
+    receive : called in the event loop with this child and each message.
+    ended : called in the event loop with this child when the process has ended or closed the pipe.
+    """
+
     def __init__(
-        self,
-        target: str,
-        arguments: tuple[Any, ...],
-        receive: Callable[[Child, Any], None],
-        ended: Callable[[Child], None],
-        niceness: int = 0,
+        self, started: StartedProcess, receive: Callable[[Child, Any], None], ended: Callable[[Child], None]
     ) -> None:
         self._receive, self._ended = receive, ended
         self._loop = asyncio.get_running_loop()
         self._outbox: queue.SimpleQueue[Any] = queue.SimpleQueue()
-        context = multiprocessing.get_context("spawn")
-        self._connection, theirs = context.Pipe()
-        self._process = context.Process(
-            target=run_child, args=(target, niceness, theirs, *arguments), daemon=True, name=target
-        )
-        self._process.start()
-        theirs.close()
+        self._connection, self._process = started.connection, started.process
         self.last_sign = time.monotonic()
         for work in (self._read, self._write):
             threading.Thread(target=work, daemon=True).start()

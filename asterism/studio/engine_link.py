@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from asterism.studio.child import Child
+from asterism.studio.child import ENGINE, Child, StartedProcess
 from asterism.studio.messages import (
     Busy,
     Cancel,
@@ -20,7 +20,6 @@ from asterism.studio.messages import (
     StudioProblem,
 )
 
-ENGINE = "asterism.studio.engine:run_engine"
 # An engine that owes an answer and gives no sign of life for so long is replaced.
 MAX_SILENCE_S = 30.0
 # The same while it loads: a first start compiles for half a minute on an idle machine.
@@ -44,6 +43,7 @@ class EngineLink:
     changed : called when the status has changed.
     target : body of the process; tests put a quick one in its place.
     max_silence_s : after so long without a sign, an engine that owes an answer is replaced.
+    first : the first engine, if it has been started already.
     keeps_spare : a second engine loads everything and waits, so that a replacement costs no time.
     """
 
@@ -54,8 +54,10 @@ class EngineLink:
         target: str = ENGINE,
         keeps_spare: bool = True,
         max_silence_s: float = MAX_SILENCE_S,
+        first: StartedProcess | None = None,
     ) -> None:
         self.max_silence_s = max_silence_s
+        self._first = first
         self._receive, self._changed, self._target, self._keeps_spare = receive, changed, target, keeps_spare
         self._known: Edit | None = None  # all that an engine has been given so far, for the next engine
         self._deaths = 0
@@ -69,7 +71,8 @@ class EngineLink:
         self._child = self._start()
 
     def _start(self) -> Child:
-        return Child(self._target, (), self._message, self._died)
+        started, self._first = self._first or StartedProcess(self._target), None
+        return Child(started, self._message, self._died)
 
     def edit(self, edit: Edit) -> None:
         """Show a design; the newest edit wins."""

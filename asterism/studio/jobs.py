@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from asterism.studio.child import Child
+from asterism.studio.child import Child, StartedProcess
 from asterism.studio.messages import JobProgress, StudioProblem, Verified, Written
 
 NICENESS = 10
@@ -41,7 +41,7 @@ class Jobs:
         if self.running is not None:
             return False
         self._count += 1
-        child = Child(target, (self._count, *arguments), self._message, self._died, NICENESS)
+        child = Child(StartedProcess(target, (self._count, *arguments), NICENESS), self._message, self._died)
         progress = {"stage": "starting", "done": 0, "of": 0, "seconds": 0.0}
         self.running = RunningJob(self._count, kind, revision, child, progress)
         return True

@@ -10,10 +10,13 @@ import threading
 import webbrowser
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 import uvicorn
 
+from asterism.studio.child import StartedProcess
+from asterism.studio.engine_link import EngineLink
 from asterism.studio.requests import MAX_REQUEST_BYTES
 from asterism.studio.server import application
 from asterism.studio.studio import Studio
@@ -51,6 +54,7 @@ def run_studio(
     listen: str = LOOPBACK,
     opens_browser: bool = True,
     say: Callable[[str], None] = print,
+    engine: StartedProcess | None = None,
 ) -> None:
     """Serve the studio, and return when it has been stopped.
 
@@ -60,6 +64,7 @@ def run_studio(
     port : 0 takes a free one.
     listen : address of this machine that the page is reached at.
     opens_browser : open the page in the default browser.
+    engine : the first engine's process, if it has been started already.
     say : called with the page's address, and at the end with the place of unsaved work.
 
     Raises
@@ -70,7 +75,7 @@ def run_studio(
         The address is not one of this machine, or the port is in use.
     """
     folder = Path.cwd() if path is None else path.absolute().parent
-    studio = Studio(folder, path)
+    studio = Studio(folder, path, partial(EngineLink, first=engine))
     token = secrets.token_urlsafe(24)
     with _bound(listen, port) as listening:
         port = listening.getsockname()[1]
@@ -96,9 +101,8 @@ def run_studio(
         if opens_browser:
             threading.Thread(target=webbrowser.open, args=(url,), daemon=True).start()
         server.run(sockets=[listening])
-    document = studio.document
-    if document is not None and not document.is_saved and document.autosave_path.exists():
-        say(f"unsaved work is kept in {document.autosave_path}")
+    for file in studio.unsaved_work():
+        say(f"unsaved work is kept in {file}")
 
 
 @contextmanager

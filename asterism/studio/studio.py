@@ -58,6 +58,7 @@ class Studio:
         self._seq = 0
         self._revisions: dict[int, int] = {}
         self._sent_base: dict[str, Any] | None = None
+        self._left: dict[Path, Document] = {}
         self.printer = DEFAULT_PRINTER
         self.slots = Slots()
 
@@ -77,6 +78,12 @@ class Studio:
         await self._upkeep.stop()
         self.jobs.close()
         self._engine.close()
+
+    def unsaved_work(self) -> list[Path]:
+        """Autosaves of the documents of this session that hold more than their files."""
+        last = {} if self.document is None else {self.document.path: self.document}
+        documents = {**self._left, **last}.values()
+        return [one.autosave_path for one in documents if not one.is_saved and one.autosave_path.exists()]
 
     # pages
 
@@ -203,6 +210,8 @@ class Studio:
 
     async def _open(self, request: ask.Open | ask.New) -> None:
         await self._upkeep.keep_work()
+        if self.document is not None:
+            self._left[self.document.path] = self.document
         self.document = document = await asyncio.to_thread(self._opened, request)
         self.shown.clear()
         self._revisions.clear()
