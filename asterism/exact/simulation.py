@@ -184,7 +184,9 @@ def _record(
 ) -> ExactRecord:
     number, axis = model.layout.star_number, roll_axis_deg(model, found.state)
     folds = measure_creases(model, found.state)
-    error = mesh_error(shape, [(level.printed, level.positions) for level in levels[:-1]], folds.resolved)
+    coarser = [(level.printed, level.positions) for level in levels[:-1]]
+    gravity = model.design.gravity.pull
+    error = mesh_error(shape, coarser, folds.resolved, layout=model.layout, gravity=gravity)
     record = ExactRecord(
         model=ExactRecord.model_name,
         converged=found.converged,

@@ -11,7 +11,9 @@ from scipy.optimize import brentq
 from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
 from pattern.geometry.arrays import Floats
-from pattern.geometry.rigid_fit import rms_distance
+from pattern.layout.free_motions import FreeMotions, free_motions
+from pattern.layout.layout import Layout
+from pattern.layout.support_samples import support_samples
 
 # assumed order of convergence in the edge length if only two meshes are available: the stress is singular at the tips
 # of the arms, and aligned meshes converge with this order (docs/explanation/mesh.md)
@@ -46,8 +48,12 @@ def mesh_error(
     coarser: Sequence[tuple[Floats, Floats]],
     resolved: bool = True,
     order: float = DEFAULT_MESH_ORDER,
+    layout: Layout | None = None,
+    gravity: Sequence[float] | None = None,
 ) -> MeshErrorEstimate:
     """Estimate the discretisation error of `fine` by Richardson extrapolation.
+
+    Shapes are compared as their supports hold them: only rigid motions that the supports leave free are taken out.
 
     Parameters
     ----------
@@ -56,12 +62,21 @@ def mesh_error(
     resolved : whether the mesh of `fine` resolves the creases. Otherwise all meshes may agree on a wrong shape, and
         there is no estimate.
     order : assumed order of convergence if only one coarser mesh can be used.
+    layout : the sheet's supports; by default it has none.
+    gravity : (3,) its direction if the sheet has weight.
     """
     edge = 1.0 / np.sqrt(len(fine.printed))
+    free = FreeMotions()
+    if layout is not None:
+        supports = support_samples(layout)
+        free = free_motions(supports, fine.at(supports.printed), gravity)
     edges, distances = [], []
     for printed, positions in coarser[-2:]:
         edges.append(1.0 / np.sqrt(len(printed)))
-        distances.append(100.0 * rms_distance(fine.at(printed), positions) / diameter(fine.positions))
+        here = fine.at(printed)
+        rotation, shift = free.fit(here, positions)
+        distance = np.sqrt(((here @ rotation.T + shift - positions) ** 2).sum(axis=1).mean())
+        distances.append(float(100.0 * distance / diameter(fine.positions)))
     return estimate([*edges, edge], distances, resolved, order)
 
 

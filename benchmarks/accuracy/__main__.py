@@ -49,7 +49,7 @@ def main() -> None:
             continue
         try:
             its = law_of(design, law)  # before the exact model takes its time
-            if options.kept and not _path(options.folder, design, options.starts).exists():
+            if options.kept and not row_path(options.folder, design, options.starts).exists():
                 left_out[design.name] = "not compared"
                 continue
             rows.append(kept(design, options.folder, its, options.starts, options.kept))
@@ -68,7 +68,7 @@ def main() -> None:
 def kept(design: Design, folder: Path, law: Law, starts: bool, as_is: bool) -> dict[str, Any]:
     """The row of a design, from the folder if nothing that makes the preview has changed since."""
     made_by = hashlib.sha256(b"".join([law_digest(law).encode(), *_code()])).hexdigest()[:16]
-    path = _path(folder, design, starts)
+    path = row_path(folder, design, starts)
     if path.exists():
         row = json.loads(path.read_text(encoding="utf-8"))
         if (as_is or row["made_by"] == made_by) and row["design"] == design.to_dict():
@@ -81,13 +81,14 @@ def kept(design: Design, folder: Path, law: Law, starts: bool, as_is: bool) -> d
     return row
 
 
-def _path(folder: Path, design: Design, starts: bool) -> Path:
+def row_path(folder: Path, design: Design, starts: bool) -> Path:
+    """Where the finished comparison of a design is kept."""
     return folder / design.name / f"{'whole' if starts else 'quick'}.json"
 
 
 def _code() -> list[bytes]:
-    """What a preview is computed by."""
-    folders = (ROOT / "fem", ROOT / "asterism" / "previews")
+    """What a preview is computed and compared by."""
+    folders = (ROOT / "fem", ROOT / "asterism" / "previews", ROOT / "asterism" / "shape")
     return [file.read_bytes() for folder in folders for file in sorted(folder.rglob("*.py"))]
 
 

@@ -23,9 +23,9 @@ FAR = 2.5  # % of the diameter, and more is a miss
 HEIGHT_FAR = 6.0  # % of the height, and more is a miss
 LOGARITHMIC = ("softness", "expected")
 HEADER = [
-    "design", "stars", "down", "held", "rms %", "largest %", "star centres %", "height %",
-    "expected height %", "mean height %", "rise %", "roll radius %", "normals deg", "same form", "expected %",
-    "exact shape", "warnings",
+    "design", "stars", "down", "held", "rms %", "rms mm", "after a rigid motion %", "largest %", "star centres %",
+    "height %", "expected height %", "mean height %", "rise %", "roll radius %", "normals deg", "same form",
+    "expected %", "exact, two meshes %", "exact shape", "warnings",
 ]  # fmt: skip
 
 
@@ -42,6 +42,8 @@ def row(r: dict[str, Any]) -> list[str]:
         str(len(r["exact"]["stars_down"]) if "exact" in r else r["stars_down"]),
         r["causes"].get("held", "-"),
         f"{r['rms_percent']:.2f}",
+        f"{r['rms_mm']:.2f}",
+        f"{r['rms_after_motion_percent']:.2f}",
         f"{r['max_percent']:.1f}",
         f"{r['rms_stars_percent']:.2f}",
         _signed(r["height_error_percent"]),
@@ -52,6 +54,7 @@ def row(r: dict[str, Any]) -> list[str]:
         f"{r['normals_rms_deg']:.1f}",
         "yes" if r["same_branch"] else "no",
         _number(r["expected_rms_percent"]),
+        _number(r.get("mesh_change_percent")),
         starts,
         str(len(r["warnings"])),
     ]
@@ -67,6 +70,11 @@ def totals(rows: list[dict[str, Any]]) -> str:
     lines = [
         ["rms distance, median", "at most 1.0 %", f"{np.median(rms):.2f} %"],
         ["rms distance, nine in ten", "at most 2.5 %", f"{np.quantile(rms, 0.9):.2f} %"],
+        [
+            "distance of the exact shape from that on a coarser mesh",
+            "",
+            _spread_in_words(_known(rows, "mesh_change_percent")),
+        ],
         ["height, bumps included", "within 6 %", _within(heights, 6.0)],
         ["height of the cell means", "within 6 %", _within(means, 6.0)],
         ["rise of held sheets over what holds them", "within 6 %", _within(rises, 6.0)],
@@ -208,6 +216,12 @@ def put_into_docs(text: str, begin: str = BEGIN, end: str = END) -> None:
 
 def _spread(errors: np.ndarray) -> list[str]:
     return [str(len(errors)), *(f"{np.quantile(errors, share):.2f}" for share in (0.5, 0.9, 1.0))]
+
+
+def _spread_in_words(values: np.ndarray) -> str:
+    if len(values) == 0:
+        return "-"
+    return f"{len(values)} designs: median {np.median(values):.2f} %, largest {values.max():.2f} %"
 
 
 def _cause(r: dict[str, Any], name: str) -> float | None:

@@ -30,17 +30,18 @@ def quick_row(design: Design, folder: Path, law: Law) -> dict[str, Any]:
     shown, plan = preview(design, law), layout(design)
     exact(design, folder, near=lambda: shown)
     shapes = known(design, folder)
-    same = symmetries(design, plan)
+    same, pull = symmetries(design, plan), design.gravity.pull
     right, *other = shapes.values()
-    comparison, *with_other = [compare_shapes(shape, shown, plan, same) for shape in shapes.values()]
+    comparison, *with_other = [compare_shapes(shape, shown, plan, same, pull) for shape in shapes.values()]
     form = same_branch(comparison, None)
     if other and other[0].summary["is_minimum"]:
-        form = same_branch(comparison, with_other[0], compare_shapes(right, other[0], plan, same).rms_percent)
+        form = same_branch(comparison, with_other[0], compare_shapes(right, other[0], plan, same, pull).rms_percent)
     return dict(numbers(comparison)) | {
         "name": design.name,
         "stars_down": len(right.summary["stars_down"]),
         "same_branch": form,
         "result_from": next(iter(shapes)),
+        "mesh_change_percent": right.summary.get("mesh_change_percent"),
         "expected_rms_percent": shown.summary.get("expected_rms_percent"),
         "expected_height_percent": shown.summary.get("expected_height_percent"),
         "warnings": list(shown.summary.get("warnings", [])),

@@ -13,7 +13,7 @@ first order:
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -32,7 +32,7 @@ START_TURNS_RAD = (0.0, 0.5 * np.pi, np.pi, 1.5 * np.pi)  # starts of a fit abou
 
 @dataclass(frozen=True)
 class FreeMotions:
-    """Rigid motions that supports leave to a sheet as it lies in space.
+    """Rigid motions that supports leave to a sheet as it lies in space; all six by default.
 
     Attributes
     ----------
@@ -41,8 +41,8 @@ class FreeMotions:
     gravity : (3,) unit vector of its direction if the sheet has weight.
     """
 
-    points: Floats
-    fixed: NDArray[np.bool_]
+    points: Floats = field(default_factory=lambda: np.empty((0, 3)))
+    fixed: NDArray[np.bool_] = field(default_factory=lambda: np.empty((0, 3), dtype=bool))
     gravity: Floats | None = None
 
     @cached_property

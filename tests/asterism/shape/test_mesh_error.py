@@ -14,6 +14,7 @@ from asterism.shape.shape import Shape
 from pattern import gallery
 from pattern.design.design import Design
 from pattern.geometry.rigid_fit import rms_distance
+from pattern.layout.build import layout
 
 
 def bowl(cells: int, height: float) -> Shape:
@@ -80,6 +81,17 @@ def test_no_estimate_from_meshes_or_shapes_that_do_not_go_together():
     assert mesh_error(fine, [(coarse.printed, bowl(10, -8.0).positions)]).percent is None
     assert mesh_error(fine, [(fine.printed, fine.positions)]).percent is None
     assert mesh_error(fine, []).change is None
+
+
+@pytest.mark.parametrize(("pins", "is_free"), [([], True), ([{"where": "border"}], False)])
+def test_supported_sheets_differ_as_their_supports_hold_them(pins, is_free):
+    """A coarser shape that has turned differs if supports fix both, and if they are free it does not."""
+    border = {"polygon_mm": [[-10.0, -10.0], [10.0, -10.0], [10.0, 10.0], [-10.0, 10.0]], "star_margin_mm": 1.0}
+    plan = layout(Design.from_dict({"stars": {"length_mm": 4.0}, "border": border, "pins": pins}))
+    fine, coarse = bowl(20, 5.0), bowl(10, 5.0)
+    turned = fine.at(coarse.printed) @ Rotation.from_euler("z", 5.0, degrees=True).as_matrix().T
+    change = mesh_error(fine, [(coarse.printed, turned)], layout=plan).change
+    assert (change < 1e-6) is is_free and (change > 1.0) is not is_free
 
 
 def test_diameter():
