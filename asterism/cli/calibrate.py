@@ -17,18 +17,21 @@ def calibrate(
     run: Run,
     file: Annotated[
         Path | None,
-        typer.Argument(help="A material with its plan, or a design. Without a file: the paper's material."),
+        typer.Argument(help="Material file with a plan, or a design. Without a file: the material of the paper."),
     ] = None,
     output: Annotated[
-        Path | None, output_option("The law's file (MATERIAL.npz, DESIGN-law.npz, DESIGN-law-MATERIAL.npz).")
+        Path | None,
+        output_option("File of the law (default: MATERIAL.npz, DESIGN-law.npz or DESIGN-law-MATERIAL.npz)."),
     ] = None,
     material: MaterialFile = None,
-    jobs: Annotated[int | None, typer.Option(min=1, max=1000, help="Number of processes (one per core).")] = None,
+    jobs: Annotated[
+        int | None, typer.Option(min=1, max=1000, help="Number of processes (default: one per core).")
+    ] = None,
     dask: Annotated[
-        str | None, typer.Option(help="Address of a Dask scheduler, in place of processes of this machine.")
+        str | None, typer.Option(help="Address of a Dask scheduler, instead of processes on this machine.")
     ] = None,
 ) -> None:
-    """Compute the law of a material from many unit cells, or of one design's stars from a few.
+    """Compute the law of a material from many unit cells, or of the stars of one design from a few.
 
     The command continues an interrupted run: finished cells stay beside the law, in LAW.samples. The exit status is 1
     if too many cells have no equilibrium.

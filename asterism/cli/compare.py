@@ -31,16 +31,18 @@ def compare(
     run: Run,
     shape: Annotated[Path, typer.Argument(help="Results of simulate, preview or verify, or a shape.vtu.")],
     scan: Annotated[Path, typer.Argument(help="A scan (.obj, .stl, .ply) or a photographed outline (.svg, .csv).")],
-    output: Annotated[Path | None, output_option("Directory (SCAN-compared).")] = None,
-    units: Annotated[_Unit | None, typer.Option(help="Unit of the scan's numbers (mm).")] = None,
-    view: Annotated[_View | None, typer.Option(help="Direction of an outline's photograph (above).")] = None,
+    output: Annotated[Path | None, output_option("Directory (default: SCAN-compared).")] = None,
+    units: Annotated[_Unit | None, typer.Option(help="Unit of the numbers in the file (default: mm).")] = None,
+    view: Annotated[
+        _View | None, typer.Option(help="Direction of the photograph of an outline (default: above).")
+    ] = None,
     trim: Annotated[
         float, typer.Option(min=0.0, max=0.8, help="Largest part of the scan that does not belong to the sheet.")
     ] = 0.2,
 ) -> None:
-    """Measure how far a printed sheet is from its computed shape, and draw the distance.
+    """Measure and draw the distance of a printed sheet from its computed shape.
 
-    The scan is turned and shifted onto the shape, never mirrored or scaled. It may cover a part of the sheet.
+    The scan is rotated and shifted onto the shape, but not mirrored or scaled. It may cover a part of the sheet.
     """
     from asterism.measure.compare.compare import check_comparison_directory, write_comparison
     from asterism.measure.compare.compare import compare as measure

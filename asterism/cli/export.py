@@ -15,32 +15,35 @@ from asterism.cli.common.run import Run, command
 def export(
     run: Run,
     design: DesignFile,
-    output: Annotated[Path | None, output_option("Directory (DESIGN-print).")] = None,
-    printer: Annotated[str, typer.Option(help="A printer by name, or its file; see asterism printers.")] = "ultimaker2",
-    plastic: Annotated[str, typer.Option(help="A plastic by name, or its file.")] = "tpu95a",
+    output: Annotated[Path | None, output_option("Directory (default: DESIGN-print).")] = None,
+    printer: Annotated[
+        str, typer.Option(help="Name of a printer (see asterism printers), or its file.")
+    ] = "ultimaker2",
+    plastic: Annotated[str, typer.Option(help="Name of a plastic, or its file.")] = "tpu95a",
     material: MaterialFile = None,
     shape: Annotated[Path | None, typer.Option(help="Results of simulate, preview or verify, or a shape.vtu.")] = None,
     preview: Annotated[
-        bool, typer.Option("--preview", help="Write the printed shape's files too, from the fast preview.")
+        bool, typer.Option("--preview", help="Compute the printed shape by the preview, and write its files.")
     ] = False,
     law: LawFile = None,
     simulate: Annotated[
-        bool, typer.Option("--simulate", help="Likewise from the exact model, which also says what rounding changes.")
+        bool, typer.Option("--simulate", help="The same by the exact model, with the effect of rounding.")
     ] = False,
     first_layer: Annotated[float | None, typer.Option(help="Height of the first layer in mm.")] = None,
     layer: Annotated[float | None, typer.Option(help="Height of the other layers in mm.")] = None,
     plate: Annotated[float | None, typer.Option(help="Thickness of the plate under the fabric in mm.")] = None,
     fabric: Annotated[
-        float | None, typer.Option(help="Thickness of the stretched fabric in mm (the design's, of the released one).")
+        float | None,
+        typer.Option(help="Thickness of the stretched fabric in mm (default: that of the released fabric)."),
     ] = None,
-    turn: Annotated[float, typer.Option(help="Turn the print on the bed, in degrees counterclockwise.")] = 0.0,
+    turn: Annotated[float, typer.Option(help="Rotation of the print on the bed in degrees, counterclockwise.")] = 0.0,
     needle_spacing: Annotated[float, typer.Option(help="Largest distance of needles on held edges in mm.")] = 20.0,
     border: Annotated[bool, typer.Option("--border/--no-border", help="Print a line to cut along.")] = True,
 ) -> None:
-    """Everything for printing a design: solids, 1:1 sheets, needles, start code, instructions.
+    """Write all files for a print: solids, layout at 1:1, needles, start code, instructions.
 
-    Thicknesses are rounded to layers and widths to lines; rounded.toml is what is printed. What rounding does to the
-    shape is said by the preview, or with --simulate by the exact model.
+    Thicknesses are rounded to layers and widths to lines; rounded.toml is the printed design. The command states the
+    effect of rounding on the shape, by the preview, or by the exact model with --simulate.
     """
     from asterism.cli.common.results_folder import results_folder
     from asterism.laws.design_law import law_for_design

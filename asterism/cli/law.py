@@ -10,16 +10,16 @@ import typer
 from asterism.cli.common.options import output_option
 from asterism.cli.common.run import Run, command
 
-app = typer.Typer(help="Show what a law contains.", no_args_is_help=True)
+app = typer.Typer(help="Show the content of a law.", no_args_is_help=True)
 
 
 @command
 def show(
     run: Run,
     path: Annotated[
-        Path | None, typer.Argument(help="The law's file (.npz). Without a file: the law of the paper's material.")
+        Path | None, typer.Argument(help="File of the law (.npz). Without a file: the law of the paper's material.")
     ] = None,
-    output: Annotated[Path | None, output_option("Directory (the law's name).")] = None,
+    output: Annotated[Path | None, output_option("Directory (default: the name of the law).")] = None,
 ) -> None:
     """Print a law as a table, and draw it with its errors in law.png."""
     from asterism.laws.show_law import show_law as show_law

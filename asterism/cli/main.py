@@ -1,6 +1,7 @@
-"""The command line. Every mistake is one line on standard error and exit status 2; no answer is status 1.
+"""The entry point of the command line.
 
-Nothing is imported before Ctrl-C is listened to.
+A mistake gives one line on standard error and exit status 2; a missing result gives exit status 1. Other modules are
+imported only after the handler of Ctrl-C is installed.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ def main() -> None:
 
 
 def _print_all_names() -> None:
-    """Names of files may be no text: strict output would end in an exception where the rest is written already."""
+    """Let output accept file names that are not valid text: the strict default would raise an exception."""
     if getattr(sys.stdout, "errors", None) == "strict" and hasattr(sys.stdout, "reconfigure"):
         sys.stdout.reconfigure(errors="backslashreplace")
 

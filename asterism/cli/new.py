@@ -16,11 +16,12 @@ from asterism.cli.common.run import Run, command
 def new(
     run: Run,
     name: Annotated[
-        str | None, typer.Argument(help="A design of the gallery; without a name, the list of them.")
+        str | None,
+        typer.Argument(help="Name of the design. Without a name, the command lists all designs of the gallery."),
     ] = None,
-    output: Annotated[Path | None, output_option("The file to write (NAME.toml).")] = None,
+    output: Annotated[Path | None, output_option("File of the design (default: NAME.toml).")] = None,
 ) -> None:
-    """Write a design of the gallery to a file, to be looked at and changed."""
+    """Write a design of the gallery to a file that you can change."""
     from asterism.cli.common.mistake import Mistake
     from asterism.results.files import write_file
     from pattern import gallery

@@ -20,7 +20,7 @@ def preview(
     law: LawFile = None,
     side: Annotated[
         Literal["auto", "up", "down"],
-        typer.Option(help="Side to which the edges bend; auto: the side given by the stars."),
+        typer.Option(help="Side to which the edges bend; auto: the side follows from the stars."),
     ] = "auto",
     material: MaterialFile = None,
 ) -> int:

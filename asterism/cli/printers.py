@@ -12,7 +12,7 @@ from asterism.cli.common.run import DONE, WRONG_INPUT, Run, command
 def printers(run: Run) -> int:
     """List printers and plastics, and the folders of your own profiles.
 
-    The exit status is 2 if one of your files is wrong; the others are listed all the same.
+    The exit status is 2 if one of your files is wrong; the list contains the others.
     """
     from asterism.print.profiles import PROFILES_VARIABLE, load_plastic, load_printer, profile_folders, profile_names
     from pattern.design.errors import DesignError

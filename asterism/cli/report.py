@@ -15,12 +15,17 @@ from asterism.cli.common.run import Run, command
 def report(
     run: Run,
     design: DesignFile,
-    output: Annotated[Path | None, output_option("The page (DESIGN-report.pdf).")] = None,
+    output: Annotated[Path | None, output_option("File of the page (default: DESIGN-report.pdf).")] = None,
     results: Annotated[
-        Path | None, typer.Option(help="Results of simulate or preview (those beside the design, or a new preview).")
+        Path | None,
+        typer.Option(
+            help="Results of simulate, preview or verify (default: those beside the design, or a new preview)."
+        ),
     ] = None,
-    printer: Annotated[str, typer.Option(help="A printer by name, or its file; see asterism printers.")] = "ultimaker2",
-    plastic: Annotated[str, typer.Option(help="A plastic by name, or its file.")] = "tpu95a",
+    printer: Annotated[
+        str, typer.Option(help="Name of a printer (see asterism printers), or its file.")
+    ] = "ultimaker2",
+    plastic: Annotated[str, typer.Option(help="Name of a plastic, or its file.")] = "tpu95a",
     material: MaterialFile = None,
     law: LawFile = None,
 ) -> None:

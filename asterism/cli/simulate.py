@@ -17,22 +17,22 @@ def simulate(
     design: DesignFile,
     output: Annotated[Path | None, output_option("Directory of the results (the design file's name).")] = None,
     edge: Annotated[
-        float | None, typer.Option(help="Edge length of the mesh in mm, in place of the design's value.")
+        float | None, typer.Option(help="Edge length of the mesh in mm, instead of the value in the design.")
     ] = None,
-    start: Annotated[str | None, typer.Option(help="bump or flat, in place of the design's value.")] = None,
+    start: Annotated[str | None, typer.Option(help="bump or flat, instead of the value in the design.")] = None,
     seed: Annotated[
-        int | None, typer.Option(help="Seed of the initial guess's noise, in place of the design's value.")
+        int | None, typer.Option(help="Seed of the initial guess's noise, instead of the value in the design.")
     ] = None,
     starts: Annotated[
         int,
         typer.Option(
             min=1,
             max=1000,
-            help="Number of initial guesses. The result is the lowest minimum whose stars are on their side.",
+            help="Number of initial guesses. The result is the lowest minimum with all stars on the prescribed side.",
         ),
     ] = 1,
     fabric_bending: Annotated[
-        str | None, typer.Option(help="paper, consistent or none, in place of the design's value.")
+        str | None, typer.Option(help="paper, consistent or none, instead of the value in the design.")
     ] = None,
     contact: Contact = None,
     material: MaterialFile = None,

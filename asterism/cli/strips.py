@@ -12,7 +12,7 @@ import typer
 from asterism.cli.common.options import output_option
 from asterism.cli.common.run import Run, command
 
-app = typer.Typer(help="Measure a plastic and a fabric with printed strips.", no_args_is_help=True)
+app = typer.Typer(help="Measure plastic and fabric with printed strips.", no_args_is_help=True)
 
 
 class _Formula(StrEnum):
@@ -31,22 +31,29 @@ class _KappaBar(StrEnum):
 def new(
     run: Run,
     output: Annotated[Path, output_option("Directory of the files.")] = Path("strips"),
-    printer: Annotated[str, typer.Option(help="A printer's name or file; see asterism printers.")] = "ultimaker2",
+    printer: Annotated[
+        str, typer.Option(help="Name of a printer (see asterism printers), or its file.")
+    ] = "ultimaker2",
     thickness: Annotated[
-        list[float] | None, typer.Option(help="Of strips, in mm; give it several times (.3 .35 .4 .45).")
+        list[float] | None,
+        typer.Option(help="Thickness of strips in mm; give it several times (default: 0.3, 0.35, 0.4 and 0.45)."),
     ] = None,
-    count: Annotated[int, typer.Option(min=1, max=200, help="Strips of each thickness.")] = 10,
-    length: Annotated[float, typer.Option(min=10, max=500, help="Of each strip, in mm.")] = 60.0,
-    width: Annotated[float, typer.Option(min=0.4, max=50, help="Of each strip, in mm.")] = 4.0,
-    stretch: Annotated[float, typer.Option(min=1.01, max=3, help="Of the fabric.")] = 1.35,
-    fabric_thickness: Annotated[float, typer.Option(min=0.01, max=10, help="Of the fabric, in mm.")] = 0.8,
+    count: Annotated[int, typer.Option(min=1, max=200, help="Number of strips of each thickness.")] = 10,
+    length: Annotated[float, typer.Option(min=10, max=500, help="Length of a strip in mm.")] = 60.0,
+    width: Annotated[float, typer.Option(min=0.4, max=50, help="Width of a strip in mm.")] = 4.0,
+    stretch: Annotated[float, typer.Option(min=1.01, max=3, help="Stretch of the fabric.")] = 1.35,
+    fabric_thickness: Annotated[
+        float, typer.Option(min=0.01, max=10, help="Thickness of the released fabric in mm.")
+    ] = 0.8,
     plate: Annotated[float | None, typer.Option(help="Thickness of the plate under the fabric in mm.")] = None,
     fabric: Annotated[
         float | None,
-        typer.Option(min=0.01, max=10, help="Thickness of the stretched fabric in mm (that of the released one)."),
+        typer.Option(
+            min=0.01, max=10, help="Thickness of the stretched fabric in mm (default: that of the released fabric)."
+        ),
     ] = None,
 ) -> None:
-    """The test print: strips as STL and 3MF, start code, a sheet that says what to do, and a table to fill in."""
+    """Write a test print: strips as STL and 3MF, start code, instructions, and a table to fill in."""
     from asterism.measure.strips.new_strips import new_strips
     from asterism.measure.strips.specimen import THICKNESSES_MM
     from asterism.print.adjusted_printer import adjusted_printer
@@ -83,28 +90,33 @@ def new(
 @command
 def fit(
     run: Run,
-    strips: Annotated[Path, typer.Argument(help="The table of measured strips (.csv).")],
-    output: Annotated[Path | None, output_option("The material's file (material.toml beside the table).")] = None,
-    rest_curvature: Annotated[_Formula, typer.Option(help="The material's convention.")] = _Formula.paper,
-    kappa_bar: Annotated[_KappaBar, typer.Option(help="Curvature of peeled plastic.")] = _KappaBar.constant,
+    strips: Annotated[Path, typer.Argument(help="Table of measured strips (.csv).")],
+    output: Annotated[
+        Path | None, output_option("File of the material (default: material.toml beside the table).")
+    ] = None,
+    rest_curvature: Annotated[
+        _Formula, typer.Option(help="Formula for the curvature of a strip with its fabric.")
+    ] = _Formula.paper,
+    kappa_bar: Annotated[_KappaBar, typer.Option(help="Model of the curvature of peeled strips.")] = _KappaBar.constant,
     stretch: Annotated[
-        float | None, typer.Option(min=1.01, max=3, help="Stretch of the fabric, if the table gives none.")
+        float | None, typer.Option(min=1.01, max=3, help="Stretch of the fabric, if the table has no such column.")
     ] = None,
     fabric_thickness: Annotated[
-        float | None, typer.Option(min=0.01, max=10, help="Thickness of the fabric in mm, if the table gives none.")
+        float | None,
+        typer.Option(min=0.01, max=10, help="Thickness of the fabric in mm, if the table has no such column."),
     ] = None,
     outside: Annotated[
-        bool, typer.Option("--outside", help="Boxes are drawn around the strips with their thickness.")
+        bool, typer.Option("--outside", help="The boxes enclose the strips with their thickness.")
     ] = False,
     flat_height: Annotated[
-        float, typer.Option(min=0.01, max=10, help="Lower arcs, in mm, are not told from flat strips.")
+        float, typer.Option(min=0.01, max=10, help="Height in mm below which an arc counts as flat.")
     ] = 0.5,
-    confidence: Annotated[float, typer.Option(min=0.5, max=0.999, help="Of the intervals.")] = 0.95,
-    keep_outliers: Annotated[bool, typer.Option("--keep-outliers", help="Use readings that do not fit, too.")] = False,
+    confidence: Annotated[float, typer.Option(min=0.5, max=0.999, help="Confidence level of the intervals.")] = 0.95,
+    keep_outliers: Annotated[bool, typer.Option("--keep-outliers", help="Also use readings that do not fit.")] = False,
 ) -> None:
-    """E1/E2 and kappa_bar from measured strips, as a material file for the other commands.
+    """Compute E1/E2 and kappa_bar from measured strips, and write a material file for the other commands.
 
-    Exit status 1 if the strips do not determine them.
+    The exit status is 1 if the strips do not determine these values.
     """
     from asterism.measure.strips.fit_strips import check_material_path, fit_strips, write_material
 

@@ -14,15 +14,18 @@ from asterism.cli.common.run import Run, command
 def studio(
     run: Run,
     design: Annotated[
-        Path | None, typer.Argument(help="The design file (.toml or .json); without one, the gallery.")
+        Path | None, typer.Argument(help="Design file (.toml or .json). Without a file, the page shows the gallery.")
     ] = None,
-    port: Annotated[int, typer.Option(min=0, max=65535, help="Port of the page; 0 takes a free one.")] = 0,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="Port of the page; 0 chooses a free port.")] = 0,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in the browser.")] = True,
     listen: Annotated[
-        str, typer.Option(help="Address of this machine. Another one than 127.0.0.1 lets others reach the page.")
+        str,
+        typer.Option(
+            help="Address of this machine. With another address than 127.0.0.1, other machines can open the page."
+        ),
     ] = "127.0.0.1",
 ) -> None:
-    """Draw stars on a page in the browser, and see the sheet rise."""
+    """Draw stars on a page in the browser, and see the shape of the sheet at once."""
     from asterism.studio.child import ENGINE, StartedProcess
 
     # the engine takes longest to load, so it starts first

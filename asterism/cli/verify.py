@@ -20,7 +20,7 @@ def verify(
     output: Annotated[Path | None, output_option("Directory of the report (DESIGN-verified).")] = None,
     law: LawFile = None,
     edge: Annotated[
-        float | None, typer.Option(help="Edge length of the exact model's mesh in mm, in place of the design's value.")
+        float | None, typer.Option(help="Edge length of the exact mesh in mm, instead of the value in the design.")
     ] = None,
     contact: Contact = None,
     material: MaterialFile = None,

@@ -6,4 +6,4 @@ from equilibrium.errors import Error
 
 
 class Mistake(Error):
-    """An option or argument is wrong; the message names it and what is allowed."""
+    """An option or argument is wrong; the message names it and the allowed values."""

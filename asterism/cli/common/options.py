@@ -7,14 +7,14 @@ from typing import Annotated, Any
 
 import typer
 
-DesignFile = Annotated[Path, typer.Argument(help="The design file (.toml or .json).")]
+DesignFile = Annotated[Path, typer.Argument(help="Design file (.toml or .json).")]
 MaterialFile = Annotated[
-    Path | None, typer.Option(help="A material's file: its fabric and plastic in place of the design's.")
+    Path | None, typer.Option(help="Material file, whose fabric and plastic replace those of the design.")
 ]
-LawFile = Annotated[Path | None, typer.Option(help="The law's file (.npz); none: the paper's material.")]
+LawFile = Annotated[Path | None, typer.Option(help="File of the law (.npz; default: the law of the paper's material).")]
 Contact = Annotated[
     bool | None,
-    typer.Option("--contact/--no-contact", help="Keep the sheet from passing through itself (needs ipctk)."),
+    typer.Option("--contact/--no-contact", help="Prevent the sheet from passing through itself (requires ipctk)."),
 ]
 BackendOption = Annotated[str, typer.Option(help="Linear solver: auto, pardiso, cholmod, superlu or amg.")]
 
@@ -25,7 +25,7 @@ def output_option(help: str) -> Any:
 
 
 def nonempty_path(text: str) -> Path:
-    """An empty name would be the working directory: most likely a variable that is not set."""
+    """Refuse an empty name: it would be the working directory, and usually comes from a variable that is not set."""
     if not str(text):
         raise typer.BadParameter("must not be empty")
     return Path(text)

@@ -1,4 +1,4 @@
-"""Progress on standard error while the energy is being minimised."""
+"""Progress on standard error during a minimisation."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from equilibrium.newton.minimise import Iteration
 
 
 class Progress:
-    """One line that changes on a terminal; elsewhere a line a stage."""
+    """One changing line on a terminal; elsewhere one line for each stage."""
 
     def __init__(self, stream: TextIO | None = None) -> None:
         self._stream = stream or sys.stderr
@@ -22,14 +22,14 @@ class Progress:
         self._stage = ""
 
     def say(self, text: str) -> None:
-        """A line of its own."""
+        """Print a line."""
         interruption.check()
         self._finish()
         self._stream.write(text + "\n")
         self._stream.flush()
 
     def report(self, stage: str, iteration: Iteration) -> None:
-        """An iteration of a stage; `stage` is how much of the stretch is released, or what else is going on."""
+        """Show an iteration; `stage` describes the stage, such as the released part of the stretch."""
         interruption.check()
         if stage != self._stage and not self._live and self._last:
             self._stream.write(self._last + "\n")
@@ -47,7 +47,7 @@ class Progress:
             self._stream.flush()
 
     def close(self) -> None:
-        """Leave the terminal on a new line."""
+        """Move the terminal to a new line."""
         self._finish()
 
     def _finish(self) -> None:

@@ -10,7 +10,7 @@ from asterism.results.files import LAST, check_kept, check_writable
 def results_folder(
     design: Path, output: Path | None, default: Path, summary: str = LAST, others: tuple[str, ...] = ()
 ) -> Path:
-    """The folder asked for, or the default one.
+    """The folder given by the user, or the default one.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How a command ends that has nothing more to say than one line."""
+"""The end of a command with a single line."""
 
 from __future__ import annotations
 
