@@ -60,7 +60,8 @@ export function createActions(studio) {
       if (!keys.length && store.get("cursor")) keys = [store.get("cursor")];
       keys = keys.filter((key) => sheet.byKey.get(key)?.removed === false);
       if (!keys.length) return;
-      if (keys.length >= sheet.stars.filter((star) => !star.removed).length) return toast("A sheet needs at least one star: keep one.");
+      if (keys.length >= sheet.stars.filter((star) => !star.removed).length)
+        return toast("A sheet needs at least one star: keep one.");
       edits.once(() => edits.remove(keys));
     },
     escape() {
@@ -88,7 +89,11 @@ export function createActions(studio) {
       input.remove();
       if (!file) return;
       try {
-        const answer = await fetch(`upload?kind=${kind}`, { method: "POST", body: file, headers: { "X-Name": encodeURIComponent(file.name) } });
+        const answer = await fetch(`upload?kind=${kind}`, {
+          method: "POST",
+          body: file,
+          headers: { "X-Name": encodeURIComponent(file.name) },
+        });
         const told = await answer.json();
         if (told.problem) toast(told.problem.text, { isBad: true });
         else if (use) use(told.value);
@@ -107,7 +112,15 @@ export function createActions(studio) {
   function leave() {
     edits.drop();
     studio.view?.reset();
-    store.set({ startOpen: false, selection: new Set(), support: null, corner: null, cursor: null, results: {}, frame: null });
+    store.set({
+      startOpen: false,
+      selection: new Set(),
+      support: null,
+      corner: null,
+      cursor: null,
+      results: {},
+      frame: null,
+    });
     studio.isNew = true;
   }
 

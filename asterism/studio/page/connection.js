@@ -14,9 +14,7 @@ export function unpack(buffer) {
     const count = shape.reduce((all, one) => all * one, 1);
     const bytes = BYTES[dtype];
     arrays[name] =
-      at % bytes === 0
-        ? new TYPES[dtype](buffer, at, count)
-        : new TYPES[dtype](buffer.slice(at, at + count * bytes));
+      at % bytes === 0 ? new TYPES[dtype](buffer, at, count) : new TYPES[dtype](buffer.slice(at, at + count * bytes));
     arrays[name].rows = shape[0];
   }
   return { kind, header, arrays };

@@ -74,7 +74,12 @@ export class Edits {
   /** Sizes that the server will find by itself from the design's profile: drawn, not sent. Painted stars keep theirs. */
   preview(quantity, values) {
     const { key: field } = QUANTITIES[quantity];
-    const painted = new Set(this.store.get("document").plan.sites.filter((entry) => entry.painted).map((entry) => entry.site.join()));
+    const painted = new Set(
+      this.store
+        .get("document")
+        .plan.sites.filter((entry) => entry.painted)
+        .map((entry) => entry.site.join()),
+    );
     for (const [key, value] of values) {
       if (!painted.has(key)) this.#local.sizes.set(key, { ...this.#local.sizes.get(key), [field]: value });
     }

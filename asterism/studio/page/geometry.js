@@ -124,8 +124,16 @@ export const roundPoint = (point, digits = 3) => point.map((value) => round(valu
 /** Where mirrors and sixfold turns about the origin take a point, itself first, without repetitions. */
 export function images(point, { mirrorX, mirrorY, sixfold }) {
   let all = [point];
-  if (mirrorX) all = all.flatMap(([x, y]) => [[x, y], [-x, y]]);
-  if (mirrorY) all = all.flatMap(([x, y]) => [[x, y], [x, -y]]);
+  if (mirrorX)
+    all = all.flatMap(([x, y]) => [
+      [x, y],
+      [-x, y],
+    ]);
+  if (mirrorY)
+    all = all.flatMap(([x, y]) => [
+      [x, y],
+      [x, -y],
+    ]);
   if (sixfold) {
     all = all.flatMap((place) =>
       Array.from({ length: 6 }, (_, k) => {

@@ -44,7 +44,31 @@ const HELP = {
 
 export function openHelp() {
   const block = ([title, rows]) =>
-    h("div", {}, section(title), h("table", { class: "small keys" }, h("tbody", {}, rows.map(([keys, does]) => h("tr", {}, h("td", {}, keys.split(", ").map((one) => h("kbd", {}, one))), h("td", {}, does))))));
+    h(
+      "div",
+      {},
+      section(title),
+      h(
+        "table",
+        { class: "small keys" },
+        h(
+          "tbody",
+          {},
+          rows.map(([keys, does]) =>
+            h(
+              "tr",
+              {},
+              h(
+                "td",
+                {},
+                keys.split(", ").map((one) => h("kbd", {}, one)),
+              ),
+              h("td", {}, does),
+            ),
+          ),
+        ),
+      ),
+    );
   dialog("Keys", h("div", { class: "help-columns" }, Object.entries(HELP).map(block)), { testid: "help-dialog" });
 }
 
@@ -136,12 +160,15 @@ export function listenToKeys({ store, actions, plan, view, edits, tools }) {
       const off = difference(star.at, from.at);
       const along = off[0] * direction[0] + off[1] * direction[1];
       const across = Math.abs(off[0] * direction[1] - off[1] * direction[0]);
-      if (along > 1e-6 && across < 1.8 * along && along + 2 * across < least) [best, least] = [star, along + 2 * across];
+      if (along > 1e-6 && across < 1.8 * along && along + 2 * across < least)
+        [best, least] = [star, along + 2 * across];
     }
     if (!best) return true;
     store.set({ cursor: best.key, hover: best.key });
     const [length, thickness, width] = best.sizes;
-    announce(`Star ${best.row}, x ${mm(best.at[0])}, y ${mm(best.at[1])}, ${best.removed ? "removed" : `length ${mm(length)}, thickness ${mm(thickness, 2)}, width ${mm(width, 2)}`}`);
+    announce(
+      `Star ${best.row}, x ${mm(best.at[0])}, y ${mm(best.at[1])}, ${best.removed ? "removed" : `length ${mm(length)}, thickness ${mm(thickness, 2)}, width ${mm(width, 2)}`}`,
+    );
     return true;
   }
 
@@ -153,7 +180,15 @@ export function listenToKeys({ store, actions, plan, view, edits, tools }) {
     const values = new Map();
     for (const key of keys) {
       const star = sheet.byKey.get(key);
-      if (star && !star.removed) values.set(key, sheet.allowed(quantity, star.sizes[column] + sign * (sheet.printable(quantity)?.step ?? step), store.get("inLaw")));
+      if (star && !star.removed)
+        values.set(
+          key,
+          sheet.allowed(
+            quantity,
+            star.sizes[column] + sign * (sheet.printable(quantity)?.step ?? step),
+            store.get("inLaw"),
+          ),
+        );
     }
     if (!values.size) return;
     edits.once(() => edits.sizes(quantity, values));

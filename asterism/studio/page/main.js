@@ -155,4 +155,9 @@ const shown = {
   sizes: () => store.get("sheet")?.stars.map((star) => [...star.sizes]) ?? [],
   screenOf: () => (point) => studio.plan.toScreen(point),
 };
-window.studio = Object.freeze(Object.create(null, Object.fromEntries(Object.entries(shown).map(([name, get]) => [name, { get, enumerable: true }]))));
+window.studio = Object.freeze(
+  Object.create(
+    null,
+    Object.fromEntries(Object.entries(shown).map(([name, get]) => [name, { get, enumerable: true }])),
+  ),
+);

@@ -9,7 +9,9 @@ export function listen(studio) {
     document(message) {
       const before = store.get("document");
       edits.arrived(message);
-      if (studio.isNew || before?.path !== message.path) {
+      const isOther =
+        before && before.path !== message.path && JSON.stringify(before.design) !== JSON.stringify(message.design);
+      if (studio.isNew || isOther) {
         studio.isNew = false;
         studio.opened += 1;
         studio.plan.fit();
@@ -25,7 +27,8 @@ export function listen(studio) {
       const before = store.get("state");
       store.set({ state: message, problem: message.problem ? { ...message.problem, isBlocking: true } : null });
       if (message.jobs) store.set({ jobs: message.jobs });
-      if (before.engine !== message.engine && message.engine === "ready" && store.get("frame")) announce("The sheet is in equilibrium");
+      if (before.engine !== message.engine && message.engine === "ready" && store.get("frame"))
+        announce("The sheet is in equilibrium");
     },
     history: (message) => store.set({ history: message.states }),
     gallery: (message) => store.set({ gallery: message }),
@@ -38,7 +41,9 @@ export function listen(studio) {
       if (message.job === "verify") announce(message.cancelled ? "Verification cancelled" : "Verification finished");
       if (message.job === "report" && message.files?.length) {
         const url = `file/${encodeURI(message.files[0].name)}`;
-        toast("The report is written.", { action: { text: "Open it", run: () => window.open(url, "_blank", "noopener") } });
+        toast("The report is written.", {
+          action: { text: "Open it", run: () => window.open(url, "_blank", "noopener") },
+        });
       }
     },
     problem(message) {
@@ -59,7 +64,9 @@ export function listen(studio) {
   function showProblem({ field, text }) {
     if (!field) return false;
     const name = field.replace(/\[\d+\]/g, "");
-    const element = [...document.querySelectorAll("[data-field]")].find((one) => one.dataset.field === name && one.offsetParent);
+    const element = [...document.querySelectorAll("[data-field]")].find(
+      (one) => one.dataset.field === name && one.offsetParent,
+    );
     const line = element?.querySelector(":scope > .fault");
     if (!line) return false;
     line.hidden = false;
@@ -90,7 +97,8 @@ export function listen(studio) {
     if (selection.length !== store.get("selection").size) store.set({ selection: new Set(selection) });
     const support = store.get("support");
     const table = support && sheet.tables[support.table];
-    if (support && (!table || (support.point !== null && table.points_mm && !table.points_mm[support.point]))) store.set({ support: null });
+    if (support && (!table || (support.point !== null && table.points_mm && !table.points_mm[support.point])))
+      store.set({ support: null });
   }
 
   return {
@@ -107,9 +115,16 @@ export function listen(studio) {
       store.set({ connection: connected });
       if (connected === "lost") {
         edits.drop();
-        if (before === "open") toast("The studio does not answer. Is its terminal still open? Your work is kept in the autosave.", { isBad: true, stay: 0 });
+        if (before === "open")
+          toast("The studio does not answer. Is its terminal still open? Your work is kept in the autosave.", {
+            isBad: true,
+            stay: 0,
+          });
       } else if (connected === "open") {
-        document.querySelectorAll(".toast.bad").forEach((one) => one.dataset.text.startsWith("The studio does not answer") && one.remove());
+        edits.drop(); // gestures are counted anew for this connection
+        document
+          .querySelectorAll(".toast.bad")
+          .forEach((one) => one.dataset.text.startsWith("The studio does not answer") && one.remove());
         store.set({ jobs: {} });
       }
     },

@@ -19,7 +19,9 @@ export class Sheet {
     this.limits = readLimits(limits ?? {});
     this.printer = plan.printer ?? null;
     this.tables = local.pins ?? design.pins ?? [];
-    this.pins = (plan.pins ?? []).map((shown, k) => (local.outline && this.tables[k] ? { ...shown, edges: heldEdges(this.tables[k], this.outline) } : shown));
+    this.pins = (plan.pins ?? []).map((shown, k) =>
+      local.outline && this.tables[k] ? { ...shown, edges: heldEdges(this.tables[k], this.outline) } : shown,
+    );
     this.directions = armDirections(design.lattice ?? {});
     this.tipMargin = design.border?.tip_margin_mm ?? TIP_MARGIN_MM;
     this.stars = plan.sites.map((entry, row) => this.#star(entry, row));
@@ -38,7 +40,15 @@ export class Sheet {
     }
     const removed = removal ?? entry.removed;
     const isChanged = change !== undefined || removal !== undefined || this.local.outline;
-    const star = { row, key, site: entry.site, at: entry.at_mm, removed, painted: entry.painted || change !== undefined, sizes };
+    const star = {
+      row,
+      key,
+      site: entry.site,
+      at: entry.at_mm,
+      removed,
+      painted: entry.painted || change !== undefined,
+      sizes,
+    };
     star.isReset = this.local.reset.has(key);
     if (star.isReset) star.painted = false;
     if (isChanged) star.arms = removed ? [] : this.#arms(star.at, sizes[0]);
@@ -90,7 +100,10 @@ export class Sheet {
   }
 
   starAt(point, within = this.spacing * 0.6) {
-    const { index, distance: away } = nearestIndex(point, this.stars.map((star) => star.at));
+    const { index, distance: away } = nearestIndex(
+      point,
+      this.stars.map((star) => star.at),
+    );
     return index >= 0 && away <= within ? this.stars[index] : null;
   }
 
@@ -100,7 +113,10 @@ export class Sheet {
 
   /** Number of the ring of stars around the middle star to which a star belongs. */
   ring(star) {
-    const { index } = nearestIndex(this.centre, this.stars.map((other) => other.at));
+    const { index } = nearestIndex(
+      this.centre,
+      this.stars.map((other) => other.at),
+    );
     const [i, j] = [0, 1].map((k) => star.site[k] - this.stars[index].site[k]);
     if ((this.design.lattice?.kind ?? "triangular") !== "triangular") return Math.max(Math.abs(i), Math.abs(j));
     return i * j >= 0 ? Math.abs(i + j) : Math.max(Math.abs(i), Math.abs(j));

@@ -38,7 +38,20 @@ export class Store {
   }
 }
 
-const REMEMBERED = ["brush", "symmetry", "snap", "grid", "planColour", "viewColour", "theme", "planShare", "showArms", "showBumps", "orthographic", "inLaw"];
+const REMEMBERED = [
+  "brush",
+  "symmetry",
+  "snap",
+  "grid",
+  "planColour",
+  "viewColour",
+  "theme",
+  "planShare",
+  "showArms",
+  "showBumps",
+  "orthographic",
+  "inLaw",
+];
 const MEMORY = "asterism-studio";
 
 function remembered() {

@@ -9,11 +9,22 @@ export function openTable({ store, edits }) {
   const body = h("tbody", {});
   const note = h("p", { class: "hint" });
   let isSelectionOnly = false;
-  const filter = check({ text: "Only selected stars", value: false, testid: "table-filter", onchange: (value) => ((isSelectionOnly = value), fill()) });
+  const filter = check({
+    text: "Only selected stars",
+    value: false,
+    testid: "table-filter",
+    onchange: (value) => ((isSelectionOnly = value), fill()),
+  });
 
   function cell(star, quantity) {
     const { key, name, column } = QUANTITIES[quantity];
-    const input = h("input", { class: "text cell", value: String(Number(star.sizes[column].toFixed(3))), disabled: star.removed, "aria-label": `${name} of star ${star.row} in mm`, testid: `star-${star.row}-${quantity}` });
+    const input = h("input", {
+      class: "text cell",
+      value: String(Number(star.sizes[column].toFixed(3))),
+      disabled: star.removed,
+      "aria-label": `${name} of star ${star.row} in mm`,
+      testid: `star-${star.row}-${quantity}`,
+    });
     input.dataset.field = `stars.${key}`;
     input.addEventListener("keydown", (event) => event.stopPropagation());
     input.addEventListener("change", () => {
@@ -29,7 +40,11 @@ export function openTable({ store, edits }) {
   }
 
   function row(star) {
-    const selected = h("input", { type: "checkbox", checked: store.get("selection").has(star.key), "aria-label": `Select star ${star.row}` });
+    const selected = h("input", {
+      type: "checkbox",
+      checked: store.get("selection").has(star.key),
+      "aria-label": `Select star ${star.row}`,
+    });
     selected.addEventListener("change", () => {
       const selection = new Set(store.get("selection"));
       if (selected.checked) selection.add(star.key);
@@ -37,7 +52,9 @@ export function openTable({ store, edits }) {
       store.set({ selection });
     });
     const printed = h("input", { type: "checkbox", checked: !star.removed, "aria-label": `Print star ${star.row}` });
-    printed.addEventListener("change", () => edits.once(() => (printed.checked ? edits.restore([star.key]) : edits.remove([star.key]))));
+    printed.addEventListener("change", () =>
+      edits.once(() => (printed.checked ? edits.restore([star.key]) : edits.remove([star.key]))),
+    );
     return h(
       "tr",
       { "aria-selected": String(store.get("selection").has(star.key)) },
@@ -55,7 +72,10 @@ export function openTable({ store, edits }) {
     const focus = document.activeElement?.dataset?.testid;
     const all = store.get("sheet")?.stars ?? [];
     const shown = isSelectionOnly ? all.filter((star) => store.get("selection").has(star.key)) : all;
-    note.textContent = shown.length > MAX_ROWS ? `The first ${MAX_ROWS} of ${shown.length} stars. Select some in the plan to see the others.` : `${shown.length} stars. Sizes in mm.`;
+    note.textContent =
+      shown.length > MAX_ROWS
+        ? `The first ${MAX_ROWS} of ${shown.length} stars. Select some in the plan to see the others.`
+        : `${shown.length} stars. Sizes in mm.`;
     replace(body, shown.slice(0, MAX_ROWS).map(row));
     if (focus) body.querySelector(`[data-testid="${focus}"]`)?.focus();
   }
@@ -64,7 +84,23 @@ export function openTable({ store, edits }) {
   const stop = store.on(["sheet", "selection"], fill);
   dialog(
     "Stars",
-    [h("div", { class: "row" }, h("span", { class: "grow" }, note), filter.element), h("table", { class: "small", testid: "star-table" }, h("thead", {}, h("tr", {}, heads.map((text) => h("th", { scope: "col" }, text)))), body)],
+    [
+      h("div", { class: "row" }, h("span", { class: "grow" }, note), filter.element),
+      h(
+        "table",
+        { class: "small", testid: "star-table" },
+        h(
+          "thead",
+          {},
+          h(
+            "tr",
+            {},
+            heads.map((text) => h("th", { scope: "col" }, text)),
+          ),
+        ),
+        body,
+      ),
+    ],
     { testid: "table-dialog", onclose: stop },
   );
   fill();

@@ -6,7 +6,14 @@ import { VIEWS } from "../view/camera.js";
 import { FIELDS } from "../view/colours.js";
 
 function toggle({ store, key, picture, label, keys, testid }) {
-  const one = button({ icon: picture, label, keys, testid, pressed: store.get(key), onclick: () => store.set({ [key]: !store.get(key) }) });
+  const one = button({
+    icon: picture,
+    label,
+    keys,
+    testid,
+    pressed: store.get(key),
+    onclick: () => store.set({ [key]: !store.get(key) }),
+  });
   store.on([key], () => one.setAttribute("aria-pressed", String(store.get(key))));
   return one;
 }
@@ -15,16 +22,33 @@ export function buildPlanBar(element, { store, plan }) {
   const colour = choice({
     label: "Colour of the stars",
     testid: "plan-colour",
-    options: [{ value: "none", text: "Plain stars" }, ...Object.entries(QUANTITIES).map(([value, { name }]) => ({ value, text: `By ${name.toLowerCase()}` }))],
+    options: [
+      { value: "none", text: "Plain stars" },
+      ...Object.entries(QUANTITIES).map(([value, { name }]) => ({ value, text: `By ${name.toLowerCase()}` })),
+    ],
     value: store.get("planColour"),
     onchange: (value) => store.set({ planColour: value }),
   });
   element.append(
     colour.element,
     h("span", { class: "gap" }),
-    toggle({ store, key: "snap", picture: "snap", label: "Snap to corners, stars and millimetres", keys: "S", testid: "snap" }),
+    toggle({
+      store,
+      key: "snap",
+      picture: "snap",
+      label: "Snap to corners, stars and millimetres",
+      keys: "S",
+      testid: "snap",
+    }),
     toggle({ store, key: "grid", picture: "grid", label: "Millimetre grid", testid: "grid" }),
-    toggle({ store, key: "printArea", picture: "printer", label: "Printable area", keys: "P", testid: "plan-print-area" }),
+    toggle({
+      store,
+      key: "printArea",
+      picture: "printer",
+      label: "Printable area",
+      keys: "P",
+      testid: "plan-print-area",
+    }),
     button({ icon: "fit", label: "Fit the plan", keys: "F", testid: "fit-plan", onclick: () => plan.fit() }),
   );
 }
@@ -33,7 +57,10 @@ export function buildViewBar(element, { store, view }) {
   const colour = choice({
     label: "Colours of the sheet",
     testid: "view-colour",
-    options: Object.entries(FIELDS).map(([value, { name }]) => ({ value, text: value === "none" ? "Plain sheet" : name })),
+    options: Object.entries(FIELDS).map(([value, { name }]) => ({
+      value,
+      text: value === "none" ? "Plain sheet" : name,
+    })),
     value: store.get("viewColour"),
     onchange: (value) => store.set({ viewColour: value }),
   });
@@ -47,7 +74,12 @@ export function buildViewBar(element, { store, view }) {
   store.on(["comparison", "frame"], update);
   store.on(["viewColour"], ({ viewColour }) => colour.set(viewColour));
   update();
-  const views = h("select", { class: "short", "aria-label": "Named view", title: "Named view (1 to 7)", testid: "named-view" }, h("option", { value: "" }, "View"), Object.entries(VIEWS).map(([value, { name }], k) => h("option", { value }, `${name} (${k + 1})`)));
+  const views = h(
+    "select",
+    { class: "short", "aria-label": "Named view", title: "Named view (1 to 7)", testid: "named-view" },
+    h("option", { value: "" }, "View"),
+    Object.entries(VIEWS).map(([value, { name }], k) => h("option", { value }, `${name} (${k + 1})`)),
+  );
   views.addEventListener("change", () => {
     view.look(views.value);
     views.value = "";
@@ -70,10 +102,27 @@ export function buildViewNote(element, { store, actions }) {
     const { problem, busy, engine } = store.get("state");
     const parts = [];
     if (store.get("document") && problem) {
-      const place = problem.stars?.length || problem.at_mm ? button({ text: "Show the place", onclick: () => actions.showPlace(problem) }) : null;
-      parts.push(h("span", { class: "strong problem", role: "alert" }, h("span", {}, `${problem.text} The last good shape is shown.`), place));
+      const place =
+        problem.stars?.length || problem.at_mm
+          ? button({ text: "Show the place", onclick: () => actions.showPlace(problem) })
+          : null;
+      parts.push(
+        h(
+          "span",
+          { class: "strong problem", role: "alert" },
+          h("span", {}, `${problem.text} The last good shape is shown.`),
+          place,
+        ),
+      );
     } else if (store.get("document") && !store.get("frame")) {
-      parts.push(h("span", { class: "strong" }, busy ?? (engine === "starting" ? "The engine starts; the sheet rises in a moment." : "Computing the first shape.")));
+      parts.push(
+        h(
+          "span",
+          { class: "strong" },
+          busy ??
+            (engine === "starting" ? "The engine starts; the sheet rises in a moment." : "Computing the first shape."),
+        ),
+      );
     }
     refresh(element, [problem, busy, engine, Boolean(store.get("frame")), Boolean(store.get("document"))], () => parts);
   };
@@ -104,11 +153,31 @@ export function buildCompare(element, { store }) {
 }
 
 function openPicture({ store, view }) {
-  const sizes = { "1600 × 1200": [1600, 1200], "1920 × 1080": [1920, 1080], "3000 × 2000": [3000, 2000], "3000 × 3000": [3000, 3000] };
+  const sizes = {
+    "1600 × 1200": [1600, 1200],
+    "1920 × 1080": [1920, 1080],
+    "3000 × 2000": [3000, 2000],
+    "3000 × 3000": [3000, 3000],
+  };
   let chosen = Object.keys(sizes)[0];
   let ground = "#ffffff";
-  const pixels = choice({ label: "Size in pixels", testid: "picture-size", options: Object.keys(sizes).map((value) => ({ value, text: value })), value: chosen, onchange: (value) => (chosen = value) });
-  const back = choice({ label: "Background", testid: "picture-ground", options: [{ value: "#ffffff", text: "White" }, { value: "", text: "Transparent" }], value: ground, onchange: (value) => (ground = value) });
+  const pixels = choice({
+    label: "Size in pixels",
+    testid: "picture-size",
+    options: Object.keys(sizes).map((value) => ({ value, text: value })),
+    value: chosen,
+    onchange: (value) => (chosen = value),
+  });
+  const back = choice({
+    label: "Background",
+    testid: "picture-ground",
+    options: [
+      { value: "#ffffff", text: "White" },
+      { value: "", text: "Transparent" },
+    ],
+    value: ground,
+    onchange: (value) => (ground = value),
+  });
   const element = dialog(
     "Save a picture of the sheet",
     h(
@@ -116,19 +185,26 @@ function openPicture({ store, view }) {
       {},
       h("div", { class: "field" }, h("label", {}, "Size in pixels"), pixels.element),
       h("div", { class: "field" }, h("label", {}, "Background"), back.element),
-      h("div", { class: "row" }, button({
-        icon: "camera",
-        text: "Save PNG",
-        kind: "primary",
-        testid: "picture-go",
-        onclick: async () => {
-          const blob = await view.picture(...sizes[chosen], ground);
-          const link = h("a", { href: URL.createObjectURL(blob), download: `${store.get("document")?.name ?? "sheet"}.png` });
-          link.click();
-          setTimeout(() => URL.revokeObjectURL(link.href), 10000);
-          element.close();
-        },
-      })),
+      h(
+        "div",
+        { class: "row" },
+        button({
+          icon: "camera",
+          text: "Save PNG",
+          kind: "primary",
+          testid: "picture-go",
+          onclick: async () => {
+            const blob = await view.picture(...sizes[chosen], ground);
+            const link = h("a", {
+              href: URL.createObjectURL(blob),
+              download: `${store.get("document")?.name ?? "sheet"}.png`,
+            });
+            link.click();
+            setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+            element.close();
+          },
+        }),
+      ),
     ),
     { testid: "picture-dialog" },
   );

@@ -6,10 +6,22 @@ import { numberField } from "./fields.js";
 
 const MODES = {
   set: { text: "Set", title: "Set to a value", says: "Draws the stars under the brush towards the target." },
-  add: { text: "Add", title: "Add or subtract", says: "Makes the stars under the brush larger. Alt, or a negative amount, makes them smaller." },
+  add: {
+    text: "Add",
+    title: "Add or subtract",
+    says: "Makes the stars under the brush larger. Alt, or a negative amount, makes them smaller.",
+  },
   smooth: { text: "Smooth", title: "Smooth", says: "Draws every star towards the mean of its neighbours." },
-  erase: { text: "Erase", title: "Erase painted sizes", says: "Drops painted sizes: the stars follow the profile again." },
-  remove: { text: "Remove", title: "Remove or restore stars", says: "Removes the stars under the brush. Hold Alt to bring them back." },
+  erase: {
+    text: "Erase",
+    title: "Erase painted sizes",
+    says: "Drops painted sizes: the stars follow the profile again.",
+  },
+  remove: {
+    text: "Remove",
+    title: "Remove or restore stars",
+    says: "Removes the stars under the brush. Hold Alt to bring them back.",
+  },
 };
 
 export function brushPanel({ store }, { on }) {
@@ -30,12 +42,54 @@ export function brushPanel({ store }, { on }) {
     onchange: (value) => change({ mode: value }),
   });
   const says = hint("");
-  const target = numberField({ label: "Target", value: 1, step: 0.1, digits: 2, slider: true, testid: "target", onchange: (value) => change({ target: value }) });
-  const amount = numberField({ label: "Amount", value: 1, min: -5, max: 5, step: 0.05, digits: 2, slider: true, testid: "amount", onchange: (value) => change({ amount: value }) });
-  const radius = numberField({ label: "Radius", value: brush().radius, min: 2, max: 200, step: 0.5, slider: true, testid: "radius", onchange: (value) => change({ radius: value }) });
+  const target = numberField({
+    label: "Target",
+    value: 1,
+    step: 0.1,
+    digits: 2,
+    slider: true,
+    testid: "target",
+    onchange: (value) => change({ target: value }),
+  });
+  const amount = numberField({
+    label: "Amount",
+    value: 1,
+    min: -5,
+    max: 5,
+    step: 0.05,
+    digits: 2,
+    slider: true,
+    testid: "amount",
+    onchange: (value) => change({ amount: value }),
+  });
+  const radius = numberField({
+    label: "Radius",
+    value: brush().radius,
+    min: 2,
+    max: 200,
+    step: 0.5,
+    slider: true,
+    testid: "radius",
+    onchange: (value) => change({ radius: value }),
+  });
   radius.limits(2, 200);
-  const strength = numberField({ label: "Strength", unit: "%", value: 100 * brush().strength, min: 1, max: 100, step: 1, slider: true, testid: "strength", onchange: (value) => change({ strength: value / 100 }) });
-  const inLaw = check({ text: "Stay within the calibrated range", value: store.get("inLaw"), testid: "in-law", onchange: (value) => store.set({ inLaw: value }) });
+  const strength = numberField({
+    label: "Strength",
+    unit: "%",
+    value: 100 * brush().strength,
+    min: 1,
+    max: 100,
+    step: 1,
+    slider: true,
+    testid: "strength",
+    onchange: (value) => change({ strength: value / 100 }),
+  });
+  const inLaw = check({
+    text: "Stay within the calibrated range",
+    value: store.get("inLaw"),
+    testid: "in-law",
+    onchange: (value) => store.set({ inLaw: value }),
+  });
   const range = hint("");
 
   function middle(name) {
@@ -70,18 +124,40 @@ export function brushPanel({ store }, { on }) {
   }
   on(["brush", "inLaw", "sheet"], update);
   update();
-  return [mode.element, says, quantity.element, target.element, amount.element, radius.element, strength.element, inLaw.element, range, ...symmetry({ store }, { on })];
+  return [
+    mode.element,
+    says,
+    quantity.element,
+    target.element,
+    amount.element,
+    radius.element,
+    strength.element,
+    inLaw.element,
+    range,
+    ...symmetry({ store }, { on }),
+  ];
 }
 
 /** Mirrors and sixfold symmetry while painting. */
 function symmetry({ store }, { on }) {
   const box = (key, text) =>
-    check({ text, value: store.get("symmetry")[key], testid: key, onchange: (value) => store.set({ symmetry: { ...store.get("symmetry"), [key]: value } }) });
+    check({
+      text,
+      value: store.get("symmetry")[key],
+      testid: key,
+      onchange: (value) => store.set({ symmetry: { ...store.get("symmetry"), [key]: value } }),
+    });
   const boxes = [box("mirrorX", "Left–right"), box("mirrorY", "Top–bottom"), box("sixfold", "Sixfold")];
-  on(["symmetry"], ({ symmetry: now }) => ["mirrorX", "mirrorY", "sixfold"].forEach((key, k) => boxes[k].set(now[key])));
+  on(["symmetry"], ({ symmetry: now }) =>
+    ["mirrorX", "mirrorY", "sixfold"].forEach((key, k) => boxes[k].set(now[key])),
+  );
   return [
     section("Symmetry"),
-    h("div", { class: "row wrap" }, boxes.map((one) => one.element)),
+    h(
+      "div",
+      { class: "row wrap" },
+      boxes.map((one) => one.element),
+    ),
   ];
 }
 

@@ -9,14 +9,45 @@ export function openExport({ store, connection }) {
   const { printers = [], plastics = [] } = store.get("document");
   let printer = store.get("sheet").printer?.name ?? printers[0]?.name;
   let plastic = plastics.find((name) => name.startsWith("tpu")) ?? plastics[0];
-  const machine = choice({ label: "Printer", testid: "export-printer", options: printers.map(({ name, title }) => ({ value: name, text: title ?? name })), value: printer, onchange: (value) => (printer = value) });
-  const material = plastics.length ? choice({ label: "Plastic", testid: "export-plastic", options: plastics.map((name) => ({ value: name, text: name })), value: plastic, onchange: (value) => (plastic = value) }) : null;
-  const preview = check({ text: "Write the shape too (OBJ, STL, GLB), and what rounding does to it", value: true, testid: "export-preview", onchange: () => {} });
+  const machine = choice({
+    label: "Printer",
+    testid: "export-printer",
+    options: printers.map(({ name, title }) => ({ value: name, text: title ?? name })),
+    value: printer,
+    onchange: (value) => (printer = value),
+  });
+  const material = plastics.length
+    ? choice({
+        label: "Plastic",
+        testid: "export-plastic",
+        options: plastics.map((name) => ({ value: name, text: name })),
+        value: plastic,
+        onchange: (value) => (plastic = value),
+      })
+    : null;
+  const preview = check({
+    text: "Write the shape too (OBJ, STL, GLB), and what rounding does to it",
+    value: true,
+    testid: "export-preview",
+    onchange: () => {},
+  });
   const border = check({ text: "Print a line to cut along", value: true, testid: "export-border", onchange: () => {} });
-  const spacing = numberField({ label: "Needles on held edges, at most apart", value: 20, min: 2, max: 200, testid: "export-spacing", onchange: (value) => (needleSpacing = value) });
+  const spacing = numberField({
+    label: "Needles on held edges, at most apart",
+    value: 20,
+    min: 2,
+    max: 200,
+    testid: "export-spacing",
+    onchange: (value) => (needleSpacing = value),
+  });
   let needleSpacing = 20;
   const said = h("span", { class: "grow" });
-  const waiting = h("div", { class: "row", hidden: true }, said, button({ text: "Cancel", testid: "export-cancel", onclick: () => connection.send("cancel") }));
+  const waiting = h(
+    "div",
+    { class: "row", hidden: true },
+    said,
+    button({ text: "Cancel", testid: "export-cancel", onclick: () => connection.send("cancel") }),
+  );
   const written = h("div", { role: "status", testid: "export-result" });
   const go = button({
     icon: "export",
@@ -25,7 +56,11 @@ export function openExport({ store, connection }) {
     testid: "export-go",
     onclick: () => {
       store.set({ results: { ...store.get("results"), export: null } });
-      connection.send("export", { printer, plastic, options: { preview: preview.box.checked, border: border.box.checked, needle_spacing_mm: needleSpacing } });
+      connection.send("export", {
+        printer,
+        plastic,
+        options: { preview: preview.box.checked, border: border.box.checked, needle_spacing_mm: needleSpacing },
+      });
     },
   });
   const update = () => {
@@ -33,8 +68,18 @@ export function openExport({ store, connection }) {
     const { export: progress } = store.get("jobs");
     go.disabled = Boolean(progress);
     waiting.hidden = !progress;
-    if (progress) (said.textContent = `${progress.stage} · ${seconds(progress.seconds)}`), replace(written);
-    else replace(written, result?.files ? [section("Written", h("span", { class: "count" }, result.folder ?? "")), (result.warnings ?? []).map((text) => hint(text)), fileList(result.files)] : null);
+    if (progress) ((said.textContent = `${progress.stage} · ${seconds(progress.seconds)}`), replace(written));
+    else
+      replace(
+        written,
+        result?.files
+          ? [
+              section("Written", h("span", { class: "count" }, result.folder ?? "")),
+              (result.warnings ?? []).map((text) => hint(text)),
+              fileList(result.files),
+            ]
+          : null,
+      );
   };
   const stop = store.on(["results", "jobs"], update);
   dialog(
@@ -44,7 +89,9 @@ export function openExport({ store, connection }) {
       { class: "export" },
       h("div", { class: "field" }, h("label", {}, "Printer"), machine.element),
       material ? h("div", { class: "field" }, h("label", {}, "Plastic"), material.element) : null,
-      hint("3MF and STL for the slicer, PDF, SVG and DXF at 1:1, drilling template, start code, instructions, and the rounded design."),
+      hint(
+        "3MF and STL for the slicer, PDF, SVG and DXF at 1:1, drilling template, start code, instructions, and the rounded design.",
+      ),
       preview.element,
       border.element,
       spacing.element,
@@ -61,6 +108,18 @@ export function fileList(files) {
   return h(
     "ul",
     { class: "list files" },
-    files.map((file) => h("li", {}, h("a", { class: "item", href: `file/${encodeURI(file.name)}`, download: file.name.split("/").at(-1) }, icon("export"), h("span", { class: "grow" }, file.name), h("span", { class: "count" }, bytes(file.size))))),
+    files.map((file) =>
+      h(
+        "li",
+        {},
+        h(
+          "a",
+          { class: "item", href: `file/${encodeURI(file.name)}`, download: file.name.split("/").at(-1) },
+          icon("export"),
+          h("span", { class: "grow" }, file.name),
+          h("span", { class: "count" }, bytes(file.size)),
+        ),
+      ),
+    ),
   );
 }

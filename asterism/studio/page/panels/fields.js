@@ -9,13 +9,33 @@ let count = 0;
  * A number with its unit. `onchange(value, isFinal)`: while a slider is dragged isFinal is false.
  * Returns {element, set(value), limits(min, max), fault(text)}.
  */
-export function numberField({ label, unit = "mm", value, min = -Infinity, max = Infinity, step = 1, digits, slider = false, onchange, testid, field }) {
+export function numberField({
+  label,
+  unit = "mm",
+  value,
+  min = -Infinity,
+  max = Infinity,
+  step = 1,
+  digits,
+  slider = false,
+  onchange,
+  testid,
+  field,
+}) {
   const id = `field-${(count += 1)}`;
   const places = digits ?? Math.max(0, -Math.floor(Math.log10(step)));
   let limits = [min, max];
   let present = value;
   const text = (number) => (number === null || number === undefined ? "" : String(Number(number.toFixed(places))));
-  const input = h("input", { id, type: "text", inputmode: "decimal", autocomplete: "off", value: text(value), testid, "aria-describedby": `${id}-fault` });
+  const input = h("input", {
+    id,
+    type: "text",
+    inputmode: "decimal",
+    autocomplete: "off",
+    value: text(value),
+    testid,
+    "aria-describedby": `${id}-fault`,
+  });
   const fault = h("div", { class: "fault", id: `${id}-fault`, hidden: true, role: "alert" });
   const range = slider ? h("input", { type: "range", min, max, step, value, "aria-label": `${label}, ${unit}` }) : null;
   const element = h(
@@ -68,7 +88,10 @@ export function numberField({ label, unit = "mm", value, min = -Infinity, max = 
     accept(true);
   });
   if (range) {
-    range.addEventListener("input", () => ((present = Number(range.value)), (input.value = text(present)), show(null), onchange(present, false)));
+    range.addEventListener(
+      "input",
+      () => ((present = Number(range.value)), (input.value = text(present)), show(null), onchange(present, false)),
+    );
     range.addEventListener("change", () => onchange(Number(range.value), true));
   }
   return {

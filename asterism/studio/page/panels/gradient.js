@@ -16,7 +16,8 @@ const KINDS = [
 export function gradientPanel({ store, edits, tools, actions }, { on }) {
   const { tool } = tools.gradient;
   const { settings } = tool;
-  const send = (value) => edits.once(() => edits.design(sizeChanges(store.get("sheet").design, settings.quantity, value)));
+  const send = (value) =>
+    edits.once(() => edits.design(sizeChanges(store.get("sheet").design, settings.quantity, value)));
   const quantity = segments({
     label: "Size",
     testid: "gradient-quantity",
@@ -24,20 +25,68 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
     value: settings.quantity,
     onchange: (value) => ((settings.quantity = value), read()),
   });
-  const kind = segments({ label: "Kind", testid: "gradient-kind", options: KINDS, value: settings.kind, onchange: (value) => ((settings.kind = value), show(), (value === "radial" || value === "linear") && redo()) });
+  const kind = segments({
+    label: "Kind",
+    testid: "gradient-kind",
+    options: KINDS,
+    value: settings.kind,
+    onchange: (value) => ((settings.kind = value), show(), (value === "radial" || value === "linear") && redo()),
+  });
   const redo = () => {
     edits.begin();
     tool.apply();
     edits.end();
   };
   const part = (label, key, rest = {}) =>
-    numberField({ label, value: settings[key], min: 0, max: 20, step: 0.1, digits: 2, slider: true, testid: `gradient-${key}`, ...rest, onchange: (value, isFinal) => ((settings[key] = value), edits.begin(), tool.apply(), isFinal && edits.end()) });
+    numberField({
+      label,
+      value: settings[key],
+      min: 0,
+      max: 20,
+      step: 0.1,
+      digits: 2,
+      slider: true,
+      testid: `gradient-${key}`,
+      ...rest,
+      onchange: (value, isFinal) => ((settings[key] = value), edits.begin(), tool.apply(), isFinal && edits.end()),
+    });
   const from = part("From", "from");
   const to = part("To", "to");
   const power = part("Power", "power", { unit: "", min: 0.2, max: 5 });
   const drag = hint("Drag a line in the plan: the first value where you start, the second where you stop.");
-  const number = numberField({ label: "Everywhere", value: 7, min: 0, max: 20, step: 0.1, digits: 2, slider: true, testid: "gradient-number", onchange: (value, isFinal) => (edits.begin(), edits.design(sizeChanges(store.get("sheet").design, settings.quantity, value)), edits.preview(settings.quantity, new Map(store.get("sheet").stars.filter((star) => !star.removed).map((star) => [star.key, value]))), isFinal && edits.end()) });
-  const text = h("textarea", { class: "text", rows: 3, maxLength: 500, spellcheck: false, "aria-label": "Formula", testid: "formula", placeholder: "4 + 6*exp(-(r/30)**2)" });
+  const number = numberField({
+    label: "Everywhere",
+    value: 7,
+    min: 0,
+    max: 20,
+    step: 0.1,
+    digits: 2,
+    slider: true,
+    testid: "gradient-number",
+    onchange: (value, isFinal) => (
+      edits.begin(),
+      edits.design(sizeChanges(store.get("sheet").design, settings.quantity, value)),
+      edits.preview(
+        settings.quantity,
+        new Map(
+          store
+            .get("sheet")
+            .stars.filter((star) => !star.removed)
+            .map((star) => [star.key, value]),
+        ),
+      ),
+      isFinal && edits.end()
+    ),
+  });
+  const text = h("textarea", {
+    class: "text",
+    rows: 3,
+    maxLength: 500,
+    spellcheck: false,
+    "aria-label": "Formula",
+    testid: "formula",
+    placeholder: "4 + 6*exp(-(r/30)**2)",
+  });
   const fault = h("div", { class: "fault", hidden: true, role: "alert", testid: "formula-fault" });
   text.addEventListener("keydown", (event) => {
     event.stopPropagation();
@@ -61,8 +110,24 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
     hint("x, y and r in mm, theta in radians; + − * / **, sqrt, exp, sin, cos, min, max, clip, where."),
     button({ text: "Use the formula", kind: "wide", keys: "Enter", testid: "use-formula", onclick: use }),
   );
-  const low = numberField({ label: "Black", value: 4, min: 0, max: 20, step: 0.1, testid: "image-low", onchange: () => {} });
-  const high = numberField({ label: "White", value: 10, min: 0, max: 20, step: 0.1, testid: "image-high", onchange: () => {} });
+  const low = numberField({
+    label: "Black",
+    value: 4,
+    min: 0,
+    max: 20,
+    step: 0.1,
+    testid: "image-low",
+    onchange: () => {},
+  });
+  const high = numberField({
+    label: "White",
+    value: 10,
+    min: 0,
+    max: 20,
+    step: 0.1,
+    testid: "image-high",
+    onchange: () => {},
+  });
   const image = h(
     "div",
     {},
@@ -78,7 +143,13 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
         actions.upload("image", "image/png,image/jpeg", (value) => {
           const { size, centre } = store.get("sheet").box;
           const numbers = [low, high].map((one) => Number(one.input.value));
-          send({ ...value, low: numbers[0], high: numbers[1], extent_mm: size.map((one) => Number(one.toFixed(2))), centre_mm: centre.map((one) => Number(one.toFixed(2))) });
+          send({
+            ...value,
+            low: numbers[0],
+            high: numbers[1],
+            extent_mm: size.map((one) => Number(one.toFixed(2))),
+            centre_mm: centre.map((one) => Number(one.toFixed(2))),
+          });
         }),
     }),
   );
@@ -96,8 +167,8 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
   /** Shows what the design has. */
   function read() {
     const profile = tool.read();
-    if (typeof profile === "number") (settings.kind = "number"), number.set(profile);
-    else if (profile?.formula) (settings.kind = "formula"), (text.value = profile.formula);
+    if (typeof profile === "number") ((settings.kind = "number"), number.set(profile));
+    else if (profile?.formula) ((settings.kind = "formula"), (text.value = profile.formula));
     else if (profile?.image || profile?.pixels) settings.kind = "image";
     const [least, most] = store.get("sheet")?.range(settings.quantity, store.get("inLaw")) ?? [0, 20];
     const shown = Math.min(most, { length: 20, thickness: 1.2, width: 4 }[settings.quantity]);
@@ -108,10 +179,24 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
     show();
   }
   function count() {
-    const keys = store.get("sheet")?.stars.filter((star) => star.painted).map((star) => star.key) ?? [];
+    const keys =
+      store
+        .get("sheet")
+        ?.stars.filter((star) => star.painted)
+        .map((star) => star.key) ?? [];
     painted.replaceChildren(
       ...(keys.length
-        ? [hint(`${keys.length === 1 ? "1 star has a painted size" : `${keys.length} stars have painted sizes`}; they stay as they are.`), button({ text: "Drop painted sizes", kind: "wide", testid: "drop-painted", onclick: () => edits.once(() => edits.reset(keys)) })]
+        ? [
+            hint(
+              `${keys.length === 1 ? "1 star has a painted size" : `${keys.length} stars have painted sizes`}; they stay as they are.`,
+            ),
+            button({
+              text: "Drop painted sizes",
+              kind: "wide",
+              testid: "drop-painted",
+              onclick: () => edits.once(() => edits.reset(keys)),
+            }),
+          ]
         : []),
     );
   }
@@ -121,10 +206,25 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
     count();
   });
   on(["document"], () => edits.isWaiting || read());
-  on(["problem"], ({ problem }) => problem?.field?.startsWith("stars.") && settings.kind === "formula" && say(problem.text));
+  on(
+    ["problem"],
+    ({ problem }) => problem?.field?.startsWith("stars.") && settings.kind === "formula" && say(problem.text),
+  );
   read();
   count();
-  return [quantity.element, section("Sizes over the sheet"), kind.element, drag, from.element, to.element, power.element, number.element, formula, image, painted];
+  return [
+    quantity.element,
+    section("Sizes over the sheet"),
+    kind.element,
+    drag,
+    from.element,
+    to.element,
+    power.element,
+    number.element,
+    formula,
+    image,
+    painted,
+  ];
 }
 
 /** Panel of the ruler. */

@@ -19,19 +19,29 @@ export function openHistory({ store, connection }) {
     draw(picture, state);
     return h(
       "button",
-      { type: "button", class: "thumbnail", "aria-current": String(Boolean(state.is_shown)), testid: `state-${state.position}`, onclick: () => connection.send("go", { position: state.position }) },
+      {
+        type: "button",
+        class: "thumbnail",
+        "aria-current": String(Boolean(state.is_shown)),
+        testid: `state-${state.position}`,
+        onclick: () => connection.send("go", { position: state.position }),
+      },
       picture,
       h("span", {}, titled(state.label)),
     );
   }
 
   const stops = [store.on(["history"], update), store.on(["document"], () => connection.send("history"))];
-  dialog("Earlier states", [hint("The newest is first. Undo and redo go through the same states."), list], { testid: "history-dialog", onclose: () => stops.forEach((stop) => stop()) });
+  dialog("Earlier states", [hint("The newest is first. Undo and redo go through the same states."), list], {
+    testid: "history-dialog",
+    onclose: () => stops.forEach((stop) => stop()),
+  });
   connection.send("history");
   update();
 }
 
-const titled = (label) => (label === "file" ? "Changed on disk" : label ? label.charAt(0).toUpperCase() + label.slice(1) : "First state");
+const titled = (label) =>
+  label === "file" ? "Changed on disk" : label ? label.charAt(0).toUpperCase() + label.slice(1) : "First state";
 
 /** Outline, and a dot for each star, as large as its arms. */
 function draw(canvas, { outline_mm: outline, at_mm: places, sizes_mm: sizes }) {

@@ -52,7 +52,11 @@ export function buildInspector(element, { store, builders, toolTitles }) {
       tab.setAttribute("aria-selected", String(name === page));
       tab.tabIndex = name === page ? 0 : -1;
       const title = name === "tool" ? toolTitles[store.get("tool")] : PAGES[name];
-      replace(tab, title, name === "shape" && count ? h("span", { class: "badge", title: `${count} warnings` }, count) : null);
+      replace(
+        tab,
+        title,
+        name === "shape" && count ? h("span", { class: "badge", title: `${count} warnings` }, count) : null,
+      );
     });
   }
   store.on(["page", "tool"], () => (build(), mark()));

@@ -9,13 +9,56 @@ const DEFAULT_ROUNDING = { first_layer_mm: 0.3, layer_mm: 0.2, line_mm: 0.4 };
 export function materialPanel({ store, edits, connection }, { on }) {
   const send = (changes) => edits.once(() => edits.design(changes));
   const design = () => store.get("sheet")?.design ?? {};
-  const stretch = choice({ label: "Stretch", testid: "stretch", options: [], value: "", onchange: (value) => send({ "fabric.stretch": Number(value) }) });
+  const stretch = choice({
+    label: "Stretch",
+    testid: "stretch",
+    options: [],
+    value: "",
+    onchange: (value) => send({ "fabric.stretch": Number(value) }),
+  });
   const stretchHint = hint("");
-  const thickness = numberField({ label: "Released thickness", value: 0.8, min: 0.01, max: 10, step: 0.05, testid: "fabric-thickness", field: "fabric.thickness_mm", onchange: (value) => send({ "fabric.thickness_mm": value }) });
-  const kappa = numberField({ label: "Peeled curvature", unit: "1/mm", value: 0, min: -1, max: 1, step: 0.001, digits: 4, testid: "kappa", field: "plastic.kappa_bar_per_mm", onchange: (value) => send({ "plastic.kappa_bar_per_mm": value }) });
-  const printer = choice({ label: "Printer", testid: "printer", options: [], value: "", onchange: (name) => connection.send("printer", { name }) });
-  const area = check({ text: "Show its printable area in the plan", value: store.get("printArea"), testid: "print-area", onchange: (value) => store.set({ printArea: value }) });
-  const rounding = check({ text: "Round to printable layers and lines", value: false, testid: "rounding", onchange: (value) => send({ "stars.rounding": value ? (store.get("sheet").limits.rounding ?? DEFAULT_ROUNDING) : null }) });
+  const thickness = numberField({
+    label: "Released thickness",
+    value: 0.8,
+    min: 0.01,
+    max: 10,
+    step: 0.05,
+    testid: "fabric-thickness",
+    field: "fabric.thickness_mm",
+    onchange: (value) => send({ "fabric.thickness_mm": value }),
+  });
+  const kappa = numberField({
+    label: "Peeled curvature",
+    unit: "1/mm",
+    value: 0,
+    min: -1,
+    max: 1,
+    step: 0.001,
+    digits: 4,
+    testid: "kappa",
+    field: "plastic.kappa_bar_per_mm",
+    onchange: (value) => send({ "plastic.kappa_bar_per_mm": value }),
+  });
+  const printer = choice({
+    label: "Printer",
+    testid: "printer",
+    options: [],
+    value: "",
+    onchange: (name) => connection.send("printer", { name }),
+  });
+  const area = check({
+    text: "Show its printable area in the plan",
+    value: store.get("printArea"),
+    testid: "print-area",
+    onchange: (value) => store.set({ printArea: value }),
+  });
+  const rounding = check({
+    text: "Round to printable layers and lines",
+    value: false,
+    testid: "rounding",
+    onchange: (value) =>
+      send({ "stars.rounding": value ? (store.get("sheet").limits.rounding ?? DEFAULT_ROUNDING) : null }),
+  });
   const roundingHint = hint("");
   const branch = choice({
     label: "Stars rise",
@@ -36,10 +79,20 @@ export function materialPanel({ store, edits, connection }, { on }) {
     if (!sheet) return;
     const present = now.fabric?.stretch ?? 1.35;
     const known = sheet.limits.stretches;
-    const values = [...new Set([...(known.length ? known : [1.35, 1.75]), present].map((value) => (Array.isArray(value) ? value.join(" × ") : String(value))))];
-    stretch.element.replaceChildren(...values.map((value) => h("option", { value, disabled: value.includes("×") }, value)));
+    const values = [
+      ...new Set(
+        [...(known.length ? known : [1.35, 1.75]), present].map((value) =>
+          Array.isArray(value) ? value.join(" × ") : String(value),
+        ),
+      ),
+    ];
+    stretch.element.replaceChildren(
+      ...values.map((value) => h("option", { value, disabled: value.includes("×") }, value)),
+    );
     stretch.set(Array.isArray(present) ? present.join(" × ") : String(present));
-    stretchHint.textContent = known.length ? `The preview is calibrated for ${known.map((value) => fixed(value, 2)).join(" and ")}. For another stretch, calibrate a law first: asterism calibrate.` : "";
+    stretchHint.textContent = known.length
+      ? `The preview is calibrated for ${known.map((value) => fixed(value, 2)).join(" and ")}. For another stretch, calibrate a law first: asterism calibrate.`
+      : "";
     thickness.set(now.fabric?.thickness_mm ?? 0.8);
     const bar = now.plastic?.kappa_bar_per_mm ?? 0;
     kappa.element.hidden = typeof bar !== "number";
@@ -47,9 +100,15 @@ export function materialPanel({ store, edits, connection }, { on }) {
     branch.set(now.stars?.branch ?? "up");
     rounding.set(Boolean(now.stars?.rounding));
     const steps = now.stars?.rounding;
-    roundingHint.textContent = steps ? `First layer ${steps.first_layer_mm} mm, then ${steps.layer_mm} mm; lines of ${steps.line_mm} mm.` : "Thickness becomes whole layers and width whole lines, as the printer makes them.";
+    roundingHint.textContent = steps
+      ? `First layer ${steps.first_layer_mm} mm, then ${steps.layer_mm} mm; lines of ${steps.line_mm} mm.`
+      : "Thickness becomes whole layers and width whole lines, as the printer makes them.";
     const { printers = [] } = store.get("document");
-    printer.element.replaceChildren(...printers.map(({ name, title, area_mm: size }) => h("option", { value: name }, `${title ?? name}, ${size[0]} × ${size[1]} mm`)));
+    printer.element.replaceChildren(
+      ...printers.map(({ name, title, area_mm: size }) =>
+        h("option", { value: name }, `${title ?? name}, ${size[0]} × ${size[1]} mm`),
+      ),
+    );
     printer.set(sheet.printer?.name ?? "");
     const rows = [
       ["Spacing of the stars", `${fixed(sheet.spacing, 2)} mm`],
@@ -69,7 +128,13 @@ export function materialPanel({ store, edits, connection }, { on }) {
     thickness.element,
     section("Plastic"),
     kappa.element,
-    h("div", { class: "row" }, h("label", { class: "muted" }, "Stars rise"), h("span", { class: "grow" }), branch.element),
+    h(
+      "div",
+      { class: "row" },
+      h("label", { class: "muted" }, "Stars rise"),
+      h("span", { class: "grow" }),
+      branch.element,
+    ),
     rounding.element,
     roundingHint,
     section("Printer"),

@@ -18,16 +18,35 @@ export function needlesPanel({ store, edits, tools }, { on }) {
     const now = sheet();
     if (!now) return;
     const parts = [section("Supports", h("span", { class: "count" }, String(now.tables.length)))];
-    if (!now.tables.length) parts.push(hint("The sheet is free. Click in the plan to place a needle, or hold the whole outline."));
+    if (!now.tables.length)
+      parts.push(hint("The sheet is free. Click in the plan to place a needle, or hold the whole outline."));
     parts.push(
-      h("ul", { class: "list" }, now.tables.map((table, k) => h("li", {}, item(table, k)))),
+      h(
+        "ul",
+        { class: "list" },
+        now.tables.map((table, k) => h("li", {}, item(table, k))),
+      ),
       now.tables.length
-        ? button({ icon: "trash", text: "Free the sheet", kind: "wide", testid: "free-sheet", onclick: () => (send([]), store.set({ support: null })) })
+        ? button({
+            icon: "trash",
+            text: "Free the sheet",
+            kind: "wide",
+            testid: "free-sheet",
+            onclick: () => (send([]), store.set({ support: null })),
+          })
         : h(
             "div",
             { class: "row wrap" },
-            button({ text: "Hold the outline", testid: "hold-border", onclick: () => send([{ where: "border", scale: rounded(usualScale(now), 2) }]) }),
-            button({ text: "Hold the corners", testid: "hold-corners", onclick: () => send([{ where: "corners", scale: rounded(usualScale(now), 2) }]) }),
+            button({
+              text: "Hold the outline",
+              testid: "hold-border",
+              onclick: () => send([{ where: "border", scale: rounded(usualScale(now), 2) }]),
+            }),
+            button({
+              text: "Hold the corners",
+              testid: "hold-corners",
+              onclick: () => send([{ where: "corners", scale: rounded(usualScale(now), 2) }]),
+            }),
           ),
     );
     const support = store.get("support");
@@ -40,10 +59,26 @@ export function needlesPanel({ store, edits, tools }, { on }) {
     const isChosen = store.get("support")?.table === k;
     return h(
       "button",
-      { type: "button", class: "item", "aria-current": String(isChosen), testid: `support-${k}`, onclick: () => store.set({ support: { table: k, point: isPoints(table) ? 0 : null } }) },
+      {
+        type: "button",
+        class: "item",
+        "aria-current": String(isChosen),
+        testid: `support-${k}`,
+        onclick: () => store.set({ support: { table: k, point: isPoints(table) ? 0 : null } }),
+      },
       icon("pin"),
       h("span", { class: "grow" }, titleOf(table, sheet().pins[k])),
-      h("span", { class: "count" }, table.slide === "z" ? "rises freely" : table.slide === "plane" ? "slides" : table.scale ? `× ${table.scale}` : ""),
+      h(
+        "span",
+        { class: "count" },
+        table.slide === "z"
+          ? "rises freely"
+          : table.slide === "plane"
+            ? "slides"
+            : table.scale
+              ? `× ${table.scale}`
+              : "",
+      ),
     );
   }
 
@@ -68,7 +103,17 @@ export function needlesPanel({ store, edits, tools }, { on }) {
           onchange: (value) => move({ [key]: values.map((old, a) => (a === axis ? value : old)) }),
         }).element;
       parts.push(
-        section(`Needle ${support.point + 1}`, button({ icon: "trash", label: "Remove this needle", keys: "Delete", kind: "plain danger", testid: "remove-needle", onclick: () => tool.remove() })),
+        section(
+          `Needle ${support.point + 1}`,
+          button({
+            icon: "trash",
+            label: "Remove this needle",
+            keys: "Delete",
+            kind: "plain danger",
+            testid: "remove-needle",
+            onclick: () => tool.remove(),
+          }),
+        ),
         h("p", { class: "hint" }, "Printed place"),
         spot("x", 0, at, "at"),
         spot("y", 1, at, "at"),
@@ -77,7 +122,20 @@ export function needlesPanel({ store, edits, tools }, { on }) {
         spot("y", 1, target, "target"),
         spot("Height z", 2, target, "target", 0),
       );
-    } else parts.push(section(titleOf(table, shown), button({ icon: "trash", label: "Remove this support", keys: "Delete", kind: "plain danger", testid: "remove-needle", onclick: () => tool.remove() })));
+    } else
+      parts.push(
+        section(
+          titleOf(table, shown),
+          button({
+            icon: "trash",
+            label: "Remove this support",
+            keys: "Delete",
+            kind: "plain danger",
+            testid: "remove-needle",
+            onclick: () => tool.remove(),
+          }),
+        ),
+      );
     parts.push(...whole(now, support.table, table));
     return parts;
   }
@@ -89,8 +147,27 @@ export function needlesPanel({ store, edits, tools }, { on }) {
     const parts = [section("All places of this support")];
     if (!table.target_mm) {
       parts.push(
-        numberField({ label: "Scale of the printed place", unit: "", value: table.scale ?? 1, min: 0.001, max: 10, step: 0.01, testid: "support-scale", field: "pins.scale", onchange: (value) => change({ scale: value }) }).element,
-        numberField({ label: "Height", value: offset[2], min: -5000, max: 5000, step: 0.5, testid: "support-height", field: "pins.offset_mm", onchange: (value) => change({ offset_mm: [offset[0], offset[1], value] }) }).element,
+        numberField({
+          label: "Scale of the printed place",
+          unit: "",
+          value: table.scale ?? 1,
+          min: 0.001,
+          max: 10,
+          step: 0.01,
+          testid: "support-scale",
+          field: "pins.scale",
+          onchange: (value) => change({ scale: value }),
+        }).element,
+        numberField({
+          label: "Height",
+          value: offset[2],
+          min: -5000,
+          max: 5000,
+          step: 0.5,
+          testid: "support-height",
+          field: "pins.offset_mm",
+          onchange: (value) => change({ offset_mm: [offset[0], offset[1], value] }),
+        }).element,
       );
     }
     const slide = choice({
@@ -104,7 +181,12 @@ export function needlesPanel({ store, edits, tools }, { on }) {
       value: table.slide ?? "",
       onchange: (value) => change({ slide: value || undefined }),
     });
-    const later = check({ text: "Takes hold after the release", value: Boolean(table.step), testid: "support-step", onchange: (value) => change({ step: value ? 1 : undefined }) });
+    const later = check({
+      text: "Takes hold after the release",
+      value: Boolean(table.step),
+      testid: "support-step",
+      onchange: (value) => change({ step: value ? 1 : undefined }),
+    });
     parts.push(h("div", { class: "field" }, h("label", {}, "Sliding"), slide.element), later.element);
     return parts;
   }

@@ -10,7 +10,16 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
   const shape = { kind: "rectangle", width: 160, height: 120, sides: 48, rings: 3 };
   const box = store.get("sheet")?.box.size;
   if (box) Object.assign(shape, { width: Math.round(box[0]), height: Math.round(box[1]) });
-  const field = (label, key, rest) => numberField({ label, value: shape[key], min: 1, max: 5000, onchange: (value) => (shape[key] = value), testid: `shape-${key}`, ...rest });
+  const field = (label, key, rest) =>
+    numberField({
+      label,
+      value: shape[key],
+      min: 1,
+      max: 5000,
+      onchange: (value) => (shape[key] = value),
+      testid: `shape-${key}`,
+      ...rest,
+    });
   const width = field("Width", "width", { field: "border.rectangle_mm" });
   const height = field("Height", "height");
   const sides = field("Corners", "sides", { unit: "", min: 3, max: 120 });
@@ -45,7 +54,13 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
       actions.fitSoon();
     },
   });
-  const upload = button({ icon: "upload", text: "SVG or CSV…", kind: "wide", testid: "upload-outline", onclick: () => actions.upload("outline", ".svg,.csv") });
+  const upload = button({
+    icon: "upload",
+    text: "SVG or CSV…",
+    kind: "wide",
+    testid: "upload-outline",
+    onclick: () => actions.upload("outline", ".svg,.csv"),
+  });
   const title = section("Corners", h("span", { class: "count" }));
   const list = h("div", { class: "corners" });
   let made = 0;
@@ -53,7 +68,8 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
     const { outline } = store.get("sheet") ?? { outline: [] };
     title.lastChild.textContent = String(outline.length);
     const isShort = outline.length <= 16;
-    if (!isShort) return list.replaceChildren(hint("Select a corner in the plan; its place appears here."), ...chosenRow(outline));
+    if (!isShort)
+      return list.replaceChildren(hint("Select a corner in the plan; its place appears here."), ...chosenRow(outline));
     if (made === outline.length && list.contains(document.activeElement)) return;
     made = outline.length;
     list.replaceChildren(...outline.map((corner, k) => row(outline, k)));
@@ -63,9 +79,17 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
     return k !== null && outline[k] ? [row(outline, k)] : [];
   }
   function row(outline, k) {
-    const move = (axis, value) => tool.setCorners(outline.map((corner, other) => (other === k ? corner.map((old, a) => (a === axis ? value : old)) : corner)));
+    const move = (axis, value) =>
+      tool.setCorners(
+        outline.map((corner, other) => (other === k ? corner.map((old, a) => (a === axis ? value : old)) : corner)),
+      );
     const cell = (axis) => {
-      const input = h("input", { class: "text cell", value: fixed(outline[k][axis], 2).replace("−", "-"), "aria-label": `Corner ${k}, ${"xy"[axis]} in mm`, testid: `corner-${k}-${"xy"[axis]}` });
+      const input = h("input", {
+        class: "text cell",
+        value: fixed(outline[k][axis], 2).replace("−", "-"),
+        "aria-label": `Corner ${k}, ${"xy"[axis]} in mm`,
+        testid: `corner-${k}-${"xy"[axis]}`,
+      });
       input.addEventListener("keydown", (event) => event.stopPropagation());
       input.addEventListener("focus", () => store.set({ corner: k }));
       input.addEventListener("change", () => Number.isFinite(Number(input.value)) && move(axis, Number(input.value)));
@@ -78,10 +102,28 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
       cell(0),
       cell(1),
       h("span", { class: "unit-tag" }, "mm"),
-      button({ icon: "trash", label: `Remove corner ${k}`, kind: "plain danger", disabled: outline.length <= 3, onclick: () => (store.set({ corner: k }), tool.removeCorner()) }),
+      button({
+        icon: "trash",
+        label: `Remove corner ${k}`,
+        kind: "plain danger",
+        disabled: outline.length <= 3,
+        onclick: () => (store.set({ corner: k }), tool.removeCorner()),
+      }),
     );
   }
   on(["sheet", "corner"], corners);
   corners();
-  return [section("Regular shape"), kind.element, width.element, height.element, sides.element, rings.element, apply, section("From a drawing"), upload, title, list];
+  return [
+    section("Regular shape"),
+    kind.element,
+    width.element,
+    height.element,
+    sides.element,
+    rings.element,
+    apply,
+    section("From a drawing"),
+    upload,
+    title,
+    list,
+  ];
 }

@@ -7,7 +7,9 @@ import { numberField } from "./fields.js";
 
 export function selectionPanel({ store, edits, actions }, { on }) {
   const title = section("No star selected");
-  const empty = hint("Click a star in the plan or on the sheet. Drag a lasso to take several, double-click to take its ring.");
+  const empty = hint(
+    "Click a star in the plan or on the sheet. Drag a lasso to take several, double-click to take its ring.",
+  );
   const stars = () => [...store.get("selection")].map((key) => store.get("sheet")?.byKey.get(key)).filter(Boolean);
   const fields = Object.entries(QUANTITIES).map(([quantity, { name, key, step }]) =>
     numberField({
@@ -29,8 +31,26 @@ export function selectionPanel({ store, edits, actions }, { on }) {
     act("All", () => select(sheet().stars.map((star) => star.key)), "select-all"),
     act("Ring", () => select(stars().flatMap((star) => ringKeys(sheet(), star))), "select-ring"),
     act("Same size", () => select(sameSizeKeys(sheet(), store.get("selection"))), "select-same"),
-    act("Invert", () => select(sheet().stars.map((star) => star.key).filter((key) => !store.get("selection").has(key))), "select-invert"),
-    act("Painted", () => select(sheet().stars.filter((star) => star.painted).map((star) => star.key)), "select-painted"),
+    act(
+      "Invert",
+      () =>
+        select(
+          sheet()
+            .stars.map((star) => star.key)
+            .filter((key) => !store.get("selection").has(key)),
+        ),
+      "select-invert",
+    ),
+    act(
+      "Painted",
+      () =>
+        select(
+          sheet()
+            .stars.filter((star) => star.painted)
+            .map((star) => star.key),
+        ),
+      "select-painted",
+    ),
   );
   const keys = () => stars().map((star) => star.key);
   const change = h(
@@ -40,7 +60,12 @@ export function selectionPanel({ store, edits, actions }, { on }) {
     act("Restore", () => edits.once(() => edits.restore(keys())), "restore"),
     act("Back to the profile", () => edits.once(() => edits.reset(keys())), "reset"),
   );
-  const chosen = h("div", {}, fields.map((one) => one.element), change);
+  const chosen = h(
+    "div",
+    {},
+    fields.map((one) => one.element),
+    change,
+  );
   function update() {
     const all = stars();
     title.firstChild.textContent = all.length ? `${plural(all.length, "star")} selected` : "No star selected";
@@ -51,7 +76,8 @@ export function selectionPanel({ store, edits, actions }, { on }) {
       const isSame = values.every((value) => Math.abs(value - values[0]) < 1e-6);
       fields[k].limits(...(sheet()?.range(quantity, false) ?? [0, 100]));
       fields[k].set(isSame && values.length ? values[0] : null);
-      fields[k].input.placeholder = isSame || !values.length ? "" : `${Math.min(...values).toFixed(1)}–${Math.max(...values).toFixed(1)}`;
+      fields[k].input.placeholder =
+        isSame || !values.length ? "" : `${Math.min(...values).toFixed(1)}–${Math.max(...values).toFixed(1)}`;
     });
   }
   on(["selection", "sheet"], update);

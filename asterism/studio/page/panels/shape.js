@@ -17,39 +17,127 @@ export function shapePanel({ store, connection, actions }, { on }) {
     const frame = store.get("frame");
     const expected = numbers.expected_rms_percent;
     const { words } = trust(expected);
-    replace(trusted, h("div", { class: "big" }, Number.isFinite(expected) ? `± ${percent(expected)}` : "–"), h("p", {}, words), h("p", {}, "Expected distance to the exact shape, in percent of the diameter"));
+    replace(
+      trusted,
+      h("div", { class: "big" }, Number.isFinite(expected) ? `± ${percent(expected)}` : "–"),
+      h("p", {}, words),
+      h("p", {}, "Expected distance to the exact shape, in percent of the diameter"),
+    );
     const rows = [
-      ["Height", frame ? `${mm(numbers.height_mm ?? frame.height_mm)}${Number.isFinite(numbers.expected_height_percent) ? ` ± ${percent(numbers.expected_height_percent, 0)}` : ""}` : "–"],
+      [
+        "Height",
+        frame
+          ? `${mm(numbers.height_mm ?? frame.height_mm)}${Number.isFinite(numbers.expected_height_percent) ? ` ± ${percent(numbers.expected_height_percent, 0)}` : ""}`
+          : "–",
+      ],
       ["Size", numbers.extent_mm ? size(numbers.extent_mm) : "–"],
       ["Contraction", Number.isFinite(numbers.contraction) ? fixed(numbers.contraction, 3) : null],
       ["Radius of the roll", Number.isFinite(numbers.roll_radius_mm) ? mm(numbers.roll_radius_mm) : null],
       ["Plastic is", numbers.side === "down" ? "outside (convex)" : numbers.side === "up" ? "inside (concave)" : null],
     ].filter(([, value]) => value !== null);
-    replace(figures, rows.map(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]));
+    replace(
+      figures,
+      rows.map(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]),
+    );
     refresh(warnings, all, () => [
       section("Warnings", h("span", { class: "count" }, String(all.length))),
       all.length
-        ? h("ul", { class: "list", testid: "warning-list" }, all.map((warning) => h("li", {}, h("button", { type: "button", class: "item warn", onclick: () => actions.showPlace(warning) }, icon("warn"), h("span", { class: "grow" }, capital(warning.text))))))
+        ? h(
+            "ul",
+            { class: "list", testid: "warning-list" },
+            all.map((warning) =>
+              h(
+                "li",
+                {},
+                h(
+                  "button",
+                  { type: "button", class: "item warn", onclick: () => actions.showPlace(warning) },
+                  icon("warn"),
+                  h("span", { class: "grow" }, capital(warning.text)),
+                ),
+              ),
+            ),
+          )
         : hint("None. The preview's assumptions hold everywhere on this sheet."),
     ]);
     refresh(forms, [others, Boolean(frame)], () => [
       others.length > 1
-        ? [section("Forms", h("span", { class: "count" }, String(others.length))), h("ul", { class: "list" }, others.map((form) => h("li", {}, h("button", { type: "button", class: "item", "aria-current": String(Boolean(form.is_shown)), testid: `form-${form.index}`, onclick: () => connection.send("form", { index: form.index }) }, h("span", { class: "grow" }, form.name), h("span", { class: "count" }, form.is_shown ? "shown" : Number.isFinite(form.energy_percent) ? `energy ${form.energy_percent >= 0 ? "+" : ""}${percent(form.energy_percent)}` : "")))))]
+        ? [
+            section("Forms", h("span", { class: "count" }, String(others.length))),
+            h(
+              "ul",
+              { class: "list" },
+              others.map((form) =>
+                h(
+                  "li",
+                  {},
+                  h(
+                    "button",
+                    {
+                      type: "button",
+                      class: "item",
+                      "aria-current": String(Boolean(form.is_shown)),
+                      testid: `form-${form.index}`,
+                      onclick: () => connection.send("form", { index: form.index }),
+                    },
+                    h("span", { class: "grow" }, form.name),
+                    h(
+                      "span",
+                      { class: "count" },
+                      form.is_shown
+                        ? "shown"
+                        : Number.isFinite(form.energy_percent)
+                          ? `energy ${form.energy_percent >= 0 ? "+" : ""}${percent(form.energy_percent)}`
+                          : "",
+                    ),
+                  ),
+                ),
+              ),
+            ),
+          ]
         : null,
-      h("div", { class: "row" }, button({ icon: "flip", text: "Flip to the other side", kind: "wide", testid: "flip", disabled: !frame, onclick: () => connection.send("flip") })),
+      h(
+        "div",
+        { class: "row" },
+        button({
+          icon: "flip",
+          text: "Flip to the other side",
+          kind: "wide",
+          testid: "flip",
+          disabled: !frame,
+          onclick: () => connection.send("flip"),
+        }),
+      ),
     ]);
   }
 
   const fill = h("i", {});
-  const bar = h("div", { class: "bar", role: "progressbar", "aria-label": "Verification", "aria-valuemin": "0", "aria-valuemax": "100" }, fill);
+  const bar = h(
+    "div",
+    { class: "bar", role: "progressbar", "aria-label": "Verification", "aria-valuemin": "0", "aria-valuemax": "100" },
+    fill,
+  );
   const progressText = h("span", { class: "grow", testid: "verify-progress" });
-  const running = h("div", {}, section("Exact model"), bar, h("div", { class: "row" }, progressText, button({ text: "Cancel", testid: "cancel", keys: "Escape", onclick: actions.cancel })));
+  const running = h(
+    "div",
+    { hidden: true },
+    section("Exact model"),
+    bar,
+    h(
+      "div",
+      { class: "row" },
+      progressText,
+      button({ text: "Cancel", testid: "cancel", keys: "Escape", onclick: actions.cancel }),
+    ),
+  );
   const ended = h("div", {});
   replace(verified, running, ended);
 
   function verification() {
     const { verify: progress } = store.get("jobs");
     const { verify: result } = store.get("results");
+    if (running.hidden === Boolean(progress))
+      requestAnimationFrame(() => verified.scrollIntoView({ block: "nearest" }));
     running.hidden = !progress;
     ended.hidden = Boolean(progress);
     if (progress) {
@@ -60,14 +148,29 @@ export function shapePanel({ store, connection, actions }, { on }) {
       return;
     }
     const isOld = Boolean(store.get("comparison")?.isOld);
-    refresh(ended, [result, isOld, Boolean(store.get("document"))], () => [section("Exact model"), ...verdict(result, isOld)]);
+    refresh(ended, [result, isOld, Boolean(store.get("document"))], () => [
+      section("Exact model"),
+      ...verdict(result, isOld),
+    ]);
   }
 
   /** What a verification found, or the button that starts one. */
   function verdict(result, isOld) {
     if (!result?.summary) {
-      const about = result?.cancelled ? "Cancelled. The preview is unchanged." : "Computes the shape without the preview's simplifications, and shows where the two differ. It runs beside your work.";
-      return [hint(about), button({ icon: "verify", text: "Verify", kind: "wide", testid: "verify-panel", disabled: !store.get("document"), onclick: actions.verify })];
+      const about = result?.cancelled
+        ? "Cancelled. The preview is unchanged."
+        : "Computes the shape without the preview's simplifications, and shows where the two differ. It runs beside your work.";
+      return [
+        hint(about),
+        button({
+          icon: "verify",
+          text: "Verify",
+          kind: "wide",
+          testid: "verify-panel",
+          disabled: !store.get("document"),
+          onclick: actions.verify,
+        }),
+      ];
     }
     const s = result.summary;
     const [exact, preview] = s.heights_mm ?? [];
@@ -83,12 +186,31 @@ export function shapePanel({ store, connection, actions }, { on }) {
     const others = (s.warnings ?? []).filter((text) => !known.has(text));
     return [
       isOld ? hint("The design has changed since.") : null,
-      h("dl", { class: "figures", testid: "verified" }, rows.map(([name, value]) => [h("dt", {}, name), h("dd", {}, value)])),
-      others.length ? h("ul", { class: "list" }, others.map((text) => h("li", { class: "item warn" }, icon("warn"), h("span", { class: "grow" }, capital(text))))) : null,
+      h(
+        "dl",
+        { class: "figures", testid: "verified" },
+        rows.map(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]),
+      ),
+      others.length
+        ? h(
+            "ul",
+            { class: "list" },
+            others.map((text) =>
+              h("li", { class: "item warn" }, icon("warn"), h("span", { class: "grow" }, capital(text))),
+            ),
+          )
+        : null,
       h(
         "div",
         { class: "row wrap" },
-        result.report ? h("a", { class: "button", href: `file/${encodeURI(result.report)}`, target: "_blank", rel: "noopener" }, icon("report"), "Report") : null,
+        result.report
+          ? h(
+              "a",
+              { class: "button", href: `file/${encodeURI(result.report)}`, target: "_blank", rel: "noopener" },
+              icon("report"),
+              "Report",
+            )
+          : null,
         button({ icon: "verify", text: "Verify again", onclick: actions.verify }),
       ),
     ];
@@ -97,7 +219,11 @@ export function shapePanel({ store, connection, actions }, { on }) {
   function kept() {
     const { slots: all = {}, numbers = {} } = store.get("state");
     const rows = ["A", "B", "C"].map((slot) => [slot, all[slot]]);
-    const present = { height_mm: numbers.height_mm ?? store.get("frame")?.height_mm, extent_mm: numbers.extent_mm, expected_rms_percent: numbers.expected_rms_percent };
+    const present = {
+      height_mm: numbers.height_mm ?? store.get("frame")?.height_mm,
+      extent_mm: numbers.extent_mm,
+      expected_rms_percent: numbers.expected_rms_percent,
+    };
     const isAny = rows.some(([, entry]) => entry);
     refresh(slots, [all, present, Boolean(store.get("document"))], () => [
       section("Compare designs"),
@@ -105,11 +231,40 @@ export function shapePanel({ store, connection, actions }, { on }) {
         ? h(
             "table",
             { class: "small", testid: "slots" },
-            h("thead", {}, h("tr", {}, ["mm", "Height", "Size", "Error", ""].map((text) => h("th", { scope: "col" }, text)))),
-            h("tbody", {}, line("Now", present, null), rows.filter(([, entry]) => entry).map(([slot, entry]) => line(slot, entry, present))),
+            h(
+              "thead",
+              {},
+              h(
+                "tr",
+                {},
+                ["mm", "Height", "Size", "Error", ""].map((text) => h("th", { scope: "col" }, text)),
+              ),
+            ),
+            h(
+              "tbody",
+              {},
+              line("Now", present, null),
+              rows.filter(([, entry]) => entry).map(([slot, entry]) => line(slot, entry, present)),
+            ),
           )
         : hint("Keep a design as A, B or C, change it, and compare."),
-      h("div", { class: "row tight" }, rows.map(([slot, entry]) => h("span", { class: "grow" }, button({ text: entry ? `Replace ${slot}` : `Keep as ${slot}`, kind: "wide", testid: `keep-${slot}`, disabled: !store.get("document"), onclick: () => connection.send("keep", { slot }) })))),
+      h(
+        "div",
+        { class: "row tight" },
+        rows.map(([slot, entry]) =>
+          h(
+            "span",
+            { class: "grow" },
+            button({
+              text: entry ? `Replace ${slot}` : `Keep as ${slot}`,
+              kind: "wide",
+              testid: `keep-${slot}`,
+              disabled: !store.get("document"),
+              onclick: () => connection.send("keep", { slot }),
+            }),
+          ),
+        ),
+      ),
     ]);
   }
 
@@ -117,16 +272,39 @@ export function shapePanel({ store, connection, actions }, { on }) {
     const change = (value, base, digits) => {
       if (!present || !Number.isFinite(value) || !Number.isFinite(base)) return null;
       const off = value - base;
-      return Math.abs(off) < 10 ** -digits / 2 ? null : h("div", { class: "unit-tag" }, `${off > 0 ? "+" : ""}${fixed(off, digits)}`);
+      return Math.abs(off) < 10 ** -digits / 2
+        ? null
+        : h("div", { class: "unit-tag" }, `${off > 0 ? "+" : ""}${fixed(off, digits)}`);
     };
     return h(
       "tr",
       {},
       h("td", {}, h("b", {}, slot)),
       h("td", {}, fixed(entry.height_mm), change(entry.height_mm, present?.height_mm, 1)),
-      h("td", {}, entry.extent_mm ? entry.extent_mm.slice(0, 2).map((value) => fixed(value, 0)).join(" × ") : "–"),
+      h(
+        "td",
+        {},
+        entry.extent_mm
+          ? entry.extent_mm
+              .slice(0, 2)
+              .map((value) => fixed(value, 0))
+              .join(" × ")
+          : "–",
+      ),
       h("td", {}, Number.isFinite(entry.expected_rms_percent) ? percent(entry.expected_rms_percent) : "–"),
-      h("td", {}, present ? button({ text: "Show", label: `Show design ${slot}`, kind: "plain show", testid: `show-${slot}`, onclick: () => connection.send("show", { slot }) }) : null),
+      h(
+        "td",
+        {},
+        present
+          ? button({
+              text: "Show",
+              label: `Show design ${slot}`,
+              kind: "plain show",
+              testid: `show-${slot}`,
+              onclick: () => connection.send("show", { slot }),
+            })
+          : null,
+      ),
     );
   }
 

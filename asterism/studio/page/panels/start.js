@@ -7,7 +7,12 @@ import { icon } from "../icons.js";
 // the order in which the examples are offered; the others follow below
 const FIRST = ["dome", "bell", "roof", "tunnel", "u-shape", "doubly-curved", "tube", "cone", "star"];
 
-const titled = (name) => (name.charAt(0).toUpperCase() + name.slice(1)).replace(/^Fig(\d+)-(.)-/, "Figure $1, $2, ").replace(/^Fig(\d+)-/, "Figure $1, ").replaceAll("-", " ").replace("U shape", "U-shape");
+const titled = (name) =>
+  (name.charAt(0).toUpperCase() + name.slice(1))
+    .replace(/^Fig(\d+)-(.)-/, "Figure $1, $2, ")
+    .replace(/^Fig(\d+)-/, "Figure $1, ")
+    .replaceAll("-", " ")
+    .replace("U shape", "U-shape");
 
 export function buildStart(element, { store, connection, actions }) {
   element.setAttribute("role", "dialog");
@@ -22,9 +27,19 @@ export function buildStart(element, { store, connection, actions }) {
     picture.addEventListener("error", () => shot.replaceChildren(icon("outline")));
     return h(
       "button",
-      { type: "button", class: "card", testid: `gallery-${design.name}`, onclick: () => actions.open({ gallery: design.name }) },
+      {
+        type: "button",
+        class: "card",
+        testid: `gallery-${design.name}`,
+        onclick: () => actions.open({ gallery: design.name }),
+      },
       shot,
-      h("div", { class: "about" }, h("strong", { title: design.title }, titled(design.name)), h("span", {}, `${plural(design.stars, "star")}${design.size_mm ? `, ${size(design.size_mm)}` : ""}`)),
+      h(
+        "div",
+        { class: "about" },
+        h("strong", { title: design.title }, titled(design.name)),
+        h("span", {}, `${plural(design.stars, "star")}${design.size_mm ? `, ${size(design.size_mm)}` : ""}`),
+      ),
     );
   }
 
@@ -51,13 +66,50 @@ export function buildStart(element, { store, connection, actions }) {
         h(
           "div",
           { class: "head" },
-          h("div", {}, h("h1", {}, "What do you want to make?"), h("p", { class: "lead" }, "Stars of plastic printed on stretched fabric make it rise when it is released. Start from a sheet that works, or from an even one; everything can be changed.")),
-          h("div", { hidden: !document }, button({ icon: "close", text: "Back to the design", keys: "Escape", testid: "start-close", onclick: () => store.set({ startOpen: false }) })),
+          h(
+            "div",
+            {},
+            h("h1", {}, "What do you want to make?"),
+            h(
+              "p",
+              { class: "lead" },
+              "Stars of plastic printed on stretched fabric make it rise when it is released. Start from a sheet that works, or from an even one; everything can be changed.",
+            ),
+          ),
+          h(
+            "div",
+            { hidden: !document },
+            button({
+              icon: "close",
+              text: "Back to the design",
+              keys: "Escape",
+              testid: "start-close",
+              onclick: () => store.set({ startOpen: false }),
+            }),
+          ),
         ),
         files.length
-          ? [h("h2", { class: "section" }, "In this folder"), h("div", { class: "row wrap" }, files.map((name) => button({ icon: "open", text: name, testid: `file-${name}`, onclick: () => actions.open({ name }) }))), h("h2", { class: "section" }, "Examples")]
+          ? [
+              h("h2", { class: "section" }, "In this folder"),
+              h(
+                "div",
+                { class: "row wrap" },
+                files.map((name) =>
+                  button({ icon: "open", text: name, testid: `file-${name}`, onclick: () => actions.open({ name }) }),
+                ),
+              ),
+              h("h2", { class: "section" }, "Examples"),
+            ]
           : null,
-        h("div", { class: "cards" }, blank, designs.filter(({ name }) => FIRST.includes(name)).sort((a, b) => FIRST.indexOf(a.name) - FIRST.indexOf(b.name)).map(card)),
+        h(
+          "div",
+          { class: "cards" },
+          blank,
+          designs
+            .filter(({ name }) => FIRST.includes(name))
+            .sort((a, b) => FIRST.indexOf(a.name) - FIRST.indexOf(b.name))
+            .map(card),
+        ),
         h("h2", { class: "section" }, "Studies of one size"),
         h("div", { class: "cards" }, designs.filter(({ name }) => !FIRST.includes(name)).map(card)),
       ),

@@ -10,7 +10,12 @@ export function buildStatus(element, { store, actions }) {
   const extent = h("span", { testid: "extent" });
   const stars = h("span", { testid: "stars" });
   const place = h("span", { testid: "under" });
-  const warnings = h("button", { type: "button", class: "button plain", testid: "warnings", onclick: () => actions.showPage("shape") });
+  const warnings = h("button", {
+    type: "button",
+    class: "button plain",
+    testid: "warnings",
+    onclick: () => actions.showPage("shape"),
+  });
   element.append(engine, error, height, extent, stars, h("span", { class: "gap" }), place, warnings);
 
   function update() {
@@ -38,7 +43,11 @@ export function buildStatus(element, { store, actions }) {
     const chosen = store.get("selection").size;
     if (star) {
       const [length, thickness, width] = star.sizes;
-      const sizes = star.isPrinted ? `${mm(length)} long, ${mm(thickness, 2)} thick, ${mm(width, 2)} wide` : star.removed ? "removed" : "no star here";
+      const sizes = star.isPrinted
+        ? `${mm(length)} long, ${mm(thickness, 2)} thick, ${mm(width, 2)} wide`
+        : star.removed
+          ? "removed"
+          : "no star here";
       replace(place, `Star ${star.row} at ${star.at[0].toFixed(1)}, ${star.at[1].toFixed(1)} mm: `, h("b", {}, sizes));
     } else replace(place, chosen ? `${plural(chosen, "star")} selected` : "");
   }
@@ -52,7 +61,8 @@ function engineText(store) {
   if (store.get("connection") === "lost") return ["Connection lost, trying again", "bad"];
   if (store.get("connection") === "connecting") return ["Connecting", "busy"];
   const { engine, busy, stage } = store.get("state");
-  if (!store.get("document")) return [engine === "starting" ? "Engine starts" : "Ready", engine === "starting" ? "busy" : ""];
+  if (!store.get("document"))
+    return [engine === "starting" ? "Engine starts" : "Ready", engine === "starting" ? "busy" : ""];
   if (busy) return [busy, "busy"];
   if (engine === "starting") return ["Engine starts", "busy"];
   if (engine === "computing") return ["Computing", "busy"];

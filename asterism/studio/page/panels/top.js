@@ -4,22 +4,75 @@ import { button, h } from "../dom.js";
 import { icon } from "../icons.js";
 
 export function buildTop(element, { store, actions }) {
-  const name = h("input", { "aria-label": "Name of the design file", title: "Name of the design file. Another name saves a copy.", testid: "name", maxLength: 100, spellcheck: false });
+  const name = h("input", {
+    "aria-label": "Name of the design file",
+    title: "Name of the design file. Another name saves a copy.",
+    testid: "name",
+    maxLength: 100,
+    spellcheck: false,
+  });
   name.addEventListener("keydown", (event) => {
     event.stopPropagation();
     if (event.key === "Enter") name.blur();
   });
   name.addEventListener("change", () => name.value.trim() && actions.saveAs(name.value.trim()));
   const saved = h("span", { class: "saved", testid: "saved", role: "status" });
-  const undo = button({ icon: "undo", label: "Undo", keys: "Ctrl+Z", kind: "plain", testid: "undo", onclick: actions.undo });
-  const redo = button({ icon: "redo", label: "Redo", keys: "Ctrl+Shift+Z", kind: "plain", testid: "redo", onclick: actions.redo });
-  const past = button({ icon: "history", label: "Earlier states", kind: "plain", testid: "history", onclick: actions.openHistory });
-  const open = button({ icon: "open", text: "Open", keys: "Ctrl+O", kind: "plain", testid: "open", onclick: actions.openStart });
-  const save = button({ icon: "save", text: "Save", keys: "Ctrl+S", kind: "plain", testid: "save", onclick: actions.save });
+  const undo = button({
+    icon: "undo",
+    label: "Undo",
+    keys: "Ctrl+Z",
+    kind: "plain",
+    testid: "undo",
+    onclick: actions.undo,
+  });
+  const redo = button({
+    icon: "redo",
+    label: "Redo",
+    keys: "Ctrl+Shift+Z",
+    kind: "plain",
+    testid: "redo",
+    onclick: actions.redo,
+  });
+  const past = button({
+    icon: "history",
+    label: "Earlier states",
+    kind: "plain",
+    testid: "history",
+    onclick: actions.openHistory,
+  });
+  const open = button({
+    icon: "open",
+    text: "Open",
+    keys: "Ctrl+O",
+    kind: "plain",
+    testid: "open",
+    onclick: actions.openStart,
+  });
+  const save = button({
+    icon: "save",
+    text: "Save",
+    keys: "Ctrl+S",
+    kind: "plain",
+    testid: "save",
+    onclick: actions.save,
+  });
   const report = button({ icon: "report", text: "Report", kind: "plain", testid: "report", onclick: actions.report });
-  const files = button({ icon: "export", text: "Export", keys: "Ctrl+E", kind: "plain", testid: "export", onclick: actions.openExport });
+  const files = button({
+    icon: "export",
+    text: "Export",
+    keys: "Ctrl+E",
+    kind: "plain",
+    testid: "export",
+    onclick: actions.openExport,
+  });
   const verify = button({ icon: "verify", text: "Verify", kind: "primary", testid: "verify", onclick: actions.verify });
-  const theme = button({ icon: "moon", label: "Light or dark", kind: "plain", testid: "theme", onclick: actions.switchTheme });
+  const theme = button({
+    icon: "moon",
+    label: "Light or dark",
+    kind: "plain",
+    testid: "theme",
+    onclick: actions.switchTheme,
+  });
   element.append(
     h("span", { class: "brand", title: "asterism studio" }, icon("logo")),
     h("span", { class: "name" }, name),
@@ -47,8 +100,12 @@ export function buildTop(element, { store, actions }) {
     name.disabled = !document;
     if (window.document.activeElement !== name) name.value = document?.name ?? "";
     saved.textContent = !document ? "" : document.saved ? "Saved" : "Edited";
-    saved.title = document ? `${document.path}${document.saved ? "" : "\nUnsaved changes are kept in the autosave."}` : "";
-    window.document.title = document ? `${document.saved ? "" : "• "}${document.name} · asterism studio` : "asterism studio";
+    saved.title = document
+      ? `${document.path}${document.saved ? "" : "\nUnsaved changes are kept in the autosave."}`
+      : "";
+    window.document.title = document
+      ? `${document.saved ? "" : "• "}${document.name} · asterism studio`
+      : "asterism studio";
   }
   store.on(["document", "jobs"], update);
   update();
@@ -59,7 +116,16 @@ export function buildTools(element, { store, tools, actions }) {
   const buttons = Object.entries(tools).map(([name, { title, icon: picture, keys }]) => {
     const one = h(
       "button",
-      { type: "button", class: "tool", role: "radio", title: `${title} (${keys})`, "aria-label": title, "aria-keyshortcuts": keys, testid: `tool-${name}`, onclick: () => actions.choose(name) },
+      {
+        type: "button",
+        class: "tool",
+        role: "radio",
+        title: `${title} (${keys})`,
+        "aria-label": title,
+        "aria-keyshortcuts": keys,
+        testid: `tool-${name}`,
+        onclick: () => actions.choose(name),
+      },
       icon(picture),
     );
     one.dataset.tool = name;
@@ -71,7 +137,19 @@ export function buildTools(element, { store, tools, actions }) {
     ["table", "Table of stars", "T", actions.openTable, "open-table"],
     ["help", "Keys and help", "?", actions.openHelp, "open-help"],
   ].map(([picture, title, keys, onclick, testid]) =>
-    h("button", { type: "button", class: "tool", title: `${title} (${keys})`, "aria-label": title, "aria-keyshortcuts": keys, testid, onclick }, icon(picture)),
+    h(
+      "button",
+      {
+        type: "button",
+        class: "tool",
+        title: `${title} (${keys})`,
+        "aria-label": title,
+        "aria-keyshortcuts": keys,
+        testid,
+        onclick,
+      },
+      icon(picture),
+    ),
   );
   element.append(group, h("span", { class: "gap" }), ...more);
   const update = () =>

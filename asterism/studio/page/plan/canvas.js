@@ -33,7 +33,22 @@ export class PlanCanvas {
     canvas.addEventListener("dblclick", (event) => this.tool?.double?.(this.#event(event)));
     canvas.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
     canvas.addEventListener("contextmenu", (event) => event.preventDefault());
-    const drawn = ["sheet", "selection", "hover", "cursor", "planColour", "grid", "printArea", "brush", "support", "corner", "theme", "symmetry", "tool", "state"];
+    const drawn = [
+      "sheet",
+      "selection",
+      "hover",
+      "cursor",
+      "planColour",
+      "grid",
+      "printArea",
+      "brush",
+      "support",
+      "corner",
+      "theme",
+      "symmetry",
+      "tool",
+      "state",
+    ];
     store.on(drawn, () => this.invalidate());
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.invalidate());
   }
@@ -118,7 +133,15 @@ export class PlanCanvas {
     const box = this.canvas.getBoundingClientRect();
     const pixel = [event.clientX - box.left, event.clientY - box.top];
     const { shiftKey: shift, altKey: alt, ctrlKey, metaKey, pressure, pointerType } = event;
-    return { at: this.toPlan(pixel), pixel, shift, alt, control: ctrlKey || metaKey, pressure, isTouch: pointerType === "touch" };
+    return {
+      at: this.toPlan(pixel),
+      pixel,
+      shift,
+      alt,
+      control: ctrlKey || metaKey,
+      pressure,
+      isTouch: pointerType === "touch",
+    };
   }
 
   #pointer(name, event) {

@@ -54,7 +54,10 @@ function drawPaper(paint) {
 function drawGrid({ context, plan, sheet, colour }) {
   const step = nice(14 / plan.scale);
   const { low, high } = sheet.box;
-  for (const [axis, other] of [[0, 1], [1, 0]]) {
+  for (const [axis, other] of [
+    [0, 1],
+    [1, 0],
+  ]) {
     for (let k = Math.ceil(low[axis] / step); k * step <= high[axis]; k++) {
       const ends = [low, high].map((corner) => {
         const point = [0, 0];
@@ -78,7 +81,12 @@ function drawPrintArea(paint) {
   const { area_mm: size, name } = sheet.printer;
   const title = store.get("document").printers?.find((one) => one.name === name)?.title;
   const [cx, cy] = sheet.box.centre;
-  const corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([a, b]) => [cx + (a * size[0]) / 2, cy + (b * size[1]) / 2]);
+  const corners = [
+    [-1, -1],
+    [1, -1],
+    [1, 1],
+    [-1, 1],
+  ].map(([a, b]) => [cx + (a * size[0]) / 2, cy + (b * size[1]) / 2]);
   const isTooLarge = sheet.box.size[0] > size[0] || sheet.box.size[1] > size[1];
   trace(paint, corners);
   context.setLineDash([6, 4]);
@@ -87,7 +95,13 @@ function drawPrintArea(paint) {
   context.stroke();
   context.setLineDash([]);
   const [x, y] = plan.toScreen(corners[0]);
-  label(paint, `${title ?? name}: ${fixed(size[0], 0)} × ${fixed(size[1], 0)} mm${isTooLarge ? ", the sheet is larger" : ""}`, [x, y + 14], "left", isTooLarge ? "bad" : "muted");
+  label(
+    paint,
+    `${title ?? name}: ${fixed(size[0], 0)} × ${fixed(size[1], 0)} mm${isTooLarge ? ", the sheet is larger" : ""}`,
+    [x, y + 14],
+    "left",
+    isTooLarge ? "bad" : "muted",
+  );
 }
 
 /** Viridis without the end that vanishes on this paper. */

@@ -100,7 +100,24 @@ export class Camera {
       // depth from -1 to 1 over twice `far`, centred on the target, so that nothing is cut off
       projection = [1 / (size * aspect), 0, 0, 0, 0, 1 / size, 0, 0, 0, 0, -1 / far, 0, 0, 0, -this.distance / far, 1];
     } else {
-      projection = [1 / (half * aspect), 0, 0, 0, 0, 1 / half, 0, 0, 0, 0, (far + near) / (near - far), -1, 0, 0, (2 * far * near) / (near - far), 0];
+      projection = [
+        1 / (half * aspect),
+        0,
+        0,
+        0,
+        0,
+        1 / half,
+        0,
+        0,
+        0,
+        0,
+        (far + near) / (near - far),
+        -1,
+        0,
+        0,
+        (2 * far * near) / (near - far),
+        0,
+      ];
     }
     return { matrix: new Float32Array(multiply(projection, view)), eye, towards, isOrthographic: this.isOrthographic };
   }
@@ -121,7 +138,9 @@ export class Camera {
   /** Place in the picture, -1 to 1, of a point in space. */
   project(point, aspect) {
     const { matrix } = this.frame(aspect);
-    const [x, y, , w] = [0, 1, 2, 3].map((row) => matrix[row] * point[0] + matrix[4 + row] * point[1] + matrix[8 + row] * point[2] + matrix[12 + row]);
+    const [x, y, , w] = [0, 1, 2, 3].map(
+      (row) => matrix[row] * point[0] + matrix[4 + row] * point[1] + matrix[8 + row] * point[2] + matrix[12 + row],
+    );
     return [x / w, y / w];
   }
 

@@ -1,7 +1,25 @@
 // Colour scales that people with any colour vision can read: viridis for sizes, blue to orange for signed values.
 
-const VIRIDIS = [[68, 1, 84], [71, 44, 122], [59, 81, 139], [44, 113, 142], [33, 144, 141], [39, 173, 129], [92, 200, 99], [170, 220, 50], [253, 231, 37]];
-const DIVERGING = [[22, 74, 140], [67, 130, 190], [150, 190, 222], [240, 238, 232], [240, 180, 120], [205, 110, 40], [130, 55, 10]];
+const VIRIDIS = [
+  [68, 1, 84],
+  [71, 44, 122],
+  [59, 81, 139],
+  [44, 113, 142],
+  [33, 144, 141],
+  [39, 173, 129],
+  [92, 200, 99],
+  [170, 220, 50],
+  [253, 231, 37],
+];
+const DIVERGING = [
+  [22, 74, 140],
+  [67, 130, 190],
+  [150, 190, 222],
+  [240, 238, 232],
+  [240, 180, 120],
+  [205, 110, 40],
+  [130, 55, 10],
+];
 const SCALES = { viridis: VIRIDIS, diverging: DIVERGING };
 
 export function ramp(name, share) {

@@ -6,7 +6,12 @@ const SHADOW_PX = 256;
 
 export class Renderer {
   constructor(canvas) {
-    const gl = canvas.getContext("webgl2", { antialias: true, alpha: true, premultipliedAlpha: true, preserveDrawingBuffer: false });
+    const gl = canvas.getContext("webgl2", {
+      antialias: true,
+      alpha: true,
+      premultipliedAlpha: true,
+      preserveDrawingBuffer: false,
+    });
     if (!gl) throw new Error("This browser has no WebGL 2. The plan works; the sheet in space cannot be drawn.");
     this.gl = gl;
     this.canvas = canvas;
@@ -33,7 +38,13 @@ export class Renderer {
   /** A surface: buffers for positions, normals, colours and triangles, filled by `fill`. */
   makeSurface() {
     const { gl } = this;
-    return { position: gl.createBuffer(), normal: gl.createBuffer(), colour: gl.createBuffer(), triangles: gl.createBuffer(), count: 0 };
+    return {
+      position: gl.createBuffer(),
+      normal: gl.createBuffer(),
+      colour: gl.createBuffer(),
+      triangles: gl.createBuffer(),
+      count: 0,
+    };
   }
 
   fill(surface, { positions, normals, colours, triangles }) {
@@ -67,7 +78,12 @@ export class Renderer {
     if (ground && camera.eye[2] > ground.level) this.#drawGround(ground, camera);
     gl.enable(gl.DEPTH_TEST);
     gl.useProgram(this.surface.program);
-    this.#set(this.surface, { matrix: camera.matrix, eye: camera.eye, towards: camera.towards, perspective: camera.isOrthographic ? 0 : 1 });
+    this.#set(this.surface, {
+      matrix: camera.matrix,
+      eye: camera.eye,
+      towards: camera.towards,
+      perspective: camera.isOrthographic ? 0 : 1,
+    });
     for (const one of surfaces) this.#drawSurface(one);
     gl.disable(gl.DEPTH_TEST);
   }
@@ -138,7 +154,10 @@ export class Renderer {
 
 function program(gl, { vertex, fragment }) {
   const whole = gl.createProgram();
-  for (const [type, source] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
+  for (const [type, source] of [
+    [gl.VERTEX_SHADER, vertex],
+    [gl.FRAGMENT_SHADER, fragment],
+  ]) {
     const shader = gl.createShader(type);
     gl.shaderSource(shader, source);
     gl.compileShader(shader);

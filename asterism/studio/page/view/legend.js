@@ -20,6 +20,15 @@ export function showLegend(element, name, domain) {
   replace(
     element,
     h("div", { class: "title" }, `${field.title ?? field.name}, ${field.unit}`),
-    h("div", { class: "scale" }, strip, h("div", { class: "ticks" }, ticks.map((value) => h("span", {}, fixed(value, field.digits))))),
+    h(
+      "div",
+      { class: "scale" },
+      strip,
+      h(
+        "div",
+        { class: "ticks" },
+        ticks.map((value) => h("span", {}, fixed(value, field.digits))),
+      ),
+    ),
   );
 }

@@ -65,5 +65,9 @@ function joined(parts) {
     normals.push(...part.normals);
     triangles.push(...part.triangles.map((index) => index + first));
   }
-  return { positions: new Float32Array(positions), normals: new Float32Array(normals), triangles: new Uint32Array(triangles) };
+  return {
+    positions: new Float32Array(positions),
+    normals: new Float32Array(normals),
+    triangles: new Uint32Array(triangles),
+  };
 }

@@ -55,7 +55,12 @@ export class View {
       if (this.meshes.size > MAX_MESHES) this.meshes.delete(this.meshes.keys().next().value);
     } else if (kind === 2) this.#takeShape(header, arrays);
     else if (kind === 3) {
-      this.store.set({ comparison: { ...arrays, mesh: header.mesh, revision: header.revision ?? null }, viewColour: "distance", shown: "exact" });
+      if (this.shape) bringTo(this.shape.positions, arrays);
+      this.store.set({
+        comparison: { ...arrays, mesh: header.mesh, revision: header.revision ?? null },
+        viewColour: "distance",
+        shown: "exact",
+      });
       this.onFrame(header);
     }
   }
@@ -84,7 +89,11 @@ export class View {
   }
 
   get positions() {
-    const { comparison, shown, showBumps } = { comparison: this.store.get("comparison"), shown: this.store.get("shown"), showBumps: this.store.get("showBumps") };
+    const { comparison, shown, showBumps } = {
+      comparison: this.store.get("comparison"),
+      shown: this.store.get("shown"),
+      showBumps: this.store.get("showBumps"),
+    };
     if (comparison && shown === "exact") return comparison.exact;
     if (comparison && shown === "both") return comparison.preview;
     return showBumps || !this.shape.smooth ? this.shape.positions : this.shape.smooth;
@@ -92,7 +101,8 @@ export class View {
 
   get triangles() {
     const comparison = this.store.get("comparison");
-    if (comparison && this.store.get("shown") !== "preview") return (this.meshes.get(comparison.mesh) ?? this.shape.mesh).triangles;
+    if (comparison && this.store.get("shown") !== "preview")
+      return (this.meshes.get(comparison.mesh) ?? this.shape.mesh).triangles;
     return this.shape.mesh.triangles;
   }
 
@@ -105,7 +115,11 @@ export class View {
     const comparison = this.store.get("comparison");
     if (comparison) {
       const mesh = this.meshes.get(comparison.mesh) ?? this.shape.mesh;
-      renderer.fill(this.exactSurface, { positions: comparison.exact, normals: vertexNormals(comparison.exact, mesh.triangles), triangles: mesh.triangles });
+      renderer.fill(this.exactSurface, {
+        positions: comparison.exact,
+        normals: vertexNormals(comparison.exact, mesh.triangles),
+        triangles: mesh.triangles,
+      });
     }
     this.#caster = box(positions);
     if (arms?.length) {
@@ -131,7 +145,11 @@ export class View {
       domain = fieldDomain(name, values);
       this.renderer.fill(this.sheetSurface, { colours: vertexColours(name, values, domain) });
     }
-    showLegend(document.getElementById("legend"), this.isColoured && this.store.get("shown") !== "both" ? name : "none", domain);
+    showLegend(
+      document.getElementById("legend"),
+      this.isColoured && this.store.get("shown") !== "both" ? name : "none",
+      domain,
+    );
     this.invalidate();
   }
 
@@ -178,10 +196,23 @@ export class View {
     const colours = isGrey ? GREY : FABRIC;
     const marked = this.shape.arm_site ? 1 : 0;
     const surfaces = [
-      { surface: this.sheetSurface, ...colours, coloured: this.isColoured && !isGrey && shown !== "both" ? 1 : 0, isCaster: true, isBehind: true },
+      {
+        surface: this.sheetSurface,
+        ...colours,
+        coloured: this.isColoured && !isGrey && shown !== "both" ? 1 : 0,
+        isCaster: true,
+        isBehind: true,
+      },
     ];
     if (this.store.get("showArms") && shown === "preview" && this.armSurface.count) {
-      surfaces.push({ surface: this.armSurface, front: PLASTIC, back: PLASTIC, lift: 0.28, shine: 0.16, coloured: marked });
+      surfaces.push({
+        surface: this.armSurface,
+        front: PLASTIC,
+        back: PLASTIC,
+        lift: 0.28,
+        shine: 0.16,
+        coloured: marked,
+      });
     }
     surfaces.push({ surface: this.needleSurface, front: NEEDLE, back: NEEDLE, shine: 0.3 });
     if (shown === "both") surfaces.push({ surface: this.exactSurface, front: EXACT, back: EXACT, alpha: 0.45 });
@@ -249,6 +280,17 @@ export class View {
     [canvas.width, canvas.height] = before;
     this.draw();
     return new Promise((resolve) => flat.toBlob(resolve, "image/png"));
+  }
+}
+
+/** Moves both shapes of a verification to the middle of the shown one, so that the picture stays where it is. */
+function bringTo(positions, { exact, preview }) {
+  const [one, other] = [box(positions), box(preview)];
+  for (let k = 0; k < exact.length; k++) {
+    const c = k % 3;
+    const move = (one.low[c] + one.high[c] - other.low[c] - other.high[c]) / 2;
+    exact[k] += move;
+    preview[k] += move;
   }
 }
 

@@ -142,7 +142,13 @@ export class BrushTool {
     context.arc(x, y, 2, 0, 2 * Math.PI);
     context.fill();
     const digits = QUANTITIES[quantity].digits;
-    const said = { set: `${fixed(target, digits)} mm`, add: `${amount < 0 ? "−" : "+"}${fixed(Math.abs(amount), digits)} mm`, smooth: "smooth", erase: "erase", remove: "remove" }[mode];
+    const said = {
+      set: `${fixed(target, digits)} mm`,
+      add: `${amount < 0 ? "−" : "+"}${fixed(Math.abs(amount), digits)} mm`,
+      smooth: "smooth",
+      erase: "erase",
+      remove: "remove",
+    }[mode];
     label({ context, colour }, said, [x + 10, y - 8], "left", "accent");
     drawAxes(context, plan, colour, symmetry);
   }
@@ -161,7 +167,10 @@ function drawAxes(context, plan, colour, { mirrorX, mirrorY, sixfold }) {
   context.setLineDash([6, 6]);
   for (const degrees of angles) {
     const [c, s] = [Math.cos((degrees * Math.PI) / 180), Math.sin((degrees * Math.PI) / 180)];
-    polyline(context, plan, [[-reach * c, -reach * s], [reach * c, reach * s]]);
+    polyline(context, plan, [
+      [-reach * c, -reach * s],
+      [reach * c, reach * s],
+    ]);
     context.stroke();
   }
   context.setLineDash([]);

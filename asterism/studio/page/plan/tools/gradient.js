@@ -30,7 +30,13 @@ export class GradientTool {
       const centre = profile.centre_mm ?? [0, 0];
       this.#line = [centre, [centre[0] + profile.over_mm, centre[1]]];
     } else if (profile?.profile === "linear") this.#line = [profile.start_mm, profile.end_mm];
-    if (this.#line) Object.assign(this.settings, { kind: profile.profile, from: profile.from, to: profile.to, power: profile.power ?? 1 });
+    if (this.#line)
+      Object.assign(this.settings, {
+        kind: profile.profile,
+        from: profile.from,
+        to: profile.to,
+        power: profile.power ?? 1,
+      });
     this.plan.invalidate();
     return profile;
   }
@@ -108,7 +114,10 @@ export class GradientTool {
       context.stroke();
       context.setLineDash([]);
     }
-    for (const [point, value] of [[start, from], [end, to]]) {
+    for (const [point, value] of [
+      [start, from],
+      [end, to],
+    ]) {
       const [x, y] = plan.toScreen(point);
       context.beginPath();
       context.arc(x, y, 6, 0, 2 * Math.PI);

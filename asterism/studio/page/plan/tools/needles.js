@@ -31,9 +31,13 @@ export class NeedleTool {
       const shown = sheet.pins[number];
       const targets = targetsOf(table, shown);
       pointsOf(table, shown).forEach((at, point) => {
-        for (const [part, place] of [["point", at], ["target", targets[point]]]) {
+        for (const [part, place] of [
+          ["point", at],
+          ["target", targets[point]],
+        ]) {
           const away = place ? distance(event.at, place) : Infinity;
-          if (away < reach && (!best || away < best.away)) best = { table: number, point, part, away, at, target: targets[point] };
+          if (away < reach && (!best || away < best.away))
+            best = { table: number, point, part, away, at, target: targets[point] };
         }
       });
     });
@@ -55,7 +59,15 @@ export class NeedleTool {
     const scale = usualScale(sheet);
     const { tables, support } = withNeedle(sheet.tables, sheet.pins, at, [scale * at[0], scale * at[1], 0]);
     this.store.set({ support });
-    this.#drag = { ...support, part: "point", at, target: [scale * at[0], scale * at[1], 0], start: at, pixel: event.pixel, scale };
+    this.#drag = {
+      ...support,
+      part: "point",
+      at,
+      target: [scale * at[0], scale * at[1], 0],
+      start: at,
+      pixel: event.pixel,
+      scale,
+    };
     this.#send(tables);
   }
 
@@ -64,11 +76,21 @@ export class NeedleTool {
     const { part, at, target, start, pixel, scale } = this.#drag;
     const sheet = this.store.get("sheet");
     let change;
-    if (event.shift) change = { target: [target[0], target[1], Math.max(0, Math.round(2 * (target[2] + this.plan.px(pixel[1] - event.pixel[1]))) / 2)] };
+    if (event.shift)
+      change = {
+        target: [
+          target[0],
+          target[1],
+          Math.max(0, Math.round(2 * (target[2] + this.plan.px(pixel[1] - event.pixel[1]))) / 2),
+        ],
+      };
     else if (part === "target") change = { target: [event.at[0], event.at[1], target[2]] };
     else {
       const moved = this.#snap({ ...event, at: [at[0] + event.at[0] - start[0], at[1] + event.at[1] - start[1]] }).at;
-      change = { at: moved, target: [target[0] + scale * (moved[0] - at[0]), target[1] + scale * (moved[1] - at[1]), target[2]] };
+      change = {
+        at: moved,
+        target: [target[0] + scale * (moved[0] - at[0]), target[1] + scale * (moved[1] - at[1]), target[2]],
+      };
     }
     this.#send(withMoved(sheet.tables, sheet.pins, this.#drag, change));
   }
@@ -112,7 +134,9 @@ export class NeedleTool {
     const support = this.store.get("support");
     if (!support || support.point === null || !sheet.tables[support.table]) return false;
     const [x, y, z] = targetsOf(sheet.tables[support.table], sheet.pins[support.table])[support.point];
-    this.edits.once(() => this.#send(withMoved(sheet.tables, sheet.pins, support, { target: [x, y, Math.max(0, z + step)] })));
+    this.edits.once(() =>
+      this.#send(withMoved(sheet.tables, sheet.pins, support, { target: [x, y, Math.max(0, z + step)] })),
+    );
     return true;
   }
 
@@ -145,7 +169,13 @@ export class NeedleTool {
       if (!table?.points_mm?.[this.#drag.point]) return;
       const [x, y] = plan.toScreen(table.points_mm[this.#drag.point]);
       const place = targetsOf(table, sheet.pins[this.#drag.table])[this.#drag.point];
-      label({ context, colour }, `to ${place.map((value) => fixed(value)).join(", ")} mm`, [x + 12, y + 20], "left", "needle");
+      label(
+        { context, colour },
+        `to ${place.map((value) => fixed(value)).join(", ")} mm`,
+        [x + 12, y + 20],
+        "left",
+        "needle",
+      );
     } else if (this.#ghost) {
       const [x, y] = plan.toScreen(this.#ghost.at);
       context.beginPath();
@@ -153,7 +183,10 @@ export class NeedleTool {
       context.strokeStyle = colour("needle");
       context.lineWidth = 1.5;
       context.stroke();
-      const said = this.#ghost.kind && this.#ghost.kind !== "grid" ? this.#ghost.kind : this.#ghost.at.map((value) => fixed(value)).join(", ");
+      const said =
+        this.#ghost.kind && this.#ghost.kind !== "grid"
+          ? this.#ghost.kind
+          : this.#ghost.at.map((value) => fixed(value)).join(", ");
       label({ context, colour }, said, [x + 10, y - 8], "left", "muted");
     }
   }

@@ -65,7 +65,10 @@ export class OutlineTool {
 
   #send() {
     const corners = this.#corners.map((corner) => [...corner]);
-    this.edits.design(borderOf(this.store.get("sheet").design, { polygon_mm: corners.map((corner) => roundPoint(corner)) }), { outline: corners });
+    this.edits.design(
+      borderOf(this.store.get("sheet").design, { polygon_mm: corners.map((corner) => roundPoint(corner)) }),
+      { outline: corners },
+    );
   }
 
   hover(event) {
@@ -132,7 +135,16 @@ export class OutlineTool {
       context.strokeStyle = colour("accent");
       context.globalAlpha = 0.4;
       context.lineWidth = 1;
-      for (const end of [[[px - 3000, py], [px + 3000, py]], [[px, py - 3000], [px, py + 3000]]]) {
+      for (const end of [
+        [
+          [px - 3000, py],
+          [px + 3000, py],
+        ],
+        [
+          [px, py - 3000],
+          [px, py + 3000],
+        ],
+      ]) {
         polyline(context, plan, end);
         context.stroke();
       }

@@ -92,6 +92,11 @@ export function ringKeys(sheet, star) {
 /** Stars with the same sizes as any of the selected ones. */
 export function sameSizeKeys(sheet, keys) {
   const text = (star) => star.sizes.map((value) => value.toFixed(2)).join(" ");
-  const wanted = new Set([...keys].map((key) => sheet.byKey.get(key)).filter(Boolean).map(text));
+  const wanted = new Set(
+    [...keys]
+      .map((key) => sheet.byKey.get(key))
+      .filter(Boolean)
+      .map(text),
+  );
   return sheet.stars.filter((star) => wanted.has(text(star))).map((star) => star.key);
 }
