@@ -176,7 +176,7 @@ class PreviewModel:
     rim_arm_among: float = _fitted(
         0.2, "-", "share that an arm carries that leads to another star", "42 free sheets; 100x40, 100x85, tube"
     )
-    # supported sides of round outlines: edges/supported_rim.py
+    # supported sides of round outlines: edges/supported_edge.py
     supported_rim_width: float = _unknown(0.5, "spacing", "width of the rim moved to its supports; 0 moves none")
     # bumps: corrugation/bumps.py
     has_bumps: bool = _derived(True, "-", "switch: bumps lie on the smooth surface")
