@@ -1,1 +1,1 @@
-"""From a design to the printer: solids, 1:1 sheets, needles, start code; one file format a module."""
+"""Files for the print of a design: solids, 1:1 sheets, needles, start code. Each file format is a module."""

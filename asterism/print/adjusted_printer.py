@@ -1,4 +1,4 @@
-"""A printer with what options of a command say."""
+"""A printer with the values of command-line options."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pattern.design.errors import DesignError, from_validation
 def adjusted_printer(
     machine: Printer, first_layer: float | None = None, layer: float | None = None, plate: float | None = None
 ) -> Printer:
-    """The printer with other heights of layers (mm), and with another plate under the fabric.
+    """The printer with other layer heights (mm) and another thickness of the plate (mm).
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The plastic of a layout as straight strips, each of one height: what is united, drawn and scripted."""
+"""The arms of a layout as straight pieces of one height, for solids, drawings and scripts."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from pattern.layout.layout import Layout
 
 @dataclass(frozen=True)
 class ArmPiece:
-    """Part of an arm, or all of it.
+    """A straight piece of an arm with one height.
 
     Attributes
     ----------
-    star : its number in the layout.
-    direction : (2,) unit vector from the star's centre.
-    begin_mm, end_mm : distances from the centre.
-    begin_width_mm, end_width_mm : widths there, linear between.
-    height_mm : to which it is printed.
+    star : number of the star in the layout.
+    direction : (2,) unit vector from the centre of the star.
+    begin_mm, end_mm : distances of both ends from the centre.
+    begin_width_mm, end_width_mm : widths at both ends, linear between them.
+    height_mm : printed height.
     """
 
     star: int
@@ -33,7 +33,7 @@ class ArmPiece:
     height_mm: float
 
     def corners(self, centre: Floats) -> Floats:
-        """(4, 2) mm, counterclockwise."""
+        """(4, 2) mm, corners, counterclockwise."""
         side = np.array([-self.direction[1], self.direction[0]])
         begin, end = centre + self.begin_mm * self.direction, centre + self.end_mm * self.direction
         a, b = self.begin_width_mm / 2 * side, self.end_width_mm / 2 * side
@@ -41,10 +41,10 @@ class ArmPiece:
 
 
 def arm_pieces(plan: Layout, rounding: Rounding) -> list[ArmPiece]:
-    """The strips of all arms, arm by arm from the centre outwards.
+    """The pieces of all arms, arm by arm from the centre outwards.
 
-    An arm is the strip that the model computes with, from the star's centre to the tip, cut off straight. An arm
-    whose thickness varies along it is printed in steps of a layer.
+    An arm is the strip of the model, from the centre of the star to the tip, with a straight end. An arm of varying
+    thickness is printed in steps of one layer.
     """
     result: list[ArmPiece] = []
     along = plan.arm_tip - plan.centres[plan.arm_star]
@@ -58,12 +58,12 @@ def arm_pieces(plan: Layout, rounding: Rounding) -> list[ArmPiece]:
 
 
 def _height_steps(thickness: Floats, rounding: Rounding) -> tuple[Floats, Floats]:
-    """Heights along an arm, and where each begins and ends as fractions of its length."""
+    """Heights along an arm, each with its begin and end as fractions of the arm's length."""
     first, last = (float(h) for h in thickness)
     if first == last:
         return np.array([first]), np.array([0.0, 1.0])
     low, high = np.sort(rounding.layers(thickness))
-    # the next layer begins where the arm is halfway between two: cut tips are no whole number of layers
+    # a layer begins halfway between two heights; the height of a cut tip may lie between layers
     layers = np.arange(np.floor(low), np.ceil(high)) + 0.5
     changes = (rounding.height(layers) - first) / (last - first)
     ends = np.unique(np.clip([0.0, *changes, 1.0], 0.0, 1.0))

@@ -1,4 +1,4 @@
-"""The plastic of a layout as terraces: regions of the plane, each with the height to which it is printed."""
+"""The plastic of a layout as terraces: regions of the plane with their printed heights."""
 
 from __future__ import annotations
 
@@ -12,29 +12,30 @@ from asterism.print.solid import GRID_MM, Terrace, nested_terraces
 from pattern.design.rounding import Rounding
 from pattern.layout.layout import Layout
 
-THIN = 0.1  # of a line's width, half of what is too narrow for a piece of the cut line
+# half width below which a piece of the cut line is removed, over the width of a line
+MIN_CUT_LINE_HALF_WIDTH = 0.1
 
 
 def star_terraces(plan: Layout, arms: Sequence[ArmPiece]) -> tuple[Terrace, ...]:
-    """Terraces of all stars in print coordinates; arms that overlap are one."""
+    """Terraces of all stars in printed coordinates; overlapping arms are united."""
     regions: list[tuple[float, BaseGeometry]] = []
     for strip in arms:
         centre = plan.centres[strip.star]
         regions.append((strip.height_mm, shapely.Polygon(strip.corners(centre))))
         if strip.begin_mm == 0.0:
-            # where arms were cut away at the border, the remaining ones meet in a round corner
+            # where the border cuts arms away, the remaining arms meet in a round corner
             disc = shapely.Point(centre).buffer(strip.begin_width_mm / 2, quad_segs=8)
             regions.append((strip.height_mm, disc))
     return nested_terraces(regions)
 
 
 def border_terrace(plan: Layout, stars: Sequence[Terrace], rounding: Rounding) -> Terrace:
-    """A line to cut along: one line wide, one layer high, its inner edge on the border; it goes with the waste."""
+    """A printed line to cut along: one line wide, one layer high, outside the border."""
     sheet = shapely.polygons(plan.outline)
     around = sheet.buffer(rounding.line_mm, join_style="mitre", mitre_limit=5).difference(sheet)
-    # plastic that reaches over the border must not hang on the line
+    # plastic of stars beyond the border must not touch the line
     clear = around.difference(stars[0].region.buffer(rounding.line_mm))
-    # slivers cannot be printed, and would hang on the rest by a point
-    thin = THIN * rounding.line_mm
+    # slivers cannot be printed, and would touch the other parts in a point
+    thin = MIN_CUT_LINE_HALF_WIDTH * rounding.line_mm
     wide = clear.buffer(-thin, join_style="mitre").buffer(thin, join_style="mitre", mitre_limit=5)
     return Terrace(rounding.first_layer_mm, shapely.set_precision(wide, GRID_MM))

@@ -1,4 +1,4 @@
-"""Where the print lies on the bed, and that it does."""
+"""The place of the print on the bed, and the check that it fits."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from pattern.layout.layout import Layout
 
 @dataclass(frozen=True)
 class BedPlacement:
-    """From print coordinates to those of the sheets, whose origin is the middle of frame and bed.
+    """The motion from printed coordinates to those of the sheets, whose origin is the middle of frame and bed.
 
     Attributes
     ----------
-    turn_deg : counterclockwise about the design's origin.
-    shift : (2,) mm, where the design's origin lies then.
+    turn_deg : counterclockwise turn about the origin of the design.
+    shift : (2,) mm, place of the origin of the design after the turn.
     """
 
     turn_deg: float
     shift: Floats
 
     def points(self, printed: Floats) -> Floats:
-        """(..., 2) mm."""
+        """Points (..., 2) mm after the motion."""
         if self.turn_deg == 0.0:
             return np.asarray(printed + self.shift)
         a = np.deg2rad(self.turn_deg)
@@ -37,7 +37,7 @@ class BedPlacement:
         return np.asarray(printed @ np.array([[cos, sin], [-sin, cos]]) + self.shift)
 
     def step(self, step: Terrace) -> Terrace:
-        """A terrace in sheet coordinates."""
+        """A terrace after the motion."""
         region: BaseGeometry = shapely.transform(step.region, self.points)
         return Terrace(step.height_mm, region)
 
@@ -45,12 +45,12 @@ class BedPlacement:
 def place_on_bed(
     plan: Layout, steps: tuple[Terrace, ...], printer: Printer, turn_deg: float = 0.0, may_turn: bool = True
 ) -> BedPlacement:
-    """The design's origin in the middle of the bed, or else the sheet's own middle, or as near to it as may be.
+    """Put the origin of the design to the middle of the bed, or else the middle of the sheet, or as near as possible.
 
     Parameters
     ----------
-    turn_deg : counterclockwise.
-    may_turn : whether another turn may be proposed: not if the fabric's stretch knows directions.
+    turn_deg : counterclockwise turn.
+    may_turn : the error may propose another turn; wrong for fabrics with two stretches.
 
     Raises
     ------
@@ -83,18 +83,18 @@ def place_on_bed(
 
 
 def room_mm(printer: Printer) -> Floats:
-    """(2,) width and depth in which plastic can be printed: on the bed, and between the bars of the frame."""
+    """(2,) mm, width and depth of the printable area: on the bed, and between the bars of the frame."""
     return np.minimum(printer.bed_mm, printer.frame.opening_mm)
 
 
 def _shifts(plastic: Floats, sheet: Floats, room: Floats, frame: Floats) -> tuple[Floats, Floats]:
-    """The least and the largest shift (2,) at which the plastic has room, and the fabric is within the frame."""
+    """Smallest and largest shift (2,) mm at which the plastic fits and the fabric lies within the frame."""
     least = np.maximum(-room / 2 - plastic.min(axis=0), -frame / 2 - sheet.min(axis=0))
     return least, np.minimum(room / 2 - plastic.max(axis=0), frame / 2 - sheet.max(axis=0))
 
 
 def _advice(plastic: Floats, sheet: Floats, room: Floats, frame: Floats) -> str:
-    """The least turn in degrees that makes plastic (n, 2) and sheet (m, 2) fit, in words; empty if there is none."""
+    """The smallest turn at which plastic (n, 2) and sheet (m, 2) fit, in words; empty if there is none."""
     for turn in range(180):
         turned = BedPlacement(turn, np.zeros(2))
         least, most = _shifts(turned.points(plastic), turned.points(sheet), room, frame)

@@ -1,4 +1,4 @@
-"""A drawing to scale: lines, outlines, circles and texts on named layers, whatever file it becomes."""
+"""Drawings to scale, for all file formats: lines, outlines, circles and texts on named layers."""
 
 from __future__ import annotations
 
@@ -11,22 +11,23 @@ from pattern.geometry.arrays import Floats
 
 # width and height of a page of A4 paper
 A4_MM = (210.0, 297.0)
-# widths of signs over the size of the font, none of them wider in common fonts
-_WIDE, _USUAL = 1.15, 0.85
+# largest widths of characters in common fonts, over the size of the font
+_WIDE_CHARACTER = 1.15
+_USUAL_CHARACTER = 0.85
 
 
 @dataclass(frozen=True)
 class DrawingLayer:
-    """How things are drawn.
+    """A layer of a drawing: name and style of its items.
 
     Attributes
     ----------
-    name : as vector programs show it.
+    name : name in vector programs.
     colour : `#rrggbb`.
-    width_mm : of the lines.
-    dash_mm : lengths of dashes and gaps; empty for a full line.
+    width_mm : width of lines.
+    dash_mm : lengths of dashes and gaps; empty for full lines.
     filled : closed lines are filled with the colour.
-    meaning : for the legend; empty to leave it out.
+    meaning : text in the legend; empty for no entry.
     """
 
     name: str
@@ -39,7 +40,7 @@ class DrawingLayer:
 
 @dataclass(frozen=True)
 class Polyline:
-    """Straight pieces through points (n, 2) mm; `holes` are further closed lines that a filled one leaves out."""
+    """Straight segments through points (n, 2) mm; `holes` are closed lines that a filled polyline leaves out."""
 
     layer: DrawingLayer
     points: Floats
@@ -58,7 +59,7 @@ class Circle:
 
 @dataclass(frozen=True)
 class Label:
-    """One line of text; `at` (2,) mm is on its baseline, at the given end of it."""
+    """One line of text; `at` (2,) mm lies on its baseline, at the end `end`."""
 
     layer: DrawingLayer
     at: Floats
@@ -71,7 +72,7 @@ class Label:
 
 @dataclass(frozen=True)
 class Drawing:
-    """A page of `low` to `high` (2,) mm with y upwards, at 1:1."""
+    """A page at 1:1 from `low` to `high` (2,) mm, with y upwards."""
 
     title: str
     low: Floats
@@ -80,12 +81,12 @@ class Drawing:
 
     @property
     def size_mm(self) -> Floats:
-        """(2,) width and height."""
+        """(2,) mm, width and height."""
         return self.high - self.low
 
     @property
     def layers(self) -> tuple[DrawingLayer, ...]:
-        """The layers that are used, in the order of their first use."""
+        """The layers of all items, in the order of their first use."""
         return tuple(dict.fromkeys(item.layer for item in self.items))
 
 
@@ -96,7 +97,7 @@ def rectangle(layer: DrawingLayer, size_mm: tuple[float, float], centre: tuple[f
 
 
 def cross_mark(layer: DrawingLayer, centre: Floats, arm_mm: float) -> list[Polyline]:
-    """Two lines that cross at a point."""
+    """A cross of two lines at a point."""
     return [
         Polyline(layer, np.array([centre - arm, centre + arm]))
         for arm in (np.array([arm_mm, 0.0]), np.array([0, arm_mm]))
@@ -110,6 +111,6 @@ def offset_points(at: Floats, *offsets: tuple[float, float]) -> Floats:
 
 
 def font_size_within(text: str, largest_mm: float, room_mm: float) -> float:
-    """A size of bold text at which it is at most `room_mm` wide, whatever font: a long name is set small, not cut."""
-    ems = sum(_WIDE if sign in "WMmw@%" or sign > "\u2e80" else _USUAL for sign in text)
+    """Size (mm) at which a bold text is at most `room_mm` wide in common fonts."""
+    ems = sum(_WIDE_CHARACTER if sign in "WMmw@%" or sign > "\u2e80" else _USUAL_CHARACTER for sign in text)
     return min(largest_mm, room_mm / max(ems, 1.0))

@@ -1,4 +1,4 @@
-"""The public function behind `asterism export`: a design in, all files for its print out."""
+"""All files for the print of a design: the function behind `asterism export`."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def export(
     Parameters
     ----------
     printer, plastic : a profile, its name (`asterism printers` lists them), or its file.
-    shape : the sheet in space, or where its results are; its files are written too.
+    shape : the sheet in space, or the folder of its results; its files are written too.
     preview, simulate : compute the shape of the rounded design with the preview or the exact model.
         At most one of `shape`, `preview` and `simulate` may be given.
     law : law of the preview; that of the paper's material by default.
@@ -119,7 +119,7 @@ def export(
             shape=known,
         )
 
-    # before anything is computed: most mistakes are found here
+    # this finds most mistakes before anything is computed
     job = job_with(given)
     warnings = ["the given shape is not certified as a minimum"] if job.is_certain is False else []
     warnings += [f"the given shape: {line}" for line in job.shape_warnings]

@@ -1,4 +1,4 @@
-"""What to do at the printer, step by step, with this design's numbers: as a page to print and as text."""
+"""The instructions for the print of a design, step by step, as pages and as text."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from asterism.print.printer import Printer
 from asterism.results.records.export import PrintCostRecord, TinyStarRecord
 from asterism.results.words import VISIBLE_SAG_MM, needle_names, sag_in_words
 
-# empty border of a page of instructions
+# margin of a page of instructions
 _INSTRUCTION_MARGIN_MM = 18.0
-# most letters in a line of the instructions
+# characters in a line of the instructions
 _INSTRUCTION_LETTERS = 98
-# most tiny stars, and most different heights of needles, that the instructions list
-_MAX_LISTED = 12
+# largest number of tiny stars, and of heights of needles, in the instructions
+_MAX_LISTED_PLACES = 12
 
 
 @dataclass(frozen=True)
 class Chapter:
-    """A heading, paragraphs, and lines of code below them."""
+    """A chapter of the instructions: heading, paragraphs, and lines of code below them."""
 
     title: str
     paragraphs: tuple[str, ...]
@@ -34,7 +34,7 @@ class Chapter:
 
 
 def chapters(job: Job, cost: PrintCostRecord, tiny: list[TinyStarRecord]) -> tuple[Chapter, ...]:
-    """The instruction for a job; `cost` from `print_cost`, `tiny` from `tiny_stars`."""
+    """The chapters for a job; `cost` from `print_cost`, `tiny` from `tiny_stars`."""
     return (_stretch(job), _mount(job), _offset(job), _slice(job, tiny), _print(job, cost), _finish(job))
 
 
@@ -63,7 +63,7 @@ def _mount(job: Job) -> Chapter:
 
 
 def homing_advice(printer: Printer) -> str:
-    """What to do about a nozzle that would hit the frame."""
+    """How to home the printer with the frame on the bed."""
     if printer.homes == "onto":
         return (
             f"The {printer.name} moves its nozzle down to find the bed: home it BEFORE the frame is on it, and "
@@ -108,8 +108,8 @@ def _slice(job: Job, tiny: list[TinyStarRecord]) -> Chapter:
         lines.append(f"{job.plastic.name}: nozzle about {job.plastic.nozzle_c:g} C{bed}; see the spool.")
     lines += job.plastic.advice
     if tiny:
-        places = "; ".join(f"[{x:g}, {y:g}]" for x, y in (star.at_mm for star in tiny[:_MAX_LISTED]))
-        more = f"; and {len(tiny) - _MAX_LISTED} more" if len(tiny) > _MAX_LISTED else ""
+        places = "; ".join(f"[{x:g}, {y:g}]" for x, y in (star.at_mm for star in tiny[:_MAX_LISTED_PLACES]))
+        more = f"; and {len(tiny) - _MAX_LISTED_PLACES} more" if len(tiny) > _MAX_LISTED_PLACES else ""
         lines.append(
             f"Tiny stars may jump off the fabric. Watch those at {places}{more} (mm from the design's origin), or "
             "lengthen or remove them."
@@ -169,14 +169,14 @@ def _finish(job: Job) -> Chapter:
 
 
 def _heights(needles: Sequence[Needle]) -> str:
-    """At which heights needles hold the sheet; empty if all hold it on the base."""
+    """A sentence with the heights of raised needles; empty if all hold the sheet on the base."""
     at: dict[str, list[int]] = {}
     for needle in needles:
         if needle.is_raised:
             at.setdefault(f"{needle.height_mm:.1f}", []).append(needle.number)
     if not at:
         return ""
-    if len(at) > _MAX_LISTED:
+    if len(at) > _MAX_LISTED_PLACES:
         return "They hold the sheet at heights over the base that are written beside their holes, and in needles.csv."
     each = "; ".join(f"{height} mm at {needle_names(numbers)}" for height, numbers in at.items())
     known = [needle for needle in needles if needle.height_mm is not None]
@@ -185,7 +185,7 @@ def _heights(needles: Sequence[Needle]) -> str:
 
 
 def as_text(job: Job, parts: tuple[Chapter, ...]) -> str:
-    """The instruction as plain text."""
+    """The instructions as plain text."""
     blocks = [f"{job.design.name}: how to print it on the {job.printer.name}"]
     for part in parts:
         wrapped = "\n\n".join(textwrap.fill(paragraph, 88) for paragraph in part.paragraphs)
@@ -195,7 +195,7 @@ def as_text(job: Job, parts: tuple[Chapter, ...]) -> str:
 
 
 def as_pages(job: Job, parts: tuple[Chapter, ...]) -> list[Drawing]:
-    """The instruction as A4 pages."""
+    """The instructions as A4 pages."""
     name = job.design.name
     pages: list[list[Polyline | Circle | Label]] = []
     top, bottom = A4_MM[1] - _INSTRUCTION_MARGIN_MM, _INSTRUCTION_MARGIN_MM

@@ -1,4 +1,4 @@
-"""Everything that the files of one export are made from."""
+"""The print job: a design prepared for a printer, from which all files of an export are written."""
 
 from __future__ import annotations
 
@@ -27,29 +27,29 @@ from pattern.design.rounding import Rounding
 from pattern.layout.build import layout
 from pattern.layout.layout import Layout
 
-# sides of check squares, the usual one first
+# sides of check squares, the preferred first
 CHECK_SQUARES_MM = (100.0, 80.0, 60.0, 50.0, 40.0, 30.0, 20.0, 10.0, 5.0, 2.0, 1.0)
-# how much of the frame's opening a stretched one may take
-_CHECK_PART = 0.8
+# largest part of the frame's opening for the stretched check square
+_MAX_CHECK_SQUARE_PART = 0.8
 
 
 @dataclass(frozen=True)
 class Job:
-    """A design made ready for a printer.
+    """A design prepared for a printer.
 
     Attributes
     ----------
-    drawn, design : as it was given, and with the printer's rounding.
-    drawn_plan, plan : their layouts, in print coordinates.
-    arms : the pieces of all arms, about the stars' centres of `plan`.
-    placement : from print coordinates to those of the sheets.
-    stars, border : terraces of plastic in sheet coordinates; no border if it was not wanted or does not fit.
-    fabric_mm : thickness of the stretched fabric under the nozzle, if it was given; else the design's, released.
-    fabric_given : whether it was.
-    needles : in print coordinates.
-    shape : the sheet in space, if its files are wanted too.
-    too_large : why it cannot be printed like that; empty if it can.
-    glance : the sheet in space by the preview, if it was computed for what it says alone.
+    drawn, design : the design as drawn, and with the printer's rounding.
+    drawn_plan, plan : their layouts, in printed coordinates.
+    arms : pieces of all arms, relative to the centres of the stars of `plan`.
+    placement : motion from printed coordinates to those of the sheets.
+    stars, border : terraces of plastic in sheet coordinates; no border if it is switched off or does not fit.
+    fabric_mm : thickness of the fabric under the nozzle: of the stretched fabric if given, else of the released fabric.
+    fabric_given : the thickness of the stretched fabric is given.
+    needles : needles, in printed coordinates.
+    shape : the sheet in space whose files are written; None without these files.
+    too_large : why the print does not fit; empty if it fits.
+    glance : the sheet in space from the preview, without files; for heights and warnings only.
     """
 
     drawn: Design
@@ -77,14 +77,14 @@ class Job:
 
     @property
     def start_code(self) -> str:
-        """The printer's start code for this height, with a remark where the fabric was not measured."""
+        """The printer's start code for this height, with a remark if the stretched fabric was not measured."""
         return self.printer.start_snippet(self.z_offset_mm, None if self.fabric_given else self.fabric_mm)
 
     @property
     def check_before_mm(self) -> float:
-        """Side of the check square on the relaxed fabric; stretched, it is well within the frame."""
+        """Side of the check square on the released fabric; after stretching it lies well within the frame."""
         room = np.asarray(self.printer.frame.opening_mm) / self.design.fabric.stretch_xy
-        most = _CHECK_PART * float(room.min()) + 1e-9
+        most = _MAX_CHECK_SQUARE_PART * float(room.min()) + 1e-9
         return next((side for side in CHECK_SQUARES_MM if side <= most), CHECK_SQUARES_MM[-1])
 
     @property
@@ -95,27 +95,27 @@ class Job:
 
     @cached_property
     def size_changes(self) -> dict[str, SizeChangeRecord]:
-        """What rounding does to the sizes of the arms: `thickness` and `width`."""
+        """Changes of the sizes of the arms by rounding: `thickness` and `width`."""
         return size_changes(self.drawn_plan, self.plan)
 
     @property
     def is_rounded(self) -> bool:
-        """Whether the printer makes any star another size than the design has it."""
+        """Whether rounding changes the size of any star."""
         return any(size.stars_changed for size in self.size_changes.values())
 
     @cached_property
     def needles_in_plastic(self) -> list[int]:
-        """Numbers of the needles that would have to go through an arm."""
+        """Numbers of the needles that meet an arm."""
         return needles_through_arms(self.plan, self.needles)
 
     @property
     def seen(self) -> Shape | None:
-        """The sheet in space, if it is known."""
+        """The sheet in space; None if it is not known."""
         return self.shape or self.glance
 
     @property
     def is_certain(self) -> bool | None:
-        """Whether the shape whose files are written is certain to stay; None if there is none, or nothing says so."""
+        """Whether the shape whose files are written is a certified minimum; None without a shape or a certificate."""
         summary: Mapping[str, Any] = {} if self.shape is None else self.shape.summary
         if "is_minimum" not in summary:
             return None
@@ -123,14 +123,14 @@ class Job:
 
     @property
     def shape_warnings(self) -> list[str]:
-        """What is to be known of the shape whose files are written; a line each."""
+        """Warnings of the shape whose files are written, one line each."""
         lines = None if self.shape is None else self.shape.summary.get("warnings")
-        # the summary of a given shape may be anybody's
+        # the summary may come from another program
         return [" ".join(str(line).split()) for line in lines] if isinstance(lines, list | tuple) else []
 
     @cached_property
     def hangs_mm(self) -> float | None:
-        """How far the sheet hangs below the base in which its needles stand; None where the shape is not known."""
+        """How far the sheet hangs below the base of its needles (mm); None if the shape is not known."""
         known = [(needle, height) for needle in self.needles if (height := needle.height_mm) is not None]
         if not known:
             return 0.0
@@ -142,14 +142,14 @@ class Job:
 
     @property
     def hangs_doubt_mm(self) -> float | None:
-        """How far off the preview expects the height to be in which the sheet hangs; None of other shapes."""
+        """Estimated error of the height of the sheet (mm); None if the shape is not a preview."""
         summary: Mapping[str, Any] = {} if self.seen is None else self.seen.summary
         percent = summary.get("expected_height_percent")
         return None if percent is None else percent / 100.0 * summary["height_mm"]
 
     @cached_property
     def solids(self) -> tuple[Solid, ...]:
-        """Stars and border line in the printer's coordinates, standing on z = 0."""
+        """Stars and border line in the printer's coordinates, on z = 0."""
         on_bed = BedPlacement(0.0, np.asarray(self.printer.bed_centre_mm))
         solids = [terraced_solid("stars", [on_bed.step(step) for step in self.stars])]
         if self.border is not None:
@@ -158,7 +158,7 @@ class Job:
 
     @cached_property
     def cost(self) -> PrintCostRecord:
-        """What stars and border line take to print, see `asterism.print.print_cost`."""
+        """Plastic and time for stars and border line, see `asterism.print.print_cost`."""
         prints = [self.stars, *([(self.border,)] if self.border is not None else [])]
         return print_cost(prints, self.printer, self.rounding, self.plastic)
 
@@ -175,24 +175,24 @@ def prepare(
     shape: Shape | None = None,
     any_size: bool = False,
 ) -> Job:
-    """Round a design for a printer and lay it on its bed.
+    """Round a design for a printer and place it on the bed.
 
     Parameters
     ----------
-    fabric_mm : thickness of the stretched fabric; the design's, which is that of the released one, if it is not given.
+    fabric_mm : thickness of the stretched fabric; by default the design's, which is that of the released fabric.
     border : print a line to cut along, if it fits the bed and the frame.
-    turn_deg : of the print on the bed, counterclockwise.
-    needle_spacing_mm : largest distance of needles on held edges.
+    turn_deg : counterclockwise turn of the print on the bed.
+    needle_spacing_mm : largest distance of needles on supported edges.
     shape : the sheet in space.
-    any_size : only to be described: what does not fit is told (`too_large`), not refused.
+    any_size : accept a print that does not fit, with the reason in `too_large`.
 
     Raises
     ------
     DesignError
-        It does not fit the bed or the frame, or its rounded arms run into each other; or a number is out of its limits.
+        The print does not fit the bed or the frame, its rounded arms overlap, or a value is out of range.
     """
     for option, value, limits in (
-        ("--fabric", fabric_mm, (0.01, 50.0)),  # as thin as a design's
+        ("--fabric", fabric_mm, (0.01, 50.0)),  # the lower limit is that of a design
         ("--needle-spacing", needle_spacing_mm, (1.0, 1000.0)),
         ("--turn", turn_deg, (-360.0, 360.0)),
     ):
@@ -250,7 +250,7 @@ def _has_room(step: Terrace, printer: Printer) -> bool:
 
 
 def _check_same_sheet(design: Design, plan: Layout, shape: Shape) -> None:
-    """Refuse a shape of another print: another outline, other stars, or, where its summary is there, other entries."""
+    """Refuse a shape of another design: another outline, other stars, or other values in its summary."""
     box = np.array([plan.outline.min(axis=0), plan.outline.max(axis=0)])
     other = np.array([shape.printed.min(axis=0), shape.printed.max(axis=0)])
     if np.abs(box - other).max() > 1e-3:

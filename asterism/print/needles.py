@@ -1,4 +1,4 @@
-"""Needles: where they go through the sheet, and where they stand."""
+"""Needles: their places on the print and in space."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ from pattern.geometry.planar import distance_to_outline, distance_to_segment
 from pattern.layout.layout import Layout
 from pattern.layout.supports import PinSet
 
-# fabric that a needle needs around it
+# smallest distance of a needle from the edge of the fabric
 MIN_EDGE_DISTANCE_MM = 2.0
-BASE_TOLERANCE_MM = 0.05  # lower places are on the base
+# a needle at a lower height holds the sheet on the base
+BASE_TOLERANCE_MM = 0.05
 
 
 @dataclass(frozen=True)
@@ -25,12 +26,12 @@ class Needle:
 
     Attributes
     ----------
-    number : from 1, as in all drawings.
-    printed : (2,) mm, in print coordinates.
-    place : (3,) mm in space; None if the sheet slides in the plane and no shape says where to. Where it slides along z
-        and no shape says how high, z is not a number.
-    slides : `z` or `plane` where the sheet is free to slide, otherwise empty.
-    step : the design's step at which it is set.
+    number : number in all drawings, from 1.
+    printed : (2,) mm, place in printed coordinates.
+    place : (3,) mm, place in space; None if the sheet slides in the plane and its shape is not known. z is not a number
+        if the sheet slides along z and its shape is not known.
+    slides : `z` or `plane` if the sheet is free to slide, otherwise empty.
+    step : step of the design at which the needle is set.
     """
 
     number: int
@@ -41,20 +42,20 @@ class Needle:
 
     @property
     def height_mm(self) -> float | None:
-        """Height of the sheet above the base; None where it is not known."""
+        """Height of the sheet above the base; None if it is not known."""
         return None if self.place is None or np.isnan(self.place[2]) else float(self.place[2])
 
     @property
     def is_raised(self) -> bool:
-        """It holds the sheet above or below the base."""
+        """Whether the needle holds the sheet above or below the base."""
         return self.height_mm is not None and abs(self.height_mm) > BASE_TOLERANCE_MM
 
 
 def needles(plan: Layout, spacing_mm: float, shape: Shape | None = None) -> tuple[Needle, ...]:
-    """Needles at all pins of a layout; held edges get some at most `spacing_mm` apart, their corners included.
+    """Needles at all pins of a layout; on supported edges, their corners included, at most `spacing_mm` apart.
 
-    A place comes from the design where the sheet is held, and from `shape` where it slides. Where all pins leave the
-    height open, the lowest needle's is 0.
+    The design gives the places of fixed supports, and `shape` the places of sliding ones. If the supports leave the
+    height free, that of the lowest needle is 0.
     """
     found: list[Needle] = []
     for pins in plan.pins:
@@ -62,26 +63,26 @@ def needles(plan: Layout, spacing_mm: float, shape: Shape | None = None) -> tupl
         printed = np.concatenate([pins.points, *along])
         places = _places(pins, printed, shape)
         for k, point in enumerate(printed):
-            # neighbouring edges share a corner
+            # adjacent edges share a corner
             if all(np.linalg.norm(point - needle.printed) > 1e-6 for needle in found):
                 place = None if places is None else places[k]
                 found.append(Needle(len(found) + 1, point, place, pins.slide or "", pins.step))
     if not any(pins.holds_height for pins in plan.pins):
-        # nothing says how high the sheet is: the lowest needle stands on the base
+        # the height is free: the lowest needle stands on the base
         low = min((needle.height_mm for needle in found if needle.height_mm is not None), default=0.0)
         found = [one if one.place is None else replace(one, place=one.place - [0.0, 0.0, low]) for one in found]
     return tuple(found)
 
 
 def _along(border: Floats, edge: int, spacing_mm: float) -> Floats:
-    """Equally spaced points on an edge, its ends included."""
+    """Equally spaced points on an edge, with its ends."""
     a, b = border[edge], border[(edge + 1) % len(border)]
     pieces = max(math.ceil(float(np.linalg.norm(b - a)) / spacing_mm - 1e-9), 1)
     return np.asarray(a + np.arange(pieces + 1)[:, None] / pieces * (b - a))
 
 
 def _places(pins: PinSet, printed: Floats, shape: Shape | None) -> Floats | None:
-    """(n, 3) where the printed points stand in space, z not a number if it is not known; None if x and y are not."""
+    """(n, 3) mm, places of printed points in space; z is not a number if unknown; None if x and y are unknown."""
     held = np.array(pins.fixed)
     if held.all():
         return pins.places(printed)
@@ -91,7 +92,7 @@ def _places(pins: PinSet, printed: Floats, shape: Shape | None) -> Floats | None
 
 
 def needles_near_edge(plan: Layout, some: Sequence[Needle]) -> list[int]:
-    """Numbers of those that stand so near to the cut line that the fabric would tear there."""
+    """Numbers of the needles so near to the cut line that the fabric would tear."""
     if not some:
         return []
     away = distance_to_outline(np.array([needle.printed for needle in some]), plan.outline)
@@ -99,7 +100,7 @@ def needles_near_edge(plan: Layout, some: Sequence[Needle]) -> list[int]:
 
 
 def needles_through_arms(plan: Layout, some: Sequence[Needle]) -> list[int]:
-    """Numbers of those that would have to go through an arm."""
+    """Numbers of the needles that meet an arm."""
     if not some:
         return []
     printed = np.array([needle.printed for needle in some])[:, None]

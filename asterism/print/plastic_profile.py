@@ -1,4 +1,4 @@
-"""What the instruction and the estimate have to know about a plastic."""
+"""The profile of a plastic, for the instructions and the estimate."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from pattern.design.section import Line, MassDensity, Number, Section
 
 
 class PlasticProfile(Section):
-    """A plastic as the printer sees it; how stiff it is says the design.
+    """A plastic for the printer. Its stiffness belongs to the design.
 
     Attributes
     ----------
-    density_kg_m3 : for the mass.
-    tiny_arm_mm : stars with shorter arms are named: such dots may jump off the fabric.
-    nozzle_c, bed_c : temperatures for the instruction; left out if they are not given.
-    advice : lines for the instruction.
+    density_kg_m3 : density, for the mass.
+    tiny_arm_mm : the export names stars with shorter arms, which may jump off the fabric.
+    nozzle_c, bed_c : temperatures in the instructions; None for no advice.
+    advice : lines of the instructions.
     """
 
     name: Line = Field(min_length=1, max_length=100)

@@ -1,4 +1,4 @@
-"""How much plastic and how much time a print takes."""
+"""Estimate of the plastic and the time of a print."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from pattern.design.rounding import Rounding
 def print_cost(
     prints: Sequence[Sequence[Terrace]], printer: Printer, rounding: Rounding, plastic: PlasticProfile
 ) -> PrintCostRecord:
-    """Volume, mass, filament and time.
+    """Volume, mass, filament and time of a print.
 
-    Every layer is filled with lines as wide as the nozzle at the printer's speed; between the islands of a layer the
-    nozzle travels from each to the nearest, and loses `speed.island_s` at each. Acceleration is not modelled.
+    Lines as wide as the nozzle fill each layer at the printer's speed. The nozzle travels from each island of a layer
+    to the nearest one, and loses `speed.island_s` at each. Acceleration is not modelled.
 
     Parameters
     ----------
-    prints : nested terraces of every solid.
+    prints : nested terraces of each solid.
     """
     volume = float(
         sum(
@@ -56,10 +56,10 @@ def print_cost(
 
 
 def _slice(prints: Sequence[Sequence[Terrace]], height_mm: float) -> tuple[float, int, float]:
-    """Area, number of islands and travel between them, mm2 and mm, at a height."""
+    """Area (mm^2), number of islands, and travel between them (mm) of the slice at a height."""
     area, islands, travel = 0.0, 0, 0.0
     for steps in prints:
-        # terraces are nested: the lowest one that reaches this height is the slice
+        # terraces are nested: the first one above this height is the slice
         here = next((step.region for step in steps if step.height_mm > height_mm), None)
         if here is None:
             continue

@@ -1,4 +1,4 @@
-"""The shape of what is printed, from the exact model or the preview, and what rounding has changed."""
+"""The shape of the rounded design from the exact model or the preview, and its change by rounding."""
 
 from __future__ import annotations
 
@@ -26,27 +26,27 @@ def printed_shape(
     report: Report | None = None,
     say: Say | None = None,
 ) -> Found:
-    """The shape if it was asked for, and how far it is from that of the design before rounding.
+    """The shape of the rounded design, and its distance from the shape of the design as drawn.
 
     Parameters
     ----------
-    preview, simulate : ask for the shape of the preview or of the exact model. Without either, the preview still says
-        what rounding changes, if it changes anything, and whether the sheet hangs below its needles, if there are any.
-    law : of the preview; that of the paper's material by default.
+    preview, simulate : compute the shape with the preview or with the exact model. Without either, the preview is
+        computed if rounding changes the design, or if there are needles.
+    law : law of the preview; that of the paper's material by default.
     report, say : called with the progress of the exact model, as in `asterism.exact.simulation.simulate`.
 
     Returns
     -------
-    The printed shape, or None if none was computed; and `shape_change` with the `model` that it is from, or None. Where
-    the preview has no law for the fabric, `model` is None and `why` says the reason.
+    The printed shape and its change, or None for each that was not computed. If the preview has no law for the fabric,
+    the change has the `model` None and the reason in `why`.
 
     Raises
     ------
     LawError
-        The preview was asked for and has no law for this fabric.
+        `preview` is set, and the preview has no law for this fabric.
     """
     if simulate:
-        # the exact model is imported where it is asked for: its imports take seconds
+        # the imports of the exact model take seconds
         from asterism.exact.simulation import simulate as solve
 
         return _both(job, lambda plan: solve(plan, report=report, say=say), "exact")

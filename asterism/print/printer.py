@@ -1,4 +1,4 @@
-"""What the layout has to know about a printer, and what the time estimate has to."""
+"""The profile of a printer, for the layout, the start code and the estimate of the time."""
 
 from __future__ import annotations
 
@@ -12,21 +12,22 @@ from pattern.design.rounding import Rounding
 from pattern.design.section import Line, Number, Point, Section, Text
 
 LayerHeight = Annotated[Number, Field(ge=0.05, le=2)]
-# what may stand in braces in a printer's start code
+# names in braces that a start code may contain
 PLACEHOLDERS = ("z_offset_mm", "above_bed_mm", "above_fabric_mm")
-# how far above the fabric the nozzle is when z is set
+# height of the nozzle above the fabric when the start code sets z
 ABOVE_FABRIC_MM = 10.0
-_LEAST_OPENING_MM = 5.0
+# smallest width of the opening between the bars of a frame
+_MIN_OPENING_MM = 5.0
 
 
 class PrintSpeed(Section):
-    """For the time estimate.
+    """Speeds, for the estimate of the time.
 
     Attributes
     ----------
-    first_layer_mm_s, print_mm_s, travel_mm_s : of the nozzle.
-    island_s : lost at every separate piece of a layer: slowing down, lifting, starting to flow.
-    heating_min : before the first line.
+    first_layer_mm_s, print_mm_s, travel_mm_s : speeds of the nozzle.
+    island_s : time lost at each separate piece of a layer.
+    heating_min : time before the first line.
     """
 
     first_layer_mm_s: Number = Field(gt=0, le=1000)
@@ -37,12 +38,12 @@ class PrintSpeed(Section):
 
 
 class FabricFrame(Section):
-    """What holds the fabric, centred on the bed.
+    """The frame that holds the fabric, centred on the bed.
 
     Attributes
     ----------
-    size_mm : width and depth, with its bars.
-    bar_mm : width of its bars, on which nothing can be printed.
+    size_mm : width and depth with the bars.
+    bar_mm : width of the bars, which are outside the printable area.
     plate_mm : thickness of the plate under the fabric.
     """
 
@@ -57,7 +58,7 @@ class FabricFrame(Section):
 
     @model_validator(mode="after")
     def _bars_leave_an_opening(self) -> Self:
-        most = (min(self.size_mm) - _LEAST_OPENING_MM) / 2
+        most = (min(self.size_mm) - _MIN_OPENING_MM) / 2
         if self.bar_mm > most:
             sides = f"{self.size_mm[0]:g} x {self.size_mm[1]:g}"
             raise DesignError("bar_mm", f"must be at most {most:g} in a frame of {sides} mm", self.bar_mm)
@@ -75,15 +76,15 @@ class Printer(Section):
 
     Attributes
     ----------
-    name : what people call it.
+    name : name in tables and instructions.
     bed_mm : width and depth that the nozzle reaches.
-    origin : of its coordinates: the left front `corner` of the bed, or its `centre`.
-    nozzle_mm : also the width of a line.
-    first_layers_mm : heights that the first layer may have, the usual one first.
-    layer_mm : height of the others.
+    origin : origin of the coordinates: the left front `corner` of the bed, or its `centre`.
+    nozzle_mm : diameter of the nozzle, which is also the width of a line.
+    first_layers_mm : allowed heights of the first layer, the preferred first.
+    layer_mm : height of the other layers.
     filament_mm : diameter of the filament.
-    homes : what the nozzle does when z is homed: it moves `away` from the bed, or down `onto` it.
-    start_code : G-code that makes the nozzle start on the fabric, with the `PLACEHOLDERS` in braces.
+    homes : motion of the nozzle when z is homed: `away` from the bed, or down `onto` it.
+    start_code : G-code for the start on the fabric, with the `PLACEHOLDERS` in braces.
     """
 
     name: Line = Field(min_length=1, max_length=100)
@@ -123,7 +124,7 @@ class Printer(Section):
         return code
 
     def roundings(self) -> tuple[Rounding, ...]:
-        """The sizes that it can make, for each height of the first layer."""
+        """The sizes that the printer can make, for each height of the first layer."""
         return tuple(
             Rounding(first_layer_mm=first, layer_mm=self.layer_mm, line_mm=self.nozzle_mm)
             for first in self.first_layers_mm
@@ -139,7 +140,7 @@ class Printer(Section):
     def start_snippet(self, z_offset_mm: float, released_mm: float | None = None) -> str:
         """The start code for a height of the fabric's surface above the bed.
 
-        `released_mm`: thickness that the fabric was taken to have, if it was not measured where it is stretched.
+        `released_mm` is the thickness of the released fabric, if that of the stretched fabric is not known.
         """
         values = (z_offset_mm, z_offset_mm + ABOVE_FABRIC_MM, ABOVE_FABRIC_MM)
         code = self.start_code

@@ -1,4 +1,4 @@
-"""The design as the printer makes it, and what is different."""
+"""Rounding of a design to the layers and lines of a printer."""
 
 from __future__ import annotations
 
@@ -13,12 +13,14 @@ from pattern.geometry.arrays import Floats
 from pattern.layout.build import layout
 from pattern.layout.layout import Layout
 
-# layers that common printers can do, the coarsest first, and first layers as parts of the nozzle
-_LAYERS = (0.2, 0.15, 0.1, 0.05)
-_FIRST_LAYERS = (0.2, 0.3, 0.15, 0.25, 0.1)
-THICKEST_LAYER = 0.75
-# changes of a thickness that are worth another setting, as a fraction
-_WORTH_IT = 0.02
+# layer heights of common printers, the largest first
+_LAYERS_MM = (0.2, 0.15, 0.1, 0.05)
+# heights of the first layer, the preferred first
+_FIRST_LAYERS_MM = (0.2, 0.3, 0.15, 0.25, 0.1)
+# largest height of a layer over the width of a line
+MAX_LAYER_OVER_LINE = 0.75
+# relative change of the thickness from which other layers are proposed
+_MIN_CHANGE_FOR_PROPOSAL = 0.02
 
 
 def without_rounding(design: Design) -> Design:
@@ -32,12 +34,12 @@ def with_rounding(design: Design, rounding: Rounding | None) -> Design:
 
 
 def choose_rounding(plan: Layout, printer: Printer) -> Rounding:
-    """With the first layer that changes the thicknesses of an exact layout least; the usual one among equals."""
+    """The rounding whose first layer changes the thicknesses least; the printer's preferred one among equals."""
     return min(printer.roundings(), key=lambda rounding: round(_thickness_change(plan, rounding), 6))
 
 
 def rounded_layout(design: Design, printer: Printer) -> Layout:
-    """The layout of a rounded design; `DesignError` says if wider arms run into each other."""
+    """The layout of a rounded design; `DesignError` if wider arms overlap."""
     try:
         return layout(design)
     except DesignError as error:
@@ -45,7 +47,7 @@ def rounded_layout(design: Design, printer: Printer) -> Layout:
 
 
 def size_changes(before: Layout, after: Layout) -> dict[str, SizeChangeRecord]:
-    """What rounding does to the sizes of the arms: `thickness` and `width`."""
+    """Changes of the sizes of the arms by rounding: `thickness` and `width`."""
     result: dict[str, SizeChangeRecord] = {}
     for name in ("thickness", "width"):
         old, new = getattr(before, f"arm_{name}"), getattr(after, f"arm_{name}")
@@ -61,26 +63,26 @@ def size_changes(before: Layout, after: Layout) -> dict[str, SizeChangeRecord]:
 
 
 def better_layers(plan: Layout, rounding: Rounding) -> Rounding | None:
-    """Layers that would print an exact layout much better; None if there is nothing to gain."""
+    """Layers whose rounding changes a layout much less; None if there are none."""
     now = _thickness_change(plan, rounding)
-    if now < _WORTH_IT:
+    if now < _MIN_CHANGE_FOR_PROPOSAL:
         return None
     others = [
         rounding.model_copy(update={"first_layer_mm": first, "layer_mm": layer})
-        for layer in _LAYERS
-        for first in _FIRST_LAYERS
-        if max(first, layer) <= THICKEST_LAYER * rounding.line_mm + 1e-9
+        for layer in _LAYERS_MM
+        for first in _FIRST_LAYERS_MM
+        if max(first, layer) <= MAX_LAYER_OVER_LINE * rounding.line_mm + 1e-9
     ]
     if not others:
         return None
-    # the coarsest that is good enough, or else the best
-    good = [other for other in others if _thickness_change(plan, other) < _WORTH_IT]
+    # the largest layers whose change is small enough, or else the best
+    good = [other for other in others if _thickness_change(plan, other) < _MIN_CHANGE_FOR_PROPOSAL]
     best = good[0] if good else min(others, key=lambda other: _thickness_change(plan, other))
     return best if _thickness_change(plan, best) < now / 2 else None
 
 
 def tiny_stars(plan: Layout, arm_mm: float) -> list[TinyStarRecord]:
-    """Stars whose longest arm is shorter than `arm_mm`, by their place."""
+    """Stars whose longest arm is shorter than `arm_mm`."""
     longest = np.zeros(len(plan.centres))
     np.maximum.at(longest, plan.arm_star, plan.arm_length)
     return [
@@ -90,6 +92,6 @@ def tiny_stars(plan: Layout, arm_mm: float) -> list[TinyStarRecord]:
 
 
 def _thickness_change(plan: Layout, rounding: Rounding) -> float:
-    """Mean change of the thickness as a fraction."""
+    """Mean relative change of the thickness."""
     old: Floats = plan.arm_thickness
     return float(np.mean(np.abs(rounding.thickness(old) - old) / old))

@@ -1,4 +1,4 @@
-"""What rounding does to the shape: the printed design against the one that was drawn."""
+"""Change of the shape by rounding: the rounded design compared with the design as drawn."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def shape_change(drawn: Shape, printed: Shape, design: Design, plan: Layout, mod
     ----------
     drawn, printed : the shapes before and after rounding.
     design, plan : the design and layout before or after rounding; both have the same stars.
-    model : that computed both shapes: `exact` or `preview`.
+    model : model of both shapes: `exact` or `preview`.
     """
     before, after = drawn.positions[drawn.star_vertices], printed.positions[printed.star_vertices]
     distance = float(symmetric_distances(before, after, symmetries(design, plan)).min()) if len(before) > 2 else 0.0

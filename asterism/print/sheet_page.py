@@ -1,4 +1,4 @@
-"""A page with a square field for the drawing and a column of text beside it; with the paper's frame it is an A3."""
+"""A page with a field for the drawing and a column of text; with the paper's frame its size is A3."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from asterism.print.drawing import Circle, Drawing, DrawingLayer, Label, Polylin
 from asterism.print.layers import TEXT
 from pattern.geometry.arrays import Floats
 
-# empty border around the drawing and the column
+# margin around the drawing and the column
 PAGE_MARGIN_MM = 18.5
 # width of the column of text, with its margin
 COLUMN_MM = 123.0
-# most letters in a line of the column
+# characters in a line of the column
 _COLUMN_LETTERS = 48
 # length of the ruler that shows whether the page is printed at 100 %
 _RULER_MM = 100.0
@@ -39,10 +39,10 @@ def sheet_page(
 
     Parameters
     ----------
-    items : the drawing.
-    name, what : the large lines at the head of the column.
-    paragraphs : text of the column, broken into lines here.
-    table : lines in a fixed pitch, as they are.
+    items : items of the drawing.
+    name, what : the two large lines at the head of the column.
+    paragraphs : text of the column, without line breaks.
+    table : lines in a font of fixed pitch.
     """
     half = np.asarray(field_mm) / 2
     low = np.asarray(centre) - half - PAGE_MARGIN_MM

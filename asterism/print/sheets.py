@@ -26,13 +26,16 @@ from asterism.print.sheet_page import DrawingItems, sheet_page
 from asterism.print.solid import Terrace
 from pattern.geometry.arrays import Floats
 
+# diameter of a hole in the drilling template
 _HOLE_MM = 1.0
-_LONGEST_TABLE = 40
-_WORDS_MM = 50.0  # as wide as what is written into a check square
+# rows of the table of needles
+_MAX_TABLE_ROWS = 40
+# width of the words in a check square
+_WORDS_WIDTH_MM = 50.0
 
 
 def layout_sheet(job: Job) -> Drawing:
-    """What lies on the printer: frame, printable area, stars, cut line, needles, marks, check squares."""
+    """The layout on the printer: frame, printable area, stars, cut line, needles, marks, check squares."""
     frame, bed = job.printer.frame.size_mm, job.printer.bed_mm
     items: DrawingItems = [*_areas(job.stars[0], STARS)]
     if job.border is not None:
@@ -65,11 +68,11 @@ def layout_sheet(job: Job) -> Drawing:
 
 
 def stretch_sheet(job: Job) -> Drawing:
-    """The square to draw on the relaxed fabric, and how large it has to become."""
+    """The check square on the released fabric, and its size after stretching."""
     before, (x, y) = job.check_before_mm, job.check_after_mm
     items = [*check_squares(job), *cross_mark(MARKS, np.zeros(2), 5.0)]
-    # within its square, or below both where the words are wider than it
-    at = before / 2 - 7.0 if before > _WORDS_MM else -y / 2 - 7.0
+    # within the square, or below both squares if the words are wider
+    at = before / 2 - 7.0 if before > _WORDS_WIDTH_MM else -y / 2 - 7.0
     items.append(Label(TEXT, np.array([0.0, at]), f"before: {before:g} x {before:g} mm", 4.0, "middle"))
     items.append(Label(TEXT, np.array([0.0, y / 2 + 3.0]), f"after: {x:.1f} x {y:.1f} mm", 4.0, "middle"))
     field = np.maximum(job.printer.frame.size_mm, [x + 20.0, y + 20.0])
@@ -86,12 +89,12 @@ def stretch_sheet(job: Job) -> Drawing:
 
 
 def check_squares(job: Job) -> DrawingItems:
-    """The check square about the middle of the frame, before and after stretching."""
+    """The check square in the middle of the frame, before and after stretching."""
     return [rectangle(BEFORE, (job.check_before_mm, job.check_before_mm)), rectangle(AFTER, job.check_after_mm)]
 
 
 def needle_sheet(job: Job) -> Drawing | None:
-    """The template for drilling the base; None if no place of a needle is known."""
+    """The template for drilling the base; None if the place of no needle is known."""
     known = [(needle, needle.place) for needle in job.needles if needle.place is not None]
     if not known:
         return None
@@ -113,7 +116,7 @@ def needle_sheet(job: Job) -> Drawing | None:
             + " ".join(f"{'-' if np.isnan(c) else fixed_point(c, 2):>8}" for c in (x, y, z))
             + "".join(marks)
         )
-    if len(table) > _LONGEST_TABLE:
+    if len(table) > _MAX_TABLE_ROWS:
         table = ["All needles are in needles.csv."]
     paragraphs = [
         f"Glue this page on the base, drill {_HOLE_MM:g} mm holes at the circles, set the needles upright.",
@@ -135,7 +138,7 @@ def needle_sheet(job: Job) -> Drawing | None:
 
 
 def _clear_of(needles: Floats) -> Floats:
-    """Where to write a word beside the origin, as far from needles (n, 2) and their labels at the right as may be."""
+    """Place of a word beside the origin, as far as possible from needles (n, 2) and their labels."""
     places = np.array([[0.0, 9.5], [0.0, -12.5], [-14.0, -1.0], [14.0, -1.0]])
     marks = np.concatenate([needles + np.array(along) for along in ([0.0, 0.0], [6.0, 3.0], [12.0, 3.0])])
     distance = np.linalg.norm(places[:, None] - marks, axis=2).min(axis=1)
@@ -151,7 +154,7 @@ def _areas(step: Terrace, layer: DrawingLayer) -> DrawingItems:
 
 
 def _marks(frame: tuple[float, float], bed: tuple[float, float]) -> DrawingItems:
-    """A cross in the middle and at the corners of the bed, ticks in the middle of the frame's sides."""
+    """Crosses in the middle and at the corners of the bed, and ticks in the middle of the frame's sides."""
     items: DrawingItems = [*cross_mark(MARKS, np.zeros(2), 5.0)]
     for corner in np.asarray(bed) / 2 * [[-1, -1], [1, -1], [1, 1], [-1, 1]]:
         items += cross_mark(MARKS, corner, 3.0)

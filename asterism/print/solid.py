@@ -1,4 +1,4 @@
-"""Watertight solids that stand on the ground: regions of the plane with a height each, united."""
+"""Watertight solids on the plane z = 0, from regions of the plane with heights."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from shapely.geometry.base import BaseGeometry
 
 from pattern.geometry.arrays import Floats, Ints
 
-# corners lie on a grid of a thousandth of a millimetre: single precision, as in STL, keeps them apart
+# corners lie on this grid, which single precision (as in STL) resolves
 GRID_MM = 1e-3
-# joining parts may bring other corners together
-_MOST_ROUNDS = 5
+# rounds of joining parts, which may bring other corners together
+_MAX_JOIN_ROUNDS = 5
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Solid:
 
     Attributes
     ----------
-    name : what slicers show.
+    name : name in slicers.
     points : (n, 3) mm.
     triangles : (m, 3), counterclockwise from outside.
     """
@@ -46,11 +46,11 @@ class Solid:
 
 @dataclass(frozen=True)
 class Terrace:
-    """A region of the plane that is filled from the ground to a height.
+    """A region of the plane, filled from z = 0 to a height.
 
     Attributes
     ----------
-    height_mm : its top.
+    height_mm : height of the top.
     region : polygons, mm.
     """
 
@@ -59,15 +59,15 @@ class Terrace:
 
 
 def nested_terraces(regions: Sequence[tuple[float, BaseGeometry]]) -> tuple[Terrace, ...]:
-    """Regions (height, polygon) that may overlap, as one terrace for each height, the lowest and widest first.
+    """One terrace for each height from regions (height, polygon) that may overlap; the lowest and widest first.
 
-    A terrace covers all that is at least as high, so that each lies within the one before it. All are unions of the
-    faces of one subdivision of the plane: where two terraces have a wall in common, they have its corners in common.
-    Parts that touch in a point are joined there by a square of a few micrometres: an edge of a solid has two sides.
+    A terrace covers all regions that are at least as high, so that terraces are nested. All terraces are unions of the
+    faces of one subdivision of the plane: terraces that share a wall share its corners. A square of a few micrometres
+    joins parts that touch in a point, because each edge of a solid has two faces.
     """
     heights = np.array([round(height, 6) for height, _ in regions])
     shapes = shapely.set_precision([region for _, region in regions], GRID_MM)
-    for _ in range(_MOST_ROUNDS):
+    for _ in range(_MAX_JOIN_ROUNDS):
         steps = _subdivided(heights, shapes)
         touching = [(step.height_mm, _touching_points(step.region)) for step in steps]
         if not any(len(points) for _, points in touching):
@@ -86,7 +86,7 @@ def _subdivided(heights: Floats, shapes: np.ndarray) -> tuple[Terrace, ...]:
 
 
 def _faces(lines: BaseGeometry, heights: Floats, shapes: np.ndarray) -> tuple[np.ndarray, Floats]:
-    """Polygons between the shapes' boundaries that lie under a shape, and the height of the highest one over each."""
+    """Faces of the subdivision by all boundaries that lie in a region, and the largest height over each."""
     faces = shapely.get_parts(shapely.polygonize(shapely.get_parts(lines)))
     face, shape = shapely.STRtree(shapes).query(shapely.point_on_surface(faces), predicate="intersects")
     top = np.zeros(len(faces))
@@ -95,7 +95,7 @@ def _faces(lines: BaseGeometry, heights: Floats, shapes: np.ndarray) -> tuple[np
 
 
 def _touching_points(region: BaseGeometry) -> Floats:
-    """(n, 2) corners at which parts of a region, or its holes, touch."""
+    """(n, 2) mm, corners at which parts of a region, or its holes, touch."""
     rings = shapely.get_rings(shapely.get_parts(region))
     corners = [shapely.get_coordinates(ring)[:-1] for ring in rings]
     points, count = np.unique(np.concatenate([np.empty((0, 2)), *corners]), axis=0, return_counts=True)
@@ -105,16 +105,16 @@ def _touching_points(region: BaseGeometry) -> Floats:
 def terraced_solid(name: str, steps: Sequence[Terrace]) -> Solid:
     """The solid under nested terraces.
 
-    Over every corner of the plane lie points at the heights of all faces that meet there. Walls and roofs have no other
-    points, so that they fit without being cut against each other.
+    Each corner of the plane has points at the heights of all its faces. Walls and roofs use these points only, so that
+    they fit together.
 
     Raises
     ------
     ValueError
-        There is nothing in the regions.
+        The regions are empty.
     """
     heights = np.array([step.height_mm for step in steps])
-    # terraces may have been turned: what was on the grid has corners in common, and none are to move now
+    # terraces may have been turned off the grid; their common corners must stay equal
     regions = np.array([step.region for step in steps], dtype=object)
     faces, top = _faces(shapely.union_all(shapely.boundary(regions)), heights, regions)
     if not len(faces):
@@ -129,14 +129,14 @@ def terraced_solid(name: str, steps: Sequence[Terrace]) -> Solid:
 
 
 def _walls(faces: np.ndarray, top: Floats) -> Floats:
-    """(n, 3, 3) mm, triangles between faces of different heights and around them all."""
+    """(n, 3, 3) mm, triangles of the walls between faces of different heights, and of the outer walls."""
     rings, face = shapely.get_rings(faces, return_index=True)
     coordinates, ring = shapely.get_coordinates(rings, return_index=True)
     corners, corner = np.unique(coordinates, axis=0, return_inverse=True)
     along = ring[:-1] == ring[1:]
     begin, end = corner.reshape(-1)[:-1][along], corner.reshape(-1)[1:][along]
     height = top[face[ring[:-1][along]]]
-    # each face lies to the left of its edges; beyond an edge that is nobody's other side is the ground
+    # a face lies to the left of its edges; beyond an edge without an opposite edge the height is 0
     other = dict(zip(zip(end.tolist(), begin.tolist(), strict=True), height.tolist(), strict=True))
     walls, levels = [], [{0.0} for _ in corners]
     for a, b, high in zip(begin.tolist(), end.tolist(), height.tolist(), strict=True):

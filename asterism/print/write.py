@@ -1,4 +1,4 @@
-"""All files of an export, complete or not at all."""
+"""Writes all files of an export, complete or not at all."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ from asterism.shape.shape import Shape
 from asterism.shape.vtu import write_rods_vtu, write_shape_vtu
 from pattern.design.design import save_design
 
-# not summary.json: an export may go into the directory of a simulation
+# name of the rounded design
 ROUNDED = "rounded.toml"
-# files that only some exports write: an earlier export's would be taken for this one's
+# files of some exports; those of an earlier export are removed
 OPTIONAL_FILES: dict[str, tuple[FormatKind, ...]] = {
     "border": ("solid",),
     "needles": ("table", "drawing"),
@@ -43,7 +43,7 @@ def write_export(job: Job, directory: str | Path, change: ShapeChangeRecord | No
 
     Parameters
     ----------
-    change : what rounding does to the shape, from `printed_shape`, if it was computed.
+    change : change of the shape by rounding, from `printed_shape`; None if it was not computed.
 
     Raises
     ------

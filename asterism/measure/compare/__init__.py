@@ -1,1 +1,1 @@
-"""A shape against reality: a scan in space, or an outline from a photograph."""
+"""Comparison of a computed shape with a printed sheet: a scan in space, or an outline from a photograph."""

@@ -1,4 +1,4 @@
-"""The public function behind `asterism compare`: a shape and a scan or an outline in, numbers and a picture out."""
+"""Comparison of a computed shape with a scan or an outline: the functions behind `asterism compare`."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ from pattern.design.errors import one_line
 
 @dataclass(frozen=True)
 class MeasuredComparison:
-    """A printed sheet laid on its shape.
+    """A printed sheet compared with its computed shape.
 
     Attributes
     ----------
-    laid : the scan laid on the shape, or the outline laid on the shape's silhouette.
+    laid : the scan in its pose on the shape, or the outline in its pose on the shape's silhouette.
     summary : all numbers; the content of summary.json.
     title : head of the picture.
     """
@@ -86,7 +86,7 @@ def compare(
     DesignError
         The shape cannot be read.
     ScanError, TableError
-        The scan or outline cannot be read, or has another size than the shape, or an option does not suit it.
+        The scan or outline cannot be read, its size differs from the shape's, or an option does not apply to it.
 
     Examples
     --------
@@ -177,7 +177,7 @@ def write_comparison(comparison: MeasuredComparison, directory: str | Path) -> l
 
 
 def _fitted(shape: Shape, file: Path, outlined: Outline, view: str, trim: float) -> OutlineFit:
-    """A file's outline on the shape's."""
+    """The outline of a file in its best pose on the silhouette of a shape."""
     target = silhouette(shape, view)
     sizes = [float(np.linalg.norm(np.ptp(points, axis=0))) for points in (outlined.corners, target)]
     check_size(file, sizes[0], sizes[1], outlined.unit)

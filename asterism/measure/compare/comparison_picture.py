@@ -1,4 +1,4 @@
-"""Pictures of a comparison: the distance in colour, sections, and how often each distance occurs."""
+"""Pictures of a comparison: the distance in colour, two sections, and a histogram of the distances."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ COMPARISON_DPI = 100
 # size of the picture, inches
 COMPARISON_WIDTH_IN = 16.0
 COMPARISON_HEIGHT_IN = 8.6
-# scan points this near to a section's plane are drawn in it
-_SLAB_MM = 1.0
+# a section shows the points of the scan that are nearer to its plane than this
+_SECTION_HALF_WIDTH_MM = 1.0
 
 
 def draw_scan(found: ScanComparison, title: str, path_or_file: str | Path | IO[bytes]) -> None:
-    """Draw a scan's comparison as PNG."""
+    """Draw the comparison with a scan as PNG."""
     figure = _figure(title, _words(found))
     far = max(float(np.quantile(np.abs(found.distance[found.used]), 0.98)), 0.1)
     scale = Normalize(-far, far)
@@ -54,14 +54,14 @@ def draw_scan(found: ScanComparison, title: str, path_or_file: str | Path | IO[b
 
 
 def draw_outline(found: OutlineFit, title: str, words: str, path_or_file: str | Path | IO[bytes]) -> None:
-    """Draw an outline's comparison as PNG."""
+    """Draw the comparison with an outline as PNG."""
     figure = _figure(title, words)
     axes = figure.add_axes((0.05, 0.09, 0.6, 0.77))
     axes.fill(*found.silhouette.T, color="#eceef2")
     axes.plot(*np.vstack([found.silhouette, found.silhouette[:1]]).T, color=SHAPE_COLOUR, linewidth=1.2, label="shape")
     far = max(float(np.quantile(np.abs(found.distance), 0.98)), 0.1)
     scale = Normalize(-far, far)
-    # white, no distance, would be lost on white paper
+    # a grey line below, because distance 0 is white
     axes.plot(*np.vstack([found.places, found.places[:1]]).T, color="#b8b8c0", linewidth=4.5)
     ends = np.stack([found.places, np.roll(found.places, -1, axis=0)], axis=1)
     axes.add_collection(LineCollection(list(ends), colors=SIGNED_DISTANCE_COLOURS(scale(found.distance)), linewidths=3))
@@ -78,8 +78,8 @@ def draw_outline(found: OutlineFit, title: str, words: str, path_or_file: str | 
     below.hist(found.distance, bins=60, color="#2a6f97")
     style_axes(below, "length of outline at each distance", "mm")
     below.set_yticks([])
-    for few in (bar.ax, below):  # there is room for so many numbers
-        few.xaxis.set_major_locator(MaxNLocator(4))
+    for axis in (bar.ax, below):  # the axes have room for four numbers
+        axis.xaxis.set_major_locator(MaxNLocator(4))
     figure.savefig(path_or_file, format="png", dpi=COMPARISON_DPI)
 
 
@@ -102,7 +102,7 @@ def _words(found: ScanComparison) -> str:
 
 
 def _coloured(figure: Figure, found: ScanComparison, scale: Normalize) -> None:
-    """The shape in perspective in the colours of the distance."""
+    """Draw the shape in perspective in the colours of the distance."""
     distance = found.vertex_distance
     known = np.isfinite(distance)
     colours = np.where(
@@ -124,10 +124,10 @@ def _coloured(figure: Figure, found: ScanComparison, scale: Normalize) -> None:
 
 
 def _section(axes: Axes, found: ScanComparison, along: int, level: float) -> None:
-    """The shape cut by the plane on which the other horizontal coordinate is `level`, and the scan next to it."""
+    """Draw the section of the shape along x (0) or y (1), where the other coordinate is `level` (mm), with the scan."""
     across = 1 - along
     segments = _cut(found.shape.positions, found.shape.triangles, across, level)[:, :, [along, 2]]
-    near = np.abs(found.points[:, across] - level) < _SLAB_MM
+    near = np.abs(found.points[:, across] - level) < _SECTION_HALF_WIDTH_MM
     for some, colour in ((near & ~found.used, "#b0b0b8"), (near & found.used, "#c8553d")):
         axes.plot(*found.points[some][:, [along, 2]].T, ".", color=colour, markersize=2.5)
     axes.add_collection(LineCollection(list(segments), colors=SHAPE_COLOUR, linewidths=1.2))
@@ -141,9 +141,9 @@ def _section(axes: Axes, found: ScanComparison, along: int, level: float) -> Non
 
 
 def _cut(positions: Floats, triangles: np.ndarray, axis: int, level: float) -> Floats:
-    """(k, 2, 3) where triangles meet the plane on which a coordinate is `level`."""
+    """(k, 2, 3) segments in which triangles intersect the plane where a coordinate is `level`."""
     height = positions[:, axis] - level
-    # a vertex on the plane counts as above it: every triangle is cut twice or not at all
+    # a vertex on the plane counts as above it, so that a triangle has two intersected edges or none
     above = height >= 0
     segments = []
     for corners in triangles[above[triangles].any(axis=1) & ~above[triangles].all(axis=1)]:

@@ -1,4 +1,4 @@
-"""What is wrong with a scan or an outline, in one line."""
+"""Errors of scans and outlines."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pattern.design.errors import one_line
 
 
 class ScanError(Error, ValueError):
-    """A scan that cannot be read or compared; `str` is one line that begins with the file."""
+    """A scan or an outline cannot be read or compared; the message is one line that begins with the file."""
 
     def __init__(self, file: str | Path, problem: str):
         super().__init__(one_line(f"{file}: {problem}"))

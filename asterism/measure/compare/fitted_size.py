@@ -1,4 +1,7 @@
-"""The size that a scan would fit best in: photographs give a shape, and its size only as well as their scale."""
+"""The size in which a scan would fit its shape best.
+
+Photogrammetry gives a shape, but its size is only as accurate as the scale that was set.
+"""
 
 from __future__ import annotations
 
@@ -12,24 +15,34 @@ from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.shape.shape import Shape
 from pattern.geometry.arrays import Floats, Ints
 
-_POINTS, _STEPS, _STAYS = 3000, 30, 1e-5
-# of random points in a half plane the nearest to a place on its rim lies inside by this part of the points' own gaps
-_INSIDE = 2.0 * np.sqrt(2.0) / np.pi
-# part of the rim that must be scanned: a smaller piece fits a smooth shape in many sizes
-_WHOLE, _LOST = 0.9, 0.1
-_THICK_MM = 2.0  # from the middle of the fabric to what is scanned, at most
-_FEWEST = 10  # points that fix a motion
+# points of the scan that take part
+_MAX_POINTS = 3000
+# Gauss-Newton steps
+_MAX_STEPS = 30
+# the iteration ends at a step below this part of the shape's size
+_STEP_TOLERANCE = 1e-5
+# random points in a half plane: distance of the nearest point from a place on the rim, over the spacing of the points
+_INSIDE_SPACINGS = 2.0 * np.sqrt(2.0) / np.pi
+# part of the rim that must be scanned, because a smaller piece fits a smooth shape in many sizes
+_MIN_SCANNED_RIM = 0.9
+# the iteration stops if a smaller part of the rim remains within reach
+_MIN_REACHED_RIM = 0.1
+# largest distance from the middle of the fabric to the scanned side
+_MAX_LIFT_MM = 2.0
+# points that determine a motion
+_MIN_POINTS = 10
 
 
 @dataclass(frozen=True)
 class FittedSize:
-    """Of a scan, over that of the shape that it fits best.
+    """The size of a scan relative to the size in which it fits its shape best.
 
     Attributes
     ----------
-    ratio : 1.1 if it is a tenth too large.
-    rms_mm : what distance from the shape is left of a scan divided by that.
-    lifted_rms_mm : what is left of one of its own size, on a parallel surface: a scan is of one side of the sheet.
+    ratio : 1.1 if the scan is a tenth too large.
+    rms_mm : rms distance from the shape, if the scan is scaled by 1 / `ratio`.
+    lifted_rms_mm : rms distance in the scan's own size from a surface parallel to the shape, because a scan shows one
+        side of the sheet.
     """
 
     ratio: float
@@ -38,42 +51,42 @@ class FittedSize:
 
 
 def fitted_size(shape: Shape, points: Floats, cut_mm: float) -> FittedSize | None:
-    """The size of a scan whose points (n, 3) mm are laid on a shape; None if it is of a part of it.
+    """The size of a scan whose points (n, 3) mm lie in their pose on a shape; None for a scan of a part.
 
-    Gauss and Newton's steps on turn, shift and scale, or lift. Distances count from the scan to the shape, and outwards
-    from the shape's rim to the scan, so that a smaller one does not fit inside; what is farther than `cut_mm` belongs
-    to other things.
+    Gauss-Newton steps on rotation, shift and scale, or lift. The distances run from the scan to the shape, and outwards
+    from the rim of the shape to the scan, so that a smaller scan does not fit inside. Points farther than `cut_mm`
+    belong to other objects.
 
     References
     ----------
-    Chen and Medioni 1992 (point to plane); Umeyama 1991 (a scale beside the motion).
+    Chen and Medioni 1992 (point to plane); Umeyama 1991 (motion with scale).
     """
     surface = NearestOnSurface(shape.positions, shape.triangles)
     rim = _rim(shape.positions, shape.triangles, surface.normals)
     scaled, lifted = (_fit(surface, rim, points, cut_mm, lift) for lift in (False, True))
     if scaled is None:
         return None
-    # who lies nowhere in its own size is far off
+    # without a fit in its own size the scan counts as far away
     return FittedSize(1.0 / scaled[0], scaled[1], cut_mm if lifted is None else lifted[1])
 
 
 def _fit(
     surface: NearestOnSurface, rim: tuple[Floats, Floats], points: Floats, cut_mm: float, lift: bool
 ) -> tuple[float, float] | None:
-    """The factor of the points (n, 3) mm, or with `lift` the surface's lift in mm, and what rms distance is left."""
+    """Scale factor of points (n, 3) mm, or with `lift` the lift of the surface in mm; and the rms distance left."""
     places, outwards = rim
     rng = np.random.default_rng(0)
-    some = points[rng.choice(len(points), min(len(points), _POINTS), replace=False)]
+    some = points[rng.choice(len(points), min(len(points), _MAX_POINTS), replace=False)]
     tree = cKDTree(points)
-    inside = _INSIDE * float(np.median(tree.query(some, k=2)[0][:, 1]))
+    inside = _INSIDE_SPACINGS * float(np.median(tree.query(some, k=2)[0][:, 1]))
     size = float(np.linalg.norm(np.ptp(places, axis=0)))
     motion, shift, factor, raised = np.eye(3), np.zeros(3), 1.0, 0.0
-    for _ in range(_STEPS):
+    for _ in range(_MAX_STEPS):
         here = surface(laid := some @ motion.T + shift)
-        # the rim is looked for where the scan lies, so that its tree stays
+        # the rim moves to the scan, so that the search tree of the scan stays valid
         gap, last = tree.query((places - shift) @ motion / factor**2)
         of_sheet, scanned = np.abs(here.distance) <= cut_mm, factor * gap <= cut_mm
-        if np.count_nonzero(of_sheet) < _FEWEST or np.mean(scanned) < _LOST:
+        if np.count_nonzero(of_sheet) < _MIN_POINTS or np.mean(scanned) < _MIN_REACHED_RIM:
             return None
         away, side = (laid - here.places)[of_sheet], surface.normals[here.triangle[of_sheet]]
         away -= raised * side
@@ -88,27 +101,27 @@ def _fit(
         last_column = lifts if lift else np.einsum("ni,ni->n", arm, direction)
         rows = np.column_stack([np.cross(arm, direction), direction, last_column])
         information = rows.T @ rows
-        # flat and round shapes have directions in which nothing changes: stay there
+        # flat and round shapes have motions that change no distance: damp them
         information += 1e-6 * np.trace(information) / 7 * np.eye(7)
         step = -np.linalg.solve(information, rows.T @ offset)
-        if lift and abs(raised + step[6]) > _THICK_MM:
-            step[6] = np.copysign(_THICK_MM, raised + step[6]) - raised
+        if lift and abs(raised + step[6]) > _MAX_LIFT_MM:
+            step[6] = np.copysign(_MAX_LIFT_MM, raised + step[6]) - raised
             step[:6] = -np.linalg.solve(information[:6, :6], rows[:, :6].T @ (offset + step[6] * rows[:, 6]))
         larger = 1.0 if lift else 1.0 + step[6] / size
         turn = larger * Rotation.from_rotvec(step[:3] / size).as_matrix()
         motion, shift = turn @ motion, turn @ (shift - centre) + centre + step[3:6]
         factor *= larger
         raised += float(step[6]) if lift else 0.0
-        if np.abs(step[3:]).max() <= _STAYS * size:
+        if np.abs(step[3:]).max() <= _STEP_TOLERANCE * size:
             break
-    if not lift and np.mean(scanned) < _WHOLE:
+    if not lift and np.mean(scanned) < _MIN_SCANNED_RIM:
         return None
     left = surface((some @ motion.T + shift)[of_sheet]).distance - raised
     return raised if lift else factor, float(np.sqrt(np.mean(left**2)))
 
 
 def _rim(vertices: Floats, triangles: Ints, normals: Floats) -> tuple[Floats, Floats]:
-    """Middles (r, 3) mm of the edges that only one triangle has, and unit vectors (r, 3) outwards along it."""
+    """Midpoints (r, 3) mm of the boundary edges, and unit vectors (r, 3) in the surface that point outwards."""
     edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     _, first, count = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
     single = first[count == 1]

@@ -1,4 +1,4 @@
-"""The nearest places of a triangulated surface."""
+"""Nearest points on a triangulated surface."""
 
 from __future__ import annotations
 
@@ -10,19 +10,22 @@ from scipy.spatial import cKDTree
 from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.normals import triangle_normals
 
-# the nearest triangle is among those of each size with the nearest centres; sizes within this factor are alike
-_CANDIDATES, _ALIKE = 12, 2.0
-_AT_ONCE = 20_000
+# triangles of one size that are tried for each point: those with the nearest centres
+_CANDIDATES_A_SIZE = 12
+# largest ratio of sizes within one group of triangles
+_SIZE_RATIO = 2.0
+# points that are computed in one array
+_POINTS_AT_ONCE = 20_000
 
 
 @dataclass(frozen=True)
 class Nearest:
-    """Places on a surface nearest to points.
+    """The nearest points on a surface to some points.
 
     Attributes
     ----------
-    places : (n, 3) mm.
-    triangle : (n,).
+    places : (n, 3) mm, nearest points on the surface.
+    triangle : (n,) triangles that contain them.
     distance : (n,) mm, positive on the side of the normals.
     """
 
@@ -32,7 +35,7 @@ class Nearest:
 
 
 class NearestOnSurface:
-    """Finds them for triangles (T, 3) over vertices (V, 3)."""
+    """Search for the nearest points on triangles (T, 3) with vertices (V, 3) mm."""
 
     def __init__(self, vertices: Floats, triangles: Ints):
         self._triangles = triangles
@@ -41,12 +44,12 @@ class NearestOnSurface:
         self.normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
         centres = self._corners.mean(axis=1)
         size = np.linalg.norm(self._corners - centres[:, None], axis=2).max(axis=1)
-        kind = np.floor(np.log(np.maximum(size, 1e-9) / max(size.max(), 1e-9)) / np.log(_ALIKE)).astype(int)
+        kind = np.floor(np.log(np.maximum(size, 1e-9) / max(size.max(), 1e-9)) / np.log(_SIZE_RATIO)).astype(int)
         self._kinds = [(cKDTree(centres[kind == k]), np.flatnonzero(kind == k)) for k in np.unique(kind)]
 
     def __call__(self, points: Floats) -> Nearest:
-        """For points (n, 3)."""
-        found = [self._some(points[i : i + _AT_ONCE]) for i in range(0, len(points), _AT_ONCE)]
+        """The nearest points to points (n, 3) mm."""
+        found = [self._some(points[i : i + _POINTS_AT_ONCE]) for i in range(0, len(points), _POINTS_AT_ONCE)]
         places, triangle = (np.concatenate(parts) for parts in zip(*found, strict=True))
         away = points - places
         side = np.where(np.einsum("ni,ni->n", away, self.normals[triangle]) < 0, -1.0, 1.0)
@@ -61,13 +64,13 @@ class NearestOnSurface:
 
 
 def _nearest(tree: cKDTree, among: Ints, points: Floats) -> Ints:
-    """(n, k) triangles of one size whose centres are nearest."""
-    count = min(_CANDIDATES, len(among))
+    """(n, k) triangles of one size with the nearest centres."""
+    count = min(_CANDIDATES_A_SIZE, len(among))
     return np.asarray(among[tree.query(points, k=count)[1].reshape(len(points), count)])
 
 
 def nearest_in_triangles(points: Floats, corners: Floats) -> Floats:
-    """(..., 3) the place of each triangle (..., 3, 3) that is nearest to its point (..., 3).
+    """(..., 3) nearest point on each triangle (..., 3, 3) to its point (..., 3).
 
     Reference: Ericson, Real-Time Collision Detection, 2005, section 5.1.5.
     """
@@ -79,7 +82,7 @@ def nearest_in_triangles(points: Floats, corners: Floats) -> Floats:
     va, vb, vc = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
     inside = np.maximum(va + vb + vc, 1e-300)
     v, w = vb / inside, vc / inside
-    # from the inside outwards: each region overrules the ones before it
+    # from the inside outwards: each region replaces the results of earlier ones
     for region, new_v, new_w in (
         ((va <= 0) & (d4 - d3 >= 0) & (d5 - d6 >= 0), 1 - _share(d4 - d3, d5 - d6), _share(d4 - d3, d5 - d6)),
         ((vb <= 0) & (d2 >= 0) & (d6 <= 0), 0.0, _share(d2, -d6)),

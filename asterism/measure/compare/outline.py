@@ -1,4 +1,4 @@
-"""Outlines from a photograph, as polygons: SVG and CSV in, mm out."""
+"""Outlines from photographs: SVG and CSV files as polygons in mm."""
 
 from __future__ import annotations
 
@@ -20,17 +20,21 @@ from pattern.geometry.arrays import Floats
 from pattern.geometry.planar import polygon_area
 
 OUTLINE_FORMATS = (".svg", ".csv")
-_LARGEST = 1e6
-_PX = 25.4 / 96.0  # mm of a user unit without a viewBox, as SVG has it
-_UNSEEN = ("marker", "mask")  # elements whose content is no line of the drawing
-# gap between the ends of a closed line, over its size: programs round
-_CLOSED = 1e-3
-# units of a width or a height that say how large the drawing is; and all that SVG has, or leaves out
-_MEASURES = ("mm", "cm", "in", "pt", "pc")
-_SIZE = re.compile(rf"([+]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?\s*({'|'.join(_MEASURES)}|px|%|em|ex)?|auto)?")
-# pieces of a curve
-_PIECES = 100
-# width over length of corners that are on a line but for rounding
+# largest coordinate, in the unit of the file
+_MAX_COORDINATE = 1e6
+# mm of a user unit without a viewBox, by the SVG standard
+_MM_PER_PX = 25.4 / 96.0
+# elements whose content is invisible in the drawing
+_INVISIBLE_ELEMENTS = ("marker", "mask")
+# gap between the ends of a closed line over its size: programs round coordinates
+_CLOSED_GAP_PART = 1e-3
+# units of width and height that determine the size of the drawing
+_LENGTH_UNITS = ("mm", "cm", "in", "pt", "pc")
+# all widths and heights that SVG allows
+_SVG_SIZE = re.compile(rf"([+]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?\s*({'|'.join(_LENGTH_UNITS)}|px|%|em|ex)?|auto)?")
+# segments of a curve
+_CURVE_SEGMENTS = 100
+# corners whose width over length is smaller lie on a line
 MIN_OUTLINE_ASPECT = 1e-12
 
 
@@ -41,8 +45,8 @@ class Outline:
     Attributes
     ----------
     corners : (n, 2) mm, y upwards, not closed.
-    lines : how many there are in the file.
-    unit : that its numbers were taken in; None where the file says its own size.
+    lines : number of closed lines in the file.
+    unit : unit of the numbers; None if the file gives its size.
     """
 
     corners: Floats
@@ -55,12 +59,12 @@ def read_outline(path: str | Path, unit: str | None = None) -> Outline:
 
     Parameters
     ----------
-    unit : of a CSV's numbers, and of an SVG's that does not say its size; mm by default.
+    unit : unit of the numbers in a CSV file, and in an SVG file without a size; mm by default.
 
     Raises
     ------
     ScanError, TableError
-        The file is not an outline, or says its size and a unit is given too.
+        The file is not an outline, or it gives its size and `unit` is given too.
     """
     path = Path(path)
     check_file(path)
@@ -75,19 +79,19 @@ def read_outline(path: str | Path, unit: str | None = None) -> Outline:
 
 
 def _from_csv(path: Path, unit: str | None) -> Outline:
-    """Columns x_mm and y_mm."""
+    """The outline in a table with the columns x_mm and y_mm."""
     unit = unit or "mm"
     rows = read_rows(path, ("x_mm", "y_mm"), ("x_mm", "y_mm"))
     names = ("x_mm", "y_mm")
-    corners = [[row.number_in(name, -_LARGEST, _LARGEST, needed=True) for name in names] for row in rows]
+    corners = [[row.number_in(name, -_MAX_COORDINATE, _MAX_COORDINATE, needed=True) for name in names] for row in rows]
     points = np.array(corners, dtype=float).reshape(-1, 2) * MM[unit]
     closed = len(points) > 1 and np.array_equal(points[0], points[-1])
     return Outline(points[:-1] if closed else points, 1, unit)
 
 
 def _from_svg(path: Path, unit: str | None) -> Outline:
-    """From all shapes of a drawing."""
-    import svgelements as svg  # only photographs' outlines need it
+    """The largest closed line of all visible shapes of a drawing."""
+    import svgelements as svg  # slow to import
 
     try:
         with warnings.catch_warnings():
@@ -99,10 +103,10 @@ def _from_svg(path: Path, unit: str | None) -> Outline:
     if not isinstance(drawing, svg.SVG):
         raise ScanError(path, "is not a drawing in SVG")
     said = [str(drawing.values.get(side, "")).strip().lower() for side in ("width", "height")]
-    if odd := next((text for text in said if not _SIZE.fullmatch(text)), None):
+    if odd := next((text for text in said if not _SVG_SIZE.fullmatch(text)), None):
         hint = "; decimals have a point" if "," in odd else ""
         raise ScanError(path, f"has the size {odd!r}: must be a number and a unit, 120mm{hint}")
-    measured = all(text.endswith(_MEASURES) for text in said)
+    measured = all(text.endswith(_LENGTH_UNITS) for text in said)
     lines: list[Floats] = []
     opened: list[Floats] = []
     for shape in drawing.elements(lambda element: isinstance(element, svg.Shape)):
@@ -112,31 +116,31 @@ def _from_svg(path: Path, unit: str | None) -> Outline:
             places = [(p.x, p.y) for piece in svg.Path(part) for p in _points(piece)]
             if len(places) >= 3:
                 line = np.array(places, dtype=float)
-                closed = np.linalg.norm(line[0] - line[-1]) <= _CLOSED * np.linalg.norm(np.ptp(line, axis=0))
+                closed = np.linalg.norm(line[0] - line[-1]) <= _CLOSED_GAP_PART * np.linalg.norm(np.ptp(line, axis=0))
                 (lines if closed else opened).append(line)
     if not lines:
         raise ScanError(path, f"holds no {'closed ' if opened else ''}line with three corners or more")
     largest = max(lines, key=lambda line: abs(polygon_area(line)))
-    if not np.isfinite(largest).all() or np.abs(largest).max() > _LARGEST:
+    if not np.isfinite(largest).all() or np.abs(largest).max() > _MAX_COORDINATE:
         raise ScanError(path, "holds places that are not finite numbers, or too large")
     if measured and unit is not None:
         raise ScanError(path, f"says its own size, {' x '.join(said)}: --units is for files without one")
     unit = None if measured else unit or "mm"
-    if unit == "mm" and any(said):  # plain numbers are px, and parts are of a page
+    if unit == "mm" and any(said):  # numbers without a unit are px, and percentages refer to a page
         how = "%" if "%" in "".join(said) else "px"
         raise ScanError(path, f"has its size in {how}: give width and height in mm")
     steps = np.linalg.norm(np.diff(largest, axis=0, append=largest[:1]), axis=1)
-    corners = largest[steps > 1e-9] * [1.0, -1.0] * (MM[unit] if unit else _PX)
+    corners = largest[steps > 1e-9] * [1.0, -1.0] * (MM[unit] if unit else _MM_PER_PX)
     return Outline(corners, len(lines), unit)
 
 
 def _drawn(path: Path) -> BinaryIO:
-    """A drawing without what is in it only to be used elsewhere; svgelements takes that for lines of the drawing."""
+    """A drawing without invisible elements, which svgelements would read as lines of the drawing."""
     tree = ElementTree.parse(path).getroot()
     for parent in list(tree.iter()):
         for child in list(parent):
             space, _, name = str(child.tag).rpartition("}")
-            if name in _UNSEEN:
+            if name in _INVISIBLE_ELEMENTS:
                 parent.remove(child)
             elif name == "symbol":
                 place = f"{space}}}" if space else ""
@@ -148,9 +152,9 @@ def _drawn(path: Path) -> BinaryIO:
 
 
 def _points(piece: object) -> list[Any]:
-    """Along one piece of a path; its end included."""
+    """Points along one piece of a path, with its end."""
     import svgelements as svg
 
     if isinstance(piece, svg.Line | svg.Close | svg.Move):
         return [piece.end] if piece.end is not None else []
-    return [piece.point(k / _PIECES) for k in range(1, _PIECES + 1)]  # type: ignore[attr-defined]
+    return [piece.point(k / _CURVE_SEGMENTS) for k in range(1, _CURVE_SEGMENTS + 1)]  # type: ignore[attr-defined]

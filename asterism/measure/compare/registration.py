@@ -1,6 +1,6 @@
-"""Laying a scan on a shape: many starts, then iterated closest points with the far ones left out.
+"""Registration of a scan with a shape: many starts, then iterated closest points without the farthest ones.
 
-Only turned and shifted, never mirrored or scaled: a mirrored shape is another shape.
+The motion is a rotation and a shift, without reflection and scale: a mirrored shape is another shape.
 """
 
 from __future__ import annotations
@@ -17,28 +17,37 @@ from asterism.measure.compare.scan import surface_samples
 from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.rigid_fit import rigid_fit
 
-_COARSE_POINTS, _MIDDLE_POINTS, _FINE_POINTS = 150, 600, 3000
-_RANDOM_STARTS, _PROMISING, _REFINED = 200, 50, 8
-_TUKEY = 4.685
-# for the normal of a scan's point: a patch of some mm in a scan of a sheet
-_NEIGHBOURS = 60
-# points that fix a pose
-_FEWEST = 10
-# to sort poses by, the best first
+# points of the scan that take part in each of the three stages
+_COARSE_POINTS = 150
+_MIDDLE_POINTS = 600
+_FINE_POINTS = 3000
+# starts of the first stage with random rotations
+_RANDOM_STARTS = 200
+# poses that enter the second stage
+_PROMISING_POSES = 50
+# poses that enter the third stage
+_REFINED_POSES = 8
+# Tukey's biweight gives no weight to points beyond so many standard deviations
+_TUKEY_CUTOFF = 4.685
+# neighbours that determine the normal at a point of the scan: a patch of some mm
+_NORMAL_NEIGHBOURS = 60
+# points that determine a pose
+_MIN_POINTS = 10
+# key that sorts poses, the best first
 SPREAD = attrgetter("spread_mm")
-# errors of the shape's triangles and of the scanner are at least of this size
-_LEAST_SCALE_MM = 0.02
+# smallest scale of the distances: errors of the shape's triangles and of the scanner
+_MIN_SCALE_MM = 0.02
 
 
 @dataclass(frozen=True)
 class Pose:
-    """Where a scan lies: `points @ rotation.T + shift` is on the shape.
+    """The pose of a scan: `points @ rotation.T + shift` lies on the shape.
 
     Attributes
     ----------
     rotation : (3, 3), proper.
     shift : (3,) mm.
-    spread_mm : the distance that `1 - trim` of the points are within, in the root mean square.
+    spread_mm : rms distance of the nearest part `1 - trim` of the points.
     """
 
     rotation: Floats
@@ -46,13 +55,13 @@ class Pose:
     spread_mm: float
 
     def __call__(self, points: Floats) -> Floats:
-        """(n, 3) points of the scan, laid on the shape."""
+        """(n, 3) points of the scan in this pose."""
         return points @ self.rotation.T + self.shift
 
 
 @dataclass(frozen=True)
 class _Target:
-    """Places spread over the shape (m, 3), normals there, and a tree to find them."""
+    """Samples (m, 3) of the shape with their normals and a search tree."""
 
     places: Floats
     normals: Floats
@@ -67,10 +76,10 @@ def register(
 
     Parameters
     ----------
-    points : (n, 3) mm, of the scan; of the whole shape or a part of it.
-    vertices, triangles : of the shape, (V, 3) mm and (T, 3).
-    trim : the part of the points that may not belong to the shape.
-    effort : how many times the usual number of starts.
+    points : (n, 3) mm, points of the scan, which shows the whole shape or a part.
+    vertices, triangles : (V, 3) mm and (T, 3) of the shape.
+    trim : largest part of the points that does not belong to the shape.
+    effort : factor of the number of starts.
 
     References
     ----------
@@ -82,8 +91,10 @@ def register(
     few, some, many = (_some(points, count, rng) for count in (_COARSE_POINTS, _MIDDLE_POINTS, _FINE_POINTS))
     starts = _starts(points, coarse_target, effort * _RANDOM_STARTS, rng)
     first = sorted((_coarse(few, start, coarse_target, trim, 4) for start in starts), key=SPREAD)
-    coarse = sorted((_coarse(few, pose, coarse_target, trim, 12) for pose in first[: effort * _PROMISING]), key=SPREAD)
-    coarse = distinct_poses(coarse)[: effort * _REFINED]
+    coarse = sorted(
+        (_coarse(few, pose, coarse_target, trim, 12) for pose in first[: effort * _PROMISING_POSES]), key=SPREAD
+    )
+    coarse = distinct_poses(coarse)[: effort * _REFINED_POSES]
     middle = sorted((_refine(some, pose, target, trim, 25) for pose in coarse), key=SPREAD)
     fine = [_refine(many, pose, target, trim, 60) for pose in distinct_poses(middle)[:4]]
     exact = [replace(pose, spread_mm=_trimmed(np.abs(surface(pose(many)).distance), trim)) for pose in fine]
@@ -91,7 +102,7 @@ def register(
 
 
 def distinct_poses(poses: list[Pose], degrees: float = 15.0) -> list[Pose]:
-    """Those that differ from all better ones before them by a turn of so many degrees."""
+    """Poses whose rotation differs from that of all better poses by so many degrees."""
     found: list[Pose] = []
     for pose in poses:
         cosines = [(np.trace(pose.rotation.T @ other.rotation) - 1) / 2 for other in found]
@@ -110,16 +121,16 @@ def _target(
 
 
 def _trimmed(distance: Floats, trim: float) -> float:
-    """Root mean square of all but the largest."""
+    """Root mean square of the smallest part of the values."""
     kept = np.sort(distance)[: max(int((1 - trim) * len(distance)), 1)]
     return float(np.sqrt(np.mean(kept**2)))
 
 
 def _starts(points: Floats, target: _Target, count: int, rng: np.random.Generator) -> list[Pose]:
-    """Principal axes laid on each other in all 24 ways, random turns about the middle, and single points on each other.
+    """Start poses: principal axes in all 24 ways, random rotations about the centre, and matches of single points.
 
-    The last ones serve scans of a part, and with much else: a point of the scan is laid on a place of the shape, with
-    their normals along each other and a random turn about them.
+    The matches serve scans of a part, and scans with other objects. A match brings a point of the scan to a sample of
+    the shape, aligns their normals, and rotates by a random angle about them.
     """
     centre, goal = np.median(points, axis=0), target.places.mean(axis=0)
     ours, theirs = (_proper(np.linalg.svd(np.cov(p.T))[0]) for p in (points, target.places))
@@ -128,7 +139,7 @@ def _starts(points: Floats, target: _Target, count: int, rng: np.random.Generato
     poses = [Pose(turn, goal - turn @ centre, np.inf) for turn in turns]
 
     some, there = rng.integers(len(points), size=count // 2), rng.integers(len(target.places), size=count // 2)
-    neighbours = points[cKDTree(points).query(points[some], k=min(_NEIGHBOURS, len(points)))[1]]
+    neighbours = points[cKDTree(points).query(points[some], k=min(_NORMAL_NEIGHBOURS, len(points)))[1]]
     spread = neighbours - neighbours.mean(axis=1, keepdims=True)
     normals = np.linalg.svd(spread, full_matrices=False)[2][:, 2] * rng.choice([-1.0, 1.0], size=count // 2)[:, None]
     for point, normal, place, up, spin in zip(
@@ -145,7 +156,7 @@ def _starts(points: Floats, target: _Target, count: int, rng: np.random.Generato
 
 
 def _onto(one: Floats, other: Floats) -> Floats:
-    """(3, 3) a rotation that brings one unit vector onto another."""
+    """(3, 3) rotation that maps one unit vector to another."""
     rotation, _ = Rotation.align_vectors(other[None], one[None])
     return np.asarray(rotation.as_matrix())
 
@@ -155,7 +166,7 @@ def _proper(axes: Floats) -> Floats:
 
 
 def _coarse(points: Floats, pose: Pose, target: _Target, trim: float, steps: int) -> Pose:
-    """A few steps from point to point."""
+    """A few steps of point-to-point registration."""
     for _ in range(steps):
         distance, index = target.tree.query(pose(points))
         near = distance <= np.quantile(distance, 1 - max(trim, 0.1))
@@ -165,16 +176,16 @@ def _coarse(points: Floats, pose: Pose, target: _Target, trim: float, steps: int
 
 
 def _refine(points: Floats, pose: Pose, target: _Target, trim: float, most: int) -> Pose:
-    """Gauss and Newton's steps on the distances, with Tukey's weights, until the pose stays.
+    """Gauss-Newton steps on the distances with Tukey's weights, until the pose converges.
 
-    A distance changes along the surface's normal; where a point lies beyond the outline, along the line to the outline.
+    The distance of a point changes along the normal of the surface; beyond the rim, along the line to the rim.
     """
     rotation, shift, distance = pose.rotation, pose.shift, np.empty(0)
     size = np.linalg.norm(points - points.mean(axis=0), axis=1).max()
     reach = 5 * pose.spread_mm + 3 * target.spacing_mm
     for _ in range(most):
         placed = points @ rotation.T + shift
-        # far points have no weight, and looking for their nearest place would take most of the time
+        # far points have no weight, and the search for their nearest points would take most of the time
         length, index = target.tree.query(placed, distance_upper_bound=reach)
         near = np.isfinite(length)
         index, length = np.where(near, index, 0), np.where(near, length, reach)
@@ -184,16 +195,16 @@ def _refine(points: Floats, pose: Pose, target: _Target, trim: float, most: int)
         direction = np.where(beyond[:, None], away / np.maximum(length, 1e-12)[:, None], direction)
         offset = np.where(beyond, length, along_normal)
         distance = np.where(near, np.abs(offset), reach)
-        scale = max(1.4826 * float(np.quantile(distance, (1 - trim) / 2)), _LEAST_SCALE_MM)
-        weight = np.maximum(1 - (distance / (_TUKEY * scale)) ** 2, 0.0) ** 2 * near
-        if np.count_nonzero(weight) < _FEWEST:
+        scale = max(1.4826 * float(np.quantile(distance, (1 - trim) / 2)), _MIN_SCALE_MM)
+        weight = np.maximum(1 - (distance / (_TUKEY_CUTOFF * scale)) ** 2, 0.0) ** 2 * near
+        if np.count_nonzero(weight) < _MIN_POINTS:
             return replace(pose, spread_mm=np.inf)
-        # never much less than before: a step must not lose sight of the surface
-        reach = max(2 * _TUKEY * scale, 3 * target.spacing_mm, reach / 2)
+        # the reach shrinks slowly, so that a step does not lose the surface
+        reach = max(2 * _TUKEY_CUTOFF * scale, 3 * target.spacing_mm, reach / 2)
         centre = weight @ placed / weight.sum()
         rows = np.concatenate([np.cross(placed - centre, direction) / size, direction], axis=1)
         information = (rows * weight[:, None]).T @ rows
-        # flat and round shapes have directions in which nothing changes: stay there
+        # flat and round shapes have motions that change no distance: damp them
         information += 1e-4 * np.trace(information) / 6 * np.eye(6)
         step = -np.linalg.solve(information, rows.T @ (weight * offset))
         turn = Rotation.from_rotvec(step[:3] / size).as_matrix()

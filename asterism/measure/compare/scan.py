@@ -15,9 +15,11 @@ from asterism.measure.compare.units import MM
 from pattern.geometry.arrays import Floats, Ints
 
 SCAN_FORMATS = (".obj", ".stl", ".ply")
-MOST_POINTS = 20_000
-LARGEST = 1e9  # in the file's unit
-LINE = 1e-3  # width over length below which points are no surface
+MAX_SCAN_POINTS = 20_000
+# largest coordinate, in the unit of the file
+MAX_SCAN_COORDINATE = 1e9
+# points whose width over length is smaller lie on a line
+MIN_SCAN_ASPECT = 1e-3
 
 
 @dataclass(frozen=True)
@@ -26,9 +28,9 @@ class Scan:
 
     Attributes
     ----------
-    points : (n, 3) mm, spread evenly over the surface of a mesh, or some of those of a cloud.
-    triangles : of the mesh, 0 for a cloud.
-    vertices : of the file.
+    points : (n, 3) mm, spread evenly over the surface of a mesh, or a selection of the points of a cloud.
+    triangles : number of triangles of the mesh; 0 for a cloud.
+    vertices : number of vertices of the file.
     """
 
     points: Floats
@@ -37,7 +39,7 @@ class Scan:
 
     @property
     def size_mm(self) -> float:
-        """Largest extent of its box along the principal axes."""
+        """Largest extent along the principal axes."""
         return extent(self.points)
 
 
@@ -47,19 +49,19 @@ def extent(points: Floats) -> float:
 
 
 def _extents(points: Floats) -> Floats:
-    """(3,) mm, the largest first."""
+    """(3,) mm, extents along the principal axes, the largest first."""
     centred = points - points.mean(axis=0)
     axes = np.linalg.svd(centred.T @ centred)[0]
     return np.asarray(np.sort(np.ptp(centred @ axes, axis=0))[::-1])
 
 
 def read_scan(path: str | Path, unit: str = "mm", seed: int = 0) -> Scan:
-    """A scan from an OBJ, STL or PLY file.
+    """Read a scan from an OBJ, STL or PLY file.
 
     Raises
     ------
     ScanError
-        The file is not a scan, or empty.
+        The file is not a scan, or it is empty.
     """
     path = Path(path)
     if path.suffix.lower() not in SCAN_FORMATS:
@@ -67,19 +69,19 @@ def read_scan(path: str | Path, unit: str = "mm", seed: int = 0) -> Scan:
     vertices, triangles = _read(path)
     if len(vertices) == 0:
         raise ScanError(path, "holds no points")
-    if not np.isfinite(vertices).all() or np.abs(vertices).max() > LARGEST:
+    if not np.isfinite(vertices).all() or np.abs(vertices).max() > MAX_SCAN_COORDINATE:
         raise ScanError(path, "holds points that are not finite numbers, or too far away")
     vertices = vertices * MM[unit]
     rng = np.random.default_rng(seed)
     if len(triangles) == 0:
-        some = rng.choice(len(vertices), min(len(vertices), MOST_POINTS), replace=False)
+        some = rng.choice(len(vertices), min(len(vertices), MAX_SCAN_POINTS), replace=False)
         points = vertices[np.sort(some)]
     else:
-        points = surface_samples(vertices, triangles, MOST_POINTS, rng)[0]
+        points = surface_samples(vertices, triangles, MAX_SCAN_POINTS, rng)[0]
     if len(np.unique(points, axis=0)) < 10:
         raise ScanError(path, "holds too few points or triangles to be a surface")
     long, wide, _ = _extents(points)
-    if wide <= LINE * long:
+    if wide <= MIN_SCAN_ASPECT * long:
         raise ScanError(path, "has all its points on one line: a surface is needed")
     return Scan(points, len(triangles), len(vertices))
 
@@ -90,7 +92,7 @@ def surface_samples(vertices: Floats, triangles: Ints, count: int, rng: np.rando
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     if not area.sum() > 0:
         return np.empty((0, 3)), np.empty(0, dtype=np.int64)
-    # equal steps along the summed area: no triangle gets more than its share
+    # equal steps along the cumulated area give each triangle its share
     where = (np.arange(count) + rng.random(count)) / count * area.sum()
     which = np.minimum(np.searchsorted(np.cumsum(area), where), len(triangles) - 1)
     u, v = rng.random((2, count))
@@ -101,7 +103,7 @@ def surface_samples(vertices: Floats, triangles: Ints, count: int, rng: np.rando
 
 def _read(path: Path) -> tuple[Floats, Ints]:
     """Vertices and triangles of all parts of a file, polygons cut into triangles."""
-    import trimesh  # takes half a second, and only scans need it
+    import trimesh  # slow to import
 
     check_file(path)
     check_scan_file(path)
@@ -109,7 +111,7 @@ def _read(path: Path) -> tuple[Floats, Ints]:
     try:
         with path.open("rb") as stream, np.errstate(all="ignore"):
             loaded: Any = trimesh.load(stream, file_type=path.suffix[1:].lower(), process=False)
-    except (ImportError, UnicodeDecodeError):  # it looks for a package that guesses the encoding of a text
+    except (ImportError, UnicodeDecodeError):  # trimesh tries to import a package that guesses encodings
         raise ScanError(path, f"cannot be read as {path.suffix[1:].upper()}: it is not text") from None
     except Exception as error:
         reason = str(error).strip().split("\n")[0] or type(error).__name__

@@ -1,4 +1,4 @@
-"""How far a scan is from a shape, after the scan was laid on it."""
+"""Distances of a scan from a shape, after registration."""
 
 from __future__ import annotations
 
@@ -17,31 +17,33 @@ from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import surface_triangle_areas
 from pattern.geometry.arrays import Floats, Ints
 
-# poses whose spread is larger than the best one's by less than this are as good
-_AS_GOOD = 1.1
-_SAME_MM = 0.02  # spreads of a scan without noise are what its registration leaves
-# parts of the diameter: with a larger spread a scan of a part may lie elsewhere, and is laid on the shape again with
-# this many times as many starts
-_UNSURE, _EFFORT = 0.002, 3
-# nearer points, in parts of the diameter, are taken for the sheet's: a printed sheet may be that far off
-_SHEETS_OWN = 0.03
+# poses count as equally good up to this factor of the best spread, ...
+_EQUAL_SPREAD_FACTOR = 1.1
+# ... plus this error of the registration
+_EQUAL_SPREAD_MM = 0.02
+# if the spread exceeds this part of the diameter, the registration is repeated with more starts, ...
+_MAX_CERTAIN_SPREAD = 0.002
+# ... by this factor
+_REPEATED_EFFORT = 3
+# points nearer than this part of the diameter belong to the sheet
+_SHEET_DISTANCE_PART = 0.03
 
 
 @dataclass(frozen=True)
 class ScanComparison:
-    """A scan laid on a shape.
+    """A scan compared with a shape.
 
     Attributes
     ----------
     shape : the shape.
     scan : the scan in its own pose.
     points : (n, 3) mm, the scan's points after the motion onto the shape.
-    distance : (n,) mm, from the shape, positive on its plastic side.
+    distance : (n,) mm, distance of each point from the shape, positive on its plastic side.
     triangle : (n,) the nearest triangle of the shape.
     used : (n,) bool, points that belong to the sheet; others (a table, clamps) are farther than `cut_mm`.
-    covered : (T,) bool, triangles of the shape that the scan has points near.
-    poses : all that were found, the best first.
-    size : that it fits best in; None if it is of a part of the shape.
+    covered : (T,) bool, triangles of the shape with points of the scan nearby.
+    poses : all poses of the registration, the best first.
+    size : the size in which the scan fits best; None for a scan of a part.
     """
 
     shape: Shape
@@ -57,7 +59,7 @@ class ScanComparison:
 
     @property
     def vertex_distance(self) -> Floats:
-        """(V,) mm, mean over the used points around each vertex; NaN where there are none."""
+        """(V,) mm, mean distance of the used points around each vertex; NaN without such points."""
         corners = self.shape.triangles[self.triangle[self.used]]
         count = len(self.shape.positions)
         total = np.bincount(corners.ravel(), np.repeat(self.distance[self.used], 3), minlength=count)
@@ -90,24 +92,26 @@ class ScanComparison:
             best_size=None if own is None else own.ratio,
             rms_percent_at_best_size=None if own is None else 100 * own.rms_mm / size,
             rms_percent_lifted=None if own is None else 100 * own.lifted_rms_mm / size,
-            poses_as_good=sum(p.spread_mm <= _AS_GOOD * self.poses[0].spread_mm + _SAME_MM for p in self.poses),
+            poses_as_good=sum(
+                p.spread_mm <= _EQUAL_SPREAD_FACTOR * self.poses[0].spread_mm + _EQUAL_SPREAD_MM for p in self.poses
+            ),
             scan_to_shape=matrix.tolist(),
         )
 
 
 def compare_scan(shape: Shape, scan: Scan, trim: float = 0.2, seed: int = 0) -> ScanComparison:
-    """Lay a scan on a shape and measure.
+    """Register a scan with a shape, and measure the distances.
 
     Parameters
     ----------
-    trim : the part of the scan's points that may not belong to the sheet.
+    trim : largest part of the points that does not belong to the sheet.
     """
     poses = _laid(shape, scan, trim, seed)
     points = poses[0](scan.points)
     nearest = NearestOnSurface(shape.positions, shape.triangles)(points)
     distance = np.abs(nearest.distance)
     scatter = 1.4826 * float(np.quantile(distance, (1 - trim) / 2))
-    cut = max(5 * scatter, _SHEETS_OWN * diameter(shape.positions))
+    cut = max(5 * scatter, _SHEET_DISTANCE_PART * diameter(shape.positions))
     used = distance <= cut
     return ScanComparison(
         shape,
@@ -124,18 +128,20 @@ def compare_scan(shape: Shape, scan: Scan, trim: float = 0.2, seed: int = 0) -> 
 
 
 def _laid(shape: Shape, scan: Scan, trim: float, seed: int) -> list[Pose]:
-    """The best pose first."""
+    """Poses of the scan on the shape, the best first."""
     surface = shape.positions, shape.triangles
-    # among much else the sheet is hard to find
-    much_else = trim > 0.3
-    poses = register(scan.points, *surface, trim, seed, _EFFORT if much_else else 1)
-    if much_else or poses[0].spread_mm < _UNSURE * diameter(shape.positions):
+    # a sheet among many other objects needs more starts
+    has_other_objects = trim > 0.3
+    poses = register(scan.points, *surface, trim, seed, _REPEATED_EFFORT if has_other_objects else 1)
+    if has_other_objects or poses[0].spread_mm < _MAX_CERTAIN_SPREAD * diameter(shape.positions):
         return poses
-    return distinct_poses(sorted([*poses, *register(scan.points, *surface, trim, seed + 1, _EFFORT)], key=SPREAD))
+    return distinct_poses(
+        sorted([*poses, *register(scan.points, *surface, trim, seed + 1, _REPEATED_EFFORT)], key=SPREAD)
+    )
 
 
 def _covered(shape: Shape, points: Floats, off_mm: float) -> np.ndarray:
-    """(T,) bool, triangles with points nearer to their middle than the points' own gaps and the triangle's size."""
+    """(T,) bool, triangles with a point nearer to their centre than point spacing and triangle size."""
     tree = cKDTree(points)
     corners = shape.positions[shape.triangles]
     size = np.linalg.norm(corners - corners.mean(axis=1, keepdims=True), axis=2).max(axis=1)

@@ -1,4 +1,4 @@
-"""A photographed outline against the outline of a shape, seen from a side."""
+"""Registration of a photographed outline with the silhouette of a shape."""
 
 from __future__ import annotations
 
@@ -13,24 +13,26 @@ from asterism.draw.render import VIEWS, camera
 from asterism.shape.shape import Shape
 from pattern.geometry.arrays import Floats
 
-_STEP_MM = 0.25
-_STARTS = 72
-# of an edge that is seen from its end
-_HALF_WIDTH_MM = 0.02
+# spacing of the points along outline and silhouette
+_POINT_SPACING_MM = 0.25
+# initial rotations
+_ROTATION_STARTS = 72
+# half width of a triangle that is seen from its edge
+_EDGE_HALF_WIDTH_MM = 0.02
 
 
 @dataclass(frozen=True)
 class OutlineFit:
-    """An outline laid on a silhouette.
+    """An outline compared with a silhouette.
 
     Attributes
     ----------
-    silhouette : (m, 2) mm, outer outline of the shape as it is seen.
-    outline : (n, 2) mm, the photographed one, laid on it.
-    distance : (k,) mm, of points along the outline from the silhouette, positive outside.
-    places : (k, 2) those points.
-    missed : (j,) mm, of points along the silhouette from the outline.
-    turn_deg, shift : the motion of the outline.
+    silhouette : (m, 2) mm, outer outline of the shape in the view.
+    outline : (n, 2) mm, the photographed outline after its motion.
+    distance : (k,) mm, distance of points along the outline from the silhouette, positive outside.
+    places : (k, 2) mm, these points.
+    missed : (j,) mm, distance of points along the silhouette from the outline.
+    turn_deg, shift : motion of the outline: rotation and shift (2,) in mm.
     """
 
     silhouette: Floats
@@ -45,25 +47,25 @@ class OutlineFit:
 def silhouette(shape: Shape, view: str) -> Floats:
     """(m, 2) mm, the outer outline of a shape seen from `above`, the `front` (along y) or the `side` (along x)."""
     seen = camera(*VIEWS[view], np.zeros(3)).project(shape.positions)[:, :2]
-    # triangles that are seen from their edge are lines; a little width closes the seams between all of them, too
+    # triangles that are seen from their edge are lines; a small width also closes the seams between triangles
     hulls = shapely.convex_hull(shapely.multipoints(seen[shape.triangles]))
-    whole = shapely.union_all(shapely.buffer(hulls, _HALF_WIDTH_MM, quad_segs=2))
+    whole = shapely.union_all(shapely.buffer(hulls, _EDGE_HALF_WIDTH_MM, quad_segs=2))
     largest = max(shapely.get_parts(whole), key=shapely.area)
     return np.asarray(largest.exterior.coords)[:-1]
 
 
 def fit_outline(outline: Floats, target: Floats, trim: float = 0.1) -> OutlineFit:
-    """Lay an outline (n, 2) on a silhouette (m, 2), both in mm; turned and shifted, never mirrored.
+    """Register an outline (n, 2) with a silhouette (m, 2), both in mm, by a rotation and a shift without reflection.
 
-    From many turns, iterated closest points with the farthest part `trim` left out. The best of them settles where the
-    sum of the distances is least, small ones by their squares.
+    From many rotations, iterated closest points without the farthest part `trim`. The best result then minimises the
+    sum of the distances, with squares of small distances.
     """
     ours, theirs = along(outline), along(target)
     tree = cKDTree(theirs)
     centre, goal = (np.array(shapely.Polygon(p).centroid.coords[0]) for p in (outline, target))
     few = ours[:: max(len(ours) // 400, 1)]
     best: tuple[float, float, Floats] = (np.inf, 0.0, np.zeros(2))
-    for start in np.arange(_STARTS) * 2 * np.pi / _STARTS:
+    for start in np.arange(_ROTATION_STARTS) * 2 * np.pi / _ROTATION_STARTS:
         found = _closest_points(few, start, goal - _turned(centre, start), theirs, tree, trim, 15)
         best = min(best, found, key=lambda entry: entry[0])
     angle, shift = _settled(ours[:: max(len(ours) // 1000, 1)], best[1], best[2], target)
@@ -75,17 +77,17 @@ def fit_outline(outline: Floats, target: Floats, trim: float = 0.1) -> OutlineFi
 
 
 def along(corners: Floats) -> Floats:
-    """Points at equal steps along a closed line (n, 2) mm."""
+    """Points with equal spacing along a closed line (n, 2) mm."""
     ring = shapely.LinearRing(corners)
-    count = max(round(ring.length / _STEP_MM), 200)
+    count = max(round(ring.length / _POINT_SPACING_MM), 200)
     return np.asarray(
         shapely.get_coordinates(shapely.line_interpolate_point(ring, np.arange(count) * ring.length / count))
     )
 
 
 def _settled(points: Floats, angle: float, shift: Floats, target: Floats) -> tuple[float, Floats]:
-    """Turn and shift at the nearest minimum."""
-    # turns count as the shifts that they make
+    """Rotation and shift at the nearest minimum."""
+    # rotations are scaled to the shifts that they cause
     size = float(np.linalg.norm(points - points.mean(axis=0), axis=1).max())
     middle = _turned(points.mean(axis=0), angle) + shift
 
@@ -116,7 +118,7 @@ def _turned(points: Floats, angle: float) -> Floats:
 def _closest_points(
     points: Floats, angle: float, shift: Floats, target: Floats, tree: cKDTree, trim: float, steps: int
 ) -> tuple[float, float, Floats]:
-    """Cost, turn and shift after some steps; the turn is the best one in closed form (Umeyama 1991, without scale)."""
+    """Cost, rotation and shift after some steps; the rotation has a closed form (Umeyama 1991, without scale)."""
     cost = np.inf
     for _ in range(steps):
         distance, index = tree.query(_turned(points, angle) + shift)

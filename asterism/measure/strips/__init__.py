@@ -1,1 +1,1 @@
-"""Strips of plastic on fabric: their test print, and the material that their curvatures give."""
+"""Test strips of plastic on fabric: the print, the table of measurements, and the fitted material."""

@@ -1,4 +1,8 @@
-"""Whether kinds of strips agree with a model, and with each other, as far as their own scatter tells."""
+"""Tests of the fit: agreement of the kinds of strips with the model and with each other.
+
+A kind is all strips of one thickness, fabric and stretch, either with fabric or peeled. The scatter within the kinds is
+the measure of their disagreement.
+"""
 
 from __future__ import annotations
 
@@ -11,12 +15,12 @@ from asterism.measure.strips.noise import finest_deviation, shared_rounding
 from asterism.measure.strips.parameter_estimate import ParameterEstimate
 from pattern.geometry.arrays import Floats, Ints
 
-# a model that is right is called wrong with this chance
+# probability with which the tests reject a model that holds
 FALSE_ALARM = 0.01
 
 
 def lack_of_fit(model: CurvatureModel, found: ParameterEstimate, data: StripData) -> float | None:
-    """Chance of such a scatter between kinds if the model holds, by the F test of the means of kinds against it."""
+    """Probability of the scatter between kinds if the model holds, by an F test; None without repeats."""
     bent = data.take(~data.flat)
     mean = model.mean(found.parameters, bent)
     sensitivity = arc.reading_sensitivity(mean, bent.length)
@@ -38,17 +42,21 @@ def lack_of_fit(model: CurvatureModel, found: ParameterEstimate, data: StripData
 
 
 def _apart(centre: Floats, weight: Floats, alike: Floats, group: Ints, scale: float) -> float:
-    """Squares of what groups are off in the mean (g,), over the variances of their means.
+    """Sum of the squared deviations of the group means, over the variances of these means.
 
-    `weight` (n,) of the readings, whose scatter is `scale` times what the weights say; `alike` (n,) 1/mm, what they
-    may be off as a whole.
+    Parameters
+    ----------
+    centre : (g,) deviations of the means.
+    weight : (n,) weights of the readings.
+    alike : (n,) 1/mm, standard deviation of the error that all readings of a group share.
+    scale : variance of the readings over that of the weights.
     """
     as_one = np.bincount(group, weight * alike**2) / np.bincount(group, weight)
     return float(np.sum(centre**2 / (scale / np.bincount(group, weight) + as_one)))
 
 
 def contradicted(kind: KappaBarKind, found: ParameterEstimate, data: StripData) -> bool:
-    """Peeled strips of different thickness differ, or from 0 if that was said, by more than their scatter explains."""
+    """Whether the peeled strips contradict the model of kappa_bar by more than their scatter explains."""
     peeled = data.take(data.peeled & ~data.flat)
     groups, group = np.unique(peeled.thickness, return_inverse=True)
     within, between = len(group) - len(groups), len(groups) - (kind == "constant")
@@ -60,7 +68,7 @@ def contradicted(kind: KappaBarKind, found: ParameterEstimate, data: StripData) 
     inside = np.sum(weight * (peeled.curvature - centre[group]) ** 2)
     if kind == "constant":
         off = centre[group] - np.sum(weight * peeled.curvature) / np.sum(weight)
-    else:  # boxes are never less than nothing high: what looks flat leaves the others with a mean of their own
+    else:  # heights of boxes are never negative, so that strips below the limit are missing in the mean
         off = np.maximum(np.abs(centre[group]) - peeled.limit, 0.0)
     alike = shared_rounding(peeled.curvature, group, sensitivity, peeled.step)
     if inside <= 1e-12 * np.sum(weight * peeled.curvature**2) and not alike.any():

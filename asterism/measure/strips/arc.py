@@ -1,7 +1,7 @@
 """Circular arcs and their bounding boxes, all in mm and 1/mm.
 
-The box stands on the chord of the arc: its width runs along the chord, its height is that of the arc over the chord.
-Up to a half circle the width is the chord; beyond, it is the diameter.
+The width of the box runs along the chord of the arc; its height is the height of the arc above the chord. Up to a half
+circle the width is the chord; beyond, it is the diameter.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ def box(curvature: ArrayLike, length: ArrayLike) -> tuple[Floats, Floats]:
     """Width and height of the box of an arc, up to a full circle; the sign of the curvature does not matter."""
     k, length = np.broadcast_arrays(np.abs(np.asarray(curvature, dtype=float)), np.asarray(length, dtype=float))
     half = np.minimum(k * length / 2, np.pi)
-    # sinc keeps flat arcs exact
+    # sinc is exact for flat arcs
     chord = length * np.sinc(half / np.pi)
     height = length * half / 4 * np.sinc(half / 2 / np.pi) ** 2
     return np.where(half <= np.pi / 2, chord, 2 / np.maximum(k, 1e-300)), height
@@ -39,9 +39,9 @@ def arc_length(width: ArrayLike, height: ArrayLike) -> Floats:
 
 
 def reading_sensitivity(curvature_: ArrayLike, length: ArrayLike) -> Floats:
-    """(n,) 1/mm^2, how far the curvature moves if width and height are read with an error of 1 mm each.
+    """(n,) 1/mm^2, change of the curvature for an error of 1 mm in width and height.
 
-    Root of the squares of the two derivatives of `curvature`; `8 / L^2` for a flat strip.
+    Root of the sum of the squares of both derivatives of `curvature`; `8 / L^2` for a flat strip.
     """
     w, h = box(curvature_, length)
     shallow = 8 * np.hypot(w**2 - 4 * h**2, 2 * w * h) / (w**2 + 4 * h**2) ** 2
@@ -49,10 +49,10 @@ def reading_sensitivity(curvature_: ArrayLike, length: ArrayLike) -> Floats:
 
 
 def line_box(width: float, height: float, thickness: float) -> tuple[float, float]:
-    """Box of the middle line of a strip whose outside has a box of this width and height.
+    """Box of the middle line of a strip from the box around the whole strip.
 
-    Its outer side has the radius `R + t/2`, its inner corners lie at `R - t/2`. A box no higher than the thickness
-    holds a flat strip: height 0.
+    The outer side of the strip has the radius `R + t/2`; its inner corners lie at `R - t/2`. If the box is at most as
+    high as the thickness, the strip is flat: height 0.
 
     Raises
     ------

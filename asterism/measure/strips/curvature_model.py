@@ -1,4 +1,4 @@
-"""The curvatures that strips should have, by E2/E1 and kappa_bar, with their derivatives."""
+"""The model of the strips: their curvatures as functions of E2/E1 and kappa_bar, with derivatives."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ class StripData:
     Attributes
     ----------
     curvature : 1/mm; NaN for flat strips.
-    limit : 1/mm, a flat strip is known to be bent by less than this.
-    length : mm.
-    thickness, fabric : mm.
-    mismatch : 1 - 1/s^2.
-    peeled : bool.
-    step : mm, of the ruler to which the sides of a box were rounded; 0 where they were not.
+    limit : 1/mm, bound of the curvature of a strip that looks flat.
+    length : mm, length of the strip.
+    thickness, fabric : mm, thickness of the plastic and of the fabric.
+    mismatch : 1 - 1/s^2 for the stretch s.
+    peeled : bool, measured without fabric.
+    step : mm, step of the ruler to which the sides of the box are rounded; 0 if unknown.
     """
 
     curvature: Floats
@@ -44,7 +44,7 @@ class StripData:
 
     @classmethod
     def of(cls, readings: list[Reading], flat_height_mm: float) -> Self:
-        """Of readings; heights below `flat_height_mm` look flat."""
+        """Arrays of readings; an arc lower than `flat_height_mm` looks flat."""
         length = np.array([r.length_mm for r in readings])
         return cls(
             curvature=np.array([np.nan if r.curvature_per_mm is None else r.curvature_per_mm for r in readings]),
@@ -59,18 +59,20 @@ class StripData:
 
     @property
     def flat(self) -> np.ndarray:
-        """(n,) bool."""
+        """(n,) bool, strips that look flat."""
         return np.isnan(self.curvature)
 
     @property
     def kind(self) -> Ints:
-        """(n,) from 0: readings of one kind should be equal, of strips of one thickness, fabric and stretch, all peeled
-        or none."""
+        """(n,) number of the kind, from 0.
+
+        Readings of a kind should be equal: one thickness, fabric and stretch, all with fabric or all peeled.
+        """
         kinds = np.column_stack([self.thickness, self.fabric, self.mismatch, self.peeled])
         return np.unique(kinds, axis=0, return_inverse=True)[1].reshape(-1)
 
     def take(self, which: np.ndarray) -> StripData:
-        """Some of the readings."""
+        """The readings with these indices or where a mask holds."""
         return StripData(**{name: values[which] for name, values in vars(self).items()})
 
 
@@ -80,7 +82,7 @@ class CurvatureModel:
 
     Attributes
     ----------
-    thicknesses : of the entries of kappa_bar if there is one for each, otherwise empty.
+    thicknesses : mm, thicknesses of the entries of kappa_bar with `per-thickness`; otherwise empty.
     """
 
     formula: StripFormula
@@ -94,11 +96,11 @@ class CurvatureModel:
         Raises
         ------
         UndeterminedMaterialError
-            The readings cannot tell E1/E2 from kappa_bar.
+            The readings do not determine E1/E2 and kappa_bar.
         """
         thicknesses = np.unique(data.thickness)
         if not np.any(~data.peeled):
-            raise UndeterminedMaterialError("no strip was measured with its fabric: E1/E2 cannot be told")
+            raise UndeterminedMaterialError("no strip was measured with its fabric: E1/E2 is not determined")
         if kappa_bar == "constant" and not data.peeled.any() and len(thicknesses) < 2:
             raise UndeterminedMaterialError(
                 "strips of one thickness and none peeled cannot tell E1/E2 from kappa_bar: "
@@ -119,28 +121,28 @@ class CurvatureModel:
         return 1 + {"constant": 1, "zero": 0, "per-thickness": len(self.thicknesses)}[self.kappa_bar]
 
     def mean(self, parameters: Floats, data: StripData) -> Floats:
-        """(n,) 1/mm."""
+        """(n,) 1/mm, curvatures of the model."""
         return self.by_fabric(parameters, data) + self._membership(data) @ parameters[1:]
 
     def jacobian(self, parameters: Floats, data: StripData) -> Floats:
-        """(n, size)."""
+        """(n, size), derivatives of `mean` with respect to the parameters."""
         step = 1e-6 * max(abs(float(parameters[0])), 1e-9)
         ends = (self._bilayer(parameters[0] + sign * step, data) for sign in (1, -1))
         slope = np.subtract(*ends) / (2 * step)
         return np.column_stack([slope, self._membership(data)])
 
     def by_fabric(self, parameters: Floats, data: StripData) -> Floats:
-        """(n,) 1/mm, the part of the mean without kappa_bar."""
+        """(n,) 1/mm, curvatures of the model without kappa_bar."""
         return self._bilayer(parameters[0], data)
 
     def _bilayer(self, inverse_ratio: float, data: StripData) -> Floats:
-        # a ratio without limit, E2/E1 = 0, is a strip that stays straight
+        # an infinite ratio, E2/E1 = 0, leaves the strip straight
         ratio = 1 / inverse_ratio if inverse_ratio else np.inf
         found = bilayer_curvature(data.thickness, data.fabric, ratio, data.mismatch, self.formula)
         return np.where(data.peeled, 0.0, found)
 
     def _membership(self, data: StripData) -> Floats:
-        """(n, size - 1) which entry of kappa_bar belongs to which reading."""
+        """(n, size - 1), 1 where an entry of kappa_bar belongs to a reading."""
         if self.kappa_bar == "per-thickness":
             return np.asarray((data.thickness[:, None] == self.thicknesses).astype(float))
         return np.ones((len(data.thickness), self.size - 1))

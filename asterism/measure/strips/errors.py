@@ -1,4 +1,4 @@
-"""What strips cannot tell."""
+"""Errors of fits of strips."""
 
 from __future__ import annotations
 

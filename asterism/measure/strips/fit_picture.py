@@ -18,9 +18,11 @@ from pattern.design.materials import Fabric, Plastic, bilayer_curvature, rest_cu
 from pattern.design.residual_curvature import residual_curvature
 from pattern.geometry.arrays import Floats
 
-WITH_FABRIC_COLOUR, PEELED_COLOUR, OUTLIER_COLOUR = "#2a6f97", "#c8553d", "#9d1f1f"
-# so stiff that the curvature is proportional to E2/E1 in both conventions
-_STIFF = 1e9
+WITH_FABRIC_COLOUR = "#2a6f97"
+PEELED_COLOUR = "#c8553d"
+OUTLIER_COLOUR = "#9d1f1f"
+# modulus ratio at which the curvature is proportional to E2/E1 in both conventions
+_STIFF_MODULUS_RATIO = 1e9
 
 
 def draw_fit(fit: StripFit, title: str, path_or_file: str | Path | IO[bytes]) -> None:
@@ -73,14 +75,16 @@ def _over_thickness(axes: Axes, fit: StripFit) -> None:
 
 
 def _line(axes: Axes, fit: StripFit) -> None:
-    """The fabric's part of the curvature over its factor in the formula."""
+    """Draw the curvature without kappa_bar over its factor in the formula: a line with the slope E2/E1."""
     bent = [r for r in fit.used if not r.peeled and r.curvature_per_mm is not None]
     axes.plot(
         _factor(bent, fit), _kappa(bent) - _kept(bent, fit), "o", color=WITH_FABRIC_COLOUR, markersize=4, alpha=0.6
     )
     one = bent[0]
     h = np.linspace(min(_h(bent)), max(_h(bent)) * 1.6, 200)
-    factor = _STIFF * bilayer_curvature(h, one.fabric_thickness_mm, _STIFF, 1 - one.stretch**-2, fit.formula)
+    factor = _STIFF_MODULUS_RATIO * bilayer_curvature(
+        h, one.fabric_thickness_mm, _STIFF_MODULUS_RATIO, 1 - one.stretch**-2, fit.formula
+    )
     curves = [
         bilayer_curvature(h, one.fabric_thickness_mm, p.modulus_ratio, 1 - one.stretch**-2, fit.formula)
         for p in _plastics(fit)
@@ -95,7 +99,7 @@ def _line(axes: Axes, fit: StripFit) -> None:
 
 
 def _plastics(fit: StripFit) -> list[Plastic]:
-    """With the fitted ratio, and with both ends of its interval."""
+    """E1/E2 as fitted, and at both ends of its interval."""
     found = fit.ratio[fit.formula]
     return [fit.plastic(min(max(ratio, 1.0), 1e7)) for ratio in (found.value, found.low, found.high)]
 
@@ -103,7 +107,7 @@ def _plastics(fit: StripFit) -> list[Plastic]:
 def _factor(readings: list[Reading], fit: StripFit) -> Floats:
     h2 = np.array([r.fabric_thickness_mm for r in readings])
     mismatch = 1 - np.array([r.stretch for r in readings]) ** -2
-    return _STIFF * bilayer_curvature(_h(readings), h2, _STIFF, mismatch, fit.formula)
+    return _STIFF_MODULUS_RATIO * bilayer_curvature(_h(readings), h2, _STIFF_MODULUS_RATIO, mismatch, fit.formula)
 
 
 def _h(readings: list[Reading]) -> Floats:

@@ -1,4 +1,4 @@
-"""The public functions behind `asterism strips fit`: a table of strips in, a material and its files out."""
+"""Fit of a material to a table of strips: the functions behind `asterism strips fit`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The sheet that goes with the test print: where each strip is, how to measure it, and a table to fill in."""
+"""The form of the test print: a map of the strips, instructions, and a table to fill in."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from asterism.measure.strips import arc
 from asterism.measure.strips.specimen import PrintedStrip, Specimen
-from asterism.measure.strips.strip_table import BOXES, GIVEN
+from asterism.measure.strips.strip_table import BOX_COLUMNS, KNOWN_COLUMNS
 from asterism.print.drawing import A4_MM, Drawing, DrawingLayer, Label, Polyline, rectangle
 from asterism.print.instructions import homing_advice
 from asterism.print.printer import Printer
@@ -30,12 +30,13 @@ BOX_PEN = DrawingLayer("boxes", "#c8553d", 0.25, dash_mm=(1.5, 1.0))
 ARC_PEN = DrawingLayer("arcs", "#2a6f97", 0.8)
 
 Pair = tuple[float, float]
-_LETTERS = 108
+# characters of a line of the instructions
+_FORM_LETTERS = 108
 
 
 @dataclass(frozen=True)
 class PrintStart:
-    """A printer, and the thickness of the fabric that lies on its plate."""
+    """A printer, and the thickness of the stretched fabric on its plate."""
 
     printer: Printer
     fabric_mm: float
@@ -49,9 +50,9 @@ class PrintStart:
 def strip_form(
     specimen: Specimen, start: PrintStart, layers_mm: Pair, stretch: float, fabric_mm: float
 ) -> tuple[Drawing, ...]:
-    """Pages of A4: the map with the instruction, and the table, 40 strips a page.
+    """Pages of A4: the map with the instructions, and the table with 40 strips a page.
 
-    `layers_mm`: heights of the first layer and of the others.
+    `layers_mm` are the heights of the first layer and of the other layers.
     """
     rows = [specimen.strips[i : i + 40] for i in range(0, len(specimen.strips), 40)]
     tables = [_table_page(specimen, page) for page in rows]
@@ -59,11 +60,11 @@ def strip_form(
 
 
 def csv_text(specimen: Specimen, stretch: float, fabric_mm: float) -> str:
-    """The table to fill in, with what is known already."""
-    lines = [",".join((*GIVEN, *BOXES))]
+    """The table to fill in as CSV, with the known values."""
+    lines = [",".join((*KNOWN_COLUMNS, *BOX_COLUMNS))]
     for strip in specimen.strips:
         known = (strip.number, f"{strip.thickness_mm:g}", f"{specimen.length_mm:g}", f"{stretch:g}", f"{fabric_mm:g}")
-        lines.append(",".join([*map(str, known), *[""] * len(BOXES)]))
+        lines.append(",".join([*map(str, known), *[""] * len(BOX_COLUMNS)]))
     return "\n".join(lines) + "\n"
 
 
@@ -81,7 +82,7 @@ def _first_page(specimen: Specimen, start: PrintStart, layers_mm: Pair, stretch:
 
 
 def _map(specimen: Specimen, bed_mm: tuple[float, float]) -> list[Polyline | Label]:
-    """The print on the bed, to a round scale, at the foot of the page."""
+    """The strips on the bed at the foot of the page, in a round scale."""
     scales = (1, 2, 2.5, 3, 4, 5, 10, 20, 50)
     parts = next(n for n in scales if all(bed <= n * room for bed, room in zip(bed_mm, MAP_MM, strict=True)))
     width, depth = bed_mm[0] / parts, bed_mm[1] / parts
@@ -101,7 +102,7 @@ def _map(specimen: Specimen, bed_mm: tuple[float, float]) -> list[Polyline | Lab
 
 
 def instructions(specimen: Specimen, start: PrintStart, layers_mm: Pair, stretch: float, fabric_mm: float) -> list[str]:
-    """What to do, line by line."""
+    """The instructions, line by line."""
     first, others = layers_mm
     heights = [float(arc.box(_expected(h, stretch, fabric_mm), specimen.length_mm)[1]) for h in specimen.thicknesses_mm]
     thicknesses = ", ".join(f"{h:g}" for h in specimen.thicknesses_mm)
@@ -129,8 +130,8 @@ def instructions(specimen: Specimen, start: PrintStart, layers_mm: Pair, stretch
 
 
 def _indented(step: str) -> list[str]:
-    """A step in lines of the page."""
-    return textwrap.wrap(step, _LETTERS, subsequent_indent="    ")
+    """One step, wrapped into lines of the page."""
+    return textwrap.wrap(step, _FORM_LETTERS, subsequent_indent="    ")
 
 
 def _expected(thickness_mm: float, stretch: float, fabric_mm: float) -> float:
@@ -138,7 +139,7 @@ def _expected(thickness_mm: float, stretch: float, fabric_mm: float) -> float:
 
 
 def _boxes(corner: Floats) -> list[Polyline | Label]:
-    """Three arcs in their boxes."""
+    """Three examples of arcs in their boxes."""
     items: list[Polyline | Label] = []
     for column, (angle, name) in enumerate(((1.6, "up to half a circle"), (np.pi, "half a circle"), (4.4, "beyond"))):
         length = 42.0

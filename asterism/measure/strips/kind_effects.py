@@ -1,9 +1,9 @@
-"""What all strips of a kind have in common, beyond the formula: a thickness that is not what the table says.
+"""Random effects of the kinds of strips: errors that all strips of a kind share, such as that of their thickness.
 
-The mean of a kind is off by a random effect (Laird and Ware, Biometrics 38, 1982): with its fabric by a part of the
-curvature that the fabric gives, `a kappa_fabric`, and peeled by `b`. As readings of a kind have one mean, the effect
-does to the fit what larger variances of its readings would: `c = 1 + V sum(1 / variance)` times as large for an effect
-of the variance V.
+The mean of a kind deviates by a random effect (Laird and Ware, Biometrics 38, 1982): with fabric by a part of the
+curvature from the fabric, `a kappa_fabric`, and peeled by `b`. All readings of a kind have one mean, so that the effect
+acts on the fit like larger variances of the readings: the factor is `c = 1 + V sum(1 / variance)` for an effect of
+variance V.
 """
 
 from __future__ import annotations
@@ -17,29 +17,29 @@ from pattern.geometry.arrays import Floats, Ints
 
 @dataclass(frozen=True)
 class KindEffects:
-    """Standard deviations of what kinds have in common.
+    """Standard deviations of the random effects of kinds.
 
     Attributes
     ----------
-    with_fabric : a part of the curvature by the fabric.
-    peeled : 1/mm.
+    with_fabric : effect on strips with fabric, as a part of the curvature from the fabric.
+    peeled : 1/mm, effect on peeled strips.
     """
 
     with_fabric: float = 0.0
     peeled: float = 0.0
 
     def variance(self, sizes: Floats) -> Floats:
-        """(n,) 1/mm^2 of readings; `sizes` (2, n) from `effects`."""
+        """(n,) 1/mm^2, variance of the effects in the readings; `sizes` (2, n) from `effects`."""
         return np.asarray((self.with_fabric * sizes[0]) ** 2 + (self.peeled * sizes[1]) ** 2)
 
 
 def effect_sizes(by_fabric: Floats, peeled: np.ndarray) -> Floats:
-    """(2, n) what the two effects do to a reading: 1/mm by the fabric (n,), and one."""
+    """(2, n) derivatives of the readings by the two effects: curvature from the fabric (n,) in 1/mm, and 1."""
     return np.array([np.where(peeled, 0.0, by_fabric), np.where(peeled, 1.0, 0.0)])
 
 
 def variance_factor(kind: Ints, variance: Floats, shared: Floats) -> Floats:
-    """(n,) factor `c` by which variances (n,) stand for a shared error of variance `shared` (n,), too."""
+    """(n,) factors `c` of the variances (n,) that replace a shared error of variance `shared` (n,)."""
     return 1.0 + shared * np.bincount(kind, 1.0 / variance)[kind]
 
 
@@ -48,13 +48,13 @@ def fit_kind_effects(
 ) -> KindEffects:
     """The most likely effects for readings (n,) about a fit of jacobian (n, p).
 
-    Restricted maximum likelihood, as for the noise. An effect that the others' kinds do not tell from the parameters is
-    taken for 0.
+    Restricted maximum likelihood, as for the noise. An effect is 0 if the kinds do not distinguish it from the
+    parameters.
 
     Parameters
     ----------
-    variance : of the readings, 1/mm^2.
-    alike : 1/mm, by which a ruler's marks may move a whole kind.
+    variance : (n,) 1/mm^2, variances of the readings.
+    alike : (n,) 1/mm, error of rounding that all readings of a kind share.
     sizes : (2, n) from `effects`.
     """
     _, first, count = np.unique(kind, return_index=True, return_counts=True)
@@ -75,11 +75,11 @@ def fit_kind_effects(
 
 
 def _most_likely(middle: Floats, jacobian: Floats, variance: Floats, size: Floats) -> float:
-    """Standard deviation of an effect on kinds (g,), whose means have other errors of this variance."""
+    """Standard deviation of an effect on kinds (g,), whose means have other errors of these variances."""
     columns = _equal_columns(jacobian)
 
     def minus_log(effect: Floats) -> Floats:
-        """(m,) for as many effects; the parameters go along."""
+        """(m,) minus log likelihoods of effects (m,), each with its best parameters."""
         root = 1.0 / np.sqrt(variance + (effect[:, None] * size) ** 2)
         rows, off = root[..., None] * columns, root * middle
         information, slope = np.einsum("mgp,mgq->mpq", rows, rows), np.einsum("mgp,mg->mp", rows, off)
@@ -97,7 +97,7 @@ def _most_likely(middle: Floats, jacobian: Floats, variance: Floats, size: Float
         values = minus_log(np.exp(logs))
         best = min(max(int(np.argmin(values)), 1), len(logs) - 2)
         last, logs = logs[best - 1 : best + 2], np.linspace(logs[best - 1], logs[best + 1], 17)
-    # the lowest point of the parabola through the last three
+    # minimum of the parabola through the last three points
     left, here, right = values[best - 1 : best + 2]
     bend = left - 2 * here + right
     turn = 0.5 * (left - right) / bend if bend > 0 else 0.0

@@ -1,4 +1,4 @@
-"""Least squares in which flat strips take part with their bound only."""
+"""Maximum likelihood fit in which strips that look flat contribute the bound of their curvature."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from pattern.geometry.arrays import Floats
 
 
 def flat_terms(mean: Floats, limit: Floats, spread: Floats) -> tuple[Floats, Floats]:
-    """First and second derivative, by the mean, of `-log P(-limit < curvature < limit)` of normal curvatures (n,).
+    """First and second derivative with respect to the mean of `-log P(-limit < curvature < limit)`.
 
-    Tobin's model for values that are only known to lie within a range (Econometrica 26, 1958).
+    The curvatures (n,) are normally distributed: Tobin's model of censored values (Econometrica 26, 1958).
     """
-    # symmetric in the mean: the side on which tails stay exact is enough
+    # symmetric in the mean: use the side on which the tails are accurate
     side = np.where(mean < 0, -1.0, 1.0)
     above, below = (limit - np.abs(mean)) / spread, (-limit - np.abs(mean)) / spread
     log_share = log_ndtr(above) + np.log1p(-np.exp(np.minimum(log_ndtr(below) - log_ndtr(above), -1e-12)))
@@ -28,7 +28,7 @@ def flat_terms(mean: Floats, limit: Floats, spread: Floats) -> tuple[Floats, Flo
 def solve(model: CurvatureModel, data: StripData, variance: Floats, start: Floats) -> tuple[Floats, Floats]:
     """The most likely parameters for known variances (n,) of the readings, and their covariance.
 
-    Gauss and Newton's steps; the covariance is the inverse of the information.
+    Gauss-Newton steps; the covariance is the inverse of the information matrix.
     """
     flat = data.flat
     parameters = start
@@ -38,7 +38,7 @@ def solve(model: CurvatureModel, data: StripData, variance: Floats, start: Float
         slope[~flat] = (mean - data.curvature)[~flat] / variance[~flat]
         weight[~flat] = 1 / variance[~flat]
         slope[flat], weight[flat] = flat_terms(mean[flat], data.limit[flat], np.sqrt(variance[flat]))
-        # columns of equal size: E2/E1 and kappa_bar have different units
+        # scale the columns, because E2/E1 and kappa_bar have different units
         size = np.sqrt((weight[:, None] * jacobian**2).sum(axis=0))
         scaled = jacobian / size
         information = (scaled * weight[:, None]).T @ scaled

@@ -1,4 +1,4 @@
-"""The material file that strips give, for every command that takes one."""
+"""The material file that a fit of strips writes."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from asterism.measure.strips.strip_fit import StripFit
 from asterism.results.files import OutputError
 from homogenize.law.material import Material
 
-# a file that begins with this line is ours, and may be written over
-FIRST_LINE = "# Written by asterism strips fit, which writes over this file as long as this line is here."
+# a file with this first line was written by the command, which may replace it
+MATERIAL_FIRST_LINE = "# Written by asterism strips fit, which writes over this file as long as this line is here."
 COMPANION_SUFFIXES = (".png", ".json")  # files of the same name that are written with it
 
 
 def material_text(fit: StripFit, name: str, remarks: list[str]) -> str:
     """TOML of the material: thickness and stretch of the fabric, E1/E2, its convention, and kappa_bar."""
-    lines = [FIRST_LINE, *(f"# {remark}" for remark in remarks)]
+    lines = [MATERIAL_FIRST_LINE, *(f"# {remark}" for remark in remarks)]
     lines += [f"name = {json.dumps(name, ensure_ascii=False)}", "", "[fabric]"]
-    # without one value the commands keep the design's
+    # with several values the key is left out, and commands use the design's value
     lines += [f"{key} = {values.pop():g}" for key, values in fit.fabrics.items() if len(values) == 1]
     lines += [
         "",
@@ -34,14 +34,14 @@ def material_text(fit: StripFit, name: str, remarks: list[str]) -> str:
 
 
 def check_ours(path: Path) -> None:
-    """Raise OutputError if there is a file that was not written by this command, or was claimed by its user."""
+    """Raise OutputError if `path` holds a file without the first line that this command writes."""
     foreign = None
     try:
         with path.open(encoding="utf-8") as stream:
-            if stream.readline().strip() != FIRST_LINE:
+            if stream.readline().strip() != MATERIAL_FIRST_LINE:
                 foreign = path
     except FileNotFoundError:
-        # a picture or numbers of the same name without a material are somebody else's
+        # a picture or numbers without a material come from something else
         foreign = next((file for file in map(path.with_suffix, COMPANION_SUFFIXES) if file.exists()), None)
     except (OSError, UnicodeDecodeError):
         foreign = path
@@ -53,5 +53,7 @@ def _kappa_bar(fit: StripFit) -> str:
     if fit.kappa_bar_kind != "per-thickness":
         return f"{fit.kappa_bar[None].value:.4g}" if fit.kappa_bar else "0.0"
     values = ", ".join(f"{interval.value:.4g}" for interval in fit.kappa_bar.values())
-    thicknesses = ", ".join(repr(float(h)) for h in fit.kappa_bar if h is not None)  # near ones stay apart
+    thicknesses = ", ".join(
+        repr(float(h)) for h in fit.kappa_bar if h is not None
+    )  # repr keeps thicknesses apart that are nearly equal
     return f"{{ thickness_mm = [{thicknesses}], per_mm = [{values}] }}"

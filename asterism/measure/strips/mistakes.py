@@ -1,4 +1,4 @@
-"""Tables whose strips contradict the formula, and mistakes that would explain it."""
+"""Tables that contradict the formula, and mistakes that explain the contradiction."""
 
 from __future__ import annotations
 
@@ -11,25 +11,25 @@ from asterism.measure.strips.curvature_model import CurvatureModel, StripData
 from asterism.measure.strips.errors import UndeterminedMaterialError
 from asterism.measure.strips.parameter_estimate import ParameterEstimate, estimate_parameters
 
-# thicknesses that are off by a little do not look so unlikely, and mend at the same time by a mistake's correction
-_SURE = 1e-6
-# by such a part of the curvature no thickness is off
-_MOST_OFF = 0.5
+# tables that are more probable than this are not examined: small errors of the thickness explain them
+_MAX_PROBABILITY_OF_MISTAKE = 1e-6
+# larger deviations of a kind, as parts of its curvature, are not errors of the thickness
+_MAX_KIND_DEVIATION = 0.5
 
 
 def check_mistakes(model: CurvatureModel, found: ParameterEstimate, data: StripData, chance: float | None) -> None:
-    """Refuse tables that make sense only without a mistake, or not at all.
+    """Refuse a table that agrees with the formula only after the correction of a mistake, or not at all.
 
     Parameters
     ----------
-    chance : of such strips, if the model holds.
+    chance : probability of such strips if the model holds; None if it is not known.
 
     Raises
     ------
     UndeterminedMaterialError
-        With the mistake, if one explains all.
+        The table contradicts the formula; the message names the mistake if one is found.
     """
-    if chance is None or chance >= _SURE:
+    if chance is None or chance >= _MAX_PROBABILITY_OF_MISTAKE:
         return
     turned = replace(data, curvature=np.where(data.peeled, -1.0, 1.0) * data.curvature)
     swapped = replace(data, thickness=data.fabric, fabric=data.thickness)
@@ -42,7 +42,7 @@ def check_mistakes(model: CurvatureModel, found: ParameterEstimate, data: StripD
         raise UndeterminedMaterialError(
             "all would agree if thickness_mm and fabric_thickness_mm were swapped: check the two columns"
         )
-    if found.common.with_fabric > _MOST_OFF:
+    if found.common.with_fabric > _MAX_KIND_DEVIATION:
         raise UndeterminedMaterialError(
             f"strips of different thickness contradict the formula, by {100 * found.common.with_fabric:.0f} % of their "
             "curvature: check thickness_mm and fabric_thickness_mm, and to which side peeled strips bend"
@@ -50,7 +50,7 @@ def check_mistakes(model: CurvatureModel, found: ParameterEstimate, data: StripD
 
 
 def _agrees(model: CurvatureModel, other: StripData) -> bool:
-    """Whether readings without the mistake agree with the model."""
+    """Whether the corrected readings agree with the model."""
     try:
         changed = CurvatureModel.of(other, model.formula, model.kappa_bar)
         found = estimate_parameters(changed, other)

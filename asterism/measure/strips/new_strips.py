@@ -1,4 +1,4 @@
-"""The public function behind `asterism strips new`: the test print, its sheets and its table."""
+"""The test print, its form and its table: the function behind `asterism strips new`."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from pattern.design.errors import DesignError
 from pattern.design.stars import THICKNESS_RANGE_MM
 from pattern.geometry.arrays import Floats, Ints
 
-FILES = ("start.gcode", "strips.3mf", "strips.csv", "strips.pdf", "strips.stl")
+TEST_PRINT_FILES = ("start.gcode", "strips.3mf", "strips.csv", "strips.pdf", "strips.stl")
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class StripsPrint:
     specimen: Specimen
     layers_mm: tuple[float, float]
     z_offset_mm: float
-    files: tuple[str, ...] = FILES
+    files: tuple[str, ...] = TEST_PRINT_FILES
 
 
 def new_strips(
@@ -108,14 +108,14 @@ def new_strips(
 
 
 def _joined(solids: list[Solid]) -> tuple[Floats, Ints]:
-    """Points and triangles of all."""
+    """Points and triangles of all solids in one mesh."""
     before = np.cumsum([0, *(len(solid.points) for solid in solids[:-1])])
     triangles = [solid.triangles + first for solid, first in zip(solids, before, strict=True)]
     return np.concatenate([solid.points for solid in solids]), np.concatenate(triangles)
 
 
 def _solid(strip: PrintedStrip, specimen: Specimen) -> Solid:
-    """A strip as a box with its name, about the middle of the bed."""
+    """A strip as a named box, in coordinates from the middle of the bed."""
     (x, y), half = strip.centre_mm, (specimen.length_mm / 2, specimen.width_mm / 2)
     region = shapely.box(x - half[0], y - half[1], x + half[0], y + half[1])
     return terraced_solid(f"strip {strip.number}, {strip.thickness_mm:g} mm", [Terrace(strip.thickness_mm, region)])

@@ -1,4 +1,4 @@
-"""Readings that do not belong to the others, and kinds of strips that lie apart as a whole."""
+"""Outliers among the readings, and kinds of strips that deviate as a whole."""
 
 from __future__ import annotations
 
@@ -14,38 +14,39 @@ from asterism.measure.strips.noise import finest_deviation, rounding_deviation
 from asterism.measure.strips.parameter_estimate import estimate_parameters, first_guess
 from pattern.geometry.arrays import Floats, Ints
 
-# the chance that one of all good readings is called an outlier
+# probability that a table of good readings has an outlier
 OUTLIER_FALSE_ALARM = 0.01
-_BIWEIGHT = 4.685
-# marks of the ruler by which a good reading may differ: one at the width and one at the height of its box
-_MARKS = 1.5
-# the middle of so few deviations may be far too small a scale
-_FEW = 24
+# Tukey's biweight gives no weight to readings beyond so many standard deviations
+_BIWEIGHT_CUTOFF = 4.685
+# marks of the ruler by which a good reading may deviate: at the width and at the height of its box
+_MAX_RULER_MARKS = 1.5
+# with fewer readings, the median of the deviations may be far too small a scale
+_MIN_READINGS_FOR_SCALE = 24
 
 
 def outliers(model: CurvatureModel, data: StripData) -> tuple[np.ndarray, Floats, np.ndarray]:
-    """Which readings lie too far from the fit of the others, how many standard deviations away, and which lie apart.
+    """Outliers, distances in standard deviations, and readings of kinds that deviate as a whole.
 
-    Where most readings of a kind are too far off, on the same side, none of them is wrong but what they have in common,
-    such as their thickness. They are no outliers, unless they are too far from the middle of their kind.
+    If most readings of a kind deviate too far to the same side, something that they share is wrong, such as their
+    thickness. These readings are not outliers, unless they deviate too far from the median of their kind.
 
     Returns
     -------
     odd : (n,) bool, the outliers.
-    distance : (n,) standard deviations.
-    apart : (n,) bool, all readings of kinds that lie apart.
+    distance : (n,) distances from the fit of the other readings, in standard deviations.
+    apart : (n,) bool, readings of kinds that deviate as a whole.
 
     Raises
     ------
     UndeterminedMaterialError
-        Too few readings, or more than a third contradict the others.
+        There are too few readings, or more than a third contradict the others.
     """
     apart, own = np.zeros(len(data.curvature), dtype=bool), data
     while True:
         odd, beyond, mean = _outliers(model, own)
         new = _apart(data.kind, odd, beyond) & ~apart
         if not new.any():
-            # a flat strip has no place within its kind
+            # a flat strip has no deviation within its kind
             odd &= ~(apart & data.flat)
             if np.sum(odd) > len(odd) / 3:
                 raise UndeterminedMaterialError(
@@ -58,7 +59,7 @@ def outliers(model: CurvatureModel, data: StripData) -> tuple[np.ndarray, Floats
 
 
 def _apart(kind: Ints, odd: np.ndarray, beyond: Floats) -> np.ndarray:
-    """(n,) bool, readings of kinds most of whose readings are outliers on the same side; two at least."""
+    """(n,) bool, readings of kinds of which most readings, and at least two, are outliers on the same side."""
     found = np.zeros(len(kind), dtype=bool)
     for side in (-1.0, 1.0):
         count = np.bincount(kind, odd & (np.sign(beyond) == side))
@@ -67,21 +68,20 @@ def _apart(kind: Ints, odd: np.ndarray, beyond: Floats) -> np.ndarray:
 
 
 def _to_middle(kind: Ints, curvature: Floats, mean: Floats) -> Floats:
-    """(n,) 1/mm, what brings the middle of a kind to where the fit has it; 0 for kinds that are all flat."""
+    """(n,) 1/mm, shift that moves the median of a kind to the fit; 0 for kinds that look flat."""
     off = mean - curvature
     middle = [np.median(here) if len(here := off[(kind == k) & ~np.isnan(off)]) else 0.0 for k in range(kind.max() + 1)]
     return np.array(middle)[kind]
 
 
 def _outliers(model: CurvatureModel, data: StripData) -> tuple[np.ndarray, Floats, Floats]:
-    """Which readings (n,) lie too far from the fit of the others; how many standard deviations away, negative below it;
-    and the fit (1/mm).
+    """Outliers (n,), their signed distances from the fit in standard deviations, and the fit (1/mm).
 
-    A robust fit (Tukey's biweight, from least absolute deviations) proposes; what decides is the distance of each
-    reading from a fit without the proposed ones, by Student's distribution with Bonferroni's correction.
+    A robust fit (Tukey's biweight, from least absolute deviations) proposes outliers. The decision uses the distance of
+    each reading from a fit without them, by Student's distribution with Bonferroni's correction.
     """
     good = ~(_robust_distance(model, data) > 4.0)
-    if len(good) < _FEW:
+    if len(good) < _MIN_READINGS_FOR_SCALE:
         good[:] = True
     for _ in range(10):
         found = estimate_parameters(model, data.take(good), alike=True)
@@ -89,18 +89,18 @@ def _outliers(model: CurvatureModel, data: StripData) -> tuple[np.ndarray, Float
         sensitivity = arc.reading_sensitivity(mean, data.length)
         variance = found.noise.variance(sensitivity, mean)
         of_fit = np.einsum("np,pq,nq->n", jacobian, found.covariance, jacobian)
-        # a reading that took part pulls the fit towards itself
+        # a reading that took part in the fit attracts it
         spread = np.sqrt(np.maximum(variance + np.where(good, -1, 1) * of_fit, 1e-3 * variance))
         spread = np.maximum(spread, finest_deviation(sensitivity, mean))
         distance = np.abs(_beyond(data, mean)) / spread
-        # scale without the reading itself, for those that took part
+        # scale without the reading itself, for readings that took part
         free = max(found.free, 2)
         alone = distance * np.sqrt(np.maximum((free - 1) / np.maximum(free - distance**2, 1e-9), 0.0))
         distance = np.where(good & ~data.flat, np.where(distance**2 < free, alone, np.inf), distance)
         limit = student.ppf(1 - OUTLIER_FALSE_ALARM / (2 * len(distance)), free - 1)
-        # the next mark of a ruler, at both sides of a box, is no contradiction, however many read the same one
+        # a deviation to the next mark of the ruler, at both sides of a box, is no contradiction
         mark = data.step * sensitivity
-        again = (distance <= limit) | (np.abs(_beyond(data, mean)) <= _MARKS * mark)
+        again = (distance <= limit) | (np.abs(_beyond(data, mean)) <= _MAX_RULER_MARKS * mark)
         if np.array_equal(again, good):
             break
         good = again
@@ -109,7 +109,7 @@ def _outliers(model: CurvatureModel, data: StripData) -> tuple[np.ndarray, Float
 
 
 def _beyond(data: StripData, mean: Floats) -> Floats:
-    """(n,) deviation of each reading; a flat strip deviates by what the fit is beyond its limit."""
+    """(n,) deviations of the readings; that of a flat strip is the distance of the fit from its bound."""
     return np.where(data.flat, np.maximum(np.abs(mean) - data.limit, 0.0), data.curvature - mean)
 
 
@@ -118,7 +118,7 @@ def _robust_distance(model: CurvatureModel, data: StripData) -> Floats:
     bent = data.take(~data.flat)
     start = first_guess(model, bent, data)
     best, best_distance = np.inf, np.zeros(len(data.curvature))
-    # the scatter may be that of the boxes, the same for all, or grow with the curvature
+    # the scatter may be constant, from the boxes, or proportional to the curvature
     for mix in (0.0, 0.5, 1.0):
         parameters = start
         for turn in range(40):
@@ -128,16 +128,16 @@ def _robust_distance(model: CurvatureModel, data: StripData) -> Floats:
             scale = max(1.4826 * float(np.median(np.abs(standard))), 1e-12)
             u = standard / scale
             absolute = 1 / np.maximum(np.abs(u), 1e-3)
-            weight = absolute if turn < 20 else np.maximum(1 - (u / _BIWEIGHT) ** 2, 0.0) ** 2
+            weight = absolute if turn < 20 else np.maximum(1 - (u / _BIWEIGHT_CUTOFF) ** 2, 0.0) ** 2
             root = np.sqrt(weight) / share
             jacobian = model.jacobian(parameters, bent) * root[:, None]
-            if not np.isfinite(jacobian).all():  # LAPACK would print a line of its own
+            if not np.isfinite(jacobian).all():  # LAPACK would print a message
                 raise np.linalg.LinAlgError("the robust fit has left all numbers")
             parameters = parameters + np.linalg.lstsq(jacobian, (bent.curvature - mean) * root, rcond=None)[0]
         likelihood = np.log(scale) + np.mean(np.log(share))
         if likelihood < best:
             mean = model.mean(parameters, data)
-            # where most read the same mark, the next one is no further than rounding
+            # if most readings are equal, the next mark is within the error of rounding
             sensitivity = arc.reading_sensitivity(mean, data.length)
             least = np.maximum(rounding_deviation(data.step) * sensitivity, finest_deviation(sensitivity, mean))
             spread = np.maximum(scale * _share(mix, mean, data), least)
@@ -146,6 +146,6 @@ def _robust_distance(model: CurvatureModel, data: StripData) -> Floats:
 
 
 def _share(mix: float, mean: Floats, data: StripData) -> Floats:
-    """(n,) standard deviations up to a common factor."""
+    """(n,) standard deviations, up to a common factor."""
     reading = arc.reading_sensitivity(mean, data.length) ** 2
     return np.asarray(np.sqrt((1 - mix) * reading / reading.mean() + (mix + 0.01) * mean**2 / np.mean(mean**2) + 1e-3))

@@ -1,4 +1,4 @@
-"""Parameters of a model and the noise of its readings, each from the other until both stay."""
+"""Parameters of a model and noise of its readings, in turns until both converge."""
 
 from __future__ import annotations
 
@@ -15,24 +15,26 @@ from asterism.measure.strips.noise import MIN_REPEATS, ReadingNoise, fit_noise, 
 from pattern.design.materials import bilayer_curvature
 from pattern.geometry.arrays import Floats
 
-# so much larger count the means of kinds in the first turn: the scatter within kinds tells where to begin
-_AT_FIRST = 1e6
-_TURNS = 40
+# factor of the variance of the means of kinds in the first turn, which uses the scatter within kinds only
+_FIRST_MEAN_VARIANCE_FACTOR = 1e6
+# turns of parameters and noise
+_MAX_TURNS = 40
 
 
 @dataclass(frozen=True)
 class ParameterEstimate:
-    """What readings say.
+    """Estimated parameters with their uncertainty.
 
     Attributes
     ----------
     parameters : (p,) E2/E1, then kappa_bar (1/mm).
-    covariance, rounding : (p, p), of scatter and effects, and of what rounding does to equal readings alike.
-    noise : of the readings.
-    free : readings that are not flat, less parameters.
-    common : what kinds of strips have in common beyond the formula.
-    of_common : (2, p, p) what these effects are of the covariance.
-    free_common : (2,) degrees of freedom that tell them.
+    covariance : (p, p), from scatter and from the effects of kinds.
+    rounding : (p, p), covariance from the errors of rounding that kinds share.
+    noise : noise of the readings.
+    free : number of readings that are not flat, minus the number of parameters.
+    common : random effects of the kinds of strips.
+    of_common : (2, p, p), parts of the covariance from these effects.
+    free_common : (2,) degrees of freedom of these effects.
     """
 
     parameters: Floats
@@ -45,7 +47,7 @@ class ParameterEstimate:
     free_common: Floats
 
     def of_noise(self, index: int) -> float:
-        """What the scatter from strip to strip is of the variance of a parameter."""
+        """Part of the variance of a parameter from the scatter of the readings."""
         return max(float(self.covariance[index, index] - self.of_common[:, index, index].sum()), 0.0)
 
     def freedom(self, index: int) -> float:
@@ -68,7 +70,7 @@ def estimate_parameters(model: CurvatureModel, data: StripData, *, alike: bool =
     Raises
     ------
     UndeterminedMaterialError
-        They are too few, or all flat.
+        There are too few readings, or all look flat.
     """
     bent = data.take(~data.flat)
     parameters = first_guess(model, bent, data)
@@ -85,8 +87,8 @@ def estimate_parameters(model: CurvatureModel, data: StripData, *, alike: bool =
     alone = alike or len(kind) - int(kind.max() + 1) < MIN_REPEATS
     least = float(rounding_deviation(bent.step).max())
     found, shared = ReadingNoise(1.0, 0.0), KindEffects()
-    larger = np.full(len(kind), 1.0 if alone else _AT_FIRST)
-    for _ in range(_TURNS):
+    larger = np.full(len(kind), 1.0 if alone else _FIRST_MEAN_VARIANCE_FACTOR)
+    for _ in range(_MAX_TURNS):
         before, variance = (parameters, found, shared), _variance(model, data, parameters, found, shared)
         parameters, covariance = solve(model, data, variance, parameters)
         mean, jacobian = model.mean(parameters, bent), model.jacobian(parameters, bent)
@@ -112,7 +114,7 @@ def estimate_parameters(model: CurvatureModel, data: StripData, *, alike: bool =
 
 
 def _stays(before: tuple[ReadingNoise, KindEffects], now: tuple[ReadingNoise, KindEffects]) -> bool:
-    """Whether noise and effects are what they were in the turn before."""
+    """Whether noise and effects are those of the previous turn."""
     old, new = (np.array([*vars(one).values(), *vars(other).values()]) for one, other in (before, now))
     return bool(np.all(np.abs(new - old) <= 1e-3 * np.abs(new)))
 
@@ -120,7 +122,7 @@ def _stays(before: tuple[ReadingNoise, KindEffects], now: tuple[ReadingNoise, Ki
 def _variance(
     model: CurvatureModel, data: StripData, parameters: Floats, found: ReadingNoise, shared: KindEffects
 ) -> Floats:
-    """(n,) 1/mm^2, with which the readings count."""
+    """(n,) 1/mm^2, variances of the readings in the fit."""
     mean = model.mean(parameters, data)
     variance = found.variance(arc.reading_sensitivity(mean, data.length), mean)
     sizes = effect_sizes(model.by_fabric(parameters, data), data.peeled)
@@ -135,7 +137,7 @@ def _of_common(
     variance: Floats,
     shared: KindEffects,
 ) -> tuple[Floats, Floats]:
-    """(2, p, p) what each effect is of the covariance, and (2,) by how many kinds, less parameters, it is told."""
+    """(2, p, p) part of the covariance from each effect, and (2,) its degrees of freedom."""
     jacobian = model.jacobian(parameters, bent)
     sizes = effect_sizes(model.by_fabric(parameters, bent), bent.peeled)
     kind = bent.kind
@@ -155,7 +157,7 @@ def _of_common(
 def _of_rounding(
     model: CurvatureModel, bent: StripData, parameters: Floats, covariance: Floats, variance: Floats
 ) -> Floats:
-    """(p, p) what is added to the covariance, as rounding moves all readings together that should be equal."""
+    """(p, p) covariance from the error of rounding that all readings of a kind share."""
     mean = model.mean(parameters, bent)
     sensitivity = arc.reading_sensitivity(mean, bent.length)
     alike = shared_rounding(bent.curvature, bent.kind, sensitivity, bent.step)
@@ -168,17 +170,17 @@ def _of_rounding(
 
 
 def first_guess(model: CurvatureModel, bent: StripData, data: StripData) -> Floats:
-    """(p,) parameters of the right size.
+    """(p,) initial parameters.
 
     Raises
     ------
     UndeterminedMaterialError
-        Every strip with its fabric is flat, and the message gives the bound that is left; or there is none.
+        All strips with fabric look flat, and the message gives the bound of E1/E2; or none is left.
     """
     with_fabric = bent.take(~bent.peeled)
     if len(with_fabric.curvature) == 0:
         flat = data.take(~data.peeled)
-        if len(flat.curvature) == 0:  # they were outliers of each other
+        if len(flat.curvature) == 0:  # all of them are outliers
             raise UndeterminedMaterialError("the strips with their fabric contradict each other: measure again")
         bound = np.max(_of_ratio_one(model, flat) / flat.limit)
         raise UndeterminedMaterialError(

@@ -1,4 +1,4 @@
-"""A strip as it was measured."""
+"""One measurement of one strip."""
 
 from __future__ import annotations
 
@@ -7,18 +7,18 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Reading:
-    """One arc of one strip.
+    """The measured arc of a strip, with fabric or peeled.
 
     Attributes
     ----------
-    strip : its name.
-    row : of the table, as a spreadsheet counts.
-    thickness_mm, length_mm : of the plastic.
-    stretch, fabric_thickness_mm : of the fabric it was printed on.
-    peeled : without its fabric.
-    curvature_per_mm : positive with the plastic outside; None for a strip that looks flat.
-    left_out : why this reading cannot be used, if it cannot.
-    step_mm : of the ruler, to which the sides of its box were rounded; 0 where that is not seen.
+    strip : name of the strip.
+    row : row of the table; the header is row 1.
+    thickness_mm, length_mm : thickness and length of the plastic.
+    stretch, fabric_thickness_mm : stretch and released thickness of the fabric.
+    peeled : measured without fabric.
+    curvature_per_mm : positive if the plastic is outside; None for a strip that looks flat.
+    left_out : why this reading is not used; None if it is used.
+    step_mm : step of the ruler to which the sides of the box are rounded; 0 if unknown.
     """
 
     strip: str
@@ -34,5 +34,5 @@ class Reading:
 
     @property
     def name(self) -> str:
-        """For messages."""
+        """Name of the reading in messages."""
         return f"strip {self.strip} {'peeled' if self.peeled else 'with fabric'}"

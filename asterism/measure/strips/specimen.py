@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from asterism.print.rounded import THICKEST_LAYER
+from asterism.print.rounded import MAX_LAYER_OVER_LINE
 from pattern.design.errors import DesignError
 
 THICKNESSES_MM = (0.30, 0.35, 0.40, 0.45)
-# between a strip and the next: room for the scissors
-GAP_MM = 8.0
+# gap between strips: space for scissors
+STRIP_GAP_MM = 8.0
 BED_MARGIN_MM = 5.0
-_THINNEST_LAYER_UM = 40  # that common printers can do
+# thinnest layer of common printers
+_MIN_LAYER_UM = 40
 
 
 @dataclass(frozen=True)
@@ -22,7 +23,7 @@ class PrintedStrip:
     Attributes
     ----------
     number : from 1, row by row from the lower left.
-    centre_mm : from the middle of the bed.
+    centre_mm : centre, from the middle of the bed.
     """
 
     number: int
@@ -32,7 +33,7 @@ class PrintedStrip:
 
 @dataclass(frozen=True)
 class Specimen:
-    """All strips, alike in length and width, along x."""
+    """All strips of a test print. They are parallel to x and have one length and width."""
 
     length_mm: float
     width_mm: float
@@ -40,7 +41,7 @@ class Specimen:
 
     @property
     def thicknesses_mm(self) -> tuple[float, ...]:
-        """Every thickness once, the smallest first."""
+        """The thicknesses, each once, the smallest first."""
         return tuple(sorted({strip.thickness_mm for strip in self.strips}))
 
 
@@ -51,27 +52,27 @@ def lay_out_specimen(
     length_mm: float = 60.0,
     width_mm: float = 4.0,
 ) -> Specimen:
-    """`count` strips of each thickness.
+    """Lay out `count` strips of each thickness on a bed.
 
-    Thicknesses take turns: an uneven bed spoils all alike, and is not taken for an effect of the thickness.
+    The thicknesses alternate, so that an uneven bed affects all of them equally.
 
     Raises
     ------
     DesignError
-        They do not fit on the bed.
+        The strips do not fit on the bed.
     """
     total = count * len(thicknesses_mm)
-    columns = min(math.floor((bed_mm[0] - 2 * BED_MARGIN_MM + GAP_MM) / (length_mm + GAP_MM)), total)
+    columns = min(math.floor((bed_mm[0] - 2 * BED_MARGIN_MM + STRIP_GAP_MM) / (length_mm + STRIP_GAP_MM)), total)
     rows = math.ceil(total / columns) if columns else 0
-    pitch = (length_mm + GAP_MM, width_mm + GAP_MM)
-    if columns == 0 or rows * pitch[1] - GAP_MM > bed_mm[1] - 2 * BED_MARGIN_MM:
-        room = max(math.floor((bed_mm[1] - 2 * BED_MARGIN_MM + GAP_MM) / pitch[1]), 0) * columns
+    pitch = (length_mm + STRIP_GAP_MM, width_mm + STRIP_GAP_MM)
+    if columns == 0 or rows * pitch[1] - STRIP_GAP_MM > bed_mm[1] - 2 * BED_MARGIN_MM:
+        room = max(math.floor((bed_mm[1] - 2 * BED_MARGIN_MM + STRIP_GAP_MM) / pitch[1]), 0) * columns
         problem = f"must fit on the bed of {bed_mm[0]:g} x {bed_mm[1]:g} mm: it has room for {room}"
         raise DesignError("--count" if room else "--length", problem, f"{total} strips of {length_mm:g} mm")
     strips = []
     for place in range(total):
         row, column = divmod(place, columns)
-        # where a row holds whole turns, columns would be of one thickness each
+        # shift the sequence if each column would hold one thickness
         turn = row if columns % len(thicknesses_mm) == 0 else 0
         thickness = thicknesses_mm[(place + turn) % len(thicknesses_mm)]
         centre = ((column - (columns - 1) / 2) * pitch[0], (row - (rows - 1) / 2) * pitch[1])
@@ -80,21 +81,21 @@ def lay_out_specimen(
 
 
 def layer_heights(thicknesses_mm: tuple[float, ...], nozzle_mm: float) -> tuple[float, float]:
-    """Heights (mm) of the first layer and of the others, as high as can be, that make all thicknesses exactly.
+    """Largest heights (mm) of the first and of the other layers that give all thicknesses exactly.
 
     Raises
     ------
     DesignError
-        The nozzle has no such layers.
+        The nozzle cannot print such layers.
     """
     heights = sorted(round(1000 * h) for h in thicknesses_mm)
-    most = round(1000 * THICKEST_LAYER * nozzle_mm)
+    most = round(1000 * MAX_LAYER_OVER_LINE * nozzle_mm)
     in_one = heights[0] <= most
     step = math.gcd(*(h - heights[0] * in_one for h in heights)) or heights[0]
     others = next(step // parts for parts in range(1, step + 1) if step % parts == 0 and step // parts <= most)
     first = heights[0] if in_one else others
-    if min(first, others) < _THINNEST_LAYER_UM:
-        least = _THINNEST_LAYER_UM / 1000
+    if min(first, others) < _MIN_LAYER_UM:
+        least = _MIN_LAYER_UM / 1000
         which = f"{least:g} to {most / 1000:g} mm (nozzle {nozzle_mm:g} mm)"
         problem = f"must be a first layer and equal others, of {which}"
         raise DesignError("--thickness", problem, ", ".join(f"{h:g}" for h in sorted(thicknesses_mm)))

@@ -1,4 +1,4 @@
-"""A fit of strips in words and numbers: for the terminal, the material file and the JSON beside it."""
+"""The result of a fit of strips: its summary, its warnings, and the meaning of the conventions."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from pattern.design.materials import bilayer_curvature
 
 
 def convention_sentences(fit: StripFit) -> list[str]:
-    """What the convention of a ratio means, in sentences."""
+    """Sentences that explain the convention of the fitted ratio."""
     other = next(name for name in FORMULAS if name != fit.formula)
     mine, theirs = fit.ratio[fit.formula].value, fit.ratio[other].value
     return [
@@ -36,7 +36,7 @@ def convention_sentences(fit: StripFit) -> list[str]:
 
 
 def fit_warnings(fit: StripFit) -> list[str]:
-    """What the user should know before trusting the numbers."""
+    """One line for each reason to doubt the numbers."""
     lines = []
     apart = " and ".join(f"{h:g} mm" for h in fit.thicknesses_apart)
     wider = f"the interval of E1/E2 is {fit.widened:.1f} times as wide as by that scatter" if fit.widened > 1 else ""
@@ -109,7 +109,7 @@ def _ratio(interval: Interval) -> RatioIntervalRecord:
 def _why_no_bound(fit: StripFit) -> str:
     found = fit.estimate
     value, variance = found.parameters[0], found.covariance[0, 0] + found.rounding[0, 0]
-    # would many strips of the same scatter have a bound?
+    # whether many strips of the same scatter would give a bound
     if value <= norm.ppf((1 + fit.confidence) / 2) * np.sqrt(variance):
         return "the strips bend too little"
     if found.of_common[:, 0, 0].sum() > found.of_noise(0):
@@ -118,7 +118,7 @@ def _why_no_bound(fit: StripFit) -> str:
 
 
 def _mixed_up(fit: StripFit, other: str) -> float:
-    """Curvature by the fabric if the ratio of one convention is used with the other, over the measured one."""
+    """Curvature from the fabric if the ratio is used with the other convention, over the measured curvature."""
     data = StripData.of([r for r in fit.used if not r.peeled], fit.flat_height_mm)
     sizes = (data.thickness, data.fabric, fit.ratio[fit.formula].value, data.mismatch)
     wrong = bilayer_curvature(*sizes, "timoshenko" if other == "timoshenko" else "paper")

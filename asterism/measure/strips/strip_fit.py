@@ -1,4 +1,4 @@
-"""E1/E2 and kappa_bar from strips, with intervals, in both conventions."""
+"""Fit of E1/E2 and kappa_bar to strips, with confidence intervals, in both conventions."""
 
 from __future__ import annotations
 
@@ -27,14 +27,15 @@ from asterism.measure.strips.reading import Reading
 from pattern.design.errors import from_validation
 from pattern.design.materials import Plastic
 
+# strips whose arc is lower count as flat
 FLAT_HEIGHT_MM = 0.5
-LITTLE = "strips with their fabric curl no more than peeled ones: E1/E2 cannot be told"
-UNLIKELY = "no plastic on this fabric curls such strips so: check their units, lengths, thicknesses and boxes"
+NO_EFFECT_OF_FABRIC = "strips with their fabric curl no more than peeled ones: E1/E2 is not determined"
+IMPLAUSIBLE = "no plastic on this fabric curls such strips so: check their units, lengths, thicknesses and boxes"
 
 
 @dataclass(frozen=True)
 class Interval:
-    """A value and the range it lies in with the chosen confidence; `high` may be infinite."""
+    """An estimate with its confidence interval; `high` may be infinite."""
 
     value: float
     low: float
@@ -51,20 +52,20 @@ class LeftOut:
 
 @dataclass(frozen=True)
 class StripFit:
-    """What a table of strips says about a material.
+    """The material that fits a table of strips.
 
     Attributes
     ----------
     ratio : E1/E2 for each convention.
-    kappa_bar : one entry a thickness, or a single one with the key None; empty if it was taken for 0.
-    noise : of the readings.
-    used, left_out : the readings.
-    lack_of_fit : how likely strips as they were measured are if the formula holds; None if there are no repeats, or if
-        they all read the same.
-    widened : how many times as wide as by the scatter of strips alone the interval of E1/E2 is, because strips of a
-        thickness may have an error in common.
-    kappa_bar_contradicted : kappa_bar was taken for one number or for 0, and the peeled strips say that it is not.
-    thicknesses_apart : mm, of strips that lie away from the others as a whole; they are used.
+    kappa_bar : one entry a thickness, or a single entry with the key None; empty if it is taken for 0.
+    noise : noise of the readings.
+    used, left_out : readings that are used, and the others.
+    lack_of_fit : probability of the measured deviations if the formula holds; None without repeats, or if all repeats
+        are equal.
+    widened : width of the interval of E1/E2 over its width from the scatter of single strips alone; larger than 1
+        because strips of a thickness may share an error.
+    kappa_bar_contradicted : the peeled strips contradict the model of kappa_bar.
+    thicknesses_apart : mm, thicknesses whose strips deviate as a whole; they are used.
     """
 
     formula: StripFormula
@@ -85,19 +86,19 @@ class StripFit:
 
     @property
     def disagrees(self) -> bool:
-        """Kinds of strips differ from the formula by more than the scatter of their strips explains."""
+        """Whether the kinds of strips deviate from the formula by more than their scatter explains."""
         return self.lack_of_fit is not None and self.lack_of_fit < FALSE_ALARM
 
     @property
     def fabrics(self) -> dict[str, set[float]]:
-        """What the strips were printed on, by the keys of a design's fabric; each has one value in most."""
+        """Values of the fabrics by the keys of a design's fabric; most tables have one value each."""
         return {
             "stretch": {reading.stretch for reading in self.used},
             "thickness_mm": {reading.fabric_thickness_mm for reading in self.used},
         }
 
     def plastic(self, modulus_ratio: float | None = None) -> Plastic:
-        """The plastic as a design has it, with another ratio if one is given."""
+        """The plastic of a design, with the fitted ratio or another one."""
         kept: Any = self.kappa_bar[None].value if None in self.kappa_bar else 0.0
         if self.kappa_bar_kind == "per-thickness":
             values = tuple(interval.value for interval in self.kappa_bar.values())
@@ -119,11 +120,11 @@ def fit_readings(
 
     Parameters
     ----------
-    formula : convention of the rest curvature of the material; the other one's ratio is given beside it.
+    formula : convention of the material's rest curvature; the result has the ratio of the other convention too.
     kappa_bar : one number, one for each thickness, or zero.
-    confidence : of the intervals.
-    flat_height_mm : a lower arc is not told from a flat strip.
-    keep_outliers : use readings that lie too far from the others, too.
+    confidence : confidence of the intervals, from 0 to 1.
+    flat_height_mm : strips whose arc is lower count as flat.
+    keep_outliers : use outliers too.
 
     Raises
     ------
@@ -139,16 +140,16 @@ def fit_readings(
         numbers = f"{confidence}, {flat_height_mm}"
         raise ValueError(f"confidence: must be between 0 and 1, and flat_height_mm above 0, not {numbers}")
     try:
-        with np.errstate(all="ignore"):  # what comes of it is looked at below
+        with np.errstate(all="ignore"):  # the results are checked below
             found = _fit(readings, formula, kappa_bar, confidence, flat_height_mm, keep_outliers)
     except np.linalg.LinAlgError:
-        raise UndeterminedMaterialError(UNLIKELY) from None
+        raise UndeterminedMaterialError(IMPLAUSIBLE) from None
     if not all(np.isfinite(interval.value) for interval in found.ratio.values()):
-        raise UndeterminedMaterialError(UNLIKELY)
+        raise UndeterminedMaterialError(IMPLAUSIBLE)
     try:
         found.plastic()
     except ValidationError as error:
-        raise UndeterminedMaterialError(f"{UNLIKELY}; {from_validation(error)}") from None
+        raise UndeterminedMaterialError(f"{IMPLAUSIBLE}; {from_validation(error)}") from None
     return found
 
 
@@ -160,7 +161,7 @@ def _fit(
     flat_height_mm: float,
     keep_outliers: bool,
 ) -> StripFit:
-    """The same, which may come to numbers that no material has."""
+    """The fit without the final checks."""
     left_out = [LeftOut(r, r.left_out) for r in readings if r.left_out]
     usable = [r for r in readings if not r.left_out]
     if not usable:
@@ -189,7 +190,7 @@ def _fit(
     for name, (_, found) in results.items():
         inverse = _interval(found, 0, confidence)
         if inverse.value <= 0:
-            raise UndeterminedMaterialError(LITTLE if data.peeled.any() else UNLIKELY)
+            raise UndeterminedMaterialError(NO_EFFECT_OF_FABRIC if data.peeled.any() else IMPLAUSIBLE)
         ratio[name] = Interval(1 / inverse.value, 1 / inverse.high, 1 / inverse.low if inverse.low > 0 else np.inf)
     model, found = results[formula]
     check_mistakes(model, found, data, lack[formula])
@@ -222,12 +223,12 @@ def _interval(found: ParameterEstimate, index: int, confidence: float) -> Interv
 
 
 def _widened(found: ParameterEstimate, confidence: float) -> float:
-    """How many times as wide as by the scatter alone the interval of E2/E1 is."""
+    """Width of the interval of E2/E1 over its width from the scatter of single strips alone."""
     if not found.of_common[0].any():
         return 1.0
     chance, free = (1 + confidence) / 2, found.free - found.free_common.sum()
     wider = student.ppf(chance, found.freedom(0)) / student.ppf(chance, max(free, 1.0))
     all_of_it = found.covariance[0, 0] + found.rounding[0, 0]
-    # strips that all read the same have no scatter
+    # equal readings have no scatter
     scatter = max(found.of_noise(0) + found.rounding[0, 0], 1e-12 * all_of_it)
     return float(wider * np.sqrt(all_of_it / scatter))

@@ -1,4 +1,4 @@
-"""The table of measured strips: CSV in, readings out."""
+"""Reads the table of measured strips."""
 
 from __future__ import annotations
 
@@ -11,22 +11,28 @@ from asterism.measure.strips.table_checks import check_given_once, check_not_swa
 from asterism.results.csv_cells import Row, TableError, read_rows
 from pattern.design.stars import THICKNESS_RANGE_MM
 
-GIVEN = ("strip", "thickness_mm", "length_mm", "stretch", "fabric_thickness_mm")
-BOXES = ("box_width_mm", "box_height_mm", "peeled_box_width_mm", "peeled_box_height_mm")
-CURVATURES = ("curvature_per_mm", "peeled_curvature_per_mm")
-STRIP_COLUMNS = (*GIVEN, *BOXES, *CURVATURES)
+# columns that are known before the measurement
+KNOWN_COLUMNS = ("strip", "thickness_mm", "length_mm", "stretch", "fabric_thickness_mm")
+# columns of the boxes around the arcs
+BOX_COLUMNS = ("box_width_mm", "box_height_mm", "peeled_box_width_mm", "peeled_box_height_mm")
+# columns of curvatures, which may replace boxes
+CURVATURE_COLUMNS = ("curvature_per_mm", "peeled_curvature_per_mm")
+STRIP_COLUMNS = (*KNOWN_COLUMNS, *BOX_COLUMNS, *CURVATURE_COLUMNS)
 # allowed lengths of strips; shorter ones are given in another unit or hardly bend
 LENGTH_RANGE_MM = (10.0, 1000.0)
 FABRIC_RANGE_MM = (0.01, 10.0)
-STRETCH = (1.01, 3.0)
+STRETCH_RANGE = (1.01, 3.0)
 MAX_BOX_MM = 2000.0
-# steps to which a ruler or a screen is read; of fewer sides than this nothing is concluded
-RULERS_MM = (1.0, 0.5, 0.25, 0.2, 0.1, 0.05, 0.02, 0.01)
-FEWEST_SIDES = 6
-# a box whose arc is longer or shorter than its strip by more than this part was misread
+# steps to which a ruler or a screen is read
+RULER_STEPS_MM = (1.0, 0.5, 0.25, 0.2, 0.1, 0.05, 0.02, 0.01)
+# sides of boxes that determine the step of the ruler
+MIN_SIDES_FOR_STEP = 6
+# a reading is left out if the arc of its box differs from the length of the strip by more than this part
 ARC_TOLERANCE = 0.1
-# no box along a chord is higher than wide; that of a strip that is nearly a circle may be read so
-ROUND_PART, ROUND_MM = 1.02, 1.0
+# a box is at most as high as wide, but that of a strip that is nearly a circle may be read higher, by this factor ...
+MAX_HEIGHT_OVER_WIDTH = 1.02
+# ... and this length
+HEIGHT_READING_ERROR_MM = 1.0
 # arc of a box over the length of its strip, if the box or the length is given in another unit
 _UNITS_OF_BOX = {"inches": 1 / 25.4, "centimetres": 0.1, "metres": 0.001}
 _UNITS_OF_LENGTH = {"inches": 25.4, "centimetres": 10.0}
@@ -35,17 +41,17 @@ _UNITS_OF_LENGTH = {"inches": 25.4, "centimetres": 10.0}
 def read_strips(
     path: Path, stretch: float | None = None, fabric_thickness_mm: float | None = None, *, outside: bool = False
 ) -> list[Reading]:
-    """The readings of a table.
+    """Read the table of measured strips.
 
     Parameters
     ----------
-    stretch, fabric_thickness_mm : of all strips, if the table gives none.
-    outside : boxes were drawn around the strip with its thickness, not along a line of it.
+    stretch, fabric_thickness_mm : values of all strips, if the table gives none.
+    outside : the boxes enclose the thickness of the strips.
 
     Raises
     ------
     TableError
-        One line with file, row and column.
+        The table is wrong; the message names file, row and column.
     """
     rows = read_rows(path, STRIP_COLUMNS, ("strip", "thickness_mm", "length_mm"))
     if not rows:
@@ -54,7 +60,7 @@ def read_strips(
     check_given_once(rows, "fabric_thickness_mm", fabric_thickness_mm, "--fabric-thickness")
     seen: dict[str, int] = {}
     readings: list[Reading] = []
-    boxes: list[tuple[float, float] | None] = []  # as written; None where a curvature or "flat" was
+    boxes: list[tuple[float, float] | None] = []  # sides in the table; None for curvatures and "flat"
     for row in rows:
         name = row.cells.get("strip", "")
         if not name:
@@ -73,11 +79,11 @@ def read_strips(
 
 
 def _ruler_step(sides: list[float]) -> float:
-    """mm, the largest step of a ruler that all sides are whole multiples of; 0 for few sides, and for finer ones."""
-    if len(sides) < FEWEST_SIDES:
+    """Largest step of a ruler (mm) whose multiples all sides are; 0 for few sides and for finer steps."""
+    if len(sides) < MIN_SIDES_FOR_STEP:
         return 0.0
     return next(
-        (step for step in RULERS_MM if all(abs(side / step - round(side / step)) < 1e-6 for side in sides)), 0.0
+        (step for step in RULER_STEPS_MM if all(abs(side / step - round(side / step)) < 1e-6 for side in sides)), 0.0
     )
 
 
@@ -85,11 +91,11 @@ Measured = tuple[Reading, tuple[float, float] | None]
 
 
 def _readings(row: Row, name: str, stretch: float | None, fabric_mm: float | None, outside: bool) -> list[Measured]:
-    """What was measured of one strip, and the box: nothing, or with its fabric, peeled, or both."""
+    """The readings of one row with their boxes: none, one (with fabric or peeled), or both."""
     thickness = _needed(row, "thickness_mm", THICKNESS_RANGE_MM)
     length = _needed(row, "length_mm", LENGTH_RANGE_MM)
     fabric = _needed(row, "fabric_thickness_mm", FABRIC_RANGE_MM, fabric_mm, "--fabric-thickness")
-    stretched = _needed(row, "stretch", STRETCH, stretch, "--stretch")
+    stretched = _needed(row, "stretch", STRETCH_RANGE, stretch, "--stretch")
     plain = Reading(name, row.number, thickness, length, stretched, fabric, False, None)
     readings: list[Measured] = []
     for peeled in (False, True):
@@ -108,7 +114,7 @@ def _readings(row: Row, name: str, stretch: float | None, fabric_mm: float | Non
 
 
 def _boxed(row: Row, prefix: str, reading: Reading, around: float) -> Measured:
-    """The curvature of the arc in a box; `around` is the thickness that the box includes."""
+    """The reading from a box; `around` is the thickness (mm) that the box includes."""
     across, up = f"{prefix}box_width_mm", f"{prefix}box_height_mm"
     if row.cells.get(up, "").lower() == "flat":
         return reading, None
@@ -118,7 +124,7 @@ def _boxed(row: Row, prefix: str, reading: Reading, around: float) -> Measured:
         if value is None:
             raise row.wrong(column, "is empty, but the other side of the box is given")
     assert width is not None and height is not None
-    if height > ROUND_PART * width + ROUND_MM:
+    if height > MAX_HEIGHT_OVER_WIDTH * width + HEIGHT_READING_ERROR_MM:
         raise row.wrong(up, f"{height:g} must be at most the width {width:g}: the width lies along the arc's chord")
     box = width, height
     height = min(height, width)

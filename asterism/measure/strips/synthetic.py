@@ -1,4 +1,4 @@
-"""Strips of a known material measured with known errors: what a fit makes of them, before anything is printed."""
+"""Synthetic strips: readings of a known material with known errors, to test the fit."""
 
 from __future__ import annotations
 
@@ -6,9 +6,8 @@ import numpy as np
 
 from asterism.measure.strips import arc
 from asterism.measure.strips.reading import Reading
+from asterism.measure.strips.specimen import THICKNESSES_MM
 from pattern.design.materials import Fabric, Plastic, rest_curvature
-
-THICKNESSES = (0.30, 0.35, 0.40, 0.45)
 
 
 def synthetic_readings(
@@ -24,22 +23,22 @@ def synthetic_readings(
     step_mm: float = 0.0,
     off_mm: float = 0.0,
 ) -> list[Reading]:
-    """`count` strips of each of the paper's thicknesses, with fabric and peeled, their boxes read with errors.
+    """Readings of `count` strips of each of the paper's thicknesses, with fabric and peeled.
 
     Parameters
     ----------
-    reading_mm : standard deviation of each side of each box.
-    scatter : standard deviation of the curvature from strip to strip, a part of it.
-    flat_mm : lower arcs count as flat.
-    step_mm : of the ruler, to which sides are rounded; 0: they are not.
-    off_mm : standard deviation of the error of each thickness, which all its strips share.
+    reading_mm : standard deviation of each side of a box.
+    scatter : relative standard deviation of the curvature from strip to strip.
+    flat_mm : strips whose arc is lower count as flat.
+    step_mm : step of the ruler to which sides are rounded; 0 for no rounding.
+    off_mm : standard deviation of the error of a thickness, which all its strips share.
     """
     plastic = plastic or Plastic(kappa_bar_per_mm=0.003)
     rng = np.random.default_rng(seed)
-    # of their own, so that tables without these errors stay the same
-    errors = off_mm * np.random.default_rng([seed, 1]).standard_normal(len(THICKNESSES))
+    # a random generator of its own keeps tables without these errors unchanged
+    errors = off_mm * np.random.default_rng([seed, 1]).standard_normal(len(THICKNESSES_MM))
     found = []
-    for i, h1 in enumerate(np.repeat(THICKNESSES, count)):
+    for i, h1 in enumerate(np.repeat(THICKNESSES_MM, count)):
         real = h1 + errors[i // count]
         with_fabric = float(rest_curvature(real, Fabric(stretch=stretch), plastic))
         alone = float(

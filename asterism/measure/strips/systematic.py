@@ -1,4 +1,4 @@
-"""What an error that all strips share would do to E1/E2; no interval from their scatter contains it."""
+"""Effect of errors that all strips share on E1/E2. The confidence intervals do not contain it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from asterism.results.records.strips import (
 
 
 def shared_errors(fit: StripFit) -> SharedErrorRecord:
-    """Change of E1/E2 in percent if the stretch, the fabric's or the plastic's thickness were larger than stated."""
+    """Change of E1/E2 if the stretch or the thickness of fabric or plastic were larger than stated."""
     data = StripData.of(list(fit.used), fit.flat_height_mm)
     stretch = (1 - data.mismatch) ** -0.5 * (1 + STRETCH_ERROR_PERCENT / 100)
     thicker = data.thickness + PLASTIC_ERROR_MM

@@ -1,1 +1,1 @@
-"""One export format a file."""
+"""Export formats: one module for each."""

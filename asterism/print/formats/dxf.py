@@ -1,4 +1,4 @@
-"""DXF at 1:1: the header says millimetres, everything lies on named layers, texts too."""
+"""DXF at 1:1 in millimetres, with all items on named layers."""
 
 from __future__ import annotations
 
@@ -12,10 +12,12 @@ import numpy as np
 from asterism.print.drawing import Circle, Drawing, Polyline
 from asterism.print.formats.registry import export_format
 
-# DXF gives the height of capitals, other formats that of the font
-_CAPITALS = 0.72
-_DARK = 0.3
-_ONE_AT_A_TIME = threading.Lock()
+# height of capitals over the size of the font: DXF gives the height of capitals
+_CAPITAL_HEIGHT = 0.72
+# brightness below which a colour becomes the foreground colour
+_MAX_DARK_BRIGHTNESS = 0.3
+# the option for fixed dates belongs to the whole process
+_DATES_LOCK = threading.Lock()
 
 
 @export_format("DXF", ".dxf", "drawing")
@@ -27,10 +29,10 @@ def write_dxf(path: Path, drawing: Drawing) -> None:
 
 @contextmanager
 def _without_dates() -> Iterator[None]:
-    """Fixed dates and identifiers in files of ezdxf, which has an option for all of a process only."""
+    """Fixed dates and identifiers in files of ezdxf, whose option applies to the whole process."""
     from ezdxf import options  # type: ignore[attr-defined]
 
-    with _ONE_AT_A_TIME:
+    with _DATES_LOCK:
         before = options.write_fixed_meta_data_for_testing
         options.write_fixed_meta_data_for_testing = True
         try:
@@ -53,8 +55,8 @@ def _write(path: Path, drawing: Drawing) -> None:
     for layer in drawing.layers:
         entry = document.layers.add(layer.name)
         colour = colors.RGB.from_hex(layer.colour)
-        if colour.luminance < _DARK:
-            # the foreground: white where the program draws on black
+        if colour.luminance < _MAX_DARK_BRIGHTNESS:
+            # the foreground colour, which is white on a black background
             entry.color = 7
         else:
             entry.rgb = colour
@@ -71,11 +73,11 @@ def _write(path: Path, drawing: Drawing) -> None:
         elif isinstance(item, Circle):
             space.add_circle(tuple(item.centre), item.radius_mm, dxfattribs=on)
         else:
-            text = space.add_text(item.text, height=_CAPITALS * item.size_mm, dxfattribs=on)
+            text = space.add_text(item.text, height=_CAPITAL_HEIGHT * item.size_mm, dxfattribs=on)
             text.set_placement((float(item.at[0]), float(item.at[1])), align=ends[item.end])
-    # ezdxf adds the classes of what is used from a set, in the order of a hash that changes from run to run
+    # ezdxf adds the used classes in an order that changes from run to run
     for name in sorted(document.entitydb.dxf_types_in_use()):
         document.classes.add_class(name)
-    # through a stream of our own: the encoding of the format is UTF-8 on every system
+    # the encoding of the format is UTF-8 on every system
     with path.open("w", encoding=document.output_encoding, errors="dxfreplace", newline="\n") as stream:
         document.write(stream)

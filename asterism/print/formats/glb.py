@@ -1,6 +1,6 @@
-"""GLB, the binary form of glTF 2.0, whose unit is the metre and whose y points up: the sheet is turned and scaled.
+"""GLB, the binary form of glTF 2.0. The unit is the metre and y points up.
 
-Written with the standard library: one surface with its normals is a header, a small JSON and three arrays.
+This module needs the standard library only: a file with one surface is a header, a small JSON and three arrays.
 """
 
 from __future__ import annotations
@@ -16,16 +16,19 @@ from asterism.process.version import __version__
 from asterism.shape.shape import Shape
 from pattern.geometry.normals import vertex_normals
 
-_FLOAT, _UNSIGNED = 5126, 5125
-_POINTS_BUFFER, _INDEX_BUFFER = 34962, 34963
-# x stays, z goes up; mm become metres
+# codes of the format: types of numbers, and kinds of buffers
+_FLOAT_CODE = 5126
+_UNSIGNED_CODE = 5125
+_POINTS_BUFFER = 34962
+_INDEX_BUFFER = 34963
+# turns z upwards to y, and converts mm to metres
 _TO_METRES = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]) * 1e-3
 _CREAM = [0.96, 0.90, 0.78, 1.0]
 
 
 @export_format("GLB", ".glb", "shape")
 def write_glb(path: Path, shape: Shape, name: str) -> None:
-    """Write the sheet, in metres with y upwards as the format demands."""
+    """Write the sheet."""
     points = np.asarray(shape.positions @ _TO_METRES.T, dtype="<f4")
     normals = vertex_normals(shape.positions, shape.triangles) @ (_TO_METRES.T * 1e3)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
@@ -37,10 +40,10 @@ def write_glb(path: Path, shape: Shape, name: str) -> None:
         for start, array, target in zip(starts, arrays, (_POINTS_BUFFER, _POINTS_BUFFER, _INDEX_BUFFER), strict=False)
     ]
     accessors = [
-        {"bufferView": 0, "componentType": _FLOAT, "count": len(points), "type": "VEC3"}
+        {"bufferView": 0, "componentType": _FLOAT_CODE, "count": len(points), "type": "VEC3"}
         | {"min": points.min(axis=0).tolist(), "max": points.max(axis=0).tolist()},
-        {"bufferView": 1, "componentType": _FLOAT, "count": len(points), "type": "VEC3"},
-        {"bufferView": 2, "componentType": _UNSIGNED, "count": shape.triangles.size, "type": "SCALAR"},
+        {"bufferView": 1, "componentType": _FLOAT_CODE, "count": len(points), "type": "VEC3"},
+        {"bufferView": 2, "componentType": _UNSIGNED_CODE, "count": shape.triangles.size, "type": "SCALAR"},
     ]
     surface = {"attributes": {"POSITION": 0, "NORMAL": 1}, "indices": 2, "material": 0}
     matte = {"baseColorFactor": _CREAM, "metallicFactor": 0.0, "roughnessFactor": 0.9}
@@ -50,7 +53,7 @@ def write_glb(path: Path, shape: Shape, name: str) -> None:
         "scenes": [{"nodes": [0]}],
         "nodes": [{"mesh": 0, "name": name}],
         "meshes": [{"name": name, "primitives": [surface]}],
-        # a sheet has two sides
+        # both sides of the sheet are visible
         "materials": [{"pbrMetallicRoughness": matte, "doubleSided": True}],
         "accessors": accessors,
         "bufferViews": views,

@@ -1,4 +1,4 @@
-"""IceSL: the stars as a table in Lua, so that single ones can be changed by hand."""
+"""IceSL: the stars as a table in Lua, in which single stars can be changed by hand."""
 
 from __future__ import annotations
 

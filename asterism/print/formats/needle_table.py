@@ -1,4 +1,4 @@
-"""The needles as a table for spreadsheets."""
+"""CSV: the table of needles."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ NEEDLE_COLUMNS = ("number", "printed_x_mm", "printed_y_mm", "x_mm", "y_mm", "z_m
 
 @export_format("CSV", ".csv", "table")
 def write_needle_table(path: Path, needles: tuple[Needle, ...]) -> None:
-    """Write needles, a line each; places in space that are not known are empty."""
+    """Write needles, one line each; unknown places in space are empty."""
     with path.open("w", encoding="utf-8", newline="") as stream:
         table = csv.writer(stream, lineterminator="\n")
         table.writerow(NEEDLE_COLUMNS)
@@ -29,6 +29,6 @@ def _known(value: float) -> str:
 
 
 def fixed_point(value: float, digits: int) -> str:
-    """A number with so many digits after the point, and no minus before zeros."""
+    """A number with so many digits after the point, without a minus before zeros."""
     text = f"{value:.{digits}f}"
     return text.removeprefix("-") if not text.strip("-0.") else text

@@ -1,4 +1,4 @@
-"""OBJ: triangles in mm. The format has no unit; modellers ask, or take the numbers for their own."""
+"""OBJ: triangles in mm. The format has no unit: programs ask for it, or use their own."""
 
 from __future__ import annotations
 
@@ -21,5 +21,5 @@ def write_obj(path: Path, points: Floats, triangles: Ints) -> None:
 
 @export_format("OBJ", ".obj", "shape")
 def write_shape_obj(path: Path, shape: Shape, name: str) -> None:
-    """Write the sheet in space; the format has no place for its name."""
+    """Write the sheet in space; the format does not store its name."""
     write_obj(path, shape.positions, shape.triangles)

@@ -1,4 +1,4 @@
-"""OpenSCAD: the stars as a table, so that single ones can be changed by hand."""
+"""OpenSCAD: the stars as a table, in which single stars can be changed by hand."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""PDF at 1:1: a page for every drawing, of its size."""
+"""PDF at 1:1: one page for each drawing, of its size."""
 
 from __future__ import annotations
 
@@ -22,14 +22,15 @@ from asterism.print.formats.registry import export_format
 from asterism.print.layers import NEEDLES
 from pattern.geometry.arrays import Floats
 
-_INCH = 25.4
-_HALO_MM = 1.0  # width of the white line around a number
-_POINTS = 72 / _INCH
+_MM_PER_INCH = 25.4
+# width of the white line around a number
+_HALO_MM = 1.0
+_POINTS_PER_MM = 72 / _MM_PER_INCH
 
 
 @export_format("PDF", ".pdf", "pages")
 def write_pdf(path: Path, drawings: Sequence[Drawing]) -> None:
-    """Write drawings as pages, without a date; signs that the font lacks are boxes."""
+    """Write drawings as pages, without a date. Characters that the font lacks become boxes."""
     with (
         warnings.catch_warnings(),
         matplotlib.rc_context({"pdf.fonttype": 42, "path.simplify": False}),
@@ -41,11 +42,11 @@ def write_pdf(path: Path, drawings: Sequence[Drawing]) -> None:
 
 
 def _page(drawing: Drawing) -> Figure:
-    width, height = (float(side) for side in drawing.size_mm / _INCH)
-    # PDF has 72 units an inch; so have the figure's coordinates
+    width, height = (float(side) for side in drawing.size_mm / _MM_PER_INCH)
+    # PDF and the coordinates of the figure have 72 units an inch
     figure = Figure(figsize=(width, height), dpi=72.0)
     FigureCanvasAgg(figure)
-    to_page = Affine2D().translate(*-drawing.low).scale(_POINTS)
+    to_page = Affine2D().translate(*-drawing.low).scale(_POINTS_PER_MM)
     for item in drawing.items:
         if isinstance(item, Label):
             _write_text(figure, item, to_page)
@@ -62,7 +63,7 @@ def _shape(item: Polyline | Circle, to_page: Transform) -> patches.Patch | Line2
     else:
         face, edge = (layer.colour, "none") if layer.filled else ("none", layer.colour)
         drawn = patches.PathPatch(_outline(item), facecolor=face, edgecolor=edge, transform=to_page, joinstyle="miter")
-    drawn.set_linewidth(layer.width_mm * _POINTS)
+    drawn.set_linewidth(layer.width_mm * _POINTS_PER_MM)
     if layer.dash_mm:
         # matplotlib counts dashes in line widths
         drawn.set_linestyle((0, [length / layer.width_mm for length in layer.dash_mm]))
@@ -72,7 +73,7 @@ def _shape(item: Polyline | Circle, to_page: Transform) -> patches.Patch | Line2
 def _outline(item: Polyline | Circle) -> Outline:
     if isinstance(item, Circle):
         return Outline.circle((float(item.centre[0]), float(item.centre[1])), item.radius_mm)
-    # a hole is a hole if it runs the other way round
+    # a hole must run in the other direction
     rings = [_ring(item.points, 1), *(_ring(hole, -1) for hole in item.holes)]
     return Outline.make_compound_path(*rings)
 
@@ -86,15 +87,15 @@ def _ring(points: Floats, turn: int) -> Outline:
 
 
 def _write_text(figure: Figure, item: Label, to_page: Transform) -> None:
-    # a number may stand on an arm: white around it first, as a drawing, and then the text, to be found as one
-    halo = [Stroke(linewidth=_HALO_MM * _POINTS, foreground="white")]
+    # a number may stand on an arm: first a white line around it, then the text, so that a search finds it
+    halo = [Stroke(linewidth=_HALO_MM * _POINTS_PER_MM, foreground="white")]
     for effects in [halo, None] if item.layer is NEEDLES else [None]:
         figure.text(
             float(item.at[0]),
             float(item.at[1]),
             item.text,
             transform=to_page,
-            fontsize=item.size_mm * _POINTS,
+            fontsize=item.size_mm * _POINTS_PER_MM,
             family="DejaVu Sans Mono" if item.fixed_pitch else "DejaVu Sans",
             weight="bold" if item.bold else "normal",
             color=item.layer.colour,

@@ -1,4 +1,4 @@
-"""The registry of export formats: a format is one module in this folder, whose function carries the decorator."""
+"""The registry of export formats. A format is one module of this folder with a decorated function."""
 
 from __future__ import annotations
 

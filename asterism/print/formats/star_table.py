@@ -1,4 +1,4 @@
-"""The stars as a table of numbers, as scripts of solid modellers hold it: change a number, and the star changes."""
+"""The stars as a table of numbers, for scripts of solid modellers."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ HEADING = "x, y of the centre; for every piece of an arm its angle (deg), begin,
 
 
 def star_table(job: Job) -> list[tuple[tuple[float, float], list[tuple[float, ...]]]]:
-    """For every star its centre in the printer's coordinates, and its strips: angle, begin, end, widths, height."""
+    """For each star its centre in the printer's coordinates, and its pieces: angle, begin, end, widths, height."""
     centres = job.placement.points(job.plan.centres) + job.printer.bed_centre_mm
     table: list[tuple[tuple[float, float], list[tuple[float, ...]]]] = [((float(x), float(y)), []) for x, y in centres]
     for strip in job.arms:

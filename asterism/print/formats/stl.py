@@ -1,4 +1,4 @@
-"""STL, binary: triangles in mm. The format has no unit; slicers take the numbers for mm."""
+"""STL, binary: triangles in mm. The format has no unit; slicers assume mm."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ def write_stl(path: Path, points: Floats, triangles: Ints) -> None:
     a, b, c = (points[triangles[:, k]] for k in range(3))
     normals = np.cross(b - a, c - a)
     length = np.linalg.norm(normals, axis=1, keepdims=True)
-    # none for a triangle without area: readers take it from the corners then
+    # a triangle without area has the normal 0, and programs compute it from the corners
     normals = np.divide(normals, length, out=np.zeros_like(normals), where=length > 0)
     mesh = meshio.Mesh(points, [("triangle", triangles)], cell_data={"facet_normals": [normals]})
-    # the format's own writer: the general one reports its choices on the terminal
+    # meshio's general function prints messages
     meshio.stl.write(str(path), mesh, binary=True)
 
 
@@ -33,5 +33,5 @@ def write_solid(path: Path, solid: Solid) -> None:
 
 @export_format("STL", ".stl", "shape")
 def write_shape_stl(path: Path, shape: Shape, name: str) -> None:
-    """Write the sheet in space; the format has no place for its name."""
+    """Write the sheet in space; the format does not store its name."""
     write_stl(path, shape.positions, shape.triangles)

@@ -1,6 +1,6 @@
-"""SVG at 1:1: width and height in mm, one unit of the view box a millimetre, a group for every layer.
+"""SVG at 1:1: width and height in mm, a unit of one millimetre, and a group for each layer.
 
-Written with the standard library, which escapes what a design's name may contain.
+This module uses the standard library, which escapes special characters in the name of a design.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""3MF: solids with names, in millimetres, at their places, without transforms, which several slicers convert badly.
+"""3MF: named solids in millimetres at their places, without transforms, which several slicers misread.
 
-Written with the standard library: the core of the format is a zipped XML of vertices and triangles.
+This module needs the standard library only: the core of the format is a zipped XML of vertices and triangles.
 Reference: 3MF Core Specification 1.3.
 """
 
@@ -20,8 +20,8 @@ _CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 _RELATIONS = "http://schemas.openxmlformats.org/package/2006/relationships"
 _TYPES = "http://schemas.openxmlformats.org/package/2006/content-types"
 _MODEL = "3D/3dmodel.model"
-# equal solids give equal files
-_LONG_AGO = (1980, 1, 1, 0, 0, 0)
+# a fixed date: equal solids give equal files
+_FILE_DATE = (1980, 1, 1, 0, 0, 0)
 
 
 @export_format("3MF", ".3mf", "print")
@@ -35,7 +35,7 @@ def write_3mf(path: Path, solids: Sequence[Solid], title: str) -> None:
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as package:
         for name, root in files.items():
             content = xml.tostring(root, encoding="UTF-8", xml_declaration=True)
-            package.writestr(zipfile.ZipInfo(name, _LONG_AGO), content, zipfile.ZIP_DEFLATED)
+            package.writestr(zipfile.ZipInfo(name, _FILE_DATE), content, zipfile.ZIP_DEFLATED)
 
 
 def _model(solids: Sequence[Solid], title: str) -> xml.Element:

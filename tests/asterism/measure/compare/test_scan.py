@@ -102,11 +102,11 @@ def test_a_file_that_is_not_there(tmp_path: Path) -> None:
     ("size", "unit", "says"),
     [
         (100.0 / 25.4, "mm", "--units in"),
-        (0.1, "mm", "metres; say --units m"),
+        (0.1, "mm", "metres; use --units m"),
         (10.0, "mm", "--units cm"),
         (100_000.0, "mm", "--units um"),
-        (2540.0, "in", "millimetres; say --units mm"),
-        (80.0 / 25.4, "mm", "in inches or centimetres; say --units in or --units cm"),
+        (2540.0, "in", "millimetres; use --units mm"),
+        (80.0 / 25.4, "mm", "in inches or centimetres; use --units in or --units cm"),
         (1e7, "mm", "right scan"),
     ],
 )

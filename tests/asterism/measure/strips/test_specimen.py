@@ -12,7 +12,13 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from asterism.measure.strips.specimen import BED_MARGIN_MM, GAP_MM, THICKNESSES_MM, lay_out_specimen, layer_heights
+from asterism.measure.strips.specimen import (
+    BED_MARGIN_MM,
+    STRIP_GAP_MM,
+    THICKNESSES_MM,
+    lay_out_specimen,
+    layer_heights,
+)
 from asterism.measure.strips.strip_table import read_strips
 from pattern.design.errors import DesignError
 from tests.asterism.commands import command
@@ -46,7 +52,7 @@ def test_strips_keep_apart_and_on_the_bed(count: int, length: float, kinds: int,
     reach = np.abs(centres) + np.array([length / 2, 1.5])
     assert (reach <= np.array(bed) / 2 - BED_MARGIN_MM + 1e-9).all()
     apart = np.abs(centres[:, None] - centres[None])
-    clear = (apart[..., 0] >= length + GAP_MM - 1e-9) | (apart[..., 1] >= 3.0 + GAP_MM - 1e-9)
+    clear = (apart[..., 0] >= length + STRIP_GAP_MM - 1e-9) | (apart[..., 1] >= 3.0 + STRIP_GAP_MM - 1e-9)
     assert (clear | np.eye(len(centres), dtype=bool)).all()
 
 

@@ -13,9 +13,10 @@ from scipy.stats import norm
 from asterism.measure.strips.curvature_model import FORMULAS, StripFormula
 from asterism.measure.strips.errors import UndeterminedMaterialError
 from asterism.measure.strips.likelihood import flat_terms
+from asterism.measure.strips.specimen import THICKNESSES_MM
 from asterism.measure.strips.statement import fit_warnings
 from asterism.measure.strips.strip_fit import StripFit, fit_readings
-from asterism.measure.strips.synthetic import THICKNESSES, synthetic_readings
+from asterism.measure.strips.synthetic import synthetic_readings
 from asterism.measure.strips.systematic import shared_errors
 from pattern.design.materials import Fabric, Plastic, rest_curvature
 
@@ -174,11 +175,11 @@ def test_readings_that_contradict_each_other_are_refused() -> None:
 
 
 def test_a_kappa_bar_for_each_thickness() -> None:
-    table = {"thickness_mm": THICKNESSES, "per_mm": (0.006, 0.004, 0.002, 0.001)}
+    table = {"thickness_mm": THICKNESSES_MM, "per_mm": (0.006, 0.004, 0.002, 0.001)}
     strips = synthetic_readings(4, Plastic(kappa_bar_per_mm=table))
     fit = fit_readings(strips, kappa_bar="per-thickness")
     assert inside(fit)
-    assert list(fit.kappa_bar) == list(THICKNESSES)
+    assert list(fit.kappa_bar) == list(THICKNESSES_MM)
     for value, interval in zip(table["per_mm"], fit.kappa_bar.values(), strict=True):
         assert interval.low - 1e-4 < value < interval.high + 1e-4
     assert (
@@ -314,7 +315,7 @@ def test_intervals_hold_the_truth_though_thicknesses_are_off(reading_mm: float, 
 
 def test_better_measurements_never_widen_intervals_of_wrong_thicknesses() -> None:
     """What thicknesses are off by is counted once, however little the strips of each scatter."""
-    part = dict(zip(THICKNESSES, (1.0, 1.1, 0.9, 1.08), strict=True))
+    part = dict(zip(THICKNESSES_MM, (1.0, 1.1, 0.9, 1.08), strict=True))
     widths = []
     for scatter in (0.02, 0.005, 0.001, 0.0002):
         exact = synthetic_readings(0, reading_mm=0.0, scatter=0.0)
@@ -368,7 +369,7 @@ def test_mistakes_that_explain_a_table_are_named() -> None:
     ]
     with pytest.raises(UndeterminedMaterialError, match="with a minus, in peeled_curvature_per_mm"):
         fit_readings(unsigned)
-    wild = dict(zip(THICKNESSES, (0.1, 1.0, 3.0, 0.5), strict=True))
+    wild = dict(zip(THICKNESSES_MM, (0.1, 1.0, 3.0, 0.5), strict=True))
     with pytest.raises(UndeterminedMaterialError, match=r"contradict the formula, by \d+ % of their curvature"):
         fit_readings(
             [
