@@ -1,4 +1,4 @@
-"""The commands of `asterism`, gathered in one typer application."""
+"""The typer application with all commands of `asterism`."""
 
 from __future__ import annotations
 

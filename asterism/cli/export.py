@@ -51,11 +51,13 @@ def export(
     from asterism.print.export import check_shape_request
     from asterism.print.export import export as write
     from asterism.print.write import ROUNDED
-    from asterism.results.files import EXPORT
+    from asterism.results.files import EXPORT_SUMMARY_FILE
     from pattern.layout.load_design import load_design
 
     plan = with_material(load_design(design), material)
-    directory = results_folder(design, output, design.with_name(f"{design.stem}-print"), EXPORT, (ROUNDED,))
+    directory = results_folder(
+        design, output, design.with_name(f"{design.stem}-print"), EXPORT_SUMMARY_FILE, (ROUNDED,)
+    )
     check_shape_request(directory, shape, preview, simulate)
     sheet = law_for_design(plan, law, design, material) if preview or law else None
     with run.computing():

@@ -1,4 +1,4 @@
-"""`asterism law`: what a law contains."""
+"""`asterism law`: the content of a law."""
 
 from __future__ import annotations
 

@@ -13,12 +13,12 @@ import sys
 from asterism.cli.common.stop import stop
 from asterism.process import interruption
 
-# what printing fails with; files that cannot be written have their own error, or a name
+# system errors of printing; errors of files have a class of their own, or a file name
 FULL_OR_GONE = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF, errno.EPIPE}
 
 
 def main() -> None:
-    """Run the command line; exits with 0 done, 1 no answer, 2 wrong input, 130 interrupted."""
+    """Run the command line; exits with 0 (done), 1 (no result), 2 (wrong input) or 130 (interrupted)."""
     try:
         interruption.listen()
         _print_all_names()
@@ -31,7 +31,7 @@ def main() -> None:
         status = 130
     interruption.over()
     if status == 130:
-        # Python would end by a signal if the interruption has left code given as text; other such code clears its note
+        # if the interruption left code given as text, Python would end by a signal; running other code clears this
         exec("")
         stop(interruption.in_words(), 130)
     sys.exit(status)
@@ -44,13 +44,13 @@ def _print_all_names() -> None:
 
 
 def _run() -> int:
-    """Run the command that was typed, and return its exit status."""
+    """Run the command of the command line, and return its exit status."""
     import typer
 
     from asterism.cli.app import app
     from equilibrium.errors import Error
 
-    # what the option parser raises for a wrong command line; some versions of typer bring their own click
+    # error of the option parser for a wrong command line; some versions of typer contain their own click
     usage_error: type[Exception] = typer.BadParameter.__mro__[1]
     try:
         status = app(standalone_mode=False)
@@ -71,6 +71,6 @@ def _run() -> int:
             stop(f"{error.filename}: {reason}", 2)
         if error.errno not in FULL_OR_GONE:
             raise
-        # what has not been printed is dropped: Python would try again at its end, and complain
+        # discard unprinted text: Python would try again at its end, and print an error
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         stop(f"cannot print: {reason}", 1)

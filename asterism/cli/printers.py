@@ -1,4 +1,4 @@
-"""`asterism printers`: the printers and plastics that are known."""
+"""`asterism printers`: the available printers and plastics."""
 
 from __future__ import annotations
 

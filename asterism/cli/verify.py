@@ -44,9 +44,9 @@ def verify(
         {"--edge": ("mesh.edge_mm", edge), "--contact": ("solver.contact", contact)},
     )
     check_backend(backend)
-    # simulate and preview write to the design's name, and a summary belongs to the files beside it
+    # a folder of its own: simulate and preview write to a folder with the design's name
     directory = results_folder(design, output, design.with_name(f"{design.stem}-verified"))
-    chosen_law = law_for_design(chosen, law, design, material)  # before anything takes time
+    chosen_law = law_for_design(chosen, law, design, material)  # check the law before the computation
     with run.computing():
         line = shlex.join(["asterism", *sys.argv[1:]])
         verification = compute(chosen, chosen_law, backend, run.report, run.say, command=line)

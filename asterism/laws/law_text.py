@@ -13,7 +13,7 @@ from homogenize.law.law import Law
 from homogenize.law.law_residuals import unstable_tubes
 from homogenize.law.law_table import QUANTITY_NAMES, LawTable
 
-# lines of values: about so many nodes of the first two axes
+# approximate numbers of nodes of the first two axes in the table of values
 LISTED_LENGTHS = 4
 LISTED_THICKNESSES = 3
 # characters of a label in the first lines
@@ -21,7 +21,7 @@ MATERIAL_COLUMN = 11
 
 
 def law_lines(law: Law) -> list[str]:
-    """Lines to print."""
+    """The law as lines of text."""
     lines = []
     for table in law.tables:
         lines += ["", *_values(table), *_errors(law, table)]
@@ -104,7 +104,7 @@ def _warnings(law: Law) -> list[str]:
 
 
 def _problems(law: Law) -> list[str]:
-    """Why cells have no answer: each reason without its numbers, and its count."""
+    """The reasons why cells have no equilibrium, without their numbers, and how often each occurs."""
     reasons = Counter(_without_numbers(s["problem"]) for s in law.samples if s["problem"] is not None)
     lines = [f"    {count:4d}  {reason}" for reason, count in reasons.most_common()]
     return ["", "  cells without an answer", *lines] if lines else []

@@ -10,8 +10,7 @@ from asterism.print import instructions, sheets
 from asterism.print.formats.registry import FormatKind, export_formats, write_all
 from asterism.print.job import Job
 from asterism.print.rounded import better_layers, tiny_stars
-from asterism.results.files import EXPORT as SUMMARY
-from asterism.results.files import holds_result, staged
+from asterism.results.files import EXPORT_SUMMARY_FILE, holds_result, staged
 from asterism.results.records.export import (
     CheckSquareRecord,
     ExportRecord,
@@ -64,9 +63,9 @@ def write_export(job: Job, directory: str | Path, change: ShapeChangeRecord | No
         save_design(job.design, folder / ROUNDED)
         if job.shape is not None:
             write_shape_files(job.shape, job.design.name, folder)
-        summary = _summary(job, tiny, change, sorted([SUMMARY, *(file.name for file in folder.iterdir())]))
+        summary = _summary(job, tiny, change, sorted([EXPORT_SUMMARY_FILE, *(file.name for file in folder.iterdir())]))
         text = json.dumps(summary.to_json(), indent=2, allow_nan=False) + "\n"
-        (folder / SUMMARY).write_text(text, encoding="utf-8")
+        (folder / EXPORT_SUMMARY_FILE).write_text(text, encoding="utf-8")
     return summary
 
 
@@ -85,7 +84,7 @@ def stale_files(directory: str | Path) -> str | None:
     >>> "shape.obj" in (stale_files(folder) or "").replace(chr(92), "")
     True
     """
-    if not (Path(directory) / SUMMARY).is_file():
+    if not (Path(directory) / EXPORT_SUMMARY_FILE).is_file():
         return None
     names = [
         re.escape(f"{stem}{found.suffix}")

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 from asterism.reports.verification_page import verification_page
-from asterism.results.files import LAST, staged_result
+from asterism.results.files import SUMMARY_FILE, staged_result
 from asterism.shape.vtu import write_shape_vtu
 from asterism.verification.verification import Verification
 from pattern.design.arguments import check_type
@@ -32,5 +32,5 @@ def write_verification(found: Verification, directory: str | Path) -> list[str]:
         (folder / "report.html").write_text(verification_page(found), encoding="utf-8", errors="backslashreplace")
         write_shape_vtu(found.comparison.reference, folder / "exact.vtu")
         write_shape_vtu(found.comparison.other, folder / "preview.vtu")
-        (folder / LAST).write_text(json.dumps(found.summary.to_json(), indent=2, allow_nan=False) + "\n")
+        (folder / SUMMARY_FILE).write_text(json.dumps(found.summary.to_json(), indent=2, allow_nan=False) + "\n")
         return sorted(file.name for file in folder.iterdir())

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 from asterism.draw.picture import draw_shape
-from asterism.results.files import LAST, staged_result
+from asterism.results.files import SUMMARY_FILE, staged_result
 from asterism.shape.shape import Shape
 from asterism.shape.vtu import write_rods_vtu, write_shape_vtu
 from pattern.design.arguments import check_type
@@ -32,5 +32,5 @@ def write_results(shape: Shape, directory: str | Path) -> list[str]:
         for number, other in enumerate(shape.others, 2):
             write_shape_vtu(other, folder / f"minimum-{number}.vtu")
             draw_shape(other, f"{shape.summary['design']['name']}, minimum {number}", folder / f"minimum-{number}.png")
-        (folder / LAST).write_text(json.dumps(shape.summary.to_json(), indent=2, allow_nan=False) + "\n")
+        (folder / SUMMARY_FILE).write_text(json.dumps(shape.summary.to_json(), indent=2, allow_nan=False) + "\n")
         return sorted(file.name for file in folder.iterdir())

@@ -1,1 +1,1 @@
-"""Result files."""
+"""Results: typed records of all summaries, numbers in words, tables, and atomic files."""

@@ -1,4 +1,4 @@
-"""The rows of a CSV file, and its cells as numbers; whatever is wrong is said with row and column."""
+"""Reads CSV tables. Errors name the file, the row and the column."""
 
 from __future__ import annotations
 
@@ -11,15 +11,18 @@ from pathlib import Path
 from equilibrium.errors import Error
 from pattern.design.errors import one_line
 
+# size of the largest table
 MAX_TABLE_BYTES = 2_000_000
 
 
 class TableError(Error, ValueError):
-    """A table that cannot be read or used; `str` is one line with the file, its row and its column.
+    """A table is wrong or cannot be read; the message is one line with the file, the row and the column.
 
     Parameters
     ----------
-    row : as a spreadsheet counts, the header is row 1; None for the file as a whole.
+    row : number of the row, where the header is row 1; None for the whole file.
+    column : name of the column; None for the whole row.
+    problem : what is wrong, and what is allowed.
     """
 
     def __init__(self, file: str | Path, row: int | None, column: str | None, problem: str):
@@ -29,18 +32,30 @@ class TableError(Error, ValueError):
 
 @dataclass(frozen=True)
 class Row:
-    """A row of the table: texts by column; missing and empty cells are empty texts."""
+    """A row of a table: the texts of its cells by column. A missing cell has an empty text."""
 
     file: Path
     number: int
     cells: dict[str, str]
 
     def wrong(self, column: str | None, problem: str) -> TableError:
-        """The mistake, with its place."""
+        """An error at a column of this row."""
         return TableError(self.file, self.number, column, problem)
 
     def number_in(self, column: str, low: float, high: float, unit: str = "mm", needed: bool = False) -> float | None:
-        """The number in a cell; None if it is empty, which a `needed` one must not be."""
+        """The number in a cell; None if the cell is empty.
+
+        Parameters
+        ----------
+        low, high : range of the number.
+        unit : unit of the number, for the message.
+        needed : the cell must not be empty.
+
+        Raises
+        ------
+        TableError
+            The cell holds no number or one out of range, or it is empty although it is `needed`.
+        """
         text = self.cells.get(column, "")
         if not text:
             if needed:
@@ -64,14 +79,19 @@ class Row:
 
 
 def read_rows(path: Path, known: tuple[str, ...], required: tuple[str, ...]) -> list[Row]:
-    """The rows below the header that hold anything; lines that begin with # are remarks.
+    """The rows below the header, without empty rows and comments, which begin with #.
 
-    Columns may come in any order, separated by commas, semicolons or tabs.
+    The columns may have any order. Commas, semicolons or tabs separate them.
+
+    Parameters
+    ----------
+    known : names of the allowed columns.
+    required : names of the columns that must exist.
 
     Raises
     ------
     TableError
-        The file cannot be read, or its header is not as it should be.
+        The file cannot be read, or its header is wrong.
     """
     lines = _lines(path)
     if not lines:
@@ -105,7 +125,7 @@ def read_rows(path: Path, known: tuple[str, ...], required: tuple[str, ...]) -> 
 
 
 def _cells(path: Path, number: int, line: str, separator: str) -> list[str]:
-    """The cells of a line."""
+    """The texts of the cells of a line."""
     try:
         return [text.strip() for text in next(csv.reader([line], delimiter=separator))]
     except csv.Error as error:
@@ -113,7 +133,7 @@ def _cells(path: Path, number: int, line: str, separator: str) -> list[str]:
 
 
 def _lines(path: Path) -> list[tuple[int, str]]:
-    """Numbered lines that are neither empty nor remarks."""
+    """Numbers and texts of the lines, without empty lines and comments."""
     try:
         with path.open("rb") as stream:
             raw = stream.read(MAX_TABLE_BYTES + 1)

@@ -1,4 +1,4 @@
-"""Writing results so that they appear complete or not at all."""
+"""Writes result files so that they appear complete or not at all."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from types import FrameType
 from asterism.process import interruption
 from equilibrium.errors import Error
 
-# Whoever finds this file in a directory finds all the others, from the same run.
-LAST = "summary.json"
-# Files that belong to a summary.json, of whatever kind: those of an earlier one would be taken for the new one's.
-BESIDE_SUMMARY = "|".join(
+# The summary is written last: a folder with it holds all files of the same run.
+SUMMARY_FILE = "summary.json"
+# Names of files that belong to a summary. Those of an earlier result are removed.
+SUMMARY_COMPANIONS = "|".join(
     (
         r"shape\.(vtu|png)|rods\.vtu|minimum-\d+\.(vtu|png)",  # simulate, preview
         r"report\.html|exact\.vtu|preview\.vtu",  # verify
@@ -29,11 +29,15 @@ BESIDE_SUMMARY = "|".join(
         r"law\.png|cells\.csv",  # law show
     )
 )
-VERIFICATION = "verification"  # the key `model` of a summary of two shapes
-# of an export: its summary, and which of those names it has too
-EXPORT, BESIDE_EXPORT = "export.json", r"(shape|rods)\.vtu"
+# value of the key `model` in the summary of a verification
+VERIFICATION_MODEL = "verification"
+# summary of an export
+EXPORT_SUMMARY_FILE = "export.json"
+# names that exports share with other results
+EXPORT_COMPANIONS = r"(shape|rods)\.vtu"
 
-REASONS = {
+# system errors in words
+SYSTEM_ERRORS = {
     errno.ENOSPC: "the disk is full",
     errno.EDQUOT: "the disk quota is used up",
     errno.EFBIG: "the file would be larger than allowed",
@@ -48,29 +52,29 @@ REASONS = {
 
 
 class OutputError(Error):
-    """Results cannot be written; the message is one line that says where and why."""
+    """Results cannot be written; the message is one line with the file and the reason."""
 
 
 @contextmanager
 def staged(directory: str | Path, stale: str | None = None) -> Iterator[Path]:
     """Collect files in a hidden folder, and move them into `directory` together at the end.
 
-    The folder lies on the same disk as `directory`, which is made if it is missing. If the block ends with an
-    exception or is interrupted, nothing is left behind and earlier results in `directory` stay as they were.
+    The folder lies on the same disk as `directory`, which is made if it is missing. If the block ends with an exception
+    or an interruption, the folder is removed, and earlier results in `directory` remain unchanged.
 
     Parameters
     ----------
-    stale : pattern of names (regular expression, the whole name) that belong to this kind of result: earlier files of
-        such a name that are not written again go away in the same moment.
+    stale : regular expression for whole names of files of this kind of result. Earlier files with such a name that are
+        not written again are removed in the same step.
 
     Yields
     ------
-    The folder to write into. Files only, no folders.
+    The folder to write into. It may hold files, but not folders.
 
     Raises
     ------
     OutputError
-        If anything cannot be written.
+        A file cannot be written.
 
     Examples
     --------
@@ -85,7 +89,7 @@ def staged(directory: str | Path, stale: str | None = None) -> Iterator[Path]:
     staging: Path | None = None
     made: list[Path] = []
     try:
-        # inside an existing directory the disk is certainly the same; a missing one appears by a single renaming
+        # an existing directory is on its own disk; a missing one appears by a single renaming
         beside = directory if directory.exists() else directory.parent
         made = [parent for parent in (beside, *beside.parents) if not parent.exists()]
         staging = beside / f".asterism-{secrets.token_hex(4)}"
@@ -100,19 +104,23 @@ def staged(directory: str | Path, stale: str | None = None) -> Iterator[Path]:
         if staging is not None:
             shutil.rmtree(staging, ignore_errors=True)
         for parent in made:
-            # those that hold results now are not empty, and stay
+            # folders with results are not empty, so that rmdir keeps them
             with suppress(OSError):
                 parent.rmdir()
 
 
-def check_writable(directory: str | Path, name: str = LAST) -> None:
-    """Raise OutputError now if a file could not be written into `directory` later; leaves no trace.
+def check_writable(directory: str | Path, name: str = SUMMARY_FILE) -> None:
+    """Raise OutputError if a file cannot be written into `directory`; leaves no trace.
 
-    A summary.json that is somebody else's is not written over, nor are files with names of results and no summary.json.
+    A summary.json of another program is not replaced, and neither are files with names of results without a summary.
     """
     directory = Path(directory)
-    if name == LAST and (foreign := _foreign(directory)) is not None:
-        why = "was not written by asterism" if foreign.name == LAST else f"is no result's: there is no {LAST} beside it"
+    if name == SUMMARY_FILE and (foreign := _foreign(directory)) is not None:
+        why = (
+            "was not written by asterism"
+            if foreign.name == SUMMARY_FILE
+            else f"is no result's: there is no {SUMMARY_FILE} beside it"
+        )
         raise OutputError(f"{foreign} {why}; choose another folder with -o")
     with suppress(OSError):
         if (directory / name).is_dir():
@@ -124,67 +132,67 @@ def check_writable(directory: str | Path, name: str = LAST) -> None:
 
 @contextmanager
 def staged_result(directory: str | Path) -> Iterator[Path]:
-    """As `staged`, for files that belong to a summary.json: those of an earlier result, of whatever kind, are removed.
+    """As `staged`, for files of a result with a summary.json: files of an earlier result of any kind are removed.
 
-    A folder without a summary.json holds no result; all its files stay.
+    A folder without a summary.json holds no result, and all its files remain.
 
     Raises
     ------
     OutputError
         The files cannot be written there.
     """
-    with staged(directory, stale=BESIDE_SUMMARY if holds_result(directory) else None) as folder:
+    with staged(directory, stale=SUMMARY_COMPANIONS if holds_result(directory) else None) as folder:
         yield folder
 
 
 def check_kept(file: Path, directory: str | Path, *written: str) -> None:
-    """Raise OutputError if a file that is read is one of those that will be `written` into a directory."""
+    """Raise OutputError if a file that is read has the place and name of a file that will be `written`."""
     if any(one.name in written and one.parent.resolve() == Path(directory).resolve() for one in (file, file.resolve())):
         raise OutputError(f"--output: {str(directory)!r} is where {file.name} is and stays; choose another name")
 
 
 def holds_result(directory: str | Path) -> bool:
-    """Whether a finished result lies there, whatever other files do."""
-    return (Path(directory) / LAST).is_file()
+    """Whether a directory holds a finished result."""
+    return (Path(directory) / SUMMARY_FILE).is_file()
 
 
 def _foreign(directory: Path) -> Path | None:
-    """The file that stands where a result would: a summary.json that is none, or others without one."""
-    with suppress(OSError):  # there is no folder, or writing will say why not
+    """A file of another program with the name of a result file; None without one."""
+    with suppress(OSError):  # there is no folder, or an error when writing names the reason
         if holds_result(directory):
-            return directory / LAST if _is_foreign(directory / LAST) else None
+            return directory / SUMMARY_FILE if _is_foreign(directory / SUMMARY_FILE) else None
         names = sorted(file.name for file in directory.iterdir() if file.is_file())
-        exported = BESIDE_EXPORT if EXPORT in names else ""
-        mine = (name for name in names if re.fullmatch(BESIDE_SUMMARY, name) and not re.fullmatch(exported, name))
+        exported = EXPORT_COMPANIONS if EXPORT_SUMMARY_FILE in names else ""
+        mine = (name for name in names if re.fullmatch(SUMMARY_COMPANIONS, name) and not re.fullmatch(exported, name))
         return next((directory / name for name in mine), None)
     return None
 
 
 def _is_foreign(summary: Path) -> bool:
-    """Whether there is a file that is no summary: those of results say a version, a law's its digest."""
+    """Whether a file is not a summary: summaries have the key `version` or, for laws, `digest`."""
     try:
         found = json.loads(summary.read_text(encoding="utf-8"))
     except OSError:
-        return False  # there is none, or writing will say why not
+        return False  # there is no file, or an error when writing names the reason
     except ValueError:
         return True
     return not (isinstance(found, dict) and {"version", "digest"} & found.keys())
 
 
 def write_file(path: str | Path, content: str | bytes) -> None:
-    """Write one file, complete or not at all; text as UTF-8."""
+    """Write one file, complete or not at all; text in UTF-8."""
     path = Path(path)
     with staged(path.parent) as folder:
         (folder / path.name).write_bytes(content.encode() if isinstance(content, str) else content)
 
 
 class _Rehearsal(Exception):
-    """Ends a staged block without publishing."""
+    """Ends a staged block, so that its files are discarded."""
 
 
 def _publish(staging: Path, directory: Path, stale: str | None) -> None:
-    """Move every file of `staging` into `directory` and take away what is stale there, or do nothing."""
-    names = sorted((file.name for file in staging.iterdir()), key=lambda name: (name == LAST, name))
+    """Move all files of `staging` into `directory` and remove stale files there, or leave all as it was."""
+    names = sorted((file.name for file in staging.iterdir()), key=lambda name: (name == SUMMARY_FILE, name))
     for name in names:
         _flush(staging / name)
     if not directory.exists():
@@ -217,7 +225,7 @@ def _publish(staging: Path, directory: Path, stale: str | None) -> None:
 
 
 def _keep(file: Path, copy: Path) -> None:
-    """A second name for a file where the disk can do that, else a copy."""
+    """Make a hard link to a file, or a copy if the disk has no links."""
     try:
         os.link(file, copy)
     except OSError:
@@ -225,14 +233,14 @@ def _keep(file: Path, copy: Path) -> None:
 
 
 def _flush(file: Path) -> None:
-    """Onto the disk: some file systems only notice here that they are full."""
+    """Write a file to the disk: some file systems report a full disk at this point only."""
     with open(file, "rb+") as stream:
         os.fsync(stream.fileno())
 
 
 @contextmanager
 def _signals_held() -> Iterator[None]:
-    """Deliver Ctrl-C and a request to end after the block: it takes milliseconds and must not be cut in two."""
+    """Deliver Ctrl-C and termination signals after the block, which takes milliseconds and must be complete."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -252,11 +260,11 @@ def _signals_held() -> Iterator[None]:
 
 
 def _sentence(error: OSError, directory: Path) -> str:
-    """One line: what could not be written, and why."""
+    """The file that cannot be written, and the reason."""
     where = Path(error.filename or directory)
     for number, part in enumerate(where.parts):
         if part.startswith(".asterism-"):
             where = directory.joinpath(*where.parts[number + 1 :])
             break
-    reason = REASONS.get(error.errno or 0, (error.strerror or str(error)).lower())
+    reason = SYSTEM_ERRORS.get(error.errno or 0, (error.strerror or str(error)).lower())
     return f"cannot write {where}: {reason}"

@@ -14,18 +14,19 @@ from types import UnionType
 from typing import Any, ClassVar, Self, Union, dataclass_transform, get_args, get_origin, get_type_hints
 
 Show = str | Callable[[Any], str | Mapping[str, str] | None]
-ABSENT: Any = object()  # default of a key that not every record of its kind has
+# default of an optional key
+ABSENT: Any = object()
 _NAME = "key"
 
 
 @dataclass(frozen=True)
 class Key:
-    """What is known about one key of a record.
+    """The definition of one key of a record.
 
     Attributes
     ----------
     meaning : one sentence or two, for the reference.
-    unit : of the value; empty for texts, counts and truth values.
+    unit : unit of the value; empty for texts, counts and truth values.
     label : name of the key's row in the table on the terminal; empty if the key has no row.
     show : text of that row: a format with names of the record's keys, such as `{height_mm:.2f} mm`, or a function of
         the record. A function returns the text, or several rows as texts by label, or None to leave the row out.
@@ -59,7 +60,7 @@ def key(
     With `default=ABSENT` a record may lack the key: it then has neither the attribute nor the entry.
     """
     required = default is not ABSENT
-    if not required:  # a factory leaves no attribute on the class
+    if not required:  # a default would become an attribute of the class, a factory does not
         default, default_factory = MISSING, lambda: ABSENT
     settings = {"default": default, "default_factory": default_factory}
     given = {name: value for name, value in settings.items() if value is not MISSING}
@@ -183,7 +184,7 @@ def is_record(kind: Any) -> bool:
 
 
 def _typed(kind: Any, value: Any) -> Any:
-    """A value from a file, with records in place of tables; as it is if it does not fit the type."""
+    """A value from a file, with records in place of dictionaries; unchanged if it does not have the type."""
     if isinstance(value, Record):
         return value
     if get_origin(kind) in (Union, UnionType):

@@ -15,7 +15,7 @@ from asterism.results.records.preview import PreviewRecord
 from asterism.results.records.strips import StripFitRecord
 from asterism.results.records.verification import VerificationRecord
 
-# what the page is about, and the text above its table
+# title and introduction of each summary
 SUMMARIES: dict[type[Record], tuple[str, str]] = {
     ExactRecord: ("Exact shape", "`summary.json` of `asterism simulate`, and `shape.summary` of `asterism.simulate`."),
     PreviewRecord: ("Preview", "`summary.json` of `asterism preview`, and `shape.summary` of `asterism.preview`."),
@@ -42,8 +42,8 @@ _NAMES = {str: "text", int: "integer", float: "number", bool: "true or false", N
 
 
 def reference() -> str:
-    """The whole page; a record that several summaries contain stands where it occurs first."""
-    parts = ["# Keys of all summaries", "A missing unit means that the value has none."]
+    """The whole page. A record that several summaries contain is described at its first place."""
+    parts = ["# Keys of all summaries", "Values without a unit are texts, counts or ratios."]
     described = set(SUMMARIES)
     for record, (title, text) in SUMMARIES.items():
         parts += [f"## {title}", text, _table(record)]
@@ -55,7 +55,7 @@ def reference() -> str:
 
 
 def all_records() -> list[type[Record]]:
-    """All classes of records, each one once."""
+    """All classes of records, each once."""
     return list(dict.fromkeys(each for record in SUMMARIES for each in (record, *_inner_records(record))))
 
 
@@ -69,7 +69,7 @@ def _table(record: type[Record]) -> str:
 
 
 def _inner_records(record: type[Record]) -> Iterator[type[Record]]:
-    """The records within a record, at any depth, each one once."""
+    """The classes of records within a record, at any depth, each once."""
     seen: dict[type[Record], None] = {}
 
     def visit(kind: Any) -> None:

@@ -12,7 +12,7 @@ import meshio
 import numpy as np
 from scipy.spatial import cKDTree
 
-from asterism.results.files import VERIFICATION
+from asterism.results.files import VERIFICATION_MODEL
 from asterism.results.records.of_shape import shape_record
 from asterism.shape.shape import Shape
 from pattern.design.errors import DesignError
@@ -130,7 +130,7 @@ def _summary(path: Path, of: str) -> dict[str, Any]:
         summary = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise DesignError("", f"cannot be read as JSON: {error}", file=path) from None
-    if isinstance(summary, dict) and summary.get("model") == VERIFICATION:
+    if isinstance(summary, dict) and summary.get("model") == VERIFICATION_MODEL:
         summary = summary.get(of)
     if isinstance(summary, dict) and of.startswith("minimum-"):
         summary = _of_minimum(summary, of)

@@ -12,7 +12,7 @@ from asterism.exact.simulation import Say, simulate
 from asterism.previews.run import preview
 from asterism.process.compiling import clock_without_compiling
 from asterism.process.version import __version__
-from asterism.results.files import VERIFICATION
+from asterism.results.files import VERIFICATION_MODEL
 from asterism.results.records.exact import ExactRecord
 from asterism.results.records.verification import VerificationRecord, VerifiedStartRecord
 from asterism.shape.comparison import Comparison, compare_shapes
@@ -163,7 +163,7 @@ def _summary(found: Verification, between: Comparison, agree: bool, seconds: dic
     form = same_branch(found.comparison, with_other, between.rms_percent) if exact.is_minimum else None
     return VerificationRecord.from_json(
         {
-            "model": VERIFICATION,
+            "model": VERIFICATION_MODEL,
             **numbers(found.comparison),
             "same_branch": form,
             "speedup": seconds["exact_s"] / seconds["preview_again_s"],

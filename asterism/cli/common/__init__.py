@@ -1,1 +1,1 @@
-"""What all commands share: options, run skeleton, progress, the last line."""
+"""Common parts of all commands: options, skeleton of a run, progress, the last line."""

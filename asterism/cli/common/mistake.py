@@ -1,4 +1,4 @@
-"""A wrong command line, in one line."""
+"""The error of a wrong command line."""
 
 from __future__ import annotations
 

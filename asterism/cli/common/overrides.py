@@ -14,7 +14,7 @@ def with_overrides(design: Design, options: dict[str, tuple[str, Any]]) -> Desig
 
     Parameters
     ----------
-    options : for each option its name on the command line, and the dotted field and value; None changes nothing.
+    options : for each option its name, the dotted field of the design, and the value; None for no change.
 
     Raises
     ------

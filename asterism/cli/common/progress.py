@@ -40,7 +40,7 @@ class Progress:
         clock = f"   {time.perf_counter() - self._start:.1f} s"
         self._last = f"{begin}   gradient {iteration.gradient_norm:.1e} N{clock}"
         if self._live:
-            # a line that wraps cannot be written over
+            # a line that wraps cannot be replaced
             room = shutil.get_terminal_size().columns - 1
             shown = self._last if len(self._last) <= room else begin[: max(room - len(clock), 0)] + clock
             self._stream.write("\r\x1b[K" + shown[:room])

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from asterism.results.files import LAST, check_kept, check_writable
+from asterism.results.files import SUMMARY_FILE, check_kept, check_writable
 
 
 def results_folder(
-    design: Path, output: Path | None, default: Path, summary: str = LAST, others: tuple[str, ...] = ()
+    design: Path, output: Path | None, default: Path, summary: str = SUMMARY_FILE, others: tuple[str, ...] = ()
 ) -> Path:
     """The folder given by the user, or the default one.
 

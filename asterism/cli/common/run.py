@@ -20,24 +20,24 @@ DONE = 0
 NO_ANSWER = 1
 WRONG_INPUT = 2
 
-# options that every command has; the values arrive in the attributes of `Run` that have the same names
+# options of all commands; their values are the attributes of `Run` with the same names
 COMMON_OPTIONS: dict[str, tuple[Any, Any]] = {
     "quiet": (Annotated[bool, typer.Option("--quiet", "-q", help="Print no progress.")], False),
 }
 
 
 class Run:
-    """One run of a command: what it shows while it works and at its end.
+    """One run of a command, with its output: progress, results and warnings.
 
     Attributes
     ----------
-    quiet : print no progress; results, warnings and errors are printed all the same.
-    stream : where progress goes.
+    quiet : print results, warnings and errors, but not progress.
+    stream : output stream of progress.
     """
 
     def __init__(self, quiet: bool = False) -> None:
         self.quiet = quiet
-        # of progress; a quiet command writes it where nobody reads
+        # a quiet command discards its progress
         self.stream: TextIO = io.StringIO() if quiet else sys.stderr
         self._say: Callable[[str], None] = lambda text: None
         self._report: Callable[[str, Iteration], None] = lambda stage, iteration: None
@@ -74,7 +74,7 @@ class Run:
             typer.echo(line)
 
     def files(self, directory: Path, names: Iterable[str]) -> None:
-        """Print which files were written where."""
+        """Print the folder and the names of the written files."""
         typer.echo(f"{directory}: {', '.join(names)}")
 
     def warn(self, *lines: str) -> None:
@@ -84,7 +84,7 @@ class Run:
 
 
 def command(function: Callable[..., int | None]) -> Callable[..., int]:
-    """A command for typer from a function whose first parameter is a `Run`.
+    """Make a command for typer from a function whose first parameter is a `Run`.
 
     The command has the function's other parameters and the common options. Its value is the exit status, 0 for None.
     """

@@ -7,6 +7,6 @@ from typing import NoReturn
 
 
 def stop(line: str, status: int) -> NoReturn:
-    """End with one line on standard error."""
+    """Print one line on standard error, and exit."""
     print("asterism: " + " ".join(line.split()), file=sys.stderr)
     sys.exit(status)

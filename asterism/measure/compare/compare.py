@@ -19,7 +19,7 @@ from asterism.measure.compare.scan_comparison import ScanComparison, compare_sca
 from asterism.measure.compare.silhouette import OutlineFit, fit_outline, silhouette
 from asterism.measure.compare.units import check_size
 from asterism.process.version import __version__
-from asterism.results.files import LAST, OutputError, check_writable, holds_result, staged_result
+from asterism.results.files import SUMMARY_FILE, OutputError, check_writable, holds_result, staged_result
 from asterism.results.records.comparison import (
     ComparisonRecord,
     OutlineComparisonRecord,
@@ -172,8 +172,8 @@ def write_comparison(comparison: MeasuredComparison, directory: str | Path) -> l
     with staged_result(directory) as folder:
         comparison.draw(folder / "compare.png")
         text = json.dumps(comparison.summary.to_json(), indent=2, allow_nan=False) + "\n"
-        (folder / LAST).write_text(text, encoding="utf-8")
-    return ["compare.png", LAST]
+        (folder / SUMMARY_FILE).write_text(text, encoding="utf-8")
+    return ["compare.png", SUMMARY_FILE]
 
 
 def _fitted(shape: Shape, file: Path, outlined: Outline, view: str, trim: float) -> OutlineFit:
