@@ -62,9 +62,8 @@ class JobRequests:
         place = document.path.parent
         match request:
             case ask.Verify():
-                started = self._jobs.start(
-                    "verify", document.revision, VERIFICATION_PROCESS, table, folder, str(place / stem)
-                )
+                out = str(place / f"{stem}-verified")
+                started = self._jobs.start("verify", document.revision, VERIFICATION_PROCESS, table, folder, out)
             case ask.ExportRequest():
                 options = self._export_options(request)
                 out = str(place / f"{stem}-print")

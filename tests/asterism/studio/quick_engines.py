@@ -1,4 +1,4 @@
-"""Bodies of engine processes that compute nothing: the table of an edit says how they fail."""
+"""Bodies of processes that compute nothing: the table of a design says how they fail."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ import os
 import time
 from multiprocessing.connection import Connection
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from asterism.studio.messages import Edit, Frame, Ready, ShownMesh
+from asterism.studio.messages import Edit, Frame, JobProgress, Ready, ShownMesh, Verified, Written
 
 
 def serve(connection: Connection) -> None:
@@ -36,3 +37,27 @@ def serve(connection: Connection) -> None:
         normals = np.tile([0.0, 0.0, 1.0], (4, 1))
         args = (positions, normals, np.zeros(4), np.zeros(4), none, none[:, 0], none[:, 0])
         connection.send(Frame(message.seq, 1, "equilibrium", *args))
+
+
+def verify(connection: Connection, job: int, table: dict[str, Any], folder: str, out: str) -> None:
+    """A verification that waits for its end, unless the design's name says otherwise."""
+    connection.send(JobProgress(job, "exact model", 30, 100, 0.1))
+    if table["name"] == "die":
+        os._exit(3)
+    if table["name"] == "wait":
+        time.sleep(600)
+    flat = np.zeros((3, 2), dtype=np.float32)
+    none = np.zeros(0, dtype=np.uint32)
+    mesh = ShownMesh(-job, flat, np.array([[0, 1, 2]]), np.arange(3), none)
+    shape = np.zeros((3, 3), dtype=np.float32)
+    connection.send(Verified(job, {"rms_percent": float("nan")}, mesh, shape, shape, shape[:, 0], ()))
+
+
+def export(
+    connection: Connection, job: int, table: dict[str, Any], folder: str, out: str, options: dict[str, Any]
+) -> None:
+    """An export of two files, one of which is elsewhere."""
+    place = Path(out)
+    place.mkdir()
+    (place / "a.stl").write_bytes(b"solid")
+    connection.send(Written(job, options, out, ("a.stl", "../../outside.txt", "missing.stl"), ("thin arms",)))

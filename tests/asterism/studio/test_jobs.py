@@ -1,0 +1,72 @@
+"""Jobs of the studio: progress, results, cancelling, and processes that end without one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from starlette.testclient import TestClient
+
+from asterism.studio import job_requests
+from asterism.studio.studio import Studio
+from tests.asterism.studio.conftest import HOST, TOKEN, Page
+
+ROOM = "tests.asterism.studio.quick_engines"
+
+
+@pytest.fixture(autouse=True)
+def quick_jobs(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(job_requests, "VERIFICATION_PROCESS", f"{ROOM}:verify")
+    monkeypatch.setattr(job_requests, "EXPORT_PROCESS", f"{ROOM}:export")
+
+
+def name_it(page: Page, name: str) -> None:
+    page.until("document")
+    page.send(type="edit", gesture=1, changes={"name": name})
+    page.until("document", gesture=1)
+
+
+def test_a_verification_ends_with_both_shapes_and_numbers(page: Page, studio: Studio):
+    name_it(page, "quick")
+    page.send(type="verify")
+    progress = page.until("progress", stage="exact model")
+    assert (progress["job"], progress["done"], progress["of"]) == ("verify", 30, 100)
+    result = page.until("result", job="verify")
+    assert result["summary"] == {"rms_percent": None} and result["revision"] == 1
+    assert page.until("comparison")["exact"].shape == (3, 3)
+    assert studio.jobs.data() == {}
+
+
+def test_one_job_runs_at_a_time_and_can_be_cancelled(page: Page, studio: Studio):
+    name_it(page, "wait")
+    page.send(type="verify")
+    page.until("progress", stage="exact model")
+    page.send(type="export", seq=7)
+    assert "running job" in page.until("problem", seq=7)["text"]
+    page.send(type="cancel")
+    assert page.until("result")["cancelled"]
+    assert page.until("state")["jobs"] == {}
+    page.send(type="cancel")  # nothing to cancel: nothing happens
+    page.send(type="export")
+    assert page.until("result")["job"] == "export"
+
+
+def test_a_job_that_ends_without_a_result_is_named(page: Page, studio: Studio):
+    name_it(page, "die")
+    page.send(type="verify")
+    problem = page.until("problem")
+    assert "verify ended unexpectedly" in problem["text"] and problem["job"] == "verify"
+    assert page.until("result")["failed"]
+    assert page.until("state", jobs={})["engine"] == "ready"
+
+
+def test_files_of_an_export_can_be_downloaded_if_they_are_below_the_folder(
+    page: Page, client: TestClient, folder: Path
+):
+    (folder.parent / "outside.txt").write_text("secret", encoding="utf-8")
+    page.until("document")
+    page.send(type="export", printer="prusa-mk4", options={"preview": False})
+    result = page.until("result")
+    assert result["files"] == [{"name": "dome-print/a.stl", "size": 5}]
+    assert result["summary"]["printer"] == "prusa-mk4" and result["warnings"] == ["thin arms"]
+    assert client.get(f"http://{HOST}/{TOKEN}/file/dome-print/a.stl").content == b"solid"
