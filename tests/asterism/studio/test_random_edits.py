@@ -93,7 +93,11 @@ def test_random_edits_are_answered_and_undone(tmp_path: Path):
         assert studio._engine.status == "ready"
         for _ in range(len(studio.document.history.steps)):  # type: ignore[union-attr]
             page.send(type="undo")
-        page.until("document", can_undo=False)
+            page.until("document")
+        page.send(type="history")
+        page.until("history")  # documents that were sent for other reasons have been read
+        page.send(type="printer", name="ultimaker2")
+        assert not page.until("document")["can_undo"]
         last = at_rest(page)
         page.send(type="save")
         page.until("saved")
