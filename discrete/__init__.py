@@ -1,4 +1,4 @@
-"""The exact model: discrete elastic rods (the arms) on a discrete shell (the fabric), one element per mesh edge.
+"""The exact model: discrete elastic rods (the arms) on the edges of a discrete shell (the fabric).
 
 Rooms: `energies` (formulas and their derivatives), `model` (unknowns, supports, steps), `release` (from the stretched
 print to a minimum), `evidence` (the certificate and measures of a result).

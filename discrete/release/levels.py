@@ -102,7 +102,7 @@ def solve_through_levels(
     max_iterations: int,
     report: Report | None,
 ) -> tuple[Equilibrium, list[MeshLevel]]:
-    """Prolong an equilibrium of the first model through all models; arguments and result as in `find_equilibrium`.
+    """Prolong an equilibrium of the first model through all models; arguments and result as in `solve_on_meshes`.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""Finite elements for the shell."""
+"""Discretisations of the shell: Argyris triangles (C1), and P2 or P3 triangles with a discrete Hessian."""

@@ -25,16 +25,16 @@ from fem.elements.tabulation import Evaluation, Floats, Ints, Tabulation
 
 JetMap = Callable[[Floats], Floats]
 
-ORDERS = np.array([0, 1, 1, 2, 2, 2])  # of the vertex dofs: value, derivatives 1, 2, 11, 22, 12
-POWERS = powers(5)
+ORDERS = np.array([0, 1, 1, 2, 2, 2])  # order of derivative of the vertex dofs: value, 1, 2, 11, 22, 12
+POWERS = powers(5)  # exponents of the 21 monomials up to degree 5
 
 
 class Argyris:
-    """Quintic C1 functions: six dofs at a vertex, the normal derivative at the middle of an edge.
+    """Quintic C1 functions: six dofs at each vertex, one normal derivative at each edge midpoint.
 
     Parameters
     ----------
-    mesh : scikit-fem's, in printed mm; see `fem.elements.printed_mesh.checked_mesh`.
+    mesh : mesh of scikit-fem in printed mm; see `fem.elements.printed_mesh.checked_mesh`.
 
     Attributes
     ----------
@@ -43,7 +43,28 @@ class Argyris:
     vertex_dofs : (V, 6).
     edge_dofs : (F,) the normal derivative times the edge's length, in the order of `mesh.facets`.
     vertex_scale : (V,) mm; a vertex dof of order k is a derivative times this to the power k.
-    normals : (F, 2) unit normals of the edges, right of the way from the lower vertex number to the higher.
+    normals : (F, 2) unit normals of the edges, on the right of the direction from the lower to the higher vertex.
+
+    Raises
+    ------
+    ValueError
+        The mesh is not admissible.
+
+    Examples
+    --------
+    The unit square has 4 x 6 vertex dofs and 5 edge dofs. The parabola `z = x^2/20` is interpolated exactly:
+
+    >>> space = Argyris(MeshTri())
+    >>> int(space.size)
+    29
+    >>> def parabola(p):  # position and derivatives 1, 2, 11, 22, 12
+    ...     out = np.zeros((len(p), 6, 3))
+    ...     out[:, 0, :2], out[:, 1, 0], out[:, 2, 1] = p, 1.0, 1.0
+    ...     out[:, 0, 2], out[:, 1, 2], out[:, 3, 2] = p[:, 0] ** 2 / 20, p[:, 0] / 10, 0.1
+    ...     return out
+    >>> jet = space.locate(np.array([[0.4, 0.3]])).jets(space.interpolate(parabola))[0]
+    >>> jet[0].round(6), jet[3].round(6) + 0.0
+    (array([0.4  , 0.3  , 0.008]), array([0. , 0. , 0.1]))
     """
 
     smooth = True
@@ -59,33 +80,33 @@ class Argyris:
         self.edge_dofs: Ints = numbers.facet_dofs[0].copy()
         corners = mesh.p.T[mesh.t.T]
         self._centre = corners.mean(axis=1)
-        one, two = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-        self._areas = 0.5 * np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
+        side1, side2 = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+        self._areas = 0.5 * np.abs(side1[:, 0] * side2[:, 1] - side1[:, 1] * side2[:, 0])
         self._scale = np.sqrt(self._areas)
-        around = np.bincount(mesh.t.ravel())
+        triangles_at_vertex = np.bincount(mesh.t.ravel())
         total = np.bincount(mesh.t.ravel(), np.tile(self._scale, 3))
-        self.vertex_scale = np.asarray(total / around, dtype=float)
+        self.vertex_scale = np.asarray(total / triangles_at_vertex, dtype=float)
         self._vertex_scales: Floats = self.vertex_scale[:, None] ** ORDERS
         ends = mesh.p.T[mesh.facets]
         along = ends[1] - ends[0]
         self._lengths: Floats = np.sqrt((along**2).sum(axis=1))
         self.normals = np.column_stack([along[:, 1], -along[:, 0]]) / self._lengths[:, None]
-        self._middles = 0.5 * (ends[0] + ends[1])
+        self._midpoints = 0.5 * (ends[0] + ends[1])
         self.coefficients = np.linalg.inv(self._functionals())
         self._tabulations: dict[int, Tabulation] = {}
 
     def _functionals(self) -> Floats:
-        """(T, 21, 21) dofs of the scaled monomials of every triangle."""
+        """(T, 21, 21) dofs (rows) of the scaled monomials (columns) of every triangle."""
         mesh, count = self.mesh, self.mesh.nelements
-        every = np.arange(count)
+        triangles = np.arange(count)
         dofs = np.empty((count, 21, 21))
         for k in range(3):
             vertex = mesh.t[k]
-            table = monomials(POWERS, self._local(every, mesh.p.T[vertex]))
+            table = monomials(POWERS, self._local(triangles, mesh.p.T[vertex]))
             scale = (self.vertex_scale[vertex] / self._scale)[:, None] ** ORDERS
             dofs[:, 6 * k : 6 * k + 6] = np.swapaxes(table * scale[:, None], 1, 2)
             edge = mesh.t2f[k]
-            first = monomials(POWERS, self._local(every, self._middles[edge]))[..., 1:3]
+            first = monomials(POWERS, self._local(triangles, self._midpoints[edge]))[..., 1:3]
             scale = self._lengths[edge] / self._scale
             dofs[:, 18 + k] = np.einsum("tma,ta,t->tm", first, self.normals[edge], scale)
         return dofs
@@ -94,15 +115,15 @@ class Argyris:
         return np.asarray((points - self._centre[triangles]) / self._scale[triangles, None])
 
     def jets(self, triangles: Ints, points: Floats) -> tuple[Ints, Floats]:
-        """Dofs (n, m) and (n, m, 6) value and derivatives 1, 2, 11, 22, 12 of a triangle's functions at a point.
+        """Dofs (n, m), and (n, m, 6) value and derivatives 1, 2, 11, 22, 12 of the functions of a triangle at a point.
 
-        Points (n, 2) in printed mm may lie outside of the triangles (n,): the polynomials go on.
+        Points (n, 2) in printed mm may lie outside their triangles (n,); the polynomials are extrapolated.
         """
         table = monomials(POWERS, self._local(triangles, points)) / (self._scale[:, None, None] ** ORDERS)[triangles]
         return self.dofs[triangles], np.matmul(np.swapaxes(self.coefficients[triangles], 1, 2), table)
 
     def tabulate(self, order: int) -> Tabulation:
-        """Quadrature exact for polynomials of degree `order`; the same object every time."""
+        """Tabulation at a quadrature exact for polynomials of degree `order`; computed once for each order."""
         if order not in self._tabulations:
             self._tabulations[order] = self._tabulated(order)
         return self._tabulations[order]
@@ -115,7 +136,7 @@ class Argyris:
         table = (
             monomials(POWERS, at).reshape(count, per, len(POWERS), 6) / (self._scale[:, None] ** ORDERS)[:, None, None]
         )
-        # one product for each triangle
+        # a single matrix product for each triangle
         table = np.matmul(np.swapaxes(self.coefficients, 1, 2)[:, None], table)
         return Tabulation(
             dofs=self.dofs.copy(),
@@ -127,15 +148,15 @@ class Argyris:
         )
 
     def penalty(self, modulus: Floats | float = 1.0) -> None:
-        """None: the functions are C1, so their slopes have no jumps."""
+        """None, since C1 functions have no slope jumps."""
 
     def interpolate(self, jets: JetMap) -> Floats:
-        """(N, 3) coefficients of a map of the printed sheet into space.
+        """(N, 3) coefficients of the interpolant of a map of the printed sheet into space.
 
-        `jets` takes (n, 2) mm to (n, 6, 3), its value and derivatives 1, 2, 11, 22, 12.
+        `jets` maps printed points (n, 2) mm to (n, 6, 3): position and derivatives 1, 2, 11, 22, 12.
         """
         count = self.mesh.nvertices
-        table = jets(np.concatenate([self.mesh.p.T, self._middles]) if self.mid_normals else self.mesh.p.T)
+        table = jets(np.concatenate([self.mesh.p.T, self._midpoints]) if self.mid_normals else self.mesh.p.T)
         out = np.empty((self.size, 3))
         out[self.vertex_dofs] = table[:count] * self._vertex_scales[..., None]
         if self.mid_normals:
@@ -144,7 +165,7 @@ class Argyris:
         return out
 
     def locate(self, points: Floats) -> Evaluation:
-        """Value, gradient and Hessian at printed points (n, 2) mm."""
+        """Evaluation of value, gradient and Hessian at printed points (n, 2) mm; ValueError outside the sheet."""
         points = np.asarray(points, dtype=float)
         triangles = triangles_at(self.mesh, points)
         local = self._local(triangles, points)

@@ -1,4 +1,4 @@
-"""Maps from the printed sheet into space, with two derivatives: where a condition holds the sheet."""
+"""Maps from the printed sheet into space with two derivatives, such as the target positions of supports."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ PlaneMap = Callable[[Floats], Floats]
 
 @dataclass(frozen=True)
 class Deformation:
-    """Place of every printed point (n, 2) mm.
+    """A map of printed points (n, 2) mm into space.
 
     Attributes
     ----------
-    position : to (n, 3) mm.
-    gradient : to (n, 3, 2), derivatives 1, 2.
-    hessian : to (n, 3, 3) per mm, derivatives 11, 22, 12.
+    position : function to positions (n, 3) mm.
+    gradient : function to derivatives 1, 2: (n, 3, 2).
+    hessian : function to derivatives 11, 22, 12: (n, 3, 3) per mm.
     """
 
     position: PlaneMap
@@ -29,12 +29,12 @@ class Deformation:
     hessian: PlaneMap
 
     def jets(self, points: Floats) -> Floats:
-        """(n, 6, 3) place and derivatives 1, 2, 11, 22, 12."""
+        """(n, 6, 3) position and derivatives 1, 2, 11, 22, 12."""
         parts = [self.position(points)[:, :, None], self.gradient(points), self.hessian(points)]
         return np.concatenate(parts, axis=2).transpose(0, 2, 1)
 
     def normal(self, points: Floats) -> Floats:
-        """(n, 3) unit normals x_1 x x_2."""
+        """(n, 3) unit normals along `x_1 x x_2`."""
         first = self.gradient(points)
         cross = np.cross(first[..., 0], first[..., 1])
         return np.asarray(cross / np.linalg.norm(cross, axis=1, keepdims=True))
@@ -52,7 +52,7 @@ class Deformation:
 
 
 def affine(matrix: ArrayLike, offset: ArrayLike = (0.0, 0.0, 0.0)) -> Deformation:
-    """`matrix` (3, 2) times the printed point, plus `offset` (3,) mm."""
+    """The deformation `matrix` (3, 2) times the printed point, plus `offset` (3,) mm."""
     slope, start = np.asarray(matrix, dtype=float), np.asarray(offset, dtype=float)
     return Deformation(
         lambda p: p @ slope.T + start,
@@ -62,6 +62,12 @@ def affine(matrix: ArrayLike, offset: ArrayLike = (0.0, 0.0, 0.0)) -> Deformatio
 
 
 def flat(scale: float = 1.0, centre: ArrayLike = (0.0, 0.0)) -> Deformation:
-    """In the printed plane, `scale` times as far from `centre` (2,) mm as printed."""
-    middle = np.asarray(centre, dtype=float)
-    return affine(scale * np.eye(3)[:, :2], np.r_[(1.0 - scale) * middle, 0.0])
+    """The deformation in the printed plane that scales lengths by `scale` about `centre` (2,) mm.
+
+    Examples
+    --------
+    >>> flat(0.5, centre=(10.0, 0.0)).position(np.array([[20.0, 4.0]]))
+    array([[15.,  2.,  0.]])
+    """
+    centre = np.asarray(centre, dtype=float)
+    return affine(scale * np.eye(3)[:, :2], np.r_[(1.0 - scale) * centre, 0.0])

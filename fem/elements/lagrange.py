@@ -23,13 +23,28 @@ class Lagrange:
 
     Parameters
     ----------
-    mesh : scikit-fem's, in printed mm; see `fem.elements.printed_mesh.checked_mesh`.
+    mesh : mesh of scikit-fem in printed mm; see `fem.elements.printed_mesh.checked_mesh`.
     degree : 2 or 3.
 
     Attributes
     ----------
-    dofs : (T, m) numbers of a triangle's nodes.
-    nodes : (N, 2) mm, their places.
+    dofs : (T, m) numbers of the nodes of each triangle.
+    nodes : (N, 2) mm, printed positions of the nodes.
+    areas : (T,) mm^2.
+
+    Raises
+    ------
+    ValueError
+        The degree is neither 2 nor 3, or the mesh is not admissible.
+
+    Examples
+    --------
+    >>> space = Lagrange(MeshTri(), degree=2)
+    >>> len(space.nodes)
+    9
+    >>> points, weights = space.quadrature(2)
+    >>> round(float((weights * points[..., 0] ** 2).sum()), 6)  # int x^2 over the unit square
+    0.333333
     """
 
     def __init__(self, mesh: MeshTri, degree: int) -> None:
@@ -50,11 +65,11 @@ class Lagrange:
         self.areas: Floats = 0.5 * np.abs(np.linalg.det(self._jacobian))
 
     def local(self, triangles: Ints, points: Floats) -> Floats:
-        """(n, 2) coordinates of printed points (n, 2) in the triangles whose corners are (0, 0), (1, 0), (0, 1)."""
+        """(n, 2) reference coordinates of printed points (n, 2): the corners are (0, 0), (1, 0), (0, 1)."""
         return np.asarray(np.einsum("nab,nb->na", self._inverse[triangles], points - self._origin[triangles]))
 
     def jets(self, triangles: Ints, points: Floats) -> Floats:
-        """(n, m, 6) value and derivatives 1, 2, 11, 22, 12 of a triangle's functions at a printed point, per mm."""
+        """(n, m, 6) value and derivatives 1, 2, 11, 22, 12 of the functions of a triangle at a printed point (n, 2)."""
         table = np.einsum("nka,km->nma", monomials(self._powers, self.local(triangles, points)), self._coefficients)
         inverse = self._inverse[triangles]
         first = np.einsum("nma,nab->nmb", table[..., 1:3], inverse)
@@ -64,7 +79,7 @@ class Lagrange:
         )
 
     def quadrature(self, order: int) -> tuple[Floats, Floats]:
-        """(T, Q, 2) printed points and (T, Q) weights, exact for polynomials of degree `order`."""
+        """Printed points (T, Q, 2) and weights (T, Q) mm^2 of a quadrature exact for polynomials of degree `order`."""
         local, weights = get_quadrature(self.mesh.refdom, order)
         points = self._origin[:, None] + np.einsum("tab,bq->tqa", self._jacobian, local)
         return points, 2.0 * self.areas[:, None] * weights

@@ -1,14 +1,16 @@
-"""Second discretisation of the shell: continuous P2 or P3 with a discrete Hessian (local discontinuous Galerkin).
+"""P2 or P3 triangles with a discrete Hessian (local discontinuous Galerkin, LDG).
 
-The gradient of a continuous piecewise polynomial jumps over the edges, so its Hessian has a line density there. The
-discrete Hessian spreads it over the two triangles of the edge (Bonito, Guignard, Nochetto and Yang 2023, "Numerical
-analysis of the LDG method for large deformations of prestrained plates", eq. 2.13):
+The gradient of a continuous piecewise polynomial jumps across edges, so its Hessian has a line density there. The
+discrete Hessian distributes this density over the two triangles of the edge (Bonito, Guignard, Nochetto and Yang 2023,
+"Numerical analysis of the LDG method for large deformations of prestrained plates", eq. 2.13):
 
     H[x] = D^2 x - sum_e r_e([d_n x]) n n^T,      int r_e(f) p = int_e f {p}  for all polynomials p,
 
-with n the edge's normal, [ ] the jump along it and { } the mean of both sides. Jumps cost `gamma / |e|` times their
-square, which keeps the energy coercive for every gamma > 0. Free edges lift nothing. Where the rest metric jumps the
-gradient of the exact solution jumps along the sheet: only the penalty feels that, by its share thickness^2 / size^2.
+with the normal n of the edge e, the jump [ ] and the mean { } over both sides. Boundary edges have no lifting r_e.
+
+The energy gets the penalty `gamma D/2 sum_e 1/|e| int_e [d_n x]^2` with the bending stiffness D. It makes the energy
+coercive for every gamma > 0. If the rest metric jumps, the gradient of the exact solution jumps within the tangent
+plane. Only the penalty is affected, by a part of order thickness^2/size^2.
 """
 
 from __future__ import annotations
@@ -26,18 +28,33 @@ from fem.elements.tabulation import Evaluation, Floats, Ints, Tabulation
 
 
 class Lifted:
-    """Continuous P2 or P3 functions whose second derivatives see the jumps of the first.
+    """Continuous P2 or P3 functions with a discrete Hessian that includes the jumps of their gradient.
 
     Parameters
     ----------
-    mesh : scikit-fem's, in printed mm; see `fem.elements.printed_mesh.usable`.
+    mesh : mesh of scikit-fem in printed mm; see `fem.elements.printed_mesh.checked_mesh`.
     degree : 2 or 3.
-    gamma : weight of the jumps.
+    gamma : factor of the penalty on slope jumps.
 
     Attributes
     ----------
     size : number N of scalar dofs.
     nodes : (N, 2) mm; a dof is the value at its node.
+
+    Raises
+    ------
+    ValueError
+        The degree is neither 2 nor 3, or the mesh is not admissible.
+
+    Examples
+    --------
+    The discrete Hessian of a quadratic is exact:
+
+    >>> space = Lifted(MeshTri().refined(1), degree=2)
+    >>> x, y = space.nodes.T
+    >>> hessian = space.locate(np.array([[0.3, 0.6]])).jets((x**2 + 3 * x * y)[:, None])[0, 3:, 0]
+    >>> hessian.round(6) + 0.0  # derivatives 11, 22, 12
+    array([2., 0., 3.])
     """
 
     smooth = False
@@ -51,11 +68,11 @@ class Lifted:
         self.size = len(self.nodes)
         self._powers = powers(degree - 1)
         self._orthonormal = _orthonormal(self._powers)
-        self._edges = np.flatnonzero(mesh.f2t[1] >= 0)
-        self._stencils()
+        self._inner_edges = np.flatnonzero(mesh.f2t[1] >= 0)
+        self._build_stencils()
 
     def tabulate(self, order: int) -> Tabulation:
-        """Quadrature exact for polynomials of degree `order`."""
+        """Tabulation at a quadrature exact for polynomials of degree `order`."""
         points, weights = self._basis.quadrature(order)
         count, per = weights.shape
         triangles = np.repeat(np.arange(count), per)
@@ -70,9 +87,9 @@ class Lifted:
         )
 
     def penalty(self, modulus: Floats | float = 1.0) -> sp.csr_matrix:
-        """(N, N) matrix P: `x P x / 2` is added to the energy for each component x of the position.
+        """(N, N) N/mm, matrix P of the penalty: the energy is `x P x/2`, summed over the components of the position.
 
-        `modulus`: bending stiffness in N mm, one or (T,); an edge takes the mean of its triangles.
+        `modulus` is the bending stiffness in N mm, a number or (T,); an edge takes the mean of its two triangles.
         """
         modulus = np.broadcast_to(np.asarray(modulus, dtype=float), self.mesh.nelements)
         sides, jumps, weights = self._jumps()
@@ -84,37 +101,38 @@ class Lifted:
         return sp.csr_matrix((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(self.size, self.size))
 
     def interpolate(self, jets: Callable[[Floats], Floats]) -> Floats:
-        """(N, 3) coefficients of a map from (n, 2) to (n, 6, 3), value and derivatives; only the value is needed."""
+        """(N, 3) coefficients of the interpolant of a map from points (n, 2) to (n, 6, 3); only its value is used."""
         return np.ascontiguousarray(jets(self.nodes)[:, 0])
 
     def jets(self, triangles: Ints, points: Floats) -> tuple[Ints, Floats]:
-        """Dofs (n, m) and (n, m, 6) value and derivatives 1, 2, 11, 22, 12, of the triangle's polynomial alone."""
+        """Dofs (n, m), and (n, m, 6) value and piecewise derivatives 1, 2, 11, 22, 12 of their functions."""
         return self._basis.dofs[triangles], self._basis.jets(triangles, points)
 
     def locate(self, points: Floats) -> Evaluation:
-        """Value, gradient and discrete Hessian at printed points (n, 2) mm."""
+        """Evaluation of value, gradient and discrete Hessian at printed points (n, 2) mm of the sheet."""
         points = np.asarray(points, dtype=float)
         triangles = triangles_at(self.mesh, points)
         return Evaluation(lambda: (self._dofs[triangles], self._lifted_jets(triangles, points)), self.size)
 
     def _lifted_jets(self, triangles: Ints, points: Floats) -> Floats:
-        own = self._basis.jets(triangles, points)
+        """(n, M, 6) value, gradient and discrete Hessian of all functions of the stencil of a triangle."""
+        piecewise = self._basis.jets(triangles, points)
         jets = np.zeros((len(triangles), self._dofs.shape[1], 6))
         rows = np.arange(len(triangles))[:, None]
-        jets[rows, self._slots[triangles, : own.shape[1]]] = own
+        jets[rows, self._slots[triangles, : piecewise.shape[1]]] = piecewise
         functions = self._functions(triangles, points)
         jets[..., 3:] -= np.einsum("nj,njmc->nmc", functions, self._lifting[triangles])
         return jets
 
     def _functions(self, triangles: Ints, points: Floats) -> Floats:
-        """(n, J) polynomials of degree k-1, orthonormal over the triangle."""
+        """(n, J) polynomials of degree k - 1 at points, orthonormal over their triangle."""
         table = monomials(self._powers, self._basis.local(triangles, points))[..., 0] @ self._orthonormal
         return table / np.sqrt(2.0 * self._basis.areas[triangles, None])
 
     def _jumps(self) -> tuple[Ints, Floats, Floats]:
-        """Triangles (2, e) of the inner edges, jumps (e, G, 2m) of the normal derivatives, weights (e, G) mm."""
+        """Triangles (2, e) of the inner edges, jumps (e, G, 2m) of their normal derivatives, weights (e, G) mm."""
         points, normals, weights = self._edge_points()
-        sides = self.mesh.f2t[:, self._edges]
+        sides = self.mesh.f2t[:, self._inner_edges]
         count, per = weights.shape
         normal = np.repeat(normals, per, axis=0)
         both = []
@@ -124,59 +142,59 @@ class Lifted:
         return sides, np.concatenate(both, axis=2), weights
 
     def _edge_points(self) -> tuple[Floats, Floats, Floats]:
-        """Gauss points (e, G, 2), normals (e, 2) out of the first triangle, and weights (e, G) of the inner edges."""
-        ends = self.mesh.p.T[self.mesh.facets[:, self._edges]]
+        """Gauss points (e, G, 2), outward normals (e, 2) of the first triangle, weights (e, G) of the inner edges."""
+        ends = self.mesh.p.T[self.mesh.facets[:, self._inner_edges]]
         gauss, share = np.polynomial.legendre.leggauss(self.degree + 1)
         along = ends[1] - ends[0]
         points = ends[0][:, None] + 0.5 * (gauss[:, None] + 1.0) * along[:, None]
         length = np.linalg.norm(along, axis=1)
         normals = np.column_stack([along[:, 1], -along[:, 0]]) / length[:, None]
-        centre = self.mesh.p[:, self.mesh.t[:, self.mesh.f2t[0, self._edges]]].mean(axis=1).T
+        centre = self.mesh.p[:, self.mesh.t[:, self.mesh.f2t[0, self._inner_edges]]].mean(axis=1).T
         normals *= np.sign(np.sum(normals * (ends[0] - centre), axis=1))[:, None]
         return points, normals, 0.5 * share * length[:, None]
 
-    def _stencils(self) -> None:
-        """Dofs (T, M) of a triangle and its neighbours, and what their jumps add: (T, J, M, 3), per function."""
+    def _build_stencils(self) -> None:
+        """Set the dofs (T, M) of each triangle and its neighbours, and the lifting (T, J, M, 3) of each function."""
         sides, jumps, weights = self._jumps()
         points, normals, _ = self._edge_points()
         count, per = weights.shape
-        own = self._basis.dofs
-        m, triangles = own.shape[1], len(own)
-        squares = np.column_stack([normals[:, 0] ** 2, normals[:, 1] ** 2, normals[:, 0] * normals[:, 1]])
-        # the triangle's own nodes, then those of up to three neighbours; missing ones repeat the triangle's
-        raw = np.tile(own, 4)
+        nodes = self._basis.dofs
+        m, triangles = nodes.shape[1], len(nodes)
+        normal_squares = np.column_stack([normals[:, 0] ** 2, normals[:, 1] ** 2, normals[:, 0] * normals[:, 1]])
+        # nodes of the triangle, then those of up to three neighbours; a missing neighbour repeats the triangle
+        stencil = np.tile(nodes, 4)
         lifting = np.zeros((triangles, self._orthonormal.shape[1], 4 * m, 3))
-        used = np.zeros(triangles, dtype=int)
-        for side, other in ((0, 1), (1, 0)):
+        neighbours = np.zeros(triangles, dtype=int)
+        for side, opposite in ((0, 1), (1, 0)):
             functions = self._functions(np.repeat(sides[side], per), points.reshape(-1, 2)).reshape(count, per, -1)
             parts = 0.5 * np.einsum("eg,egj,egi->eji", weights, functions, jumps)
-            parts = np.concatenate([parts[..., m * side :][..., :m], parts[..., m * other :][..., :m]], axis=2)
-            parts = parts[..., None] * squares[:, None, None]
+            parts = np.concatenate([parts[..., m * side :][..., :m], parts[..., m * opposite :][..., :m]], axis=2)
+            parts = parts[..., None] * normal_squares[:, None, None]
             for e in range(count):
                 t = sides[side, e]
-                used[t] += 1
-                block = slice(m * used[t], m * used[t] + m)
-                raw[t, block] = own[sides[other, e]]
+                neighbours[t] += 1
+                block = slice(m * neighbours[t], m * neighbours[t] + m)
+                stencil[t, block] = nodes[sides[opposite, e]]
                 lifting[t, :, :m] += parts[e, :, :m]
                 lifting[t, :, block] += parts[e, :, m:]
-        # a dof that comes twice would be seen once by the sum of element matrices
-        ordered = np.sort(raw, axis=1)
-        fresh = np.ones_like(ordered, dtype=bool)
-        fresh[:, 1:] = ordered[:, 1:] != ordered[:, :-1]
-        rank = np.cumsum(fresh, axis=1) - 1
+        # the assembly needs each dof once in a stencil: equal dofs are merged and their liftings added
+        ordered = np.sort(stencil, axis=1)
+        first_of_kind = np.ones_like(ordered, dtype=bool)
+        first_of_kind[:, 1:] = ordered[:, 1:] != ordered[:, :-1]
+        rank = np.cumsum(first_of_kind, axis=1) - 1
         width = int(rank[:, -1].max()) + 1
         rows = np.arange(triangles)[:, None]
-        self._dofs = np.repeat(own[:, :1], width, axis=1)
+        self._dofs = np.repeat(nodes[:, :1], width, axis=1)
         self._dofs[rows, rank] = ordered
-        self._slots = np.empty_like(raw)
-        self._slots[rows, np.argsort(raw, axis=1, kind="stable")] = rank
+        self._slots = np.empty_like(stencil)
+        self._slots[rows, np.argsort(stencil, axis=1, kind="stable")] = rank
         self._lifting = np.zeros((triangles, lifting.shape[1], width, 3))
-        for column in range(raw.shape[1]):
+        for column in range(stencil.shape[1]):
             self._lifting[rows[:, 0], :, self._slots[:, column]] += lifting[:, :, column]
 
 
 def _orthonormal(exponents: Ints) -> Floats:
-    """(k, J) combinations of monomials that are orthonormal over the triangle (0, 0), (1, 0), (0, 1)."""
+    """(k, J) combinations of monomials that are orthonormal over the reference triangle (0, 0), (1, 0), (0, 1)."""
     a, b = (exponents[:, None, i] + exponents[None, :, i] for i in (0, 1))
     factorial = np.cumprod(np.r_[1.0, np.arange(1.0, 2 * exponents.max() + 3)])
     gram = factorial[a] * factorial[b] / factorial[a + b + 2]

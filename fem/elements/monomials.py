@@ -1,4 +1,4 @@
-"""Monomials of two variables and their derivatives up to the second."""
+"""Monomials of two variables, and their derivatives up to the second."""
 
 from __future__ import annotations
 
@@ -11,12 +11,18 @@ from fem.elements.tabulation import Floats, Ints
 
 
 def powers(degree: int) -> Ints:
-    """(k, 2) exponents of all monomials up to a degree."""
+    """(k, 2) exponents of all monomials up to a degree.
+
+    Examples
+    --------
+    >>> powers(1).tolist()
+    [[0, 0], [0, 1], [1, 0]]
+    """
     return np.array([(i, n - i) for n in range(degree + 1) for i in range(n + 1)])
 
 
 def monomials(exponents: Ints, points: Floats) -> Floats:
-    """(n, k, 6) values and derivatives 1, 2, 11, 22, 12 at points (n, 2)."""
+    """(n, k, 6) values and derivatives 1, 2, 11, 22, 12 of monomials with exponents (k, 2) at points (n, 2)."""
     top = int(exponents.max())
     ladder = np.ones((2, len(points), top + 1))
     for power in range(1, top + 1):
@@ -27,7 +33,7 @@ def monomials(exponents: Ints, points: Floats) -> Floats:
 
 @cache
 def _derivatives(exponents: bytes, count: int, kind: str) -> tuple[Floats, Ints, Ints]:
-    """(k, 6) each: what stands before a derivative, and the powers of both variables that are left."""
+    """Factors (k, 6) of the derivatives, and the remaining exponents (k, 6) of both variables."""
     a, b = np.frombuffer(exponents, dtype=kind).reshape(count, 2).T[:, :, None]
     i, j = np.array([(0, 0), (1, 0), (0, 1), (2, 0), (0, 2), (1, 1)]).T
     factors = np.ones((count, 6))
@@ -39,15 +45,16 @@ def _derivatives(exponents: bytes, count: int, kind: str) -> tuple[Floats, Ints,
 
 @loop
 def polynomials(exponents, factors, scale, pieces, points, out):  # type: ignore[no-untyped-def]
-    """out (n, 6, c): values and derivatives 1, 2, 11, 22, 12 of c polynomials at points (n, 2).
+    """Write values and derivatives 1, 2, 11, 22, 12 of c piecewise polynomials at points (n, 2) to out (n, 6, c).
 
-    Polynomial pieces (n,) have the factors (T, k, c) and a unit of length `scale` (T,), in which the points are.
+    `pieces` (n,) are the pieces of the points, `factors` (T, k, c) the coefficients of a piece, and `scale` (T,) its
+    unit of length; points are in this unit.
     """
     top = exponents.max()
     ladder = np.ones((2, top + 1))
     row = np.empty(6)
     for p in range(points.shape[0]):
-        own, unit = factors[pieces[p]], 1.0 / scale[pieces[p]]
+        coefficients, unit = factors[pieces[p]], 1.0 / scale[pieces[p]]
         for power in range(1, top + 1):
             for a in range(2):
                 ladder[a, power] = ladder[a, power - 1] * points[p, a]
@@ -60,5 +67,5 @@ def polynomials(exponents, factors, scale, pieces, points, out):  # type: ignore
             ddv = j * (j - 1) * ladder[1, max(j - 2, 0)] * unit * unit
             row[0], row[1], row[2], row[3], row[4], row[5] = u * v, du * v, u * dv, ddu * v, u * ddv, du * dv
             for a in range(6):
-                for c in range(own.shape[1]):
-                    out[p, a, c] += row[a] * own[k, c]
+                for c in range(coefficients.shape[1]):
+                    out[p, a, c] += row[a] * coefficients[k, c]

@@ -1,4 +1,4 @@
-"""Coefficients of the plainest maps in any space."""
+"""Coefficients of the identity and of a constant in any space."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from fem.elements.tabulation import Floats
 
 
 def flat_positions(space: Space) -> Floats:
-    """(N, 3) the printed sheet."""
+    """(N, 3) mm, coefficients of the printed sheet in the plane z = 0."""
     return space.interpolate(flat().jets)
 
 
 def constant(space: Space) -> Floats:
-    """(N,) the function one."""
+    """(N,) coefficients of the function one."""
     return np.ascontiguousarray(space.interpolate(affine(np.zeros((3, 2)), (1.0, 0.0, 0.0)).jets)[:, 0])

@@ -1,4 +1,4 @@
-"""What a mesh must be for functions on it."""
+"""Checks of a mesh before functions are defined on it."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from skfem import ElementTriP1, MeshTri
 
 
 def checked_mesh(mesh: MeshTri) -> MeshTri:
-    """The mesh with the corners of every triangle in the order of their numbers, as edges count on.
+    """The mesh with the corners of every triangle in ascending order, which fixes the direction of its edges.
 
     Vertices, triangles and edges keep their numbers, and named boundaries their edges.
 
     Raises
     ------
     ValueError
-        Triangles are curved, flat or not finite, vertices are not used, an edge has more than two triangles, or there
-        are several pieces.
+        A triangle is curved, degenerate or not finite; a vertex belongs to no triangle; an edge has more than two
+        triangles; or the mesh is not connected.
     """
     if mesh.elem is not ElementTriP1:
         raise ValueError("mesh: triangles must have straight edges, as those of MeshTri")
@@ -30,11 +30,11 @@ def checked_mesh(mesh: MeshTri) -> MeshTri:
     size, t = mesh.p.shape[1], mesh.t
     unused = np.flatnonzero(np.bincount(t.ravel(), minlength=size) == 0)
     if len(unused):
-        raise ValueError(f"mesh: vertex {unused[0]} is of no triangle")
-    one, two = (mesh.p[:, t[k]] - mesh.p[:, t[0]] for k in (1, 2))
-    flat = np.flatnonzero(one[0] * two[1] == one[1] * two[0])
-    if len(flat):
-        raise ValueError(f"mesh: triangle {flat[0]} has no area")
+        raise ValueError(f"mesh: vertex {unused[0]} belongs to no triangle")
+    side1, side2 = (mesh.p[:, t[k]] - mesh.p[:, t[0]] for k in (1, 2))
+    degenerate = np.flatnonzero(side1[0] * side2[1] == side1[1] * side2[0])
+    if len(degenerate):
+        raise ValueError(f"mesh: triangle {degenerate[0]} has no area")
     crowded = np.flatnonzero(np.bincount(mesh.t2f.ravel()) > 2)
     if len(crowded):
         raise ValueError(f"mesh: edge {crowded[0]} has more than two triangles")

@@ -55,18 +55,18 @@ class Evaluation:
         """(n, 6, k) value and derivatives 1, 2, 11, 22, 12 of functions with coefficients x (N, k)."""
         if self._jets is not None:
             return self._jets(x)
-        dofs, table = self._known
+        dofs, table = self._table
         return np.asarray(np.matmul(np.swapaxes(table, 1, 2), x[dofs]))
 
     def spread(self, forces: Floats) -> Floats:
-        """(N, k) on the dofs, of forces (n, k) at the points: the transposed of the values."""
-        dofs, table = self._known
+        """(N, k) forces on the dofs that do the same work as forces (n, k) at the points."""
+        dofs, table = self._table
         out = np.zeros((self._size, forces.shape[1]))
         np.add.at(out, dofs, table[..., :1] * forces[:, None])
         return out
 
     @cached_property
-    def _known(self) -> tuple[Ints, Floats]:
+    def _table(self) -> tuple[Ints, Floats]:
         return self._functions()
 
     @cached_property
@@ -76,16 +76,16 @@ class Evaluation:
 
     @cached_property
     def gradient(self) -> sp.csr_matrix:
-        """(2n, N), to derivatives 1, 2, one after the other for each point."""
+        """(2n, N) matrix from dofs to derivatives 1, 2; the two of a point follow each other."""
         return self._matrix(slice(1, 3))
 
     @cached_property
     def hessian(self) -> sp.csr_matrix:
-        """(3n, N), to derivatives 11, 22, 12."""
+        """(3n, N) matrix from dofs to derivatives 11, 22, 12."""
         return self._matrix(slice(3, 6))
 
     def _matrix(self, part: slice) -> sp.csr_matrix:
-        dofs, jets = self._known
+        dofs, jets = self._table
         table = jets[..., part]
         points, entries, parts = table.shape
         ends = entries * np.arange(points * parts + 1)

@@ -22,10 +22,10 @@ from fem.search.sides import Side, check_side
 from fem.search.simple_shapes import SimpleShape
 
 ARC_DIRECTIONS = 12  # the six axes of a hexagonal lattice and the directions halfway between them
-FLAT_METRIC = 1e-2  # Gaussian curvature times size squared: a rest metric below it is flat
-MIN_TURN = 0.02  # radians from end to end: a shape that turns less is flat
-MAX_TURN = 6.0  # radians from end to end: a shape that turns more may intersect itself
-MAX_TURN_ACROSS = 2.0  # radians from end to end, for caps and for the second principal direction
+FLAT_METRIC = 1e-2  # 1: Gaussian curvature times size squared, below which a rest metric counts as flat
+MIN_TURN = 0.02  # rad from end to end, below which a shape counts as flat
+MAX_TURN = 6.0  # rad from end to end; a larger angle may lead to self-intersection
+MAX_TURN_ACROSS = 2.0  # rad from end to end, for caps and for the second principal direction
 
 
 def candidate_shapes(fields: MeanFields, size: float, side: Side = "auto") -> list[SimpleShape]:
@@ -52,8 +52,8 @@ def candidate_shapes(fields: MeanFields, size: float, side: Side = "auto") -> li
     if fields.chord < fields.stretch:
         angle = 2.0 * _arc_angle(fields.chord / fields.stretch)
         caps += [angle / length, 0.5 * angle / length]
-    plain = abs(fields.gaussian) * length**2 < FLAT_METRIC
-    for share in (0.0,) if plain else (1.0, 0.5, 0.0):
+    is_flat = abs(fields.gaussian) * length**2 < FLAT_METRIC
+    for share in (0.0,) if is_flat else (1.0, 0.5, 0.0):
         product = share * fields.gaussian
         half = 0.5 * (1.0 + fields.poisson) * bend
         if product > 0.0 and (share == 1.0 or half**2 < product):
@@ -61,17 +61,17 @@ def candidate_shapes(fields: MeanFields, size: float, side: Side = "auto") -> li
         if half**2 < product:
             continue
         root = np.sqrt(half**2 - product)
-        most, least = half + root, half - root
-        name = "saddle" if least * length < -MIN_TURN else "bent" if least * length > MIN_TURN else "arc"
-        if most * length > MIN_TURN:
+        larger, smaller = half + root, half - root
+        name = "saddle" if smaller * length < -MIN_TURN else "bent" if smaller * length > MIN_TURN else "arc"
+        if larger * length > MIN_TURN:
             k, m = (
-                sign * min(most, MAX_TURN / length),
-                sign * float(np.clip(least, *(np.array([-1.0, 1.0]) * MAX_TURN_ACROSS / length))),
+                sign * min(larger, MAX_TURN / length),
+                sign * float(np.clip(smaller, *(np.array([-1.0, 1.0]) * MAX_TURN_ACROSS / length))),
             )
             angles = np.pi * np.arange(ARC_DIRECTIONS) / ARC_DIRECTIONS
             out += [SimpleShape(name, k, angle, 0.0 if name == "arc" else m) for angle in angles]
     out += [SimpleShape("cap", sign * min(k, MAX_TURN_ACROSS / length)) for k in caps if k * length > MIN_TURN]
-    return list(dict.fromkeys(out))  # limits make some of them equal
+    return list(dict.fromkeys(out))  # the limits may make shapes equal
 
 
 def _arc_angle(ratio: float) -> float:

@@ -16,9 +16,9 @@ from fem.elements.tabulation import Floats
 from fem.search.simple_shapes import SimpleShape
 from fem.shell.shell import Shell
 
-ENERGY_TOLERANCE = 1e-3  # relative: energies that differ less are equal
-SYMMETRY_BREAKING_ANGLE = np.radians(8.0)  # away from the axes of symmetry, which may be saddles
-SAME_AXIS_ANGLE = np.radians(1.0)  # two axes that differ less are equal
+ENERGY_TOLERANCE = 1e-3  # 1: relative difference below which energies count as equal
+SYMMETRY_BREAKING_ANGLE = np.radians(8.0)  # rad, from an axis of symmetry, which may be a saddle
+SAME_AXIS_ANGLE = np.radians(1.0)  # rad, difference below which two axes count as equal
 
 
 def energy_minima(shell: Shell, stretch: float, family: Sequence[SimpleShape]) -> list[SimpleShape]:
@@ -31,9 +31,9 @@ def energy_minima(shell: Shell, stretch: float, family: Sequence[SimpleShape]) -
     stretch : length of the bent sheet over its printed length.
     family : shapes that differ only in their angle; the angles are equally spaced over half a turn.
     """
-    energies = np.array([_uniform(shell, stretch, shape) for shape in family])
+    energies = np.array([_uniform_energy(shell, stretch, shape) for shape in family])
     if np.ptp(energies) <= ENERGY_TOLERANCE * abs(energies.min()):
-        # an axis of symmetry may be a saddle: beside it the energy decreases
+        # an axis of symmetry may be a saddle, from which the search would have to depart
         return [replace(family[int(energies.argmin())], angle=SYMMETRY_BREAKING_ANGLE)]
     low = (energies <= np.roll(energies, 1)) & (energies < np.roll(energies, -1))
     low[energies.argmin()] = True
@@ -49,13 +49,13 @@ def distinct_shapes(
     """
     kept = [first]
     for shape in others:
-        images = [_turned(shape.angle, turn) for turn in (np.eye(2), *symmetries)]
-        if all(_between(image, known.angle) > SAME_AXIS_ANGLE for image in images for known in kept):
+        images = [_image_angle(shape.angle, symmetry) for symmetry in (np.eye(2), *symmetries)]
+        if all(_line_angle(image, shape_kept.angle) > SAME_AXIS_ANGLE for image in images for shape_kept in kept):
             kept.append(shape)
     return kept[1:]
 
 
-def _uniform(shell: Shell, stretch: float, shape: SimpleShape) -> float:
+def _uniform_energy(shell: Shell, stretch: float, shape: SimpleShape) -> float:
     """Energy in N mm of a sheet with the curvatures of the shape at every point."""
     c, s = np.cos(shape.angle), np.sin(shape.angle)
     k, m = shape.curvature, shape.across
@@ -64,11 +64,12 @@ def _uniform(shell: Shell, stretch: float, shape: SimpleShape) -> float:
     return float((shell.assembly.weights * shell.density.energies(strains)).sum())
 
 
-def _turned(angle: float, turn: Floats) -> float:
-    x, y = turn @ np.array([np.cos(angle), np.sin(angle)])
+def _image_angle(angle: float, symmetry: Floats) -> float:
+    """Angle of a direction after a rotation or reflection (2, 2)."""
+    x, y = symmetry @ np.array([np.cos(angle), np.sin(angle)])
     return float(np.arctan2(y, x))
 
 
-def _between(one: float, other: float) -> float:
-    """Angle between two lines."""
-    return float(abs((one - other + 0.5 * np.pi) % np.pi - 0.5 * np.pi))
+def _line_angle(first: float, second: float) -> float:
+    """Angle between two lines, 0 to pi/2, from their directions."""
+    return float(abs((first - second + 0.5 * np.pi) % np.pi - 0.5 * np.pi))

@@ -1,4 +1,4 @@
-"""An equilibrium of the shell, and the evidence that it is one."""
+"""An equilibrium of the shell, with its certificate."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ class Trial:
 
 @dataclass(frozen=True)
 class ShellEquilibrium:
-    """A state of the shell with the evidence for its kind: minimum, saddle or not converged.
+    """A state of the shell with its certificate: minimum, saddle or not converged.
 
     Attributes
     ----------
     x : (N, 3) positions of the dofs, mm.
     strains : (T, Q, 6) at the quadrature points; `fem.search.relax.follow` continues from them.
     energies : N mm, by part: as `Shell.energies`, with the part of Gaussian curvature as `gaussian`.
-    gradient_norm, tolerance : N, over the free unknowns.
-    definite : the exact Hessian is positive definite (rigid motions held).
-    soft_modes : (k,) N/mm^3, smallest eigenvalues of the Hessian against the printed area: the energy of a mode of one
-        mm mean square is half of that times the area. Empty if they were not asked for. One far below the others
-        belongs to a neutral motion, such as the axis about which an even sheet rolls.
+    gradient_norm, tolerance : N, 2-norm of the gradient by the free unknowns, and its limit.
+    definite : the exact Hessian, with rigid motions fixed, is positive definite.
+    soft_modes : (k,) N/mm^3, smallest eigenvalues of the Hessian with respect to the mass matrix of unit density. A
+        mode of 1 mm rms displacement has half of this times the area as its energy. An eigenvalue far below the others
+        belongs to a near-zero mode, such as a rotation of the roll axis of a uniform sheet. Empty if not computed.
     guess : name of the initial guess that led here.
     trials : all initial guesses that were followed.
     load_steps : number of steps in which fields and loads were applied; 0 without load steps.
@@ -58,7 +58,7 @@ class ShellEquilibrium:
 
     @property
     def energy(self) -> float:
-        """N mm."""
+        """Total energy in N mm."""
         return sum(self.energies.values())
 
     @property
@@ -68,10 +68,10 @@ class ShellEquilibrium:
 
     @property
     def converged(self) -> bool:
-        """The gradient is below the tolerance."""
+        """The gradient norm is at most the tolerance."""
         return self.gradient_norm <= self.tolerance
 
     @property
     def is_minimum(self) -> bool:
-        """Converged, and the exact Hessian is positive definite."""
+        """The certificate: converged, and the exact Hessian is positive definite."""
         return self.converged and self.definite

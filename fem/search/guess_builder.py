@@ -20,10 +20,10 @@ from fem.search.simple_shapes import Plane, SimpleShape, similar
 from fem.shell.shell import Shell
 from fem.supports.rigid import span_a_plane
 
-MAX_RELAXATION_STEPS = 3
-MIN_RELATIVE_GAIN = 0.1  # part of the energy: a step that gains less is the last one
-REMAINING_GAIN = 0.25  # all later steps together gain this part of a step; mostly each gains a fifth of the last one
-IDENTITY_TOLERANCE = 1e-6  # a rotation whose entries differ less from the identity is the identity
+MAX_RELAXATION_STEPS = 3  # in-plane relaxations of a guess
+MIN_RELATIVE_GAIN = 0.1  # 1: gain of a step over the energy, below which it is the last step
+REMAINING_GAIN = 0.25  # 1: gain of all later steps over that of a step; usually each gains a fifth of the one before
+IDENTITY_TOLERANCE = 1e-6  # 1: largest difference from the identity of a rotation that counts as the identity
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class InitialGuess:
 
 
 class GuessBuilder:
-    """Makes initial guesses of one shell; every shape is bent once.
+    """Builds initial guesses for one shell, and keeps them: every shape is bent once.
 
     Parameters
     ----------
@@ -59,14 +59,14 @@ class GuessBuilder:
         return self._factor.factorise(data)
 
     @cached_property
-    def _turn(self) -> Floats | None:
+    def _rotation(self) -> Floats | None:
         """(3, 3) rotation from the printed to the target positions of the supports; None for the identity.
 
-        Points on one line without a clamp leave the rotation about this line open: the smallest one is used.
+        Points on one line without a clamp leave the rotation about this line undetermined; the smallest one is used.
         """
-        held, reduction = self._shell.fixed_points, self._shell.reduction
-        places = reduction.offset(self._shell.progress).reshape(-1, 3)[held]
-        printed, places = (at - at.mean(axis=0) for at in (self._shell.flat[held], places))
+        fixed, reduction = self._shell.fixed_points, self._shell.reduction
+        places = reduction.offset(self._shell.progress).reshape(-1, 3)[fixed]
+        printed, places = (at - at.mean(axis=0) for at in (self._shell.flat[fixed], places))
         if len(reduction.normals):
             up = np.full(reduction.normals.shape, self._shell.extent) * [0.0, 0.0, 1.0]
             printed = np.concatenate([printed, up])
@@ -76,8 +76,8 @@ class GuessBuilder:
             printed, places = printed[farthest], places[farthest]
             if not (printed.any() and places.any()):
                 return None
-        turn = Rotation.align_vectors(places, printed)[0].as_matrix()
-        return None if np.abs(turn - np.eye(3)).max() < IDENTITY_TOLERANCE else np.asarray(turn)
+        rotation = Rotation.align_vectors(places, printed)[0].as_matrix()
+        return None if np.abs(rotation - np.eye(3)).max() < IDENTITY_TOLERANCE else np.asarray(rotation)
 
     def bend(self, shape: SimpleShape) -> InitialGuess:
         """The guess of a shape on the supports."""
@@ -95,16 +95,16 @@ class GuessBuilder:
             strains[..., 3:] = 0.0
             stress = shell.linear_stress(strains)
             stress[..., 3:] = 0.0
-            pull = shell.restrict(shell.assembly.forces(shell.flat, stress))
-            moves = shell.move(moves, -self._factor.solve(pull))
+            forces = shell.restrict(shell.assembly.forces(shell.flat, stress))
+            moves = shell.move(moves, -self._factor.solve(forces))
             x = self._on_supports(shape.over(shell.space, self._moved(moves)))
             trial = InitialGuess(shape, x, shell.energy(x))
             if not trial.energy < guess.energy:
                 break
-            gained = guess.energy - trial.energy
-            slight = gained < MIN_RELATIVE_GAIN * abs(guess.energy)
+            gain = guess.energy - trial.energy
+            is_last = gain < MIN_RELATIVE_GAIN * abs(guess.energy)
             guess = trial
-            if slight or guess.energy - REMAINING_GAIN * gained > energy_limit:
+            if is_last or guess.energy - REMAINING_GAIN * gain > energy_limit:
                 break
         return guess
 
@@ -120,16 +120,16 @@ class GuessBuilder:
         return plane
 
     def _on_supports(self, x: Floats) -> Floats:
-        """(N, 3) x moved rigidly to the supports, deformed to meet them like the flat sheet, settled under loads."""
+        """(N, 3) the state x on the supports: moved rigidly, deformed like the flat sheet, settled under loads."""
         shell = self._shell
         if shell.is_free:
             return x
-        held = shell.fixed_points
-        if len(held):
-            x = x if self._turn is None else shell.translated(x @ self._turn.T, np.zeros(3))
+        fixed = shell.fixed_points
+        if len(fixed):
+            x = x if self._rotation is None else shell.translated(x @ self._rotation.T, np.zeros(3))
             places = shell.reduction.offset(shell.progress).reshape(-1, 3)
-            x = shell.translated(x, places[held].mean(axis=0) - x[held].mean(axis=0))
-        stepped = shell.constrain(x)
+            x = shell.translated(x, places[fixed].mean(axis=0) - x[fixed].mean(axis=0))
+        supported = shell.constrain(x)
         if not self._ready:
-            return settle_rigid_body(shell, stepped)
-        return settle_rigid_body(shell, shell.move(stepped, -self._factor.solve(shell.flat_forces(stepped - x))))
+            return settle_rigid_body(shell, supported)
+        return settle_rigid_body(shell, shell.move(supported, -self._factor.solve(shell.flat_forces(supported - x))))

@@ -16,8 +16,10 @@ from fem.search.sides import Side
 from fem.search.simple_shapes import SimpleShape
 from fem.shell.shell import Shell
 
-MAX_EXCESS_OVER_FLAT = 20.0  # flat-sheet energies above the best guess: guesses with more are left out
-MAX_ENERGY_RATIO = 8.0  # to the best guess: supported guesses with more are left out; a ratio of 6 still can win
+# energies of the flat sheet above the best guess, beyond which guesses are left out
+MAX_EXCESS_OVER_FLAT = 20.0
+# 1: energy of a supported guess over that of the best one, beyond which it is left out; with 6 it may still be the best
+MAX_ENERGY_RATIO = 8.0
 
 
 def initial_guesses(
@@ -27,10 +29,20 @@ def initial_guesses(
     candidates: list[SimpleShape] | None = None,
     symmetries: Sequence[Floats] = (),
 ) -> tuple[list[InitialGuess], list[InitialGuess]]:
-    """The best guess of every kind, and those of the best kind in other directions; all meet the supports.
+    """The best guess of every kind, and the guesses of the best kind in other directions; all meet the supports.
 
-    Both lists are sorted by energy. `symmetries`: see `fem.search.directions.distinct_shapes`. Guesses
-    far above the best one are left out without in-plane relaxation.
+    Guesses with an energy far above the best one are left out without in-plane relaxation.
+
+    Parameters
+    ----------
+    factor : of `shell.factor()`; it holds another matrix afterwards.
+    side : side of the edges; by default that of the rest curvature.
+    candidates : shapes that are compared; by default those of `candidate_shapes`.
+    symmetries : see `fem.search.directions.distinct_shapes`.
+
+    Returns
+    -------
+    Both lists, each sorted by energy.
     """
     fields = mean_fields(shell)
     size = shell.extent
@@ -48,27 +60,27 @@ def initial_guesses(
         others[shape] = distinct_shapes(shape, more, symmetries)
     bent = [shape for shape in others if shape.name != "flat"]
     if len(bent) == 1 and bent[0].name == "arc" and not others[bent[0]]:
-        # it keeps lengths as the flat sheet does and has the target curvature: it is the best one
+        # an arc has the lengths of the flat sheet and the target curvature, so it is the best guess
         return [builder.bend(bent[0])], []
-    ranking.take([builder.bend(shape) for shape in others])
-    turned = [builder.relax_in_plane(builder.bend(shape)) for shape in others[ranking.kinds[0].shape]]
-    return ranking.kinds, sorted(turned, key=_energy)
+    ranking.compare([builder.bend(shape) for shape in others])
+    other_directions = [builder.relax_in_plane(builder.bend(shape)) for shape in others[ranking.kinds[0].shape]]
+    return ranking.kinds, sorted(other_directions, key=_energy)
 
 
 class _Ranking:
-    """Relaxes guesses in plane as long as they may be the best, and keeps the best one of every kind."""
+    """Relaxes guesses in plane while they may be the best, and keeps the best guess of every kind."""
 
     def __init__(self, shell: Shell, builder: GuessBuilder) -> None:
         self.builder = builder
         self.lowest = np.inf
         self._best: dict[str, InitialGuess] = {}
-        # an upper bound of what in-plane relaxation can gain
+        # upper bound of the gain by in-plane relaxation
         self._excess = MAX_EXCESS_OVER_FLAT * shell.energies(shell.constrain(shell.flat))["sheet"]
         self._ratio = np.inf if shell.is_free else MAX_ENERGY_RATIO
 
-    def take(self, offered: Sequence[InitialGuess]) -> None:
-        """Compare further guesses, those of lowest energy first."""
-        for guess in sorted(offered, key=_energy):
+    def compare(self, guesses: Sequence[InitialGuess]) -> None:
+        """Compare further guesses, in the order of their energies."""
+        for guess in sorted(guesses, key=_energy):
             if _energy(guess) > min(self.lowest + self._excess, self.energy_limit):
                 break
             relaxed = self.builder.relax_in_plane(guess, self.lowest)
@@ -88,19 +100,19 @@ class _Ranking:
 
 
 def _rank_supported(ranking: _Ranking, families: list[list[SimpleShape]]) -> None:
-    """Rank shapes without direction first: if even the best direction is too high in energy, the others are skipped."""
-    ranking.take([ranking.builder.bend(family[0]) for family in families if len(family) == 1])
-    turning = [family for family in families if len(family) > 1]
+    """Rank shapes without a direction first, since the directions of an arc are compared only up to their energy."""
+    ranking.compare([ranking.builder.bend(family[0]) for family in families if len(family) == 1])
+    directed = [family for family in families if len(family) > 1]
     # families that differ only in their curvatures have the same best direction
-    best = {len(family): family for family in reversed(turning)}
+    best = {len(family): family for family in reversed(directed)}
     number = {count: _best_direction(ranking.builder, family, ranking.energy_limit) for count, family in best.items()}
-    ranking.take([ranking.builder.bend(family[number[len(family)]]) for family in turning])
+    ranking.compare([ranking.builder.bend(family[number[len(family)]]) for family in directed])
 
 
 def _best_direction(builder: GuessBuilder, family: list[SimpleShape], energy_limit: float) -> int:
     """Number of the shape of lowest energy on the supports, of a family with equally spaced angles.
 
-    Every other shape is compared, then the neighbours of the best. If every fourth one is above `energy_limit` N mm,
+    Every second shape is compared, then the neighbours of the best. If every fourth shape is above `energy_limit` N mm,
     the best of these is returned.
     """
     energies: dict[int, float] = {}

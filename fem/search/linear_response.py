@@ -5,7 +5,8 @@ holds H, as `fem.search.relax.relax` and `follow` leave it. The response is the 
 points, so `follow` continues from its state and strains and needs one iteration less.
 
 If supports move by c, g is linear in c as well: the gradient at the old equilibrium, plus `K c` with the Hessian K over
-all dofs. At the old state with its supports moved, neighbouring triangles would be torn, far beyond any linear range.
+all dofs. The gradient at the old state with moved supports would be useless, since it strains the adjacent triangles
+far beyond the linear range.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from fem.search.mixed_newton import MAX_STEP
 from fem.shell.fields import Fields
 from fem.shell.shell import Shell
 
-MIN_SUPPORT_MOVE = 1e-9  # part of the extent: supports that move by less rest
+MIN_SUPPORT_MOVE = 1e-9  # 1: displacement of a support over the extent, below which it counts as zero
 
 
 @dataclass(frozen=True)
@@ -45,10 +46,16 @@ class Response:
 
 
 def linear_response(shell: Shell, x: Floats, factor: Factor) -> Response:
-    """The response of the equilibrium x (N, 3) of the shell before the change.
+    """The linear response of an equilibrium to a change of fields, loads or supports.
 
-    `shell` is the changed one, and the factor holds the Hessian at x before the change. Free rigid motions are left out
-    of the response. The response of a very soft sheet is shortened to the longest step of Newton's method.
+    The response has no free rigid motions. That of a very soft sheet is shortened to the largest step of Newton's
+    method.
+
+    Parameters
+    ----------
+    shell : the shell after the change.
+    x : (N, 3) mm, equilibrium before the change.
+    factor : holds the Hessian at x before the change.
     """
     start = shell.constrain(x)
     if float(np.abs(start - x).max()) > MIN_SUPPORT_MOVE * shell.extent:
@@ -56,10 +63,10 @@ def linear_response(shell: Shell, x: Floats, factor: Factor) -> Response:
     strains = shell.strains(start)
     _, stress, _ = shell.density(strains)
     gradient = shell.restrict(shell.assembly.forces(start, stress) + shell.external_gradient(start))
-    move = shell.move(np.zeros_like(start), _answer(shell, start, factor, gradient))
-    farthest = float(np.abs(move).max())
-    most = MAX_STEP * shell.extent
-    return Response(start + (move if farthest <= most else most / farthest * move), shell, start, strains)
+    move = shell.move(np.zeros_like(start), _newton_step(shell, start, factor, gradient))
+    largest = float(np.abs(move).max())
+    limit = MAX_STEP * shell.extent
+    return Response(start + (move if largest <= limit else limit / largest * move), shell, start, strains)
 
 
 def _response_to_moved_supports(shell: Shell, x: Floats, moved: Floats, factor: Factor) -> Response:
@@ -68,7 +75,7 @@ def _response_to_moved_supports(shell: Shell, x: Floats, moved: Floats, factor: 
     _, stress, stiffness = shell.density(strains)
     forces = shell.assembly.forces(x, stress) + shell.external_gradient(x)
     forces = forces + shell.assembly.product(shell.assembly.tangent(x, stiffness, stress), moved)
-    move = shell.move(moved, _answer(shell, x, factor, shell.restrict(forces)))
+    move = shell.move(moved, _newton_step(shell, x, factor, shell.restrict(forces)))
     return Response(x + move, shell, x, strains)
 
 
@@ -85,7 +92,8 @@ def rms_response(shell: Shell, x: Floats, factor: Factor, fields: Fields) -> flo
     """
     strains = shell.assembly.strains(x, fields.rest(shell.points))
     _, stress, _ = fields.densities(shell.points)(strains)
-    move = _answer(shell, x, factor, shell.restrict(shell.assembly.forces(x, stress) + shell.external_gradient(x)))
+    gradient = shell.restrict(shell.assembly.forces(x, stress) + shell.external_gradient(x))
+    move = _newton_step(shell, x, factor, gradient)
     rigid = shell.rigid_modes(x)
     if rigid.shape[1]:
         image = shell.mass @ rigid
@@ -94,7 +102,7 @@ def rms_response(shell: Shell, x: Floats, factor: Factor, fields: Fields) -> flo
     return float(np.sqrt(max(square, 0.0) / shell.assembly.weights.sum()))
 
 
-def _answer(shell: Shell, x: Floats, factor: Factor, gradient: Floats) -> Floats:
+def _newton_step(shell: Shell, x: Floats, factor: Factor, gradient: Floats) -> Floats:
     """(n,) Newton step for a gradient (n,) over the free unknowns, without the free rigid motions."""
     step, rigid = -factor.solve(gradient), shell.rigid_modes(x)
     return np.asarray(step - rigid @ (rigid.T @ step))

@@ -62,9 +62,10 @@ def mean_fields(shell: Shell) -> MeanFields:
 
 
 def _chord(shell: Shell) -> float:
-    held = shell.fixed_points
-    if len(held) < 2:
+    """Size of the set of fixed points at their targets over its printed size; inf without two fixed points."""
+    fixed = shell.fixed_points
+    if len(fixed) < 2:
         return np.inf
-    printed, places = shell.flat[held], shell.reduction.offset(shell.progress).reshape(-1, 3)[held]
+    printed, places = shell.flat[fixed], shell.reduction.offset(shell.progress).reshape(-1, 3)[fixed]
     before, after = (float(np.linalg.norm(p - p.mean(axis=0))) for p in (printed, places))
     return after / max(before, 1e-30)

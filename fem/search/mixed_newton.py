@@ -5,10 +5,10 @@ solves
 
     (B' A B + S : e'') d = -B' [S + A (e(x) - eps)],    eps <- e(x) + B d,
 
-where A and S belong to eps, B and e'' to x. Large rotations enter e(x) at second order in d but not eps, so the steps
-of a thin sheet are not spoilt by membrane stresses that are not there, and a handful suffices.
+where A and S belong to eps, B and e'' to x. Large rotations change e(x) at second order in d, but not eps. So spurious
+membrane stresses of a thin sheet do not enter the steps, and few steps suffice.
 
-After a short step with a small residual the next step uses the same matrix: most edits need only one matrix.
+After a short step with a small residual the next step uses the same matrix, so most edits need a single matrix.
 
 The method finds stationary points; `equilibrium.newton` checks afterwards whether one is a minimum. A matrix that is
 not positive definite is regularised (`fem.search.regularised`).
@@ -26,13 +26,16 @@ from fem.elements.tabulation import Floats
 from fem.search.regularised import Regularised
 from fem.shell.shell import Shell
 
-# The next step uses the same matrix if all three limits hold.
-REUSE_RESIDUAL_RATIO = 0.03  # of the residual after a step to that before it
-REUSE_TOLERANCES = 3e3  # of the residual to the tolerance
-REUSE_STEP = 1e-3  # of the step to the extent of the sheet
-MAX_RESIDUAL_RATIO = 0.5  # of the residuals: after a better step the unmodified matrix is tried first
-MAX_STEP = 0.15  # part of the extent of the sheet: longer steps are shortened
-MAX_MOVE_PER_SUPPORT = 0.05  # part of the extent: after longer moves the isostatic support is chosen again
+# the next step uses the same matrix if all three limits hold
+REUSE_RESIDUAL_RATIO = 0.03  # 1: residual after a step over that before it
+REUSE_TOLERANCES = 3e3  # 1: residual over the tolerance
+REUSE_STEP = 1e-3  # 1: step over the extent of the sheet
+# 1: residual after a step over that before it, below which the exact matrix is tried first
+MAX_RESIDUAL_RATIO = 0.5
+# 1: largest step over the extent of the sheet; longer steps are shortened
+MAX_STEP = 0.15
+# 1: displacement over the extent of the sheet, after which the isostatic support is chosen again
+MAX_MOVE_PER_SUPPORT = 0.05
 
 
 @dataclass
@@ -73,50 +76,60 @@ def mixed_newton(
     strains: Floats | None = None,
     max_iterations: int = 30,
 ) -> Mixed:
-    """A stationary point near x (N, 3), a state that meets the supports.
+    """Iterate to a stationary point from a state x that meets the supports.
 
-    `strains` (T, Q, 6) are the mixed strains at x. By default they are zero, which is better if x is a guess.
+    Parameters
+    ----------
+    x : (N, 3) mm.
+    factor : of `shell.factor()`; at the end it holds the last matrix.
+    tolerance : N, of the gradient's 2-norm.
+    strains : (T, Q, 6) mixed strains at x. By default they are zero, which is better for an initial guess.
+    max_iterations : largest number of iterations.
     """
     clock = Clock()
     eps = np.zeros((*shell.assembly.weights.shape, 6)) if strains is None else strains
-    found = Mixed(x, eps, np.inf, False, 0, 0, 0, seconds=clock.seconds)
-    size = shell.extent
+    result = Mixed(x, eps, np.inf, False, 0, 0, 0, seconds=clock.seconds)
+    extent = shell.extent
     matrix = Regularised(shell, factor, clock)
-    moved, reach = 0.0, np.inf
+    moved, step_size = 0.0, np.inf
     for number in range(max_iterations + 1):
-        e = clock("strains", shell.strains, found.x)
-        _, stress, stiffness = clock("law", shell.density, found.strains)
-        outer = shell.external_gradient(found.x)
-        ahead = stress + np.matmul(stiffness, (e - found.strains)[..., None])[..., 0]
-        own = ahead if shell.density.quadratic else shell.density(e)[1]
-        gradient = shell.restrict(clock("forces", shell.assembly.forces, found.x, ahead) + outer)
-        exact = gradient if own is ahead else shell.restrict(shell.assembly.forces(found.x, own) + outer)
-        before, found.residual = found.residual, float(np.linalg.norm(exact))
-        found.history.append(found.residual)
-        found.iterations = number
-        found.converged = found.residual <= tolerance
-        if found.converged or number == max_iterations or not np.isfinite(found.residual):
+        e = clock("strains", shell.strains, result.x)
+        _, stress, stiffness = clock("law", shell.density, result.strains)
+        external = shell.external_gradient(result.x)
+        predicted = stress + np.matmul(stiffness, (e - result.strains)[..., None])[..., 0]
+        stress_of_x = predicted if shell.density.quadratic else shell.density(e)[1]
+        gradient = shell.restrict(clock("forces", shell.assembly.forces, result.x, predicted) + external)
+        exact = (
+            gradient
+            if stress_of_x is predicted
+            else shell.restrict(shell.assembly.forces(result.x, stress_of_x) + external)
+        )
+        residual_before, result.residual = result.residual, float(np.linalg.norm(exact))
+        result.history.append(result.residual)
+        result.iterations = number
+        result.converged = result.residual <= tolerance
+        if result.converged or number == max_iterations or not np.isfinite(result.residual):
             break
         if (
             matrix.changed
-            or found.residual > min(REUSE_RESIDUAL_RATIO * before, REUSE_TOLERANCES * tolerance)
-            or reach > REUSE_STEP * size
+            or result.residual > min(REUSE_RESIDUAL_RATIO * residual_before, REUSE_TOLERANCES * tolerance)
+            or step_size > REUSE_STEP * extent
         ):
-            if number == 0 or moved > MAX_MOVE_PER_SUPPORT * size or not shell.is_rigid_invariant:
-                support, moved = clock("support", shell.support, found.x), 0.0
+            if number == 0 or moved > MAX_MOVE_PER_SUPPORT * extent or not shell.is_rigid_invariant:
+                support, moved = clock("support", shell.support, result.x), 0.0
             accepted = matrix.factorise(
-                found.x, stiffness, stress, support, found.residual < MAX_RESIDUAL_RATIO * before
+                result.x, stiffness, stress, support, result.residual < MAX_RESIDUAL_RATIO * residual_before
             )
-            found.factorisations, found.blended = matrix.factorisations, matrix.blended
+            result.factorisations, result.blended = matrix.factorisations, matrix.blended
             if not accepted:
-                return found
+                return result
         direction = -clock("solve", factor.solve, gradient)
-        step = shell.move(np.zeros_like(found.x), direction)
-        reach = float(np.abs(step).max())
-        length = MAX_STEP * size / max(reach, MAX_STEP * size)
-        reach *= length
-        moved += reach
-        found.strains = e + length * clock("strains", shell.assembly.strain_changes, found.x, step)
-        found.x = found.x + length * step
-    found.strains = e
-    return found
+        step = shell.move(np.zeros_like(result.x), direction)
+        step_size = float(np.abs(step).max())
+        length = MAX_STEP * extent / max(step_size, MAX_STEP * extent)
+        step_size *= length
+        moved += step_size
+        result.strains = e + length * clock("strains", shell.assembly.strain_changes, result.x, step)
+        result.x = result.x + length * step
+    result.strains = e
+    return result

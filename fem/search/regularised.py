@@ -24,25 +24,25 @@ from fem.elements.tabulation import Floats, Ints
 from fem.shell.shell import Shell
 from fem.shell.tension import tensile_part
 
-# share of the compressive stress that is left out of the matrix
-FIRST_BLEND = 0.3
-BLEND_GROWTH = 3.0  # from one refused matrix to the next
-BLEND_DECAY = 0.6  # from one step to the next
-MIN_BLEND = 0.05  # a smaller share is set to zero
-# stiffness per area that is added for soft modes, over the bending stiffness of the longest wave of the sheet
-FIRST_SHIFT = 0.1
-REFUSED_SHIFT_GROWTH = 4.0  # from one refused matrix to the next
-SHIFT_DECAY = 0.3  # from one step to the next
-MIN_SHIFT = 0.05  # a smaller stiffness is set to zero
+# blend: share of the compressive stress that is left out of the matrix
+FIRST_BLEND = 0.3  # 1: after the first refused matrix
+BLEND_GROWTH = 3.0  # 1: from one refused matrix to the next
+BLEND_DECAY = 0.6  # 1: from one step to the next
+MIN_BLEND = 0.05  # 1: below it the blend is set to zero
+# shift: stiffness per area that is added for soft modes, over the bending stiffness of the longest wave of the sheet
+FIRST_SHIFT = 0.1  # 1: after the first refused matrix
+REFUSED_SHIFT_GROWTH = 4.0  # 1: from one refused matrix to the next
+SHIFT_DECAY = 0.3  # 1: from one step to the next
+MIN_SHIFT = 0.05  # 1: below it the shift is set to zero
 MAX_SHIFTS = 6  # shifts that are tried in one step
 
 
 class Regularised:
-    """Factorises the matrices of one iteration.
+    """Factorises the matrices of one search, and keeps blend and shift from step to step.
 
     Attributes
     ----------
-    factorisations : number of factorisations, with the refused ones.
+    factorisations : number of factorisations, refused ones included.
     blended : number of accepted matrices without part of the compressive stress.
     """
 
@@ -60,23 +60,27 @@ class Regularised:
         return self._blend > 0.0 or self._shift > 0.0
 
     def factorise(self, x: Floats, stiffness: Floats, stress: Floats, support: Ints, falls: bool = False) -> bool:
-        """Factorise the matrix at x (N, 3), with rigid motions fixed at the unknowns `support`; False if it is refused.
+        """Factorise the matrix at x (N, 3); False if even the most regularised matrix is not positive definite.
 
-        `stiffness` (T, Q, 6, 6) and `stress` (T, Q, 6) belong to the mixed strains. `falls`: the residual fell well.
+        Parameters
+        ----------
+        stiffness, stress : (T, Q, 6, 6) and (T, Q, 6), at the mixed strains.
+        support : unknowns at which rigid motions are fixed.
+        falls : the residual decreased well, so the exact matrix is tried first.
         """
         before = self._blend
         self._blend = BLEND_DECAY * before if BLEND_DECAY * before > MIN_BLEND else 0.0
         self._shift = SHIFT_DECAY * self._shift if SHIFT_DECAY * self._shift > MIN_SHIFT * self._unit else 0.0
         tries = MAX_SHIFTS if self._soft or before > 0.0 else 0
-        known: list[tuple[float, Floats]] = []
+        computed: list[tuple[float, Floats]] = []
 
         def tangent(blend: float) -> Floats:
-            if len(known) == 2:  # it is linear in the blend: two matrices give all others
-                (first, one), (second, two) = known
-                return one + (blend - first) / (second - first) * (two - one)
-            kept = (1.0 - blend) * stress + blend * tensile_part(stress) if blend else stress
-            known.append((blend, self._clock("tangent", self._shell.tangent, x, stiffness, kept)))
-            return known[-1][1]
+            if len(computed) == 2:  # the matrix is linear in the blend, so two matrices give all others
+                (blend0, matrix0), (blend1, matrix1) = computed
+                return matrix0 + (blend - blend0) / (blend1 - blend0) * (matrix1 - matrix0)
+            kept_stress = (1.0 - blend) * stress + blend * tensile_part(stress) if blend else stress
+            computed.append((blend, self._clock("tangent", self._shell.tangent, x, stiffness, kept_stress)))
+            return computed[-1][1]
 
         if falls and self._blend and not self._shift and self._accepts(tangent(0.0), support):
             self._blend = 0.0

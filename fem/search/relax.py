@@ -25,15 +25,16 @@ from fem.search.sides import Side
 from fem.search.simple_shapes import SimpleShape
 from fem.shell.shell import Shell
 
-GRADIENT_TOLERANCE = 1e-11  # over `Shell.force_scale`
-SADDLE_STEP = 0.02  # part of the extent of the sheet: largest change of a dof on leaving a saddle
+GRADIENT_TOLERANCE = 1e-11  # 1: gradient norm of an equilibrium over `Shell.force_scale`
+SADDLE_STEP = 0.02  # 1: largest change of a dof when a saddle is left, over the extent of the sheet
 LOAD_STEPS = (4, 16)  # numbers of load steps that are tried if no guess leads to a minimum
-MAX_ITERATIONS = 60  # of Newton's method with mixed points
-MAX_ITERATIONS_OF_FURTHER_GUESSES = 12  # the same once a minimum is known
-MAX_DESCENT_ITERATIONS = 200  # of energy minimisation after Newton's method failed
-CLOSE_GUESS = 0.1  # part of the energy between the flat sheet and the best guess: closer guesses are followed too
-MAX_GUESSES = 2  # of different kinds that are followed
-MAX_TURNED_GUESSES = 2  # of the best kind in other directions that are followed
+MAX_ITERATIONS = 60  # iterations of Newton's method with mixed points
+MAX_ITERATIONS_OF_FURTHER_GUESSES = 12  # the same after a minimum has been found
+MAX_DESCENT_ITERATIONS = 200  # iterations of energy minimisation after Newton's method has failed
+# 1: energy of a guess above the best one, over that of the flat sheet above it, up to which the guess is followed
+CLOSE_GUESS = 0.1
+MAX_GUESSES = 2  # guesses of different kinds that are followed
+MAX_TURNED_GUESSES = 2  # guesses of the best kind in other directions that are followed
 MODE_COUNT = 3  # softest modes that are computed
 
 
@@ -47,19 +48,19 @@ def relax(
     symmetries: Sequence[Floats] = (),
     energy_tie: float = 0.0,
 ) -> ShellEquilibrium:
-    """The equilibrium of lowest energy among those that the best initial guesses lead to.
+    """Find the equilibrium of lowest energy among those that the best initial guesses lead to.
 
     Parameters
     ----------
-    factor : of `shell.factor()`, to be used again; at the end it holds the exact Hessian if that is definite. One is
-        made for this call if none is given.
-    side : of the printed plane for the edges; by default the one of the rest curvature.
-    shapes : simple shapes for the initial guesses, in place of the candidates of the mean fields.
-    max_guesses : guesses that are followed, each of another kind (cap, arc, saddle, flat). If the first one is bent
-        about an axis, so are those about other axes that promise as much.
-    soft_modes : how many of the smallest eigenvalues to find.
+    factor : of `shell.factor()`, for repeated use. At the end it holds the exact Hessian if that is positive definite.
+        By default a factor is made for this call.
+    side : side of the printed plane for the edges; by default that of the rest curvature.
+    shapes : simple shapes for the initial guesses; by default the candidates of the mean fields.
+    max_guesses : number of guesses of different kinds (cap, arc, saddle, flat) that are followed. If the best guess is
+        bent about an axis, guesses about other axes with a similar energy are followed too.
+    soft_modes : number of smallest eigenvalues to compute.
     symmetries : rotations and reflections (2, 2) of the print; axes that they map onto each other count once.
-    energy_tie : part of the energy within which minima are equally low; the one with the lowest guess then counts.
+    energy_tie : relative difference within which energies of minima count as equal; the first guess then decides.
 
     Raises
     ------
@@ -71,38 +72,38 @@ def relax(
     if max_guesses < 1:
         raise ValueError(f"max_guesses = {max_guesses!r}: must be at least 1")
     if factor is None:
-        own = shell.factor()
+        factor = shell.factor()
         try:
-            return relax(shell, own, side, shapes, max_guesses, soft_modes, symmetries, energy_tie)
+            return relax(shell, factor, side, shapes, max_guesses, soft_modes, symmetries, energy_tie)
         finally:
-            own.close()
+            factor.close()
     begin = time.perf_counter()
     kinds, turned = initial_guesses(shell, factor, side, None if shapes is None else list(shapes), symmetries)
     seconds = {"starts": time.perf_counter() - begin}
-    found: list[ShellEquilibrium] = []
+    results: list[ShellEquilibrium] = []
     chosen = _promising(kinds, kinds)[:max_guesses] + _promising(turned, kinds)[:MAX_TURNED_GUESSES]
     for guess in sorted(chosen, key=lambda guess: guess.energy):
         # once a minimum is known, a further guess gets few iterations, and more only if its energy is already lower
-        least = min((each.energy for each in found if each.is_minimum), default=np.inf)
-        found.append(follow(shell, guess.x, factor, guess.shape.name, patient=least == np.inf))
-        if not found[-1].is_minimum and found[-1].energy < least < np.inf:
-            found.append(follow(shell, found[-1].x, factor, guess.shape.name))
+        lowest = min((each.energy for each in results if each.is_minimum), default=np.inf)
+        results.append(follow(shell, guess.x, factor, guess.shape.name, patient=lowest == np.inf))
+        if not results[-1].is_minimum and results[-1].energy < lowest < np.inf:
+            results.append(follow(shell, results[-1].x, factor, guess.shape.name))
     for steps in LOAD_STEPS:
-        if not any(each.is_minimum for each in found):
-            found += filter(None, [follow_load_steps(shell, factor, steps)])
-    best = min(found, key=_rank)
+        if not any(each.is_minimum for each in results):
+            results += filter(None, [follow_load_steps(shell, factor, steps)])
+    best = min(results, key=_rank)
     if best.is_minimum:
         enough = best.energy + energy_tie * abs(best.energy)
-        best = next(each for each in found if each.is_minimum and each.energy <= enough)
-        if best is not found[-1]:
+        best = next(each for each in results if each.is_minimum and each.energy <= enough)
+        if best is not results[-1]:
             factorise(shell, best.x, factor)
         begin = time.perf_counter()
         best = replace(best, soft_modes=softest_shell_modes(shell, best.x, factor, soft_modes)[0])
         seconds["soft modes"] = time.perf_counter() - begin
-    for each in found:
+    for each in results:
         for part, spent in each.seconds.items():
             seconds[part] = seconds.get(part, 0.0) + spent
-    return replace(best, trials=tuple(trial for each in found for trial in each.trials), seconds=seconds)
+    return replace(best, trials=tuple(trial for each in results for trial in each.trials), seconds=seconds)
 
 
 def follow(
@@ -113,12 +114,18 @@ def follow(
     strains: Floats | None = None,
     patient: bool = True,
 ) -> ShellEquilibrium:
-    """The equilibrium that a state x (N, 3) leads to, certified.
+    """Find the equilibrium that a state x leads to, and certify it.
 
-    `strains` (T, Q, 6) go with x after an edit. An impatient search ends where Newton's method does not converge soon.
+    Parameters
+    ----------
+    x : (N, 3) mm, a state that meets the supports.
+    factor : of `shell.factor()`; at the end it holds the exact Hessian if that is positive definite.
+    name : name of the guess, for the result.
+    strains : (T, Q, 6) mixed strains at x, such as those of an equilibrium before an edit.
+    patient : if False, the search stops after few iterations and without energy minimisation.
     """
     tolerance = GRADIENT_TOLERANCE * shell.force_scale
-    given = [strains]  # they belong to the first state only
+    given = [strains]  # for the first state only
 
     def iterate(state: Any) -> IterationResult:
         return mixed_newton(
@@ -148,22 +155,22 @@ def factorise(shell: Shell, x: Floats, factor: Factor) -> bool:
 
 
 def follow_load_steps(shell: Shell, factor: Factor, steps: int) -> ShellEquilibrium | None:
-    """The equilibrium from the printed sheet if fields, loads and supports grow in steps; None if a step fails."""
+    """The equilibrium from the printed sheet with fields, loads and supports in steps; None if a step fails."""
     x = shell.flat
-    found = None
+    equilibrium = None
     for step in range(1, steps + 1):
         part = shell.at_progress(step / steps)
-        found = follow(part, part.constrain(x), factor, f"{steps} load steps")
-        if not found.converged:
+        equilibrium = follow(part, part.constrain(x), factor, f"{steps} load steps")
+        if not equilibrium.converged:
             return None
-        x = found.x
-    return None if found is None else replace(found, load_steps=steps)
+        x = equilibrium.x
+    return None if equilibrium is None else replace(equilibrium, load_steps=steps)
 
 
 def softest_shell_modes(shell: Shell, x: Floats, factor: Factor, count: int = MODE_COUNT) -> tuple[Floats, Floats]:
     """Smallest eigenvalues (k,) in N/mm^3 and modes (n, k); the factor holds the Hessian at the minimum x (N, 3).
 
-    Rigid motions are left out, also those that loads resist: they do not change the form.
+    All rigid motions are left out, also those to which loads give a stiffness, since they do not change the form.
     """
     return softest(shell.mass, factor, shell.rigid_motions(x), count)
 
@@ -174,23 +181,23 @@ def energies_by_part(shell: Shell, x: Floats) -> dict[str, float]:
     return energies | ({"sheet": energies["sheet"] - gaussian, "gaussian": gaussian} if gaussian else {})
 
 
-def _evidence(shell: Shell, settled: StationaryPoint, name: str) -> ShellEquilibrium:
-    x = settled.state
+def _evidence(shell: Shell, point: StationaryPoint, name: str) -> ShellEquilibrium:
+    x = point.state
     return ShellEquilibrium(
         x=x,
         strains=shell.strains(x),
         energies=energies_by_part(shell, x),
-        gradient_norm=settled.gradient_norm,
-        tolerance=settled.tolerance,
-        definite=settled.definite,
+        gradient_norm=point.gradient_norm,
+        tolerance=point.tolerance,
+        definite=point.definite,
         soft_modes=np.empty(0),
         guess=name,
-        trials=(Trial(name, settled.energy, settled.is_minimum, settled.iterations, x),),
-        iterations=settled.iterations,
-        factorisations=settled.factorisations,
-        saddles_left=settled.saddles_left,
-        fallbacks=settled.fallbacks,
-        seconds=settled.seconds,
+        trials=(Trial(name, point.energy, point.is_minimum, point.iterations, x),),
+        iterations=point.iterations,
+        factorisations=point.factorisations,
+        saddles_left=point.saddles_left,
+        fallbacks=point.fallbacks,
+        seconds=point.seconds,
     )
 
 
@@ -201,7 +208,7 @@ def _promising(offered: Sequence[InitialGuess], kinds: Sequence[InitialGuess]) -
     return [guess for guess in offered if guess is kinds[0] or guess.energy - best <= CLOSE_GUESS * (flat - best)]
 
 
-def _rank(found: ShellEquilibrium) -> tuple[bool, bool, float]:
+def _rank(result: ShellEquilibrium) -> tuple[bool, bool, float]:
     """Minima before others, low energies before high ones."""
-    energy = found.energy if np.isfinite(found.energy) else np.inf
-    return not found.is_minimum, not found.converged, energy
+    energy = result.energy if np.isfinite(result.energy) else np.inf
+    return not result.is_minimum, not result.converged, energy

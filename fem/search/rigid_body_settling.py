@@ -1,4 +1,4 @@
-"""Rigid-body settling: turns a sheet that hangs from a point or a line to where its dead loads do no more work.
+"""Rigid-body settling: rotates a sheet that is fixed at a point or a line until its dead loads are in equilibrium.
 
 Newton's method moves points along straight lines, so a large rotation would stretch the sheet on its way.
 """
@@ -12,13 +12,13 @@ from fem.elements.tabulation import Floats
 from fem.shell.shell import Shell
 from fem.supports.rigid import span_a_plane
 
-RANK_TOLERANCE = 1e-9  # relative: smaller singular values are zero (points on a line, parallel loads)
+RANK_TOLERANCE = 1e-9  # 1: singular value over the largest, below which it is zero (points on a line, parallel loads)
 
 
 def settle_rigid_body(shell: Shell, x: Floats) -> Floats:
-    """(N, 3) the state x turned by the smallest rotation after which dead loads do no more work; x if it cannot turn.
+    """(N, 3) the state x after the rotation that maximises the work of the dead loads; x if it cannot rotate.
 
-    x meets the supports, and the result does too.
+    Both x and the result meet the supports.
     """
     places = x[shell.fixed_points]
     if not shell.loads.any() or not len(places) or span_a_plane(places):
@@ -28,12 +28,12 @@ def settle_rigid_body(shell: Shell, x: Floats) -> Floats:
     arms = shell.translated(x, -pivot)
     _, sizes, axes = np.linalg.svd(places - pivot)
     if free == 1 and sizes[0] > RANK_TOLERANCE * shell.extent:
-        turn = _about_line(arms, shell.loads, axes[0])
+        rotation = _about_line(arms, shell.loads, axes[0])
     elif free == 3 and sizes[0] <= RANK_TOLERANCE * shell.extent:
-        turn = _about_point(arms, shell.loads)
+        rotation = _about_point(arms, shell.loads)
     else:
-        return x  # something else is held, along some directions
-    return shell.translated(arms @ turn.T, pivot)
+        return x  # other supports fix some components
+    return shell.translated(arms @ rotation.T, pivot)
 
 
 def _about_line(arms: Floats, loads: Floats, axis: Floats) -> Floats:

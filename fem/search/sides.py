@@ -1,4 +1,4 @@
-"""The side of the printed plane that the edges of a sheet are on."""
+"""The side of the printed plane on which the edges of a sheet are."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from fem.shell.shell import Shell
 
 Side = Literal["auto", "up", "down"]
 
-FLAT_SAG_MM = 1e-6  # a sheet whose area integral of the mean curvature is smaller is flat
+FLAT_SAG_MM = 1e-6  # mm, area integral of the curvatures, below which a sheet counts as flat
 
 
 def check_side(side: str) -> None:

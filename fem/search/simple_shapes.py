@@ -1,4 +1,8 @@
-"""Simple shapes of a sheet: flat, cap, arc, saddle, bent; guesses from which Newton's method starts."""
+"""Simple shapes of a sheet, from which Newton's method starts: flat, cap, arc, saddle, bent.
+
+A cap is part of a sphere with `r = sin(k rho)/k` and height `(1 - cos(k rho))/k` at the distance rho from the centre.
+All other shapes are parts of a torus: arcs of curvature k along u, bent with the curvature m along v.
+"""
 
 from __future__ import annotations
 
@@ -23,15 +27,26 @@ SERIES = np.stack(
 
 @dataclass(frozen=True)
 class SimpleShape:
-    """A guess.
+    """A simple shape.
 
     Attributes
     ----------
-    name : `flat`; `cap` (a sphere whose rays keep their lengths); `arc`, curved one way; `saddle` and `bent`, curved
-        the other way as well, to the opposite and to the same side: parts of a torus, whose meridians keep theirs.
+    name : `flat`; `cap`, a sphere on which radial lengths are kept; `arc`, a cylinder; `saddle` and `bent`, parts of a
+        torus with principal curvatures of opposite or equal signs, on which the lengths of meridians are kept.
     curvature : per mm of the contracted sheet; positive lifts the edges towards +z.
-    angle : radians, the direction in which it curves.
-    across : per mm, the curvature in the direction across.
+    angle : rad, direction of this curvature.
+    across : per mm, curvature in the perpendicular direction.
+
+    Examples
+    --------
+    An arc of curvature 0.1/mm on a square of 2 mm: its edges are `10 (1 - cos 0.1)` mm above the centre line.
+
+    >>> from skfem import MeshTri
+    >>> from fem.elements.lifted import Lifted
+    >>> space = Lifted(MeshTri().scaled(2.0), degree=2)
+    >>> x = SimpleShape("arc", 0.1).positions(space, np.array([1.0, 1.0]), stretch=1.0)
+    >>> round(float(np.ptp(x[:, 2])), 4), round(float(10 * (1 - np.cos(0.1))), 4)
+    (0.05, 0.05)
     """
 
     name: str
@@ -40,11 +55,11 @@ class SimpleShape:
     across: float = 0.0
 
     def positions(self, space: Space, centre: Floats, stretch: float) -> Floats:
-        """(N, 3) on a sheet whose lengths are `stretch` times the printed ones, `centre` (2,) at the origin."""
+        """(N, 3) mm, the shape of a sheet scaled by `stretch`, with the printed point `centre` (2,) at the origin."""
         return self.over(space, similar(centre, stretch))
 
     def over(self, space: Space, plane: Plane) -> Floats:
-        """(N, 3) on a sheet that was first moved within its plane."""
+        """(N, 3) mm, the shape of a sheet that `plane` has deformed within its plane."""
         cos, sin = np.cos(self.angle), np.sin(self.angle)
         turn = np.array([[cos, sin], [-sin, cos]])
         bend = self._cap if self.name == "cap" else self._torus
@@ -58,12 +73,12 @@ class SimpleShape:
         return space.interpolate(jets)
 
     def _torus(self, p: Floats) -> Floats:
-        """(n, 6, 3) of points (n, 2): place and derivatives."""
+        """(n, 6, 3) position and derivatives at points (n, 2) of the plane."""
         k, m = self.curvature, self.across
         u, v = p.T
         cu, su, cv, sv = np.cos(k * u), np.sin(k * u), np.cos(m * v), np.sin(m * v)
         along, across, lift = su / k if k else u, sv / m if m else v, _rise(m, v)
-        inward = 1.0 - k * lift  # the meridian turns about an axis at the height 1/k
+        inward = 1.0 - k * lift  # meridians rotate about an axis at the height 1/k
         rows = [
             (inward * along, across, _rise(k, u) + lift * cu),
             (inward * cu, 0.0, inward * su),
@@ -75,7 +90,7 @@ class SimpleShape:
         return _filled(rows, len(p))
 
     def _cap(self, p: Floats) -> Floats:
-        """(n, 6, 3) of points (n, 2): place and derivatives."""
+        """(n, 6, 3) position and derivatives at points (n, 2) of the plane."""
         k, (u, v) = self.curvature, p.T
         square = u * u + v * v
         ray, slope, bend = np.polynomial.polynomial.polyval(k * k * square, SERIES) * (k * k) ** np.arange(3)[:, None]
@@ -92,7 +107,7 @@ class SimpleShape:
 
 
 def similar(centre: Floats, stretch: float) -> Plane:
-    """The printed plane, scaled, `centre` at the origin."""
+    """The printed plane, scaled by `stretch`, with `centre` (2,) mm at the origin."""
     slopes = np.zeros((6, 2))
     slopes[1:3] = stretch * np.eye(2)
 
@@ -105,19 +120,22 @@ def similar(centre: Floats, stretch: float) -> Plane:
 
 
 def _chain(inner: Floats) -> Floats:
-    """(n, 6, 6) from derivatives by inner coordinates to those by the coordinates that these (n, 6, 2) depend on."""
+    """(n, 6, 6) chain rule: from derivatives by inner coordinates to those by printed coordinates.
+
+    `inner` (n, 6, 2) are the inner coordinates and their derivatives 1, 2, 11, 22, 12.
+    """
     out = np.zeros((len(inner), 6, 6))
     out[:, 0, 0] = 1.0
     out[:, 1:, 1:3] = inner[:, 1:]
-    one, two = inner[:, 1], inner[:, 2]
-    for row, (a, b) in enumerate(((one, one), (two, two), (one, two)), start=3):
+    d1, d2 = inner[:, 1], inner[:, 2]
+    for row, (a, b) in enumerate(((d1, d1), (d2, d2), (d1, d2)), start=3):
         out[:, row, 3:5] = a * b
         out[:, row, 5] = a[:, 0] * b[:, 1] + a[:, 1] * b[:, 0]
     return out
 
 
 def _filled(rows: Sequence[Sequence[Floats | float]], count: int) -> Floats:
-    """(n, 6, 3) from its entries, (n,) or the same for all."""
+    """(n, 6, 3) array from rows of entries, each (n,) or a number."""
     out = np.empty((count, 6, 3))
     for row, entries in enumerate(rows):
         for column, entry in enumerate(entries):
@@ -126,5 +144,5 @@ def _filled(rows: Sequence[Sequence[Floats | float]], count: int) -> Floats:
 
 
 def _rise(k: float, s: Floats) -> Floats:
-    """(1 - cos(k s))/k."""
+    """`(1 - cos(k s))/k`, also for k = 0."""
     return 2.0 / k * np.sin(0.5 * k * s) ** 2 if k else np.zeros_like(s)

@@ -1,1 +1,1 @@
-"""The Koiter shell: strains, energy density, assembly."""
+"""The Koiter shell: strains, energy density, fields, assembly, and the shell problem itself."""

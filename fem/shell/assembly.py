@@ -1,8 +1,12 @@
-"""From quadrature points to vectors and matrices over the dofs, in a sparsity pattern made once.
+"""Assembly of vectors and matrices over the dofs from values at the quadrature points.
 
-A matrix over the 3 N components of the position is the lower triangle, by columns, of 3 x 3 blocks: only the pattern
-of the scalar dofs has to be sorted. The column of component d of dof J holds `3 - d` entries of the diagonal block and
-then three entries of each further dof.
+With the strains e of `fem.shell.koiter` and a stress S, a stiffness A at the quadrature points, it integrates
+
+    forces:  int S : e'(x; v) dA,         tangent:  int [ e'(x; v) : A : e'(x; w) + S : e''(x; v, w) ] dA
+
+over the printed domain. The sparsity pattern is computed once. A matrix over the 3 N components of the position is the
+lower triangle, by columns, of 3 x 3 blocks, so only the pattern of the scalar dofs is sorted. The column of component d
+of dof J holds `3 - d` entries of the diagonal block, then three entries of each further dof.
 """
 
 from __future__ import annotations
@@ -20,13 +24,13 @@ class Assembly:
 
     Parameters
     ----------
-    tabulation : of the space.
+    tabulation : basis functions at the quadrature points.
     size : number N of scalar dofs.
 
     Attributes
     ----------
-    weights, points : (T, Q) mm^2 and (T, Q, 2) mm.
-    pattern : of the 3 N components of the position, dof by dof.
+    weights, points : (T, Q) mm^2 and (T, Q, 2) mm, the quadrature.
+    pattern : sparsity pattern over the 3 N components of the position, dof by dof.
     """
 
     def __init__(self, tabulation: Tabulation, size: int) -> None:
@@ -39,7 +43,7 @@ class Assembly:
         self.pattern = SparsePattern.from_lower(self._blocks())
 
     def _blocks(self) -> sp.csc_matrix:
-        """Lower triangle of ones, each scalar entry three by three."""
+        """Lower triangle of ones, with a 3 x 3 block for each scalar entry."""
         n = self.size
         count = np.diff(self._starts)
         indptr = np.zeros(3 * n + 1, dtype=np.int32)
@@ -47,7 +51,7 @@ class Assembly:
         column = np.repeat(np.arange(n), count)
         place = 3 * (np.arange(len(column)) - self._starts[column])
         indices = np.empty(indptr[-1], dtype=np.int32)
-        for c in range(3):  # entries above the diagonal of a diagonal block are left out
+        for c in range(3):  # of a diagonal block, the lower triangle only
             row = 3 * (self._keys - n * column) + c
             for d in range(3):
                 kept = slice(None) if d <= c else place > 0
@@ -55,25 +59,25 @@ class Assembly:
         return sp.csc_matrix((np.ones(len(indices)), indices, indptr), shape=(3 * n, 3 * n))
 
     def strains(self, x: Floats, rest: Floats) -> Floats:
-        """(T, Q, 6) of positions x (N, 3); rest (T, Q, 6) as in `fem.shell.koiter.strains`."""
+        """(T, Q, 6) strains of positions x (N, 3); rest values (T, Q, 6) as in `fem.shell.koiter.strains`."""
         out = np.empty_like(rest)
         koiter.strains(self._table, self.dofs, x, rest, out)
         return out
 
     def strain_changes(self, x: Floats, move: Floats) -> Floats:
-        """(T, Q, 6) derivative of the strains at x along move (N, 3)."""
+        """(T, Q, 6) derivative of the strains at x (N, 3) along a displacement `move` (N, 3)."""
         out = np.empty((*self.weights.shape, 6))
         koiter.strain_changes(self._table, self.dofs, x, move, out)
         return out
 
     def forces(self, x: Floats, stress: Floats) -> Floats:
-        """(N, 3) derivative by x of the integral of stress (T, Q, 6) by strain."""
+        """(N, 3) forces `int S : e'(x)` of a stress (T, Q, 6) at x (N, 3)."""
         out = np.zeros((self.size, 3))
         koiter.forces(self._table, self.dofs, self.weights, x, stress, out)
         return out
 
     def tangent(self, x: Floats, stiffness: Floats, stress: Floats) -> Floats:
-        """(nnz,) of `B' A B + stress : e''`, stiffness A (T, Q, 6, 6) and stress (T, Q, 6)."""
+        """(nnz,) entries of `int [B' A B + S : e'']` with `B = e'(x)`, stiffness A (T, Q, 6, 6), stress S (T, Q, 6)."""
         data = np.zeros(self.pattern.nnz)
         koiter_tangent.tangent(
             self._table, self.dofs, self.weights, x, stiffness, stress, self._places, self.pattern.indptr, data
@@ -81,12 +85,12 @@ class Assembly:
         return data
 
     def product(self, data: Floats, x: Floats) -> Floats:
-        """(N, 3) product of the symmetric matrix with entries `data` (nnz,) and x (N, 3)."""
+        """(N, 3) product of the symmetric matrix with entries `data` (nnz,) in the pattern and x (N, 3)."""
         low, flat = self.pattern.lower(data), x.ravel()
         return np.asarray(low @ flat + low.T @ flat - data[self.pattern.diagonal] * flat).reshape(-1, 3)
 
     def mass(self, values: Floats) -> sp.csr_matrix:
-        """(N, N) mm^2, integrals of the products of the basis functions, whose values are (T, Q, m)."""
+        """(N, N) mm^2, mass matrix of the basis functions with values (T, Q, m) at the quadrature points."""
         i, j = np.tril_indices(self.dofs.shape[1])
         blocks = np.matmul(np.swapaxes(self.weights[..., None] * values, 1, 2), values)[:, i, j]
         first = np.minimum(self.dofs[:, i], self.dofs[:, j])
@@ -95,12 +99,12 @@ class Assembly:
         return sp.csr_matrix(low + low.T - sp.diags_array(low.diagonal()))
 
     def gather(self, matrix: sp.csr_matrix) -> Floats:
-        """(nnz,) of a symmetric matrix (3 N, 3 N); its entries must be in the pattern.
+        """(nnz,) entries of a symmetric matrix (3 N, 3 N) in the pattern.
 
         Raises
         ------
         ValueError
-            An entry is not in the pattern.
+            An entry of the matrix is not in the pattern.
         """
         low = sp.tril(matrix).tocoo()
         column, dof = low.col // 3, low.row // 3
@@ -110,20 +114,20 @@ class Assembly:
         return np.bincount(entry, low.data, self.pattern.nnz).astype(float)
 
     def _place(self, column: Ints, row: Ints) -> Ints:
-        """Number of a scalar entry within its column."""
-        wanted = column.astype(np.int64) * self.size + row
-        found = np.minimum(np.searchsorted(self._keys, wanted), len(self._keys) - 1)
-        if (self._keys[found] != wanted).any():
+        """Position of scalar entries within their columns."""
+        keys = column.astype(np.int64) * self.size + row
+        index = np.minimum(np.searchsorted(self._keys, keys), len(self._keys) - 1)
+        if (self._keys[index] != keys).any():
             raise ValueError("the matrix couples dofs of triangles that share no stencil")
-        return found - self._starts[column]
+        return index - self._starts[column]
 
     def expand(self, matrix: sp.csr_matrix) -> Floats:
-        """(nnz,) of a symmetric scalar matrix (N, N) that acts on every component alike, its entries in the pattern.
+        """(nnz,) entries, in the pattern, of a symmetric matrix (N, N) that acts on each component of the position.
 
         Raises
         ------
         ValueError
-            An entry is not in the pattern.
+            An entry of the matrix is not in the pattern.
         """
         low = sp.tril(matrix).tocoo()
         place = self._place(low.col, low.row)
@@ -134,15 +138,15 @@ class Assembly:
 
 
 def _scalar_pattern(dofs: Ints, size: int) -> tuple[Ints, Ints, Ints]:
-    """Keys `column N + row` of the lower triangle in order, starts (N + 1,) of its columns, and places.
+    """Sorted keys `column N + row` of the lower triangle, starts (N + 1,) of its columns, and places of the pairs.
 
-    The place (T, m (m + 1)/2) of a pair is its number within its column; 0 is the diagonal.
+    The place (T, m (m + 1)/2) of a pair of dofs is its position within its column; 0 is the diagonal.
     """
     i, j = np.tril_indices(dofs.shape[1])
     low, high = np.minimum(dofs[:, i], dofs[:, j]), np.maximum(dofs[:, i], dofs[:, j])
-    wanted = low * size + high
+    pair_keys = low * size + high
     diagonal = np.arange(size, dtype=np.int64) * (size + 1)  # also of a dof that no triangle uses
-    keys, number = np.unique(np.concatenate([diagonal, wanted.ravel()]), return_inverse=True)
+    keys, number = np.unique(np.concatenate([diagonal, pair_keys.ravel()]), return_inverse=True)
     starts = np.searchsorted(keys, np.arange(size + 1, dtype=np.int64) * size)
-    places = number[size:].reshape(wanted.shape) - starts[low]
+    places = number[size:].reshape(pair_keys.shape) - starts[low]
     return keys, starts, places.astype(np.int32)

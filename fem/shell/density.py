@@ -29,7 +29,7 @@ EnergyTerm = Callable[[Floats], tuple[Floats, Floats, Floats]]
 
 @dataclass(frozen=True)
 class Density:
-    """Energy per printed area at the quadrature points (T, Q). Uniform parts may be given once, without (T, Q).
+    """Energy per printed area at the quadrature points (T, Q). A uniform part may be given without (T, Q).
 
     Attributes
     ----------
@@ -40,7 +40,17 @@ class Density:
     saturation : z_s per mm, (T, Q) or a number. At |z| = z_s the term is half of the cubic.
     term : w as a function from e (P, 6) at all P = T Q points to its values (P,), gradients (P, 6) and Hessians
         (P, 6, 6).
-    prestress : s, (T, Q, 6) or (6,), N/mm and N, and `constant`, w_0, (T, Q) or a number, N/mm, at no strain.
+    prestress : s, stress at zero strain, (T, Q, 6) or (6,), N/mm and N.
+    constant : w_0, energy at zero strain, (T, Q) or a number, N/mm.
+
+    Examples
+    --------
+    One quadrature point, stretched by 1 % along the first coordinate: `W = 20 * 0.01^2/2`.
+
+    >>> sheet = Density(isotropic(membrane=20.0, bending=10.0, poisson=0.3))
+    >>> energy, stress, _ = sheet(np.array([[[0.01, 0.0, 0.0, 0.0, 0.0, 0.0]]]))
+    >>> energy.round(6), stress[0, 0, :3].round(6)
+    (array([[0.001]]), array([0.2 , 0.06, 0.  ]))
     """
 
     stiffness: Floats
@@ -52,19 +62,19 @@ class Density:
     constant: Floats | float = 0.0
 
     def at(self, shape: tuple[int, int]) -> Density:
-        """The same density with every part as an array over (T, Q) points."""
+        """The same density with every part as an array over the points, `shape` = (T, Q)."""
 
-        def spread(values: Floats | float, tail: tuple[int, ...] = ()) -> Floats:
+        def broadcast(values: Floats | float, tail: tuple[int, ...] = ()) -> Floats:
             return np.array(np.broadcast_to(values, (*shape, *tail)), dtype=float)
 
         return Density(
-            spread(self.stiffness, (6, 6)),
-            spread(self.sixfold),
-            spread(self.orientation),
-            spread(self.saturation),
+            broadcast(self.stiffness, (6, 6)),
+            broadcast(self.sixfold),
+            broadcast(self.orientation),
+            broadcast(self.saturation),
             self.term,
-            spread(self.prestress, (6,)),
-            spread(self.constant),
+            broadcast(self.prestress, (6,)),
+            broadcast(self.constant),
         )
 
     def with_gaussian(self, modulus: Floats, curvature: Floats) -> Density:
@@ -86,9 +96,9 @@ class Density:
     def __call__(self, e: Floats) -> tuple[Floats, Floats, Floats]:
         """Energies (T, Q), stresses (T, Q, 6) and stiffnesses (T, Q, 6, 6) at strains e (T, Q, 6)."""
         scalars = (self.sixfold, self.orientation, self.saturation, self.constant)
-        spelled_out = (np.shape(self.stiffness), np.shape(self.prestress)) == ((*e.shape, 6), e.shape)
-        spelled_out = spelled_out and all(np.shape(each) == e.shape[:2] for each in scalars)
-        full = self if spelled_out else self.at(e.shape[:2])
+        is_expanded = (np.shape(self.stiffness), np.shape(self.prestress)) == ((*e.shape, 6), e.shape)
+        is_expanded = is_expanded and all(np.shape(each) == e.shape[:2] for each in scalars)
+        full = self if is_expanded else self.at(e.shape[:2])
         energy, stress, tangent = np.empty(e.shape[:2]), np.empty(e.shape), np.empty((*e.shape, 6))
         parts = (full.stiffness, full.sixfold, full.orientation, full.saturation, full.prestress, full.constant)
         _evaluate(*parts, e, energy, stress, tangent)
@@ -156,22 +166,22 @@ def _energies(stiffness, sixfold, orientation, saturation, prestress, constant, 
 
 @formula
 def _roll(c3, angle, saturation, u, v, h):  # type: ignore[no-untyped-def]
-    """The sixfold term at z = u + i v: value, gradient, and its Hessian in h (2, 2)."""
+    """Value and gradient of the sixfold term at z = u + i v; its Hessian is written to h (2, 2)."""
     cos, sin = c3 * np.cos(6.0 * angle), c3 * np.sin(6.0 * angle)
     uu, vv, uv = u * u, v * v, u * v
-    # real and imaginary parts of c3 exp(-6 i phi) times z, z^2, z^3
-    one, one_i = cos * u + sin * v, cos * v - sin * u
-    two, two_i = cos * (uu - vv) + sin * 2.0 * uv, cos * 2.0 * uv - sin * (uu - vv)
-    cube = two * u - two_i * v
-    least = 1.0 / (saturation * saturation)
-    cut = 1.0 / (1.0 + least * (uu + vv))
-    slope = -2.0 * least * cut * cut  # the cut's gradient is this times (u, v)
-    pu, pv, su, sv = 3.0 * two, -3.0 * two_i, slope * u, slope * v
-    bend = 2.0 / cut
-    h[0, 0] = 6.0 * one * cut + 2.0 * pu * su + cube * (bend * su * su + slope)
-    h[1, 1] = -6.0 * one * cut + 2.0 * pv * sv + cube * (bend * sv * sv + slope)
-    h[0, 1] = h[1, 0] = -6.0 * one_i * cut + pu * sv + pv * su + cube * bend * su * sv
-    return cube * cut, pu * cut + cube * su, pv * cut + cube * sv
+    # real and imaginary parts of c3 exp(-6 i phi) times z and z^2, real part of it times z^3
+    z1, z1_i = cos * u + sin * v, cos * v - sin * u
+    z2, z2_i = cos * (uu - vv) + sin * 2.0 * uv, cos * 2.0 * uv - sin * (uu - vv)
+    cube = z2 * u - z2_i * v
+    inverse_square = 1.0 / (saturation * saturation)
+    limiter = 1.0 / (1.0 + inverse_square * (uu + vv))
+    slope = -2.0 * inverse_square * limiter * limiter  # the gradient of the limiter is slope times (u, v)
+    pu, pv, su, sv = 3.0 * z2, -3.0 * z2_i, slope * u, slope * v
+    bend = 2.0 / limiter
+    h[0, 0] = 6.0 * z1 * limiter + 2.0 * pu * su + cube * (bend * su * su + slope)
+    h[1, 1] = -6.0 * z1 * limiter + 2.0 * pv * sv + cube * (bend * sv * sv + slope)
+    h[0, 1] = h[1, 0] = -6.0 * z1_i * limiter + pu * sv + pv * su + cube * bend * su * sv
+    return cube * limiter, pu * limiter + cube * su, pv * limiter + cube * sv
 
 
 def isotropic(
@@ -180,41 +190,61 @@ def isotropic(
     poisson: Floats | float,
     bending_poisson: Floats | float | None = None,
 ) -> Floats:
-    """(..., 6, 6) stiffness of an isotropic sheet on the Euclidean metric of the print.
+    """(..., 6, 6) stiffness A of an isotropic sheet, per printed area and for strains in printed coordinates.
 
-    `membrane` is Young's modulus times thickness over `1 - nu^2` (N/mm), `bending` the plate stiffness D (N mm), both
-    per printed area and for strains in printed coordinates.
+    The energy `e . A e/2` is `C/2 [(1 - nu) tr E^2 + nu (tr E)^2] + D/2 [(1 - nu) tr K^2 + nu (tr K)^2]`.
+
+    Parameters
+    ----------
+    membrane : N/mm, membrane stiffness C: Young's modulus times thickness over `1 - nu^2`.
+    bending : N mm, plate stiffness D.
+    poisson : Poisson's ratio nu.
+    bending_poisson : Poisson's ratio of bending, if it differs.
+
+    Examples
+    --------
+    >>> isotropic(membrane=20.0, bending=10.0, poisson=0.3)[:3, :3]
+    array([[20.,  6.,  0.],
+           [ 6., 20.,  0.],
+           [ 0.,  0.,  7.]])
     """
     second = poisson if bending_poisson is None else bending_poisson
     parts = np.broadcast_arrays(membrane, poisson, bending, second)
     out = np.zeros((*parts[0].shape, 6, 6))
-    for prestress, modulus, nu in ((0, parts[0], parts[1]), (3, parts[2], parts[3])):
-        out[..., prestress, prestress] = out[..., prestress + 1, prestress + 1] = modulus
-        out[..., prestress, prestress + 1] = out[..., prestress + 1, prestress] = nu * modulus
-        out[..., prestress + 2, prestress + 2] = 0.5 * (1.0 - nu) * modulus
+    for first, modulus, nu in ((0, parts[0], parts[1]), (3, parts[2], parts[3])):
+        out[..., first, first] = out[..., first + 1, first + 1] = modulus
+        out[..., first, first + 1] = out[..., first + 1, first] = nu * modulus
+        out[..., first + 2, first + 2] = 0.5 * (1.0 - nu) * modulus
     return out
 
 
 def on_metric(stiffness: Floats, metric: Floats) -> Floats:
-    """(..., 6, 6) the same material where the print has a metric of its own, per area of the coordinates.
+    """(..., 6, 6) stiffness per coordinate area and for coordinate strains, of a material given on its rest metric.
 
-    `stiffness` is per area and unit vectors of the rest metric (..., 3) = (a11, a22, a12): the strains are taken to an
-    orthonormal frame of it, whose first vector is along the first coordinate, and the area grows by sqrt(det a).
+    Parameters
+    ----------
+    stiffness : (..., 6, 6) per area of the rest metric, for strains in an orthonormal frame of it whose first vector is
+        along the first coordinate.
+    metric : (..., 3) rest metric a11, a22, a12.
+
+    Notes
+    -----
+    The strains transform to the frame, and the area is multiplied by `sqrt(det a)`.
     """
     a11, a22, a12 = np.moveaxis(np.asarray(metric, dtype=float), -1, 0)
     area = np.sqrt(a11 * a22 - a12**2)
     zero = np.zeros_like(a11)
-    # columns: the orthonormal vectors in coordinates
-    one = (1.0 / np.sqrt(a11), zero)
-    two = (-a12 / (np.sqrt(a11) * area), np.sqrt(a11) / area)
-    half = np.stack(
+    # orthonormal vectors in coordinates
+    v = (1.0 / np.sqrt(a11), zero)
+    w = (-a12 / (np.sqrt(a11) * area), np.sqrt(a11) / area)
+    transform = np.stack(
         [
-            np.stack([one[0] ** 2, one[1] ** 2, one[0] * one[1]], axis=-1),
-            np.stack([two[0] ** 2, two[1] ** 2, two[0] * two[1]], axis=-1),
-            np.stack([2.0 * one[0] * two[0], 2.0 * one[1] * two[1], one[0] * two[1] + one[1] * two[0]], axis=-1),
+            np.stack([v[0] ** 2, v[1] ** 2, v[0] * v[1]], axis=-1),
+            np.stack([w[0] ** 2, w[1] ** 2, w[0] * w[1]], axis=-1),
+            np.stack([2.0 * v[0] * w[0], 2.0 * v[1] * w[1], v[0] * w[1] + v[1] * w[0]], axis=-1),
         ],
         axis=-2,
     )
-    turn = np.zeros((*a11.shape, 6, 6))
-    turn[..., :3, :3] = turn[..., 3:, 3:] = half
-    return np.asarray(area[..., None, None] * np.einsum("...ai,...ab,...bj->...ij", turn, stiffness, turn))
+    both = np.zeros((*a11.shape, 6, 6))
+    both[..., :3, :3] = both[..., 3:, 3:] = transform
+    return np.asarray(area[..., None, None] * np.einsum("...ai,...ab,...bj->...ij", both, stiffness, both))

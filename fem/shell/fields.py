@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from fem.elements.tabulation import Floats
 from fem.shell.density import Density
 
-MAX_ASYMMETRY = 1e-9  # of a stiffness, over its largest entry
+MAX_ASYMMETRY = 1e-9  # 1: asymmetry of a stiffness over its largest entry
 
 Field = ArrayLike | Callable[[Floats], ArrayLike]
 
@@ -125,9 +125,9 @@ def _at(field: Field, points: Floats, name: str) -> Floats:
 
 def _check_finite(values: Floats, points: Floats, name: str) -> None:
     """Raise FieldError at the first of the points whose values (..., k) are not all finite."""
-    lost = ~np.isfinite(values).all(axis=-1)
-    if lost.any():
-        where = np.unravel_index(lost.argmax(), lost.shape)
+    invalid = ~np.isfinite(values).all(axis=-1)
+    if invalid.any():
+        where = np.unravel_index(invalid.argmax(), invalid.shape)
         raise FieldError(name, points[where], values[where], "is not finite")
 
 

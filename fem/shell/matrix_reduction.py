@@ -1,4 +1,4 @@
-"""Matrices over the free unknowns: the entries of `T' H T` are a fixed linear map of the entries of H."""
+"""Matrices over the free unknowns, `T' H T`: their entries are a fixed linear map of the entries of H."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from fem.elements.tabulation import Floats
 
 
 class MatrixReduction:
-    """Restricts symmetric matrices in a pattern to the columns of a map.
+    """Computes `T' H T` for symmetric matrices H in a given pattern.
 
     Parameters
     ----------
-    pattern : of the matrices, size n.
-    columns : (n, k) map T from the free unknowns.
+    pattern : sparsity pattern of H, of size n.
+    columns : (n, k) the map T from the free unknowns.
 
     Attributes
     ----------
-    pattern : of the restricted matrices, size k.
+    pattern : sparsity pattern of `T' H T`, of size k.
     """
 
     def __init__(self, pattern: SparsePattern, columns: sp.csr_matrix) -> None:
@@ -32,14 +32,14 @@ class MatrixReduction:
         column = np.repeat(np.arange(pattern.size), np.diff(pattern.indptr))
         count = np.diff(columns.indptr)
         total = size + int((count[pattern.indices].astype(np.int64) * count[column]).sum())
-        # every diagonal entry with value zero, then the products
+        # all diagonal entries with value zero, then the products
         keys, source, weight = np.empty(total, dtype=np.int64), np.zeros(total, dtype=np.int32), np.zeros(total)
         keys[:size] = np.arange(size, dtype=np.int64) * (size + 1)
         _products(
             pattern.indices, column, columns.indptr, columns.indices, columns.data,
             size, keys[size:], source[size:], weight[size:],
         )  # fmt: skip
-        order = np.argsort(keys, kind="stable")  # long runs are in order already
+        order = np.argsort(keys, kind="stable")  # fast, since long runs are sorted
         keys = keys[order]
         starts = np.flatnonzero(np.r_[True, keys[1:] != keys[:-1]])
         keys = keys[starts]
@@ -55,16 +55,15 @@ class MatrixReduction:
         self._map = sp.csr_matrix((weight[order], source[order], np.r_[starts, total]), shape=(len(keys), pattern.nnz))
 
     def __call__(self, data: Floats) -> Floats:
-        """(nnz of the restricted pattern,) from the entries (nnz,) of a matrix."""
+        """Entries of `T' H T` in its pattern, from the entries (nnz,) of H."""
         return data if self._map is None else self._map @ data
 
 
 @loop
 def _products(row, column, indptr, indices, values, size, keys, source, weight):  # type: ignore[no-untyped-def]
-    """All products `T_ri T_cj` of entries (r, c) of a lower triangle: place `j N + i` in that of `T' H T`, the entry's
-    number, and the product.
+    """Write all products `T_ri T_cj` of entries (r, c) of a lower triangle: key in `T' H T`, entry number, product.
 
-    Off the diagonal an entry stands for two of the symmetric matrix, of which one is in the lower triangle.
+    An entry off the diagonal stands for two entries of the symmetric matrix.
     """
     k = 0
     for entry in range(row.size):

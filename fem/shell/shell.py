@@ -38,11 +38,13 @@ from fem.shell.tension import tensile_part
 from fem.supports.conditions import Condition
 from fem.supports.rigid import neutral_motions
 
-# A rigid motion whose stiffness is below this part of the sum of absolute terms is neutral: rounding leaves 1e-13, and
-# up to 1e-10 on nearly flat triangles. The stiffness that weight gives to a swinging sheet is about 1e-6.
+# 1: stiffness of a rigid motion over the sum of its absolute terms, below which the motion is neutral. Rounding leaves
+# 1e-13, and up to 1e-10 on nearly degenerate triangles; the weight gives a swinging sheet about 1e-6.
 MAX_NEUTRAL_STIFFNESS = 3e-10
-QUADRATURE_ORDER = 6  # exact for the linear bending energy of quintic triangles; avoids locking of thin triangles
-PRINTED_REST = np.array([0.5, 0.5, 0.0, 0.0, 0.0, 0.0])  # (a/2, b) of the printed sheet
+QUADRATURE_ORDER = (
+    6  # degree, exact for the linear bending energy of quintic triangles; avoids locking of thin triangles
+)
+PRINTED_REST = np.array([0.5, 0.5, 0.0, 0.0, 0.0, 0.0])  # rest values (a/2, b) of the printed sheet
 
 
 class Potential(Protocol):
@@ -305,13 +307,13 @@ class Shell(SupportedSheet):
         if motions.shape[1] == 0 or self.is_rigid_invariant:
             return motions
         data = self.hessian(x)
-        # below this a stiffness is an effect of the gradient or of rounding; nearly flat triangles have stiff dofs
-        least = 10.0 * float(np.linalg.norm(self.gradient(x)))
-        least += 1e-10 * float(np.median(np.abs(data[self.pattern.diagonal])))
+        # a smaller stiffness is an effect of the gradient or of rounding; nearly degenerate triangles have stiff dofs
+        min_stiffness = 10.0 * float(np.linalg.norm(self.gradient(x)))
+        min_stiffness += 1e-10 * float(np.median(np.abs(data[self.pattern.diagonal])))
         largest = float(np.linalg.norm(self.pattern.product(np.abs(data), np.abs(motions)), axis=0).max())
-        least += MAX_NEUTRAL_STIFFNESS * largest
+        min_stiffness += MAX_NEUTRAL_STIFFNESS * largest
         return neutral_motions(
-            motions, self.pattern.product(data, motions), self.restrict(self._load_gradient(x)), least
+            motions, self.pattern.product(data, motions), self.restrict(self._load_gradient(x)), min_stiffness
         )
 
     def support(self, x: Floats) -> Ints:

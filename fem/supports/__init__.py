@@ -1,1 +1,1 @@
-"""Supports and loads of the shell."""
+"""Supports and loads of the shell: essential conditions by elimination, dead loads, end moments."""

@@ -25,7 +25,9 @@ from fem.elements.tabulation import Floats, Ints
 from fem.supports.edge_equations import Rows, edge_equations
 from fem.supports.elimination import Contradiction, eliminate
 
-VERTEX_TOLERANCE_MM = 1e-6  # a mesh vertex within this distance is at the point
+VERTEX_TOLERANCE_MM = 1e-6  # mm, largest distance of a mesh vertex from the point that it stands for
+# 1: residual of redundant equations over the extent of the sheet, beyond which supports contradict each other
+CONTRADICTION_TOLERANCE = 1e-7
 
 
 class ConditionError(ValueError):
@@ -98,7 +100,7 @@ class Reduction:
 
     @cached_property
     def transposed(self) -> sp.csr_matrix:
-        """(n, 3N), the map's."""
+        """(n, 3N) transpose of the map."""
         return sp.csr_matrix(self.map.T)
 
     def offset(self, progress: float = 1.0) -> Floats:
@@ -141,12 +143,12 @@ def impose_conditions(space: Space, conditions: Sequence[Condition]) -> Reductio
         names += [condition.name] * len(rows.triangles)
     size = 3 * space.size
     if not names:
-        nothing = np.zeros(size)
-        return Reduction(sp.identity(size, format="csr"), np.arange(size), nothing, nothing, 0)
+        zero = np.zeros(size)
+        return Reduction(sp.identity(size, format="csr"), np.arange(size), zero, zero, 0)
     rows = Rows.joined(parts)
-    reach = float(np.ptp(space.mesh.p, axis=1).max())
+    extent = float(np.ptp(space.mesh.p, axis=1).max())
     try:
-        found = eliminate(rows.matrix(space), rows.right, 1e-7 * reach)
+        solved = eliminate(rows.matrix(space), rows.right, CONTRADICTION_TOLERANCE * extent)
     except Contradiction as error:
         x, y = rows.points[error.row]
         others = sorted({name for name in names if name != names[error.row]})
@@ -155,7 +157,7 @@ def impose_conditions(space: Space, conditions: Sequence[Condition]) -> Reductio
             f"{names[error.row]}: contradicts {against} at ({x:.4g}, {y:.4g}) mm by {error.miss:.3g} mm"
         ) from None
     normals = np.concatenate([np.empty((0, 3)), *(_normals(c, space.mesh) for c in conditions)])
-    return Reduction(found.map, found.free, found.constant[:, 0], found.constant[:, 1], found.redundant, normals)
+    return Reduction(solved.map, solved.free, solved.constant[:, 0], solved.constant[:, 1], solved.redundant, normals)
 
 
 def vertices_at(mesh: MeshTri, points: Floats) -> Ints:
@@ -203,25 +205,25 @@ def _check(condition: Condition, mesh: MeshTri) -> None:
 
 
 def _normals(condition: Condition, mesh: MeshTri) -> Floats:
-    """(k, 3) of the placement at the vertices of a clamped edge; none of others."""
+    """(k, 3) target normals at the vertices of a clamped edge; empty for other supports."""
     if isinstance(condition, PointSupport) or not condition.clamped:
         return np.empty((0, 3))
     with np.errstate(divide="ignore", invalid="ignore"):
         return condition.placement.normal(mesh.p.T[np.unique(mesh.facets[:, condition.facets])])
 
 
-def _point_rows(mesh: MeshTri, held: PointSupport) -> Rows:
-    # any triangle of the vertex will do
-    owner = np.empty(mesh.nvertices, dtype=int)
-    owner[mesh.t] = np.arange(mesh.nelements)
-    printed = mesh.p.T[held.vertices]
+def _point_rows(mesh: MeshTri, points: PointSupport) -> Rows:
+    """Equations of supported vertices, for the polynomial of any triangle of the vertex."""
+    triangle = np.empty(mesh.nvertices, dtype=int)
+    triangle[mesh.t] = np.arange(mesh.nelements)
+    printed = mesh.p.T[points.vertices]
     start = np.column_stack([printed, np.zeros(len(printed))])
-    weights = np.zeros((len(held.directions), len(printed), 6, 3))
-    weights[:, :, 0] = np.asarray(held.directions)[:, None]
-    right = np.einsum("dnr,pnr->dnp", weights[:, :, 0], np.stack([start, held.places]))
-    count = len(held.directions)
+    weights = np.zeros((len(points.directions), len(printed), 6, 3))
+    weights[:, :, 0] = np.asarray(points.directions)[:, None]
+    right = np.einsum("dnr,pnr->dnp", weights[:, :, 0], np.stack([start, points.places]))
+    count = len(points.directions)
     return Rows(
-        np.tile(owner[held.vertices], count),
+        np.tile(triangle[points.vertices], count),
         np.tile(printed, (count, 1)),
         weights.reshape(-1, 6, 3),
         right.reshape(-1, 2),

@@ -1,9 +1,9 @@
-"""Tangents and curvatures of the line that mesh edges approximate.
+"""Tangents and curvatures of the curve that mesh edges approximate.
 
-A held edge may be straight, oblique or curved; the mesh has straight edges only. If the sheet were held along each of
-them, its gradient would be fixed at every vertex of a curve, and refining the mesh would not help (Babuska's paradox).
-So a vertex where the line turns by little is a point of a smooth curve, whose circle passes through it and its two
-neighbours. Where it turns by more there is a corner, held along both edges.
+A supported edge may be straight, oblique or curved, but mesh edges are straight. Supports along each straight edge
+would fix the gradient at every vertex of a curve, and refinement would not remove this error (Babuska's paradox).
+Therefore a vertex with a small turning angle is a point of a smooth curve, with the curvature of the circle through it
+and its two neighbours. A vertex with a larger turning angle is a corner, supported along both edges.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from fem.elements.tabulation import Floats, Ints
 
 @dataclass(frozen=True)
 class EdgeCurve:
-    """Of E mesh edges, each walked from its first end to its second.
+    """The curve at E mesh edges, each directed from its first end to its second.
 
     Attributes
     ----------
-    vertices : (E, 2).
-    ends : (E, 2, 2) mm.
+    vertices : (E, 2) vertices of the edges.
+    ends : (E, 2, 2) mm, their positions.
     tangents : (E, 2, 2) unit tangents of the curve at both ends.
-    curvatures : (E, 2) per mm, positive where the curve turns left.
+    curvatures : (E, 2) per mm, at both ends; positive if the curve turns left.
     """
 
     vertices: Ints
@@ -35,12 +35,12 @@ class EdgeCurve:
     curvatures: Floats
 
     def along(self, share: float) -> tuple[Floats, Floats]:
-        """Points (E, 2) and unit tangents (E, 2) of the curves, `share` of the way; arcs as parabolas on the chord."""
+        """Points (E, 2) mm and unit tangents (E, 2) at a share of the chord, with arcs as parabolas over it."""
         chord = self.ends[:, 1] - self.ends[:, 0]
         normal = left(chord)
         bend = self.curvatures.mean(axis=1)[:, None]
         points = self.ends[:, 0] + share * chord
-        # left of the chord is inside of a curve that turns left
+        # the left side of the chord is the inner side of a curve that turns left
         length = np.linalg.norm(chord, axis=1, keepdims=True)
         points = points - 0.5 * bend * length * share * (1.0 - share) * normal
         tangents = chord - 0.5 * bend * length * (1.0 - 2.0 * share) * normal
@@ -48,18 +48,26 @@ class EdgeCurve:
 
 
 def left(vectors: Floats) -> Floats:
-    """(..., 2) turned by 90 degrees to the left."""
+    """(..., 2) vectors rotated by 90 degrees to the left."""
     return np.stack([-vectors[..., 1], vectors[..., 0]], axis=-1)
 
 
 def edge_curve(mesh: MeshTri, facets: Ints, corner_deg: float) -> EdgeCurve:
-    """The curve through mesh edges; on the mesh's rim the whole rim counts, also where it is not held.
+    """The curve through mesh edges. On the boundary, unsupported boundary edges count as neighbours too.
 
     Parameters
     ----------
-    mesh : scikit-fem's.
+    mesh : mesh of scikit-fem.
     facets : (E,) numbers of its edges.
-    corner_deg : a line that turns by more than this at a vertex has a corner there.
+    corner_deg : deg, turning angle above which a vertex is a corner.
+
+    Examples
+    --------
+    The corners of a square are corners, so its edges are straight:
+
+    >>> mesh = MeshTri()
+    >>> bool(edge_curve(mesh, mesh.boundary_facets(), 30.0).curvatures.any())
+    False
     """
     points = mesh.p.T
     pairs = mesh.facets[:, facets].T
@@ -68,10 +76,10 @@ def edge_curve(mesh: MeshTri, facets: Ints, corner_deg: float) -> EdgeCurve:
     line = _neighbours(pairs)
     bends = np.zeros((len(facets), 2))
     for row, (pair, on_rim) in enumerate(zip(pairs, outer, strict=True)):
-        near = rim if on_rim else line
-        found = [_bend(points, near, int(pair[1 - end]), int(pair[end]), corner_deg) for end in (0, 1)]
-        # walked from its first end: a bend seen on the way to the first end has the other sign
-        first, second = (None if found[0] is None else -found[0]), found[1]
+        neighbours = rim if on_rim else line
+        at_ends = [_bend(points, neighbours, int(pair[1 - end]), int(pair[end]), corner_deg) for end in (0, 1)]
+        # at the first end the curvature is measured in the opposite direction of the edge
+        first, second = (None if at_ends[0] is None else -at_ends[0]), at_ends[1]
         bends[row, 0] = first if first is not None else second or 0.0
         bends[row, 1] = second if second is not None else first or 0.0
     ends = points[pairs]
@@ -85,19 +93,20 @@ def edge_curve(mesh: MeshTri, facets: Ints, corner_deg: float) -> EdgeCurve:
 
 
 def _neighbours(pairs: Ints) -> dict[int, list[int]]:
-    near: dict[int, list[int]] = defaultdict(list)
+    """The vertices connected to each vertex by an edge."""
+    neighbours: dict[int, list[int]] = defaultdict(list)
     for a, b in pairs.tolist():
-        near[a].append(b)
-        near[b].append(a)
-    return near
+        neighbours[a].append(b)
+        neighbours[b].append(a)
+    return neighbours
 
 
-def _bend(points: Floats, near: dict[int, list[int]], start: int, vertex: int, corner_deg: float) -> float | None:
-    """Curvature of the circle through `start`, `vertex` and the next one; None at an end or a corner."""
-    beyond = [other for other in near[vertex] if other != start]
-    if len(beyond) != 1:
+def _bend(points: Floats, neighbours: dict[int, list[int]], start: int, vertex: int, corner_deg: float) -> float | None:
+    """Curvature of the circle through `start`, `vertex` and the next vertex; None at an end or a corner."""
+    following = [number for number in neighbours[vertex] if number != start]
+    if len(following) != 1:
         return None
-    p, q, r = points[start], points[vertex], points[beyond[0]]
+    p, q, r = points[start], points[vertex], points[following[0]]
     u, v, w = q - p, r - q, r - p
     cross, dot = u[0] * v[1] - u[1] * v[0], u @ v
     if abs(np.degrees(np.arctan2(cross, dot))) > corner_deg:

@@ -23,7 +23,7 @@ from fem.elements.space import Space
 from fem.elements.tabulation import Floats, Ints
 from fem.supports.edge_curve import EdgeCurve, edge_curve, left
 
-MIN_COEFFICIENT = 1e-10  # over the largest one of an equation; smaller coefficients are rounding and are dropped
+MIN_COEFFICIENT = 1e-10  # 1: over the largest coefficient of an equation; smaller ones are rounding and dropped
 
 
 @dataclass(frozen=True)
@@ -32,10 +32,10 @@ class Rows:
 
     Attributes
     ----------
-    triangles : (R,) the triangle whose polynomial is evaluated.
+    triangles : (R,) triangle whose polynomial is evaluated.
     points : (R, 2) printed mm.
-    weights : (R, 6, 3) of the value and the derivatives 1, 2, 11, 22, 12 of every component.
-    right : (R, 2) for the sheet as printed, and at the target.
+    weights : (R, 6, 3) weights of the value and the derivatives 1, 2, 11, 22, 12 of every component.
+    right : (R, 2) right-hand sides for the printed sheet and for the target.
     """
 
     triangles: Ints
@@ -45,13 +45,13 @@ class Rows:
 
     @classmethod
     def at(cls, triangles: Ints, points: Floats, weights: Floats, placement: Deformation) -> Rows:
-        """Right-hand sides from the printed plane and the placement themselves."""
+        """Equations whose right-hand sides the printed plane and the placement satisfy."""
         right = [np.einsum("nar,nar->n", weights, place.jets(points)) for place in (flat(), placement)]
         return cls(triangles, points, weights, np.column_stack(right))
 
     @classmethod
     def joined(cls, parts: Sequence[Rows]) -> Rows:
-        """All parts, one after the other."""
+        """All equations of the parts, in their order."""
         names = ("triangles", "points", "weights", "right")
         if not parts:
             return cls(np.empty(0, dtype=np.int64), np.empty((0, 2)), np.empty((0, 6, 3)), np.empty((0, 2)))
@@ -70,7 +70,7 @@ class Rows:
 def edge_equations(
     space: Space, facets: Ints, placement: Deformation, directions: Floats, clamped: bool, corner_deg: float
 ) -> Rows:
-    """Equations that hold mesh edges (see `fem.supports.conditions.EdgeSupport` for the arguments)."""
+    """Equations of supported mesh edges; arguments as in `fem.supports.conditions.EdgeSupport`."""
     curve = edge_curve(space.mesh, facets, corner_deg)
     triangles = space.mesh.f2t[0, facets]
     rows = _vertex_rows if space.smooth else _node_rows
@@ -80,40 +80,45 @@ def edge_equations(
 def _vertex_rows(
     space: Space, curve: EdgeCurve, triangles: Ints, placement: Deformation, directions: Floats, clamped: bool
 ) -> list[Rows]:
-    found = []
+    """Equations of a C1 space, for the dofs at the ends and midpoints of the edges."""
+    parts = []
     for end in (0, 1):
         points, tangents, bends = curve.ends[:, end], curve.tangents[:, end], curve.curvatures[:, end]
         value, along, bend, across, twist = _line_jets(tangents, bends)
-        held = [jet[:, :, None] * direction for direction in directions for jet in (value, along, bend)]
+        fixed = [jet[:, :, None] * direction for direction in directions for jet in (value, along, bend)]
         if clamped:
             normal = placement.normal(points)[:, None]
-            turn = placement.normal_turn(points, tangents)[:, None]
-            held += [across[:, :, None] * normal, twist[:, :, None] * normal + across[:, :, None] * turn]
-        if held:
-            every = np.tile(triangles, len(held)), np.tile(points, (len(held), 1))
-            found.append(Rows.at(*every, np.concatenate(held), placement))
+            normal_rate = placement.normal_turn(points, tangents)[:, None]
+            fixed += [across[:, :, None] * normal, twist[:, :, None] * normal + across[:, :, None] * normal_rate]
+        if fixed:
+            repeated = np.tile(triangles, len(fixed)), np.tile(points, (len(fixed), 1))
+            parts.append(Rows.at(*repeated, np.concatenate(fixed), placement))
     if clamped and space.mid_normals:
-        found.append(_slope_rows(curve, 0.5, triangles, placement))
-    return found
+        parts.append(_slope_rows(curve, 0.5, triangles, placement))
+    return parts
 
 
 def _node_rows(
     space: Space, curve: EdgeCurve, triangles: Ints, placement: Deformation, directions: Floats, clamped: bool
 ) -> list[Rows]:
-    found = []
+    """Equations of a continuous space, at the nodes and Gauss points of the edges."""
+    parts = []
     for share in np.linspace(0.0, 1.0, space.degree + 1):
         points, tangents = curve.along(share)
         value = _line_jets(tangents, np.zeros(len(points)))[0]
         for direction in directions:
-            found.append(Rows.at(triangles, points, value[:, :, None] * direction, placement))
+            parts.append(Rows.at(triangles, points, value[:, :, None] * direction, placement))
     if clamped:
         for root in np.polynomial.legendre.leggauss(space.degree)[0]:
-            found.append(_slope_rows(curve, 0.5 * (root + 1.0), triangles, placement))
-    return found
+            parts.append(_slope_rows(curve, 0.5 * (root + 1.0), triangles, placement))
+    return parts
 
 
 def _slope_rows(curve: EdgeCurve, share: float, triangles: Ints, placement: Deformation) -> Rows:
-    # across the chord: closer to the curve it costs more than it gains, on the plates with a closed form
+    """Equations of a clamp: the slope across the chord at a share of it.
+
+    On plates with a closed form, the slope across the chord gives smaller errors than the slope across the curve.
+    """
     chord = curve.ends[:, 1] - curve.ends[:, 0]
     points = curve.ends[:, 0] + share * chord
     across = _line_jets(chord / np.linalg.norm(chord, axis=1, keepdims=True), np.zeros(len(chord)))[3]
@@ -121,10 +126,10 @@ def _slope_rows(curve: EdgeCurve, share: float, triangles: Ints, placement: Defo
 
 
 def _line_jets(tangents: Floats, bends: Floats) -> tuple[Floats, ...]:
-    """(n, 6) weights of value, d/ds, d2/ds2, d/dnu and d/ds d/dnu along a curve with signed curvature, nu left of s.
+    """(n, 6) weights of value, d/ds, d2/ds2, d/dnu and d/ds d/dnu along a curve of signed curvature k.
 
-    By `t' = k nu`, `nu' = -k t`: the second derivative along the curve is `t.H t + k d/dnu`, that of the slope across
-    it `t.H nu - k d/dt`.
+    The normal nu is on the left of the tangent t. With `t' = k nu` and `nu' = -k t`, the second derivative along the
+    curve is `t . H t + k d/dnu`, and the derivative of the slope across it is `t . H nu - k d/dt`.
     """
     normals = left(tangents)
     zero, one = np.zeros(len(tangents)), np.ones(len(tangents))

@@ -35,7 +35,7 @@ class Elimination:
 
 
 class Contradiction(ValueError):
-    """Equations without a solution; `row` is the worst one and `miss` its residual."""
+    """The equations have no solution; `row` is the worst equation and `miss` its residual."""
 
     def __init__(self, row: int, miss: float) -> None:
         super().__init__(f"equation {row} is off by {miss:.3g}")
@@ -43,19 +43,30 @@ class Contradiction(ValueError):
 
 
 def eliminate(matrix: sp.csr_matrix, right: Floats, tolerance: float) -> Elimination:
-    """Solve equations for as many unknowns as they determine.
+    """Solve equations `matrix x = right` for as many unknowns as they determine.
 
-    Groups of equations that share unknowns are solved each by itself, by QR with column pivoting.
+    Blocks of equations that share unknowns are solved separately, by QR with column pivoting.
 
     Parameters
     ----------
-    matrix : (R, n).
-    right : (R, k).
-    tolerance : how far redundant equations may disagree, each scaled to a largest coefficient of 1.
+    matrix : (R, n) coefficients.
+    right : (R, k) right-hand sides.
+    tolerance : largest residual of a redundant equation, scaled to a largest coefficient of 1.
 
     Raises
     ------
     Contradiction
+        The equations have no solution.
+
+    Examples
+    --------
+    `x0 + x1 = 2`, twice, leaves x1 and x2 free:
+
+    >>> solved = eliminate(sp.csr_matrix([[1.0, 1.0, 0.0], [2.0, 2.0, 0.0]]), np.array([[2.0], [4.0]]), 1e-9)
+    >>> solved.free.tolist(), solved.redundant
+    ([1, 2], 1)
+    >>> (solved.map @ np.array([0.5, 7.0]) + solved.constant[:, 0]).round(6)
+    array([1.5, 0.5, 7. ])
     """
     matrix = sp.csr_matrix(matrix)
     matrix.sum_duplicates()
@@ -72,30 +83,30 @@ def eliminate(matrix: sp.csr_matrix, right: Floats, tolerance: float) -> Elimina
     right = right / scale[:, None]
     size = matrix.shape[1]
     constant = np.zeros((size, right.shape[1]))
-    gone = np.zeros(size, dtype=bool)
+    eliminated = np.zeros(size, dtype=bool)
     redundant = int(empty.sum())
     rows_out: list[Ints] = []
     columns_out: list[Ints] = []
     entries_out: list[Floats] = []
-    alike: dict[tuple[int, bytes], list[tuple[Ints, Ints]]] = {}  # components of a vector share equations
-    for rows, columns, block in _groups(matrix):
-        alike.setdefault((len(rows), block.tobytes()), []).append((rows, columns))
-    for (height, entries), groups in alike.items():
-        rows, columns = (np.array(part) for part in zip(*groups, strict=True))  # a group in each row
-        one = _solve(np.frombuffer(entries).reshape(height, -1))
+    equal_blocks: dict[tuple[int, bytes], list[tuple[Ints, Ints]]] = {}  # such as the components of a vector
+    for rows, columns, block in _blocks(matrix):
+        equal_blocks.setdefault((len(rows), block.tobytes()), []).append((rows, columns))
+    for (height, entries), places in equal_blocks.items():
+        rows, columns = (np.array(part) for part in zip(*places, strict=True))  # a block in each row
+        solved = _solve(np.frombuffer(entries).reshape(height, -1))
         given = right[rows]
-        miss = np.abs(given - one.q @ (one.q.T @ given)).max(axis=2)
+        miss = np.abs(given - solved.q @ (solved.q.T @ given)).max(axis=2)
         if not miss.max() <= tolerance:  # nan too
             worst = np.unravel_index(miss.argmax(), miss.shape)
             raise Contradiction(int(rows[worst]), float(miss[worst]))
-        redundant += rows.size - len(rows) * len(one.pivots)
-        pivots = columns[:, one.pivots]
-        gone[pivots] = True
-        constant[pivots] = one.given @ given
-        rows_out.append(pivots[:, one.row].ravel())
-        columns_out.append(columns[:, one.column].ravel())
-        entries_out.append(np.tile(one.weight, len(rows)))
-    free = np.flatnonzero(~gone)
+        redundant += rows.size - len(rows) * len(solved.pivots)
+        pivots = columns[:, solved.pivots]
+        eliminated[pivots] = True
+        constant[pivots] = solved.given @ given
+        rows_out.append(pivots[:, solved.row].ravel())
+        columns_out.append(columns[:, solved.column].ravel())
+        entries_out.append(np.tile(solved.weight, len(rows)))
+    free = np.flatnonzero(~eliminated)
     number = np.full(size, -1)
     number[free] = np.arange(len(free))
     rows_out.append(free)
@@ -108,9 +119,9 @@ def eliminate(matrix: sp.csr_matrix, right: Floats, tolerance: float) -> Elimina
 
 @dataclass(frozen=True)
 class _Solved:
-    """A block of equations, solved for its pivots: `pivots = given @ right side + weight times other column`.
+    """A block of equations, solved: `x[pivots] = given @ right + W x`, W with entries (row, column, weight).
 
-    `q` are orthonormal combinations of the equations; the weights come entry by entry.
+    The columns of `q` are an orthonormal basis of the range of the block.
     """
 
     q: Floats
@@ -122,7 +133,7 @@ class _Solved:
 
 
 def _solve(block: Floats) -> _Solved:
-    """By QR with column pivoting."""
+    """Solve a block by QR with column pivoting."""
     q, r, order = qr(block, mode="economic", pivoting=True, check_finite=False)
     rank = int(np.sum(np.abs(np.diag(r)) > MIN_PIVOT * abs(r[0, 0])))
     q = q[:, :rank]
@@ -132,8 +143,8 @@ def _solve(block: Floats) -> _Solved:
     return _Solved(q, given, order[:rank], i, order[rank:][j], weights[i, j])
 
 
-def _groups(matrix: sp.csr_matrix) -> Iterator[tuple[Ints, Ints, Floats]]:
-    """Rows, columns and entries of the blocks that a matrix falls into."""
+def _blocks(matrix: sp.csr_matrix) -> Iterator[tuple[Ints, Ints, Floats]]:
+    """Rows, columns and dense entries of the diagonal blocks of a matrix, after a permutation."""
     count = matrix.shape[0]
     entries = matrix.tocoo()
     graph = sp.coo_matrix((np.ones(entries.nnz), (entries.row, count + entries.col)), shape=(sum(matrix.shape),) * 2)

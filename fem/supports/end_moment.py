@@ -1,8 +1,8 @@
-"""A moment along an edge, about an axis that stays.
+"""A moment along an edge, about an axis that is fixed in space.
 
-It turns the fibres that cross the edge, as a lever would: with p the derivative of the position across the edge and
-psi the angle of its projection on the plane normal to the axis, the potential is `-int m psi ds`. So the moment is
-conservative, and exact for rotations of any size; fibres that tilt towards the axis still feel it about the axis.
+The moment acts on the fibres that cross the edge. With the derivative p of the position across the edge and the angle
+psi of its projection on the plane normal to the axis, the potential is `-int m psi ds`. The moment is conservative and
+exact for rotations of any size, also for fibres that tilt to the axis.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ class EndMoment:
     space : discretisation.
     facets : (n,) mesh edges.
     moment : N, that is N mm per printed mm of edge; right-handed about the axis.
-    axis : (3,), any length.
-    near : rad; angles from the printed place are counted within half a turn of it. Only the value of the energy
-        depends on that.
+    axis : (3,) direction, of any length.
+    near : rad, expected angle from the printed fibre; psi is counted within pi of it. Only the value of the energy
+        depends on it.
 
     Raises
     ------
     ValueError
-        The axis is along the fibres.
+        The axis is parallel to the fibres.
     """
 
     def __init__(self, space: Space, facets: Ints, moment: float, axis: ArrayLike, near: float = 0.0) -> None:
@@ -50,14 +50,14 @@ class EndMoment:
         self._plane = _plane(np.asarray(axis, dtype=float), outward.mean(axis=0))
 
     def energy(self, positions: Floats) -> float:
-        """N mm, at X (N, 3)."""
+        """N mm, potential at positions (N, 3)."""
         a, b = self._projected(positions)
-        # within half a turn of `near`
+        # within pi of `near`
         angle = self.near + np.angle((a + 1j * b) * np.exp(-1j * self.near))
         return -self.moment * float(self._weights @ angle)
 
     def gradient(self, positions: Floats) -> Floats:
-        """(N, 3) N."""
+        """(N, 3) N, gradient of the potential."""
         a, b = self._projected(positions)
         slope = np.stack([-b, a]) / (a * a + b * b)
         forces = -self.moment * self._weights[:, None] * np.einsum("kn,kr->nr", slope, self._plane)
@@ -66,7 +66,7 @@ class EndMoment:
         return out
 
     def hessian(self, positions: Floats) -> sp.csr_matrix:
-        """(3N, 3N) N/mm, symmetric and exact; the moment is conservative."""
+        """(3N, 3N) N/mm, Hessian of the potential."""
         a, b = self._projected(positions)
         twice, difference = 2.0 * a * b, b * b - a * a
         second = np.stack([np.stack([twice, difference]), np.stack([difference, -twice])]) / (a * a + b * b) ** 2
@@ -83,12 +83,12 @@ class EndMoment:
 
 
 def _plane(axis: Floats, fibre: Floats) -> Floats:
-    """(2, 3) orthonormal, right-handed with the axis; the first along the printed fibre (2,), whose angle is so 0."""
+    """(2, 3) orthonormal basis of the plane normal to the axis, right-handed; psi = 0 along the printed fibre (2,)."""
     axis = axis / np.linalg.norm(axis)
     across = np.append(fibre / np.linalg.norm(fibre), 0.0)
     first = across - (across @ axis) * axis
     length = np.linalg.norm(first)
     if length < 1e-6:
-        raise ValueError("end moment: the axis is along the fibres that it should turn")
+        raise ValueError("end moment: the axis is parallel to the fibres that the moment rotates")
     first /= length
     return np.stack([first, np.cross(axis, first)])

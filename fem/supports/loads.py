@@ -1,7 +1,7 @@
 """Dead loads: forces that keep size and direction while the sheet moves.
 
-All give the forces F (N, 3) on the dofs of a space, in N: the potential is `-sum(F * X)`, exactly, and its Hessian
-is zero. Forces are per printed area or printed length, so the total does not change with the sheet's strain.
+Each function returns the forces F (N, 3) in N on the dofs of a space, `F_i = int f phi_i`. The potential at positions x
+is `-sum(F * x)`, and its Hessian is zero. Densities are per printed area or length, so the total force is constant.
 """
 
 from __future__ import annotations
@@ -18,9 +18,20 @@ Force = ArrayLike | Callable[[Floats], Floats]
 
 
 def area_load(space: Space, force: Force) -> Floats:
-    """(N, 3) N of a force per printed area, N/mm^2: one (3,), or a function from (n, 2) mm to (n, 3).
+    """(N, 3) N, dead load of a force per printed area.
 
-    Gravity is `(0, 0, -weight)`, with the weight of a printed square mm.
+    Parameters
+    ----------
+    force : N/mm^2, (3,) or a function of printed points (n, 2) mm to (n, 3). Gravity is (0, 0, -weight per area).
+
+    Examples
+    --------
+    A plate of 1 mm^2 that weighs 2 N; the sum over the dofs that are positions is the weight:
+
+    >>> from skfem import MeshTri
+    >>> from fem.elements.lifted import Lifted
+    >>> area_load(Lifted(MeshTri(), degree=2), (0.0, 0.0, -2.0)).sum(axis=0).round(6) + 0.0
+    array([ 0.,  0., -2.])
     """
     table = space.tabulate(2 * space.degree)
     at = _values(force, table.points.reshape(-1, 2)).reshape(*table.weights.shape, 3)
@@ -30,19 +41,19 @@ def area_load(space: Space, force: Force) -> Floats:
 
 
 def edge_load(space: Space, facets: Ints, force: Force) -> Floats:
-    """(N, 3) N of a force per printed length of mesh edges, N/mm: one (3,), or a function from (n, 2) mm to (n, 3)."""
+    """(N, 3) N, dead load of a force per printed length of mesh edges (n,): N/mm, as `force` in `area_load`."""
     triangles, points, weights = edge_points(space, facets)
     return _gather(space, triangles, points, weights[:, None] * _values(force, points))
 
 
 def point_load(space: Space, points: ArrayLike, forces: ArrayLike) -> Floats:
-    """(N, 3) N of forces (n, 3) N at printed points (n, 2) mm."""
+    """(N, 3) N, dead load of forces (n, 3) N at printed points (n, 2) mm."""
     at = np.atleast_2d(np.asarray(points, dtype=float))
     return np.asarray(space.locate(at).spread(np.broadcast_to(np.asarray(forces, dtype=float), (len(at), 3))))
 
 
 def edge_points(space: Space, facets: Ints) -> tuple[Ints, Floats, Floats]:
-    """Triangles (n,), printed points (n, 2) and weights (n,) mm: Gauss points of mesh edges, exact for the space."""
+    """Gauss points of mesh edges, exact for the space: triangles (n,), printed points (n, 2) and weights (n,) in mm."""
     roots, shares = np.polynomial.legendre.leggauss(space.degree + 1)
     a, b = space.mesh.p.T[space.mesh.facets[:, facets]]
     points = a[:, None] + 0.5 * (roots[:, None] + 1.0) * (b - a)[:, None]

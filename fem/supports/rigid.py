@@ -7,7 +7,7 @@ import scipy.sparse as sp
 
 from fem.elements.tabulation import Floats, Ints
 
-MIN_WORK = 1e-6  # part of the norm of the loads: smaller work along a unit motion is zero
+MIN_WORK = 1e-6  # 1: work along a unit motion over the norm of the loads, below which it counts as zero
 
 
 def admissible_motions(x: Floats, shifts: Floats, columns: sp.csr_matrix, free: Ints) -> Floats:
@@ -16,10 +16,10 @@ def admissible_motions(x: Floats, shifts: Floats, columns: sp.csr_matrix, free: 
     Parameters
     ----------
     shifts : (N,) coefficients of the function one.
-    columns, free : the map (3N, n), and which components are its unknowns, as in `fem.supports.conditions.Reduction`.
+    columns, free : map (3N, n) and numbers (n,) of the free unknowns, as in `fem.supports.conditions.Reduction`.
     """
     centred = x - shifts[:, None] * x[shifts != 0.0].mean(axis=0)
-    centred /= np.sqrt((centred**2).mean()) + 1e-30  # turns and shifts of about the same length
+    centred /= np.sqrt((centred**2).mean()) + 1e-30  # scales rotations to the length of translations
     motions = np.zeros((*x.shape, 6))
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
@@ -34,28 +34,28 @@ def admissible_motions(x: Floats, shifts: Floats, columns: sp.csr_matrix, free: 
 
 
 def span_a_plane(points: Floats) -> bool:
-    """Whether points (n, 3) are not on one line: fixing them stops every rigid motion."""
+    """Whether points (n, 3) do not lie on one line. Then fixing them prevents every rigid motion."""
     if len(points) < 3:
         return False
     sizes = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
     return bool(sizes[1] > 1e-3 * sizes[0])
 
 
-def neutral_motions(motions: Floats, stiffness: Floats, push: Floats, least: float) -> Floats:
-    """(n, k) orthonormal: the combinations of orthonormal motions (n, j) without work and without stiffness.
+def neutral_motions(motions: Floats, stiffness: Floats, load_gradient: Floats, min_stiffness: float) -> Floats:
+    """(n, k) orthonormal combinations of orthonormal motions (n, j) along which loads do no work and stiffness is zero.
 
-    A sheet that hangs from a point can swing. To first order the swing does no work, but weight gives it a stiffness,
-    negative if the sheet is upside down. Such a motion is not neutral: it stays in the spectrum.
+    A sheet that is fixed at one point can swing under its weight. To first order the swing does no work, but the weight
+    gives it a stiffness, negative for a sheet above the point. Such a motion is not neutral and stays in the spectrum.
 
     Parameters
     ----------
-    stiffness : (n, j) N/mm, the Hessian times the motions.
-    push : (n,) N, the gradient of loads and moments.
-    least : N/mm, smaller stiffnesses are zero.
+    stiffness : (n, j) N/mm, Hessian times the motions.
+    load_gradient : (n,) N, gradient of loads and moments.
+    min_stiffness : N/mm, stiffness below which it counts as zero.
     """
-    size = np.linalg.norm(push)
-    work = motions.T @ push / size if size > 0.0 else np.zeros(motions.shape[1])
-    # both rows are scaled such that 1 is the limit
-    rows = np.concatenate([stiffness / least, work[None] / MIN_WORK])
+    size = np.linalg.norm(load_gradient)
+    work = motions.T @ load_gradient / size if size > 0.0 else np.zeros(motions.shape[1])
+    # all rows are scaled so that the limit is 1
+    rows = np.concatenate([stiffness / min_stiffness, work[None] / MIN_WORK])
     _, values, directions = np.linalg.svd(rows, full_matrices=False)
     return np.asarray(motions @ directions[values < 1.0].T)

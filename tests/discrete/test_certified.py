@@ -1,4 +1,4 @@
-"""The certificate never says minimum where a dense eigenvalue solve finds a negative eigenvalue."""
+"""The certificate agrees with a dense eigenvalue solver: a state with a negative eigenvalue is not a minimum."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ PINS: list[list[dict]] = [
 
 
 def dense(m: DiscreteModel, state: State) -> np.ndarray:
-    """Eigenvalues of the whole Hessian, rigid motions projected out and moved far up."""
+    """Eigenvalues of the whole Hessian, with the rigid motions shifted above all others."""
     low = m.pattern.lower(m.hessian(state, 0.0)).toarray()
     full = low + np.tril(low, -1).T
     modes = m.rigid_modes(state)
@@ -69,7 +69,7 @@ def test_random_designs(rings, length, thickness, stretch, arms, curl, pins, ben
     start = ReleaseStart(bumps=bumps, bend=bend, axis_deg=35.0, sag_mm=8.0, releases=releases)
     found = solve_on_mesh(m, start, max_iterations=iterations)
     values = dense(m, found.state)
-    # away from a stationary state rigid motions are no null vectors of the Hessian, and what is found is an upper bound
+    # at other than stationary states rigid motions are not null vectors, and the computed value is an upper bound
     assert found.smallest_eigenvalue >= values[0] - 1e-7 * force_scale(m)
     if found.converged:
         assert found.smallest_eigenvalue == pytest.approx(values[0], rel=1e-4, abs=1e-7 * force_scale(m))

@@ -67,14 +67,14 @@ def test_hessian(name, bent):
     expected = 0.5 * (derivative + derivative.swapaxes(1, 2))
     assert relative(full(sample.elements.hessians(sample.state.packed), n), expected) < 1e-11
     if not name.startswith("rod"):
-        # no directors, no holonomy: the derivative itself is symmetric
+        # without directors there is no holonomy, so the derivative is symmetric
         assert relative(derivative, expected) < 1e-11
 
 
 @ENERGIES
 @PLACES
 def test_hessian_is_the_slope_of_the_gradient_in_real_arithmetic(name, bent):
-    """The same by central differences of the compiled gradient, which never sees a complex number."""
+    """Central differences of the compiled gradient, without complex numbers."""
     sample = make(name, bent)
     n, step = sample.elements.dofs_per_element, 1e-5
     columns = []
@@ -106,8 +106,8 @@ def test_compiled_and_plain_paths_agree(name, bent, blend):
 
 @ENERGIES
 @PLACES
-def test_blend_goes_from_exact_to_semidefinite(name, bent):
-    """Linear in between, so a small blend is a small change; somewhere the exact Hessian is indefinite."""
+def test_blend_interpolates_from_exact_to_semidefinite(name, bent):
+    """Blended Hessians are linear in the blend; some exact element Hessians are indefinite."""
     sample = make(name, bent)
     n, packed = sample.elements.dofs_per_element, sample.state.packed
     exact, convex = (full(sample.elements.hessians(packed, blend), n) for blend in (0.0, 1.0))
@@ -119,7 +119,7 @@ def test_blend_goes_from_exact_to_semidefinite(name, bent):
 
 
 def test_blend_keeps_a_definite_membrane_as_it_is():
-    """In tension there is nothing to take out: the blended Hessian is the exact one."""
+    """In tension the Hessian is positive semidefinite, so the blended Hessian is the exact one."""
     sample = make("membrane", False)
     grown = sample.state.packed * 1.6
     exact, convex = (full(sample.elements.hessians(grown, blend), 9) for blend in (0.0, 1.0))
@@ -129,7 +129,7 @@ def test_blend_keeps_a_definite_membrane_as_it_is():
 
 
 def test_bent_samples_are_bent():
-    """The strong states are what they are said to be: more than 90 degrees of bending, folding and twist."""
+    """The strong states have more than 90 degrees of bending, folding and twist."""
     bend = make("rod bend", True)
     t = edge_tangents(bend.state.positions, bend.edges).reshape(COUNT, 2, 3) * bend.elements.params[:, 4:, None]
     assert ((t[:, 0] * t[:, 1]).sum(axis=1) < 0.0).all()

@@ -1,4 +1,4 @@
-"""V3 and V4: the fabric as a membrane, and what the paper's hinges make of its bending stiffness."""
+"""V3 and V4: the fabric as a membrane, and the bending stiffness of the paper's hinges."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def counterclockwise(points: Array, triangles: Array) -> Array:
 
 
 def right_triangles(edge: float) -> tuple[Array, Array]:
-    """Squares, all cut along the same diagonal."""
+    """Squares, all divided along the same diagonal."""
     n = round(SIDE / edge)
     grid = np.linspace(0.0, SIDE, n + 1)
     points = np.stack(np.meshgrid(grid, grid, indexing="ij"), axis=-1).reshape(-1, 2)
@@ -46,7 +46,7 @@ def equilateral(edge: float) -> tuple[Array, Array]:
     i, j = np.meshgrid(np.arange(rows + 1), np.arange(columns + 1), indexing="ij")
     points = edge * np.stack([j + 0.5 * (i % 2), np.sqrt(0.75) * i], axis=-1).reshape(-1, 2)
     triangles = Delaunay(points).simplices
-    # the two slanted sides get no slivers
+    # keep the triangles at the slanted sides well shaped
     longest = np.linalg.norm(points[triangles] - points[np.roll(triangles, 1, axis=1)], axis=2).max(axis=1)
     return points, counterclockwise(points, triangles[longest < 1.5 * edge])
 
@@ -83,7 +83,7 @@ def area(points: Array, triangles: Array) -> Array:
 def fabric(
     points: Array, triangles: Array, held: Array | None = None, incompressible: bool = False, bending: bool = True
 ) -> System:
-    """The fabric alone, printed at its rest shape."""
+    """A system of the fabric alone, printed at its rest shape."""
     parts = {"membrane": Membrane(triangles, points, THICKNESS, MODULUS, POISSON, incompressible)}
     if bending:
         edges = interior_edges(triangles)
@@ -101,7 +101,7 @@ def flat(points: Array) -> State:
 
 @pytest.mark.parametrize("mesh", MESHES)
 @pytest.mark.parametrize("incompressible", [False, True])
-def test_patch(mesh, incompressible):
+def test_patch_test(mesh, incompressible):
     """x = F X is an equilibrium of the interior, in any plane of space."""
     points, triangles = MESHES[mesh](2.5)
     system = fabric(points, triangles, incompressible=incompressible)
@@ -117,8 +117,8 @@ def test_patch(mesh, incompressible):
 
 @pytest.mark.parametrize("method", ["blended", "shifted"])
 @pytest.mark.parametrize("incompressible", [False, True])
-def test_free_fabric_released_goes_to_its_rest_size(method, incompressible):
-    """Printed at stretch 1.35 and let go: 1/1.35 of the printed size and no energy."""
+def test_released_free_fabric_takes_its_rest_size(method, incompressible):
+    """Printed at stretch 1.35 and released, it has 1/1.35 of the printed size and zero energy."""
     stretch = 1.35
     printed, triangles = jittered(2.5)
     system = fabric(printed / stretch, triangles, incompressible=incompressible)
@@ -137,7 +137,7 @@ def test_free_fabric_released_goes_to_its_rest_size(method, incompressible):
 @pytest.mark.parametrize("mesh", MESHES)
 @pytest.mark.parametrize("incompressible", [False, True])
 def test_release_ends_where_the_energy_is_only_rounding(mesh, incompressible):
-    """The last steps promise less than the rounding that the first energies left; they must still be taken."""
+    """Newton's method takes the last steps although their decrease is below the rounding error of the first energy."""
     for edge in (2.5, 2.0, 1.5):
         printed, triangles = MESHES[mesh](edge)
         system = fabric(printed / 1.35, triangles, incompressible=incompressible)
@@ -194,7 +194,7 @@ def test_small_strain_is_linear_elasticity(incompressible):
 
 
 def test_collapse_is_a_barrier():
-    """No path of finite energy turns a triangle inside out in its plane."""
+    """The energy is infinite at a collapsed triangle, so no triangle can be inverted in its plane."""
     points, triangles = right_triangles(10.0)
     for incompressible in (False, True):
         system = fabric(points, triangles, incompressible=incompressible)
@@ -242,7 +242,7 @@ def bending_factor(mesh: str, shape: str, edge: float) -> float:
     [("equilateral", (3.0, 3.0, 40.0 / 7.0, 20.0 / 13.0)), ("right", (3.0, 9.0, 30.0 / 7.0, 30.0 / 13.0))],
 )
 def test_paper_bending_on_regular_meshes(mesh, factors, edge):
-    """A factor that is the same at every resolution: 3 for any cylinder on equilateral triangles.
+    """The stiffness factor does not depend on the resolution: 3 for any cylinder on equilateral triangles.
 
     Those are isotropic, a plate of stiffness 3 D and Poisson's ratio -1/3 whatever nu is; right triangles are three
     times stiffer along one diagonal than along their sides.
@@ -259,14 +259,14 @@ def test_paper_bending_on_regular_meshes(mesh, factors, edge):
     ],
 )
 def test_paper_bending_on_irregular_meshes(mesh, ranges):
-    """Stiffer the worse the triangles, and no better on finer meshes."""
+    """The factor grows as triangles get worse, and finer meshes do not reduce it."""
     for shape, (low, high) in zip(SHAPES, ranges, strict=True):
         for edge in (2.0, 1.0, 0.5):
             assert low < bending_factor(mesh, shape, edge) < high, (shape, edge)
 
 
-def test_paper_bending_knows_no_poisson_ratio():
-    """nu only enters through k_B: sphere over cylinder stays what the mesh makes it."""
+def test_paper_bending_ignores_poisson_ratio():
+    """nu enters through k_B only, so the ratio of sphere to cylinder depends on the mesh alone."""
     points, triangles = equilateral(2.0)
     edges = interior_edges(triangles)
     base = paper_coefficients(edges, points, THICKNESS, MODULUS, 0.0)
@@ -277,7 +277,7 @@ def test_paper_bending_knows_no_poisson_ratio():
 
 @pytest.mark.parametrize(("bending", "part", "column"), [("paper", "hinges", 0), ("consistent", "folds", 1)])
 def test_hinges_follow_the_shape_of_the_fabric_at_rest(bending, part, column):
-    """With two stretches that is not the print's, and changes with the release."""
+    """With different stretches in x and y the rest shape is not similar to the print, and changes with the release."""
     stars = {"length_mm": 8.0}
     fabric = {"stretch": [1.8, 1.0], "bending": bending}
     design = Design.from_dict({"fabric": fabric, "stars": stars, "border": {"rings": 1}, "mesh": {"edge_mm": 4.0}})
@@ -294,7 +294,7 @@ def test_hinges_follow_the_shape_of_the_fabric_at_rest(bending, part, column):
 
 
 def test_sheet_bent_round_a_circle():
-    """Large angles: a prism of undeformed faces has c (2 tan(theta/2))^2 at each of its folds, and no more."""
+    """Large angles: a prism with undeformed faces has the energy c (2 tan(theta/2))^2 at each of its folds."""
     points, triangles = equilateral(2.0)
     edges = interior_edges(triangles)
     elements = Hinges(edges, paper_coefficients(edges, points, THICKNESS, MODULUS, POISSON))

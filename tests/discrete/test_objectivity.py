@@ -1,4 +1,4 @@
-"""V2: the energy of a star on its sheet does not know where it is, nor how its parts are numbered.
+"""V2: the energy of a star on its sheet does not depend on its place in space or on the numbering of its parts.
 
 The state is rolled up beyond 90 degrees, with noise and twist, so that nothing vanishes by symmetry.
 """
@@ -37,7 +37,7 @@ MODEL = DiscreteModel(DESIGN, UNEVEN, MESH)
 
 
 def rolled(model: DiscreteModel, radius: float = 3.0) -> State:
-    """The sheet around a cylinder, carried there in steps, then noise and twist."""
+    """The sheet rolled around a cylinder in steps, then with noise and twist."""
     rng = np.random.default_rng(3)
     state = model.flat_state()
     x, y, _ = state.positions.T
@@ -68,7 +68,7 @@ def assert_gradient(found: Array, expected: Array) -> None:
 
 
 def rotated(vectors: Array, axis: Array, angle: float) -> Array:
-    """Rodrigues."""
+    """Vectors rotated about an axis, by Rodrigues' formula."""
     w = axis / np.linalg.norm(axis)
     along = (vectors @ w)[:, None] * w
     return along + np.cos(angle) * (vectors - along) + np.sin(angle) * np.cross(w, vectors)
@@ -78,7 +78,7 @@ directions = st.tuples(*[st.floats(-1.0, 1.0)] * 3).map(np.array).filter(lambda 
 turns = st.floats(-np.pi, np.pi)
 
 
-def test_every_energy_is_there_and_bent_far():
+def test_state_has_all_energies_and_large_rotations():
     assert set(ENERGIES) == {"membrane", "hinges", "rod_bending", "rod_stretch", "rod_twist"}
     assert min(ENERGIES.values()) > 1e-3
     assert STATE.directors[:, 2].min() < 0.0 < STATE.directors[:, 2].max()
@@ -89,7 +89,7 @@ def test_every_energy_is_there_and_bent_far():
 def test_translation(shift, size):
     moved = State(STATE.positions + size * shift, STATE.directors)
     for name, value in MODEL.energies(moved).items():
-        # far from the origin the edges lose digits, and the stiff rods show it
+        # far from the origin edge vectors lose digits, which changes the energy of the stiff rods
         assert value == pytest.approx(ENERGIES[name], rel=1e-11 + 1e-12 * size), name
 
 
@@ -105,7 +105,7 @@ def test_rotation(axis, angle):
 @settings(max_examples=10, deadline=None)
 @given(axis=directions, angle=turns)
 def test_rotation_by_time_parallel_steps(axis, angle):
-    """Carried along, a director lags behind the body by w . t: what `rigid_modes` says, at second order."""
+    """Parallel transport rotates a director by w . t less than the body, as in `rigid_modes`; second order."""
     w = axis / np.linalg.norm(axis)
     error = []
     for steps in (40, 80):
@@ -128,7 +128,7 @@ def test_no_net_force_and_no_net_moment():
 
 
 def mirrored_mesh() -> Mesh:
-    """The print seen in a mirror: x -> -x, triangles counterclockwise again."""
+    """The mirror image of the print, x -> -x, with counterclockwise triangles."""
     return replace(MESH, points=MESH.points * [-1.0, 1.0], triangles=MESH.triangles[:, ::-1].copy())
 
 
@@ -137,7 +137,7 @@ def mirrored_mesh() -> Mesh:
 def test_mirror(normal):
     """The mirrored print in the mirrored state; the plastic normal is a vector and mirrors like a position.
 
-    The rest angle of a junction changes its sense with the print, and a turn about a tangent its sign.
+    The rest angle of a junction and a rotation about a tangent change their sign.
     """
     n = normal / np.linalg.norm(normal)
     model = DiscreteModel(DESIGN, UNEVEN, mirrored_mesh())
@@ -151,8 +151,8 @@ def test_mirror(normal):
     assert_gradient(model.full_gradient(moved), np.concatenate([forces.ravel(), -GRADIENT[N:]]))
 
 
-def test_mirrored_state_of_the_same_print_is_another_one():
-    """In a mirror the arms of the junction come in the wrong order: without the mirrored print it costs energy."""
+def test_mirrored_state_of_the_same_print_costs_energy():
+    """A mirror image has the arms of a junction in reverse order: without a mirrored print this costs energy."""
     moved = State(STATE.positions * [1.0, 1.0, -1.0], STATE.directors * [1.0, 1.0, -1.0])
     assert MODEL.energies(moved)["membrane"] == pytest.approx(ENERGIES["membrane"], rel=TOLERANCE)
     assert MODEL.energies(moved)["rod_bending"] > 1.1 * ENERGIES["rod_bending"]
@@ -182,7 +182,7 @@ def test_permuted_vertices_triangles_and_rods(seed):
 
 @pytest.mark.parametrize("rod", [0, 1, 2])
 def test_reversed_rod(rod):
-    """A rod run from its tip to its centre (arms not joined: a junction is at the start of its rods)."""
+    """A rod from its tip to its centre. The arms are not joined, since a junction is at the start of its rods."""
     loose = replace(UNEVEN, arm_star=np.full(3, -1))
     one = DiscreteModel(DESIGN, loose, MESH)
     rods = list(MESH.rods)
@@ -202,5 +202,5 @@ def test_reversed_rod(rod):
     for name, value in expected.items():
         assert found[name] == pytest.approx(value, rel=TOLERANCE), name
     before = one.full_gradient(STATE)
-    # a turn about the reversed tangent is the opposite turn
+    # a rotation about the reversed tangent is the opposite rotation
     assert_gradient(other.full_gradient(moved), np.concatenate([before[:N], (sign * before[N:])[edges]]))

@@ -1,4 +1,4 @@
-"""The way to an equilibrium: stability lost and found, pins that take hold after the release."""
+"""Continuation to an equilibrium: unstable states on the path, and pins that take hold after the release."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def model(edge: float = 4.0, rings: int = 1, **changes: object) -> DiscreteModel
     return DiscreteModel(design, plan, mesh_layout(plan, edge, design.mesh.kind))
 
 
-def test_pins_after_release_end_where_they_should() -> None:
+def test_pins_after_release_reach_their_targets() -> None:
     later = model(pins=[{"where": "border", "scale": 0.8, "step": 1}])
     found = solve_on_mesh(later)
     held = later.constraints.held
@@ -33,7 +33,7 @@ def test_pins_after_release_end_where_they_should() -> None:
     assert [step.step for step in found.path] == [0] * 10 + [1] * 6
     assert [round(step.moved, 6) for step in found.path[-6:]] == [0.2, 0.4, 0.6, 0.8, 1.0, 1.0]
     assert later.release == 1.0 and later.energy(found.state) == pytest.approx(found.energy)
-    # released freely, the sheet has less energy than after it was pinned
+    # the free released sheet has less energy than the pinned one
     assert found.path[9].energy_n_mm == pytest.approx(solve_on_mesh(model()).energy, rel=1e-3)
     assert found.path[9].energy_n_mm < found.energy
 
@@ -46,14 +46,14 @@ def test_pinned_corners_lead_to_the_same_shape_before_and_after_release(pins: di
 
 
 def test_a_border_pinned_after_release_keeps_its_waves() -> None:
-    """The released border is longer than the pinned one and wavy: it is caught in a higher minimum."""
+    """The released border is longer than the pinned one, so pins catch its waves in a higher minimum."""
     pins = {"where": "border", "scale": 0.74}
     at_once, later = solve_on_mesh(model(pins=[pins])), solve_on_mesh(model(pins=[pins | {"step": 1}]))
     assert at_once.is_minimum and later.is_minimum
     assert later.energy > at_once.energy + 1.0
 
 
-def test_a_second_run_is_the_same_and_the_model_is_unharmed() -> None:
+def test_a_second_run_gives_the_same_and_the_model_is_unchanged() -> None:
     m = model(pins=[{"corners": [0, 3], "step": 2}, {"corners": [1], "slide": "z"}])
     printed = m.constraints.printed.copy()
     first, second = solve_on_mesh(m), solve_on_mesh(m)
@@ -62,7 +62,7 @@ def test_a_second_run_is_the_same_and_the_model_is_unharmed() -> None:
     assert [s.step for s in first.path].count(2) == 6
 
 
-def test_steps_hold_one_after_the_other() -> None:
+def test_pins_take_hold_step_by_step() -> None:
     m = model(pins=[{"corners": [0, 3], "scale": 0.8}, {"corners": [1], "step": 3}, {"corners": [5], "step": 1}])
     assert m.layout.pin_steps == (0, 1, 3)
     assert [model_with_pins_until(m, k).held.sum() for k in (0, 1, 3)] == [6, 9, 12]
@@ -70,16 +70,16 @@ def test_steps_hold_one_after_the_other() -> None:
     assert model_with_pins_until(free, 0) is free
 
 
-def test_a_free_sheet_is_laid_on_its_pins_with_the_plastic_up() -> None:
-    """Two pins leave a turn about their line undecided: the print decides it."""
+def test_a_free_sheet_moves_to_its_pins_with_the_plastic_up() -> None:
+    """Two pins leave the rotation about their line undetermined; the printed positions decide it."""
     m = model(pins=[{"corners": [0, 3], "scale": 0.75, "step": 1}])
     found = solve_on_mesh(m)
     assert found.is_minimum
     assert found.state.directors.mean(axis=0)[2] > 0.3
 
 
-def test_a_path_that_loses_stability_is_followed_to_the_side() -> None:
-    """Without arms' curl and without noise a symmetric print stays flat: every kick is on the path, none at its end."""
+def test_an_unstable_state_is_left_along_its_negative_mode() -> None:
+    """Without rest curvature and noise a print stays flat until it is unstable: kicks are on the path only."""
     plastic = gallery.load("tube").to_dict()["plastic"] | {"rest_curvature": "none"}
     m = model(rings=0, plastic=plastic)
     found = solve_on_mesh(m, ReleaseStart(bumps=False, noise_mm=0.0))
@@ -105,7 +105,7 @@ def test_a_path_that_loses_stability_is_followed_to_the_side() -> None:
         ({"start": "Bump"}, "must be one of bump, flat"),
     ],
 )
-def test_starts_that_are_none_are_refused(wrong: dict, said: str) -> None:
+def test_invalid_starts_are_refused(wrong: dict, said: str) -> None:
     data = gallery.load("star").to_dict()
     plan = layout(design := Design.from_dict(data))
     with pytest.raises(ValueError, match=said):
@@ -118,7 +118,7 @@ def test_starts_that_are_none_are_refused(wrong: dict, said: str) -> None:
         ReleaseStart(branch=(2,))
 
 
-def test_a_state_has_no_releases() -> None:
+def test_a_state_with_releases_is_refused() -> None:
     m = model(rings=0)
     with pytest.raises(ValueError, match="one or the other"):
         solve_on_mesh(m, m.flat_state(), releases=[0.3, 1.0])

@@ -1,4 +1,4 @@
-"""Similar sheets take similar shapes: without weight nothing says how long a millimetre is, or how stiff an MPa."""
+"""Similar sheets take similar shapes: without weight, the units of length and stiffness do not matter."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def assert_similar(one: Equilibrium, other: Equilibrium, size: float, stiff: flo
 
 @pytest.mark.parametrize("size, stiff", [(5.0, 1.0), (0.3, 1e3)])
 @pytest.mark.parametrize("branch", ["up", "down"])
-def test_stars_of_every_size_go_to_the_side_they_are_sent_to(branch: str, size: float, stiff: float) -> None:
+def test_stars_of_every_size_take_the_side_of_their_branch(branch: str, size: float, stiff: float) -> None:
     one, other = solve_on_mesh(model(1.0, branch=branch)), solve_on_mesh(model(size, stiff, branch))
     assert one.stars_up == other.stars_up == (branch == "up")
     assert_similar(one, other, size, stiff)

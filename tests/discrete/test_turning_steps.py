@@ -1,4 +1,4 @@
-"""Steps that turn: what they are, and that their rounding is small enough for tiny triangles."""
+"""Steps that rotate elements: their definition, and rounding small enough for tiny triangles."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def relaxed(plate: DiscreteModel) -> State:
 
 
 def direction(model: DiscreteModel, size: float, seed: int = 0) -> np.ndarray:
-    """(free,) moves that are smooth over the sheet, and some noise."""
+    """(free,) displacements that are smooth over the sheet, plus noise."""
     rng = np.random.default_rng(seed)
     x = model.mesh.points / np.abs(model.mesh.points).max()
     move = np.einsum("vk,kc->vc", np.column_stack([x, x**2, x[:, :1] * x[:, 1:]]), rng.normal(size=(5, 3)))
@@ -46,7 +46,7 @@ def direction(model: DiscreteModel, size: float, seed: int = 0) -> np.ndarray:
     return size * full[model.free]
 
 
-def test_a_rigid_turn_is_followed_as_one() -> None:
+def test_a_rigid_rotation_is_followed_exactly() -> None:
     model = star(4.0)
     state = solve_on_mesh(model).state
     spin = np.array([0.3, -0.5, 0.4])
@@ -64,7 +64,7 @@ def test_a_rigid_turn_is_followed_as_one() -> None:
 
 
 @pytest.mark.parametrize("pins", [[], [{"where": "border", "scale": 0.8}], [{"corners": [1], "slide": "z"}]])
-def test_a_step_sets_out_in_the_direction_it_is_given(pins: list[dict]) -> None:
+def test_the_slope_of_a_step_is_its_direction(pins: list[dict]) -> None:
     model = star(4.0, pins=pins)
     state = solve_on_mesh(model).state
     d = direction(model, 1.0)
@@ -77,7 +77,7 @@ def test_a_step_sets_out_in_the_direction_it_is_given(pins: list[dict]) -> None:
 
 @pytest.mark.slow
 def test_a_small_step_has_the_rounding_of_its_coordinates(plate: DiscreteModel, relaxed: State) -> None:
-    """It turns by second order, 1e-18 mm here: all else that it has beyond a straight one is rounding."""
+    """It differs from a straight step at second order, 1e-18 mm here; a larger difference is rounding."""
     assert np.linalg.norm(np.diff(plate.mesh.points[plate.edges], axis=1), axis=2).min() < 0.11
     d = direction(plate, 1e-9)
     turned, straight = (plate.path(relaxed, d, way)[0](1.0) for way in (False, True))
@@ -86,8 +86,8 @@ def test_a_small_step_has_the_rounding_of_its_coordinates(plate: DiscreteModel, 
 
 
 @pytest.mark.slow
-def test_newton_goes_down_to_the_rounding_of_the_coordinates(plate: DiscreteModel, relaxed: State) -> None:
-    """Moving every coordinate by its last digit changes the gradient by so much: nothing else may be in the way."""
+def test_newton_reaches_the_rounding_error_of_the_coordinates(plate: DiscreteModel, relaxed: State) -> None:
+    """The final gradient is at most the change of the gradient by the last digit of the coordinates."""
     last = np.spacing(np.abs(relaxed.positions))
     sign = np.random.default_rng(0).choice([-1.0, 1.0], size=last.shape)
     moved = State(relaxed.positions + sign * last, relaxed.directors)

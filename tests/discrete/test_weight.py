@@ -1,4 +1,4 @@
-"""What a sheet weighs, and who carries it."""
+"""The weight of a sheet, and the supports that carry it."""
 
 from __future__ import annotations
 
@@ -36,20 +36,20 @@ def mass(stars: int) -> float:
     return 1e-9 * (300.0 * 0.7 * 50.0 * 40.0 + 1200.0 * stars * 3 * 6.0 * 0.4 * 1.1)
 
 
-def test_the_sheet_weighs_what_its_fabric_and_plastic_weigh() -> None:
+def test_the_weight_is_that_of_fabric_and_plastic() -> None:
     m = model()
     total = m.load.reshape(-1, 3).sum(axis=0)
     np.testing.assert_allclose(total, [0.0, 0.0, -GRAVITY * mass(len(m.layout.centres))], rtol=1e-9, atol=1e-15)
 
 
-def test_weight_points_where_gravity_does() -> None:
+def test_the_weight_has_the_direction_of_gravity() -> None:
     m = model(gravity={"on": True, "direction": [3.0, 0.0, -4.0], "acceleration_m_s2": 1.62})
     total = m.load.reshape(-1, 3).sum(axis=0)
     np.testing.assert_allclose(total, 1.62 * mass(len(m.layout.centres)) * np.array([0.6, 0.0, -0.8]), rtol=1e-9)
 
 
-def test_what_holds_the_sheet_carries_it() -> None:
-    """At equilibrium the forces on the held vertices are the weight."""
+def test_the_supports_carry_the_weight() -> None:
+    """At equilibrium the reactions at the held vertices balance the weight."""
     m = model()
     found = solve_on_mesh(m)
     assert found.is_minimum
@@ -59,8 +59,8 @@ def test_what_holds_the_sheet_carries_it() -> None:
 
 
 @pytest.mark.parametrize("slide", [None, "plane"])
-def test_where_the_pins_stand_is_not_in_the_energy(slide: str | None) -> None:
-    """Nor in what the weight saves: a table that is a metre higher stores nothing in the sheet."""
+def test_the_energy_does_not_depend_on_the_place_of_the_pins(slide: str | None) -> None:
+    """The potential of the weight counts from the supports: a table that is higher by 1 m changes no energy."""
     pins = {"where": "corners", "scale": 0.8}
     one = model(pins=[pins])
     high = model(pins=[pins | {"offset_mm": [700.0, -300.0, 1000.0]}])
@@ -75,7 +75,7 @@ def test_where_the_pins_stand_is_not_in_the_energy(slide: str | None) -> None:
 def hung(
     modulus: float, pins: dict[str, object], direction: tuple[float, float, float] = (0.0, 0.0, -1.0)
 ) -> tuple[Equilibrium, np.ndarray, np.ndarray]:
-    """Seven stars of a fabric of any modulus, which gravity has to turn about what holds them.
+    """Seven stars on fabric of a given modulus, which gravity rotates about their supports.
 
     What was found, its centre of mass (3,), and the places that are held (n, 3), mm.
     """
@@ -96,12 +96,12 @@ def hung(
 
 @pytest.mark.parametrize("modulus", [7.1875, pytest.param(1000.0, marks=pytest.mark.slow)])
 def test_a_sheet_on_one_needle_hangs_below_it_or_is_no_equilibrium(modulus: float) -> None:
-    """Its weight is a hundred millionth of what would stretch it; turned over, it stands on the needle and falls."""
+    """Its weight is 1e-8 of its membrane stiffness. Upside down it stands on the needle, which is unstable."""
     needle = {"points_mm": [[0.0, 0.0]]}
     below, middle, _ = hung(modulus, needle)
     assert below.is_minimum
     assert middle[2] < -1.0 and np.linalg.norm(middle[:2]) < 0.02
-    # a pendulum's stiffness: all other motions are stiffer by far
+    # the stiffness of a pendulum: all other motions are far stiffer
     assert 0.0 < below.smallest_eigenvalue < 1e-5
     above, middle, _ = hung(modulus, needle, (0.0, 0.0, 1.0))
     assert not above.is_minimum or middle[2] > 1.0

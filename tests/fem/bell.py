@@ -10,7 +10,7 @@ from fem.elements.tabulation import Floats
 
 
 class Bell(Argyris):
-    """Argyris' triangle whose normal derivative is cubic along every edge: 18 dofs, none at edges.
+    """Argyris triangle with a cubic normal derivative along every edge: 18 dofs, all at vertices.
 
     Contains all polynomials up to degree 4 and some of degree 5, so it converges one order slower.
     """

@@ -1,4 +1,4 @@
-"""A hexagonal sheet with fields that roll it, dome it, make a saddle of it."""
+"""A hexagonal sheet with fields of a roll, a dome and a saddle."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ def hexagon(refinements: int) -> MeshTri:
 
 
 def density(sixfold: float = 0.0) -> Density:
-    """A plain sheet; `sixfold` N mm^2 makes it prefer axes."""
+    """An isotropic sheet; `sixfold` in N mm^2 gives it six preferred axes."""
     plate = THICKNESS**3 / 12.0
     stiffness = isotropic(*(MODULUS / (1.0 - POISSON**2) * np.array([THICKNESS, plate])), POISSON)
     return Density(stiffness, sixfold, saturation=0.02 if sixfold else np.inf)
 
 
 def radius(points: Floats) -> Floats:
-    """(...,) from the middle, 1 at the corners."""
+    """(...,) distances from the centre, 1 at the corners."""
     return np.linalg.norm(points, axis=-1) / RADIUS
 
 

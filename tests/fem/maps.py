@@ -1,4 +1,4 @@
-"""Maps of the sheet into space whose derivatives the shell's tests need."""
+"""Maps of the sheet into space with their derivatives, for the tests of the shell."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from fem.elements.tabulation import Floats
 
 
 def stacked(rows: list[list[Floats | float]], points: Floats) -> Floats:
-    """(n, 3, k) from k rows of three components."""
+    """(n, 3, k) array from k rows of three components."""
     parts = [np.stack(np.broadcast_arrays(*row, points[:, 0])[:3], axis=1) for row in rows]
     return np.stack(parts, axis=2)
 
 
 def arc(curvature: float) -> Deformation:
-    """Cylinder about the second axis, concave towards its normal for a positive curvature per mm."""
+    """Cylinder about the second axis, concave on the side of its normal for a positive curvature per mm."""
     k = curvature
 
     def position(p: Floats) -> Floats:

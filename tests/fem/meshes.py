@@ -1,11 +1,11 @@
-"""Meshes the shell's tests share."""
+"""Meshes for the tests of the shell."""
 
 import numpy as np
 from skfem import MeshTri
 
 
 def rectangle(columns: int, rows: int, width: float = 1.0, height: float = 1.0, amount: float = 0.0) -> MeshTri:
-    """From the origin; inner vertices are moved by up to `amount` of a cell."""
+    """A rectangle from the origin whose inner vertices are shifted by up to `amount` of a cell."""
     x, y = np.linspace(0.0, width, columns + 1), np.linspace(0.0, height, rows + 1)
     mesh = MeshTri.init_tensor(x, y)
     points, inner = mesh.p.copy(), mesh.interior_nodes()
@@ -25,7 +25,7 @@ def graded(columns: int, rows: int, width: float, height: float, power: float = 
 
 
 def turned(mesh: MeshTri, degrees: float, shift: tuple[float, float]) -> MeshTri:
-    """The mesh turned about the origin, then shifted."""
+    """The mesh rotated about the origin, then shifted."""
     c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
     return MeshTri(np.array([[c, -s], [s, c]]) @ mesh.p + np.array(shift)[:, None], mesh.t)
 

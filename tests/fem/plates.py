@@ -11,7 +11,7 @@ STIFF = 1e7
 
 
 def plate_matrix(space, poisson: float) -> sp.csr_matrix:
-    """(N, N) bending energy of unit stiffness, jumps included."""
+    """(N, N) matrix of the bending energy of unit stiffness, penalty on jumps included."""
     table = space.tabulate(2 * space.degree)
     law = np.array([[1, poisson, 0], [poisson, 1, 0], [0, 0, 2 * (1 - poisson)]])
     blocks = np.einsum("tq,tqic,cd,tqjd->tij", table.weights, table.hessians, law, table.hessians)
@@ -23,7 +23,7 @@ def plate_matrix(space, poisson: float) -> sp.csr_matrix:
 
 
 def uniform_load(space) -> np.ndarray:
-    """(N,) of 1 per area."""
+    """(N,) load of 1 per area."""
     table = space.tabulate(2 * space.degree)
     load = np.zeros(space.size)
     np.add.at(load, table.dofs, np.einsum("tq,tqm->tm", table.weights, table.values))
@@ -31,7 +31,7 @@ def uniform_load(space) -> np.ndarray:
 
 
 def deflection(space, conditions: list[Condition], load: np.ndarray, poisson: float = 0.3) -> np.ndarray:
-    """(N,) heights of a plate whose positions, all three components, meet the conditions.
+    """(N,) deflections of a plate whose positions, all three components, meet the conditions.
 
     In its plane it stays as printed, but for what the conditions say: a stiff spring at every dof sees to it.
     """
@@ -47,5 +47,5 @@ def deflection(space, conditions: list[Condition], load: np.ndarray, poisson: fl
 
 
 def height(space, heights: np.ndarray, x: float, y: float) -> float:
-    """At a printed point."""
+    """Deflection at a printed point."""
     return float((space.locate(np.array([[x, y]])).value @ heights)[0])

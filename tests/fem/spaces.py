@@ -1,4 +1,4 @@
-"""The discretisations that tests run over."""
+"""The discretisations over which tests are parametrised."""
 
 from collections.abc import Callable
 from typing import Any

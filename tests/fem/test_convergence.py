@@ -1,4 +1,4 @@
-"""Observed orders on a smooth solution: what each discretisation promises, with no corners or curves in the way."""
+"""Orders of convergence of each discretisation on a smooth solution, without corners and curved edges."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ def _bump(x: Floats) -> tuple[Floats, Floats, Floats, Floats]:
 
 
 def _load(points: Floats) -> Floats:
-    """(n, 3) of the plate `w = sin^2(pi x) sin^2(pi y)`: `lap(lap w)`."""
+    """(n, 3) load `lap(lap w)` of the plate deflection `w = sin^2(pi x) sin^2(pi y)`."""
     (x, _, x2, x4), (y, _, y2, y4) = (_bump(points[:, i]) for i in (0, 1))
     return np.column_stack([0.0 * points, x4 * y + 2.0 * x2 * y2 + x * y4])
 
 
 def _errors(space) -> list[float]:  # type: ignore[no-untyped-def]
-    """Root mean squares of the errors of deflection and second derivatives."""
+    """Rms errors of deflection and second derivatives."""
     rim = EdgeSupport(space.mesh.boundary_facets(), clamped=True)
     heights = deflection(space, [rim], area_load(space, _load)[:, 2])
     table = space.tabulate(12)

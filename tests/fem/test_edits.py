@@ -1,4 +1,4 @@
-"""While a user edits: the linear response at once, then the equilibrium from what is kept."""
+"""Edits: the linear response, then the equilibrium from the state before."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from tests.fem.hexagons import density, hexagon, radius
 
 
 def dome(amount: float) -> Fields:
-    """Deeper with a larger amount."""
+    """Fields of a bowl that deepens with the amount."""
     return of_stretch(density(100.0), lambda p: 0.85 - (0.1 + amount) * radius(p) ** 2, 0.004 + 0.1 * amount)
 
 
 def distance(shell: Shell, x: Floats, y: Floats) -> float:
-    """mm rms at the vertices after turning one onto the other."""
+    """Rms distance in mm at the vertices after a rigid fit."""
     at = shell.space.locate(shell.space.mesh.p.T).value
     a, b = (at @ state - (at @ state).mean(axis=0) for state in (x, y))
     u, _, v = np.linalg.svd(a.T @ b)
@@ -33,7 +33,7 @@ def distance(shell: Shell, x: Floats, y: Floats) -> float:
 
 
 def test_the_response_is_the_derivative() -> None:
-    """Its error is of second order in the edit."""
+    """The error of the linear response is of second order in the edit."""
     shell = Shell(Argyris(hexagon(1)), dome(0.0))
     factor = shell.factor()
     start = relax(shell, factor)
@@ -51,8 +51,8 @@ def test_the_response_is_the_derivative() -> None:
     assert 3.3 < errors[0] / errors[1] < 4.7
 
 
-def test_how_far_other_fields_take_it() -> None:
-    """In proportion to the difference, and as far as the equilibrium then goes."""
+def test_rms_response_to_other_fields() -> None:
+    """The rms response is proportional to the change of the fields and agrees with the new equilibrium."""
     shell = Shell(Argyris(hexagon(1)), dome(0.0))
     factor = shell.factor()
     start = relax(shell, factor)
@@ -82,7 +82,7 @@ def test_an_edit_and_back() -> None:
     assert distance(shell, start.x, state.x) < 1e-5
 
 
-def test_a_held_sheet_responds_too() -> None:
+def test_response_of_a_supported_sheet() -> None:
     mesh = hexagon(1)
     corners = np.arange(1, 7)
     places = np.column_stack([0.8 * mesh.p.T[corners], np.zeros(6)])
@@ -99,7 +99,7 @@ def test_a_held_sheet_responds_too() -> None:
     assert np.abs(guess.x - found.x).max() < 0.1 * np.abs(start.x - found.x).max()
 
 
-def test_fields_that_are_refused_change_nothing() -> None:
+def test_refused_fields_leave_the_shell_unchanged() -> None:
     shell = Shell(Argyris(hexagon(1)), dome(0.0))
     x = shell.flat + 0.1 * np.random.default_rng(0).normal(size=shell.flat.shape)
     before = shell.energy(x)
@@ -108,8 +108,8 @@ def test_fields_that_are_refused_change_nothing() -> None:
     assert shell.energy(x) == before
 
 
-def test_a_shell_with_other_fields_shares_its_pattern_and_leaves_the_first_as_it_was() -> None:
-    """Bit for bit the shell that is made from nothing, also of loads and of what was computed before."""
+def test_with_fields_shares_the_pattern_and_leaves_the_first_shell_unchanged() -> None:
+    """It equals a newly built shell bit for bit, also its loads and its cached properties."""
     loads = point_load(Argyris(hexagon(1)), np.zeros(2), np.array([0.0, 0.0, 1e-3]))
     shell = Shell(Argyris(hexagon(1)), dome(0.0))
     x = shell.flat + 0.1 * np.random.default_rng(0).normal(size=shell.flat.shape)
@@ -126,7 +126,7 @@ def test_a_shell_with_other_fields_shares_its_pattern_and_leaves_the_first_as_it
         shell.with_fields(dome(0.0), loads[:-1])
 
 
-def test_a_free_sheet_does_not_move_as_a_whole() -> None:
+def test_the_response_of_a_free_sheet_has_no_rigid_motion() -> None:
     shell = Shell(Argyris(hexagon(1)), dome(0.0))
     factor = shell.factor()
     start = relax(shell, factor)
@@ -136,7 +136,7 @@ def test_a_free_sheet_does_not_move_as_a_whole() -> None:
 
 
 def test_loads_and_large_edits() -> None:
-    """A load moves its place by what the compliance says; one that is far too large, no further than Newton's steps."""
+    """A load moves its point by its compliance; the response to a very large load is limited to a Newton step."""
     mesh = hexagon(1)
     corners = np.arange(1, 7)
     held = [PointSupport(corners, np.column_stack([0.8 * mesh.p.T[corners], np.zeros(6)]))]

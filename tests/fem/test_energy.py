@@ -1,4 +1,4 @@
-"""Strains, energy and their derivatives, at states bent by more than 90 degrees; what must not change the energy."""
+"""Strains, energy and their derivatives at states bent by more than 90 degrees, and invariance of the energy."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ CURVATURE = 2.2  # over a width of 2: bent by 4.4 radians
 
 
 def bent(space: type, noise: float) -> tuple[Assembly, Floats]:
-    """A rolled sheet, 252 degrees round."""
+    """A sheet rolled by 252 degrees."""
     mesh = rectangle(3, 3, 2.0, 2.0, amount=0.15)
     element = space(mesh)
     x = element.interpolate(arc(CURVATURE).jets)
@@ -32,7 +32,7 @@ def bent(space: type, noise: float) -> tuple[Assembly, Floats]:
 
 
 def some_density(shape: tuple[int, ...]) -> Density:
-    """Coupled, different at every point, with a preferred axis and a stiffening law."""
+    """A density with coupling, nonuniform, with a sixfold and a stiffening term."""
     random = np.random.default_rng(1)
     root = random.standard_normal((*shape, 6, 6))
 
@@ -76,7 +76,7 @@ def test_derivatives_where_the_sheet_is_rolled_up(space: type) -> None:
 
 @pytest.mark.parametrize("space", SPACES)
 def test_a_cylinder_has_its_strains(space: type) -> None:
-    """No stretch and one curvature, positive where the sheet is concave on the side of its normal."""
+    """Zero membrane strain and one curvature, positive if the sheet is concave on the side of its normal."""
     mesh = rectangle(16, 2, 2.0, 2.0)
     element = space(mesh)
     assembly, x = Assembly(element.tabulate(6), element.size), element.interpolate(arc(CURVATURE).jets)
@@ -127,14 +127,14 @@ def test_the_roll_axis_has_six_best_directions() -> None:
     assert np.allclose(rise, 0.5 * (0.5 * curvature) ** 3 * cut * np.cos(6.0 * (angles - np.radians(10.0))), atol=1e-13)
 
 
-def test_the_roll_axis_leaves_the_energy_bounded() -> None:
+def test_the_sixfold_term_leaves_the_energy_bounded() -> None:
     density = Density(isotropic(1.0, 1.0, 0.3), 50.0, 0.0, saturation=1.0)
     far = np.array([[0.0, 0.0, 0.0, -1e4, 1e4, 0.0], [0.0, 0.0, 0.0, 1e4, -1e4, 0.0]])
     assert (density(far[None])[0] > 1e7).all()
 
 
-def test_gaussian_curvature_costs_its_modulus() -> None:
-    """`g det b` more than without, whatever the curvature at rest; for its derivatives see above."""
+def test_energy_of_gaussian_curvature() -> None:
+    """The energy is larger by `g det b`, for any rest curvature."""
     random = np.random.default_rng(4)
     plain = Density(isotropic(3.0, 2.0, 0.3), 0.4, 0.2, 0.9)
     modulus, rest = random.standard_normal((2, 3)), random.standard_normal((2, 3, 3))
@@ -146,8 +146,8 @@ def test_gaussian_curvature_costs_its_modulus() -> None:
 
 
 @pytest.mark.parametrize("space", [Argyris, Bell])
-def test_the_gaussian_curvature_of_a_sheet_is_a_matter_of_its_border(space: type) -> None:
-    """Gauss and Bonnet: none in all where a bulge is flat at the border, and none in a tube at any place."""
+def test_total_gaussian_curvature_depends_on_the_border_only(space: type) -> None:
+    """Gauss and Bonnet: zero integral for a bulge that is flat at its border, and zero everywhere on a tube."""
     mesh = rectangle(6, 6, 2.0, 2.0)
     element = space(mesh)
     inside = ~np.isin(np.arange(mesh.nvertices), mesh.boundary_nodes())

@@ -1,4 +1,4 @@
-"""Contact: derivatives of the whole energy, a fold that stays open, a sheet that rolls up further than round."""
+"""Contact: derivatives of the whole energy, a fold that stays open, a sheet that rolls up by more than a full turn."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def model(kind: type[DiscreteModel], *args: object, **more: object) -> DiscreteM
 
 
 def folded(sheet: DiscreteModel, gap: float, noise: float = 0.01) -> State:
-    """The released sheet folded over along x = 0 about a half circle of diameter `gap`, noise on top."""
+    """The released sheet folded along x = 0 over a half circle of diameter `gap`, with noise."""
     x, y = sheet.mesh.points.T / sheet.design.fabric.stretch_xy[0]
     radius = 0.5 * gap
     half = 0.5 * np.pi * radius
@@ -82,7 +82,7 @@ def test_derivatives_of_the_whole_energy(pins: list[object]) -> None:
         def at(a: float, move: Array = move, turn: Array = turn) -> State:
             return moved_state(state, sheet.edges, state.positions + a * move, a * turn)
 
-        # short: the Hessian jumps where the nearest of two triangles passes from its edge to its inside
+        # a short step, since the Hessian jumps when the nearest point moves from the edge of a triangle into it
         step = 1e-6
         ahead, behind = at(step), at(-step)
         slope = (sheet.contact.energy(ahead.positions) - sheet.contact.energy(behind.positions)) / (2 * step)
@@ -93,7 +93,7 @@ def test_derivatives_of_the_whole_energy(pins: list[object]) -> None:
         np.testing.assert_allclose(hessian @ direction @ direction, change @ direction, rtol=1e-5)
 
 
-def test_blend_takes_out_what_is_negative() -> None:
+def test_full_blend_is_positive_semidefinite() -> None:
     sheet, state = folded_model()
     size = 3 * sheet.n_vertices
     parts = []
@@ -108,7 +108,7 @@ def test_blend_takes_out_what_is_negative() -> None:
     assert np.linalg.eigvalsh(exact)[0] < -1e-6 * np.abs(exact).max()
 
 
-def test_the_hessian_of_contact_goes_where_contact_is() -> None:
+def test_the_hessian_of_contact_is_added_at_its_dofs() -> None:
     """Entries of the whole Hessian are those of the model without contact plus those of contact."""
     sheet, state = folded_model()
     plain = model(DiscreteModel, edge=3.0)
@@ -120,7 +120,7 @@ def test_the_hessian_of_contact_goes_where_contact_is() -> None:
 
 
 def test_one_pattern_holds_all_hessians_of_a_state() -> None:
-    """Parallel layers have zeros, other ones in the convex Hessian than in the exact one."""
+    """Parallel layers have zero entries, different ones in the projected and in the exact Hessian."""
     sheet = model(ContactModel, edge=4.0, thickness=0.3)
     assert isinstance(sheet, ContactModel)
     state = folded(sheet, 0.6, noise=0.0)
@@ -137,8 +137,8 @@ def test_without_contact_nothing_changes() -> None:
     np.testing.assert_array_equal(sheet.hessian(state, 0.0), plain.hessian(state, 0.0))
 
 
-def test_steps_stop_before_they_pass_through() -> None:
-    """Each half of the fold moves 20 mm through the other: every state of the path is on its own side."""
+def test_paths_are_free_of_intersections() -> None:
+    """The direction moves each half of the fold 20 mm through the other; no state of the path intersects itself."""
     sheet, state = folded_model()
     move = np.zeros_like(state.positions)
     move[:, 2] = -20.0 * np.sign(state.positions[:, 2])
@@ -152,14 +152,14 @@ def test_steps_stop_before_they_pass_through() -> None:
             assert sheet.contact.is_intersection_free(path(a).positions)
 
 
-def test_moving_as_a_whole_is_free() -> None:
+def test_rigid_motions_cause_no_contact() -> None:
     sheet, state = folded_model()
     turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     there = State(state.positions @ turn.T + 100.0, state.directors @ turn.T)
     assert sheet.reachable_state(state, there) is there
 
 
-def test_two_flaps_stay_apart() -> None:
+def test_barrier_of_two_flaps() -> None:
     """Two square flaps of one mesh, pressed together from above: between half a thickness and a thickness apart."""
     side = np.linspace(0.0, 10.0, 6)
     square = np.array([(x, y) for y in side for x in side])
@@ -186,13 +186,13 @@ def test_two_flaps_stay_apart() -> None:
     assert np.isinf(contact.energy(over(0.39)))
     above, below = over(2.0), over(-2.0)
     assert contact.is_intersection_free(above) and contact.is_intersection_free(below)
-    # 1.6 mm of the way of 4 mm are free, and a tenth of them is left as it is
+    # 1.6 of 4 mm are free, and the search stops before the last tenth
     assert contact.collision_free_fraction(above, below) == pytest.approx(0.36, abs=0.02)
 
 
 @pytest.mark.slow
-def test_sheet_that_rolls_up_further_than_round() -> None:
-    """19 stars with thin arms: the sheet passes through itself without contact, and is a minimum apart with it."""
+def test_sheet_that_rolls_up_by_more_than_a_full_turn() -> None:
+    """19 stars with thin arms: without contact the sheet intersects itself, with contact it is a minimum without."""
     plain = solve_on_mesh(model(DiscreteModel, 2))
     sheet = model(ContactModel, 2)
     assert isinstance(sheet, ContactModel)
@@ -211,8 +211,8 @@ def test_sheet_that_rolls_up_further_than_round() -> None:
 
 
 @pytest.mark.slow
-def test_a_tube_of_37_stars_closes_only_as_far_as_it_can() -> None:
-    """The paper's figure 3 with arms of 0.3 mm: the tube winds through itself without contact, and is wider with it."""
+def test_contact_limits_the_roll_of_37_stars() -> None:
+    """Figure 3 of the paper with arms of 0.3 mm: the tube intersects itself without contact and is wider with it."""
     across = {}
     for kind in (DiscreteModel, ContactModel):
         sheet = model(kind, 3, 0.3)
@@ -222,19 +222,19 @@ def test_a_tube_of_37_stars_closes_only_as_far_as_it_can() -> None:
         assert (through == 0) is (kind is ContactModel)
         centred = found.state.positions - found.state.positions.mean(axis=0)
         across[kind] = np.ptp(centred @ np.linalg.svd(centred, full_matrices=False)[2].T, axis=0)
-    # the axis is as long, and the roll thicker
+    # the same length along the axis, and a thicker roll
     assert across[ContactModel][0] == pytest.approx(across[DiscreteModel][0], rel=0.03)
     assert across[ContactModel][1:].max() > across[DiscreteModel][1:].max() + 0.5
 
 
-def test_the_same_digits_on_the_second_run() -> None:
+def test_a_second_run_gives_the_same_digits() -> None:
     _, state = folded_model()
     first, second = (folded_model()[0].gradient(state) for _ in range(2))
     np.testing.assert_array_equal(first, second)
 
 
 @pytest.mark.slow
-def test_finer_meshes_stay_apart() -> None:
+def test_finer_meshes_have_no_intersections() -> None:
     from discrete.release.levels import solve_on_meshes
 
     sheet = model(ContactModel, 2, edge=1.5)
@@ -254,7 +254,7 @@ def test_pins_that_push_the_sheet_through_itself_are_refused() -> None:
         _ = sheet.apply_supports(there)
 
 
-def test_a_missing_package_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_missing_package_gives_a_one_line_error(monkeypatch: pytest.MonkeyPatch) -> None:
     real = builtins.__import__
 
     def without(name: str, *args: object, **more: object) -> object:
@@ -273,13 +273,13 @@ def test_multigrid_is_refused() -> None:
         sheet.factor("amg")
 
 
-def test_contact_is_a_yes_or_a_no() -> None:
+def test_contact_other_than_true_or_false_is_refused() -> None:
     with pytest.raises(DesignError, match=r"solver\.contact"):
         design(solver={"contact": "sometimes"})
 
 
 def test_intersections_are_counted() -> None:
-    """Two triangles through each other, side by side, and with an edge in common."""
+    """Two triangles that intersect, that lie side by side, and that share a vertex."""
     flat = np.array([[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]])
     upright = np.array([[1.0, 1.0, -1.0], [1.0, 1.0, 1.0], [6.0, 6.0, 0.0]])
     two = np.array([[0, 1, 2], [3, 4, 5]])
@@ -289,7 +289,7 @@ def test_intersections_are_counted() -> None:
 
 
 def test_intersections_agree_with_the_toolkit() -> None:
-    """Random soups of triangles: as many pairs as an edge of one through the other, seen by the toolkit."""
+    """Random triangles: as many pairs as those with an edge of one through the other, by the toolkit."""
     rng = np.random.default_rng(2)
     triangles = np.arange(90).reshape(30, 3)
     positions = np.repeat(rng.uniform(0, 4, (30, 3)), 3, axis=0) + rng.normal(size=(90, 3))
@@ -309,7 +309,7 @@ def crossed(points: Array) -> Array:
     return np.column_stack([np.abs(x), y, np.sign(x) * np.sin(0.5 * y)])
 
 
-def test_a_start_that_passes_through_itself_is_not_taken() -> None:
+def test_a_start_that_intersects_itself_is_not_used() -> None:
     sheet = model(ContactModel)
     flat = sheet.flat_state()
     with pytest.raises(ValueError, match="passes through itself"):
@@ -318,7 +318,7 @@ def test_a_start_that_passes_through_itself_is_not_taken() -> None:
     assert near.is_minimum and near.energy == pytest.approx(alone.energy, rel=1e-9)
 
 
-def test_what_may_soon_touch_is_within_twice_the_distance() -> None:
+def test_nearby_pairs_are_within_twice_the_distance() -> None:
     sheet = model(ContactModel, edge=4.0, thickness=0.3)
     assert isinstance(sheet, ContactModel)
     contact = sheet.contact
@@ -331,8 +331,8 @@ def test_what_may_soon_touch_is_within_twice_the_distance() -> None:
     assert found == [(True, True), (False, True), (False, True), (False, False)]
 
 
-def test_neighbours_are_told_by_their_places_on_the_stretched_print() -> None:
-    """A contact distance of the released sheet is longer there."""
+def test_neighbours_are_found_on_the_stretched_print() -> None:
+    """Distances on the stretched print are longer than those of the released sheet."""
     sheet = model(ContactModel, edge=4.0)
     assert isinstance(sheet, ContactModel)
     mesh, contact = sheet.mesh, sheet.contact

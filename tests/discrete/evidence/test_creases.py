@@ -1,4 +1,4 @@
-"""Width of creases: tension and stiffness of states that are known."""
+"""Width of creases in states of known tension and stiffness."""
 
 from __future__ import annotations
 
@@ -53,13 +53,13 @@ def test_hinges_are_wider_and_no_bending_has_no_width():
     assert flat["none"].width == 0.0 and not flat["none"].resolved
 
 
-def test_fine_meshes_resolve_them():
+def test_fine_meshes_resolve_creases():
     fine = model(0.25, bending="consistent")
     assert measure_creases(fine, fine.flat_state()).edge < 0.3
 
 
-def test_triangles_are_as_high_as_they_are_over_the_arms():
-    """In a sheet that was stretched to one side, where triangles have sides of different lengths."""
+def test_edge_is_the_height_over_the_arms():
+    """In a sheet stretched along one direction, where triangles have sides of different lengths."""
     m = model(2.0)
     flat = m.flat_state()
     long = State(flat.positions * [1.6, 1.0, 1.0], flat.directors)
@@ -74,7 +74,7 @@ def test_triangles_are_as_high_as_they_are_over_the_arms():
     assert measure_creases(m, long).edge == pytest.approx(np.median(heights))
 
 
-def test_creases_of_slack_fabric_have_no_end():
+def test_creases_of_slack_fabric_have_infinite_width():
     m = model(2.0)
     flat = m.flat_state()
     slack = measure_creases(m, State(0.4 * flat.positions, flat.directors))

@@ -1,4 +1,4 @@
-"""The next mesh's shape from the last two: what rolled up goes on rolling."""
+"""Extrapolation of the shape on a finer mesh from two coarser ones: rotations continue."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ def rolled(m: DiscreteModel, radius: float) -> State:
 
 
 @pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
-def test_a_tube_goes_on_closing_at_the_same_rate(share: float) -> None:
-    """From curvature 1/40 to 1/25, and on by a share of the difference; how the sheet lies in space does not matter."""
+def test_a_tube_continues_to_close_at_the_same_rate(share: float) -> None:
+    """From curvature 1/40 to 1/25, and on by a share of the difference, for any rigid motion of the sheet."""
     m = model()
     before, state = rolled(m, 40.0), rolled(m, 25.0)
     spin = np.array([[0.5, -1.2, 0.8]])
@@ -42,7 +42,7 @@ def test_a_tube_goes_on_closing_at_the_same_rate(share: float) -> None:
     expected = rolled(m, 1.0 / (1.0 / 25.0 + share * (1.0 / 25.0 - 1.0 / 40.0)))
     apart = found.positions - expected.positions
     apart -= apart.mean(axis=0)
-    # flat triangles on a cylinder, each turned as a whole
+    # flat triangles on a cylinder, each rotated as a whole
     assert np.sqrt((apart**2).sum(axis=1).mean()) < 0.05
 
 
@@ -63,7 +63,7 @@ def test_rotation_vectors_invert_the_exponential() -> None:
 
 
 def test_a_fine_mesh_starts_closer_to_its_minimum(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A soft sheet on graded meshes, which moves from mesh to mesh as its creases are resolved."""
+    """A soft sheet on graded meshes, which changes from mesh to mesh while its creases are not resolved."""
     starts: list[tuple[DiscreteModel, State, State]] = []
 
     def noted(m: DiscreteModel, before: State, state: State, share: float) -> State:

@@ -1,4 +1,4 @@
-"""Minima of one design: prescribed sides, many starts, and when two shapes are the same."""
+"""Forms of one design: prescribed sides, many starts, and equality of forms."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def image(m: DiscreteModel, state: State, symmetry: Symmetry) -> State:
     return State(state.positions[vertex] @ q.T, state.directors[director] @ q.T)
 
 
-def test_images_of_a_shape_have_its_energy_and_are_no_distance_away() -> None:
+def test_images_of_a_shape_have_its_energy_and_zero_distance() -> None:
     m = model()
     start = ReleaseStart(bend="roll", axis_deg=20.0, sag_mm=12.0, noise_mm=0.5)
     state = start.initial_state(m)
@@ -60,13 +60,13 @@ def test_images_of_a_shape_have_its_energy_and_are_no_distance_away() -> None:
         apart = symmetric_distances(state.positions[centres], other.positions[centres], same)
         assert apart.min() < 1e-9
         assert np.sort(apart)[1] > 0.05
-    # reflected in space only, it is another shape: its stars are elsewhere on the sheet
+    # reflected in space only, it is another shape: its stars have other places on the sheet
     kept = State(state.positions @ MIRROR, state.directors @ MIRROR)
     assert symmetric_distances(state.positions[centres], kept.positions[centres], same[:1])[0] > 0.05
 
 
 @pytest.mark.parametrize("bend", ["roll", "dome", "saddle"])
-def test_a_bend_is_the_same_wherever_the_sheet_is_drawn(bend: str) -> None:
+def test_a_bend_does_not_depend_on_the_place_of_the_outline(bend: str) -> None:
     def start(x: float) -> State:
         border = {"polygon_mm": [[x, 0.0], [x + 60.0, 0.0], [x + 60.0, 60.0], [x, 60.0]]}
         data = {"stars": {"length_mm": 6.0}, "lattice": {"origin_mm": [x, 0.0]}, "border": border}
@@ -111,18 +111,18 @@ def test_a_star_prescribed_down_stays_down() -> None:
 def test_all_stars_down() -> None:
     m = model(rings=0, stars={"length_mm": 10.0, "thickness_mm": 0.3, "branch": "down"})
     assert solve_on_mesh(m).stars_up == 0
-    assert solve_on_mesh(m, "flat").stars_up == 1  # flat: what is prescribed is not looked at
+    assert solve_on_mesh(m, "flat").stars_up == 1  # a flat start ignores prescribed sides
 
 
-def test_the_first_start_is_the_default_and_all_are_fixed() -> None:
+def test_the_first_start_is_the_default_and_the_sequence_is_fixed() -> None:
     once, again = release_starts(7, 30, seed=3), release_starts(7, 12, seed=3)
     assert once[:12] == again
     assert once[0] == ReleaseStart(seed=3)
     assert len({(b.bend, b.axis_deg, b.sag_mm, b.releases, b.seed, b.branch) for b in once}) == 30
 
 
-def test_rolls_and_saddles_begin_about_a_fan_of_axes() -> None:
-    """Across each other in every cycle of nine starts, and halfway between those before."""
+def test_rolls_and_saddles_have_evenly_spread_axes() -> None:
+    """The axes of a cycle of nine starts are perpendicular, and halve the angles between earlier ones."""
     starts = release_starts(7, 1 + 4 * 9)
     rolls = [b.axis_deg for b in starts if b.bend == "roll" and not b.name.startswith("tight")]
     assert rolls == [0.0, 90.0, 45.0, 135.0, 22.5, 112.5, 67.5, 157.5]
@@ -146,26 +146,26 @@ def test_many_starts_find_the_default_minimum_and_others() -> None:
     assert minima.distance_percent(default, default) < 1e-6
 
 
-def test_mirrored_minima_are_one_minimum() -> None:
+def test_mirrored_minima_are_one_form() -> None:
     m = model()
     found = solve_on_mesh(m, ReleaseStart(bend="roll", axis_deg=20.0, sag_mm=12.0, releases=(1.0,)))
     same = symmetries(m.design, m.layout)
     images = [replace(found, state=image(m, found.state, one), bumps=found.bumps[one.star]) for one in same]
-    branches = [ExactForm(one, m, (str(k),), k == 0) for k, one in enumerate(images)]
-    assert len(distinct_forms(branches, same)) == 1
-    assert distinct_forms(branches, same)[0].starts == tuple("012345")
+    forms = [ExactForm(one, m, (str(k),), k == 0) for k, one in enumerate(images)]
+    assert len(distinct_forms(forms, same)) == 1
+    assert distinct_forms(forms, same)[0].starts == tuple("012345")
 
 
 def test_prescribed_stars_decide_which_minimum_is_reported() -> None:
-    """Up is lower, but a star that is prescribed down is not reported up while a minimum keeps it down."""
+    """Up has less energy, but a minimum with the prescribed star down is the result if there is one."""
     m = model(rings=0, stars={"length_mm": 10.0, "thickness_mm": 0.3, "branch": "down"})
     minima = find_minima(m, 8)
     assert minima.fine[0].equilibrium.stars_up == 0
     assert minima.fine[0].equilibrium.energy > min(b.equilibrium.energy for b in minima.fine[1:])
 
 
-def test_of_images_the_one_with_its_own_stars_down_is_kept() -> None:
-    """A design that sends one star down has images that send another one down; rounding must not choose."""
+def test_the_image_with_the_prescribed_star_down_is_kept() -> None:
+    """Images of a design with one inverted star invert another star. The form with the prescribed star down is kept."""
     override = [{"star": 1, "branch": "down"}]
     m = model(stars={"length_mm": 10.0, "thickness_mm": 0.25, "override": override})
     same = symmetries(m.design, m.layout)
@@ -177,10 +177,10 @@ def test_of_images_the_one_with_its_own_stars_down_is_kept() -> None:
 
 
 def test_flat_stars_are_on_no_side() -> None:
-    """Bumps of rounding do not make one flat state several minima."""
+    """Bumps within rounding do not split a flat state into several forms."""
     m = model()
     flat = replace(solve_on_mesh(m), bumps=np.array([1e-15, -1e-15, 0.0, 2e-16, -3e-16, 1e-15, 1e-15]))
     other = replace(flat, bumps=-flat.bumps)
     assert (flat.sides == 0).all() and flat.stars_up == 0
-    branches = [ExactForm(one, m, (name,), False) for name, one in (("a", flat), ("b", other))]
-    assert len(distinct_forms(branches, symmetries(m.design, m.layout))) == 1
+    forms = [ExactForm(one, m, (name,), False) for name, one in (("a", flat), ("b", other))]
+    assert len(distinct_forms(forms, symmetries(m.design, m.layout))) == 1

@@ -1,4 +1,4 @@
-"""Coarse to fine finds the same minimum as one mesh alone, and says what it spent."""
+"""The search from coarse to fine finds the same minimum as one mesh, and records its effort."""
 
 from __future__ import annotations
 

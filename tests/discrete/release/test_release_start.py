@@ -1,4 +1,4 @@
-"""Where searches begin, by the formulas of their shapes, and how stars are put back on their branch."""
+"""Starts of the release: their shapes by formula, and stars returned to the side of their branch."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def bent(**how: object) -> tuple[np.ndarray, np.ndarray]:
     return model().mesh.points @ axis.T / np.hypot(35.0, 30.0), start.initial_state(model()).positions[:, 2]
 
 
-def test_domes_fall_to_all_sides_and_saddles_across_their_ridge_only() -> None:
+def test_domes_fall_to_all_sides_and_saddles_only_across_their_ridge() -> None:
     (along, across), z = (each.T for each in bent(bend="dome", sag_mm=7.0))
     np.testing.assert_allclose(z, -7.0 * (across**2 + along**2), atol=1e-9)
     (along, across), z = (each.T for each in bent(bend="saddle", sag_mm=7.0))
@@ -41,14 +41,14 @@ def test_domes_fall_to_all_sides_and_saddles_across_their_ridge_only() -> None:
 
 
 @pytest.mark.parametrize("sag", [5.0, 500.0])
-def test_rolls_bend_by_at_most_two_and_a_half_radians_to_each_side(sag: float) -> None:
+def test_half_angle_of_rolls_is_limited(sag: float) -> None:
     size = np.hypot(35.0, 30.0)
     turn = min(2.0 * sag / size, 2.5)
     (_, across), z = (each.T for each in bent(bend="roll", sag_mm=sag))
     np.testing.assert_allclose(z, size / turn * (np.cos(turn * across) - 1.0), atol=1e-9)
 
 
-def test_noise_leaves_what_is_held() -> None:
+def test_noise_does_not_move_held_components() -> None:
     sheet = model(held=True)
     quiet, noisy = (ReleaseStart(noise_mm=noise).initial_state(sheet).positions for noise in (0.0, 0.5))
     held = sheet.constraints.held
@@ -57,7 +57,7 @@ def test_noise_leaves_what_is_held() -> None:
     assert np.abs(noisy - quiet)[~held].std() > 0.2
 
 
-def test_stars_that_are_nearly_flat_are_nudged_until_the_last_release() -> None:
+def test_nearly_flat_stars_are_nudged_before_the_last_release() -> None:
     sheet = model()
     low, high = (
         add_bumps(sheet, sheet.flat_state(), np.full(7, height))

@@ -1,4 +1,4 @@
-"""Sheets between their vertices: exact for what the interpolation can do, and never across a notch."""
+"""Interpolation of sheets: exact for polynomials of its degree, and never across a notch."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ def opened(points: Array) -> Array:
 
 @pytest.mark.parametrize("border", [WHOLE, SLIT])
 @pytest.mark.parametrize(("smooth", "part"), [(True, 0.4), (False, 1.0)])
-def test_a_bowl_is_a_bowl(border: list[list[float]], smooth: bool, part: float) -> None:
-    """Flat triangles miss a surface by an eighth of its curvature times the square of their edge."""
+def test_a_bowl_is_interpolated(border: list[list[float]], smooth: bool, part: float) -> None:
+    """Flat triangles deviate from a surface by 1/8 of its curvature times the square of their edge."""
     coarse, fine = mesh(border, 4.0), mesh(border, 1.5)
     found = interpolate_surface(coarse.points, coarse.triangles, bowl(coarse.points), fine.points, smooth)
     corners = coarse.points[coarse.triangles]
@@ -54,7 +54,7 @@ def test_lips_of_a_slit_stay_apart(smooth: bool) -> None:
     assert np.abs(found - opened(fine.points))[lips].max() < 0.1
 
 
-def test_beyond_the_rim_the_nearest_triangle_goes_on() -> None:
+def test_beyond_the_rim_the_nearest_triangle_continues() -> None:
     coarse = mesh(SLIT, 4.0)
     beyond = np.array([[-30.5, 11.0], [12.0, 30.0 + 1e-12], [30.4, -30.4]])
     tilted = np.column_stack([coarse.points, coarse.points @ [0.3, -0.2]])

@@ -1,4 +1,4 @@
-"""The C1 quintic triangles: exact for their polynomials, C1, and well conditioned wherever the sheet lies."""
+"""Argyris triangles: exact for their polynomials, C1, and well conditioned at any place of the sheet."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Polynomial:
 
 
 @pytest.mark.parametrize("space, degree", [(Argyris, 5), (Bell, 4)])
-def test_polynomials_are_met_exactly(space: type[Argyris], degree: int) -> None:
+def test_polynomials_are_interpolated_exactly(space: type[Argyris], degree: int) -> None:
     polynomial = Polynomial(degree, 260.0)
     element = space(far_sheet())
     x = element.interpolate(lambda p: np.swapaxes(polynomial.jet(p), 1, 2))
@@ -83,7 +83,7 @@ def test_bell_has_cubic_normal_derivatives() -> None:
     assert np.abs(fourth).max() < 1e-10 * np.abs(samples).max()
 
 
-def test_condition_does_not_depend_on_place_or_unit() -> None:
+def test_condition_number_does_not_depend_on_place_or_unit() -> None:
     numbers = [
         np.linalg.cond(Argyris(MeshTri(far_sheet().p * scale, far_sheet().t))._functionals()).max()
         for scale in (1.0, 1e-3, 1e3)
@@ -92,7 +92,7 @@ def test_condition_does_not_depend_on_place_or_unit() -> None:
     assert np.ptp(numbers) < 1e-3 * max(numbers)
 
 
-def test_a_point_outside_is_refused_by_its_place() -> None:
+def test_a_point_outside_is_refused_with_its_coordinates() -> None:
     element = Argyris(far_sheet())
     with pytest.raises(ValueError, match=r"\(9000, -20000\) is outside"):
         element.locate(np.array([FAR + 1.0, [9000.0, -20000.0]]))

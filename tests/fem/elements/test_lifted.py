@@ -1,4 +1,4 @@
-"""The discrete Hessian: exact where it should be, and plates bend at the rates the theory gives."""
+"""The discrete Hessian: exact for quadratics, and plates converge at the orders of the theory."""
 
 import numpy as np
 import pytest
@@ -22,8 +22,8 @@ def test_hessian_of_a_quadratic_is_exact_up_to_free_edges(degree: int) -> None:
 
 
 @pytest.mark.parametrize("degree", [2, 3])
-def test_hessian_weighs_jumps_as_integration_by_parts_does(degree: int) -> None:
-    """int H_11 p = int over the rim of n_1 d_1 u p - int d_1 u d_1 p, for p linear: no edge inside is seen."""
+def test_hessian_satisfies_integration_by_parts(degree: int) -> None:
+    """int H_11 p = int over the rim of n_1 d_1 u p - int d_1 u d_1 p, for p linear: inner edges drop out."""
     space = Lifted(rectangle(3, 3, amount=0.3), degree)
     table = space.tabulate(8)
     u = np.random.default_rng(0).normal(size=space.size)
@@ -60,7 +60,7 @@ def _rim_terms(space: Lifted, u: np.ndarray) -> list[float]:
 
 @pytest.mark.parametrize(("degree", "cells", "rate"), [(2, (4, 8, 16), 1.7), (3, (2, 4, 8), 3.5)])
 def test_supported_plate_converges(degree: int, cells: tuple[int, ...], rate: float) -> None:
-    """Timoshenko: w = .00406235 q L^4/D; the middle converges twice as fast as the curvature: 2 (k - 1)."""
+    """Timoshenko: w = 0.00406235 q L^4/D; the deflection converges twice as fast as the curvature: 2 (k - 1)."""
     errors = []
     for n in cells:
         space = Lifted(rectangle(n, n), degree)
@@ -69,6 +69,6 @@ def test_supported_plate_converges(degree: int, cells: tuple[int, ...], rate: fl
     assert np.log2(errors[-2] / errors[-1]) > rate
 
 
-def test_degree_is_named_when_it_is_wrong() -> None:
+def test_a_wrong_degree_is_refused() -> None:
     with pytest.raises(ValueError, match="degree = 4: must be 2 or 3"):
         Lifted(rectangle(2, 2), 4)

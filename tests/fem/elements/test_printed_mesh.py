@@ -1,4 +1,4 @@
-"""Which meshes a sheet may have."""
+"""Checks of the mesh and of the density of a sheet."""
 
 from __future__ import annotations
 
@@ -30,21 +30,21 @@ def with_nan() -> MeshTri:
         (lambda: MeshTri2.from_mesh(SQUARE), "straight"),
         (lambda: MeshTri(SQUARE.p, np.empty((3, 0), dtype=int)), "no triangles"),
         (with_nan, "not finite"),
-        (lambda: MeshTri(np.hstack([SQUARE.p, FAR]), SQUARE.t), "vertex 9 is of no triangle"),
+        (lambda: MeshTri(np.hstack([SQUARE.p, FAR]), SQUARE.t), "vertex 9 belongs to no triangle"),
         (lambda: MeshTri(np.array([[0, 1, 2, 0.0], [0, 0, 0, 1.0]]), np.array([[0, 1, 2], [0, 2, 3]]).T), "no area"),
         (lambda: MeshTri(SQUARE.p, np.hstack([SQUARE.t, SQUARE.t[:, :1]])), "more than two"),
         (lambda: MeshTri(np.hstack([SQUARE.p, SQUARE.p + FAR]), np.hstack([SQUARE.t, SQUARE.t + 9])), "2 pieces"),
     ],
     ids=["curved", "empty", "nan", "unused", "flat", "crowded", "pieces"],
 )
-def test_meshes_that_are_no_sheet_are_refused(mesh, word: str) -> None:
+def test_invalid_meshes_are_refused(mesh, word: str) -> None:
     with pytest.raises(ValueError, match=f"^mesh: .*{word}"):
         checked_mesh(mesh())
 
 
 @pytest.mark.parametrize("name", SPACES)
 def test_the_order_of_corners_does_not_matter(name: str) -> None:
-    """Functions on edges count from the lower vertex number: scikit-fem's meshes may be unsorted."""
+    """Edges have the direction from the lower vertex number, also in meshes that scikit-fem leaves unsorted."""
     fields = of_stretch(Density(isotropic(20.0, 10.0, 0.3)), lambda p: 0.9 + 0.2 * p[..., 0], 0.8)
     mesh, unsorted = SQUARE, SQUARE.oriented()
     assert not (np.diff(unsorted.t, axis=0) > 0).all()
@@ -63,7 +63,7 @@ def test_the_order_of_corners_does_not_matter(name: str) -> None:
     ],
     ids=["nan", "unsymmetric", "sixfold", "saturation"],
 )
-def test_densities_that_no_sheet_has_are_refused(density: Density, words: str) -> None:
+def test_invalid_densities_are_refused(density: Density, words: str) -> None:
     with pytest.raises(FieldError, match=words) as caught:
         Shell(SPACES["argyris"](SQUARE), Fields(density))
     assert "\n" not in str(caught.value) and len(str(caught.value)) < 120

@@ -1,4 +1,4 @@
-"""What a force does along itself, against an equilibrium under that force."""
+"""Compliance of a point, compared with the equilibrium under a small force there."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tests.fem.hexagons import FIELDS, RADIUS, hexagon
 UP = np.array([0.0, 0.0, 1.0])
 
 
-def test_it_is_what_a_small_load_moves_its_place_by() -> None:
+def test_compliance_is_the_displacement_per_small_force() -> None:
     mesh = hexagon(1)
     corners = np.arange(1, 7)
     held = [PointSupport(corners, np.column_stack([0.8 * mesh.p.T[corners], np.zeros(6)]))]
@@ -35,7 +35,7 @@ def test_it_is_what_a_small_load_moves_its_place_by() -> None:
     assert np.mean(moved) == pytest.approx(found, rel=1e-4)
 
 
-def test_what_carries_a_free_sheet_away_does_not_count() -> None:
+def test_rigid_parts_of_the_load_do_not_count() -> None:
     shell = Shell(Argyris(hexagon(1)), FIELDS["rolled"])
     factor = shell.factor()
     start = relax(shell, factor)

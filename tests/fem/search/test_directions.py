@@ -1,4 +1,4 @@
-"""Guesses of a free sheet are bent about every axis that it prefers, but about equal ones only once."""
+"""Directions of the guesses of a free sheet: every axis of low energy, and symmetric axes once."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ TURN = np.array([[np.cos(THIRD), -np.sin(THIRD)], [np.sin(THIRD), np.cos(THIRD)]
 
 
 @pytest.mark.parametrize(("sixfold", "angles"), [(100.0, (30.0, 90.0, 150.0)), (-100.0, (0.0, 60.0, 120.0))])
-def test_every_axis_of_the_lattice_is_a_hollow(sixfold: float, angles: tuple[float, ...]) -> None:
+def test_every_axis_of_the_lattice_is_an_energy_minimum(sixfold: float, angles: tuple[float, ...]) -> None:
     shell = Shell(Argyris(hexagon(1)), of_stretch(density(sixfold), 0.8, 0.015))
     found = [np.degrees(shape.angle) for shape in energy_minima(shell, 0.8, FAMILY)]
     assert sorted(found) == pytest.approx(angles)
 
 
-def test_a_sheet_without_preference_is_bent_off_all_axes() -> None:
+def test_an_isotropic_sheet_is_bent_away_from_symmetry_axes() -> None:
     shell = Shell(Argyris(hexagon(1)), of_stretch(density(), 0.8, 0.015))
     (only,) = energy_minima(shell, 0.8, FAMILY)
     assert only.angle == SYMMETRY_BREAKING_ANGLE
@@ -35,12 +35,12 @@ def test_equal_axes_count_once() -> None:
     first, *others = (SimpleShape("arc", 0.015, np.radians(angle)) for angle in (30.0, 90.0, 150.0))
     assert distinct_shapes(first, others, []) == others
     assert distinct_shapes(first, others, [TURN, TURN.T]) == []
-    # the mirror y -> -y carries 30 to 150 degrees, and 90 to itself
+    # the mirror y -> -y maps 30 to 150 degrees, and 90 to itself
     assert distinct_shapes(first, others, [np.diag([1.0, -1.0])]) == [others[0]]
 
 
 def test_other_axes_are_other_forms() -> None:
-    """A sheet that curls along a line may roll about three axes; a tie goes to the cheapest start."""
+    """A sheet that prefers lattice lines may roll about three axes; of equal minima the best guess decides."""
     fields = of_stretch(density(100.0), 0.8, lambda p: 0.015 + 0.004 * (p @ np.array([0.8, 0.6])) / RADIUS)
     shell = Shell(Argyris(hexagon(1)), fields)
     lowest, tied = relax(shell), relax(shell, energy_tie=0.5)

@@ -1,4 +1,4 @@
-"""Which guesses are compared, and which cannot win."""
+"""Selection of initial guesses: which are compared, and which are left out."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from tests.fem.meshes import facets_where, rectangle
 
 @pytest.fixture
 def relaxed(monkeypatch: pytest.MonkeyPatch) -> list[tuple[float, float]]:
-    """Energies of all guesses that were moved within themselves, and the least one known by then."""
+    """Energies of all guesses that are relaxed in plane, each with the lowest energy before it."""
     seen: list[tuple[float, float]] = []
     before = GuessBuilder.relax_in_plane
 
@@ -38,21 +38,21 @@ def relaxed(monkeypatch: pytest.MonkeyPatch) -> list[tuple[float, float]]:
     return seen
 
 
-def test_an_arc_alone_is_compared_with_nothing(relaxed: list[tuple[float, float]]) -> None:
+def test_a_single_arc_is_taken_without_comparison(relaxed: list[tuple[float, float]]) -> None:
     shell = Shell(Argyris(hexagon(1)), FIELDS["rolled"])
     arcs = [shape for shape in candidate_shapes(mean_fields(shell), 2.0 * RADIUS) if shape.name in ("arc", "flat")]
     turns = [np.array([[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]]) for a in np.arange(6) * np.pi / 3.0]
     kinds, turned = initial_guesses(shell, shell.factor(), candidates=arcs, symmetries=turns)
     assert [start.shape.name for start in kinds] == ["arc"] and not turned and not relaxed
-    # without symmetry the other axes are guesses too
+    # without a symmetry the other axes are guesses too
     kinds, turned = initial_guesses(shell, shell.factor(), candidates=arcs)
     assert kinds[0].shape.name == "arc" and len(turned) == 2 and relaxed
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
 @pytest.mark.parametrize("degrees", [90.0, 180.0])
-def test_a_sheet_follows_what_holds_it_wherever_that_was_turned(axis: int, degrees: float) -> None:
-    """By a single clamped edge: its places alone say nothing of the turn about it."""
+def test_guesses_follow_rotated_supports(axis: int, degrees: float) -> None:
+    """A single clamped edge: its positions alone leave the rotation about it undetermined."""
     mesh = rectangle(2, 2, 50.0, 50.0)
     turn = Rotation.from_rotvec(np.radians(degrees) * np.eye(3)[axis]).as_matrix()
     edge = EdgeSupport(facets_where(mesh, lambda x, y: x < 1e-9), affine(turn[:, :2], [5.0, 6.0, 7.0]), clamped=True)
@@ -60,7 +60,7 @@ def test_a_sheet_follows_what_holds_it_wherever_that_was_turned(axis: int, degre
     assert found.is_minimum and found.energy < 1e-9
 
 
-def test_held_guesses_that_are_far_too_dear_are_left_out(relaxed: list[tuple[float, float]]) -> None:
+def test_supported_guesses_of_high_energy_are_left_out(relaxed: list[tuple[float, float]]) -> None:
     mesh = hexagon(1)
     shell = Shell(Argyris(mesh), FIELDS["dome"], [EdgeSupport(mesh.boundary_facets(), flat(0.8))])
     angles = np.pi * np.arange(12) / 12
@@ -92,36 +92,36 @@ class _Known:
         return InitialGuess(start.shape, start.x, self.after.get(start.shape, start.energy))
 
 
-def test_the_best_direction_of_a_held_guess_is_found_wherever_it_is() -> None:
+def test_the_best_direction_of_a_supported_guess_is_found() -> None:
     family = [SimpleShape("arc", 1e-3, np.pi * k / 12) for k in range(12)]
     for best in np.concatenate([np.arange(12) - 0.3, np.arange(12) + 0.3]):
         away = np.abs((np.arange(12) - best + 6.0) % 12.0 - 6.0)
         frame = _Known(dict(zip(family, away, strict=True)))
         assert _best_direction(frame, family, np.inf) == away.argmin()  # type: ignore[arg-type]
         assert len(frame.tried) == 8
-        # the first few say that the others need not be looked at
+        # the first shapes are above the limit, so the others are not compared
         hopeless = _Known(frame.energies)
         assert _best_direction(hopeless, family, -1.0) % 4 == 0 and len(hopeless.tried) == 3  # type: ignore[arg-type]
 
 
-def test_guesses_without_an_energy_never_win() -> None:
+def test_guesses_without_a_finite_energy_are_last() -> None:
     family = [SimpleShape("arc", 1e-3, np.pi * k / 12) for k in range(12)]
     frame = _Known({shape: np.nan if k % 2 == 0 and k != 6 else 1.0 for k, shape in enumerate(family)})
     assert _best_direction(frame, family, np.inf) == 6  # type: ignore[arg-type]
 
 
-def test_guesses_are_moved_within_themselves_while_they_may_win() -> None:
-    """By energies that are twenty times those of a flat sheet apart; of a kind that with the lowest one in the end."""
+def test_guesses_are_relaxed_in_plane_while_they_may_be_the_best() -> None:
+    """Guesses within twenty energies of the flat sheet are relaxed; of each kind the lowest relaxed one is kept."""
     shapes = [SimpleShape("cap", 1e-3 * k) for k in range(1, 6)]
     frame = _Known(dict(zip(shapes, (0.0, 1.0, 2.0, 18.0, 20.0), strict=True)), {shapes[2]: -1.0})
     ranking = _Ranking(frame.shell, frame)  # type: ignore[arg-type]
-    ranking.take([frame.bend(shape) for shape in shapes[::-1]])
+    ranking.compare([frame.bend(shape) for shape in shapes[::-1]])
     assert frame.moved == shapes[:4]
     assert [start.shape for start in ranking.kinds] == [shapes[2]] and ranking.lowest == -1.0
 
 
 @pytest.mark.parametrize("lowest", [2.0, -2.0])
-def test_held_guesses_are_dear_by_the_size_of_the_lowest_energy(lowest: float) -> None:
+def test_the_energy_limit_scales_with_the_lowest_energy(lowest: float) -> None:
     frame = _Known({}, free=False)
     ranking = _Ranking(frame.shell, frame)  # type: ignore[arg-type]
     assert ranking.energy_limit == np.inf

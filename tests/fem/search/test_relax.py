@@ -1,4 +1,4 @@
-"""Fields become certified equilibria; saddles and unfinished states are never called so."""
+"""The search finds certified minima; saddles and states that are not converged get no certificate."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from tests.fem.meshes import facets_where, rectangle
 
 
 def height(shell: Shell, x: np.ndarray) -> float:
-    """mm between the lowest and the highest vertex, after turning the sheet flat."""
+    """mm between the lowest and the highest vertex, in the principal axes of the sheet."""
     places = shell.space.locate(shell.space.mesh.p.T).value @ x
     return float(np.linalg.svd(places - places.mean(axis=0))[1][2])
 
 
 @pytest.mark.parametrize("name", FIELDS)
-def test_fields_become_minima_without_help(name: str) -> None:
+def test_the_search_finds_minima_from_fields_alone(name: str) -> None:
     shell = Shell(Argyris(hexagon(1)), FIELDS[name])
     found = relax(shell)
     assert found.is_minimum
@@ -34,7 +34,7 @@ def test_fields_become_minima_without_help(name: str) -> None:
     assert found.iterations <= 12
     assert found.gradient_norm <= found.tolerance
     assert (found.soft_modes > 0.0).all() and (np.diff(found.soft_modes) >= 0.0).all()
-    # the whole spectrum, from the dense Hessian: nothing negative but what rounding makes of six rigid motions
+    # the whole spectrum of the dense Hessian: six rigid motions near zero, all others positive
     low = shell.pattern.lower(shell.hessian(found.x)).toarray()
     full = low + np.tril(low, -1).T
     values = np.linalg.eigvalsh(full)
@@ -65,12 +65,12 @@ def _shifted(fields: Fields):  # type: ignore[no-untyped-def]
 
 
 def test_the_axis_that_the_lattice_prefers() -> None:
-    """The cubic term alone chooses: its sign turns the axis by 30 degrees."""
+    """The cubic term decides; its sign rotates the axis by 30 degrees."""
     for c3, allowed in ((100.0, 30.0), (-100.0, 0.0)):
         shell = Shell(Argyris(hexagon(1)), of_stretch(density(c3), 0.8, 0.015))
         found = relax(shell)
         places = shell.space.locate(shell.points.reshape(-1, 2)).hessian @ found.x
-        # the printed direction that is curved: largest mean square of the second derivatives
+        # the curved printed direction: largest mean square of the second derivatives
         second = places.reshape(-1, 3, 3)
         tensor = np.einsum("nkc,nlc->kl", second, second)[:2, :2].copy()
         tensor[0, 1] = tensor[1, 0] = np.einsum("nc,nc->", second[:, 2], second[:, 0] + second[:, 1])
@@ -79,8 +79,8 @@ def test_the_axis_that_the_lattice_prefers() -> None:
         assert found.is_minimum
 
 
-def test_a_flat_sheet_that_wants_to_roll_is_a_saddle_and_is_left() -> None:
-    """Compressed between clamps: the straight state is stationary, and not an equilibrium."""
+def test_a_straight_compressed_strip_is_a_saddle_and_is_left() -> None:
+    """Compressed between clamps: the straight state is stationary but unstable."""
     mesh = rectangle(8, 2, 10.0, 2.0)
     clamps = [
         EdgeSupport(facets_where(mesh, lambda x, y, at=at: np.abs(x - at) < 1e-9), clamped=True) for at in (0.0, 10.0)
@@ -107,7 +107,7 @@ def test_a_flat_sheet_that_wants_to_roll_is_a_saddle_and_is_left() -> None:
     assert found.energy < left_alone.energy
 
 
-def test_a_start_that_comes_below_a_minimum_is_followed_to_its_end(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_guess_that_falls_below_a_minimum_is_continued(monkeypatch: pytest.MonkeyPatch) -> None:
     shell = Shell(Argyris(hexagon(1)), FIELDS["dome"])
     guesses = [SimpleShape("cap", -2e-3), SimpleShape("flat")]  # the cap is on the wrong side, and stays there
     lowest = relax(shell).energy
@@ -119,12 +119,12 @@ def test_a_start_that_comes_below_a_minimum_is_followed_to_its_end(monkeypatch: 
         assert found.energy == pytest.approx(lowest)
         assert found.trials[0].is_minimum and found.trials[0].energy > 2.0 * lowest
     assert [trial.is_minimum for trial in found.trials] == [True, False, True]
-    # one that is above the minimum is left where it is
+    # a guess above the minimum is not continued
     monkeypatch.setattr(fem.search.relax, "MAX_ITERATIONS_OF_FURTHER_GUESSES", 0)
     assert [trial.is_minimum for trial in relax(shell, shapes=guesses).trials] == [True, False]
 
 
-def test_what_did_not_converge_says_so() -> None:
+def test_states_that_are_not_converged_get_no_certificate() -> None:
     shell = Shell(Argyris(hexagon(1)), FIELDS["rolled"])
     run = mixed_newton(shell, shell.flat, shell.factor(), 1e-11 * shell.force_scale, max_iterations=2)
     assert not run.converged and run.residual > 1e-11 * shell.force_scale
@@ -139,7 +139,7 @@ def test_load_steps_reach_the_same_bowl() -> None:
 
 @pytest.mark.parametrize("side, sign", [("up", 1.0), ("down", -1.0)])
 def test_the_side_can_be_chosen(side, sign) -> None:  # type: ignore[no-untyped-def]
-    """A sheet without rest curvature domes to either side at the same energy."""
+    """A sheet without rest curvature forms a dome to either side with the same energy."""
     fields = of_stretch(density(), lambda p: 0.85 - 0.1 * (np.linalg.norm(p, axis=-1) / RADIUS) ** 2)
     shell = Shell(Argyris(hexagon(1)), fields)
     found = relax(shell, side=side)

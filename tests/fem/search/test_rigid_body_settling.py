@@ -1,4 +1,4 @@
-"""Sheets that hang are turned to where they hang."""
+"""Rigid-body settling of sheets that are fixed at a point or a line."""
 
 from __future__ import annotations
 
@@ -34,8 +34,8 @@ def work(shell: Shell, x: np.ndarray) -> float:
 
 @pytest.mark.parametrize("points", [CORNER, SIDE], ids=["point", "line"])
 @pytest.mark.parametrize("several", [0.0, 1.0, -1.0], ids=["weight", "loads", "opposite loads"])
-def test_no_turn_lets_loads_do_more_work(points: np.ndarray, several: float) -> None:
-    """What is held stays, lengths stay, and all other turns that it allows are worse."""
+def test_settling_maximises_the_work_of_the_loads(points: np.ndarray, several: float) -> None:
+    """Fixed points and lengths are kept, and no other admissible rotation gives the loads more work."""
     across = several * np.array([[1.0, 0.2, -0.5], [0.3, -1.0, 0.4], [0.0, 0.2, 0.1]])
     loads = (lambda space: point_load(space, [[40.0, 10.0], [20.0, 50.0], [59.0, 59.0]], across)) if several else None
     shell = hanging(points, loads)
@@ -53,7 +53,7 @@ def test_no_turn_lets_loads_do_more_work(points: np.ndarray, several: float) -> 
         assert work(shell, other) <= work(shell, x) * (1 + 1e-12) + 1e-15
 
 
-def test_what_cannot_swing_stays_as_it_is() -> None:
+def test_a_sheet_that_cannot_rotate_is_unchanged() -> None:
     edge = EdgeSupport(facets_where(rectangle(4, 4, SIZE, SIZE), lambda x, y: x < 1e-9), clamped=True)
     slid = PointSupport(np.array([24]), np.array([[SIZE, SIZE, 3.0]]), np.eye(3)[2:], "slides")
     corners = np.array([[0.0, 0.0], [SIZE, 0.0], [0.0, SIZE]])
@@ -68,6 +68,6 @@ def test_what_cannot_swing_stays_as_it_is() -> None:
 
 
 @pytest.mark.parametrize("points", [CORNER, SIDE], ids=["point", "line"])
-def test_light_sheets_find_to_where_they_hang(points: np.ndarray) -> None:
+def test_light_sheets_settle(points: np.ndarray) -> None:
     found = relax(hanging(points))
     assert found.is_minimum and found.iterations < 60

@@ -1,4 +1,4 @@
-"""Guesses: their derivatives are those of their places, and they are the surfaces that their names say."""
+"""Simple shapes: derivatives agree with positions, and arcs and caps lie on cylinder and sphere."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ STEP = 1e-4
 
 
 class Points:
-    """Takes the place of a space, and gives back the jets at its points."""
+    """Replaces a space, and returns the jets at its points."""
 
     def __init__(self, points: Floats) -> None:
         self._points = points
@@ -30,7 +30,7 @@ class Points:
 
 
 def moved(points: Floats) -> Floats:
-    """(n, 6, 2) a plane that was stretched, turned and sheared, and is curved within itself."""
+    """(n, 6, 2) a plane that is stretched, rotated, sheared and nonlinearly deformed within itself."""
     x, y = points.T
     zero, one = np.zeros_like(x), np.ones_like(x)
     return np.array(
@@ -65,7 +65,7 @@ def test_derivatives(shape: SimpleShape) -> None:
 
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: shape.name)
 def test_curvatures_in_the_middle(shape: SimpleShape) -> None:
-    """There the sheet keeps its lengths and has both curvatures; positive ones lift the edges."""
+    """At the centre the sheet keeps its lengths and has both curvatures; positive ones lift the edges."""
     at = shape.over(Points(np.zeros((1, 2))), similar(np.zeros(2), 1.0))[0]  # type: ignore[arg-type]
     cos, sin = np.cos(shape.angle), np.sin(shape.angle)
     across = shape.curvature if shape.name == "cap" else shape.across

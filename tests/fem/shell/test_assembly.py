@@ -1,4 +1,4 @@
-"""The fixed pattern and its restriction to what is free, against matrices put together the slow way."""
+"""Assembly and restriction to the free unknowns, against matrices assembled directly."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def test_matrices_over_components_and_scalars(space: type) -> None:
     random = np.random.default_rng(0)
     blocks = random.standard_normal((*assembly.dofs.shape, assembly.dofs.shape[1]))
     blocks = blocks + np.swapaxes(blocks, 1, 2)
-    # dofs of a padded stencil come twice
+    # a padded stencil has dofs twice
     rows, columns = np.broadcast_arrays(assembly.dofs[:, :, None], assembly.dofs[:, None])
     scalar = sp.csr_matrix((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(element.size,) * 2)
     assert np.allclose(full(assembly.pattern, assembly.expand(scalar)), np.kron(scalar.toarray(), np.eye(3)))
@@ -34,7 +34,7 @@ def test_matrices_over_components_and_scalars(space: type) -> None:
     assert np.allclose(full(assembly.pattern, assembly.gather(whole)), whole.toarray())
 
 
-def test_what_is_not_in_the_pattern_is_refused() -> None:
+def test_entries_outside_the_pattern_are_refused() -> None:
     element = Argyris(rectangle(4, 1))
     assembly = Assembly(element.tabulate(4), element.size)
     corners = element.vertex_dofs[[0, -1], 0]
@@ -62,7 +62,7 @@ def test_restriction_is_the_triple_product() -> None:
     assert (reduced.pattern.indices[reduced.pattern.diagonal] == np.arange(len(free))).all()
 
 
-def test_nothing_held_costs_nothing() -> None:
+def test_without_supports_matrices_are_not_copied() -> None:
     element = Argyris(rectangle(2, 2))
     assembly = Assembly(element.tabulate(4), element.size)
     reduced = MatrixReduction(assembly.pattern, sp.identity(3 * element.size, format="csr"))

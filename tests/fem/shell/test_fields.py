@@ -1,4 +1,4 @@
-"""What fields are at rest, and which no sheet can have."""
+"""Rest values of fields, and fields that are refused."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ PLATE = Density(isotropic(20.0, 10.0, 0.3))
 POINTS = np.zeros((2, 3, 2))
 
 
-def test_rest_is_in_the_components_of_the_strains() -> None:
-    """Halves of the metric, and both parts 12 twice."""
+def test_rest_values_have_the_components_of_the_strains() -> None:
+    """Half of the metric, and twice both components 12."""
     rest = Fields(PLATE, (1.1, 0.9, 0.1), (0.01, 0.02, 0.003)).rest(POINTS)
     np.testing.assert_allclose(rest, np.broadcast_to([0.55, 0.45, 0.1, 0.01, 0.02, 0.006], (2, 3, 6)))
 
 
-def test_a_sheet_that_contracts_has_its_curvature_then() -> None:
+def test_curvature_is_that_of_the_contracted_sheet() -> None:
     rest = of_stretch(PLATE, 0.8, 0.02).rest(POINTS)
     np.testing.assert_allclose(rest, np.broadcast_to([0.32, 0.32, 0.0, 0.0128, 0.0128, 0.0], (2, 3, 6)))
 

@@ -1,4 +1,4 @@
-"""The mass of a held sheet: by one component, in the Hessian's pattern, and in full, it is the same."""
+"""The mass of a supported sheet: as an operator, in the pattern of the Hessian, and as a full matrix."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from fem.supports.conditions import EdgeSupport
 from tests.fem.hexagons import FIELDS, hexagon
 
 
-def test_the_mass_of_a_held_sheet() -> None:
+def test_mass_of_a_supported_sheet() -> None:
     mesh = hexagon(1)
     shell = Shell(Argyris(mesh), FIELDS["dome"], [EdgeSupport(mesh.boundary_facets()[:3])])
     table = shell.space.tabulate(shell.order)

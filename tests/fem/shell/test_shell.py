@@ -1,4 +1,4 @@
-"""The shell as Newton's method sees it: energy, forces and Hessian over what the conditions leave free."""
+"""The shell as a problem for Newton's method: energy, gradient and Hessian over the free unknowns."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def _rolled(name: str, progress: float) -> tuple[Shell, Floats]:
 @pytest.mark.parametrize("progress", [1.0, 0.4], ids=["whole", "load step"])
 @pytest.mark.parametrize("name", SPACES)
 def test_forces_and_hessian_are_derivatives(name: str, progress: float) -> None:
-    """VALIDATION V1 for all parts together, also while fields and loads are brought up."""
+    """VALIDATION V1 for all parts together, also at partial progress."""
     shell, x = _rolled(name, progress)
     assert set(shell.energies(x)) == {"sheet", "loads", "potentials"} | ({"jumps"} if name == "lifted" else set())
     random, step = np.random.default_rng(1), 1e-6
@@ -61,8 +61,8 @@ def test_forces_and_hessian_are_derivatives(name: str, progress: float) -> None:
 
 
 @pytest.mark.parametrize("name", SPACES)
-def test_a_free_sheet_may_be_moved_and_turned(name: str) -> None:
-    """VALIDATION V2: no force and no moment on the whole, whatever the state."""
+def test_rigid_motions_of_a_free_sheet_cost_no_energy(name: str) -> None:
+    """VALIDATION V2: resultant force and moment are zero in any state."""
     mesh = rectangle(3, 2, 2.0, 1.0, amount=0.15)
     shell = Shell(SPACES[name](mesh), of_stretch(Density(isotropic(3.0, 0.2, 0.3)), 0.9, 0.4))
     x = shell.space.interpolate(arc(2.2).jets) + 0.02 * np.random.default_rng(0).standard_normal(shell.flat.shape)
@@ -76,8 +76,8 @@ def test_a_free_sheet_may_be_moved_and_turned(name: str) -> None:
     assert shell.energy(moved) == pytest.approx(shell.energy(x), rel=1e-9)
 
 
-def test_the_part_of_gaussian_curvature_is_what_its_modulus_adds() -> None:
-    """On a twisted sheet too, where `b12` is all of it."""
+def test_gaussian_energy_is_the_part_of_its_modulus() -> None:
+    """Also on a twisted sheet, where `b12` gives all of it."""
     space = Argyris(hexagon(1))
     plain, more = (Shell(space, replace(FIELDS["rolled"], gaussian=g)) for g in (0.0, 0.3))
 
@@ -93,13 +93,13 @@ def test_the_part_of_gaussian_curvature_is_what_its_modulus_adds() -> None:
 
 
 def test_multigrid_is_refused() -> None:
-    """It proves less than a factorisation: a saddle could pass for a minimum."""
+    """Multigrid does not prove definiteness, so a saddle could count as a minimum."""
     with pytest.raises(BackendError, match="'amg' does not work with a shell"):
         Shell(Argyris(rectangle(1, 1)), FIELDS["bowl"]).factor("amg")
 
 
-def test_sizes_do_not_depend_on_where_the_print_lies() -> None:
-    """Steps, kicks and shifts are parts of it."""
+def test_extent_does_not_depend_on_the_place_of_the_print() -> None:
+    """The extent scales steps and shifts."""
     mesh = rectangle(3, 2, 60.0, 40.0)
     for place in (0.0, 1000.0):
         moved = MeshTri(mesh.p + place, mesh.t)

@@ -1,4 +1,4 @@
-"""Conditions are met exactly, plates that meet them bend as their closed forms say, and nonsense is named."""
+"""Supports are met exactly, plates agree with closed forms, and errors name the support."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ RATES = {"argyris": 4.0, "bell": 3.0, "lifted": 2.5}
 @pytest.mark.parametrize("clamped", [False, True], ids=["pinned", "clamped"])
 @pytest.mark.parametrize("name", SPACES)
 def test_square_plate(name: str, clamped: bool) -> None:
-    """On a square turned by 25 degrees and far from the origin: straight, oblique edges and corners."""
+    """A square rotated by 25 degrees, far from the origin: oblique edges and corners."""
     errors = []
     for cells in (2, 4, 8):
         space = SPACES[name](turned(rectangle(cells, cells, amount=0.15), 25.0, (70.0, -30.0)))
@@ -37,7 +37,7 @@ def test_square_plate(name: str, clamped: bool) -> None:
 @pytest.mark.parametrize("clamped", [False, True], ids=["pinned", "clamped"])
 @spaces
 def test_round_plate(space_of, clamped: bool) -> None:
-    """The rim is a curve, not a polygon: held along its edges a pinned disc would converge to a wrong deflection."""
+    """The rim is a smooth curve: pinned along a polygon, a disc would converge to a wrong deflection."""
     errors = []
     for refinements in (2, 3):
         space = space_of(disc(refinements))
@@ -65,7 +65,7 @@ def _ring_rise(inner: float, r: float) -> float:
 
 @spaces
 def test_plate_clamped_along_its_hole(space_of) -> None:
-    """A curved edge inside of the outline; the polygons of both circles cost second order."""
+    """A curved inner edge; the polygons of both circles cause an error of second order."""
     errors = []
     for sectors, rings in ((16, [0.4, 0.6, 0.8, 1.0]), (32, [0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0])):
         mesh = annulus(sectors, rings)
@@ -111,8 +111,8 @@ def test_rim_held_at_a_saddle(space_of, clamped: bool) -> None:
 
 @settings(max_examples=15, deadline=None)
 @given(st.sampled_from(sorted(SPACES)), st.floats(-180, 180), st.integers(0, 10**6), st.booleans())
-def test_whatever_is_free_the_edges_are_held(name: str, degrees: float, seed: int, clamped: bool) -> None:
-    """Place, and tangent plane of a clamp, at random points of oblique edges for random free unknowns."""
+def test_edges_are_held_for_all_free_unknowns(name: str, degrees: float, seed: int, clamped: bool) -> None:
+    """Position, and tangent plane of a clamp, at random points of oblique edges for random free unknowns."""
     rng = np.random.default_rng(seed)
     space = SPACES[name](turned(rectangle(2, 2, amount=0.2), degrees, (5.0, 3.0)))
     place = affine(rng.normal(size=(3, 2)), rng.normal(size=3))
@@ -148,7 +148,7 @@ def test_sliding_on_an_oblique_plane(space_of) -> None:
 
 
 @spaces
-def test_held_parts_move_straight_to_their_target(space_of) -> None:
+def test_supports_move_straight_to_their_target(space_of) -> None:
     space = space_of(rectangle(2, 2))
     rim = EdgeSupport(space.mesh.boundary_facets(), flat(0.8, (0.5, 0.5)))
     reduction = impose_conditions(space, [rim])
@@ -161,7 +161,7 @@ def test_held_parts_move_straight_to_their_target(space_of) -> None:
 
 
 @spaces
-def test_what_is_said_twice_is_dropped_and_what_contradicts_is_named(space_of) -> None:
+def test_redundant_equations_are_dropped_and_contradictions_are_named(space_of) -> None:
     space = space_of(rectangle(2, 2))
     rim = EdgeSupport(space.mesh.boundary_facets(), name="rim")
     corner = vertices_at(space.mesh, np.array([[1.0, 0.0]]))
@@ -210,8 +210,8 @@ def test_an_edge_held_in_no_direction_is_free(space_of) -> None:
     assert len(found.free) == 3 * space.size
 
 
-def test_what_has_no_direction_is_refused() -> None:
-    """A placement that shrinks the edge's surface to a line or a point has no normal to clamp to."""
+def test_a_clamp_without_normal_is_refused() -> None:
+    """A target that collapses to a line or a point has no normal for a clamp."""
     mesh = rectangle(2, 2)
     edge = facets_where(mesh, lambda x, y: x < 1e-9)
     with pytest.raises(ConditionError, match="no normal along this clamped edge"):

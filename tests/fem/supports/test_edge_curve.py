@@ -1,4 +1,4 @@
-"""The line that mesh edges stand for: circles, straight lines, corners."""
+"""The curve that mesh edges approximate: circles, straight lines, corners."""
 
 import numpy as np
 import pytest
@@ -19,7 +19,7 @@ def test_both_circles_of_an_annulus() -> None:
     # gamma'' = k nu points to the centre
     assert np.all(curve.curvatures * np.sum(left * curve.ends, axis=2) < 0.0)
     points, tangents = curve.along(0.5)
-    # a parabola leaves the circle by (k c)^4/128 of its radius in the middle of the chord c
+    # in the middle of the chord c a parabola deviates from the circle by (k c)^4/128 of its radius
     assert np.allclose(np.linalg.norm(points, axis=1), radius[:, 0], rtol=2e-4)
     assert np.allclose(np.sum(tangents * points, axis=1), 0.0, atol=1e-12)
 
@@ -50,8 +50,8 @@ def test_the_corner_angle_decides(corner_deg: float, bent: bool) -> None:
     assert np.allclose(np.abs(curve.curvatures), 1.0 if bent else 0.0)
 
 
-def test_a_line_inside_the_sheet_ends_where_it_is_held() -> None:
-    """An arc of inner edges: its ends take the circle of the nearest three vertices."""
+def test_an_inner_curve_ends_with_its_supported_edges() -> None:
+    """An arc of inner edges: its ends have the circle through the nearest three vertices."""
     mesh = annulus(24, [1.0, 1.5, 2.0])
     radius = np.linalg.norm(mesh.p[:, mesh.facets], axis=0)
     ring = np.flatnonzero(np.ptp(radius, axis=0) < 1e-9)

@@ -1,4 +1,4 @@
-"""Linear equations turned into a map from what they leave free."""
+"""Elimination of linear equations: the map from the free unknowns to all solutions."""
 
 import numpy as np
 import pytest
@@ -11,8 +11,8 @@ from fem.supports.elimination import Contradiction, eliminate
 
 @settings(max_examples=40, deadline=None)
 @given(st.integers(0, 10**6), st.integers(1, 12), st.integers(0, 5))
-def test_every_solution_and_nothing_else(seed: int, equations: int, repeated: int) -> None:
-    """Of sparse equations some of which are combinations of others, their coefficients of any size."""
+def test_the_map_gives_all_solutions_and_only_these(seed: int, equations: int, repeated: int) -> None:
+    """Sparse equations, some of them combinations of others, with coefficients of any size."""
     rng = np.random.default_rng(seed)
     matrix = np.where(rng.uniform(size=(equations, 20)) < 0.15, rng.normal(size=(equations, 20)), 0.0)
     matrix = np.vstack([matrix, rng.normal(size=(repeated, equations)) @ matrix])
@@ -27,7 +27,7 @@ def test_every_solution_and_nothing_else(seed: int, equations: int, repeated: in
     assert np.array_equal(found.map[found.free].toarray(), np.eye(len(found.free)))
 
 
-def test_groups_that_share_nothing_stay_apart() -> None:
+def test_blocks_without_common_unknowns_are_solved_separately() -> None:
     matrix = sp.csr_matrix(np.array([[1.0, 2.0, 0, 0, 0], [0, 0, 1.0, -1.0, 0]]))
     found = eliminate(matrix, np.array([[3.0], [4.0]]), 1e-8)
     assert len(found.free) == 3

@@ -1,4 +1,4 @@
-"""Loads have the right resultants, and the moment's derivatives are those of its potential."""
+"""Resultants of loads, and derivatives of the potential of an end moment."""
 
 import numpy as np
 import pytest
@@ -40,7 +40,7 @@ def test_resultants_and_moments(space_of) -> None:
 
 @spaces
 def test_end_moment_works_with_the_angle(space_of) -> None:
-    """Rotations about the axis, also beyond half a turn: the energy is -m length angle."""
+    """Rotations about the axis, also beyond pi: the energy is -m length angle."""
     space = space_of(turned(rectangle(2, 2), 30.0, (4.0, 1.0)))
     side = np.array([-np.sin(np.radians(30.0)), np.cos(np.radians(30.0)), 0.0])
     edge = facets_where(
@@ -74,5 +74,5 @@ def test_end_moment_derivatives(space_of) -> None:
 
 def test_axis_along_the_fibres_is_refused() -> None:
     space = SPACES["lifted"](rectangle(2, 1))
-    with pytest.raises(ValueError, match="the axis is along the fibres"):
+    with pytest.raises(ValueError, match="the axis is parallel to the fibres"):
         EndMoment(space, facets_where(space.mesh, lambda x, y: x > 1 - 1e-9), 1.0, (1.0, 0.0, 0.0))

@@ -1,4 +1,4 @@
-"""Rigid motions: left out of the certificate where they cost nothing, and only there."""
+"""Rigid motions are left out of the certificate if, and only if, they cost no energy."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def upright(shell: Shell, sign: float) -> Floats:
     return shell.constrain(shell.translated(shell.flat, np.array([0.0, -1.0, 0.0])) @ turn.T)
 
 
-def test_a_hanging_strip_turns_about_the_vertical_only() -> None:
+def test_a_hanging_strip_is_free_to_rotate_about_the_vertical_only() -> None:
     shell = pendulum()
     found = follow(shell, upright(shell, 1.0), shell.factor())
     assert found.is_minimum and found.saddles_left == 0
@@ -45,7 +45,7 @@ def test_a_hanging_strip_turns_about_the_vertical_only() -> None:
 
 
 def test_a_standing_strip_is_a_saddle() -> None:
-    """Both swings have a negative stiffness, and nothing but gravity gives them one."""
+    """Both swings have a negative stiffness, which comes from gravity alone."""
     shell = pendulum()
     factor, tolerance = shell.factor(), 1e-11 * shell.force_scale
     start = upright(shell, -1.0)
@@ -68,8 +68,8 @@ def test_pins_stop_motions_one_by_one(pins: int, left: int) -> None:
     assert np.allclose(modes.T @ modes, np.eye(left))
 
 
-def test_points_beside_a_line_stop_every_motion() -> None:
-    """On one line they leave the turn about it."""
+def test_points_not_on_a_line_stop_every_motion() -> None:
+    """Points on one line leave the rotation about it free."""
     mesh = rectangle(4, 2, 10.0, 2.0)
     for places, free in (([[0.0, 0.0], [5.0, 0.0], [10.0, 0.0]], 1), ([[0.0, 0.0], [5.0, 2.0], [10.0, 0.0]], 0)):
         at = np.array(places)

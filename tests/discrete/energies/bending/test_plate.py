@@ -34,7 +34,7 @@ def test_quadratics_are_exact(mesh, shape):
     plate, height = SHAPES[shape]
     k = 1e-6
     z = height(*(points - 0.5 * SIDE).T, k)
-    # drawn out as far as the fabric of a star is: curvatures in space stay what they are
+    # stretched like the fabric of a star, with the same curvatures in space
     elements = Plate(triangles, points / [1.35, 1.1], *SHEET)
     energies = elements.energies(np.column_stack([points, z]).ravel())
     rest = area(points, triangles) / (1.35 * 1.1)
@@ -43,25 +43,25 @@ def test_quadratics_are_exact(mesh, shape):
 
 
 def cylinder(x: Array, y: Array) -> Array:
-    """Bent without strain along a slanted axis."""
+    """The sheet bent without strain about an oblique axis."""
     u, v = (x + 0.5 * y) / np.sqrt(1.25), (y - 0.5 * x) / np.sqrt(1.25)
     return np.column_stack([np.sin(CURVATURE * u) / CURVATURE, v, (1.0 - np.cos(CURVATURE * u)) / CURVATURE])
 
 
 def sphere(x: Array, y: Array) -> Array:
-    """The exponential map: radial lengths are kept."""
+    """The sheet on a sphere by the exponential map, which keeps radial lengths."""
     r = np.hypot(x, y)
     flat = np.sinc(CURVATURE * r / np.pi)
     return np.column_stack([x * flat, y * flat, (1.0 - np.cos(CURVATURE * r)) / CURVATURE])
 
 
 def saddle(x: Array, y: Array) -> Array:
-    """A graph."""
+    """The sheet as a graph over the plane."""
     return np.column_stack([x, y, 0.5 * CURVATURE * (x**2 - y**2)])
 
 
 def saddle_energy() -> float:
-    """Of the graph, from its mean and Gaussian curvature at Gauss points of the printed square."""
+    """Exact energy of the graph, from its mean and Gaussian curvature at Gauss points of the printed square."""
     nodes, weights = np.polynomial.legendre.leggauss(20)
     x, y = np.meshgrid(0.5 * SIDE * nodes, 0.5 * SIDE * nodes)
     w = 0.25 * SIDE**2 * np.outer(weights, weights)
@@ -87,7 +87,7 @@ CASES = [(mesh, surface) for mesh in MESHES for surface in SURFACES if surface !
 
 @pytest.mark.parametrize(("mesh", "surface"), CASES)
 def test_energy_of_a_surface_converges(mesh, surface):
-    """Whole sheets on surfaces turned by up to 45 degrees: the error falls with the square of the edge."""
+    """Whole sheets on surfaces with slopes up to 45 degrees: the error is of second order in the edge."""
     place, energy = SURFACES[surface]
     edges, error, fold = (2.0, 1.0, 0.5), [], []
     for edge in edges:
@@ -114,12 +114,12 @@ def test_patches_are_six_different_vertices_in_general_position(mesh):
     gain = (patch.second[:, 3:] ** 2 @ [1.0, 2.0, 1.0]).sum(axis=1) * patch.area**2
     if mesh != "random":
         assert gain.max() <= 2.0 * MAX_CURVATURE_GAIN
-    # nothing bends a plane, whatever happens to it in the plane
+    # deformation in the plane causes no bending
     np.testing.assert_allclose(np.einsum("tia,ti->ta", patch.second, points[patch.vertices, 0]), 0.0, atol=1e-9)
 
 
 def quality(edge: float) -> tuple[Array, Array]:
-    """What the product makes where stars do not lie on a lattice: no angle below 30 degrees."""
+    """A Delaunay mesh as for stars off the lattice, with angles above 30 degrees."""
     side = np.linspace(0.0, SIDE, round(SIDE / edge) + 1)[:-1]
     border = [np.column_stack(p) for p in ((side, 0 * side), (0 * side + SIDE, side))]
     border += [np.column_stack(p) for p in ((SIDE - side, 0 * side + SIDE), (0 * side, SIDE - side))]
@@ -135,8 +135,8 @@ def quality(edge: float) -> tuple[Array, Array]:
 @pytest.mark.parametrize(
     ("mesh", "least"), [("right", 1.0), ("equilateral", 1.0), ("jittered", 0.98), ("quality", 0.90), ("random", 0.75)]
 )
-def test_stiffness_of_a_plate_that_may_relax(mesh, least, edge):
-    """Held on a quadratic around its rim, a plate has that quadratic inside; irregular meshes give way a little.
+def test_stiffness_of_a_plate_in_equilibrium(mesh, least, edge):
+    """A plate held on a quadratic along its rim takes this quadratic inside; irregular meshes are slightly too soft.
 
     Energies of given surfaces are exact on all meshes, but the forces of one uniform moment only cancel on regular
     ones. What is left moves the inner vertices off the surface, and costs stiffness that finer meshes do not give back.
@@ -164,13 +164,13 @@ def test_stiffness_of_a_plate_that_may_relax(mesh, least, edge):
 
 
 def test_two_triangles_are_too_few():
-    """No quadratic goes through four vertices: such a sheet is refused by name."""
+    """Four vertices do not determine a quadratic: `MeshError`."""
     with pytest.raises(MeshError, match="six vertices"):
         patches(np.array([[0, 1, 2], [2, 1, 3]]), np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]))
 
 
 def test_objectivity():
-    """Turned, moved, mirrored, vertices renumbered, triangles in another order: the same energy and the same forces."""
+    """Rotation, translation, reflection and renumbering change neither energy nor forces."""
     rng = np.random.default_rng(3)
     points, triangles = MESHES["jittered"](3.0)
     positions = np.column_stack([1.2 * points, 3.0 * np.sin(points[:, 0] / 4.0) * np.cos(points[:, 1] / 5.0)])
@@ -194,8 +194,8 @@ def test_objectivity():
     assert shuffled.energies(positions[old].ravel()).sum() == pytest.approx(energy, rel=1e-12)
 
 
-def test_folds_get_more_expensive_all_the_way():
-    """Plate and folds together, about one line of a flat mesh turned from 0 to 170 degrees."""
+def test_energy_of_folds_grows_with_the_angle():
+    """Energy of plate and folds along one line of a flat mesh, folded from 0 to 170 degrees."""
     points, triangles = right_triangles(2.0)
     hinges = interior_edges(triangles)
     parts = [Plate(triangles, points, *SHEET), Hinges(hinges, 0.0, fold=fold_coefficients(hinges, points, *SHEET))]
@@ -237,7 +237,7 @@ def strip(mesh: str, edge: float, load: float) -> tuple[float, float]:
 
 @pytest.mark.parametrize(("load", "across", "along"), [(1.0, 0.123471, 0.991246), (5.0, 0.495905, 0.846657)])
 def test_heavy_cantilever(load, across, along):
-    """V6 by a strip of fabric without lateral contraction; the clamp is known to half an edge only."""
+    """V6 by a strip of fabric with nu = 0; the position of the clamp is uncertain by half an edge."""
     error = []
     for edge in (2.0, 1.0):
         w, h = strip("right", edge, load)

@@ -14,7 +14,7 @@ from discrete.energies.rods.section import torsion_constant
     ("width", "thickness", "constant"), [(1.2, 0.3, 0.009098), (1.2, 0.6, 0.059274), (1.0, 1.0, 0.140577)]
 )
 def test_published_values(width, thickness, constant):
-    """Exact to their last printed digit."""
+    """Published values, to their last printed digit."""
     assert torsion_constant(np.array(width), np.array(thickness)) == pytest.approx(constant, abs=6e-7)
 
 
