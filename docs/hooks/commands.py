@@ -5,6 +5,7 @@ The page `reference/commands.md` holds a line `<!-- commands -->`, which is repl
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -38,7 +39,7 @@ def _section(name: str, command: Any) -> Iterator[str]:
     arguments = [p for p in command.params if p.param_type_name == "argument"]
     options = [p for p in command.params if p.param_type_name == "option" and not getattr(p, "hidden", False)]
     words = [p.name.upper() if p.required else f"[{p.name.upper()}]" for p in arguments]
-    yield f"## {name}\n\n{command.help}\n\n```console\nasterism {' '.join([name, *words])} [OPTIONS]\n```\n"
+    yield f"## {name}\n\n{_with_code(command.help)}\n\n```console\nasterism {' '.join([name, *words])} [OPTIONS]\n```\n"
     yield "| argument or option | meaning |\n|---|---|"
     for p, word in zip(arguments, words, strict=True):
         yield f"| `{word}` | {_meaning(p)} |"
@@ -51,8 +52,13 @@ def _names(option: Any) -> str:
     return ", ".join(f"`{name}`" for name in (*option.opts, *option.secondary_opts))
 
 
+def _with_code(text: str) -> str:
+    """A text whose options, such as --edge, are set as code."""
+    return re.sub(r"(?<![\w`-])(--[a-z][a-z-]*)", r"`\1`", text)
+
+
 def _meaning(parameter: Any) -> str:
-    text = (parameter.help or "").replace("|", "\\|")
+    text = _with_code(parameter.help or "").replace("|", "\\|")
     default = parameter.default
     if default not in (None, False, True, (), []) and not callable(default):
         text += f" Default: {getattr(default, 'value', default)}."
