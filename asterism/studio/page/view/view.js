@@ -209,7 +209,7 @@ export class View {
         surface: this.armSurface,
         front: PLASTIC,
         back: PLASTIC,
-        lift: 0.28,
+        lift: 0.15,
         shine: 0.16,
         coloured: marked,
       });
@@ -268,7 +268,10 @@ export class View {
     const { canvas } = this;
     const before = [canvas.width, canvas.height];
     [canvas.width, canvas.height] = [width, height];
+    const { target, distance } = this.camera;
+    this.camera.fit(this.positions, width / height);
     this.draw(width, height);
+    Object.assign(this.camera, { target, distance });
     const flat = document.createElement("canvas");
     [flat.width, flat.height] = [width, height];
     const context = flat.getContext("2d");
