@@ -6,7 +6,6 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.spatial import cKDTree
 
 from asterism.previews.session import Preview
 from asterism.shape.blank_sheet import blank_sheet
@@ -14,7 +13,9 @@ from asterism.shape.pose import upright_rotation
 from asterism.studio.messages import Frame, ShownMesh
 from pattern.design.design import Design
 from pattern.geometry.arrays import Floats, Ints
-from pattern.geometry.planar import is_in_sorted, polygon_area
+from pattern.geometry.normals import sum_at_vertices, triangle_normals, vertex_normals
+from pattern.geometry.planar import is_in_sorted, polygon_area, triangle_areas
+from pattern.geometry.point_location import TriangleFinder, clipped
 from pattern.layout.layout import Layout
 from pattern.mesh.meshing import mesh_layout
 
@@ -23,7 +24,7 @@ FINE_EDGE_SPACINGS = 1 / 12  # and at rest
 MAX_VERTICES_SHOWN = 30_000
 STATIONS = 5  # along the ribbon of an arm
 NEEDLE_SPACING = 1.0  # of the needles along supported edges, over that of the stars
-CANDIDATE_TRIANGLES = 8  # with the nearest centroids, of which one holds a point
+STATION_CANDIDATES = 8  # triangles that are tried for a station: those of a shown mesh are well shaped
 
 
 class SheetView:
@@ -40,7 +41,7 @@ class SheetView:
 
     def __init__(self, preview: Preview, is_fine: bool) -> None:
         self._number, self._is_fine = 0, is_fine
-        self._arm_site = np.empty(0, dtype=np.uint32)
+        self._arm_site = np.empty(0, dtype=np.int64)
         layout, design = preview.sheet.layout, preview.design
         spacings = FINE_EDGE_SPACINGS if is_fine else COARSE_EDGE_SPACINGS
         shortest = float(np.sqrt(abs(polygon_area(layout.outline)) / (np.sqrt(0.75) * MAX_VERTICES_SHOWN)))
@@ -55,6 +56,7 @@ class SheetView:
         self._space = preview.sheet.space
         self._lens = preview.lens(self.printed)
         self._arms_of: Layout | None = None
+        self._needle_points = np.empty((0, 2))
         self.rotation = np.eye(3)
 
     def shows(self, preview: Preview) -> bool:
@@ -73,15 +75,8 @@ class SheetView:
 
     def numbered(self, number: int, layout: Layout) -> ShownMesh:
         """The message with the mesh, under a new number."""
-        self._number, self._arm_site = number, layout.star_number[layout.arm_star].astype(np.uint32)
-        return ShownMesh(
-            mesh=number,
-            printed=self.printed.astype(np.float32),
-            triangles=self.triangles.astype(np.uint32),
-            outline=outline_of(self.triangles).astype(np.uint32),
-            arm_site=self._arm_site,
-            is_fine=self._is_fine,
-        )
+        self._number, self._arm_site = number, layout.star_number[layout.arm_star]
+        return mesh_message(number, self.printed, self.triangles, self._arm_site, self._is_fine)
 
     def stand_up(self, preview: Preview, x: Floats | None = None) -> None:
         """Choose the pose of a free sheet anew: principal axes along x, y and z. Later stages keep it."""
@@ -90,7 +85,7 @@ class SheetView:
             return
         positions = self._lens(x).bumpy
         self.rotation = upright_rotation(
-            self.printed, positions, self._weights, self._triangle_normals(positions).sum(axis=0)
+            self.printed, positions, self._weights, triangle_normals(positions, self.triangles).sum(axis=0)
         )
 
     def frame(self, preview: Preview, seq: int, stage: str, x: Floats | None = None) -> Frame:
@@ -101,7 +96,7 @@ class SheetView:
         if not layout.pins:
             positions = (positions - self._weights @ positions) @ self.rotation.T
             positions[:, 2] -= positions[:, 2].min()
-        normals = _unit(self._beside @ self._triangle_normals(positions))
+        normals = vertex_normals(positions, self.triangles)
         arms, arm_normals = self._ribbons(layout, positions, normals)
         stretch_x, stretch_y = fabric.stretch_xy
         small = np.float32
@@ -145,69 +140,49 @@ class SheetView:
         points = np.concatenate(printed)
         if not len(points):
             return np.empty((0, 2, 3))
-        tips = self._interpolation(points) @ positions
+        if not np.array_equal(points, self._needle_points):
+            self._needle_points, self._in_needles = points, self._interpolation(points)
+        tips = self._in_needles @ positions
         feet = tips.copy()
         feet[:, 2] = min(0.0, float(tips[:, 2].min()))
         return np.stack([feet, tips], axis=1)
 
     def _interpolation(self, points: Floats) -> sp.csr_matrix:
         """(n, V) linear interpolation from the vertices to printed points (n, 2)."""
-        near = self._tree.query(points, k=min(CANDIDATE_TRIANGLES, len(self.triangles)))[1].reshape(len(points), -1)
-        offset = points[:, None] - self.printed[self.triangles[near, 0]]
-        rest = np.einsum("nkab,nkb->nka", self._inverse[near], offset)
-        weights = np.concatenate([1.0 - rest.sum(axis=-1, keepdims=True), rest], axis=-1)
-        best = weights.min(axis=-1).argmax(axis=1)
-        row = np.arange(len(points))
-        found = np.maximum(weights[row, best], 0.0)  # of points that lie a little outside
-        found /= found.sum(axis=1, keepdims=True)
-        corners = self.triangles[near[row, best]]
-        return sp.csr_matrix(
-            (found.ravel(), corners.ravel(), np.arange(0, 3 * len(points) + 1, 3)), (len(points), len(self.printed))
-        )
-
-    def _triangle_normals(self, positions: Floats) -> Floats:
-        """(T, 3) normals, as long as twice the area."""
-        a, b, c = positions[self.triangles].swapaxes(0, 1)
-        return np.cross(b - a, c - a)
+        triangle, weights = self._finder.nearest(points, STATION_CANDIDATES)
+        corners, ends = self.triangles[triangle], np.arange(0, 3 * len(points) + 1, 3)
+        return sp.csr_matrix((clipped(weights).ravel(), corners.ravel(), ends), (len(points), len(self.printed)))
 
     @cached_property
-    def _tree(self) -> cKDTree:
-        return cKDTree(self.printed[self.triangles].mean(axis=1))
-
-    @cached_property
-    def _inverse(self) -> Floats:
-        """(T, 2, 2) from a printed offset to two of the barycentric coordinates."""
-        a, b, c = self.printed[self.triangles].swapaxes(0, 1)
-        return np.linalg.inv(np.stack([b - a, c - a], axis=-1))
-
-    @cached_property
-    def _beside(self) -> sp.csr_matrix:
-        """(V, T) ones where a vertex is a corner of a triangle."""
-        count = len(self.triangles)
-        entries = np.ones(3 * count), (self.triangles.ravel(), np.repeat(np.arange(count), 3))
-        return sp.csr_matrix(entries, shape=(len(self.printed), count))
+    def _finder(self) -> TriangleFinder:
+        return TriangleFinder(self.printed, self.triangles)
 
     @cached_property
     def _weights(self) -> Floats:
         """(V,) share of the printed sheet that each vertex stands for."""
-        a, b, c = self.printed[self.triangles].swapaxes(0, 1)
-        (ux, uy), (vx, vy) = (b - a).T, (c - a).T
-        areas = self._beside @ (ux * vy - uy * vx)
+        areas = sum_at_vertices(
+            self.triangles, np.repeat(triangle_areas(self.printed, self.triangles), 3), len(self.printed)
+        )
         return np.asarray(areas / areas.sum())
+
+
+def mesh_message(number: int, printed: Floats, triangles: Ints, arm_site: Ints, is_fine: bool) -> ShownMesh:
+    """The message with a mesh: points (V, 2) mm, triangles (T, 3), and the row of the site of each ribbon (A,)."""
+    return ShownMesh(
+        mesh=number,
+        printed=printed.astype(np.float32),
+        triangles=triangles.astype(np.uint32),
+        outline=outline_of(triangles).astype(np.uint32),
+        arm_site=arm_site.astype(np.uint32),
+        is_fine=is_fine,
+    )
 
 
 def blank_messages(design: Design, number: int, seq: int) -> tuple[ShownMesh, Frame]:
     """The flat sheet of a design without stars: its mesh under a number, and its frame."""
     shape = blank_sheet(design)
     count, small = len(shape.printed), np.float32
-    mesh = ShownMesh(
-        mesh=number,
-        printed=shape.printed.astype(small),
-        triangles=shape.triangles.astype(np.uint32),
-        outline=outline_of(shape.triangles).astype(np.uint32),
-        arm_site=np.empty(0, dtype=np.uint32),
-        is_fine=True,
-    )
+    mesh = mesh_message(number, shape.printed, shape.triangles, np.empty(0, dtype=np.int64), is_fine=True)
     frame = Frame(
         seq=seq,
         mesh=number,

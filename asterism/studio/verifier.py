@@ -12,8 +12,8 @@ import numpy as np
 from asterism.reports.verification_files import write_verification
 from asterism.results.files import check_writable
 from asterism.studio.engine_problem import engine_problem
-from asterism.studio.messages import JobProgress, ShownMesh, Verified
-from asterism.studio.sheet_view import outline_of
+from asterism.studio.messages import JobProgress, Verified
+from asterism.studio.sheet_view import mesh_message
 from asterism.verification.run import verify
 from asterism.verification.verification import Verification
 from pattern.design.design import Design
@@ -71,14 +71,7 @@ def verified(job: int, found: Verification, files: tuple[str, ...]) -> Verified:
     """
     comparison = found.comparison
     exact = comparison.reference
-    mesh = ShownMesh(
-        mesh=-job,
-        printed=exact.printed.astype(np.float32),
-        triangles=exact.triangles.astype(np.uint32),
-        outline=outline_of(exact.triangles).astype(np.uint32),
-        arm_site=np.empty(0, dtype=np.uint32),
-        is_fine=True,
-    )
+    mesh = mesh_message(-job, exact.printed, exact.triangles, np.empty(0, dtype=np.int64), is_fine=True)
     return Verified(
         job=job,
         summary=found.summary.to_json(),

@@ -25,6 +25,6 @@ def vertex_normals(positions: Floats, triangles: Ints) -> Floats:
 
 def sum_at_vertices(triangles: Ints, per_corner: Floats, count: int) -> Floats:
     """Sum over the corners at each vertex of values (3 T,) or (3 T, m) listed triangle by triangle."""
-    gathered = np.zeros((count, *per_corner.shape[1:]))
-    np.add.at(gathered, triangles.ravel(), per_corner)
-    return gathered
+    corners, columns = triangles.ravel(), np.atleast_2d(per_corner.T)
+    gathered = np.column_stack([np.bincount(corners, column, count) for column in columns])
+    return np.asarray(gathered.reshape(count, *per_corner.shape[1:]), dtype=float)

@@ -7,6 +7,64 @@ from scipy.spatial import cKDTree
 
 from pattern.geometry.arrays import Floats, Ints
 
+# Triangles with the nearest centroids, of which one holds a point.
+CANDIDATE_TRIANGLES = 12
+
+
+class TriangleFinder:
+    """Finds printed points in the triangles of a sheet; made once for all questions about a mesh.
+
+    Parameters
+    ----------
+    printed : (V, 2) mm.
+    triangles : (T, 3).
+
+    Examples
+    --------
+    >>> finder = TriangleFinder(np.array([[0.0, 0.0], [4.0, 0.0], [0.0, 4.0]]), np.array([[0, 1, 2]]))
+    >>> triangle, weights = finder.nearest(np.array([[1.0, 2.0]]))
+    >>> triangle.tolist(), weights.tolist()
+    ([0], [[0.25, 0.25, 0.5]])
+    """
+
+    def __init__(self, printed: Floats, triangles: Ints) -> None:
+        self._corners = corners = printed[triangles]
+        self._inverse = np.linalg.inv(np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=-1))
+        self._tree = cKDTree(corners.mean(axis=1))
+
+    def nearest(self, points: Floats, candidates: int = CANDIDATE_TRIANGLES) -> tuple[Ints, Floats]:
+        """Of triangles with near centroids the best for each point (n, 2) mm, and the weights (n, 3) there.
+
+        A weight is negative if the point is outside, or if its triangle is not among so many candidates.
+        """
+        near = self._tree.query(points, k=np.arange(1, min(candidates, len(self._corners)) + 1))[1]
+        weights = self._weights_in(near, points)
+        row, best = np.arange(len(points)), weights.min(axis=-1).argmax(axis=1)
+        return near[row, best], weights[row, best]
+
+    def best_of_all(self, point: Floats) -> tuple[int, Floats]:
+        """The same for one point (2,) among all triangles."""
+        weights = self._weights_in(np.arange(len(self._corners))[None], point[None])[0]
+        best = int(weights.min(axis=-1).argmax())
+        return best, weights[best]
+
+    def misses(self, points: Floats, triangle: Ints, weights: Floats) -> Floats:
+        """(n,) mm from the points (n, 2) to the places that weights (n, 3) in triangles (n,) stand for."""
+        places = np.einsum("nk,nki->ni", weights, self._corners[triangle])
+        return np.asarray(np.linalg.norm(places - points, axis=1))
+
+    def _weights_in(self, candidates: Ints, points: Floats) -> Floats:
+        """(n, k, 3) weights of points (n, 2) in k triangles each."""
+        offset = points[:, None] - self._corners[candidates, 0]
+        rest = np.einsum("nkab,nkb->nka", self._inverse[candidates], offset)
+        return np.concatenate([1 - rest.sum(axis=-1, keepdims=True), rest], axis=-1)
+
+
+def clipped(weights: Floats) -> Floats:
+    """Weights (n, 3) of places within the triangles: negative ones become 0, and the rest adds up to 1."""
+    kept = np.maximum(weights, 0.0)
+    return np.asarray(kept / kept.sum(axis=1, keepdims=True))
+
 
 def locate(printed: Floats, triangles: Ints, points: Floats) -> tuple[Ints, Floats]:
     """The triangle that holds each point, and the point's weights there.
@@ -31,33 +89,16 @@ def locate(printed: Floats, triangles: Ints, points: Floats) -> tuple[Ints, Floa
         raise ValueError(f"printed points must be pairs of mm, shape (n, 2), got shape {points.shape}")
     if not np.isfinite(points).all():
         raise ValueError("a printed point is not a number")
-    corners = printed[triangles]
-    inverse = np.linalg.inv(np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=-1))
-
-    def weights_in(candidates: Ints, of: Floats) -> Floats:
-        """(n, k, 3) weights of n points in k triangles each."""
-        rest = np.einsum("nkab,nkb->nka", inverse[candidates], of[:, None] - corners[candidates, 0])
-        return np.concatenate([1 - rest.sum(axis=-1, keepdims=True), rest], axis=-1)
-
-    tree = cKDTree(corners.mean(axis=1))
-    near = tree.query(points, k=np.arange(1, min(12, len(triangles)) + 1))[1]
-    weights = weights_in(near, points)
-    best = weights.min(axis=-1).argmax(axis=1)
-    row = np.arange(len(points))
-    found, weights = near[row, best], weights[row, best]
+    finder = TriangleFinder(printed, triangles)
+    found, weights = finder.nearest(points)
     # long triangles may hide their centroid from a point: those few points are tried in every triangle
-    everywhere = np.arange(len(triangles))[None]
     for i in np.flatnonzero(weights.min(axis=1) < 0):
-        tried = weights_in(everywhere, points[i : i + 1])[0]
-        found[i] = tried.min(axis=-1).argmax()
-        weights[i] = tried[found[i]]
-    clipped = np.maximum(weights, 0.0)
-    clipped /= clipped.sum(axis=1, keepdims=True)
-    missed = np.linalg.norm(np.einsum("nk,nki->ni", clipped, corners[found]) - points, axis=1)
-    off = np.flatnonzero(missed > 1e-9 * np.ptp(printed, axis=0).max())
+        found[i], weights[i] = finder.best_of_all(points[i])
+    weights = clipped(weights)
+    off = np.flatnonzero(finder.misses(points, found, weights) > 1e-9 * np.ptp(printed, axis=0).max())
     if len(off):
         x, y = points[off[0]]
         raise ValueError(
             f"{len(off)} of {len(points)} printed points are off the sheet, the first at ({x:g}, {y:g}) mm"
         )
-    return found, clipped
+    return found, weights
