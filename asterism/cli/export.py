@@ -37,7 +37,7 @@ def export(
         typer.Option(help="Thickness of the stretched fabric in mm (default: that of the released fabric)."),
     ] = None,
     turn: Annotated[float, typer.Option(help="Rotation of the print on the bed in degrees, counterclockwise.")] = 0.0,
-    needle_spacing: Annotated[float, typer.Option(help="Largest distance of needles on held edges in mm.")] = 20.0,
+    needle_spacing: Annotated[float, typer.Option(help="Largest distance of needles on supported edges in mm.")] = 20.0,
     border: Annotated[bool, typer.Option("--border/--no-border", help="Print a line to cut along.")] = True,
 ) -> None:
     """Write all files for a print: solids, layout at 1:1, needles, start code, instructions.

@@ -98,10 +98,10 @@ function showTool() {
 store.on(["tool"], showTool);
 showTool();
 
+const DARK_MEDIA = { auto: "(prefers-color-scheme: dark)", dark: "all", light: "not all" };
+
 function showTheme() {
-  const theme = store.get("theme");
-  if (theme === "auto") delete document.documentElement.dataset.theme;
-  else document.documentElement.dataset.theme = theme;
+  $("dark").media = DARK_MEDIA[store.get("theme")];
 }
 store.on(["theme"], showTheme);
 showTheme();

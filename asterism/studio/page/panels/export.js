@@ -33,7 +33,7 @@ export function openExport({ store, connection }) {
   });
   const border = check({ text: "Print a line to cut along", value: true, testid: "export-border", onchange: () => {} });
   const spacing = numberField({
-    label: "Needles on held edges, at most apart",
+    label: "Needles on supported edges, at most apart",
     value: 20,
     min: 2,
     max: 200,

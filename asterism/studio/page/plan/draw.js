@@ -4,6 +4,7 @@ import { ramp, rampDomain } from "../view/colours.js";
 import { QUANTITIES, fixed } from "../format.js";
 import { nice } from "../geometry.js";
 import { pointsOf, targetsOf } from "../supports.js";
+import { polyline } from "./tools/common.js";
 
 export function drawPlan(context, plan) {
   const { canvas, store } = plan;
@@ -22,19 +23,9 @@ export function drawPlan(context, plan) {
   drawSizeLegend(paint);
 }
 
-function trace({ context, plan }, points, isClosed = true) {
-  context.beginPath();
-  points.forEach((point, k) => {
-    const [x, y] = plan.toScreen(point);
-    if (k) context.lineTo(x, y);
-    else context.moveTo(x, y);
-  });
-  if (isClosed) context.closePath();
-}
-
 function drawPaper(paint) {
   const { context, sheet, store, colour } = paint;
-  trace(paint, sheet.outline);
+  polyline(context, paint.plan, sheet.outline, true);
   context.fillStyle = colour("paper");
   context.fill();
   if (store.get("grid")) {
@@ -43,7 +34,7 @@ function drawPaper(paint) {
     drawGrid(paint);
     context.restore();
   }
-  trace(paint, sheet.outline);
+  polyline(context, paint.plan, sheet.outline, true);
   context.lineWidth = 1.5;
   context.strokeStyle = colour("ink");
   context.lineJoin = "round";
@@ -88,7 +79,7 @@ function drawPrintArea(paint) {
     [-1, 1],
   ].map(([a, b]) => [cx + (a * size[0]) / 2, cy + (b * size[1]) / 2]);
   const isTooLarge = sheet.box.size[0] > size[0] || sheet.box.size[1] > size[1];
-  trace(paint, corners);
+  polyline(context, paint.plan, corners, true);
   context.setLineDash([6, 4]);
   context.lineWidth = 1.5;
   context.strokeStyle = colour(isTooLarge ? "bad" : "line-strong");
