@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from asterism.studio.child import ENGINE, Child, StartedProcess
+from asterism.studio.inbox import merged
 from asterism.studio.messages import (
     Busy,
     Cancel,
@@ -76,18 +77,8 @@ class EngineLink:
 
     def edit(self, edit: Edit) -> None:
         """Show a design; the newest edit wins."""
-        known = self._known
-        if known is None:
-            self._known = edit
-        else:
-            given = {
-                name: value
-                for name in ("design", "sites", "sizes_mm", "removed")
-                if (value := getattr(edit, name)) is not None
-            }
-            self._known = replace(
-                known, seq=edit.seq, folder=edit.folder, is_dragging=False, snapshot=edit.snapshot, **given
-            )
+        whole = edit if self._known is None else merged(self._known, edit)
+        self._known = replace(whole, is_dragging=False)
         self._deaths = 0
         self._ask(edit)
 

@@ -44,7 +44,7 @@ class JobOwner(Protocol):
 
 
 class JobRequests:
-    """Starts jobs, and tells all pages how far they are and what came of them."""
+    """Starts jobs, and sends their progress and their results to all pages."""
 
     def __init__(self, studio: JobOwner) -> None:
         self._studio = studio
@@ -103,7 +103,7 @@ class JobRequests:
         studio = self._studio
         match message:
             case JobProgress():
-                studio.tell({"type": "progress", "job": job.kind, **job.progress})
+                studio.tell({"type": "progress", **job.progress_data})
                 return
             case StudioProblem():
                 studio.tell({**engine_problem_data(message), "job": job.kind})
@@ -140,7 +140,7 @@ class JobRequests:
     def data(self) -> dict[str, Any]:
         """The running job and its progress, for the message `state`."""
         job = self._jobs.running
-        return {} if job is None else {job.kind: {"revision": job.revision, **job.progress}}
+        return {} if job is None else {job.kind: {"revision": job.revision, **job.progress_data}}
 
     def close(self) -> None:
         """End what is running."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from asterism.studio.child import Child, StartedProcess
@@ -20,7 +20,12 @@ class RunningJob:
     kind: str
     revision: int
     child: Child
-    progress: dict[str, Any]
+    progress: JobProgress
+
+    @property
+    def progress_data(self) -> dict[str, Any]:
+        """The progress as plain data for the page."""
+        return {**asdict(self.progress), "job": self.kind}
 
 
 class Jobs:
@@ -28,7 +33,7 @@ class Jobs:
 
     Parameters
     ----------
-    tell : called with the job and each of its messages, and with None when it has ended without a result.
+    tell : called with the job and each of its messages. The last one is `Verified`, `Written` or `StudioProblem`.
     """
 
     def __init__(self, tell: Callable[[RunningJob, Any], None]) -> None:
@@ -42,7 +47,7 @@ class Jobs:
             return False
         self._count += 1
         child = Child(StartedProcess(target, (self._count, *arguments), NICENESS), self._message, self._died)
-        progress = {"stage": "starting", "done": 0, "of": 0, "seconds": 0.0}
+        progress = JobProgress(self._count, "starting", 0, 0, 0.0)
         self.running = RunningJob(self._count, kind, revision, child, progress)
         return True
 
@@ -58,12 +63,7 @@ class Jobs:
         if job is None or child is not job.child:
             return
         if isinstance(message, JobProgress):
-            job.progress = {
-                "stage": message.stage,
-                "done": message.done,
-                "of": message.of,
-                "seconds": message.seconds,
-            }
+            job.progress = message
         elif isinstance(message, StudioProblem | Verified | Written):
             self.running = None
         self._tell(job, message)

@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
+# Of a value in a message; values of whole tables are left out.
+MAX_VALUE_CHARACTERS = 100
 
 
 @dataclass(frozen=True)
@@ -224,6 +226,23 @@ class Written:
     folder: str
     files: tuple[str, ...]
     warnings: tuple[str, ...] = ()
+
+
+def mistake_parts(error: Exception, rows: Array) -> dict[str, Any]:
+    """The parts of a `StudioProblem` that say where an error is: field, value, allowed, stars and place.
+
+    Parameters
+    ----------
+    rows : (P, 2) lattice sites of the sheet, in the order of the stars' numbers.
+    """
+    value, place = getattr(error, "value", ""), getattr(error, "place_mm", None)
+    return {
+        "field": str(getattr(error, "field", "")),
+        "value": str(value)[:MAX_VALUE_CHARACTERS] if isinstance(value, str | int | float | list | tuple) else "",
+        "allowed": str(getattr(error, "allowed", "")),
+        "stars": sites_of(rows, getattr(error, "stars", ())),
+        "at_mm": None if place is None else (float(place[0]), float(place[1])),
+    }
 
 
 def sites_of(rows: Array, stars: tuple[int, ...]) -> tuple[tuple[int, int], ...]:

@@ -1,19 +1,20 @@
-"""What the page is told about document and shape, as plain data."""
+"""Document and problems as plain data for the page."""
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import Any
 
+import numpy as np
+
 from asterism.studio.document import Document
-from asterism.studio.messages import Form, Limits, Notice, StudioProblem
+from asterism.studio.messages import Limits, StudioProblem, mistake_parts
 from asterism.studio.painted import entries_by_site
 from asterism.studio.plan import plan_data
 from asterism.studio.printers import plastic_names, printer_entries
 from pattern.design.errors import DesignError
 from pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
 from pattern.layout.layout import Layout
-
-MAX_VALUE_CHARACTERS = 100
 
 
 def document_data(document: Document, printer: str, limits: Limits | None) -> dict[str, Any]:
@@ -64,56 +65,16 @@ def problem_data(error: Exception, layout: Layout | None, seq: int | None = None
     layout : of the design, for the sites of the stars.
     seq : number of the page's message that is refused.
     """
-    numbers = getattr(error, "stars", ()) if layout is not None else ()
-    rows = [] if layout is None else layout.sheet_sites.tolist()
-    place = getattr(error, "place_mm", None)
-    design_error = error if isinstance(error, DesignError) else None
+    rows = np.empty((0, 2)) if layout is None else layout.sheet_sites
     return {
         "type": "problem",
-        "kind": "request" if design_error is None else "design",
+        "kind": "design" if isinstance(error, DesignError) else "request",
         "seq": seq,
         "text": " ".join(str(error).split()),
-        "field": design_error.field if design_error else "",
-        "value": _shown_value(design_error.value) if design_error else "",
-        "allowed": design_error.allowed if design_error else "",
-        "stars": [rows[number] for number in numbers if 0 <= number < len(rows)],
-        "at_mm": None if place is None else list(place),
+        **mistake_parts(error, rows),
     }
-
-
-def _shown_value(value: Any) -> str:
-    """A value of a design file as short text; empty for whole tables."""
-    return str(value)[:MAX_VALUE_CHARACTERS] if isinstance(value, str | int | float | list | tuple) else ""
 
 
 def engine_problem_data(problem: StudioProblem) -> dict[str, Any]:
     """The message `problem` of an edit or a job that has no answer."""
-    return {
-        "type": "problem",
-        "kind": problem.kind,
-        "text": problem.text,
-        "field": problem.field,
-        "value": problem.value,
-        "allowed": problem.allowed,
-        "stars": [list(site) for site in problem.stars],
-        "at_mm": None if problem.at_mm is None else list(problem.at_mm),
-    }
-
-
-def notice_data(notice: Notice) -> dict[str, Any]:
-    """A warning as plain data."""
-    return {
-        "text": notice.text,
-        "stars": [list(site) for site in notice.stars],
-        "at_mm": None if notice.at_mm is None else list(notice.at_mm),
-    }
-
-
-def form_data(form: Form) -> dict[str, Any]:
-    """One of several minima as plain data."""
-    return {
-        "index": form.index,
-        "name": form.name,
-        "energy_percent": form.energy_percent,
-        "is_shown": form.is_shown,
-    }
+    return {"type": "problem", **{name: value for name, value in asdict(problem).items() if name != "seq"}}

@@ -34,5 +34,5 @@ def printer_entries() -> tuple[dict[str, Any], ...]:
 
 
 def plastic_names() -> list[str]:
-    """Names of the plastics that an export knows."""
+    """Names of the plastics that can be chosen for an export."""
     return profile_names("plastics")

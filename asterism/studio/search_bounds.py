@@ -12,10 +12,10 @@ from asterism.studio.messages import Busy
 
 STALE_S = 0.4  # a search that has taken longer ends when a newer edit waits
 MAX_STALE_S = 2.0  # the same if the search before it has ended so
-# processor time of the search of an edit while the pointer is down, and of other edits
+# processor time of a search: while the pointer is down, and after other edits
 MAX_DRAGGED_SEARCH_S = 2.5
 MAX_SEARCH_S = 20.0
-MAX_SLOWDOWN = 3.0  # over these, by the clock, as other programs want the cores too
+MAX_SLOWDOWN = 3.0  # largest ratio of wall time to processor time: other programs may use the cores as well
 SIGN_EVERY_S = 2.0  # of life, in long searches
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from asterism.studio import frames
 from asterism.studio.messages import Frame, ShapeSummary, ShownMesh, StudioProblem, Verified
-from asterism.studio.page_data import engine_problem_data, form_data, notice_data
+from asterism.studio.page_data import engine_problem_data
 from asterism.studio.tab import Tab
 from pattern.design.files import plain
 
@@ -89,8 +90,8 @@ class Shown:
     def add_summary(self, summary: ShapeSummary, revision: int) -> None:
         """Numbers, warnings and forms of a shape."""
         self.numbers = plain({**self.numbers, **summary.numbers})
-        self.warnings = [notice_data(notice) for notice in summary.warnings]
-        self.forms = [form_data(form) for form in summary.forms]
+        self.warnings = [asdict(notice) for notice in summary.warnings]
+        self.forms = [asdict(form) for form in summary.forms]
         self.summary_revision = revision
 
     def add_problem(self, problem: StudioProblem) -> None:

@@ -8,7 +8,8 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
-from asterism.studio.messages import JobProgress, StudioProblem, Written
+from asterism.studio.engine_problem import engine_problem
+from asterism.studio.messages import JobProgress, Written
 from equilibrium.errors import Error
 
 
@@ -52,5 +53,4 @@ def _run(connection: Connection, job: int, stage: str, work: Callable[[Callable[
     try:
         connection.send(work(say))
     except Error as error:
-        field, value, allowed = (str(getattr(error, name, "")) for name in ("field", "value", "allowed"))
-        connection.send(StudioProblem(job, "output", str(error), field, value, allowed))
+        connection.send(engine_problem(job, error))
