@@ -27,7 +27,7 @@ from asterism.verification.verification import Verification
 from pattern.design.design import Design
 from tests.asterism.previews.laws import plain_law
 from tests.asterism.process.test_compiling import fresh
-from tests.asterism.verification.browser import opened, tests_are_skipped
+from tests.asterism.verification.browser import lacks_browser, opened
 from tests.asterism.verification.printed import design
 
 # what a name must not do to a page
@@ -292,7 +292,7 @@ def test_page_says_what_is_known_of_the_mesh(found, error, change, tile, monkeyp
     assert tile in verification_page(replace(found, summary=found.summary | known))
 
 
-@pytest.mark.skipif(tests_are_skipped(), reason="no Chromium, Chrome or Edge on this machine")
+@pytest.mark.skipif(lacks_browser(), reason="no Chromium, Chrome or Edge on this machine")
 def test_page_in_a_browser(folder, tmp_path):
     """Every picture is decoded and as large as it should be, nothing sticks out, and the page is not blank."""
     page = tmp_path / "report.html"

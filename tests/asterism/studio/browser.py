@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import shutil
 import signal
 import subprocess
 import sys
@@ -16,7 +15,8 @@ from urllib.parse import urlsplit
 
 import pytest
 
-BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+from tests.asterism.verification.browser import NAMES, browser, lacks_browser
+
 # software drawing, so that a machine without a graphics card behaves as one with it
 ARGUMENTS = ("--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 VIEWPORT = {"width": 1280, "height": 720}
@@ -29,13 +29,12 @@ REST = (
 
 def browser_path() -> str:
     """An installed browser; without one the test is skipped, or fails where the run promises one."""
-    for name in BROWSERS:
-        if found := shutil.which(name):
-            return found
-    reason = f"none of the browsers {', '.join(BROWSERS)} is installed"
-    if os.environ.get("ASTERISM_NEEDS_BROWSER") == "1":
-        pytest.fail(reason)
-    pytest.skip(reason)
+    if (program := browser()) is not None:
+        return program
+    reason = f"none of the browsers {', '.join(NAMES)} is installed"
+    if lacks_browser():
+        pytest.skip(reason)
+    pytest.fail(reason)
 
 
 @contextmanager

@@ -21,7 +21,7 @@ def browser() -> str | None:
     return found or (str(MACOS) if MACOS.exists() else None)
 
 
-def tests_are_skipped() -> bool:
+def lacks_browser() -> bool:
     """Whether tests in a browser are left out: there is none, and the run does not promise one."""
     return browser() is None and os.environ.get("ASTERISM_NEEDS_BROWSER") != "1"
 
