@@ -31,6 +31,7 @@ def document_data(document: Document, printer: str, limits: Limits | None) -> di
         "name": document.path.stem,
         "path": str(document.path),
         "saved": document.is_saved,
+        "has_file": document.path.exists(),
         "can_undo": history.can_undo,
         "can_redo": history.can_redo,
         "history": {"position": history.position, "labels": history.labels[-50:]},

@@ -16,7 +16,10 @@ export function createActions(studio) {
     redo: () => connection.send("redo"),
     save: () => store.get("document") && connection.send("save"),
     saveAs: (name) => connection.send("save", { name }),
-    report: () => connection.send("report"),
+    report() {
+      store.set({ jobs: { ...store.get("jobs"), report: { stage: "starts", done: 0, of: 0, seconds: 0 } } });
+      connection.send("report");
+    },
     cancel: () => connection.send("cancel"),
     openHistory: () => openHistory(studio),
     openTable: () => store.get("document") && openTable(studio),
@@ -66,7 +69,7 @@ export function createActions(studio) {
     },
     escape() {
       if (store.get("startOpen")) store.set({ startOpen: false });
-      else if (store.get("jobs").verify) actions.cancel();
+      else if (Object.keys(store.get("jobs")).length) actions.cancel();
       else store.set({ selection: new Set(), support: null, corner: null });
     },
     fitSoon: () => setTimeout(() => studio.plan.fit(), UNDRAWN_MS),

@@ -15,7 +15,7 @@ const HELP = {
     ["Ctrl+E", "Export"],
     ["V B G O N R", "Select, brush, sizes, outline, needles, ruler"],
     ["T", "Table of stars"],
-    ["Esc", "Cancel verification, clear the selection"],
+    ["Esc", "Cancel what runs, clear the selection"],
     ["?", "This help"],
   ],
   Plan: [

@@ -67,6 +67,28 @@ export function withTable(tables, number, patch) {
   return changed(tables, number, table);
 }
 
+/** Size of the targets over that of the printed points, both about their centres. */
+export function spreadOf({ points_mm: points, target_mm: targets }) {
+  const size = (all) => {
+    const centre = centroidOf(all);
+    return Math.hypot(...all.flatMap((point) => [point[0] - centre[0], point[1] - centre[1]]));
+  };
+  return size(targets) / size(points) || 1;
+}
+
+/** Targets drawn together, or apart, about their centre; heights stay. */
+export function withSpread(tables, number, spread) {
+  const table = tables[number];
+  const centre = centroidOf(table.target_mm);
+  const factor = spread / spreadOf(table);
+  const target_mm = table.target_mm.map(([x, y, z]) =>
+    roundPoint([centre[0] + factor * (x - centre[0]), centre[1] + factor * (y - centre[1]), z]),
+  );
+  return changed(tables, number, { ...table, target_mm });
+}
+
+const centroidOf = (points) => [0, 1].map((k) => points.reduce((sum, point) => sum + point[k], 0) / points.length);
+
 /** Scale at which a new needle holds its point: that of the other needles, else what the fabric contracts to. */
 export function usualScale(sheet) {
   for (const table of sheet.tables) if (table.scale) return table.scale;

@@ -1,7 +1,7 @@
 // The export dialog: files for the printer, and what was written.
 
 import { button, check, choice, dialog, h, hint, replace, section } from "../dom.js";
-import { bytes, seconds } from "../format.js";
+import { bytes } from "../format.js";
 import { icon } from "../icons.js";
 import { numberField } from "./fields.js";
 
@@ -68,15 +68,22 @@ export function openExport({ store, connection }) {
     const { export: progress } = store.get("jobs");
     go.disabled = Boolean(progress);
     waiting.hidden = !progress;
-    if (progress) ((said.textContent = `${progress.stage} · ${seconds(progress.seconds)}`), replace(written));
+    if (progress) ((said.textContent = `${progress.stage} …`), replace(written));
     else
       replace(
         written,
         result?.files
           ? [
-              section("Written", h("span", { class: "count" }, result.folder ?? "")),
-              (result.warnings ?? []).map((text) => hint(text)),
-              fileList(result.files),
+              section("Written"),
+              hint(`All files are in ${folderOf(store.get("document").path, result.files)}`),
+              (result.warnings ?? []).map((text) => hint(text.charAt(0).toUpperCase() + text.slice(1))),
+              fileList(first(result.files)),
+              h(
+                "details",
+                { testid: "export-more" },
+                h("summary", {}, "Files for other programs"),
+                fileList(result.files.filter((file) => !first(result.files).includes(file))),
+              ),
             ]
           : null,
       );
@@ -104,7 +111,27 @@ export function openExport({ store, connection }) {
   update();
 }
 
-export function fileList(files) {
+// what most people need, in the order in which they need it, and what each is for
+const USES = {
+  "instructions.pdf": "Read first: from stretching the fabric to pinning",
+  "print.3mf": "For the slicer",
+  "start.gcode": "For the slicer: start code, for a nozzle that begins on the fabric",
+  "layout.pdf": "Layout, stretch check and drilling template, at 1:1",
+  "shape.obj": "The sheet in space, for Rhino and others",
+};
+const nameOf = (file) => file.name.split("/").at(-1);
+const first = (files) => Object.keys(USES).flatMap((name) => files.filter((file) => nameOf(file) === name));
+
+const use = (file) => (nameOf(file) in USES ? h("div", { class: "muted" }, USES[nameOf(file)]) : null);
+
+/** The folder on this machine into which files were written. */
+function folderOf(design, files) {
+  const slash = design.includes("\\") ? "\\" : "/";
+  const below = files[0]?.name.split("/").slice(-2, -1) ?? [];
+  return [...design.split(slash).slice(0, -1), ...below].join(slash);
+}
+
+function fileList(files) {
   return h(
     "ul",
     { class: "list files" },
@@ -114,9 +141,9 @@ export function fileList(files) {
         {},
         h(
           "a",
-          { class: "item", href: `file/${encodeURI(file.name)}`, download: file.name.split("/").at(-1) },
+          { class: "item", href: `file/${encodeURI(file.name)}`, download: nameOf(file), title: "Download" },
           icon("export"),
-          h("span", { class: "grow" }, file.name),
+          h("span", { class: "grow" }, nameOf(file), use(file)),
           h("span", { class: "count" }, bytes(file.size)),
         ),
       ),

@@ -1,7 +1,17 @@
 // Panel of the supports: one block for each table of the design, exact places of the selected needle.
 
 import { button, check, choice, h, hint, section } from "../dom.js";
-import { isPoints, pointsOf, targetsOf, titleOf, usualScale, withMoved, withTable } from "../supports.js";
+import {
+  isPoints,
+  pointsOf,
+  spreadOf,
+  targetsOf,
+  titleOf,
+  usualScale,
+  withMoved,
+  withSpread,
+  withTable,
+} from "../supports.js";
 import { round as rounded } from "../geometry.js";
 import { icon } from "../icons.js";
 import { numberField } from "./fields.js";
@@ -19,7 +29,9 @@ export function needlesPanel({ store, edits, tools }, { on }) {
     if (!now) return;
     const parts = [section("Supports", h("span", { class: "count" }, String(now.tables.length)))];
     if (!now.tables.length)
-      parts.push(hint("The sheet is free. Click in the plan to place a needle, or hold the whole outline."));
+      parts.push(
+        hint("The sheet is free. Click in the plan to place needles; three or more carry a sheet. Or hold its whole edge."),
+      );
     parts.push(
       h(
         "ul",
@@ -114,10 +126,10 @@ export function needlesPanel({ store, edits, tools }, { on }) {
             onclick: () => tool.remove(),
           }),
         ),
-        h("p", { class: "hint" }, "Printed place"),
+        h("p", { class: "hint" }, "Through the print at (dot in the plan)"),
         spot("x", 0, at, "at"),
         spot("y", 1, at, "at"),
-        h("p", { class: "hint" }, "Taken to"),
+        h("p", { class: "hint" }, "Pinned to the board at (cross in the plan)"),
         spot("x", 0, target, "target"),
         spot("y", 1, target, "target"),
         spot("Height z", 2, target, "target", 0),
@@ -145,10 +157,26 @@ export function needlesPanel({ store, edits, tools }, { on }) {
     const change = (patch) => send(withTable(now.tables, number, patch));
     const offset = table.offset_mm ?? [0, 0, 0];
     const parts = [section("All places of this support")];
-    if (!table.target_mm) {
+    if (isPoints(table) && table.target_mm && pointsOf(table, sheet().pins[number]).length > 1) {
       parts.push(
         numberField({
-          label: "Scale of the printed place",
+          label: "Spread on the board",
+          unit: "",
+          value: spreadOf(table),
+          min: 0.001,
+          max: 10,
+          step: 0.01,
+          digits: 3,
+          testid: "support-spread",
+          field: "pins.target_mm",
+          onchange: (value) => send(withSpread(now.tables, number, value)),
+        }).element,
+        hint("Distances on the board over those on the print. Less: the sheet rises more."),
+      );
+    } else if (!table.target_mm) {
+      parts.push(
+        numberField({
+          label: "Spread on the board",
           unit: "",
           value: table.scale ?? 1,
           min: 0.001,

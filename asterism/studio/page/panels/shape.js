@@ -137,7 +137,7 @@ export function shapePanel({ store, connection, actions }, { on }) {
     const { verify: progress } = store.get("jobs");
     const { verify: result } = store.get("results");
     if (running.hidden === Boolean(progress))
-      requestAnimationFrame(() => verified.scrollIntoView({ block: "nearest" }));
+      requestAnimationFrame(() => verified.scrollIntoView({ block: progress ? "nearest" : "start" }));
     running.hidden = !progress;
     ended.hidden = Boolean(progress);
     if (progress) {
@@ -175,7 +175,7 @@ export function shapePanel({ store, connection, actions }, { on }) {
     const s = result.summary;
     const [exact, preview] = s.heights_mm ?? [];
     const rows = [
-      ["Distance, rms", `${mm((s.rms_percent / 100) * s.diameter_mm, 2)} (${percent(s.rms_percent)})`],
+      ["Distance, root mean square", mm((s.rms_percent / 100) * s.diameter_mm, 2)],
       ["Expected was", percent(s.expected_rms_percent)],
       ["Largest distance", mm((s.max_percent / 100) * s.diameter_mm, 2)],
       ["Exact height", mm(exact)],
@@ -185,21 +185,18 @@ export function shapePanel({ store, connection, actions }, { on }) {
     const known = new Set((store.get("state").warnings ?? []).map(({ text }) => text));
     const others = (s.warnings ?? []).filter((text) => !known.has(text));
     return [
-      isOld ? hint("The design has changed since.") : null,
+      h(
+        "div",
+        { class: "trust", testid: "verdict" },
+        h("div", { class: "big" }, icon("verify"), ` ${percent(s.rms_percent)}`),
+        h("p", {}, agreement(s)),
+        isOld ? h("p", {}, "The design has changed since.") : null,
+      ),
       h(
         "dl",
         { class: "figures", testid: "verified" },
         rows.map(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]),
       ),
-      others.length
-        ? h(
-            "ul",
-            { class: "list" },
-            others.map((text) =>
-              h("li", { class: "item warn" }, icon("warn"), h("span", { class: "grow" }, capital(text))),
-            ),
-          )
-        : null,
       h(
         "div",
         { class: "row wrap" },
@@ -213,6 +210,15 @@ export function shapePanel({ store, connection, actions }, { on }) {
           : null,
         button({ icon: "verify", text: "Verify again", onclick: actions.verify }),
       ),
+      others.length
+        ? h(
+            "ul",
+            { class: "list" },
+            others.map((text) =>
+              h("li", { class: "item warn" }, icon("warn"), h("span", { class: "grow" }, capital(text))),
+            ),
+          )
+        : null,
     ];
   }
 
@@ -314,6 +320,15 @@ export function shapePanel({ store, connection, actions }, { on }) {
   verification();
   kept();
   return [section("How sure is this?"), trusted, figures, warnings, forms, verified, slots];
+}
+
+/** What the distance means for the person who waits for it. */
+function agreement({ rms_percent: rms, expected_rms_percent: expected }) {
+  const off = "from the preview to the exact shape, in percent of the diameter";
+  if (!Number.isFinite(expected)) return `Distance ${off}.`;
+  if (rms <= expected) return `Distance ${off}: the preview is as near as expected.`;
+  if (rms <= 2 * expected) return `Distance ${off}: a little more than expected.`;
+  return `Distance ${off}: more than expected. Judge by the exact shape.`;
 }
 
 const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);

@@ -21,6 +21,14 @@ export function buildStart(element, { store, connection, actions }) {
 
   let built = {};
 
+  /** Marks what was clicked until the design is there. */
+  function opening(run) {
+    return ({ currentTarget }) => {
+      currentTarget.setAttribute("aria-busy", "true");
+      run();
+    };
+  }
+
   function card(design) {
     const picture = h("img", { src: `gallery/${design.name}.png`, alt: "" });
     const shot = h("div", { class: "shot" }, picture);
@@ -31,7 +39,7 @@ export function buildStart(element, { store, connection, actions }) {
         type: "button",
         class: "card",
         testid: `gallery-${design.name}`,
-        onclick: () => actions.open({ gallery: design.name }),
+        onclick: opening(() => actions.open({ gallery: design.name })),
       },
       shot,
       h(
@@ -52,7 +60,7 @@ export function buildStart(element, { store, connection, actions }) {
     built = { gallery, hasDocument: Boolean(document) };
     const blank = h(
       "button",
-      { type: "button", class: "card blank", testid: "new", onclick: () => actions.startNew() },
+      { type: "button", class: "card blank", testid: "new", onclick: opening(actions.startNew) },
       h("div", { class: "shot" }, icon("plus")),
       h("div", { class: "about" }, h("strong", {}, "New sheet"), h("span", {}, "A hexagon of 37 stars to paint")),
     );
@@ -95,7 +103,12 @@ export function buildStart(element, { store, connection, actions }) {
                 "div",
                 { class: "row wrap" },
                 files.map((name) =>
-                  button({ icon: "open", text: name, testid: `file-${name}`, onclick: () => actions.open({ name }) }),
+                  button({
+                    icon: "open",
+                    text: name,
+                    testid: `file-${name}`,
+                    onclick: opening(() => actions.open({ name })),
+                  }),
                 ),
               ),
               h("h2", { class: "section" }, "Examples"),
@@ -116,5 +129,8 @@ export function buildStart(element, { store, connection, actions }) {
     );
   }
   store.on(["gallery", "document", "startOpen", "connection"], update);
+  store.on(["document", "problem"], () =>
+    element.querySelectorAll("[aria-busy]").forEach((one) => one.removeAttribute("aria-busy")),
+  );
   update();
 }

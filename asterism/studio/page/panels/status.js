@@ -9,6 +9,7 @@ export function buildStatus(element, { store, actions }) {
   const height = h("span", { testid: "height" });
   const extent = h("span", { testid: "extent" });
   const stars = h("span", { testid: "stars" });
+  const job = h("span", { testid: "job", role: "status", hidden: true });
   const place = h("span", { testid: "under" });
   const warnings = h("button", {
     type: "button",
@@ -16,7 +17,7 @@ export function buildStatus(element, { store, actions }) {
     testid: "warnings",
     onclick: () => actions.showPage("shape"),
   });
-  element.append(engine, error, height, extent, stars, h("span", { class: "gap" }), place, warnings);
+  element.append(engine, error, height, extent, stars, job, h("span", { class: "gap" }), place, warnings);
 
   function update() {
     const { numbers = {}, warnings: all = [] } = store.get("state");
@@ -34,6 +35,9 @@ export function buildStatus(element, { store, actions }) {
     replace(extent, "Size ", h("b", {}, numbers.extent_mm ? size(numbers.extent_mm) : "–"));
     const printed = store.get("sheet")?.printed.length;
     replace(stars, printed === undefined ? "No sheet" : plural(printed, "star"));
+    const running = jobText(store.get("jobs"));
+    job.hidden = !running;
+    if (running) replace(job, h("i", { class: "dot busy", "aria-hidden": "true" }), running);
     warnings.hidden = !all.length;
     replace(warnings, h("b", {}, plural(all.length, "warning")));
   }
@@ -55,6 +59,14 @@ export function buildStatus(element, { store, actions }) {
   store.on(["hover", "selection", "sheet"], under);
   update();
   under();
+}
+
+const JOBS = { verify: "Verifying", export: "Writing files", report: "Writing the report" };
+
+function jobText(jobs) {
+  const [name, progress] = Object.entries(jobs)[0] ?? [];
+  if (!name) return null;
+  return `${JOBS[name] ?? name}${progress.of ? `, ${Math.round((100 * progress.done) / progress.of)} %` : " …"}`;
 }
 
 function engineText(store) {

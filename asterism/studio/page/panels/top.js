@@ -92,14 +92,14 @@ export function buildTop(element, { store, actions }) {
   );
   function update() {
     const document = store.get("document");
-    const isRunning = Boolean(store.get("jobs").verify);
-    for (const one of [save, report, files, past]) one.disabled = !document;
-    verify.disabled = !document || isRunning;
+    const isRunning = Object.keys(store.get("jobs")).length > 0; // one job runs at a time
+    for (const one of [save, files, past]) one.disabled = !document;
+    for (const one of [report, verify]) one.disabled = !document || isRunning;
     undo.disabled = !document?.can_undo;
     redo.disabled = !document?.can_redo;
     name.disabled = !document;
     if (window.document.activeElement !== name) name.value = document?.name ?? "";
-    saved.textContent = !document ? "" : document.saved ? "Saved" : "Edited";
+    saved.textContent = !document ? "" : document.saved ? "Saved" : document.has_file ? "Edited" : "Not saved yet";
     saved.title = document
       ? `${document.path}${document.saved ? "" : "\nUnsaved changes are kept in the autosave."}`
       : "";
@@ -127,6 +127,7 @@ export function buildTools(element, { store, tools, actions }) {
         onclick: () => actions.choose(name),
       },
       icon(picture),
+      h("span", {}, title),
     );
     one.dataset.tool = name;
     return one;
@@ -134,9 +135,9 @@ export function buildTools(element, { store, tools, actions }) {
   const group = h("div", { role: "radiogroup", "aria-label": "Tool" }, buttons);
   group.style.display = "contents";
   const more = [
-    ["table", "Table of stars", "T", actions.openTable, "open-table"],
-    ["help", "Keys and help", "?", actions.openHelp, "open-help"],
-  ].map(([picture, title, keys, onclick, testid]) =>
+    ["table", "Table", "Table of stars", "T", actions.openTable, "open-table"],
+    ["help", "Help", "Keys and help", "?", actions.openHelp, "open-help"],
+  ].map(([picture, name, title, keys, onclick, testid]) =>
     h(
       "button",
       {
@@ -149,6 +150,7 @@ export function buildTools(element, { store, tools, actions }) {
         onclick,
       },
       icon(picture),
+      h("span", {}, name),
     ),
   );
   element.append(group, h("span", { class: "gap" }), ...more);

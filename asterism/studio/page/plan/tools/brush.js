@@ -34,8 +34,8 @@ export class BrushTool {
   move(event) {
     if (!this.#isDown) return this.hover(event);
     this.#stroke(this.#last, event.at, event);
-    this.#at = this.#last = event.at;
-    this.plan.invalidate();
+    this.#last = event.at;
+    this.hover(event);
   }
 
   up() {
