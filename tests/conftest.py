@@ -6,6 +6,21 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from jaxtyping import install_import_hook
+
+# Modules whose annotations give the shapes of arrays, such as Float[np.ndarray, "V 3"]: every call in a test, and every
+# record that is made, is checked against them. Modules with compiled loops cannot be wrapped.
+CHECKED_MODULES = (
+    "asterism.shape.diameter",
+    "asterism.shape.pose",
+    "asterism.shape.self_intersections",
+    "asterism.shape.surface_fields",
+    "fem.elements.tabulation",
+    "pattern.geometry",
+    "pattern.layout.layout",
+    "pattern.mesh.mesh",
+)
+install_import_hook(CHECKED_MODULES, "beartype.beartype")
 
 for name in ("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(name, "1")

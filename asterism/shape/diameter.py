@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from jaxtyping import Float
 
 from pattern.geometry.arrays import Floats
 
 
-def diameter(positions: Floats) -> float:
+def diameter(positions: Float[np.ndarray, "n 3"]) -> float:
     """Largest distance of two points (n, 3), in mm.
 
     Exact if at most 1000 points can be ends of the diameter. Nearly spherical sheets have more; then every second,

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from jaxtyping import Float
 
-from pattern.geometry.arrays import Floats
 
-
-def principal_axes(positions: Floats, weights: Floats) -> tuple[Floats, Floats]:
+def principal_axes(
+    positions: Float[np.ndarray, "V 3"], weights: Float[np.ndarray, " V"]
+) -> tuple[Float[np.ndarray, "3 3"], Float[np.ndarray, " 3"]]:
     """Compute the principal axes of the second moments about the centre of mass.
 
     Parameters
@@ -27,7 +28,12 @@ def principal_axes(positions: Floats, weights: Floats) -> tuple[Floats, Floats]:
     return axes, moments[::-1]
 
 
-def upright_rotation(printed: Floats, positions: Floats, weights: Floats, plastic_side: Floats) -> Floats:
+def upright_rotation(
+    printed: Float[np.ndarray, "V 2"],
+    positions: Float[np.ndarray, "V 3"],
+    weights: Float[np.ndarray, " V"],
+    plastic_side: Float[np.ndarray, " 3"],
+) -> Float[np.ndarray, "3 3"]:
     """Compute the rotation that turns the principal axes to x, y and z, with the plastic side up.
 
     If two moments are nearly equal (a dome seen from above, the section of a tube), their axes are undetermined. Then

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from jaxtyping import Float, Int
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
@@ -14,7 +15,7 @@ MIN_OVERLAP_FACTOR = 1e-12
 MIN_REMOTE_EDGES = 3.0
 
 
-def self_intersections(positions: Floats, triangles: Ints) -> int:
+def self_intersections(positions: Float[np.ndarray, "V 3"], triangles: Int[np.ndarray, "T 3"]) -> int:
     """Count the pairs of triangles that pass through each other, without pairs that share a vertex.
 
     Parameters
@@ -37,7 +38,9 @@ def self_intersections(positions: Floats, triangles: Ints) -> int:
     return int(through.sum())
 
 
-def meets_itself(printed: Floats, positions: Floats, triangles: Ints) -> bool:
+def meets_itself(
+    printed: Float[np.ndarray, "V 2"], positions: Float[np.ndarray, "V 3"], triangles: Int[np.ndarray, "T 3"]
+) -> bool:
     """Fast test whether a smooth sheet may pass through itself.
 
     True if two vertices that are printed more than three edge lengths apart are so close in space that their triangles

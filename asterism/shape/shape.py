@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from asterism.results.records.of_shape import AnyShapeRecord, shape_record
 from asterism.results.records.preview import PreviewRecord
@@ -43,12 +44,12 @@ class Shape:
     plan : layout of the computation; None for shapes from files, see `layout`.
     """
 
-    printed: Floats
-    positions: Floats
-    triangles: Ints
-    star: Ints
-    rods: tuple[Ints, ...]
-    star_vertices: Ints
+    printed: Float[np.ndarray, "V 2"]
+    positions: Float[np.ndarray, "V 3"]
+    triangles: Int[np.ndarray, "T 3"]
+    star: Int[np.ndarray, " V"]
+    rods: tuple[Int[np.ndarray, " _"], ...]
+    star_vertices: Int[np.ndarray, " S"]
     point_fields: Mapping[str, np.ndarray] = field(default_factory=dict)
     cell_fields: Mapping[str, np.ndarray] = field(default_factory=dict)
     rod_fields: Mapping[str, np.ndarray] = field(default_factory=dict)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from jaxtyping import Bool, Float, Int
 from scipy.sparse import coo_array
 
 from pattern.geometry import planar
@@ -10,7 +11,9 @@ from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.normals import sum_at_vertices, triangle_normals, vertex_normals
 
 
-def surface_triangle_areas(positions: Floats, triangles: Ints) -> Floats:
+def surface_triangle_areas(
+    positions: Float[np.ndarray, "V _"], triangles: Int[np.ndarray, "T 3"]
+) -> Float[np.ndarray, " T"]:
     """(T,) areas in mm^2; `positions` are (V, 2) or (V, 3) mm.
 
     Examples
@@ -24,7 +27,7 @@ def surface_triangle_areas(positions: Floats, triangles: Ints) -> Floats:
     return np.asarray(np.linalg.norm(triangle_normals(positions, triangles), axis=1) / 2)
 
 
-def border_of(triangles: Ints, count: int) -> np.ndarray:
+def border_of(triangles: Int[np.ndarray, "T 3"], count: int) -> Bool[np.ndarray, " {count}"]:
     """(count,) bool, vertices on the outline: those of edges that belong to one triangle only."""
     edges = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     unique, uses = np.unique(edges, axis=0, return_counts=True)
@@ -33,7 +36,7 @@ def border_of(triangles: Ints, count: int) -> np.ndarray:
     return on_border
 
 
-def vertex_areas(positions: Floats, triangles: Ints) -> Floats:
+def vertex_areas(positions: Float[np.ndarray, "V 3"], triangles: Int[np.ndarray, "T 3"]) -> Float[np.ndarray, " V"]:
     """(V,) area of each vertex in mm^2; the sum is the area of the sheet.
 
     A vertex has its Voronoi area in acute triangles, and a half or a quarter of obtuse triangles.
@@ -55,7 +58,9 @@ def vertex_areas(positions: Floats, triangles: Ints) -> Floats:
     )
 
 
-def gaussian_curvature(positions: Floats, triangles: Ints) -> Floats:
+def gaussian_curvature(
+    positions: Float[np.ndarray, "V 3"], triangles: Int[np.ndarray, "T 3"]
+) -> Float[np.ndarray, " V"]:
     """(V,) 1/mm^2, angle defect (2 pi minus the angles around a vertex) over its area; NaN on the border."""
     cotangents, _ = _cotangents(positions, triangles)
     angles = np.arctan2(1.0, cotangents)
@@ -63,7 +68,7 @@ def gaussian_curvature(positions: Floats, triangles: Ints) -> Floats:
     return _per_area(defect, positions, triangles)
 
 
-def mean_curvature(positions: Floats, triangles: Ints) -> Floats:
+def mean_curvature(positions: Float[np.ndarray, "V 3"], triangles: Int[np.ndarray, "T 3"]) -> Float[np.ndarray, " V"]:
     """(V,) 1/mm, mean of the principal curvatures by the cotangent formula; NaN on the border.
 
     Positive where the plastic side is convex: 1/R on a sphere whose outside is the plastic side.
@@ -78,7 +83,9 @@ def mean_curvature(positions: Floats, triangles: Ints) -> Floats:
     return _per_area(along_normal / 2, positions, triangles)
 
 
-def deformation_gradients(flat: Floats, positions: Floats, triangles: Ints) -> Floats:
+def deformation_gradients(
+    flat: Float[np.ndarray, "V 2"], positions: Float[np.ndarray, "V 3"], triangles: Int[np.ndarray, "T 3"]
+) -> Float[np.ndarray, "T 3 2"]:
     """(T, 3, 2) gradients of the positions (V, 3) mm with respect to a flat reference (V, 2) mm."""
     a, b, c = triangles.T
     (ux, vx), (uy, vy) = ((column[b] - column[a], column[c] - column[a]) for column in flat.T)
@@ -91,7 +98,7 @@ def deformation_gradients(flat: Floats, positions: Floats, triangles: Ints) -> F
     return out
 
 
-def principal_strains(gradients: Floats) -> Floats:
+def principal_strains(gradients: Float[np.ndarray, "T 3 2"]) -> Float[np.ndarray, "T 2"]:
     """(T, 2) singular values of deformation gradients (T, 3, 2) minus one, the larger first."""
     one, two = gradients.transpose(2, 0, 1)
     first, second = np.einsum("ti,ti->t", one, one), np.einsum("ti,ti->t", two, two)
@@ -101,7 +108,7 @@ def principal_strains(gradients: Floats) -> Floats:
     return np.asarray(np.sqrt(np.maximum(squares, 0.0)) - 1)
 
 
-def point_fields(positions: Floats, triangles: Ints) -> dict[str, Floats]:
+def point_fields(positions: Float[np.ndarray, "V 3"], triangles: Int[np.ndarray, "T 3"]) -> dict[str, Floats]:
     """Fields of the sheet at the vertices, for reports and exports."""
     return {
         "normal": vertex_normals(positions, triangles),
@@ -111,8 +118,11 @@ def point_fields(positions: Floats, triangles: Ints) -> dict[str, Floats]:
 
 
 def cell_fields(
-    printed: Floats, positions: Floats, triangles: Ints, stretch: float | tuple[float, float]
-) -> dict[str, Floats]:
+    printed: Float[np.ndarray, "V 2"],
+    positions: Float[np.ndarray, "V 3"],
+    triangles: Int[np.ndarray, "T 3"],
+    stretch: float | tuple[float, float],
+) -> dict[str, Float[np.ndarray, " T"]]:
     """Principal strains of the triangles relative to the sheet in print and to the unstretched fabric."""
     gradients = deformation_gradients(printed, positions, triangles)
     from_print = principal_strains(gradients)

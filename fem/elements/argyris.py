@@ -55,7 +55,7 @@ class Argyris:
     The unit square has 4 x 6 vertex dofs and 5 edge dofs. The parabola `z = x^2/20` is interpolated exactly:
 
     >>> space = Argyris(MeshTri())
-    >>> int(space.size)
+    >>> space.size
     29
     >>> def parabola(p):  # position and derivatives 1, 2, 11, 22, 12
     ...     out = np.zeros((len(p), 6, 3))
@@ -74,7 +74,7 @@ class Argyris:
     def __init__(self, mesh: MeshTri) -> None:
         self.mesh = mesh = checked_mesh(mesh)
         numbers = Dofs(mesh, ElementTriArgyris())
-        self.size: int = numbers.N
+        self.size = int(numbers.N)
         self.dofs: Ints = numbers.element_dofs.T.copy()
         self.vertex_dofs: Ints = numbers.nodal_dofs.T.copy()
         self.edge_dofs: Ints = numbers.facet_dofs[0].copy()

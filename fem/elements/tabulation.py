@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
+from jaxtyping import Float, Int
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
@@ -29,12 +30,12 @@ class Tabulation:
     points : (T, Q, 2) mm.
     """
 
-    dofs: Ints
-    values: Floats
-    gradients: Floats
-    hessians: Floats
-    weights: Floats
-    points: Floats
+    dofs: Int[np.ndarray, "T m"]
+    values: Float[np.ndarray, "T Q m"]
+    gradients: Float[np.ndarray, "T Q m 2"]
+    hessians: Float[np.ndarray, "T Q m 3"]
+    weights: Float[np.ndarray, "T Q"]
+    points: Float[np.ndarray, "T Q 2"]
 
 
 class Evaluation:

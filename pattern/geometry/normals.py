@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
+from jaxtyping import Float, Int
 
-from pattern.geometry.arrays import Floats, Ints
+from pattern.geometry.arrays import Floats
 
 
-def triangle_normals(positions: Floats, triangles: Ints) -> Floats:
+def triangle_normals(
+    positions: Float[np.ndarray, "V 3"], triangles: Int[np.ndarray, "T 3"]
+) -> Float[np.ndarray, "T 3"]:
     """(T, 3) mm^2, normals towards the plastic side, each as long as twice its triangle's area."""
     x, y, z = positions.T
     a, b, c = triangles.T
@@ -15,7 +18,7 @@ def triangle_normals(positions: Floats, triangles: Ints) -> Floats:
     return np.column_stack([uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx])
 
 
-def vertex_normals(positions: Floats, triangles: Ints) -> Floats:
+def vertex_normals(positions: Float[np.ndarray, "V 3"], triangles: Int[np.ndarray, "T 3"]) -> Float[np.ndarray, "V 3"]:
     """(V, 3) unit normals on the plastic side: mean of the triangles around, weighted by area."""
     normals = sum_at_vertices(triangles, np.repeat(triangle_normals(positions, triangles), 3, axis=0), len(positions))
     # where the sheet is folded onto itself, the normal is undefined: use an arbitrary unit vector
@@ -23,7 +26,9 @@ def vertex_normals(positions: Floats, triangles: Ints) -> Floats:
     return np.where(length > 0, normals / np.where(length > 0, length, 1.0), [0.0, 0.0, 1.0])
 
 
-def sum_at_vertices(triangles: Ints, per_corner: Floats, count: int) -> Floats:
+def sum_at_vertices(
+    triangles: Int[np.ndarray, "T 3"], per_corner: Floats, count: int
+) -> Float[np.ndarray, "{count} ..."]:
     """Sum over the corners at each vertex of values (3 T,) or (3 T, m) listed triangle by triangle."""
     corners, columns = triangles.ravel(), np.atleast_2d(per_corner.T)
     gathered = np.column_stack([np.bincount(corners, column, count) for column in columns])

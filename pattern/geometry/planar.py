@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
+from jaxtyping import Bool, Float, Int
 
-from pattern.geometry.arrays import Floats, Ints
+from pattern.geometry.arrays import Floats
 
 # entries of a table of distances
 MAX_TABLE_ENTRIES = 2_000_000
@@ -19,12 +19,12 @@ def cross_2d(a: Floats, b: Floats) -> Floats:
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
-def polygon_area(polygon: Floats) -> float:
+def polygon_area(polygon: Float[np.ndarray, "n 2"]) -> float:
     """Signed area of a polygon (n, 2): positive if counterclockwise."""
     return float(cross_2d(polygon, np.roll(polygon, -1, axis=0)).sum() / 2)
 
 
-def turning_angles(ring: Floats) -> Floats:
+def turning_angles(ring: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, " n"]:
     """(n,) rad, angle by which a ring (n, 2) turns left at each point.
 
     Examples
@@ -36,14 +36,16 @@ def turning_angles(ring: Floats) -> Floats:
     return np.asarray(np.arctan2(cross_2d(behind, ahead), (behind * ahead).sum(axis=1)))
 
 
-def triangle_areas(points: Floats, triangles: Ints) -> Floats:
+def triangle_areas(points: Float[np.ndarray, "V 2"], triangles: Int[np.ndarray, "T 3"]) -> Float[np.ndarray, " T"]:
     """Signed areas (T,) of triangles: positive if counterclockwise."""
     x, y = points.T
     a, b, c = triangles.T
     return np.asarray((x[b] - x[a]) * (y[c] - y[a]) - (y[b] - y[a]) * (x[c] - x[a])) / 2
 
 
-def triangle_gradients(points: Floats, triangles: Ints) -> Floats:
+def triangle_gradients(
+    points: Float[np.ndarray, "V 2"], triangles: Int[np.ndarray, "T 3"]
+) -> Float[np.ndarray, "T 3 2"]:
     """Gradients (T, 3, 2) of the barycentric coordinates of triangles, 1 over the unit of the points."""
     a, b, c = points[triangles].swapaxes(0, 1)
     e1, e2 = b - a, c - a
@@ -53,14 +55,14 @@ def triangle_gradients(points: Floats, triangles: Ints) -> Floats:
     return np.stack([-b1 - b2, b1, b2], axis=1)
 
 
-def triangle_angles(points: Floats, triangles: Ints) -> Floats:
+def triangle_angles(points: Float[np.ndarray, "V 2"], triangles: Int[np.ndarray, "T 3"]) -> Float[np.ndarray, "T 3"]:
     """Angles (T, 3) in degrees at the corners of triangles."""
     x, y = points[:, 0][triangles.T], points[:, 1][triangles.T]
     (ux, vx), (uy, vy) = ((np.roll(one, -1, axis=0) - one, np.roll(one, 1, axis=0) - one) for one in (x, y))
     return np.degrees(np.arctan2(np.abs(ux * vy - uy * vx), ux * vx + uy * vy)).T
 
 
-def mean_circumcentres(points: Floats, triangles: Ints) -> Floats:
+def mean_circumcentres(points: Float[np.ndarray, "V 2"], triangles: Int[np.ndarray, "T 3"]) -> Float[np.ndarray, "V 2"]:
     """Mean (n, 2), weighted by area, of the circumcentres of the triangles at each point.
 
     Moving points there lowers the interpolation error of a paraboloid (optimal Delaunay triangulations, Chen and Xu
@@ -76,21 +78,23 @@ def mean_circumcentres(points: Floats, triangles: Ints) -> Floats:
     return np.column_stack(weighted) / np.bincount(corner, weight, len(points))[:, None]
 
 
-def is_in_sorted(numbers: Ints, ordered: Ints) -> NDArray[np.bool_]:
+def is_in_sorted(numbers: Int[np.ndarray, " n"], ordered: Int[np.ndarray, " m"]) -> Bool[np.ndarray, " n"]:
     """(n,) whether each number is among sorted ones (m,); several times as fast as `np.isin`."""
     if len(ordered) == 0:
         return np.zeros(len(numbers), dtype=bool)
     return np.asarray(ordered[np.minimum(np.searchsorted(ordered, numbers), len(ordered) - 1)] == numbers)
 
 
-def inside(points: Floats, polygon: Floats) -> NDArray[np.bool_]:
+def inside(points: Float[np.ndarray, "n 2"], polygon: Float[np.ndarray, "c 2"]) -> Bool[np.ndarray, " n"]:
     """Which points (n, 2) lie in a simple polygon; either answer for points on its outline."""
     region = shapely.polygons(polygon)
     shapely.prepare(region)
     return np.asarray(shapely.contains_xy(region, points), dtype=bool)
 
 
-def distance_to_segment(points: Floats, a: Floats, b: Floats) -> Floats:
+def distance_to_segment(
+    points: Float[np.ndarray, "*#n 2"], a: Float[np.ndarray, "*#n 2"], b: Float[np.ndarray, "*#n 2"]
+) -> Float[np.ndarray, " *n"]:
     """Distance of points to segments a-b; the three arrays (..., 2) broadcast."""
     ax, ay = a[..., 0], a[..., 1]
     along_x, along_y = b[..., 0] - ax, b[..., 1] - ay
@@ -105,20 +109,24 @@ def split_for_table(points: Floats, against: int) -> list[Floats]:
     return np.array_split(points, len(points) * against // MAX_TABLE_ENTRIES + 1)
 
 
-def nearest_segment(points: Floats, a: Floats, b: Floats) -> Ints:
+def nearest_segment(
+    points: Float[np.ndarray, "n 2"], a: Float[np.ndarray, "s 2"], b: Float[np.ndarray, "s 2"]
+) -> Int[np.ndarray, " n"]:
     """(n,) number of the segment from `a` to `b` (s, 2) that each point (n, 2) is nearest to, the first of equals."""
     far = (distance_to_segment(some[:, None], a, b) for some in split_for_table(points, len(a)))
     return np.concatenate([each.argmin(axis=1) for each in far])
 
 
-def distance_to_outline(points: Floats, polygon: Floats) -> Floats:
+def distance_to_outline(points: Float[np.ndarray, "n 2"], polygon: Float[np.ndarray, "c 2"]) -> Float[np.ndarray, " n"]:
     """Distance (n,) of points to the outline of a polygon."""
     ring = shapely.linearrings(polygon)
     shapely.prepare(ring)
     return np.asarray(shapely.distance(ring, shapely.points(points)), dtype=float)
 
 
-def distance_along(points: Floats, direction: Floats, polygon: Floats) -> Floats:
+def distance_along(
+    points: Float[np.ndarray, "n 2"], direction: Float[np.ndarray, " 2"], polygon: Float[np.ndarray, "c 2"]
+) -> Float[np.ndarray, " n"]:
     """Distance (n,) from points to a polygon's outline along a unit vector (2,); infinite where the ray misses it."""
     start, edge = polygon, np.roll(polygon, -1, axis=0) - polygon
     to, turn = start - points[:, None], cross_2d(direction, edge)

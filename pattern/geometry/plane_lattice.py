@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float, Int
 
-from pattern.geometry.arrays import Floats, Ints
+from pattern.geometry.arrays import Floats
 
 # The six directions to the nearest sites, in multiples of the lattice vectors, counterclockwise.
 GRID_DIRECTIONS = np.array([[1, 0], [0, 1], [-1, 1], [-1, 0], [0, -1], [1, -1]])
@@ -30,14 +31,14 @@ class PlaneLattice:
     [[0, 1], [1, 2]]
     """
 
-    vectors: Floats
-    origin: Floats
+    vectors: Float[np.ndarray, "2 2"]
+    origin: Float[np.ndarray, " 2"]
 
-    def place(self, cells: Ints) -> Floats:
+    def place(self, cells: Int[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 2"]:
         """(n, 2) mm, sites of the lattice cells (n, 2)."""
         return np.asarray(cells @ self.vectors + self.origin)
 
-    def cells_within(self, low: Floats, high: Floats) -> Ints:
+    def cells_within(self, low: Float[np.ndarray, " 2"], high: Float[np.ndarray, " 2"]) -> Int[np.ndarray, "n 2"]:
         """(n, 2) all lattice cells whose sites lie in the box from `low` to `high` (mm), and some around it."""
         box = np.array([[x, y] for x in (low[0], high[0]) for y in (low[1], high[1])])
         corners = (box - self.origin) @ np.linalg.inv(self.vectors)
@@ -45,7 +46,7 @@ class PlaneLattice:
         i, j = (np.arange(a, b + 1, dtype=np.int64) for a, b in zip(first, last, strict=True))
         return np.stack(np.meshgrid(i, j, indexing="ij"), axis=-1).reshape(-1, 2)
 
-    def nearest(self, points: Floats) -> Ints:
+    def nearest(self, points: Float[np.ndarray, "n 2"]) -> Int[np.ndarray, "n 2"]:
         """(n, 2) the lattice cell whose site is nearest to each of the points (n, 2) mm."""
         # Triangles of a shortest basis are not obtuse: the nearest site is one of the four around the point.
         place = (points - self.origin) @ np.linalg.inv(self.vectors)
@@ -60,7 +61,7 @@ class PlaneLattice:
             smallest = np.minimum(smallest, squared[corner])
         return np.asarray(low.astype(np.int64) + corners.take(best, axis=0))
 
-    def neighbours(self, cells: Ints) -> Ints:
+    def neighbours(self, cells: Int[np.ndarray, "n 2"]) -> Int[np.ndarray, "N 2"]:
         """(N, 2) pairs of rows of `cells` (n, 2) whose distance is at most the longer basis vector.
 
         The second cell of a pair is on the right of the first, or straight above it. So the pairs do not depend on the
@@ -82,7 +83,7 @@ class PlaneLattice:
         return np.column_stack([star, other[star, place]])
 
 
-def shortest_basis(basis: Floats) -> Floats:
+def shortest_basis(basis: Floats) -> Float[np.ndarray, "2 2"]:
     """(2, 2) the shortest basis of a plane lattice, by Lagrange's reduction of any basis (2, 2).
 
     The second vector lies 60 to 90 degrees to the left of the first. Their difference is the third shortest step.

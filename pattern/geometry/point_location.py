@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from jaxtyping import Float, Int
 from scipy.spatial import cKDTree
 
 from pattern.geometry.arrays import Floats, Ints
@@ -32,7 +33,9 @@ class TriangleFinder:
         self._inverse = np.linalg.inv(np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=-1))
         self._tree = cKDTree(corners.mean(axis=1))
 
-    def nearest(self, points: Floats, candidates: int = CANDIDATE_TRIANGLES) -> tuple[Ints, Floats]:
+    def nearest(
+        self, points: Float[np.ndarray, "n 2"], candidates: int = CANDIDATE_TRIANGLES
+    ) -> tuple[Int[np.ndarray, " n"], Float[np.ndarray, "n 3"]]:
         """Of triangles with near centroids the best for each point (n, 2) mm, and the weights (n, 3) there.
 
         A weight is negative if the point is outside, or if its triangle is not among so many candidates.
@@ -42,13 +45,15 @@ class TriangleFinder:
         row, best = np.arange(len(points)), weights.min(axis=-1).argmax(axis=1)
         return near[row, best], weights[row, best]
 
-    def best_of_all(self, point: Floats) -> tuple[int, Floats]:
+    def best_of_all(self, point: Float[np.ndarray, " 2"]) -> tuple[int, Float[np.ndarray, " 3"]]:
         """The same for one point (2,) among all triangles."""
         weights = self._weights_in(np.arange(len(self._corners))[None], point[None])[0]
         best = int(weights.min(axis=-1).argmax())
         return best, weights[best]
 
-    def misses(self, points: Floats, triangle: Ints, weights: Floats) -> Floats:
+    def misses(
+        self, points: Float[np.ndarray, "n 2"], triangle: Int[np.ndarray, " n"], weights: Float[np.ndarray, "n 3"]
+    ) -> Float[np.ndarray, " n"]:
         """(n,) mm from the points (n, 2) to the places that weights (n, 3) in triangles (n,) stand for."""
         places = np.einsum("nk,nki->ni", weights, self._corners[triangle])
         return np.asarray(np.linalg.norm(places - points, axis=1))
@@ -60,7 +65,7 @@ class TriangleFinder:
         return np.concatenate([1 - rest.sum(axis=-1, keepdims=True), rest], axis=-1)
 
 
-def clipped(weights: Floats) -> Floats:
+def clipped(weights: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
     """Weights (n, 3) of places within the triangles: negative ones become 0, and the rest adds up to 1."""
     kept = np.maximum(weights, 0.0)
     return np.asarray(kept / kept.sum(axis=1, keepdims=True))

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+from jaxtyping import Float
 
-from pattern.geometry.arrays import Floats
 
-
-def rigid_fit(points: Floats, targets: Floats, weight: Floats | None = None) -> tuple[Floats, Floats]:
+def rigid_fit(
+    points: Float[np.ndarray, "n 3"], targets: Float[np.ndarray, "n 3"], weight: Float[np.ndarray, " n"] | None = None
+) -> tuple[Float[np.ndarray, "3 3"], Float[np.ndarray, " 3"]]:
     """Rotation (3, 3), proper, and shift (3,) that bring points (n, 3) closest to targets: `x @ rotation.T + shift`.
 
     Kabsch 1976, least squares with weights (n,).
@@ -21,7 +22,7 @@ def rigid_fit(points: Floats, targets: Floats, weight: Floats | None = None) -> 
     return rotation, goal - rotation @ centre
 
 
-def rms_distance(points: Floats, targets: Floats, mirrored: bool = False) -> float:
+def rms_distance(points: Float[np.ndarray, "n 3"], targets: Float[np.ndarray, "n 3"], mirrored: bool = False) -> float:
     """Root mean square distance (mm) of points (n, 3) after the best rigid motion; `mirrored`: the best reflection."""
     points = points * [-1.0, 1.0, 1.0] if mirrored else points
     rotation, shift = rigid_fit(points, targets)

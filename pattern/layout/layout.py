@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import distance_to_segment, split_for_table
@@ -36,21 +37,21 @@ class Layout:
     ignored_sites : (k, 2) lattice sites off the sheet that `stars.override` names.
     """
 
-    outline: Floats
-    centres: Floats
-    arm_star: Ints
-    arm_tip: Floats
-    arm_thickness: Floats
-    arm_width: Floats
-    neighbours: Ints
+    outline: Float[np.ndarray, "B 2"]
+    centres: Float[np.ndarray, "S 2"]
+    arm_star: Int[np.ndarray, " A"]
+    arm_tip: Float[np.ndarray, "A 2"]
+    arm_thickness: Float[np.ndarray, "A 2"]
+    arm_width: Float[np.ndarray, "A 2"]
+    neighbours: Int[np.ndarray, "N 2"]
     pins: tuple[PinSet, ...]
-    lattice_vectors: Floats
-    lattice_origin: Floats
-    star_branch: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))
-    star_number: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))
-    sheet_sites: Ints = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
-    site_sizes_mm: Floats = field(default_factory=lambda: np.empty((0, 3)))
-    ignored_sites: Ints = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
+    lattice_vectors: Float[np.ndarray, "2 2"]
+    lattice_origin: Float[np.ndarray, " 2"]
+    star_branch: Int[np.ndarray, " S"] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    star_number: Int[np.ndarray, " S"] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    sheet_sites: Int[np.ndarray, "P 2"] = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
+    site_sizes_mm: Float[np.ndarray, "P 3"] = field(default_factory=lambda: np.empty((0, 3)))
+    ignored_sites: Int[np.ndarray, "k 2"] = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
 
     def __post_init__(self) -> None:
         if len(self.star_branch) == 0:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from pattern.geometry.arrays import Floats, Ints
+import numpy as np
+from jaxtyping import Float, Int
 
 
 @dataclass(frozen=True)
@@ -23,10 +24,10 @@ class Mesh:
     kind : "aligned" or "delaunay".
     """
 
-    points: Floats
-    triangles: Ints
-    rods: tuple[Ints, ...]
-    star_vertices: Ints
-    border_vertices: Ints
-    pin_vertices: tuple[Ints, ...]
+    points: Float[np.ndarray, "V 2"]
+    triangles: Int[np.ndarray, "T 3"]
+    rods: tuple[Int[np.ndarray, " _"], ...]
+    star_vertices: Int[np.ndarray, " S"]
+    border_vertices: Int[np.ndarray, " n"]
+    pin_vertices: tuple[Int[np.ndarray, " _"], ...]
     kind: str

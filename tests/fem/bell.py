@@ -21,7 +21,7 @@ class Bell(Argyris):
         super().__init__(mesh)
         self.coefficients = self.coefficients @ self._reduction()
         self.dofs = self.dofs[:, :18].copy()
-        self.size = 6 * self.mesh.nvertices
+        self.size = int(6 * self.mesh.nvertices)
         self.edge_dofs = np.empty(0, dtype=np.int64)
 
     def _reduction(self) -> Floats:

@@ -80,7 +80,7 @@ def test_a_clock_stands_still_while_loops_are_compiled_or_read(tmp_path: Path) -
             assert counted < 0.9 * spent, name
             begun, by_the_clock = time.perf_counter(), clock()
             time.sleep(0.05)
-            assert clock() - by_the_clock == pytest.approx(time.perf_counter() - begun, abs=0.03)
+            assert 0.05 <= clock() - by_the_clock <= time.perf_counter() - begun
 
 
 @pytest.mark.parametrize(

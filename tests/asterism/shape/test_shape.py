@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import get_type_hints
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from jaxtyping import jaxtyped
 from scipy.spatial.transform import Rotation
 
 from asterism.shape.shape import Shape
@@ -38,6 +40,14 @@ def affine(points: np.ndarray) -> np.ndarray:
 
 
 AFFINE_SHEET = sheets.sheet(affine, edge=5.0)
+
+
+def test_arrays_have_the_annotated_shapes() -> None:
+    hints = get_type_hints(Shape)
+    with jaxtyped("context"):  # equal letters stand for equal numbers
+        for name in ("printed", "positions", "triangles", "star", "star_vertices"):
+            assert isinstance(getattr(AFFINE_SHEET, name), hints[name]), name
+        assert not isinstance(AFFINE_SHEET.positions[:-1], hints["positions"])
 
 
 def test_points_in_long_triangles_are_found() -> None:

