@@ -47,7 +47,7 @@ def calibrate(
         raise Mistake(f"--output: {str(path)!r} must end with .npz")
     if jobs is not None and dask is not None:
         raise Mistake("--jobs: applies to processes of this machine, not to --dask")
-    chosen = material_from_file(file, material)
+    chosen = material_from_file(file, material, run.warn)
     line = " ".join(["asterism calibrate", *([file.name] if file else [])])
     line += f" --material {material.name}" if material else ""
     try:

@@ -54,7 +54,7 @@ def export(
     from asterism.results.files import EXPORT_SUMMARY_FILE
     from pattern.layout.load_design import load_design
 
-    plan = with_material(load_design(design), material)
+    plan = with_material(load_design(design), material, run.warn)
     directory = results_folder(
         design, output, design.with_name(f"{design.stem}-print"), EXPORT_SUMMARY_FILE, (ROUNDED,)
     )

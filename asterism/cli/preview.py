@@ -34,7 +34,7 @@ def preview(
     from asterism.previews.run import preview as compute
     from asterism.reports.write_results import write_results
 
-    chosen = read_design(design, material)
+    chosen = read_design(design, material, run.warn)
     directory = results_folder(design, output, design.with_suffix(""))
     chosen_law = law_for_design(chosen, law, design, material)
     with run.computing():

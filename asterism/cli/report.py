@@ -37,7 +37,7 @@ def report(
 
     if law and results:
         raise LawError("--law: is for a new preview, not with --results")
-    plan = read_design(design, material)
+    plan = read_design(design, material, run.warn)
     path = output or design.with_name(f"{design.stem}-report.pdf")
     written = write(
         plan,

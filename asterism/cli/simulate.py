@@ -50,7 +50,7 @@ def simulate(
     from asterism.reports.write_results import write_results
 
     changed = with_overrides(
-        read_design(design, material),
+        read_design(design, material, run.warn),
         {
             "--edge": ("mesh.edge_mm", edge),
             "--start": ("solver.start", start),

@@ -40,7 +40,7 @@ def verify(
     from equilibrium.linear.backends import check_backend
 
     chosen = with_overrides(
-        read_design(design, material),
+        read_design(design, material, run.warn),
         {"--edge": ("mesh.edge_mm", edge), "--contact": ("solver.contact", contact)},
     )
     check_backend(backend)

@@ -143,7 +143,7 @@ def _shape(
     fields = point_fields(shape.positions, shape.triangles)
     strains = cell_fields(shape.printed, shape.positions, shape.triangles, stretch)
     summary = _record(model, found, shape, levels, seconds, wall, minima)
-    summary = summary.changed(warnings=exact_warnings(summary, model.layout))
+    summary = summary.changed(warnings=exact_warnings(summary, model.design, model.layout))
     return replace(shape, point_fields=fields, cell_fields=strains, summary=summary)
 
 

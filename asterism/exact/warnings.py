@@ -9,13 +9,15 @@ from asterism.exact.star_sides import off_branch
 from asterism.shape.pin_warnings import pin_warnings
 from asterism.shape.self_intersections import passing
 from asterism.shape.site_warnings import site_warnings
+from asterism.shape.sizing_warnings import sizing_warnings
+from pattern.design.design import Design
 from pattern.layout.layout import Layout
 
 # edge length over the spacing of the stars, above which the radius of a free roll depends on the mesh
 MAX_ROLL_EDGE_FACTOR = 0.03
 
 
-def exact_warnings(summary: Mapping[str, Any], layout: Layout) -> list[str]:
+def exact_warnings(summary: Mapping[str, Any], design: Design, layout: Layout) -> list[str]:
     """One line for each warning. `summary` holds every entry but `warnings`."""
     lines = []
     if not summary["converged"]:
@@ -31,8 +33,8 @@ def exact_warnings(summary: Mapping[str, Any], layout: Layout) -> list[str]:
         lines.append(
             f"{depends}: for the gallery's tube it differs by a quarter between edges of 2 mm and 0.5 mm (docs: mesh)"
         )
-    weighs = summary["design"]["gravity"]["on"]
-    return [*lines, *off_branch(summary), *site_warnings(layout), *pin_warnings(layout, weighs)]
+    of_design = [*site_warnings(layout), *sizing_warnings(design, layout), *pin_warnings(layout, design.gravity.on)]
+    return [*lines, *off_branch(summary), *of_design]
 
 
 def passes_through(summary: Mapping[str, Any], sheet: str = "the sheet") -> Iterator[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from shlex import quote
 
-from asterism.laws.replace_material import with_material
+from asterism.laws.replace_material import Note, with_material
 from homogenize.campaign.design_plan import plan_for_sizes
 from homogenize.errors import ForeignLaw, LawError
 from homogenize.law.axes import law_coordinates
@@ -43,13 +43,14 @@ def is_design(file: Path | None) -> bool:
     return file is not None and bool({"stars", "border"} & read_table(file).keys())
 
 
-def material_from_file(file: Path | None, other: Path | None = None) -> Material:
+def material_from_file(file: Path | None, other: Path | None = None, note: Note | None = None) -> Material:
     """The material and plan in a file; of a design, its own material, and cells for its own stars.
 
     Parameters
     ----------
     file : the paper's material if there is none.
     other : a material's file, whose fabric and plastic take the place of the design's.
+    note : as of `with_material`.
 
     Raises
     ------
@@ -60,7 +61,7 @@ def material_from_file(file: Path | None, other: Path | None = None) -> Material
         if other is not None:
             raise DesignError("--material", "goes with a design, whose fabric and plastic it replaces", str(other))
         return load_material(file or PAPER_MATERIAL)
-    design = with_material(load_design(file), other)
+    design = with_material(load_design(file), other, note)
     try:
         return material_for_design(design)
     except DesignError as error:

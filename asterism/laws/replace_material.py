@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from homogenize.law.material import load_material
+from homogenize.law.material import Material, load_material
 from pattern.design.design import Design
 from pattern.design.errors import DesignError
 from pattern.layout.build import layout
 from pattern.layout.load_design import load_design
 from pattern.layout.weight_support import check_weight_is_supported
 
+Note = Callable[[str], None]
 
-def read_design(path: Path, material: Path | None) -> Design:
+
+def read_design(path: Path, material: Path | None, note: Note | None = None) -> Design:
     """A design that is to be computed, from its file, with the material of another file.
 
     Raises
@@ -20,7 +23,7 @@ def read_design(path: Path, material: Path | None) -> Design:
     DesignError
         As `load_design` and `with_material`, or nothing carries the sheet's weight.
     """
-    design = with_material(load_design(path), material)
+    design = with_material(load_design(path), material, note)
     try:
         if design.gravity.on:
             check_weight_is_supported(design, layout(design))
@@ -29,26 +32,53 @@ def read_design(path: Path, material: Path | None) -> Design:
     return design
 
 
-def with_material(design: Design, path: Path | None) -> Design:
+def with_material(design: Design, path: Path | None, note: Note | None = None) -> Design:
     """The design with the fabric and plastic of a material file; without a file, the design itself.
 
-    Only values that the file contains replace those of the design. The stretch stays that of the design: the stretch in
-    the file is that of the measurement.
+    Only values that the file contains replace those of the design. The stretch of the file is that of the measurement:
+    it is taken if the design gives none. The lattice of the design stays.
+
+    Parameters
+    ----------
+    note : called with a line for each value of the file that is not used, and if the file changes nothing.
 
     Raises
     ------
     DesignError
-        The file is not a material, or the design does not fit it.
+        The file is not a material, it has no value for the design, or the design does not fit it.
     """
     if path is None:
         return design
-    material = load_material(path)
+    material = load_material(path, plan_is_used=False)
+    kept = {"stretch"} if "stretch" in design.fabric.model_fields_set else set()
+    given = {
+        name: getattr(material, name).model_dump(mode="json", include=getattr(material, name).model_fields_set)
+        for name in ("fabric", "plastic")
+    }
+    if not any(given.values()):
+        raise DesignError(
+            "", "has no value in [fabric] or [plastic], so that --material would change nothing", file=path
+        )
     data = design.to_dict()
-    for name in ("fabric", "plastic"):
-        section = getattr(material, name)
-        said = section.model_dump(mode="json", include=section.model_fields_set - {"stretch"})
-        data.setdefault(name, {}).update(said)
+    for name, values in given.items():
+        data.setdefault(name, {}).update({key: value for key, value in values.items() if key not in kept})
     try:
-        return Design.from_dict(data)
+        new = Design.from_dict(data)
     except DesignError as error:
         raise error.within(path) from None
+    for line in _unused(design, new, material) if note else ():
+        note(f"{path}: {line}")
+    return new
+
+
+def _unused(design: Design, new: Design, material: Material) -> Iterator[str]:
+    """A line for each value of a material that a design does not take."""
+    if new.fabric == design.fabric and new.plastic == design.plastic:
+        yield "its fabric and plastic are those of the design: --material changes nothing"
+    measured = material.fabric.stretch_xy
+    if "stretch" in material.fabric.model_fields_set and measured != new.fabric.stretch_xy:
+        stretch = " x ".join(f"{part:g}" for part in dict.fromkeys(new.fabric.stretch_xy))
+        yield f"it was measured at a stretch of {measured[0]:g}; the stretch of the design is used, {stretch}"
+    if "lattice" in material.model_fields_set and material.lattice != design.lattice:
+        spacings = f"{material.lattice.spacing_mm:.4g} mm, {design.lattice.spacing_mm:.4g} mm"
+        yield f"its lattice is not used, but that of the design (spacings {spacings})"

@@ -17,6 +17,7 @@ from asterism.results.words import star_numbers
 from asterism.shape.pin_warnings import pin_warnings
 from asterism.shape.self_intersections import passing
 from asterism.shape.site_warnings import site_warnings
+from asterism.shape.sizing_warnings import sizing_warnings
 from fem.search.sides import side_of
 
 # the softest mode is neutral if the next one is this many times stiffer
@@ -64,6 +65,7 @@ def _about_stars(state: PreviewState) -> Iterator[str]:
     else:
         yield from (PlacedWarning(line, values.outside_stars) for line in values.outside)
     yield from site_warnings(state.layout)
+    yield from sizing_warnings(state.design, state.layout)
     for line in (directions_warning, held_out_warning, mesh_warning, pleat_warning):
         if text := line(state.law):
             yield text

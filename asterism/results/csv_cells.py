@@ -10,6 +10,7 @@ from pathlib import Path
 
 from equilibrium.errors import Error
 from pattern.design.errors import one_line
+from pattern.design.files import check_regular
 
 # size of the largest table
 MAX_TABLE_BYTES = 2_000_000
@@ -135,6 +136,7 @@ def _cells(path: Path, number: int, line: str, separator: str) -> list[str]:
 def _lines(path: Path) -> list[tuple[int, str]]:
     """Numbers and texts of the lines, without empty lines and comments."""
     try:
+        check_regular(path)
         with path.open("rb") as stream:
             raw = stream.read(MAX_TABLE_BYTES + 1)
     except (OSError, ValueError) as error:

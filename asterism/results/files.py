@@ -90,6 +90,8 @@ def staged(directory: str | Path, stale: str | None = None) -> Iterator[Path]:
     made: list[Path] = []
     try:
         # an existing directory is on its own disk; a missing one appears by a single renaming
+        if directory.is_symlink() and not directory.exists():
+            raise FileExistsError(errno.EEXIST, "a link to nothing", str(directory))
         beside = directory if directory.exists() else directory.parent
         made = [parent for parent in (beside, *beside.parents) if not parent.exists()]
         staging = beside / f".asterism-{secrets.token_hex(4)}"

@@ -105,7 +105,8 @@ def dask_workers(address: str) -> Iterator[SubmitAll]:
             thread.submit(asyncio.run, check_scheduler()).result()
         client = distributed.Client(address, timeout=MAX_WAIT_FOR_SCHEDULER_S, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
-        raise AddressError(f"--dask: no scheduler answers at {address!r} ({type(error).__name__})") from None
+        hint = "; an address is written tcp://HOST:PORT" if isinstance(error, ValueError) else ""
+        raise AddressError(f"--dask: no scheduler answers at {address!r}{hint}") from None
     with client:
         if not client.scheduler_info()["workers"]:
             raise AddressError(f"--dask: the scheduler at {address!r} has no workers")

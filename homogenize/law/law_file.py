@@ -27,6 +27,7 @@ from homogenize.law.law import Law
 from homogenize.law.law_table import QUANTITY_NAMES, LawTable, to_stored
 from homogenize.law.material import Material
 from pattern.design.errors import DesignError
+from pattern.design.files import check_regular
 
 # raise it when the arrays or quantities of a file change their meaning
 LAW_FORMAT = 4
@@ -121,6 +122,7 @@ def load_law(path: str | Path | None = None) -> Law:
     """
     path = PAPER_LAW if path is None else Path(path)
     try:
+        check_regular(path)
         with np.load(path, allow_pickle=False) as archive:
             if "format" not in archive:
                 raise LawError(f"{path}: is not a law")

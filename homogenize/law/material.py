@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, ValidationInfo, model_validator
 
 from homogenize.law.axes import AXES, LENGTH, named_sizes
 from homogenize.law.plan import CampaignPlan, CellTask
@@ -38,16 +38,21 @@ class Material(Section):
     plan: CampaignPlan = CampaignPlan()
 
     @model_validator(mode="after")
-    def _fits(self) -> Self:
+    def _fits(self, info: ValidationInfo) -> Self:
         if not self.name.isprintable():
             raise DesignError("name", "must be one line of printable characters", self.name)
         if not isinstance(self.fabric.stretch, float | int):
             raise DesignError("fabric.stretch", "must be one number: unit cells have equal stretch in x and y")
         if self.plan.stretches is not None and "stretch" in self.fabric.model_fields_set:
             raise DesignError("fabric.stretch", "conflicts with plan.stretches: remove one", self.fabric.stretch)
+        if "plan" not in self.model_fields_set and not (info.context or {}).get("plan_is_used", True):
+            return self
         spacing = self.lattice.spacing_mm
         grid = self.plan.kind == "grid"
         if self.plan.ranges[0][1] > spacing * (1 + 1e-6):
+            if "plan" not in self.model_fields_set:
+                problem = f"needs a [plan] of its own: the plan of the paper has arms of {self.plan.ranges[0][1]:g} mm"
+                raise DesignError("lattice.spacing_mm", problem, spacing)
             key = LENGTH.nodes_key if grid else LENGTH.range_key
             raise DesignError(f"plan.{key}", f"must be at most the spacing {spacing:g}", self.plan.ranges[0][1])
         if self.plan.edge_mm > spacing / 3:
@@ -98,8 +103,12 @@ class Material(Section):
         return data
 
     @classmethod
-    def from_dict(cls, data: Mapping[str, Any], file: str | Path | None = None) -> Material:
+    def from_dict(cls, data: Mapping[str, Any], file: str | Path | None = None, plan_is_used: bool = True) -> Material:
         """A material from plain data.
+
+        Parameters
+        ----------
+        plan_is_used : whether the plan must fit the lattice also if the data contain none.
 
         Raises
         ------
@@ -107,17 +116,21 @@ class Material(Section):
             A value is wrong; the message names the file and the field.
         """
         try:
-            return cls.model_validate(data)
+            return cls.model_validate(data, context={"plan_is_used": plan_is_used})
         except ValidationError as error:
             raise from_validation(error, file) from None
 
 
-def load_material(path: str | Path = PAPER_MATERIAL) -> Material:
+def load_material(path: str | Path = PAPER_MATERIAL, plan_is_used: bool = True) -> Material:
     """A material from a TOML or JSON file; by default the paper's.
+
+    Parameters
+    ----------
+    plan_is_used : whether the plan must fit the lattice also if the file has none.
 
     Raises
     ------
     DesignError
         The file cannot be read, or a value is wrong.
     """
-    return Material.from_dict(read_table(Path(path)), path)
+    return Material.from_dict(read_table(Path(path)), path, plan_is_used)

@@ -16,6 +16,7 @@ from pattern.geometry.planar import distance_to_segment
 
 MAX_SHEET_MM = 5000.0
 MIN_CORNER_DISTANCE_MM = 1e-3
+MIN_SHEET_AREA_MM2 = 1.0
 # A spike or a slit is thinner than this, and much longer.
 MIN_SHEET_WIDTH_MM = 0.01
 MIN_SPIKE_ASPECT = 20.0
@@ -79,14 +80,16 @@ def _check_polygon(polygon: tuple[Point, ...]) -> None:
         repeated = polygon[(int(step.argmin()) + 1) % len(polygon)]
         raise error("must not repeat a corner (nor the first at the end)", repeated, repeated)
     sheet = shapely.polygons(corners)
+    if shapely.area(shapely.convex_hull(sheet)) < MIN_SHEET_AREA_MM2:
+        raise error(f"must enclose at least {MIN_SHEET_AREA_MM2:g} mm2: its corners lie on one line")
     if not shapely.is_valid(sheet):
         # shapely reports the place in square brackets
         place = shapely.is_valid_reason(sheet).rpartition("[")[2].rstrip("]").split()
         crossing = (float(place[0]), float(place[1])) if len(place) == 2 else None
         at = f", as at [{crossing[0]:.3f}, {crossing[1]:.3f}]" if crossing else ""
         raise error(f"must not cross or touch itself{at}", place_mm=crossing)
-    if shapely.area(sheet) < 1:
-        raise error("must enclose at least 1 mm2")
+    if shapely.area(sheet) < MIN_SHEET_AREA_MM2:
+        raise error(f"must enclose at least {MIN_SHEET_AREA_MM2:g} mm2")
     if (corner := _thin_place(corners)) is not None:
         x, y = corners[corner]
         place = f"it has a spike or slit at [{x:g}, {y:g}]"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import math
 import os
@@ -17,6 +18,12 @@ from pattern.design.errors import DesignError
 MAX_DESIGN_BYTES = 10_000_000
 
 
+def check_regular(path: Path) -> None:
+    """Raise OSError for a pipe or a device, from which reading might never end."""
+    if path.exists() and not (path.is_file() or path.is_dir()):
+        raise OSError(errno.EINVAL, "it is a pipe or a device, not a file", str(path))
+
+
 def read_table(path: Path) -> dict[str, Any]:
     """The table in a file, with `DesignError` for everything that can be wrong with one."""
 
@@ -27,6 +34,7 @@ def read_table(path: Path) -> dict[str, Any]:
     if os.path.isdir(path):
         raise wrong("is a folder, not a design file")
     try:
+        check_regular(path)
         with path.open("rb") as stream:
             raw = stream.read(MAX_DESIGN_BYTES + 1)
     except (OSError, ValueError) as error:

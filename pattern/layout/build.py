@@ -18,6 +18,7 @@ from pattern.layout.layout import Layout
 from pattern.layout.outline import outline
 from pattern.layout.pin_conflicts import check_conflicts
 from pattern.layout.pin_placement import pin_set, snapped_to_arms
+from pattern.layout.pin_reach import check_reach
 from pattern.layout.star_cells import star_cells, star_margin_mm
 from pattern.layout.star_sizes import star_sizes
 from pattern.rods.arms import check_clear, cut
@@ -51,8 +52,9 @@ def layout(design: Design) -> Layout:
     check_type(design, Design, "load_design reads one from a file, Design.from_dict makes one of a dict")
     lattice = design.lattice
     corners = _kept_outline(design.border, lattice).copy()  # layouts own their arrays
-    _check_mesh(design.mesh.edge_mm, lattice.spacing_mm, corners)
+    # first the stars: a sheet with too many of them also has too many vertices
     cells = _kept_cells(design.border, lattice).copy()
+    _check_mesh(design.mesh.edge_mm, lattice.spacing_mm, corners)
     if len(cells) == 0:
         margin = f"border.star_margin_mm = {star_margin_mm(design.border, lattice):.4g} from its outline"
         raise BlankSheetError("border", f"must have room for at least one star, {margin}")
@@ -93,6 +95,7 @@ def layout(design: Design) -> Layout:
     sets = [pin_set(pin, corners, f"pins[{k}]") for k, pin in enumerate(design.pins)]
     pins = tuple(snapped_to_arms(pin, corners, centres[star], tips) for pin in sets)
     check_conflicts(pins, corners)
+    check_reach(pins, corners)
     kept, star = np.unique(star, return_inverse=True)
     return Layout(
         outline=corners,

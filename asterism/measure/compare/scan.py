@@ -113,9 +113,9 @@ def _read(path: Path) -> tuple[Floats, Ints]:
             loaded: Any = trimesh.load(stream, file_type=path.suffix[1:].lower(), process=False)
     except (ImportError, UnicodeDecodeError):  # trimesh tries to import a package that guesses encodings
         raise ScanError(path, f"cannot be read as {path.suffix[1:].upper()}: it is not text") from None
-    except Exception as error:
-        reason = str(error).strip().split("\n")[0] or type(error).__name__
-        raise ScanError(path, f"cannot be read as {path.suffix[1:].upper()}: {reason}") from None
+    except Exception:  # the parser's texts are for programmers
+        problem = f"cannot be read as {path.suffix[1:].upper()}: the file is damaged or cut short"
+        raise ScanError(path, problem) from None
     parts: list[Any] = list(loaded.dump()) if isinstance(loaded, trimesh.Scene) else [loaded]
     vertices: list[Floats] = [np.empty((0, 3))]
     triangles: list[Ints] = [np.empty((0, 3), dtype=np.int64)]

@@ -47,6 +47,10 @@ class GradientProfile(Profile):
     end: Number = Field(alias="to")
     power: Power = 1.0
 
-    def _between(self, fraction: Floats) -> Floats:
-        """(n,) values at fractions (n,) of the way from start to end; `power` bends the profile."""
-        return np.asarray(self.start + (self.end - self.start) * np.clip(fraction, 0, 1) ** self.power)
+    @abstractmethod
+    def fraction(self, points: Floats) -> Floats:
+        """(n,) part of the way from start to end at the printed points (n, 2) mm; below 0 or above 1 beyond them."""
+
+    def at(self, points: Floats) -> Floats:
+        """(n,) values at the printed points (n, 2) mm; `power` bends the profile."""
+        return np.asarray(self.start + (self.end - self.start) * np.clip(self.fraction(points), 0, 1) ** self.power)

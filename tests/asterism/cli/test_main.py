@@ -125,6 +125,43 @@ def test_mistakes_are_one_line(
     assert [file.name for file in tmp_path.iterdir()] == ["d.toml"]
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no named pipes")
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["preview", "pipe.toml"],
+        ["export", "pipe.toml"],
+        ["preview", "d.toml", "--material", "pipe.toml"],
+        ["preview", "d.toml", "--law", "pipe.npz"],
+        ["law", "show", "pipe.npz"],
+        ["strips", "fit", "pipe.csv"],
+        ["export", "d.toml", "--printer", "pipe.toml"],
+        ["compare", "pipe.vtu", "pipe.obj"],
+    ],
+)
+def test_a_pipe_is_refused_at_once(
+    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """To read it would wait until somebody writes into it."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "d.toml").write_text(SMALL)
+    for name in ("pipe.toml", "pipe.npz", "pipe.csv", "pipe.vtu", "pipe.obj"):
+        os.mkfifo(tmp_path / name)
+    refused = command(words, capsys, monkeypatch)
+    assert refused.status == 2 and "pipe." in refused.line
+    assert len(list(tmp_path.iterdir())) == 6
+
+
+def test_a_link_to_nothing_is_refused_before_anything_is_computed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "d.toml").write_text(SMALL)
+    (tmp_path / "link").symlink_to("nowhere")
+    refused = command(["preview", "d.toml", "-o", "link"], capsys, monkeypatch)
+    assert refused.status == 2 and refused.line == "asterism: cannot write link: a file is in the way"
+
+
 @pytest.mark.parametrize("name", ["preview", "simulate", "verify", "report"])
 def test_a_sheet_that_would_fall_is_named_by_its_file(
     name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch

@@ -23,7 +23,7 @@ class AxisProfile(GradientProfile):
     over_mm: DistanceMm
     centre_mm: Point = (0.0, 0.0)
 
-    def at(self, points: Floats) -> Floats:
-        """(n,) values at the printed points (n, 2) mm."""
+    def fraction(self, points: Floats) -> Floats:
+        """(n,) part of the way from start to end at the printed points (n, 2) mm."""
         component = "xy".index(self.axis)
-        return self._between(np.abs(points[:, component] - self.centre_mm[component]) / self.over_mm)
+        return np.asarray(np.abs(points[:, component] - self.centre_mm[component]) / self.over_mm)

@@ -29,7 +29,7 @@ class LinearProfile(GradientProfile):
             raise DesignError("end_mm", "must differ from start_mm", self.end_mm)
         return self
 
-    def at(self, points: Floats) -> Floats:
-        """(n,) values at the printed points (n, 2) mm."""
+    def fraction(self, points: Floats) -> Floats:
+        """(n,) part of the way from start to end at the printed points (n, 2) mm."""
         way = np.subtract(self.end_mm, self.start_mm)
-        return self._between((points - np.asarray(self.start_mm)) @ way / (way @ way))
+        return np.asarray((points - np.asarray(self.start_mm)) @ way / (way @ way))

@@ -26,6 +26,6 @@ class RadialProfile(GradientProfile):
     over_mm: DistanceMm
     centre_mm: Point = (0.0, 0.0)
 
-    def at(self, points: Floats) -> Floats:
-        """(n,) values at the printed points (n, 2) mm."""
-        return self._between(np.linalg.norm(points - np.asarray(self.centre_mm), axis=1) / self.over_mm)
+    def fraction(self, points: Floats) -> Floats:
+        """(n,) part of the way from start to end at the printed points (n, 2) mm."""
+        return np.asarray(np.linalg.norm(points - np.asarray(self.centre_mm), axis=1) / self.over_mm)

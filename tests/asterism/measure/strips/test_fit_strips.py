@@ -226,6 +226,36 @@ def test_a_material_takes_the_place_of_the_designs_own(tmp_path: Path) -> None:
         with_material(design, file)
 
 
+def test_the_stretch_of_a_material_is_taken_where_the_design_gives_none(tmp_path: Path) -> None:
+    plain = {"stars": {"length_mm": 8}, "border": {"rings": 1}}
+    file = tmp_path / "m.toml"
+    file.write_text("[fabric]\nstretch = 1.5\n")
+    notes: list[str] = []
+    assert with_material(Design.from_dict(plain), file, notes.append).fabric.stretch == 1.5
+    assert notes == []
+    given = Design.from_dict({"fabric": {"stretch": 1.35}} | plain)
+    assert with_material(given, file, notes.append).fabric.stretch == 1.35
+    assert [note.removeprefix(f"{file}: ") for note in notes] == [
+        "its fabric and plastic are those of the design: --material changes nothing",
+        "it was measured at a stretch of 1.5; the stretch of the design is used, 1.35",
+    ]
+
+
+def test_what_a_material_does_not_change_is_said(tmp_path: Path) -> None:
+    design = Design.from_dict({"stars": {"length_mm": 8}, "border": {"rings": 1}})
+    file = tmp_path / "m.toml"
+    file.write_text('name = "empty"\n')
+    with pytest.raises(DesignError, match=r"m\.toml: has no value in \[fabric\] or \[plastic\]"):
+        with_material(design, file)
+    # the plan of the paper's cells does not fit this lattice, but only calibrate needs a plan
+    file.write_text("[plastic]\nmodulus_ratio = 3000.0\n[lattice]\nspacing_mm = 8.0\n")
+    notes: list[str] = []
+    assert with_material(design, file, notes.append).lattice == design.lattice
+    assert notes == [f"{file}: its lattice is not used, but that of the design (spacings 8 mm, 17.32 mm)"]
+    with pytest.raises(DesignError, match=r"lattice\.spacing_mm = 8.0: needs a \[plan\] of its own"):
+        load_material(file)
+
+
 @pytest.mark.usefixtures("blank_pictures")
 def test_simulate_takes_a_material(tmp_path: Path, capsys, monkeypatch) -> None:
     (tmp_path / "d.toml").write_text("[stars]\nlength_mm = 10.0\n[border]\nrings = 0\n[mesh]\nedge_mm = 4.0\n")
