@@ -7,6 +7,7 @@ preview = asterism.preview(design)  # in a second or two
 shape = asterism.simulate(design)
 shape.summary["is_minimum"], shape.height_mm
 asterism.write_results(shape, "out")
+asterism.show(preview)  # in a notebook
 asterism.verify(design).summary["rms_percent"]  # how far the two are apart
 """
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from asterism.measure.compare.compare import compare, write_comparison
     from asterism.measure.strips.fit_strips import fit_strips, write_material
     from asterism.measure.strips.new_strips import new_strips
+    from asterism.notebook.show import show
     from asterism.previews.run import preview
     from asterism.previews.session import Preview
     from asterism.print.export import export
@@ -62,6 +64,7 @@ _HOMES = {
     "read_shape": ("asterism.shape.read_shape", "read_shape"),
     "report": ("asterism.reports.design_report", "report"),
     "save_design": ("pattern.design.design", "save_design"),
+    "show": ("asterism.notebook.show", "show"),
     "show_law": ("asterism.laws.show_law", "show_law"),
     "simulate": ("asterism.exact.simulation", "simulate"),
     "verify": ("asterism.verification.run", "verify"),
@@ -91,6 +94,7 @@ __all__ = [
     "read_shape",
     "report",
     "save_design",
+    "show",
     "show_law",
     "simulate",
     "verify",

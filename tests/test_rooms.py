@@ -28,6 +28,7 @@ ORDER: dict[str, list[list[str]]] = {
         ["verification"],
         ["reports"],
         ["studio"],
+        ["notebook"],
         ["cli"],
     ],
 }

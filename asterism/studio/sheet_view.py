@@ -5,26 +5,22 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-import scipy.sparse as sp
 
 from asterism.previews.session import Preview
 from asterism.shape.blank_sheet import blank_sheet
 from asterism.shape.pose import upright_rotation
 from asterism.studio.messages import Frame, ShownMesh
+from asterism.studio.sheet_marks import STATIONS, SheetMarks
 from pattern.design.design import Design
 from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.normals import sum_at_vertices, triangle_normals, vertex_normals
 from pattern.geometry.planar import is_in_sorted, polygon_area, triangle_areas
-from pattern.geometry.point_location import TriangleFinder, clipped
 from pattern.layout.layout import Layout
 from pattern.mesh.meshing import mesh_layout
 
 COARSE_EDGE_SPACINGS = 1 / 6  # edges of the triangles while the sheet moves
 FINE_EDGE_SPACINGS = 1 / 12  # and at rest
 MAX_VERTICES_SHOWN = 30_000
-STATIONS = 5  # along the ribbon of an arm
-NEEDLE_SPACING = 1.0  # of the needles along supported edges, over that of the stars
-STATION_CANDIDATES = 8  # triangles that are tried for a station: those of a shown mesh are well shaped
 
 
 class SheetView:
@@ -55,8 +51,7 @@ class SheetView:
         """See the sheet of a preview that has the same outline and lattice."""
         self._space = preview.sheet.space
         self._lens = preview.lens(self.printed)
-        self._arms_of: Layout | None = None
-        self._needle_points = np.empty((0, 2))
+        self._marks = SheetMarks(self.printed, self.triangles)
         self.rotation = np.eye(3)
 
     def shows(self, preview: Preview) -> bool:
@@ -97,7 +92,7 @@ class SheetView:
             positions = (positions - self._weights @ positions) @ self.rotation.T
             positions[:, 2] -= positions[:, 2].min()
         normals = vertex_normals(positions, self.triangles)
-        arms, arm_normals = self._ribbons(layout, positions, normals)
+        arms, arm_normals = self._marks.ribbons(layout, positions, normals)
         stretch_x, stretch_y = fabric.stretch_xy
         small = np.float32
         return Frame(
@@ -110,52 +105,10 @@ class SheetView:
             strain=(places.surface.area * stretch_x * stretch_y - 1.0).astype(small),
             arms=arms.astype(small),
             arm_normals=arm_normals.astype(small),
-            needles=self._needles(layout, positions).astype(small),
+            needles=self._marks.needles(layout, positions).astype(small),
             is_minimum=preview.equilibrium.is_minimum,
             height_mm=float(np.ptp(positions[:, 2])),
         )
-
-    def _ribbons(self, layout: Layout, positions: Floats, normals: Floats) -> tuple[Floats, Floats]:
-        """(A, K, 2, 3) left and right upper edges of the arms, and (A, K, 3) normals."""
-        if self._arms_of is None or not _has_same_arms(layout, self._arms_of):
-            share = np.linspace(0.0, 1.0, STATIONS)[:, None]
-            start = layout.centres[layout.arm_star][:, None]
-            points = start + share * (layout.arm_tip[:, None] - start)
-            self._stations, self._arms_of = self._interpolation(points.reshape(-1, 2)), layout
-        shape = len(layout.arm_star), STATIONS, 3
-        middle = (self._stations @ positions).reshape(shape)
-        normal = _unit((self._stations @ normals).reshape(shape))
-        across = _unit(np.cross(normal, np.gradient(middle, axis=1)))
-        width, thickness = (_along(ends) for ends in (layout.arm_width, layout.arm_thickness))
-        top = middle + thickness * normal
-        return np.stack([top + 0.5 * width * across, top - 0.5 * width * across], axis=2), normal
-
-    def _needles(self, layout: Layout, positions: Floats) -> Floats:
-        """(N, 2, 3) foot on the ground and tip in the sheet; along supported edges one in each spacing."""
-        printed = [layout.pin_points]
-        for edge in layout.supported_edges.tolist():
-            start, end = layout.outline[edge], layout.outline[(edge + 1) % len(layout.outline)]
-            count = max(int(np.linalg.norm(end - start) / (NEEDLE_SPACING * layout.spacing_mm)), 1)
-            printed.append(start + np.arange(count)[:, None] / count * (end - start))
-        points = np.concatenate(printed)
-        if not len(points):
-            return np.empty((0, 2, 3))
-        if not np.array_equal(points, self._needle_points):
-            self._needle_points, self._in_needles = points, self._interpolation(points)
-        tips = self._in_needles @ positions
-        feet = tips.copy()
-        feet[:, 2] = min(0.0, float(tips[:, 2].min()))
-        return np.stack([feet, tips], axis=1)
-
-    def _interpolation(self, points: Floats) -> sp.csr_matrix:
-        """(n, V) linear interpolation from the vertices to printed points (n, 2)."""
-        triangle, weights = self._finder.nearest(points, STATION_CANDIDATES)
-        corners, ends = self.triangles[triangle], np.arange(0, 3 * len(points) + 1, 3)
-        return sp.csr_matrix((clipped(weights).ravel(), corners.ravel(), ends), (len(points), len(self.printed)))
-
-    @cached_property
-    def _finder(self) -> TriangleFinder:
-        return TriangleFinder(self.printed, self.triangles)
 
     @cached_property
     def _weights(self) -> Floats:
@@ -217,18 +170,3 @@ def outline_of(triangles: Ints) -> Ints:
     while (after := following[ring[-1]]) != ring[0] and len(ring) < len(following):
         ring.append(after)
     return np.array(ring)
-
-
-def _unit(vectors: Floats) -> Floats:
-    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return np.asarray(vectors / np.where(length == 0.0, 1.0, length))
-
-
-def _along(ends: Floats) -> Floats:
-    """(A, K, 1) values at the stations of arms with values (A, 2) at both ends."""
-    share = np.linspace(0.0, 1.0, STATIONS)
-    return np.asarray(ends[:, :1] + share * (ends[:, 1:] - ends[:, :1]))[..., None]
-
-
-def _has_same_arms(one: Layout, other: Layout) -> bool:
-    return np.array_equal(one.arm_tip, other.arm_tip) and np.array_equal(one.centres, other.centres)

@@ -6,10 +6,9 @@ from collections.abc import Iterable
 from dataclasses import asdict
 from typing import Any
 
-import numpy as np
-
 from asterism.studio import frames
 from asterism.studio.messages import Frame, ShapeSummary, ShownMesh, StudioProblem, Verified
+from asterism.studio.packing import frame_parts, mesh_bytes
 from asterism.studio.page_data import engine_problem_data
 from asterism.studio.tab import Tab
 from pattern.design.files import plain
@@ -49,13 +48,7 @@ class Shown:
 
     def add_mesh(self, mesh: ShownMesh) -> None:
         """Keep a mesh for the tabs."""
-        arrays = {
-            "printed": mesh.printed,
-            "triangles": mesh.triangles,
-            "outline": mesh.outline,
-            "arm_site": mesh.arm_site,
-        }
-        self.meshes[mesh.mesh] = frames.pack(frames.MESH, {"mesh": mesh.mesh, "is_fine": mesh.is_fine}, arrays)
+        self.meshes[mesh.mesh] = mesh_bytes(mesh)
         for old in list(self.meshes)[:-MAX_MESHES]:
             del self.meshes[old]
 
@@ -67,23 +60,8 @@ class Shown:
             self.snapshots[revision] = frame.snapshot
             for old in list(self.snapshots)[:-MAX_SNAPSHOTS]:
                 del self.snapshots[old]
-        header = {
-            "revision": revision,
-            "stage": frame.stage,
-            "height_mm": float(frame.height_mm),
-            "is_minimum": bool(frame.is_minimum),
-            "seconds": frame.seconds,
-        }
-        arrays = {
-            "positions": frame.positions,
-            "normals": np.rint(127.0 * np.asarray(frame.normals)).astype(np.int8),
-            "curvature": frame.curvature,
-            "strain": frame.strain,
-            "arms": frame.arms,
-            "arm_normals": np.rint(127.0 * np.asarray(frame.arm_normals)).astype(np.int8),
-            "needles": frame.needles,
-        }
-        self._last = (frame.mesh, header, arrays)
+        header, arrays = frame_parts(frame)
+        self._last = (frame.mesh, {"revision": revision, **header}, arrays)
         for tab in tabs:
             tab.show(*self._last)
 

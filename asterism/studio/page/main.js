@@ -51,7 +51,7 @@ studio.tools = {
 };
 try {
   const onFrame = (header) => studio.connection.acknowledge(header.frame);
-  studio.view = new View($("view-canvas"), store, { onFrame });
+  studio.view = new View($("view-canvas"), store, { onFrame, legend: $("legend") });
   listenToView(studio.view, studio);
 } catch (error) {
   toast(error.message, { isBad: true, stay: 0 });

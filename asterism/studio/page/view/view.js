@@ -26,8 +26,11 @@ export class View {
   #hasFit = false;
   #caster = null;
 
-  constructor(canvas, store, { onFrame }) {
+  #ended = new AbortController();
+
+  constructor(canvas, store, { onFrame, legend }) {
     this.canvas = canvas;
+    this.legend = legend;
     this.store = store;
     this.onFrame = onFrame;
     this.renderer = new Renderer(canvas);
@@ -36,7 +39,9 @@ export class View {
     this.armSurface = this.renderer.makeSurface();
     this.needleSurface = this.renderer.makeSurface();
     this.camera.isOrthographic = store.get("orthographic");
-    new ResizeObserver(() => this.#resized()).observe(canvas);
+    const observer = new ResizeObserver(() => this.#resized());
+    observer.observe(canvas);
+    this.#ended.signal.addEventListener("abort", () => observer.disconnect());
     store.on(["viewColour", "comparison"], () => this.#colour());
     store.on(["shown", "comparison", "showBumps"], () => this.#place());
     store.on(["hover", "selection"], () => this.#mark());
@@ -45,7 +50,8 @@ export class View {
       this.camera.isOrthographic = orthographic;
       this.invalidate();
     });
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.invalidate());
+    const { signal } = this.#ended;
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.invalidate(), { signal });
   }
 
   /** A binary frame of the server. */
@@ -82,6 +88,12 @@ export class View {
     this.renderer.clear();
     this.store.set({ comparison: null, shown: "preview" });
     if (this.store.get("viewColour") === "distance") this.store.set({ viewColour: "none" });
+  }
+
+  /** Lets go of the canvas; a browser has few contexts for drawing. */
+  close() {
+    this.#ended.abort();
+    this.renderer.gl.getExtension("WEBGL_lose_context")?.loseContext();
   }
 
   get aspect() {
@@ -146,7 +158,7 @@ export class View {
       this.renderer.fill(this.sheetSurface, { colours: vertexColours(name, values, domain) });
     }
     showLegend(
-      document.getElementById("legend"),
+      this.legend,
       this.isColoured && this.store.get("shown") !== "both" ? name : "none",
       domain,
     );
@@ -227,7 +239,7 @@ export class View {
 
   #ground() {
     const { low, high } = this.#caster;
-    const isDark = getComputedStyle(document.documentElement).colorScheme.trim() === "dark";
+    const isDark = getComputedStyle(this.canvas).colorScheme.trim() === "dark";
     const size = Math.hypot(high[0] - low[0], high[1] - low[1]);
     return {
       centre: [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2],

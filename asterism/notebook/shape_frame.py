@@ -1,0 +1,73 @@
+"""A shape of either model as the view takes it: its mesh, and the arrays on it."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import coo_array
+
+from asterism.shape.shape import Shape
+from asterism.shape.surface_fields import surface_triangle_areas
+from asterism.studio.messages import Frame, ShownMesh
+from asterism.studio.sheet_marks import STATIONS, SheetMarks
+from asterism.studio.sheet_view import mesh_message
+from pattern.geometry.arrays import Floats, Ints
+from pattern.geometry.normals import sum_at_vertices, vertex_normals
+
+
+def shape_messages(shape: Shape) -> tuple[ShownMesh, Frame]:
+    """The mesh of a shape and its frame; a free sheet stands as its `aligned()` copy, on the ground.
+
+    Shapes from files without a design have no arms, needles and strains.
+    """
+    shape = shape if shape.held else shape.aligned()
+    positions, layout, small = shape.positions.copy(), shape.layout, np.float32
+    if not shape.held:
+        positions[:, 2] -= positions[:, 2].min()
+    normals = vertex_normals(positions, shape.triangles)
+    arms, arm_normals = np.empty((0, STATIONS, 2, 3)), np.empty((0, STATIONS, 3))
+    needles, strain, arm_site = np.empty((0, 2, 3)), np.empty(0), np.empty(0, dtype=np.int64)
+    if layout is not None:
+        marks = SheetMarks(shape.printed, shape.triangles)
+        arms, arm_normals = marks.ribbons(layout, positions, normals)
+        needles = marks.needles(layout, positions)
+        arm_site = layout.star_number[layout.arm_star]
+        strain = _area_strain(shape)
+    curvature = shape.point_fields.get("mean_curvature_per_mm", np.empty(0))
+    frame = Frame(
+        seq=0,
+        mesh=1,
+        stage="equilibrium",
+        positions=positions.astype(small),
+        normals=normals.astype(small),
+        curvature=_without_gaps(np.asarray(curvature, dtype=float), shape.triangles).astype(small),
+        strain=strain.astype(small),
+        arms=arms.astype(small),
+        arm_normals=arm_normals.astype(small),
+        needles=needles.astype(small),
+        is_minimum=bool(shape.summary.get("is_minimum", False)),
+        height_mm=float(np.ptp(positions[:, 2])),
+    )
+    return mesh_message(1, shape.printed, shape.triangles, arm_site, is_fine=True), frame
+
+
+def _area_strain(shape: Shape) -> Floats:
+    """(V,) area of the sheet, without the bumps of a preview, over that of the released sheet, minus 1."""
+    stretch_x, stretch_y = np.broadcast_to(shape.summary["design"]["fabric"]["stretch"], 2).tolist()
+    surface = shape.positions - shape.point_fields.get("bump_mm", 0.0)
+    count = len(surface)
+    areas = [
+        sum_at_vertices(shape.triangles, np.repeat(surface_triangle_areas(points, shape.triangles), 3), count)
+        for points in (surface, shape.printed)
+    ]
+    return np.asarray(areas[0] / areas[1] * stretch_x * stretch_y - 1.0)
+
+
+def _without_gaps(values: Floats, triangles: Ints) -> Floats:
+    """(V,) values; vertices without one, which are those on the border, have the mean of their neighbours."""
+    if len(values) == 0:
+        return values
+    i, j = triangles[:, [0, 1, 2, 1, 2, 0]].ravel(), triangles[:, [1, 2, 0, 0, 1, 2]].ravel()
+    is_known = np.isfinite(values)
+    near = coo_array((np.ones(len(i)), (i, j)), shape=(len(values), len(values))).tocsr()
+    total, count = near @ np.where(is_known, values, 0.0), near @ is_known.astype(float)
+    return np.where(is_known, values, np.divide(total, count, out=np.zeros(len(values)), where=count > 0))

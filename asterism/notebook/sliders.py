@@ -1,0 +1,210 @@
+"""Sliders over a design: what they change, how far they go, and the design that their values stand for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from homogenize.law.law import Law
+from pattern.design.design import Design
+from pattern.design.pins import Pins
+from pattern.geometry.arrays import Floats
+from pattern.layout.layout import Layout
+from pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
+
+SIZE_SLIDERS = {"length": "Length", "thickness": "Thickness", "width": "Width"}
+SLIDERS = (*SIZE_SLIDERS, "stretch", "needle_scale", "needle_height")
+# factors of sizes, of places and of heights; the range of the law limits sizes further
+SIZE_FACTORS = (0.5, 1.5)
+PLACE_FACTORS = (0.8, 1.2)
+HEIGHT_FACTORS = (0.0, 2.0)
+SIZE_FACTOR_STEP, PLACE_FACTOR_STEP, HEIGHT_FACTOR_STEP = 0.01, 0.005, 0.02
+SCALED_SIZE_DIGITS = 4  # mm, of sizes that a factor gives
+
+
+@dataclass(frozen=True)
+class Slider:
+    """A value of a design that a slider changes.
+
+    Attributes
+    ----------
+    key : one of `SLIDERS`.
+    label : name on the page.
+    low, high, step, start : of the slider's value; a factor, but for the stretch.
+    base : smallest and largest size at the factor 1; None if the value itself is shown.
+    unit, digits : of the size, or of the value.
+    options : the values that are possible, if only some are.
+    """
+
+    key: str
+    label: str
+    low: float
+    high: float
+    step: float
+    start: float = 1.0
+    base: tuple[float, float] | None = None
+    unit: str = "mm"
+    digits: int = 1
+    options: tuple[float, ...] = ()
+
+    def data(self) -> dict[str, Any]:
+        """As a message."""
+        return asdict(self) | {"options": list(self.options), "base": self.base and list(self.base)}
+
+
+class SliderBoard:
+    """The sliders of a design.
+
+    Parameters
+    ----------
+    design, layout, law : of the preview, when it is shown.
+    keys : some of `SLIDERS`; by default all that the design has.
+
+    Attributes
+    ----------
+    sliders : in the order of the keys.
+
+    Raises
+    ------
+    ValueError
+        A key is no slider, or the design does not have it.
+    """
+
+    def __init__(self, design: Design, layout: Layout, law: Law, keys: Sequence[str] | None = None) -> None:
+        self._design, self._layout = design, layout
+        sizes = layout.site_sizes_mm
+        self._is_star = sizes[:, 0] > 0
+        present = {slider.key: slider for slider in self._present(law)}
+        chosen = list(present) if keys is None else list(keys)
+        for key in chosen:
+            if key not in SLIDERS:
+                raise ValueError(f"sliders: {key!r} must be one of {', '.join(SLIDERS)}")
+            if key not in present:
+                raise ValueError(f"sliders: this design has no {key!r}, but {', '.join(present) or 'none'}")
+        self.sliders = [present[key] for key in dict.fromkeys(chosen)]
+
+    @property
+    def start(self) -> dict[str, float]:
+        """The values of the design itself."""
+        return {slider.key: slider.start for slider in self.sliders}
+
+    def checked(self, values: Mapping[str, Any]) -> dict[str, float]:
+        """Values within the ranges of the sliders; those that are left out are the design's own.
+
+        Raises
+        ------
+        ValueError
+            There is no such slider, or a value is no number.
+        """
+        out = self.start
+        by_key = {slider.key: slider for slider in self.sliders}
+        for key, value in values.items():
+            if key not in by_key:
+                raise ValueError(f"{key!r} is no slider of this sheet")
+            if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
+                raise ValueError(f"{key} = {value!r}: must be a number")
+            slider = by_key[key]
+            if slider.options:
+                out[key] = min(slider.options, key=lambda option: abs(option - value))
+            else:
+                out[key] = float(min(max(value, slider.low), slider.high))
+        return out
+
+    def design_at(self, values: Mapping[str, Any]) -> Design:
+        """The design at values of the sliders; raises the errors of `checked` and of `Design.from_dict`."""
+        checked = self.checked(values)
+        if checked == self.start:
+            return self._design
+        design = self._with_sizes([checked.get(key, 1.0) for key in SIZE_SLIDERS])
+        if "stretch" in checked and checked["stretch"] != design.fabric.stretch:
+            design = design.model_copy(
+                update={"fabric": design.fabric.model_copy(update={"stretch": checked["stretch"]})}
+            )
+        place, height = checked.get("needle_scale", 1.0), checked.get("needle_height", 1.0)
+        return design.model_copy(update={"pins": tuple(_moved(pins, place, height) for pins in design.pins)})
+
+    def _present(self, law: Law) -> list[Slider]:
+        """All sliders that the design has."""
+        design, out = self._design, []
+        ranges = law.size_ranges(design.fabric.stretch_xy[0])
+        for column, (key, label) in enumerate(SIZE_SLIDERS.items()):
+            sizes = self._layout.site_sizes_mm[self._is_star, column]
+            slider = _size_slider(key, label, sizes, ranges[SIZE_KEYS[column]])
+            if slider is not None:
+                out.append(slider)
+        stretch = design.fabric.stretch
+        if stretch in law.stretches and len(law.stretches) > 1:
+            options = tuple(sorted(law.stretches))
+            out.append(
+                Slider(
+                    "stretch",
+                    "Stretch of the fabric",
+                    options[0],
+                    options[-1],
+                    0.01,
+                    float(options[options.index(stretch)]),
+                    unit="",
+                    digits=2,
+                    options=options,
+                )
+            )
+        if design.pins:
+            out.append(
+                Slider(
+                    "needle_scale", "Distances of the needles", *PLACE_FACTORS, PLACE_FACTOR_STEP, unit="×", digits=3
+                )
+            )
+        heights = [height for pins in design.pins for height in _heights(pins) if height != 0]
+        if heights:
+            base = (min(heights), max(heights))
+            out.append(
+                Slider("needle_height", "Heights of the needles", *HEIGHT_FACTORS, HEIGHT_FACTOR_STEP, base=base)
+            )
+        return out
+
+    def _with_sizes(self, factors: Sequence[float]) -> Design:
+        """The design with the sizes of all its stars times factors of length, thickness and width."""
+        design = self._design
+        changed = np.array([factor != 1.0 for factor in factors])
+        if not changed.any():
+            return design
+        sizes: Floats = np.round(self._layout.site_sizes_mm * np.asarray(factors), SCALED_SIZE_DIGITS)
+        numbers = {
+            key: getattr(design.stars, key) for key, is_changed in zip(SIZE_KEYS, changed, strict=True) if is_changed
+        }
+        if not design.stars.override and all(isinstance(value, int | float) for value in numbers.values()):
+            star = int(np.flatnonzero(self._is_star)[0])
+            stars = {key: float(sizes[star, SIZE_KEYS.index(key)]) for key in numbers}
+            return design.model_copy(update={"stars": design.stars.model_copy(update=stars)})
+        sizes[:, ~changed] = np.nan
+        return with_painted_stars(design, self._layout.sheet_sites[self._is_star], sizes[self._is_star])
+
+
+def _size_slider(key: str, label: str, sizes: Floats, covered: tuple[float, float]) -> Slider | None:
+    """A factor of sizes (n,) mm that keeps them in the range that the law covers; None if only 1 does."""
+    smallest, largest = float(sizes.min()), float(sizes.max())
+    low = min(1.0, max(SIZE_FACTORS[0], covered[0] / smallest))
+    high = max(1.0, min(SIZE_FACTORS[1], covered[1] / largest))
+    low, high = float(np.ceil(low / SIZE_FACTOR_STEP - 1e-9)), float(np.floor(high / SIZE_FACTOR_STEP + 1e-9))
+    if low >= high:
+        return None
+    digits = 1 if key == "length" else 2
+    low, high = (round(steps * SIZE_FACTOR_STEP, 6) for steps in (low, high))
+    return Slider(key, label, low, high, SIZE_FACTOR_STEP, base=(smallest, largest), digits=digits)
+
+
+def _heights(pins: Pins) -> list[float]:
+    return [place[2] for place in pins.target_mm] if pins.target_mm is not None else [pins.offset_mm[2]]
+
+
+def _moved(pins: Pins, place: float, height: float) -> Pins:
+    """Pins whose distances from the origin and whose heights are multiplied."""
+    factor = np.array([place, place, height])
+    if pins.target_mm is not None:
+        targets = tuple(tuple(float(value) for value in row * factor) for row in np.asarray(pins.target_mm))
+        return pins.model_copy(update={"target_mm": targets})
+    offset = tuple(float(value) for value in np.asarray(pins.offset_mm) * factor)
+    return pins.model_copy(update={"scale": pins.scale * place, "offset_mm": offset})

@@ -1,0 +1,88 @@
+"""What the page draws on a shown mesh: ribbons along the arms, and needles below the supported points."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sp
+
+from pattern.geometry.arrays import Floats, Ints
+from pattern.geometry.point_location import TriangleFinder, clipped
+from pattern.layout.layout import Layout
+
+STATIONS = 5  # along the ribbon of an arm
+NEEDLE_SPACING = 1.0  # of the needles along supported edges, over that of the stars
+STATION_CANDIDATES = 8  # triangles that are tried for a station: those of a shown mesh are well shaped
+
+
+class SheetMarks:
+    """Arms and needles of a sheet on a mesh. Places on the mesh are kept until the arms or the needles change.
+
+    Parameters
+    ----------
+    printed : (V, 2) mm.
+    triangles : (T, 3).
+    """
+
+    def __init__(self, printed: Floats, triangles: Ints) -> None:
+        self.printed, self.triangles = printed, triangles
+        self._arms_of: Layout | None = None
+        self._needle_points = np.empty((0, 2))
+
+    def ribbons(self, layout: Layout, positions: Floats, normals: Floats) -> tuple[Floats, Floats]:
+        """(A, K, 2, 3) left and right upper edges of the arms, and (A, K, 3) normals."""
+        if self._arms_of is None or not _has_same_arms(layout, self._arms_of):
+            share = np.linspace(0.0, 1.0, STATIONS)[:, None]
+            start = layout.centres[layout.arm_star][:, None]
+            points = start + share * (layout.arm_tip[:, None] - start)
+            self._stations, self._arms_of = self._interpolation(points.reshape(-1, 2)), layout
+        shape = len(layout.arm_star), STATIONS, 3
+        middle = (self._stations @ positions).reshape(shape)
+        normal = _unit((self._stations @ normals).reshape(shape))
+        across = _unit(np.cross(normal, np.gradient(middle, axis=1)))
+        width, thickness = (_along(ends) for ends in (layout.arm_width, layout.arm_thickness))
+        top = middle + thickness * normal
+        return np.stack([top + 0.5 * width * across, top - 0.5 * width * across], axis=2), normal
+
+    def needles(self, layout: Layout, positions: Floats) -> Floats:
+        """(N, 2, 3) foot on the ground and tip in the sheet; along supported edges one in each spacing."""
+        printed = [layout.pin_points]
+        for edge in layout.supported_edges.tolist():
+            start, end = layout.outline[edge], layout.outline[(edge + 1) % len(layout.outline)]
+            count = max(int(np.linalg.norm(end - start) / (NEEDLE_SPACING * layout.spacing_mm)), 1)
+            printed.append(start + np.arange(count)[:, None] / count * (end - start))
+        points = np.concatenate(printed)
+        if not len(points):
+            return np.empty((0, 2, 3))
+        if not np.array_equal(points, self._needle_points):
+            self._needle_points, self._in_needles = points, self._interpolation(points)
+        tips = self._in_needles @ positions
+        feet = tips.copy()
+        feet[:, 2] = min(0.0, float(tips[:, 2].min()))
+        return np.stack([feet, tips], axis=1)
+
+    def _interpolation(self, points: Floats) -> sp.csr_matrix:
+        """(n, V) linear interpolation from the vertices to printed points (n, 2)."""
+        triangle, weights = self._finder.nearest(points, STATION_CANDIDATES)
+        corners, ends = self.triangles[triangle], np.arange(0, 3 * len(points) + 1, 3)
+        return sp.csr_matrix((clipped(weights).ravel(), corners.ravel(), ends), (len(points), len(self.printed)))
+
+    @cached_property
+    def _finder(self) -> TriangleFinder:
+        return TriangleFinder(self.printed, self.triangles)
+
+
+def _unit(vectors: Floats) -> Floats:
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return np.asarray(vectors / np.where(length == 0.0, 1.0, length))
+
+
+def _along(ends: Floats) -> Floats:
+    """(A, K, 1) values at the stations of arms with values (A, 2) at both ends."""
+    share = np.linspace(0.0, 1.0, STATIONS)
+    return np.asarray(ends[:, :1] + share * (ends[:, 1:] - ends[:, :1]))[..., None]
+
+
+def _has_same_arms(one: Layout, other: Layout) -> bool:
+    return np.array_equal(one.arm_tip, other.arm_tip) and np.array_equal(one.centres, other.centres)

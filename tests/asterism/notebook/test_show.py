@@ -1,0 +1,179 @@
+"""`asterism.show`: what the page gets for a shape and for a preview, and how requests are answered."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import asterism
+from asterism.notebook import live_sheet
+from asterism.notebook.live_sheet import LiveSheet, shape_traits
+from asterism.studio import frames
+from pattern.design.design import Design
+from tests.asterism.sheets import dome, sheet
+
+ROOT = Path(__file__).parents[3]
+
+
+def small(name: str = "dome") -> Design:
+    return Design.from_dict(asterism.new(name).to_dict() | {"mesh": {"edge_mm": 4.0}})
+
+
+@pytest.fixture(scope="module")
+def preview() -> asterism.Preview:
+    return asterism.Preview(small())
+
+
+def drawn(traits: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+    """Arrays of the mesh, header and arrays of the shape."""
+    kind, mesh_header, mesh = frames.unpack(traits["mesh"])
+    assert kind == frames.MESH
+    kind, header, shape = frames.unpack(traits["frame"])
+    assert kind == frames.SHAPE and header["mesh"] == mesh_header["mesh"]
+    return mesh, header, shape
+
+
+def height(traits: dict[str, Any]) -> float:
+    return float(np.ptp(drawn(traits)[2]["positions"][:, 2]))
+
+
+def test_a_preview_is_shown_on_its_mesh_with_arms_and_needles(preview: asterism.Preview) -> None:
+    shape = preview.shape()
+    mesh, header, arrays = drawn(shape_traits(shape))
+    np.testing.assert_allclose(arrays["positions"], shape.positions, atol=1e-4)
+    np.testing.assert_array_equal(mesh["triangles"], shape.triangles)
+    arms = len(shape.layout.arm_star)
+    assert arrays["arms"].shape == (arms, 5, 2, 3) and len(mesh["arm_site"]) == arms
+    tips = arrays["needles"][:, 1]
+    assert len(tips) > 6 and np.abs(tips[:, 2]).max() < 1e-3  # the border of the dome stands on the ground
+    assert header["height_mm"] == pytest.approx(shape.height_mm)
+    assert all(np.isfinite(arrays[name]).all() for name in ("curvature", "strain"))
+
+
+def test_strains_and_curvatures_are_those_of_the_live_view(preview: asterism.Preview) -> None:
+    """The two ways compute them on different meshes: by triangles here, by the shell's polynomials there."""
+    _, _, by_shape = drawn(shape_traits(preview.shape()))
+    _, _, live = drawn(LiveSheet(preview).opening())
+    for name in ("strain", "curvature"):
+        spread = np.ptp(np.percentile(live[name], [5, 95]))
+        for share in (25, 50, 75):
+            assert abs(np.percentile(by_shape[name], share) - np.percentile(live[name], share)) < 0.1 * spread, name
+
+
+def test_a_free_exact_shape_stands_upright_on_the_ground(tmp_path: Path) -> None:
+    bowl = sheet(dome, edge=4.0)
+    turned = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+    lying = asterism.Shape(**{**vars(bowl), "positions": bowl.positions @ turned.T})
+    _, _, arrays = drawn(shape_traits(lying))
+    assert arrays["positions"][:, 2].min() == pytest.approx(0.0, abs=1e-4)
+    assert np.ptp(arrays["positions"][:, 2]) == pytest.approx(min(lying.extent_mm), rel=1e-4)
+    # a shape without a design has neither arms nor strains
+    assert arrays["arms"].size == arrays["needles"].size == arrays["strain"].size == 0
+    assert np.isfinite(arrays["curvature"]).all() and len(arrays["curvature"]) == len(bowl.printed)
+
+
+def test_the_panel_tells_the_numbers_of_the_shape(preview: asterism.Preview) -> None:
+    shape = preview.shape()
+    known = dict(shape_traits(shape)["panel"]["figures"])
+    assert known["Height"] == f"{shape.height_mm:.1f} mm" and known["Computed"] == "by the preview"
+    assert known["Expected error"].startswith(f"± {shape.summary['expected_rms_percent']:.1f} %")
+
+
+def test_sliders_change_the_preview_as_an_edit_of_the_design_does(preview: asterism.Preview) -> None:
+    live = LiveSheet(preview)
+    opened = live.opening()
+    answers = list(live.answer({"seq": 4, "values": {"thickness": 1.2}, "is_dragging": False}))
+    assert [answer["panel"]["answered"] for answer in answers if "panel" in answer][-1] == 4
+    stages = [drawn(answer)[1]["stage"] for answer in answers if "frame" in answer]
+    assert stages == ["linear", "equilibrium", "equilibrium"]  # the last one on the fine mesh, as at first
+    design = preview.design
+    assert design.stars.thickness_mm == pytest.approx(1.2 * small().stars.thickness_mm)
+    shown = height(next(answer for answer in reversed(answers) if "frame" in answer))
+    again = height(LiveSheet(asterism.Preview(design)).opening())
+    assert shown == pytest.approx(again, abs=1e-3) and shown != pytest.approx(height(opened), abs=0.1)
+    back = list(live.answer({"seq": 5, "values": {}, "is_dragging": False}))
+    assert preview.design == small() and back[-1]["panel"]["values"]["thickness"] == 1.0
+    assert height(back[-2]) == pytest.approx(height(opened), abs=1e-3)
+
+
+def test_while_a_slider_moves_the_mesh_is_coarse_and_stays(preview: asterism.Preview) -> None:
+    live = LiveSheet(preview)
+    fine = live.opening()["mesh"]
+    dragged = [
+        answer
+        for seq, value in enumerate((1.05, 1.1), 1)
+        for answer in live.answer({"seq": seq, "values": {"width": value}, "is_dragging": True})
+        if "frame" in answer
+    ]
+    assert len(dragged) == 4 and len({answer["mesh"] for answer in dragged}) == 1
+    assert len(dragged[0]["mesh"]) < len(fine) / 2
+    (rest,) = [a for a in live.answer({"seq": 3, "values": {"width": 1.1}, "is_dragging": False}) if "frame" in a]
+    assert rest["mesh"] == fine
+    list(live.answer({"seq": 4, "values": {}, "is_dragging": True}))
+
+
+def test_a_request_without_a_shape_is_told_and_the_next_one_works(
+    preview: asterism.Preview, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    live = LiveSheet(preview)
+    live.opening()
+    before = preview.design
+    (answer,) = live.answer({"seq": 1, "values": {"colour": 1.0}})
+    assert answer["panel"]["problem"] == "ValueError: 'colour' is no slider of this sheet"
+    assert answer["panel"]["answered"] == 1 and preview.design == before
+    monkeypatch.setattr(
+        live_sheet.SliderBoard, "design_at", lambda self, values: small("tube").from_dict({"stars": {}})
+    )
+    (answer,) = live.answer({"seq": 2, "values": {}})
+    assert answer["panel"]["problem"].startswith("stars") and preview.design == before
+    monkeypatch.undo()
+    *_, last = live.answer({"seq": 3, "values": {"length": 0.95}, "is_dragging": True})
+    assert last["panel"]["problem"] is None and last["panel"]["answered"] == 3
+    list(live.answer({"seq": 4, "values": {}, "is_dragging": True}))
+
+
+def test_the_widget_answers_the_page(preview: asterism.Preview) -> None:
+    pytest.importorskip("anywidget")
+    widget = asterism.show(preview, sliders=["length"], height_px=300)
+    before = widget.frame
+    assert widget.height_px == 300 and widget.panel["values"] == {"length": 1.0}
+    seen: list[str] = []
+    widget.observe(lambda change: seen.append(change["name"]), ["mesh", "frame", "panel"])
+    widget.request = {"seq": 1, "values": {"length": 0.9}, "is_dragging": False}
+    assert widget.panel["answered"] == 1 and widget.panel["values"] == {"length": 0.9} and widget.frame != before
+    assert set(seen) == {"mesh", "frame", "panel"}
+    widget.request = {"seq": 2, "values": {}, "is_dragging": False}
+    assert preview.design == small()
+    still = asterism.show(preview.shape())
+    still.request = {"seq": 1, "values": {}}
+    assert still.panel["sliders"] == [] and still.panel["answered"] == 0
+
+
+def test_other_arguments_are_refused_in_one_line(preview: asterism.Preview) -> None:
+    with pytest.raises(TypeError, match="a Shape or a Preview is needed, not Design: "):
+        asterism.show(small())  # type: ignore[arg-type]
+    for height_px in (0, 119, 4001, 300.5):
+        with pytest.raises(ValueError, match=rf"height_px = {height_px}: must be a whole number from 120 to 4000"):
+            asterism.show(preview, height_px=height_px)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="sliders = 'length': must be a list of names"):
+        asterism.show(preview, sliders="length")
+    with pytest.raises(ValueError, match="sliders belong to a Preview"):
+        asterism.show(preview.shape(), sliders=["length"])
+
+
+def test_without_anywidget_one_line_names_the_extra() -> None:
+    program = (
+        "import sys; sys.modules['anywidget'] = None\n"
+        "import asterism\n"
+        "try:\n    asterism.show(asterism.Preview(asterism.new('star')))\n"
+        "except asterism.Error as error:\n    print(error)\n"
+    )
+    told = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    assert (
+        told == "asterism.show needs the package anywidget, which the extra notebook installs: pip install anywidget\n"
+    )
