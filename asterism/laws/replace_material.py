@@ -66,8 +66,9 @@ def with_material(design: Design, path: Path | None, note: Note | None = None) -
         new = Design.from_dict(data)
     except DesignError as error:
         raise error.within(path) from None
-    for line in _unused(design, new, material) if note else ():
-        note(f"{path}: {line}")
+    if note:
+        for line in _unused(design, new, material):
+            note(f"{path}: {line}")
     return new
 
 
