@@ -66,6 +66,7 @@ def _about_stars(state: PreviewState) -> Iterator[str]:
         yield from (PlacedWarning(line, values.outside_stars) for line in values.outside)
     yield from site_warnings(state.layout)
     yield from sizing_warnings(state.design, state.layout)
+    yield from _about_bonds(state)
     for line in (directions_warning, held_out_warning, mesh_warning, pleat_warning):
         if text := line(state.law):
             yield text
@@ -81,6 +82,20 @@ def _about_stars(state: PreviewState) -> Iterator[str]:
             f"which the law describes poorly; check with the exact model: {star_numbers(values.strongly_anisotropic)}",
             values.strongly_anisotropic,
         )
+
+
+def _about_bonds(state: PreviewState) -> Iterator[str]:
+    """Arms of different stars that are bonded where they meet, which the cells of the law are not."""
+    graph, number = state.layout.graph, state.layout.star_number
+    if not graph.joints:
+        return
+    ends = [end for node in graph.joints for end in graph.ends_at[node]]
+    stars = np.unique(number[[graph.rods[end.rod].group for end in ends]]).tolist()
+    yield PlacedWarning(
+        f"arms of different stars meet in {len(graph.joints)} places and print as one, but the law is of stars that do "
+        f"not touch; check with the exact model: {star_numbers(stars)}",
+        stars,
+    )
 
 
 def _about_supports(state: PreviewState, estimate: ErrorEstimate, height_mm: float) -> Iterator[str]:

@@ -9,7 +9,7 @@ import numpy as np
 from discrete.energies.contact import ContactBarrier
 from discrete.energies.elements import Array
 from discrete.model.discrete_model import DiscreteModel
-from discrete.model.state import State, moved_state
+from discrete.model.state import State
 from equilibrium.linear.extended_pattern import ExtendedPattern, entry_keys, sorted_union
 from equilibrium.linear.factor import Factor
 from equilibrium.linear.reanalysing_factor import ReanalysingFactor
@@ -131,7 +131,7 @@ class ContactModel(DiscreteModel):
             return target
         aligned = self._rigidly_aligned(state.positions, target.positions)
         positions = state.positions + SAFE_STEP_FRACTION * free * (aligned - state.positions)
-        return moved_state(state, self.edges, positions, np.zeros(len(self.edges)))
+        return self.moved_to(state, positions)
 
     def apply_supports(self, state: State) -> State:
         """The state with its held components in place, as in `DiscreteModel`.

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 
@@ -11,6 +13,14 @@ from discrete.energies.bending.registry import FABRIC_BENDING
 from discrete.energies.elements import Array, Elements
 from discrete.energies.membrane import Membrane, membrane_params
 from discrete.energies.rods.bend import RodBend
+from discrete.energies.rods.joint import RodJoint
+from discrete.energies.rods.joint_network import (
+    JointNetwork,
+    fitted_frames,
+    joint_inputs,
+    joint_network,
+    joint_params,
+)
 from discrete.energies.rods.network import (
     RodNetwork,
     bend_params,
@@ -23,13 +33,14 @@ from discrete.energies.rods.stretch import RodStretch
 from discrete.energies.rods.twist import RodTwist
 from discrete.model.constraints import pin_constraints
 from discrete.model.reconstruction import Reconstruction
-from discrete.model.state import State
+from discrete.model.state import State, moved_state
 from discrete.model.system import System
 from pattern.design.design import Design
 from pattern.design.materials import rest_curvature
 from pattern.geometry.planar import triangle_areas
 from pattern.layout.layout import Layout
 from pattern.mesh.mesh import Mesh
+from pattern.rods.graph import RodGraph
 
 
 class DiscreteModel(System):
@@ -45,7 +56,9 @@ class DiscreteModel(System):
     Attributes
     ----------
     bending : bending energy of the fabric, from the registry.
-    parts : the energies by name: membrane, those of `bending`, rod_bending, rod_stretch, rod_twist.
+    joints : joints of the rods, and their half edges.
+    parts : the energies by name: membrane, those of `bending`, rod_bending, rod_stretch, rod_twist, and rod_joints if
+        there are joints.
     release : 0 for the stretched print, 1 for the released sheet; see `set_release`.
     pin_progress : part of their way that the pins have moved. It equals the release, except for pins that act later.
 
@@ -69,14 +82,15 @@ class DiscreteModel(System):
     def __init__(self, design: Design, layout: Layout, mesh: Mesh, compiled: bool = True) -> None:
         self.design, self.layout, self.mesh, self.compiled = design, layout, mesh, compiled
         self.bending = FABRIC_BENDING[design.fabric.bending]
-        self.network = rod_network(mesh.rods, layout.arm_star, mesh.points)
-        self.edge_thickness = _at_midpoints(self.network, layout.arm_thickness)
-        self.edge_width = _at_midpoints(self.network, layout.arm_width)
+        self.network, self.joints = _networks(layout.graph, mesh)
+        self.edge_thickness = _at_midpoints(self.network, layout.graph, "thickness")
+        self.edge_width = _at_midpoints(self.network, layout.graph, "width")
         self.constraints = pin_constraints(layout, mesh)
         edges = self.network.edges
-        held = np.concatenate([self.constraints.held.ravel(), np.zeros(len(edges), dtype=bool)])
+        n_turns = len(edges) + 3 * len(self.joints.vertices)
+        held = np.concatenate([self.constraints.held.ravel(), np.zeros(n_turns, dtype=bool)])
         parts = self._fabric(compiled) | self._rods(compiled)
-        super().__init__(parts, len(mesh.points), edges, held)
+        super().__init__(parts, len(mesh.points), edges, held, joint_vertices=self.joints.vertices)
         self.load_datum = self.constraints.mean_support
         self._weight = self._dead_load()
         self.set_release(1.0)
@@ -94,12 +108,16 @@ class DiscreteModel(System):
         inputs, dofs = stencil_inputs(net, len(points))
         edge_dofs = (3 * net.edges[:, :, None] + np.arange(3)).reshape(-1, 6)
         # set_release sets the rest curvature
-        bend = bend_params(net, points, modulus, w, h, np.zeros(len(h)))
-        return {
-            "rod_bending": RodBend(inputs, dofs, bend, compiled),
+        no_rest = np.zeros(len(h))
+        parts: dict[str, Elements] = {
+            "rod_bending": RodBend(inputs, dofs, bend_params(net, points, modulus, w, h, no_rest), compiled),
             "rod_stretch": RodStretch(edge_dofs, edge_dofs, stretch_params(net, points, modulus, w, h), compiled),
             "rod_twist": RodTwist(inputs, dofs, twist_params(net, points, modulus, plastic.poisson, w, h), compiled),
         }
+        if len(self.joints.vertices):
+            params = joint_params(self.joints, net, points, modulus, plastic.poisson, w, h, no_rest)
+            parts["rod_joints"] = RodJoint(*joint_inputs(self.joints, len(points), len(net.edges)), params, compiled)
+        return parts
 
     def _dead_load(self) -> Array:
         """(3 V,) N, weight of fabric and plastic, lumped to the vertices; zero without gravity."""
@@ -143,6 +161,9 @@ class DiscreteModel(System):
         kappa = rest_curvature(self.edge_thickness, partly, self.design.plastic, step / length[:, None])
         span = length[net.stencil_edges].sum(axis=1)
         self.parts["rod_bending"].params[:, 2] = 0.5 * kappa[net.stencil_edges].mean(axis=1) * span
+        if "rod_joints" in self.parts:
+            edge = self.joints.edge
+            self.parts["rod_joints"].params[:, 3] = 0.5 * kappa[edge] * length[edge]
         # a sheet without supports lies on the ground until its first pins take hold
         self.load = release * self._weight if self.constraints.held.any() else np.zeros_like(self._weight)
 
@@ -159,7 +180,19 @@ class DiscreteModel(System):
 
     def printed_state(self) -> State:
         """The flat print, plastic side up."""
-        return State(self.constraints.printed.copy(), np.tile([0.0, 0.0, 1.0], (len(self.edges), 1)))
+        frames = np.tile(np.eye(3), (len(self.joints.vertices), 1, 1))
+        return State(self.constraints.printed.copy(), np.tile([0.0, 0.0, 1.0], (len(self.edges), 1)), frames)
+
+    def moved_to(self, state: State, positions: Array) -> State:
+        """The state moved to other positions (V, 3) mm: directors are carried along, and joints follow their rods."""
+        return self.with_fitted_frames(moved_state(state, self.edges, positions, np.zeros(len(self.edges))))
+
+    def with_fitted_frames(self, state: State) -> State:
+        """The state with each joint turned as its rods are on average."""
+        if not len(self.joints.vertices):
+            return state
+        where = state.positions, state.directors
+        return replace(state, frames=fitted_frames(self.joints, self.edges, self.mesh.points, *where))
 
     def flat_state(self) -> State:
         """The print with its held components at their positions for the present `pin_progress`."""
@@ -173,7 +206,9 @@ class DiscreteModel(System):
         held, places = self.constraints.held, self.constraints.positions_at(self.pin_progress)
         if not held.any() or np.array_equal(state.positions[held], places[held]):
             return state
-        return self.reconstruction.move_supports(state, np.where(held, places, state.positions))
+        return self.with_fitted_frames(
+            self.reconstruction.move_supports(state, np.where(held, places, state.positions))
+        )
 
     @property
     def reconstruction(self) -> Reconstruction:
@@ -197,9 +232,23 @@ class DiscreteModel(System):
         """
         if straight:
             return super().path(state, direction, straight)
-        return self.reconstruction.path(state, *self.displacements_and_twists(direction))
+        return self.reconstruction.path(state, *self.displacements_and_twists(direction), self.spins(direction))
 
 
-def _at_midpoints(network: RodNetwork, ends: Array) -> Array:
-    """(R,) values at the midpoint of every rod edge, linear between the values (A, 2) at the centre and the tip."""
-    return np.asarray(ends[network.rod, 0] + network.midpoint * (ends[network.rod, 1] - ends[network.rod, 0]))
+def _networks(graph: RodGraph, mesh: Mesh) -> tuple[RodNetwork, JointNetwork]:
+    """The rods of a graph on a mesh, and their joints."""
+    starts = np.array([rod.start for rod in graph.rods], dtype=np.int64)
+    links = [((one.rod, one.end), (other.rod, other.end)) for one, other in graph.links]
+    bonded = [[(each.rod, each.end) for each in graph.ends_at[node]] for node in graph.joints]
+    network = rod_network(mesh.rods, np.where(np.isin(starts, graph.paired), starts, -1), mesh.points, links)
+    return network, joint_network(mesh.rods, bonded)
+
+
+def _at_midpoints(network: RodNetwork, graph: RodGraph, name: Literal["thickness", "width"]) -> Array:
+    """(R,) mm, thickness or width at the midpoint of every rod edge."""
+    first = np.searchsorted(network.rod, np.arange(len(graph.rods) + 1))  # edges are stored rod by rod
+    pieces = [
+        rod.at(getattr(rod, name), network.midpoint[begin:end])
+        for rod, begin, end in zip(graph.rods, first, first[1:], strict=False)
+    ]
+    return np.concatenate([np.empty(0), *pieces])

@@ -14,6 +14,7 @@ from collections.abc import Callable
 import numpy as np
 
 from discrete.energies.elements import Array
+from discrete.model.rotations import rotate_vectors, rotation_remainder
 from discrete.model.state import State, edge_tangents, moved_state, parallel_transport
 from equilibrium.linear.backends import make_factor
 from equilibrium.linear.factor import Factor
@@ -128,31 +129,34 @@ class Reconstruction:
         change = edge_target - self.gradients(positions)[1]
         return positions + self.displacements(np.zeros((len(self._triangles), 3, 2)), change)
 
-    def path(self, state: State, move: Array, turn: Array) -> tuple[Callable[[float], State], float]:
-        """Curve of states with slope `move` (V, 3) and `turn` (R,) at its start, and the largest step along it.
+    def path(self, state: State, move: Array, turn: Array, spin: Array) -> tuple[Callable[[float], State], float]:
+        """Curve of states with slope `move` (V, 3), `turn` (R,) and `spin` (J, 3), and the largest step along it.
+
+        Joints turn by `exp(a spin)`.
 
         The Laplacian is solved for the difference to a straight step, which is of second order. Solved for positions,
         it would leave errors of 1e-10 mm, which cause bending forces of 1e-6 N in small triangles.
         """
         f, e = self.gradients(state.positions)
         df, de = self.gradients(move)
-        spin = triangle_spin(f, df)
+        triangle_turn = triangle_spin(f, df)
         columns = f.transpose(0, 2, 1)
-        rate = df.transpose(0, 2, 1) - np.cross(spin[:, None, :], columns)
+        rate = df.transpose(0, 2, 1) - np.cross(triangle_turn[:, None, :], columns)
         t = edge_tangents(state.positions, self._edges)
         # with the spin about the edge itself; without it the arms of a star would separate at their junction
         edge_spin = np.cross(t, de) / np.linalg.norm(e, axis=1, keepdims=True) + turn[:, None] * t
         edge_rate = (de * t).sum(axis=1, keepdims=True) * t
 
         def state_at(a: float) -> State:
-            change = rotation_remainder(a * spin, columns, a * rate).transpose(0, 2, 1)
+            change = rotation_remainder(a * triangle_turn, columns, a * rate).transpose(0, 2, 1)
             edge_change = rotation_remainder(a * edge_spin, e[:, None, :], a * edge_rate[:, None, :])[:, 0, :]
             positions = state.positions + (a * move + self.displacements(change, edge_change))
             frame = np.stack([t, state.directors], axis=1)
             rotated_t, directors = rotate_vectors(a * edge_spin, frame).transpose(1, 0, 2)
-            return State(positions, parallel_transport(directors, rotated_t, edge_tangents(positions, self._edges)))
+            carried = parallel_transport(directors, rotated_t, edge_tangents(positions, self._edges))
+            return State(positions, carried, rotate_vectors(a * spin, state.frames))
 
-        fastest = np.sqrt(max((w**2).sum(axis=1).max(initial=0.0) for w in (spin, edge_spin)))
+        fastest = np.sqrt(max((w**2).sum(axis=1).max(initial=0.0) for w in (triangle_turn, edge_spin, spin)))
         return state_at, MAX_STEP_ROTATION_RAD / max(fastest, 1e-30)
 
     def gradients(self, positions: Array) -> tuple[Array, Array]:
@@ -175,32 +179,3 @@ def triangle_spin(f: Array, df: Array) -> Array:
     turned = -lift[:, :1] * g1 - lift[:, 1:] * g2
     curl = np.cross(g1, df[:, :, 0]) + np.cross(g2, df[:, :, 1])
     return np.asarray(np.cross(n, turned) + 0.5 * (n * curl).sum(axis=1, keepdims=True) * n)
-
-
-def rotate_vectors(spin: Array, vectors: Array) -> Array:
-    """Vectors (E, k, 3) rotated by `exp(spin)`, spin (E, 3) rad.
-
-    Examples
-    --------
-    >>> rotate_vectors(np.array([[0, 0, np.pi / 2]]), np.array([[[1.0, 0, 0]]])).round(6) + 0.0
-    array([[[0., 1., 0.]]])
-    """
-    sinc, versine, w = _rodrigues(spin)
-    first = np.cross(w, vectors)
-    return np.asarray(vectors + sinc * first + versine * np.cross(w, first))
-
-
-def rotation_remainder(spin: Array, vectors: Array, change: Array) -> Array:
-    """`exp(spin) (v + c) - (v + spin x v + c)` for vectors v and their changes c (E, k, 3), spin (E, 3) rad.
-
-    This is the difference of a rotating step and a straight step. Its rounding error is relative to this difference.
-    """
-    sinc, versine, w = _rodrigues(spin)
-    first, more = np.cross(w, vectors), np.cross(w, change)
-    return np.asarray((sinc - 1.0) * first + sinc * more + versine * np.cross(w, first + more))
-
-
-def _rodrigues(spin: Array) -> tuple[Array, Array, Array]:
-    """sinc, versine and w (E, 1, 3) of Rodrigues' formula `exp(w) v = v + sinc w x v + versine w x (w x v)`."""
-    angle = np.sqrt((spin**2).sum(axis=1))[:, None, None]
-    return np.sinc(angle / np.pi), 0.5 * np.sinc(angle / (2.0 * np.pi)) ** 2, spin[:, None, :]

@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 
 from discrete.energies.elements import Array
 from discrete.model.discrete_model import DiscreteModel
-from discrete.model.state import State, moved_state
+from discrete.model.state import State
 from pattern.geometry.normals import vertex_normals
 
 BUMP_RADIUS_FRACTION = 0.35  # 1: radius at which a Gaussian bump falls to 1/e, over the spacing of the stars
@@ -50,4 +50,4 @@ def add_bumps(model: DiscreteModel, state: State, heights: Array) -> State:
     lift = heights[bumped][nearest] * np.exp(-((distance / (BUMP_RADIUS_FRACTION * model.spacing)) ** 2))
     positions = state.positions + lift[:, None] * vertex_normals(state.positions, model.mesh.triangles)
     positions = np.where(model.constraints.held, state.positions, positions)
-    return moved_state(state, model.edges, positions, np.zeros(len(model.edges)))
+    return model.moved_to(state, positions)

@@ -1,31 +1,38 @@
-"""A state of the exact model: positions of the vertices and directors of the rod edges."""
+"""A state of the exact model: positions of the vertices, directors of the rod edges and frames of the joints."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from discrete.energies.elements import Array
+from discrete.model.rotations import rotate_vectors
 
 
 @dataclass(frozen=True)
 class State:
-    """Positions and directors. The energy depends on these alone, so a state can be saved, rotated and restarted.
+    """Positions, directors and frames. The energy depends on these alone, so states can be saved and restarted.
 
     Attributes
     ----------
     positions : (V, 3) mm.
     directors : (R, 3) unit normal on the plastic side of every rod edge, orthogonal to the edge.
+    frames : (J, 3, 3) rotation of every joint; its rows are the images of the printed x, y and z axes.
     """
 
     positions: Array
     directors: Array
+    frames: Array = field(default_factory=lambda: np.empty((0, 3, 3)))
 
     @property
     def packed(self) -> Array:
-        """(3 V + 3 R,) positions, then directors."""
-        return np.concatenate([self.positions.ravel(), self.directors.ravel()])
+        """(3 V + 3 R + 9 J,) positions, then directors, then frames."""
+        return np.concatenate([self.positions.ravel(), self.directors.ravel(), self.frames.ravel()])
+
+    def rotated(self, rotation: Array, shift: Array) -> State:
+        """The state moved rigidly: `x @ rotation.T + shift` for positions."""
+        return State(self.positions @ rotation.T + shift, self.directors @ rotation.T, self.frames @ rotation.T)
 
 
 def edge_tangents(positions: Array, edges: Array) -> Array:
@@ -34,8 +41,10 @@ def edge_tangents(positions: Array, edges: Array) -> Array:
     return np.asarray(e / np.sqrt((e * e).sum(axis=1, keepdims=True)))
 
 
-def moved_state(state: State, edges: Array, positions: Array, turn: Array) -> State:
+def moved_state(state: State, edges: Array, positions: Array, turn: Array, spin: Array | None = None) -> State:
     """The state moved to new positions: parallel transport carries the directors along, then they rotate by `turn`.
+
+    The frames of the joints rotate by `spin` alone.
 
     Complex numbers work as well, so that complex steps give derivatives.
 
@@ -45,6 +54,7 @@ def moved_state(state: State, edges: Array, positions: Array, turn: Array) -> St
     edges : (R, 2) vertices of the rod edges.
     positions : (V, 3) mm.
     turn : (R,) rad, rotation of each director about its edge.
+    spin : (J, 3) rad, rotation vector of each joint; by default they do not rotate.
 
     Examples
     --------
@@ -60,7 +70,8 @@ def moved_state(state: State, edges: Array, positions: Array, turn: Array) -> St
     t1 = edge_tangents(positions, edges)
     d = parallel_transport(state.directors, edge_tangents(state.positions, edges), t1)
     d = np.cos(turn)[:, None] * d + np.sin(turn)[:, None] * np.cross(t1, d)
-    return State(positions, orthonormal_to_tangents(d, t1))
+    frames = state.frames if spin is None else rotate_vectors(spin, state.frames)
+    return State(positions, orthonormal_to_tangents(d, t1), frames)
 
 
 def parallel_transport(directors: Array, before: Array, after: Array) -> Array:

@@ -28,8 +28,9 @@ class System:
     parts : the energies by name.
     n_vertices : number V of vertices.
     edges : (R, 2) vertices of the rod edges; their twists are the dofs 3 V to 3 V + R.
-    held : (3 V + R,) bool, dofs that do not move.
+    held : (3 V + R + 3 J,) bool, dofs that do not move. The last 3 J are the spins of the joints.
     load : (3 V,) N, dead load; zero by default.
+    joint_vertices : (J,) vertices of the joints; none by default.
 
     Attributes
     ----------
@@ -53,11 +54,18 @@ class System:
     """
 
     def __init__(
-        self, parts: dict[str, Elements], n_vertices: int, edges: Array, held: Array, load: Array | None = None
+        self,
+        parts: dict[str, Elements],
+        n_vertices: int,
+        edges: Array,
+        held: Array,
+        load: Array | None = None,
+        joint_vertices: Array | None = None,
     ) -> None:
         self.parts, self.n_vertices, self.edges, self.held = parts, n_vertices, edges, held
         self.n_dofs = len(held)
         self.load = np.zeros(3 * n_vertices) if load is None else load
+        self.joint_vertices = np.empty(0, dtype=np.int64) if joint_vertices is None else joint_vertices
         self.load_datum = np.zeros(3)
         self.free = np.flatnonzero(~held)
         self.pattern = SparsePattern([part.dofs for part in parts.values()], self.n_dofs, self.free)
@@ -76,7 +84,7 @@ class System:
         return sum(self.energies(state).values())
 
     def full_gradient(self, state: State) -> Array:
-        """(3 V + R,) N and N mm, gradient by all dofs; at held dofs it is the reaction of the supports."""
+        """(3 V + R + 3 J,) N and N mm, gradient by all dofs; at held dofs it is the reaction of the supports."""
         packed = state.packed
         total = np.zeros(self.n_dofs)
         for part in self.parts.values():
@@ -101,12 +109,19 @@ class System:
         """Displacements (V, 3) and twists (R,) of a vector over the free dofs; zero at held dofs."""
         full = np.zeros(self.n_dofs)
         full[self.free] = direction
-        return full[: 3 * self.n_vertices].reshape(-1, 3), full[3 * self.n_vertices :]
+        move, turn, _ = np.split(full, [3 * self.n_vertices, 3 * self.n_vertices + len(self.edges)])
+        return move.reshape(-1, 3), turn
+
+    def spins(self, direction: Array) -> Array:
+        """Rotation vectors (J, 3) of the joints in a vector over the free dofs; zero at held dofs."""
+        full = np.zeros(self.n_dofs)
+        full[self.free] = direction
+        return full[3 * self.n_vertices + len(self.edges) :].reshape(-1, 3)
 
     def path(self, state: State, direction: Array, straight: bool) -> tuple[Callable[[float], State], float]:
         """Curve of states that leaves `state` in `direction` (free,), and the largest step along it. Here: straight."""
-        move, turn = self.displacements_and_twists(direction)
-        return (lambda a: moved_state(state, self.edges, state.positions + a * move, a * turn)), 1.0
+        (move, turn), spin = self.displacements_and_twists(direction), self.spins(direction)
+        return (lambda a: moved_state(state, self.edges, state.positions + a * move, a * turn, a * spin)), 1.0
 
     def rigid_modes(self, state: State) -> Array:
         """(free, k) orthonormal rigid motions that the supports allow and that cost no energy.
@@ -139,10 +154,11 @@ class System:
     def near_nullspace(self, state: State) -> tuple[Array, Array]:
         """Vertex of every free dof (free,) and the six rigid motions (free, 6), for multigrid.
 
-        A twist belongs to the first vertex of its rod edge. Supports are ignored, since away from them rigid motions
-        still cost almost no energy.
+        A twist belongs to the first vertex of its rod edge, a spin to its joint. Supports are ignored, since away from
+        them rigid motions still cost almost no energy.
         """
-        vertex = np.concatenate([np.repeat(np.arange(self.n_vertices), 3), self.edges[:, 0]])[self.free]
+        owners = [np.repeat(np.arange(self.n_vertices), 3), self.edges[:, 0], np.repeat(self.joint_vertices, 3)]
+        vertex = np.concatenate(owners)[self.free]
         nodes = np.unique(vertex, return_inverse=True)[1]
         return nodes, rigid_motions(state, self.edges, np.zeros_like(self.held), self.free)
 

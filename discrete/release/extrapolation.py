@@ -9,7 +9,7 @@ import numpy as np
 
 from discrete.energies.elements import Array
 from discrete.model.discrete_model import DiscreteModel
-from discrete.model.reconstruction import rotate_vectors
+from discrete.model.rotations import rotate_vectors
 from discrete.model.state import State, edge_tangents
 from discrete.release.prolongation import plastic_normals
 from pattern.geometry.rigid_fit import rigid_fit
@@ -26,7 +26,7 @@ def extrapolate(model: DiscreteModel, before: State, state: State, share: float)
     share : rotation beyond `state` over the rotation from `before` to `state`.
     """
     rotation, shift = rigid_fit(before.positions, state.positions)
-    old = State(before.positions @ rotation.T + shift, before.directors @ rotation.T)
+    old = before.rotated(rotation, shift)
     (f0, _), (f1, e1) = (model.reconstruction.gradients(s.positions) for s in (old, state))
     spin = share * rotation_vectors(_spatial(f0), _spatial(f1))
     edge_spin = share * rotation_vectors(*(_frames(model, s) for s in (old, state)))
@@ -34,7 +34,7 @@ def extrapolate(model: DiscreteModel, before: State, state: State, share: float)
     change = (rotate_vectors(spin, columns) - columns).transpose(0, 2, 1)
     edge_change = rotate_vectors(edge_spin, e1[:, None])[:, 0] - e1
     positions = state.positions + model.reconstruction.displacements(change, edge_change)
-    return State(positions, plastic_normals(model, positions))
+    return model.with_fitted_frames(State(positions, plastic_normals(model, positions)))
 
 
 def rotation_vectors(before: Array, after: Array) -> Array:

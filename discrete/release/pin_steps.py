@@ -51,4 +51,4 @@ def _fitted_to_pins(model: DiscreteModel, state: State) -> State:
     fitted = components == components.max()
     weight = np.where(fitted, 1.0 / fitted.sum(), FREE_VERTEX_WEIGHT / model.n_vertices)
     rotation, shift = rigid_fit(state.positions, model.constraints.target, weight)
-    return State(state.positions @ rotation.T + shift, state.directors @ rotation.T)
+    return state.rotated(rotation, shift)

@@ -31,13 +31,13 @@ def fit_to_surface(model: DiscreteModel, surface: Array) -> State:
     smooth = np.where(held, model.constraints.positions_at(model.pin_progress), surface)
     length = model.parts["rod_stretch"].params[:, 1:]
     positions = model.reconstruction.fit_edges(smooth, length * edge_tangents(smooth, model.edges))
-    return State(positions, plastic_normals(model, positions))
+    return model.with_fitted_frames(State(positions, plastic_normals(model, positions)))
 
 
 def prolong_linearly(coarse: DiscreteModel, state: State, fine: DiscreteModel) -> State:
     """The state of the fine model on the triangles of the coarse state, with nearly the same distances of its parts."""
     positions = _interpolated(coarse, state, fine, smooth=False)
-    return State(positions, plastic_normals(fine, positions))
+    return fine.with_fitted_frames(State(positions, plastic_normals(fine, positions)))
 
 
 def _interpolated(coarse: DiscreteModel, state: State, fine: DiscreteModel, smooth: bool) -> Array:

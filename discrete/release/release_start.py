@@ -11,7 +11,7 @@ import numpy as np
 from discrete.energies.elements import Array
 from discrete.model.discrete_model import DiscreteModel
 from discrete.model.star_bumps import add_bumps, bump_heights
-from discrete.model.state import State, moved_state
+from discrete.model.state import State
 from pattern.design.lattice import DEFAULT_SPACING_MM
 
 SheetBend = Literal["none", "roll", "dome", "saddle"]
@@ -203,7 +203,7 @@ def _bent_sheet(points: Array, bend: SheetBend, axis: float, sag: float) -> Arra
 
 
 def _with_positions(model: DiscreteModel, state: State, positions: Array) -> State:
-    return moved_state(state, model.edges, positions, np.zeros(len(model.edges)))
+    return model.moved_to(state, positions)
 
 
 def _van_der_corput(n: int) -> float:

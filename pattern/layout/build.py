@@ -90,7 +90,8 @@ def layout(design: Design) -> Layout:
         longest = float(sizes.length.max(initial=0.0))
         problem = f"must have at least one arm of {MIN_ARM_MM:g} mm on the sheet"
         raise BlankSheetError("stars", f"{problem}; the longest of the design is {longest:.3g} mm")
-    check_clear(centres[star], tips, star, width, MEETING_TOLERANCE_SPACINGS * lattice.spacing_mm)
+    meeting = MEETING_TOLERANCE_SPACINGS * lattice.spacing_mm
+    check_clear(centres[star], tips, star, width, meeting)
 
     sets = [pin_set(pin, corners, f"pins[{k}]") for k, pin in enumerate(design.pins)]
     pins = tuple(snapped_to_arms(pin, corners, centres[star], tips) for pin in sets)
@@ -113,6 +114,7 @@ def layout(design: Design) -> Layout:
         sheet_sites=cells,
         site_sizes_mm=sizes.at_centres,
         ignored_sites=sizes.ignored_sites,
+        meeting_mm=meeting,
     )
 
 

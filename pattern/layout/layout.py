@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -11,6 +12,8 @@ from pattern.geometry.arrays import Floats, Ints
 from pattern.geometry.planar import distance_to_segment, split_for_table
 from pattern.geometry.plane_lattice import PlaneLattice
 from pattern.layout.supports import PinSet, all_points
+from pattern.rods.graph import RodGraph
+from pattern.rods.star_graph import star_graph
 
 
 @dataclass(frozen=True)
@@ -35,6 +38,8 @@ class Layout:
     site_sizes_mm : (P, 3) length, thickness and width of the stars there, before the outline cuts arms and before
         rounding; length 0 where a star is removed.
     ignored_sites : (k, 2) lattice sites off the sheet that `stars.override` names.
+    meeting_mm : ends of arms closer than this are one point, at which the arms are bonded; 0 bonds no arms of
+        different stars.
     """
 
     outline: Float[np.ndarray, "B 2"]
@@ -52,12 +57,19 @@ class Layout:
     sheet_sites: Int[np.ndarray, "P 2"] = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
     site_sizes_mm: Float[np.ndarray, "P 3"] = field(default_factory=lambda: np.empty((0, 3)))
     ignored_sites: Int[np.ndarray, "k 2"] = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
+    meeting_mm: float = 0.0
 
     def __post_init__(self) -> None:
         if len(self.star_branch) == 0:
             object.__setattr__(self, "star_branch", np.ones(len(self.centres), dtype=np.int64))
         if len(self.star_number) == 0:
             object.__setattr__(self, "star_number", np.arange(len(self.centres)))
+
+    @cached_property
+    def graph(self) -> RodGraph:
+        """All rods, and the nodes at which they meet: one rod an arm, in the order of the arms."""
+        sizes = self.arm_thickness, self.arm_width
+        return star_graph(self.centres, self.arm_star, self.arm_tip, *sizes, self.meeting_mm)
 
     @property
     def lattice(self) -> PlaneLattice:

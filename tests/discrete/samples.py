@@ -12,6 +12,8 @@ from discrete.energies.bending.plate import Plate
 from discrete.energies.elements import Array, Elements
 from discrete.energies.membrane import Membrane
 from discrete.energies.rods.bend import RodBend
+from discrete.energies.rods.joint import RodJoint
+from discrete.energies.rods.joint_network import JointNetwork, joint_inputs
 from discrete.energies.rods.network import RodNetwork, stencil_inputs
 from discrete.energies.rods.stretch import RodStretch
 from discrete.energies.rods.twist import RodTwist
@@ -30,10 +32,12 @@ class Sample:
 
     def moved(self, steps: Array) -> Array:
         """Packed configuration after each element's own dofs moved by steps (E, n); complex steps pass through."""
-        full = np.zeros(self.state.positions.size + len(self.edges), dtype=steps.dtype)
+        sizes = [self.state.positions.size, len(self.edges), 3 * len(self.state.frames)]
+        full = np.zeros(sum(sizes), dtype=steps.dtype)
         full[self.elements.dofs] = steps
-        move, turn = np.split(full, [self.state.positions.size])
-        return moved_state(self.state, self.edges, self.state.positions + move.reshape(-1, 3), turn).packed
+        move, turn, spin = np.split(full, np.cumsum(sizes)[:2])
+        positions = self.state.positions + move.reshape(-1, 3)
+        return moved_state(self.state, self.edges, positions, turn, spin.reshape(-1, 3)).packed
 
 
 def rotation(rng: np.random.Generator) -> Array:
@@ -162,6 +166,30 @@ def rod_twist(rng: np.random.Generator, bent: bool) -> Sample:
     return Sample(RodTwist(*stencil_inputs(network, len(state.positions)), params), state, network.edges)
 
 
+def rod_joint(rng: np.random.Generator, bent: bool) -> Sample:
+    """Half edges that leave a joint of any frame in any printed direction, some run towards it.
+
+    `bent`: they leave it at 70 to 150 degrees from their printed direction, and twisted by as much.
+    """
+    network, state = _stencils(rng, bent)
+    along = (state.positions[1::3] - state.positions[::3]) / np.linalg.norm(
+        state.positions[1::3] - state.positions[::3], axis=1, keepdims=True
+    )
+    normal, sign = state.directors[::2], network.signs[:, 1]
+    printed = rng.uniform(0.0, 2.0 * np.pi, COUNT)
+    cos, sin = np.cos(printed)[:, None], np.sin(printed)[:, None]
+    # the frame whose printed direction is that of the first edge
+    across = np.cross(normal, along)
+    frames = np.stack([cos * along - sin * across, sin * along + cos * across, normal], axis=1)
+    positions = state.positions.reshape(COUNT, 3, 3)[:, 1:].reshape(-1, 3)
+    edges = np.where(sign[:, None] > 0.0, [0, 1], [1, 0]) + 2 * np.arange(COUNT)[:, None]
+    one = np.arange(COUNT)
+    joints = JointNetwork(2 * one, one, one, 2 * one + 1, sign)
+    params = [rng.uniform(1, 2, (COUNT, 3)), 0.3 * rng.normal(size=(COUNT, 1)), cos, sin, sign[:, None]]
+    moved = State(positions, state.directors[1::2], frames)
+    return Sample(RodJoint(*joint_inputs(joints, 2 * COUNT, COUNT), np.hstack(params)), moved, edges)
+
+
 SAMPLES: dict[str, Callable[[np.random.Generator, bool], Sample]] = {
     "membrane": membrane,
     "incompressible membrane": incompressible_membrane,
@@ -171,4 +199,5 @@ SAMPLES: dict[str, Callable[[np.random.Generator, bool], Sample]] = {
     "rod stretch": rod_stretch,
     "rod bend": rod_bend,
     "rod twist": rod_twist,
+    "rod joint": rod_joint,
 }

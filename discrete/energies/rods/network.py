@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,7 +36,12 @@ class RodNetwork:
     weight: Array
 
 
-def rod_network(paths: tuple[Array, ...], junction: Array, printed: Array) -> RodNetwork:
+def rod_network(
+    paths: tuple[Array, ...],
+    junction: Array,
+    printed: Array,
+    links: Sequence[tuple[tuple[int, int], tuple[int, int]]] = (),
+) -> RodNetwork:
     """Edges and stencils of rods along vertex paths.
 
     Parameters
@@ -43,6 +49,8 @@ def rod_network(paths: tuple[Array, ...], junction: Array, printed: Array) -> Ro
     paths : one path of vertices for each rod.
     junction : (rods,) rods with the same number (>= 0) meet at their first vertex; -1 is a free start.
     printed : (V, 2) mm.
+    links : pairs of ends (rod, 0 for its start or 1 for its end) at the same vertex, at which one rod goes on as
+        another, or a closed rod as itself.
 
     Notes
     -----
@@ -88,6 +96,12 @@ def rod_network(paths: tuple[Array, ...], junction: Array, printed: Array) -> Ro
                 pairs.append((first[a], first[b]))
                 signs.append((-1.0, 1.0))
                 weight.append(1.0 / (len(joined) - 1))
+    for (one, one_end), (other, other_end) in links:
+        vertices.append((paths[one][-2 if one_end else 1], paths[one][-one_end], paths[other][-2 if other_end else 1]))
+        last = first[one] + len(paths[one]) - 2, first[other] + len(paths[other]) - 2
+        pairs.append((last[0] if one_end else first[one], last[1] if other_end else first[other]))
+        signs.append((1.0 if one_end else -1.0, -1.0 if other_end else 1.0))
+        weight.append(1.0)
     return RodNetwork(
         np.array(edges, dtype=np.int64).reshape(-1, 2),
         np.array(rod, dtype=np.int64),

@@ -27,3 +27,10 @@ def test_sites_off_the_sheet_are_named() -> None:
     (warning,) = [line for line in summary["warnings"] if "outside of the sheet" in line]
     assert warning == "2 entries of stars.override are for sites outside of the sheet, and ignored: [0, 9], [8, 1]"
     assert not any("outside of the sheet" in line for line in asterism.preview(dome([])).summary["warnings"])
+
+
+def test_arms_that_are_bonded_where_they_meet_are_named() -> None:
+    meeting = asterism.Design.from_dict({"stars": {"length_fraction": 1.0}, "border": {"rings": 1}})
+    (warning,) = [line for line in asterism.preview(meeting).summary["warnings"] if "print as one" in line]
+    assert isinstance(warning, PlacedWarning) and set(warning.stars) == set(range(7))
+    assert not any("print as one" in line for line in asterism.preview(dome([])).summary["warnings"])

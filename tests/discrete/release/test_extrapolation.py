@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from discrete.model.discrete_model import DiscreteModel
-from discrete.model.reconstruction import rotate_vectors
+from discrete.model.rotations import rotate_vectors
 from discrete.model.state import State
 from discrete.release.extrapolation import extrapolate, rotation_vectors
 from discrete.release.levels import solve_on_meshes

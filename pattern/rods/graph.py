@@ -1,0 +1,139 @@
+"""The printed pattern as a planar graph: nodes, and rods between them. Stars and drawings are its generators."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from pattern.geometry.arrays import Floats, Ints
+from pattern.geometry.planar import cross_2d
+
+# a rod that turns by more at a node has a corner there; decided on the drawing, since a mesh turns curves in steps
+CORNER_DEG = 10.0
+
+
+@dataclass(frozen=True)
+class Rod:
+    """A rod from one node to another.
+
+    Attributes
+    ----------
+    points : (n, 2) mm, polyline of its middle line; curves are flattened. The first and last points are its nodes.
+    start, end : numbers of its nodes; equal for a closed rod.
+    thickness, width : (n,) mm at the points, linear in arc length between them.
+    kappa_bar : 1/mm, residual curvature of its plastic; None for that of the design's plastic.
+    name : the name in the drawing, for messages.
+    group : number of the star or of the copy of a motif that it belongs to; -1 for none.
+
+    Examples
+    --------
+    >>> ends = np.array([[0.0, 0.0], [10.0, 0.0]])
+    >>> rod = Rod(ends, 0, 1, np.array([0.3, 0.5]), np.array([1.2, 1.2]))
+    >>> rod.length, rod.at(rod.thickness, np.array([0.5])).tolist()
+    (10.0, [0.4])
+    """
+
+    points: Floats
+    start: int
+    end: int
+    thickness: Floats
+    width: Floats
+    kappa_bar: float | None = None
+    name: str = ""
+    group: int = -1
+
+    @cached_property
+    def arc_lengths(self) -> Floats:
+        """(n,) mm from the start to each point."""
+        steps = np.linalg.norm(np.diff(self.points, axis=0), axis=1)
+        return np.concatenate([[0.0], np.cumsum(steps)])
+
+    @property
+    def length(self) -> float:
+        """mm."""
+        return float(self.arc_lengths[-1])
+
+    def at(self, values: Floats, part: Floats) -> Floats:
+        """(k, ...) values, given at the points (n, ...), at parts (k,) of the length from 0 to 1."""
+        known = self.arc_lengths / self.length
+        piece = np.clip(np.searchsorted(known, part, side="right") - 1, 0, len(known) - 2)
+        share = (part - known[piece]) / (known[piece + 1] - known[piece])
+        share = share.reshape(-1, *[1] * (values.ndim - 1))
+        return np.asarray(values[piece] + share * (values[piece + 1] - values[piece]))
+
+    def direction_at(self, end: int) -> Floats:
+        """(2,) unit vector along the rod away from its start (`end` = 0) or from its end (1)."""
+        step = self.points[1] - self.points[0] if end == 0 else self.points[-2] - self.points[-1]
+        return np.asarray(step / np.linalg.norm(step))
+
+
+@dataclass(frozen=True)
+class RodEnd:
+    """An end of a rod: its number, and 0 for the start or 1 for the end."""
+
+    rod: int
+    end: int
+
+
+@dataclass(frozen=True)
+class RodGraph:
+    """Nodes and rods.
+
+    Attributes
+    ----------
+    nodes : (N, 2) mm.
+    rods : the rods. They meet at nodes only.
+    paired : numbers of the nodes at which rods bend pair by pair, as in the paper: centres of stars that no rod of
+        another star touches. All rods start there.
+
+    Examples
+    --------
+    Two rods that meet at a right angle are bonded there, and end freely at their other nodes:
+
+    >>> nodes, sizes = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 5.0]]), np.array([0.3, 0.3])
+    >>> rods = (Rod(nodes[:2], 0, 1, sizes, 4 * sizes), Rod(nodes[1:], 1, 2, sizes, 4 * sizes))
+    >>> RodGraph(nodes, rods).joints
+    (1,)
+    """
+
+    nodes: Floats
+    rods: tuple[Rod, ...]
+    paired: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+
+    @cached_property
+    def ends_at(self) -> tuple[tuple[RodEnd, ...], ...]:
+        """For each node the ends of rods there."""
+        ends: list[list[RodEnd]] = [[] for _ in self.nodes]
+        for number, rod in enumerate(self.rods):
+            ends[rod.start].append(RodEnd(number, 0))
+            ends[rod.end].append(RodEnd(number, 1))
+        return tuple(tuple(some) for some in ends)
+
+    @cached_property
+    def links(self) -> tuple[tuple[RodEnd, RodEnd], ...]:
+        """Pairs of ends at which one rod goes on as another, or a closed rod as itself, without a corner."""
+        return tuple((ends[0], ends[1]) for ends in self.ends_at if len(ends) == 2 and self._goes_on(*ends))
+
+    @cached_property
+    def joints(self) -> tuple[int, ...]:
+        """Nodes with a joint: corners, branches, crossings, and ends that meet; not `paired` nodes."""
+        paired = set(self.paired.tolist())
+        return tuple(
+            node
+            for node, ends in enumerate(self.ends_at)
+            if node not in paired and len(ends) > 1 and not (len(ends) == 2 and self._goes_on(*ends))
+        )
+
+    @property
+    def total_length(self) -> float:
+        """mm, of all rods."""
+        return sum(rod.length for rod in self.rods)
+
+    def _goes_on(self, one: RodEnd, other: RodEnd) -> bool:
+        """Whether two ends at a node are one smooth line."""
+        out = self.rods[one.rod].direction_at(one.end)
+        back = -self.rods[other.rod].direction_at(other.end)
+        turn = np.arctan2(cross_2d(back, out), back @ out)
+        return bool(abs(turn) <= np.radians(CORNER_DEG))
