@@ -16,7 +16,8 @@ SAMPLE_SOURCES = {
     discrete: ("**/*.py",),
     equilibrium: ("**/*.py",),
     pattern: (
-        "rods/arms.py", "rods/graph.py", "rods/star_graph.py", "design/lattice.py", "design/materials.py", "design/residual_curvature.py", "layout/layout.py",
+        "rods/arms.py", "rods/graph.py", "rods/star_graph.py", "design/lattice.py", "design/materials.py",
+        "design/residual_curvature.py", "layout/layout.py",
         "layout/supports.py", "geometry/plane_lattice.py",
         "mesh/mesh.py", "geometry/arrays.py", "geometry/normals.py", "geometry/planar.py", "design/rounding.py",
     ),
