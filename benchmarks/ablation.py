@@ -4,10 +4,11 @@ python -m benchmarks.ablation [DESIGN ...] [--keep FOLDER] [--edge MM] [--write]
 
 DESIGN is a name of the gallery or random-NN; by default the gallery and the 24 random designs of the study. Each
 preview is compared with the lower of two exact shapes: that of the released sheet, and that found from the preview with
-all parts. FOLDER keeps the exact shapes; without it they are computed again. Distances are rms, in % of the diameter
-(`asterism.shape.comparison`). A gain is the distance without the part less the distance with it; a part changes the
-form of a design if it has the exact shape's form with all parts and not without it, or the other way round. Parts and
-the values that turn them off: `asterism.previews.model_parts`. --write puts the table into benchmarks/results.
+all parts. FOLDER keeps the exact shapes; without it they are computed again. Distances are rms as held, in % of the
+diameter (`asterism.shape.comparison`). A gain is the distance without the part less the distance with it; a part
+changes the form of a design if it has the exact shape's form with all parts and not without it, or the other way round.
+Parts and the values that turn them off: `asterism.previews.model_parts`. --write puts the table into
+benchmarks/results.
 """
 
 from __future__ import annotations
@@ -102,7 +103,7 @@ def _ablated_distance(reference: Shape, design: Design, plan: Layout, model: Pre
 
 def _distance(reference: Shape, shape: Shape, design: Design, plan: Layout) -> dict[str, Any]:
     """rms distance to the exact shape in % of the diameter, and whether both have one form."""
-    comparison = compare_shapes(reference, shape, plan, symmetries(design, plan))
+    comparison = compare_shapes(reference, shape, plan, symmetries(design, plan), design.gravity.pull)
     return {"rms_percent": float(comparison.rms_percent), "same_form": bool(same_branch(comparison, None))}
 
 

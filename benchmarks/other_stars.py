@@ -103,7 +103,7 @@ def row(number: int, folder: Path, shares: Sequence[float] = SHARES) -> dict[str
     ]
     right = min(shapes, key=lambda shape: shape.summary["energy_n_mm"])
     same = symmetries(design, plan)
-    compared = [compare_shapes(right, each, plan, same) for each in shown]
+    compared = [compare_shapes(right, each, plan, same, design.gravity.pull) for each in shown]
     used = shares.index(SHARE)
     height, other = compared[used].heights_mm
     return {

@@ -6,13 +6,15 @@ from asterism.results.records.export import ShapeChangeRecord
 from asterism.shape.diameter import diameter
 from asterism.shape.shape import Shape
 from pattern.design.design import Design
+from pattern.layout.free_motions import free_motions
 from pattern.layout.layout import Layout
+from pattern.layout.support_samples import support_samples
 from pattern.layout.symmetric_distance import symmetric_distances
 from pattern.layout.symmetries import symmetries
 
 
 def shape_change(drawn: Shape, printed: Shape, design: Design, plan: Layout, model: str) -> ShapeChangeRecord:
-    """Compare the shape of the rounded design with that of the design as drawn.
+    """Compare the shape of the rounded design with that of the design as drawn, both as their supports hold them.
 
     Parameters
     ----------
@@ -21,7 +23,10 @@ def shape_change(drawn: Shape, printed: Shape, design: Design, plan: Layout, mod
     model : model of both shapes: `exact` or `preview`.
     """
     before, after = drawn.positions[drawn.star_vertices], printed.positions[printed.star_vertices]
-    distance = float(symmetric_distances(before, after, symmetries(design, plan)).min()) if len(before) > 2 else 0.0
+    supports = support_samples(plan)
+    free = free_motions(supports, drawn.at(supports.printed), design.gravity.pull)
+    apart = symmetric_distances(before, after, symmetries(design, plan), free)
+    distance = float(apart.min()) if len(before) > 2 else 0.0
     return ShapeChangeRecord(
         model=model,
         height_mm=[drawn.height_mm, printed.height_mm],

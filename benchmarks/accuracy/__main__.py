@@ -6,22 +6,23 @@ FOLDER keeps the exact shapes. It keeps finished comparisons as long as the law 
 same. The exact model starts from the released sheet and from the preview, and the shape of lower energy counts. A shape
 that was found from a preview stays a candidate of its design when the preview changes. With `--starts`, iterations and
 seconds of both starts are compared too. With names, docs/explanation/accuracy.md stays as it is. With `--kept`,
-comparisons in FOLDER are used even if other code has made them.
+comparisons in FOLDER are used even if other code has made them, as long as the preview has the same shape; estimates
+and warnings are those of today's preview. `python -m benchmarks.accuracy.finished FOLDER` puts those of
+benchmarks/results there.
 """
 
 from __future__ import annotations
 
 import argparse
 import hashlib
-import json
 from pathlib import Path
 from typing import Any
 
-from asterism.results.files import write_file
 from benchmarks.accuracy import report
 from benchmarks.accuracy.causes import causes
 from benchmarks.accuracy.designs import designs
 from benchmarks.accuracy.exact import exact
+from benchmarks.accuracy.finished import read_row, row_path, stated_now, write_row
 from benchmarks.accuracy.row import quick_row, whole_row
 from benchmarks.laws import law_of
 from benchmarks.report import write_report
@@ -29,7 +30,6 @@ from homogenize.errors import LawError
 from homogenize.law.law import Law
 from homogenize.law.law_file import law_digest, load_law
 from pattern.design.design import Design
-from pattern.design.files import plain
 
 ROOT = Path(__file__).parents[2]
 
@@ -69,21 +69,17 @@ def kept(design: Design, folder: Path, law: Law, starts: bool, as_is: bool) -> d
     """The row of a design, from the folder if nothing that makes the preview has changed since."""
     made_by = hashlib.sha256(b"".join([law_digest(law).encode(), *_code()])).hexdigest()[:16]
     path = row_path(folder, design, starts)
-    if path.exists():
-        row = json.loads(path.read_text(encoding="utf-8"))
-        if (as_is or row["made_by"] == made_by) and row["design"] == design.to_dict():
-            return dict(row)
+    row = read_row(path, design)
+    if row is not None and row["made_by"] == made_by:
+        return row
+    if row is not None and as_is and (now := stated_now(row, design, law)):
+        return now
     released = exact(design, folder)
     row = (whole_row if starts else quick_row)(design, folder, law)
     known = causes(design, law) | {"softness": released.summary["smallest_eigenvalue"]}
     row |= {"stars": released.summary["stars_total"], "causes": known, "made_by": made_by, "design": design.to_dict()}
-    write_file(path, json.dumps(plain(row), indent=1) + "\n")
+    write_row(path, row)
     return row
-
-
-def row_path(folder: Path, design: Design, starts: bool) -> Path:
-    """Where the finished comparison of a design is kept."""
-    return folder / design.name / f"{'whole' if starts else 'quick'}.json"
 
 
 def _code() -> list[bytes]:

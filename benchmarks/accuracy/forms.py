@@ -51,7 +51,7 @@ def _rows(design: Design, folder: Path) -> Iterator[dict[str, Any]]:
         start = preview.shape()
         exact = simulate(design, near=start)
         write_results(exact, folder / design.name / f"form-{len(energies)}")
-        comparison = compare_shapes(exact, start, plan, symmetries(design, plan))
+        comparison = compare_shapes(exact, start, plan, symmetries(design, plan), design.gravity.pull)
         yield {
             "name": design.name,
             "form": trial.name,

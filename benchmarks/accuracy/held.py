@@ -16,7 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.accuracy.__main__ import kept, row_path
+from benchmarks.accuracy.__main__ import kept
+from benchmarks.accuracy.finished import row_path
 from benchmarks.accuracy.held_designs import CANOPY_THICKNESSES_MM, canopies, other_held
 from benchmarks.laws import law_of
 from benchmarks.report import markdown, write_report

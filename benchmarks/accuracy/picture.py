@@ -35,7 +35,9 @@ def draw(folder: Path, law: Law) -> None:
     """Three views from the same place, from left to right."""
     design = meshed(gallery.load(DESIGN), EDGE_MM)
     plan = layout(design)
-    found = compare_shapes(exact(design, folder), preview(design, law), plan, symmetries(design, plan))
+    found = compare_shapes(
+        exact(design, folder), preview(design, law), plan, symmetries(design, plan), design.gravity.pull
+    )
     seen = comparison_views(found)
     images = [Image.open(BytesIO(png(seen[name][0]))).convert("RGB") for name in ("exact", "preview", "overlaid")]
     width, height = sum(image.width + GAP for image in images), max(image.height for image in images)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from discrete.energies.elements import Array
 from discrete.evidence.equilibrium import Equilibrium
@@ -16,6 +17,8 @@ from discrete.release.release_start import release_starts
 from discrete.release.single_mesh import solve_on_mesh
 from equilibrium.newton.regularisation import Method
 from pattern.design.errors import DesignError
+from pattern.layout.free_motions import FreeMotions, free_motions
+from pattern.layout.support_samples import support_samples
 from pattern.layout.symmetric_distance import symmetric_distances
 from pattern.layout.symmetries import Symmetry, symmetries
 
@@ -46,6 +49,15 @@ class ExactForm:
     def centres(self) -> Array:
         """(S, 3) mm, centres of the stars."""
         return self.equilibrium.state.positions[self.model.mesh.star_vertices]
+
+    @property
+    def free_motions(self) -> FreeMotions:
+        """The rigid motions that the supports leave free."""
+        supports = support_samples(self.model.layout)
+        if len(supports.printed) == 0:
+            return FreeMotions()
+        _, vertex = cKDTree(self.model.mesh.points).query(supports.printed)
+        return free_motions(supports, self.equilibrium.state.positions[vertex], self.model.design.gravity.pull)
 
     @property
     def roll_axis_deg(self) -> float | None:
@@ -79,7 +91,7 @@ class Minima:
     symmetries: list[Symmetry]
 
     def distance_percent(self, first: ExactForm, second: ExactForm) -> float:
-        """Rms distance of the star centres in % of the diameter, up to rigid motions and symmetries of the design."""
+        """Rms distance of the star centres in % of the diameter, up to free motions and symmetries of the design."""
         return _form_distance(first, second, self.symmetries)[0]
 
 
@@ -162,7 +174,8 @@ def distinct_forms(forms: list[ExactForm], design_symmetries: list[Symmetry]) ->
 def _form_distance(first: ExactForm, second: ExactForm, design_symmetries: list[Symmetry]) -> tuple[float, bool]:
     """Distance in % of the diameter, and whether it is to a symmetric image with the same stars up."""
     diameter = first.model.layout.diameter_mm
-    percent = 100.0 * symmetric_distances(first.centres, second.centres, design_symmetries) / diameter
+    distances = symmetric_distances(first.centres, second.centres, design_symmetries, first.free_motions)
+    percent = 100.0 * distances / diameter
     first_sides, second_sides = first.equilibrium.sides, second.equilibrium.sides
     same_sides = np.array([np.array_equal(first_sides, second_sides[image.star]) for image in design_symmetries])
     if same_sides.any() and percent[same_sides].min() < SAME_FORM_PERCENT:

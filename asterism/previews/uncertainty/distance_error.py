@@ -7,8 +7,9 @@ With a the root of the sum of squares of the amplitudes a_i of the near-zero mod
 
 - **Amplitudes.** The law's energies are wrong by a small part, so that the shape is off by a small share of a. It is
   largest for sheets whose only symmetry is a mirror: most of them are rectangles, whose bare rims differ in width. It
-  is smaller where a rotation maps the sheet to itself: errors of the law have the symmetry of the design, and do not
-  push along modes that break it, such as the turn of a tube's axis. It is as small for supported sheets.
+  is smaller where a rotation maps a free sheet to itself: errors of the law have the symmetry of the design, and do not
+  push along modes that break it, such as the turn of a tube's axis. Supported sheets have the largest share. They are
+  compared as held, so that their swing on the supports counts, which a rigid motion would take out.
 - **Curls.** A free sheet whose stars curl within their own spacing is not smooth: `other_form_percent` times the share
   of these stars.
 - **Buckling.** A supported sheet that is much narrower than its natural size buckles, and the law cannot tell where.
@@ -81,7 +82,9 @@ def distance_error_percent(
 
 def amplitude_share(is_supported: bool, symmetries: Sequence[Symmetry], model: PreviewModel = PREVIEW_MODEL) -> float:
     """The share of the amplitudes that counts for a sheet with these symmetries, the identity among them."""
-    if is_supported or sum(not symmetry.mirrors for symmetry in symmetries) > 1:
+    if is_supported:
+        return model.amplitude_share_supported
+    if sum(not symmetry.mirrors for symmetry in symmetries) > 1:
         return model.amplitude_share_symmetric
     return model.amplitude_share_mirrored if len(symmetries) > 1 else model.amplitude_share
 

@@ -13,7 +13,8 @@ contributions in mm:
   arms of at least `inverted_min_arm`, sit where the curvature is below `inverted_max_curvature` of the natural one, and
   where the sheet is not wider than its flat cell. `inverted_share` times their bumps, rms over all stars, counts.
 
-`python -m benchmarks.accuracy.expectation` fits the four shares. Other forms are left out: a warning names them, and
+`python -m benchmarks.accuracy.expectation` fits the four shares, `python -m benchmarks.accuracy.supported_share` states
+how many heights of supported sheets the estimate covers. Other forms are left out: a warning names them, and
 most are as high.
 """
 

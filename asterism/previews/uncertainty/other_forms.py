@@ -1,6 +1,7 @@
 """Other forms of a sheet: minima that the search met besides the one that is shown.
 
-Two minima are one form if a rigid motion and a symmetry of the design bring their star centres together.
+Two minima are one form if a motion that the supports leave free and a symmetry of the design bring their star centres
+together.
 """
 
 from __future__ import annotations
@@ -11,6 +12,9 @@ from dataclasses import dataclass, replace
 from asterism.previews.state import PreviewState
 from asterism.shape.diameter import diameter
 from fem.search.evidence import Trial
+from pattern.geometry.arrays import Floats
+from pattern.layout.free_motions import FreeMotions, free_motions
+from pattern.layout.support_samples import support_samples
 from pattern.layout.symmetric_distance import symmetric_distances
 
 # sheets with fewer stars have no list of other forms, because their star centres cannot distinguish them
@@ -28,7 +32,7 @@ class OtherForm:
     start : name of the start that led to it.
     energy_n_mm : its energy.
     gap : how far that is above the energy of the form shown, as a share of the energy at stake there.
-    distance_percent : rms distance of the star centres from the form shown, after the rigid motion and the symmetry
+    distance_percent : rms distance of the star centres from the form shown, after the free motion and the symmetry
         that bring them closest, in % of the diameter.
     """
 
@@ -50,15 +54,25 @@ def other_minima(state: PreviewState, diameter_mm: float) -> list[tuple[OtherFor
     if len(minima) < 2 or len(layout.centres) < MIN_STARS:
         return []
     stars = state.sheet.space.locate(layout.centres).value
-    known, forms = [stars @ shown.x], list[tuple[OtherForm, Trial]]()
+    known, forms = [(stars @ shown.x, _free(state, shown.x))], list[tuple[OtherForm, Trial]]()
     for trial in minima:
         centres = stars @ trial.x
-        apart = [100.0 / diameter_mm * symmetric_distances(form, centres, state.symmetries).min() for form in known]
+        distances = [symmetric_distances(form, centres, state.symmetries, free).min() for form, free in known]
+        apart = [100.0 * distance / diameter_mm for distance in distances]
         if min(apart) > EQUAL_FORM_PERCENT:
             gap = (trial.energy - shown.energy) / shown.absolute_energy
             forms.append((OtherForm(trial.name, trial.energy, gap, float(apart[0])), trial))
-            known.append(centres)
+            known.append((centres, _free(state, trial.x)))
     return forms
+
+
+def _free(state: PreviewState, x: Floats) -> FreeMotions:
+    """The rigid motions that the supports leave to a minimum."""
+    supports = support_samples(state.layout)
+    if len(supports.printed) == 0:
+        return FreeMotions()
+    positions = state.sheet.space.locate(supports.printed).value @ x
+    return free_motions(supports, positions, state.design.gravity.pull)
 
 
 def forms_met(state: PreviewState) -> list[tuple[OtherForm, Trial]]:

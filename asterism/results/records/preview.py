@@ -25,7 +25,7 @@ class OtherFormRecord(Record):
         "values of all parts of the energy."
     )
     distance_percent: float = key(
-        "Rms distance of the star centres from the form shown, up to rigid motions and symmetries of the design, in "
+        "Rms distance of the star centres from the form shown, up to free motions and symmetries of the design, in "
         "percent of the diameter.",
         unit="%",
     )

@@ -59,7 +59,7 @@ def test_long_stars_turn_where_a_held_sheet_is_flat_and_not_pulled() -> None:
     assert inverted_bumps(VALUES, PLAN, flat, narrow) == pytest.approx(size)
     assert inverted_bumps(VALUES, PLAN, -curled, narrow) == pytest.approx(size)
     assert inverted_bumps(VALUES, PLAN, curled, narrow) == inverted_bumps(VALUES, PLAN, flat, wide) == 0.0
-    assert inverted_bumps(VALUES, replace(PLAN, pins=[]), flat, narrow) == 0.0
+    assert inverted_bumps(VALUES, replace(PLAN, pins=()), flat, narrow) == 0.0
 
 
 @pytest.mark.parametrize("name", ["dome", "tube"])
