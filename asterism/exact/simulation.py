@@ -117,13 +117,13 @@ def simulate(
 
 def _shape(
     model: DiscreteModel,
-    found: Equilibrium,
+    equilibrium: Equilibrium,
     levels: list[MeshLevel],
     seconds: dict[str, float],
     wall: float,
     minima: dict[str, Any],
 ) -> Shape:
-    mesh, positions = model.mesh, _grounded(model, found.state.positions)
+    mesh, positions = model.mesh, _grounded(model, equilibrium.state.positions)
     star = np.full(len(mesh.points), -1, dtype=np.int64)
     star[mesh.star_vertices] = model.layout.star_number
     shape = Shape(
@@ -133,7 +133,7 @@ def _shape(
         star=star,
         rods=mesh.rods,
         star_vertices=mesh.star_vertices,
-        rod_fields=_rod_fields(model, found),
+        rod_fields=_rod_fields(model, equilibrium),
         held=bool(model.held.any()),
         plan=model.layout,
     )
@@ -142,7 +142,7 @@ def _shape(
     stretch = model.design.fabric.stretch_xy
     fields = point_fields(shape.positions, shape.triangles)
     strains = cell_fields(shape.printed, shape.positions, shape.triangles, stretch)
-    summary = _record(model, found, shape, levels, seconds, wall, minima)
+    summary = _record(model, equilibrium, shape, levels, seconds, wall, minima)
     summary = summary.changed(warnings=exact_warnings(summary, model.design, model.layout))
     return replace(shape, point_fields=fields, cell_fields=strains, summary=summary)
 
@@ -155,11 +155,11 @@ def _grounded(model: DiscreteModel, positions: np.ndarray) -> np.ndarray:
     return np.asarray(positions - [0.0, 0.0, positions[held.any(axis=1), 2].min()])
 
 
-def _rod_fields(model: DiscreteModel, found: Equilibrium) -> dict[str, np.ndarray]:
+def _rod_fields(model: DiscreteModel, equilibrium: Equilibrium) -> dict[str, np.ndarray]:
     net = model.network
     bend = np.zeros(len(net.edges))
     touched = np.zeros(len(net.edges))
-    curvature = rod_curvatures(net, found.state.positions, found.state.directors, model.mesh.points)
+    curvature = rod_curvatures(net, equilibrium.state.positions, equilibrium.state.directors, model.mesh.points)
     # an edge takes the mean of the stencils along its own arm; a stencil across a junction belongs to two arms
     own = net.signs[:, 0] > 0
     np.add.at(bend, net.stencil_edges[own], curvature[own, None])
@@ -175,32 +175,32 @@ def _rod_fields(model: DiscreteModel, found: Equilibrium) -> dict[str, np.ndarra
 
 def _record(
     model: DiscreteModel,
-    found: Equilibrium,
+    equilibrium: Equilibrium,
     shape: Shape,
     levels: list[MeshLevel],
     seconds: dict[str, float],
     wall: float,
     minima: dict[str, Any],
 ) -> ExactRecord:
-    number, axis = model.layout.star_number, roll_axis_deg(model, found.state)
-    folds = measure_creases(model, found.state)
+    number, axis = model.layout.star_number, roll_axis_deg(model, equilibrium.state)
+    folds = measure_creases(model, equilibrium.state)
     coarser = [(level.printed, level.positions) for level in levels[:-1]]
     gravity = model.design.gravity.pull
     error = mesh_error(shape, coarser, folds.resolved, layout=model.layout, gravity=gravity)
     record = ExactRecord(
         model=ExactRecord.model_name,
-        converged=found.converged,
-        is_minimum=found.is_minimum,
-        smallest_eigenvalue=found.smallest_eigenvalue,
-        eigenvalue_error=found.eigenvalue_error,
-        gradient_norm=found.gradient_norm,
-        gradient_tolerance=found.tolerance,
-        energy_n_mm=found.energy,
-        energy_parts_n_mm=found.energies,
+        converged=equilibrium.converged,
+        is_minimum=equilibrium.is_minimum,
+        smallest_eigenvalue=equilibrium.smallest_eigenvalue,
+        eigenvalue_error=equilibrium.eigenvalue_error,
+        gradient_norm=equilibrium.gradient_norm,
+        gradient_tolerance=equilibrium.tolerance,
+        energy_n_mm=equilibrium.energy,
+        energy_parts_n_mm=equilibrium.energies,
         stars_total=len(model.layout.centres),
-        stars_up=found.stars_up,
-        stars_down=number[found.sides < 0].tolist(),
-        stars_off_branch=number[stars_off_branch(model, found)].tolist(),
+        stars_up=equilibrium.stars_up,
+        stars_down=number[equilibrium.sides < 0].tolist(),
+        stars_off_branch=number[stars_off_branch(model, equilibrium)].tolist(),
         roll_axis_deg=axis,
         roll_radius_mm=None if axis is None else roll_radius(shape, model.layout.lattice_vectors),
         vertices=model.n_vertices,
@@ -209,19 +209,19 @@ def _record(
         mesh=model.mesh.kind,
         edge_mm=model.design.mesh.edge_mm,
         self_intersections=self_intersections(shape.positions, shape.triangles),
-        self_contact=_contact(model, found),
+        self_contact=_contact(model, equilibrium),
         fabric_bending=model.design.fabric.bending,
-        fabric_bending_n_mm=model.bending.energy(found.energies),
-        iterations=found.iterations,
-        factorisations=found.factorisations,
-        saddles_left=found.saddles_left,
-        instabilities_passed=found.instabilities_passed,
+        fabric_bending_n_mm=model.bending.energy(equilibrium.energies),
+        iterations=equilibrium.iterations,
+        factorisations=equilibrium.factorisations,
+        saddles_left=equilibrium.saddles_left,
+        instabilities_passed=equilibrium.instabilities_passed,
         wall_s=wall,
         wall_s_by_stage=seconds,
         height_mm=shape.height_mm,
         extent_mm=list(shape.extent_mm),
         contraction=contraction(model.layout, shape),
-        backend=found.backend,
+        backend=equilibrium.backend,
         version=__version__,
         design=model.design.to_dict(),
         mesh_error_percent=error.percent,
@@ -231,17 +231,17 @@ def _record(
         edge_at_arms_mm=folds.edge,
         creases_resolved=folds.resolved,
         levels=[LevelRecord(**level.cost) for level in levels],
-        path=[PathStepRecord(**vars(step)) for step in found.path],
+        path=[PathStepRecord(**vars(step)) for step in equilibrium.path],
         **minima,
     )
-    return record.changed(**found.energies)  # scripts read each part of the energy as a key
+    return record.changed(**equilibrium.energies)  # scripts read each part of the energy as a key
 
 
-def _contact(model: DiscreteModel, found: Equilibrium) -> ContactRecord | None:
+def _contact(model: DiscreteModel, equilibrium: Equilibrium) -> ContactRecord | None:
     """Contacts of the sheet with itself; None if the model ran without contact."""
     if not isinstance(model, ContactModel):
         return None
-    pairs, smallest_gap = model.contact.pairs_and_gap(found.state.positions)
+    pairs, smallest_gap = model.contact.pairs_and_gap(equilibrium.state.positions)
     return ContactRecord(
         begins_at_mm=model.contact.distance,
         closest_possible_mm=model.contact.min_distance,

@@ -86,9 +86,9 @@ def law_for_design(design: Design, law: Path | None, file: Path, other: Path | N
     LawError
         The file is not a law, or the law does not fit; the message names the command that makes one.
     """
-    found = load_law(law)
+    own_law = load_law(law)
     try:
-        found.check(design)
+        own_law.check(design)
     except LawError as error:
         material = f" --material {quote(str(other))}" if other else ""
         refused = f"{file}{material}: {error}"
@@ -98,7 +98,7 @@ def law_for_design(design: Design, law: Path | None, file: Path, other: Path | N
             refused += f"; asterism calibrate {quote(str(file))}{material} makes its law"
             refused += f", for --law {quote(str(design_law_path(file, other)))}"
         raise LawError(refused) from None
-    return found
+    return own_law
 
 
 def _is_papers(design: Design) -> bool:

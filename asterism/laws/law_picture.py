@@ -65,9 +65,9 @@ def _curves(axes: Axes, table: LawTable, name: str) -> None:
     many = np.linspace(lengths[0], lengths[-1], 300)
     for j, thickness in enumerate(thicknesses):
         colour = colormaps["viridis"](0.9 * j / max(len(thicknesses) - 1, 1))
-        found = table(many, thickness, *middle_sizes(table))
-        value = found.value[name]
-        stated = found.inside & ~found.not_scale_separated
+        row = table(many, thickness, *middle_sizes(table))
+        value = row.value[name]
+        stated = row.inside & ~row.not_scale_separated
         label = f"{thickness:g} {AXES[1].unit}"
         axes.plot(many, np.where(stated, value, np.nan), color=colour, linewidth=1.3, label=label)
         axes.plot(many, np.where(stated, np.nan, value), color=colour, linewidth=0.8, linestyle=":")

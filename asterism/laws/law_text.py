@@ -50,14 +50,14 @@ def _values(table: LawTable) -> list[str]:
     ]
     for length in lengths[1:][:: max(1, (len(lengths) - 1) // LISTED_LENGTHS)]:
         for thickness in thicknesses[:: max(1, (len(thicknesses) - 1) // LISTED_THICKNESSES)]:
-            found = table(length, thickness, *middle_sizes(table))
-            v = {name: float(found.value[name][0]) for name in QUANTITY_NAMES}
+            row = table(length, thickness, *middle_sizes(table))
+            v = {name: float(row.value[name][0]) for name in QUANTITY_NAMES}
             numbers = (
                 f"{v['lam']:.4f}   {v['lam_n']:.4f}     {v['kappa']:8.5f} {v['bending']:7.3f} {v['a11']:9.3f} "
                 f"{v['a12']:9.3f} {v['c3']:9.3f} {v['offset_mm']:10.3f}"
             )
-            mark = "  not scale-separated" if found.not_scale_separated[0] else ""
-            lines.append(f"  {length:6.2f} {thickness:6.3f}  " + (numbers + mark if found.inside[0] else "no answer"))
+            mark = "  not scale-separated" if row.not_scale_separated[0] else ""
+            lines.append(f"  {length:6.2f} {thickness:6.3f}  " + (numbers + mark if row.inside[0] else "no answer"))
     return lines
 
 
@@ -81,14 +81,14 @@ def _errors(law: Law, table: LawTable) -> list[str]:
 
 def _stability(law: Law) -> list[str]:
     """Numbers of stable cells; cells.csv has the eigenvalues of each cell."""
-    found = [s["sample"] for s in law.samples if s["problem"] is None and s["length_mm"] > 0]
-    if not found:
+    solved = [s["sample"] for s in law.samples if s["problem"] is None and s["length_mm"] > 0]
+    if not solved:
         return []
-    count = len(found)
-    flat = sum(sample["supercell_eigenvalue"] > 0 for sample in found)
+    count = len(solved)
+    flat = sum(sample["supercell_eigenvalue"] > 0 for sample in solved)
     tubes = count - unstable_tubes(law.samples)["unstable"]
-    down = sum(sample["down_energy"] is not None for sample in found)
-    anisotropy = max(sample["anisotropy"] for sample in found)
+    down = sum(sample["down_energy"] is not None for sample in solved)
+    anisotropy = max(sample["anisotropy"] for sample in solved)
     return [
         "",
         f"  natural tubes that are stable on 2 x 2 stars: {tubes} of {count} cells",

@@ -21,15 +21,15 @@ CHECKED_QUANTITIES = {"kappa": "curvature", "bending": "bending stiffness"}
 
 def held_out_warning(law: Law) -> str | None:
     """A large error at the held-out cells, at the worst stretch."""
-    found: list[tuple[float, str]] = []
+    largest: list[tuple[float, str]] = []
     for stretch, kinds in law.residuals.items():
         errors = kinds["held_out"]["errors"]
         rms = {name: errors[name]["rms_percent"] for name in CHECKED_QUANTITIES if name in errors}
         worst = max(rms.values(), default=0.0)
         if worst > MAX_HELD_OUT_ERROR_PERCENT:
             words = " and ".join(f"{percent:.0f} % in {CHECKED_QUANTITIES[name]}" for name, percent in rms.items())
-            found.append((worst, f"at stretch {stretch} the law's error at its held-out cells is {words} (rms)"))
-    return f"{max(found)[1]}: a plan with more sizes makes it smaller" if found else None
+            largest.append((worst, f"at stretch {stretch} the law's error at its held-out cells is {words} (rms)"))
+    return f"{max(largest)[1]}: a plan with more sizes makes it smaller" if largest else None
 
 
 def mesh_warning(law: Law) -> str | None:

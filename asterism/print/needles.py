@@ -57,21 +57,21 @@ def needles(plan: Layout, spacing_mm: float, shape: Shape | None = None) -> tupl
     The design gives the places of fixed supports, and `shape` the places of sliding ones. If the supports leave the
     height free, that of the lowest needle is 0.
     """
-    found: list[Needle] = []
+    placed: list[Needle] = []
     for pins in plan.pins:
         along = [_along(plan.outline, edge, spacing_mm) for edge in sorted(pins.edges)]
         printed = np.concatenate([pins.points, *along])
         places = _places(pins, printed, shape)
         for k, point in enumerate(printed):
             # adjacent edges share a corner
-            if all(np.linalg.norm(point - needle.printed) > 1e-6 for needle in found):
+            if all(np.linalg.norm(point - needle.printed) > 1e-6 for needle in placed):
                 place = None if places is None else places[k]
-                found.append(Needle(len(found) + 1, point, place, pins.slide or "", pins.step))
+                placed.append(Needle(len(placed) + 1, point, place, pins.slide or "", pins.step))
     if not any(pins.holds_height for pins in plan.pins):
         # the height is free: the lowest needle stands on the base
-        low = min((needle.height_mm for needle in found if needle.height_mm is not None), default=0.0)
-        found = [one if one.place is None else replace(one, place=one.place - [0.0, 0.0, low]) for one in found]
-    return tuple(found)
+        low = min((needle.height_mm for needle in placed if needle.height_mm is not None), default=0.0)
+        placed = [one if one.place is None else replace(one, place=one.place - [0.0, 0.0, low]) for one in placed]
+    return tuple(placed)
 
 
 def _along(border: Floats, edge: int, spacing_mm: float) -> Floats:

@@ -65,13 +65,13 @@ def load_plastic(name_or_file: str) -> PlasticProfile:
 def _load(kind: str, name_or_file: str, section: type[_Kind]) -> _Kind:
     path = Path(name_or_file)
     if path.suffix.lower() not in (".toml", ".json"):
-        found = [file for file in _files(kind) if file.stem == name_or_file]
-        if not found:
+        files = [file for file in _files(kind) if file.stem == name_or_file]
+        if not files:
             option = f"--{kind[:-1]}"
             raise DesignError(
                 option, f"must be a file (.toml), or one of {', '.join(profile_names(kind))}", name_or_file
             )
-        path = found[0]
+        path = files[0]
     try:
         return section.model_validate(read_table(path))
     except ValidationError as error:

@@ -87,10 +87,10 @@ def stale_files(directory: str | Path) -> str | None:
     if not (Path(directory) / EXPORT_SUMMARY_FILE).is_file():
         return None
     names = [
-        re.escape(f"{stem}{found.suffix}")
+        re.escape(f"{stem}{export_format.suffix}")
         for stem, kinds in OPTIONAL_FILES.items()
         for kind in kinds
-        for found in export_formats(kind)
+        for export_format in export_formats(kind)
     ]
     return "|".join(names if holds_result(directory) else [*names, SHARED_FILES])
 

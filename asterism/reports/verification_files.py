@@ -12,7 +12,7 @@ from asterism.verification.verification import Verification
 from pattern.design.arguments import check_type
 
 
-def write_verification(found: Verification, directory: str | Path) -> list[str]:
+def write_verification(verification: Verification, directory: str | Path) -> list[str]:
     """Write report.html, exact.vtu, preview.vtu (laid on the exact shape) and summary.json.
 
     The files appear together, or none of them if writing fails.
@@ -26,11 +26,13 @@ def write_verification(found: Verification, directory: str | Path) -> list[str]:
     OutputError
         They cannot be written there.
     """
-    check_type(found, Verification, "verify makes them")
+    check_type(verification, Verification, "verify makes them")
     with staged_result(directory) as folder:
         # the command line may hold file names that are not valid text
-        (folder / "report.html").write_text(verification_page(found), encoding="utf-8", errors="backslashreplace")
-        write_shape_vtu(found.comparison.reference, folder / "exact.vtu")
-        write_shape_vtu(found.comparison.other, folder / "preview.vtu")
-        (folder / SUMMARY_FILE).write_text(json.dumps(found.summary.to_json(), indent=2, allow_nan=False) + "\n")
+        (folder / "report.html").write_text(
+            verification_page(verification), encoding="utf-8", errors="backslashreplace"
+        )
+        write_shape_vtu(verification.comparison.reference, folder / "exact.vtu")
+        write_shape_vtu(verification.comparison.other, folder / "preview.vtu")
+        (folder / SUMMARY_FILE).write_text(json.dumps(verification.summary.to_json(), indent=2, allow_nan=False) + "\n")
         return sorted(file.name for file in folder.iterdir())

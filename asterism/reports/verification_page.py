@@ -34,16 +34,16 @@ MAX_ENTRY_LETTERS = 600
 START_NAMES = {RELEASE: "released from the flat print", PREVIEW: "started from the preview"}
 
 
-def verification_page(found: Verification) -> str:
+def verification_page(verification: Verification) -> str:
     """The whole page, as text."""
-    s, name = found.summary, found.design.name
+    s, name = verification.summary, verification.design.name
     parts = [
         f"<h1>{escape(name)}</h1>",
         f'<p class="lead">{_verdict(s)}</p>',
         tiles(_headline(s)),
         f'<p class="small">{_how(s)}</p>',
         _warnings(s["warnings"]),
-        *_pictures(found),
+        *_pictures(verification),
         "<h2>Numbers</h2>",
         html_table(["", "exact", "preview", "difference"], _numbers(s)),
         f"<p>Mesh error of the exact shape: {escape(mesh_error_in_words(ExactRecord.from_json(s['exact'])))}.</p>",
@@ -149,9 +149,11 @@ def _warnings(lines: list[str]) -> str:
     return f'<div class="warnings"><b>Before you trust these numbers</b><ul>{each}</ul></div>' if lines else ""
 
 
-def _pictures(found: Verification) -> list[str]:
-    seen = {name: [png(image) for image in images] for name, images in comparison_views(found.comparison).items()}
-    largest = found.comparison.distance_mm.max()
+def _pictures(verification: Verification) -> list[str]:
+    seen = {
+        name: [png(image) for image in images] for name, images in comparison_views(verification.comparison).items()
+    }
+    largest = verification.comparison.distance_mm.max()
     return [
         "<h2>Side by side</h2>",
         figures([(seen["exact"][0], "exact model"), (seen["preview"][0], "preview, with the bumps of its stars")]),
@@ -166,12 +168,12 @@ def _pictures(found: Verification) -> list[str]:
         "<h2>Distance over the sheet</h2>",
         figures(
             [
-                (distance_map(found.comparison), "over the print; dots are star centres"),
+                (distance_map(verification.comparison), "over the print; dots are star centres"),
                 (seen["distance"][0], f"on the exact shape, from 0 (light) to {largest:.1f} mm (dark)"),
             ]
         ),
         "<h2>Profiles through the middle</h2>",
-        figures([(profiles(found.comparison), "cuts along straight lines of the print, each in its own plane")]),
+        figures([(profiles(verification.comparison), "cuts along straight lines of the print, each in its own plane")]),
     ]
 
 

@@ -173,12 +173,12 @@ def _foreign(directory: Path) -> Path | None:
 def _is_foreign(summary: Path) -> bool:
     """Whether a file is not a summary: summaries have the key `version` or, for laws, `digest`."""
     try:
-        found = json.loads(summary.read_text(encoding="utf-8"))
+        summary_data = json.loads(summary.read_text(encoding="utf-8"))
     except OSError:
         return False  # there is no file, or an error when writing names the reason
     except ValueError:
         return True
-    return not (isinstance(found, dict) and {"version", "digest"} & found.keys())
+    return not (isinstance(summary_data, dict) and {"version", "digest"} & summary_data.keys())
 
 
 def write_file(path: str | Path, content: str | bytes) -> None:
@@ -207,10 +207,12 @@ def _publish(staging: Path, directory: Path, stale: str | None) -> None:
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(directory / name))
         if (directory / name).exists():
             _keep(directory / name, previous / name)
-    found = [file.name for file in directory.iterdir() if stale and re.fullmatch(stale, file.name) and file.is_file()]
+    stale_files = [
+        file.name for file in directory.iterdir() if stale and re.fullmatch(stale, file.name) and file.is_file()
+    ]
     moved: list[str] = []
     try:
-        for name in sorted(set(found) - set(names)):
+        for name in sorted(set(stale_files) - set(names)):
             os.replace(directory / name, previous / name)
         for name in names:
             moved.append(name)

@@ -55,26 +55,26 @@ def run_verification(connection: Connection, job: int, table: dict[str, Any], fo
         progress("design", 0, 1)
         design = Design.from_dict(table, folder)
         check_writable(out)
-        found = verify(design, progress=progress)
+        verification = verify(design, progress=progress)
         progress("report", 0, 1)
-        files = write_verification(found, out)
+        files = write_verification(verification, out)
     except Exception as error:
         connection.send(engine_problem(job, error, design))
         return
-    connection.send(verified(job, found, tuple(str(Path(out) / name) for name in files)))
+    connection.send(verified(job, verification, tuple(str(Path(out) / name) for name in files)))
 
 
-def verified(job: int, found: Verification, files: tuple[str, ...]) -> Verified:
+def verified(job: int, verification: Verification, files: tuple[str, ...]) -> Verified:
     """The message with both shapes at the vertices of the exact one, and the distance of their cell means.
 
     The number of the mesh is negative, unlike those of the engine.
     """
-    comparison = found.comparison
+    comparison = verification.comparison
     exact = comparison.reference
     mesh = mesh_message(-job, exact.printed, exact.triangles, np.empty(0, dtype=np.int64), is_fine=True)
     return Verified(
         job=job,
-        summary=found.summary.to_json(),
+        summary=verification.summary.to_json(),
         mesh=mesh,
         exact=exact.positions.astype(np.float32),
         preview=comparison.other.at(exact.printed).astype(np.float32),

@@ -31,8 +31,8 @@ class ExactProgress:
 
     def say(self, text: str) -> None:
         """Read the size of the final mesh from a line of text about it."""
-        if found := re.search(r"on (\d+) triangles", text):
-            self._final_vertices = int(found[1]) // 2
+        if match := re.search(r"on (\d+) triangles", text):
+            self._final_vertices = int(match[1]) // 2
 
     def report(self, text: str, iteration: Iteration) -> None:
         """Read the mesh and the share of the release from the name of a stage of `simulate`."""

@@ -114,7 +114,7 @@ def verify(
     same, pull = symmetries(design, plan), design.gravity.pull
     exact = {RELEASE: released, PREVIEW: near}
     comparisons = {name: compare_shapes(shape, quick, plan, same, pull) for name, shape in exact.items()}
-    found = Verification(design, quick, exact, comparisons)
+    verification = Verification(design, quick, exact, comparisons)
     between = compare_shapes(released, near, plan, same, pull)
     seconds = {
         "preview_s": cold_s,
@@ -128,7 +128,7 @@ def verify(
         # an image of a minimum may have another energy, as the mesh may be less symmetric than the design
         agree = compare_shapes(released, near, plan, same[:1], pull).rms_percent >= SAME_FORM_PERCENT
     step(STAGES[3], 1, 1)
-    return replace(found, summary=_summary(found, between, agree, seconds) | {"command": command})
+    return replace(verification, summary=_summary(verification, between, agree, seconds) | {"command": command})
 
 
 def _timed(
@@ -155,37 +155,39 @@ def _same_stars_down(exact: Mapping[str, Shape], plan: Layout, same: Sequence[Sy
     return any(np.array_equal(first, second[symmetry.star]) for symmetry in same)
 
 
-def _summary(found: Verification, between: Comparison, agree: bool, seconds: dict[str, float]) -> VerificationRecord:
-    result, other = found.result, next(name for name in found.exact if name != found.result)
-    exact = ExactRecord.from_json(found.exact[result].summary)
+def _summary(
+    verification: Verification, between: Comparison, agree: bool, seconds: dict[str, float]
+) -> VerificationRecord:
+    result, other = verification.result, next(name for name in verification.exact if name != verification.result)
+    exact = ExactRecord.from_json(verification.exact[result].summary)
     # a start that ends without a minimum has no form to compare with
-    with_other = found.comparisons[other] if found.exact[other].summary["is_minimum"] else None
-    form = same_branch(found.comparison, with_other, between.rms_percent) if exact.is_minimum else None
+    with_other = verification.comparisons[other] if verification.exact[other].summary["is_minimum"] else None
+    form = same_branch(verification.comparison, with_other, between.rms_percent) if exact.is_minimum else None
     return VerificationRecord.from_json(
         {
             "model": VERIFICATION_MODEL,
-            **numbers(found.comparison),
+            **numbers(verification.comparison),
             "same_branch": form,
             "speedup": seconds["exact_s"] / seconds["preview_again_s"],
             "speedup_cold": seconds["exact_s"] / seconds["preview_s"],
             **seconds,
             "mesh_error_percent": exact.mesh_error_percent,
             "mesh_change_percent": exact.get("mesh_change_percent"),
-            "expected_rms_percent": found.preview.summary.get("expected_rms_percent"),
-            "expected_height_percent": found.preview.summary.get("expected_height_percent"),
+            "expected_rms_percent": verification.preview.summary.get("expected_rms_percent"),
+            "expected_height_percent": verification.preview.summary.get("expected_height_percent"),
             "result_from": result,
             "starts_agree": agree,
             "starts_distance_percent": between.rms_percent,
             "starts": {
                 name: VerifiedStartRecord.from_json(
-                    {**numbers(found.comparisons[name]), **{key: shape.summary[key] for key in COPIED_KEYS}}
+                    {**numbers(verification.comparisons[name]), **{key: shape.summary[key] for key in COPIED_KEYS}}
                 )
-                for name, shape in found.exact.items()
+                for name, shape in verification.exact.items()
             },
-            "warnings": verification_warnings(found, between.rms_percent),
+            "warnings": verification_warnings(verification, between.rms_percent),
             "version": __version__,
-            "preview": found.preview.summary,
+            "preview": verification.preview.summary,
             "exact": exact,
-            "design": found.design.to_dict(),
+            "design": verification.design.to_dict(),
         }
     )

@@ -23,25 +23,25 @@ MAX_HEIGHT_ERROR_PERCENT = 10.0
 FLAT_HEIGHT_FACTOR = 1e-3
 
 
-def verification_warnings(found: Verification, apart_percent: float) -> list[str]:
+def verification_warnings(verification: Verification, apart_percent: float) -> list[str]:
     """The warnings of the preview, of the exact shape and of their comparison, one line each.
 
     Parameters
     ----------
-    found : the verification.
+    verification : the verification.
     apart_percent : rms distance of the two exact shapes, in % of the diameter.
     """
-    preview, exact = found.preview.summary, found.exact[found.result].summary
+    preview, exact = verification.preview.summary, verification.exact[verification.result].summary
     lines = [*map(str, preview.get("warnings", []))]
     lines += _exact_shape(exact, lines)
     if not exact["is_minimum"]:  # without an exact minimum, the comparison has no meaning
         return lines
     return [
         *lines,
-        *_two_minima(found, apart_percent),
-        *_far(found.comparison, preview.get("expected_rms_percent")),
-        *_high(found.comparison, preview.get("expected_height_percent")),
-        *_meshes(exact, preview.get("law", {}).get("edge_mm"), found.comparison.rms_percent),
+        *_two_minima(verification, apart_percent),
+        *_far(verification.comparison, preview.get("expected_rms_percent")),
+        *_high(verification.comparison, preview.get("expected_height_percent")),
+        *_meshes(exact, preview.get("law", {}).get("edge_mm"), verification.comparison.rms_percent),
     ]
 
 
@@ -60,10 +60,10 @@ def _exact_shape(exact: Mapping[str, Any], known: Sequence[str]) -> Iterator[str
     yield from (f"the exact model: {line}" for line in exact.get("warnings", []) if line not in repeated)
 
 
-def _two_minima(found: Verification, apart: float) -> Iterator[str]:
+def _two_minima(verification: Verification, apart: float) -> Iterator[str]:
     """Two exact minima whose energies are so close that either may be the lower one."""
-    exact = found.exact[found.result].summary
-    for other in (shape.summary for name, shape in found.exact.items() if name != found.result):
+    exact = verification.exact[verification.result].summary
+    for other in (shape.summary for name, shape in verification.exact.items() if name != verification.result):
         more = gap(exact, other)
         if other["is_minimum"] and apart > MAX_FORM_DISTANCE_PERCENT and more <= MIN_CERTAIN_GAP:
             yield (

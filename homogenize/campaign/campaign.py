@@ -103,7 +103,7 @@ def run_campaign(
         raise ValueError(f"jobs = {jobs}: must be at least 1")
     folder.mkdir(parents=True, exist_ok=True)
     tasks, edge = material.tasks(), material.plan.edge_mm
-    records = {task: found for task in tasks if (found := _read(material, task, folder, respond)) is not None}
+    records = {task: record for task in tasks if (record := _read(material, task, folder, respond)) is not None}
     missing = _longest_first([task for task in tasks if task not in records])
     send_report = report or (lambda progress: None)
     begin = _progress(records, tasks, None, None)

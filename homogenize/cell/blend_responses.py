@@ -23,13 +23,13 @@ def blend_responses(each: list[dict[str, Any]], weights: Array) -> dict[str, Any
     weights : of the meshes; they add up to 1.
     """
     first = each[int(np.argmax(weights))]
-    failed = next((found["failed"] for found in each if "failed" in found), None)
-    iterations = sum(found["iterations"] for found in each)
+    failed = next((response["failed"] for response in each if "failed" in response), None)
+    iterations = sum(response["iterations"] for response in each)
     if failed is not None:
         return {"failed": failed, "iterations": iterations}
     out: dict[str, Any] = {}
     for name, value in first.items():
-        values = [found[name] for found in each if found.get(name) is not None]
+        values = [response[name] for response in each if response.get(name) is not None]
         if name.startswith("curve_"):
             out[name] = value
         elif len(values) < len(each):

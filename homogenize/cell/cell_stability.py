@@ -58,8 +58,8 @@ def cell_stability(cell: UnitCell, state: State) -> CellStability:
         pattern = SparsePattern.from_lower(low)
         own_factor = make_factor(pattern)
         try:
-            found = smallest_eigenvalue(pattern, low.data, own_factor, np.empty((pattern.size, 0)))
+            supercell_pair = smallest_eigenvalue(pattern, low.data, own_factor, np.empty((pattern.size, 0)))
         finally:
             own_factor.close()
-        lowest = min(lowest, found, key=lambda pair: pair.value)
+        lowest = min(lowest, supercell_pair, key=lambda pair: pair.value)
     return CellStability(own.value, own.error, lowest.value, lowest.error)

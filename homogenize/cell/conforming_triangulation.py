@@ -71,20 +71,20 @@ def conforming_triangulation(frame: MeshConstraints, edge_mm: float) -> Periodic
     best, best_angle, last = None, 0.0, REFINEMENT_SWEEPS.stop
     for sweep in range(MAX_SMOOTHING_SWEEPS):
         points = np.vstack([frame.points, free])
-        found = periodic_delaunay(points, frame.vectors, edge_mm)
+        triangulation = periodic_delaunay(points, frame.vectors, edge_mm)
         mend = sweep in REFINEMENT_SWEEPS
-        angle = float(found.angles.min())
-        if not mend and sweep > REFINEMENT_SWEEPS.start and angle > best_angle and _has_segments(found, frame):
-            best, best_angle, last = found, angle, max(sweep, last)
+        angle = float(triangulation.angles.min())
+        if not mend and sweep > REFINEMENT_SWEEPS.start and angle > best_angle and _has_segments(triangulation, frame):
+            best, best_angle, last = triangulation, angle, max(sweep, last)
         if (
             best is not None
             and sweep > REFINEMENT_SWEEPS.stop
             and (best_angle > GOOD_ANGLE_DEG or sweep > last + MAX_IDLE_SWEEPS)
         ):
             break
-        free = found.smoothed()[len(frame.points) :]
+        free = triangulation.smoothed()[len(frame.points) :]
         if mend:
-            free = np.vstack([free, _missing(beside, found)])
+            free = np.vstack([free, _missing(beside, triangulation)])
             free = free[~_crowded(beside, frame.vectors, free)]
         free = _home(free, frame.vectors)
         free = free[~beside.too_near(free)]
@@ -174,16 +174,16 @@ def _crowded(beside: _Beside, vectors: Floats, free: Floats) -> Bools:
     return out
 
 
-def _missing(beside: _Beside, found: PeriodicTriangles) -> Floats:
+def _missing(beside: _Beside, triangulation: PeriodicTriangles) -> Floats:
     """(n, 2) mm, centres of triangles that are too large; a later step drops those that crowd."""
-    middle = found.places.reshape(-1, 3, 2).mean(axis=1)
-    radius = np.linalg.norm(found.circumcentres - found.places[::3], axis=1)
+    middle = triangulation.places.reshape(-1, 3, 2).mean(axis=1)
+    radius = np.linalg.norm(triangulation.circumcentres - triangulation.places[::3], axis=1)
     ratio = radius / beside.size(middle)
     large = np.flatnonzero(ratio > MAX_CIRCUMRADIUS_RATIO)
     places = middle[large[np.argsort(-ratio[large], kind="stable")]]
-    return _home(places, found.vectors)
+    return _home(places, triangulation.vectors)
 
 
-def _has_segments(found: PeriodicTriangles, frame: MeshConstraints) -> bool:
+def _has_segments(triangulation: PeriodicTriangles, frame: MeshConstraints) -> bool:
     """Whether every given segment is an edge."""
-    return bool(np.isin(found.name(frame.a, frame.b, frame.step), found.edges()[0]).all())
+    return bool(np.isin(triangulation.name(frame.a, frame.b, frame.step), triangulation.edges()[0]).all())

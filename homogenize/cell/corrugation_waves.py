@@ -54,7 +54,7 @@ class CorrugationWaves:
         rotations = np.array([[[np.cos(t), -np.sin(t)], [np.sin(t), np.cos(t)]] for t in turns])
         first = np.asarray(lattice.arm_directions)[0]
         seen: set[tuple[float, float]] = set()
-        found: list[tuple[Floats, bool]] = []
+        waves: list[tuple[Floats, bool]] = []
         for vector in sorted(every, key=lambda g: _order(g, first, shortest)):
             orbit = rotations @ vector
             names = {_name(g / shortest) for g in orbit}
@@ -62,10 +62,10 @@ class CorrugationWaves:
                 continue
             opposite = {_name(-g / shortest) for g in orbit}
             seen |= names | opposite
-            found.append((orbit, False))
+            waves.append((orbit, False))
             if not names & opposite:  # otherwise its sines cancel
-                found.append((orbit, True))
-        return cls(np.array([orbit for orbit, _ in found]), np.array([odd for _, odd in found]))
+                waves.append((orbit, True))
+        return cls(np.array([orbit for orbit, _ in waves]), np.array([odd for _, odd in waves]))
 
     def __len__(self) -> int:
         return len(self.odd)

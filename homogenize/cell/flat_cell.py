@@ -92,18 +92,18 @@ def _released(cell: UnitCell) -> FlatCell:
     for release in RELEASE_STEPS:
         cell.set_release(release)
         last = release == RELEASE_STEPS[-1]
-        found = minimise(
+        minimum = minimise(
             cell,
             state,
             cell.factor(),
             cell_gradient_tolerance(cell, FINAL_GRADIENT_RATIO if last else INTERMEDIATE_GRADIENT_RATIO),
             check_definite=last,
         )
-        iterations += found.iterations
-        if not found.converged:
+        iterations += minimum.iterations
+        if not minimum.converged:
             raise ArithmeticError(f"flat cell: no equilibrium at {100 * release:g} % release")
-        state = found.state
-    return flat_cell_from_minimum(cell, found, iterations)
+        state = minimum.state
+    return flat_cell_from_minimum(cell, minimum, iterations)
 
 
 def _other_side(cell: UnitCell, flat: FlatCell) -> FlatCell | None:
@@ -111,19 +111,19 @@ def _other_side(cell: UnitCell, flat: FlatCell) -> FlatCell | None:
     cell.set_flat()
     mirror = np.array([1.0, 1.0, -1.0])
     start = with_orthogonal_directors(cell, State(flat.state.positions * mirror, -flat.state.directors * mirror))
-    found = minimise(cell, start, cell.factor(), cell_gradient_tolerance(cell))
-    if not found.converged:
+    minimum = minimise(cell, start, cell.factor(), cell_gradient_tolerance(cell))
+    if not minimum.converged:
         return None
-    other = flat_cell_from_minimum(cell, found, found.iterations)
+    other = flat_cell_from_minimum(cell, minimum, minimum.iterations)
     return other if (np.sign(other.bump) == -np.sign(flat.bump)).all() else None
 
 
-def flat_cell_from_minimum(cell: UnitCell, found: NewtonResult, iterations: int) -> FlatCell:
+def flat_cell_from_minimum(cell: UnitCell, minimum: NewtonResult, iterations: int) -> FlatCell:
     """The flat cell of a minimum, without rotation, with the numbers that are kept."""
-    state, deformation = without_rotation(cell, found.state)
+    state, deformation = without_rotation(cell, minimum.state)
     bump = bump_heights(cell.model, cell.unfolded(state))
-    energy = found.energy / cell.area
-    return FlatCell(state, energy, deformation, bump, found.gradient_norm, found.definite, iterations)
+    energy = minimum.energy / cell.area
+    return FlatCell(state, energy, deformation, bump, minimum.gradient_norm, minimum.definite, iterations)
 
 
 def with_bumps(cell: UnitCell, state: State, height: float) -> State:

@@ -57,11 +57,11 @@ def free_cell_mesh(
     vectors = np.asarray(lattice_vectors, dtype=float)
     edge_mm = min(edge_mm, float(np.linalg.norm(vectors, axis=1).min()) / 3.0)
     frame, arms = _frame(vectors, directions, length, edge_mm, segments)
-    found = conforming_triangulation(frame, edge_mm)
-    least = float(found.angles.min())
+    triangulation = conforming_triangulation(frame, edge_mm)
+    least = float(triangulation.angles.min())
     if least < MIN_CELL_ANGLE_DEG:
         raise MeshError(f"the mesh of the cell would have angles of {least:.1f} degrees: use a shorter edge")
-    return _Tiles(found, repeat).torus(arms, surrounded)
+    return _Tiles(triangulation, repeat).torus(arms, surrounded)
 
 
 @dataclass(frozen=True)

@@ -105,13 +105,13 @@ def periodic_delaunay(points: Floats, vectors: Floats, edge_mm: float) -> Period
     margin = DELAUNAY_MARGIN_EDGES * edge_mm * np.linalg.norm(inverse, axis=0)
     near = (np.abs(copies @ inverse - 0.5) < 0.5 + margin).all(axis=1)
     base, image, copies = base[near], image[near], copies[near]
-    found = Delaunay(copies + tie[base]).simplices
-    turned = triangle_areas(copies, found) < 0.0
-    found[turned] = found[turned][:, ::-1]
+    simplices = Delaunay(copies + tie[base]).simplices
+    turned = triangle_areas(copies, simplices) < 0.0
+    simplices[turned] = simplices[turned][:, ::-1]
     # of the images of a triangle, that whose first corner is a base point; first by number, then by image
     order = (base * 3 + image[:, 0] + 1) * 3 + image[:, 1] + 1
-    first = found[np.arange(len(found)), order[found].argmin(axis=1)]
-    own = found[(image[first] == 0).all(axis=1)]
+    first = simplices[np.arange(len(simplices)), order[simplices].argmin(axis=1)]
+    own = simplices[(image[first] == 0).all(axis=1)]
     triangles = PeriodicTriangles(points, vectors, base[own], image[own])
     area = abs(np.linalg.det(vectors))
     if not (len(own) == 2 * len(points) and abs(triangles.areas.sum() - area) < 1e-9 * area):

@@ -134,27 +134,27 @@ def roll_cell(cell: UnitCell, sheet: UnrolledCell, curvature: float, angle: floa
         Newton's method did not converge.
     """
     start = rolled_state(cell, sheet, curvature, angle)
-    found = minimise(cell, start, cell.factor(), cell_gradient_tolerance(cell))
-    if not found.converged:
+    minimum = minimise(cell, start, cell.factor(), cell_gradient_tolerance(cell))
+    if not minimum.converged:
         raise ArithmeticError(f"tube: no equilibrium at curvature {curvature:.4g}/mm")
     k = curvature
     n = cell.mesh.n_base
-    x = found.state.positions
+    x = minimum.state.positions
     radius = float(np.sign(k) * cell.weights @ np.hypot(x[:n, 1], x[:n, 2]))
     axial = float(np.linalg.solve(cell.cell_vectors, x[n:, 0]) @ cell.turn[0])
     return Tube(
         curvature=k,
         angle=cell.angle,
-        state=found.state,
-        energy=found.energy / cell.area,
-        moment=cell.moment(found.state),
+        state=minimum.state,
+        energy=minimum.energy / cell.area,
+        moment=cell.moment(minimum.state),
         radius=radius,
         hoop=k * radius,
         axial=axial,
-        bump=bump_heights(cell.model, cell.unfolded(found.state)),
-        gradient_norm=found.gradient_norm,
-        definite=found.definite,
-        iterations=found.iterations,
+        bump=bump_heights(cell.model, cell.unfolded(minimum.state)),
+        gradient_norm=minimum.gradient_norm,
+        definite=minimum.definite,
+        iterations=minimum.iterations,
     )
 
 

@@ -179,14 +179,14 @@ def solve_cell(design: Design, edge_mm: float, angles: tuple[float, ...] | None 
     each: list[dict[str, Any]] = []
     for segments, _ in cuts:
         cell: UnitCell = clock("mesh and model", UnitCell, design, edge_mm, (1, 1), segments)
-        found: dict[str, Any] = {"angles_rad": np.array(angles), "iterations": 0}
+        response: dict[str, Any] = {"angles_rad": np.array(angles), "iterations": 0}
         try:
-            _measure(clock, cell, angles, found)
+            _measure(clock, cell, angles, response)
         except (ArithmeticError, np.linalg.LinAlgError) as error:
-            found = {"failed": str(error), "iterations": found["iterations"]}
+            response = {"failed": str(error), "iterations": response["iterations"]}
         finally:
             cell.close()
-        each.append(found)
+        each.append(response)
     weights = np.array([weight for _, weight in cuts])
     return Sample(
         length_mm=star_size(design, "length_mm"),
@@ -206,50 +206,50 @@ def solve_cell(design: Design, edge_mm: float, angles: tuple[float, ...] | None 
 
 def _apart(each: list[dict[str, Any]], spacing: float) -> float | None:
     """`Sample.meshes_apart` from the responses of two meshes."""
-    if len(each) < 2 or any("failed" in found for found in each):
+    if len(each) < 2 or any("failed" in response for response in each):
         return None
-    kappa = [float(np.mean(found["natural_curvature"])) for found in each]
+    kappa = [float(np.mean(response["natural_curvature"])) for response in each]
     largest = float(np.abs(kappa).max())
     return 0.0 if largest * spacing < MIN_RESOLVED_CURL else float(np.ptp(kappa)) / largest
 
 
-def _measure(clock: Clock, cell: UnitCell, angles: tuple[float, ...], found: dict[str, Any]) -> None:
+def _measure(clock: Clock, cell: UnitCell, angles: tuple[float, ...], response: dict[str, Any]) -> None:
     flat: FlatCell
     flat, other = clock("flat", relax_flat_cell, cell)
-    found["rest_metric"] = flat.deformation @ flat.deformation
-    found["lam"] = flat.stretch
-    found["bump_mm"] = float(flat.bump[0])
+    response["rest_metric"] = flat.deformation @ flat.deformation
+    response["lam"] = flat.stretch
+    response["bump_mm"] = float(flat.bump[0])
     linear: EffectiveStiffness = clock("stiffness", effective_stiffness, cell, flat)
-    found["stiffness"], found["membrane"] = linear.stiffness, linear.stiffness[:3, :3]
-    found["moment"], found["rest_curvature"] = linear.moment, linear.rest_curvature
-    found["anisotropy"] = max(
+    response["stiffness"], response["membrane"] = linear.stiffness, linear.stiffness[:3, :3]
+    response["moment"], response["rest_curvature"] = linear.moment, linear.rest_curvature
+    response["anisotropy"] = max(
         distance_from_isotropy(linear.stiffness[:3, :3]), distance_from_isotropy(linear.stiffness[3:, 3:])
     )
-    found["centre_offset_mm"] = -mean_height(cell, flat.state)
-    found["iterations"] = flat.iterations
+    response["centre_offset_mm"] = -mean_height(cell, flat.state)
+    response["iterations"] = flat.iterations
     own: CellStability = clock("stability", cell_stability, cell, flat.state)
-    found["eigenvalue"], found["eigenvalue_error"] = own.cell, own.cell_error
-    found["supercell_eigenvalue"], found["supercell_eigenvalue_error"] = own.supercell, own.supercell_error
+    response["eigenvalue"], response["eigenvalue_error"] = own.cell, own.cell_error
+    response["supercell_eigenvalue"], response["supercell_eigenvalue_error"] = own.supercell, own.supercell_error
     if other is not None:
-        found["down_energy"] = other.energy - flat.energy
+        response["down_energy"] = other.energy - flat.energy
     curves: list[TubeBranch] = []
     sx, sy = cell.design.fabric.stretch_xy
     threefold = is_threefold(cell.design.lattice)
     alike = sx == sy and threefold  # else the next direction's natural tube may be another form
     for angle in angles:
         curves.append(clock("tubes", trace_tubes, cell, flat, angle, curves[-1] if alike and curves else None))
-        found["iterations"] += sum(tube.iterations for tube in curves[-1].tubes)
-    found |= _bending(flat, curves, threefold)
+        response["iterations"] += sum(tube.iterations for tube in curves[-1].tubes)
+    response |= _bending(flat, curves, threefold)
     ends = [curve.natural or curve.tubes[0] for curve in curves]
     offsets = np.array([centre_offset(cell, tube) for tube in ends])
     part = np.array([curve.slight / curve.tubes[0].curvature for curve in curves])
-    between = found["centre_offset_mm"] + part * (offsets - found["centre_offset_mm"])
-    found["natural_centre_offset_mm"] = np.where([curve.natural is None for curve in curves], between, offsets)
-    found["natural_membrane"] = np.array([clock("stiffness", tube_membrane_stiffness, cell, tube) for tube in ends])
-    found["relief"] = _relief(cell, flat, ends)
+    between = response["centre_offset_mm"] + part * (offsets - response["centre_offset_mm"])
+    response["natural_centre_offset_mm"] = np.where([curve.natural is None for curve in curves], between, offsets)
+    response["natural_membrane"] = np.array([clock("stiffness", tube_membrane_stiffness, cell, tube) for tube in ends])
+    response["relief"] = _relief(cell, flat, ends)
     lowest = [clock("stability", _tube_stability, cell, tube) for tube in ends]
-    found["natural_eigenvalue"] = np.array([one.cell for one in lowest])
-    found["natural_supercell_eigenvalue"] = np.array([one.supercell for one in lowest])
+    response["natural_eigenvalue"] = np.array([one.cell for one in lowest])
+    response["natural_supercell_eigenvalue"] = np.array([one.supercell for one in lowest])
 
 
 def _relief(cell: UnitCell, flat: FlatCell, tubes: list[Tube]) -> Array:

@@ -55,9 +55,9 @@ def curvature_misfit(curvatures: Sequence[float] | Floats) -> float:
     ----------
     curvatures : at `THREEFOLD_ANGLES_RAD`.
     """
-    found = np.asarray(curvatures, dtype=float)
-    mean, sixfold = 0.5 * (found[0] + found[-1]), 0.5 * (found[0] - found[-1])
-    return float(np.abs(found - mean - sixfold * np.linspace(1.0, -1.0, len(found))).max() / abs(mean))
+    measured = np.asarray(curvatures, dtype=float)
+    mean, sixfold = 0.5 * (measured[0] + measured[-1]), 0.5 * (measured[0] - measured[-1])
+    return float(np.abs(measured - mean - sixfold * np.linspace(1.0, -1.0, len(measured))).max() / abs(mean))
 
 
 def omitted_anisotropy(lattice: Lattice) -> str | None:

@@ -85,8 +85,10 @@ def predicted_curvatures(sample: dict[str, Any], share: float = 1.0) -> Floats:
         for name in ("angles_rad", "natural_curvature", "natural_hoop", "natural_axial")
     )
     m = kappa.mean() * SPHERICAL + columns[MOMENT_COLUMNS]
-    found = natural_curvatures(ISOTROPIC_PLATE + voigt_matrices(columns[BENDING_COLUMNS]), m, angles + 0.5 * np.pi)[0]
-    return np.asarray(found * (np.sqrt(hoop * axial).mean() / hoop) ** 2)
+    curvatures = natural_curvatures(
+        ISOTROPIC_PLATE + voigt_matrices(columns[BENDING_COLUMNS]), m, angles + 0.5 * np.pi
+    )[0]
+    return np.asarray(curvatures * (np.sqrt(hoop * axial).mean() / hoop) ** 2)
 
 
 def voigt_matrices(entries: Floats) -> Floats:
@@ -124,11 +126,11 @@ def _nearest(directions: Floats, curvature: Floats, gain: Floats) -> tuple[Float
 
     def errors(x: Floats) -> Floats:
         q, m = unpacked(x)
-        found, gained = natural_curvatures(q, m, directions)
+        predicted, gained = natural_curvatures(q, m, directions)
         from_plate = (PLATE_WEIGHT * _NORM * (q - ISOTROPIC_PLATE)).ravel()
         return np.concatenate(
             [
-                (found - curvature) / curvature_scale,
+                (predicted - curvature) / curvature_scale,
                 (gained - gain) / gain_scale,
                 from_plate,
                 [Q12_WEIGHT * (mean_q12(q) - BENDING_POISSON)],

@@ -136,10 +136,10 @@ class Law:
 
     def corrugation(self, design: Design, *sizes: ArrayLike) -> Floats:
         """(N, 2, W) `LawTable.corrugation` for the stars of a design, which may be turned by half a turn."""
-        found = self.check(design).corrugation(*sizes)
+        parts = self.check(design).corrugation(*sizes)
         arms = design.lattice.arms
         turned = (design.lattice.orientation_deg - self.material.lattice.orientation_deg) * arms / 180.0
-        return np.where(self.waves.odd, -found, found) if arms % 2 and round(turned) % 2 else found
+        return np.where(self.waves.odd, -parts, parts) if arms % 2 and round(turned) % 2 else parts
 
     def anisotropy(self, design: Design, *sizes: ArrayLike) -> Floats:
         """(N, K) `LawTable.anisotropy` for the stars of a design; half a turn does not change it."""

@@ -126,8 +126,8 @@ def load_law(path: str | Path | None = None) -> Law:
         with np.load(path, allow_pickle=False) as archive:
             if "format" not in archive:
                 raise LawError(f"{path}: is not a law")
-            if (found := int(archive["format"])) != LAW_FORMAT:
-                raise LawError(f"{path}: has format {found}, this version reads {LAW_FORMAT}; {_REMEDY}")
+            if (version := int(archive["format"])) != LAW_FORMAT:
+                raise LawError(f"{path}: has format {version}, this version reads {LAW_FORMAT}; {_REMEDY}")
             if tuple(archive["names"]) != QUANTITY_NAMES:
                 raise LawError(f"{path}: holds other quantities than this version; {_REMEDY}")
             samples = PackedRows(archive["samples"].tobytes())
@@ -172,8 +172,8 @@ def _array_names(archive: Mapping[str, Any], number: int) -> list[str]:
 def _table_arrays(table: LawTable) -> dict[str, np.ndarray]:
     numbers = (np.array(table.stretch), np.array(table.spacing_mm))
     values = (*numbers, *table.axis_nodes, table.node_values, table.corrugations, table.solved, table.units)
-    found = dict(zip(_ARRAYS, values, strict=True))
-    return found | ({_OPTIONAL_ARRAY: table.anisotropies} if table.anisotropies.size else {})
+    arrays = dict(zip(_ARRAYS, values, strict=True))
+    return arrays | ({_OPTIONAL_ARRAY: table.anisotropies} if table.anisotropies.size else {})
 
 
 def _table(arrays: dict[str, np.ndarray]) -> LawTable:

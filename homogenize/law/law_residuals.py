@@ -32,13 +32,13 @@ def law_residuals(
     tests : for each table, the held-out tasks with the rows (Q,) of their cells; None for a cell without an answer.
     kind : of the plan. Only the cells of a grid are left out one by one.
     """
-    found: dict[str, Any] = {}
+    residuals: dict[str, Any] = {}
     for table, pairs in zip(tables, tests, strict=True):
         entry: dict[str, Any] = {"held_out": _held_out(table, pairs)}
         if kind == "grid":
             entry["leave_one_out"] = _leave_one_out(table)
-        found[f"{table.stretch:g}"] = entry
-    return found
+        residuals[f"{table.stretch:g}"] = entry
+    return residuals
 
 
 def mesh_differences(samples: Sequence[dict[str, Any]]) -> dict[str, Any]:
@@ -61,8 +61,8 @@ def mesh_differences(samples: Sequence[dict[str, Any]]) -> dict[str, Any]:
 
 def unstable_tubes(samples: Sequence[dict[str, Any]]) -> dict[str, int]:
     """Count of the cells with arms and an answer, and of those whose natural tubes are unstable on 2 x 2 stars."""
-    found = [each["sample"] for each in samples if each["problem"] is None and each["length_mm"] > 0]
-    return {"count": len(found), "unstable": sum(not _has_stable_tubes(sample) for sample in found)}
+    solved = [each["sample"] for each in samples if each["problem"] is None and each["length_mm"] > 0]
+    return {"count": len(solved), "unstable": sum(not _has_stable_tubes(sample) for sample in solved)}
 
 
 def _has_stable_tubes(sample: dict[str, Any]) -> bool:

@@ -224,8 +224,8 @@ class LawTable:
         ----------
         sizes : see `__call__`.
         """
-        found = self._corrugation_grid(self._places(_rows(sizes))[1])[0]
-        return found.reshape(len(found), *self.corrugations.shape[-2:])
+        parts = self._corrugation_grid(self._places(_rows(sizes))[1])[0]
+        return parts.reshape(len(parts), *self.corrugations.shape[-2:])
 
     def anisotropy(self, *sizes: ArrayLike) -> Floats:
         """(N, K) differences between directions, see `homogenize.law.anisotropy`; K is 0 for threefold symmetry.

@@ -95,15 +95,15 @@ def locate(printed: Floats, triangles: Ints, points: Floats) -> tuple[Ints, Floa
     if not np.isfinite(points).all():
         raise ValueError("a printed point is not a number")
     finder = TriangleFinder(printed, triangles)
-    found, weights = finder.nearest(points)
+    triangle, weights = finder.nearest(points)
     # long triangles may hide their centroid from a point: those few points are tried in every triangle
     for i in np.flatnonzero(weights.min(axis=1) < 0):
-        found[i], weights[i] = finder.best_of_all(points[i])
+        triangle[i], weights[i] = finder.best_of_all(points[i])
     weights = clipped(weights)
-    off = np.flatnonzero(finder.misses(points, found, weights) > 1e-9 * np.ptp(printed, axis=0).max())
+    off = np.flatnonzero(finder.misses(points, triangle, weights) > 1e-9 * np.ptp(printed, axis=0).max())
     if len(off):
         x, y = points[off[0]]
         raise ValueError(
             f"{len(off)} of {len(points)} printed points are off the sheet, the first at ({x:g}, {y:g}) mm"
         )
-    return found, weights
+    return triangle, weights

@@ -64,7 +64,7 @@ def symmetries(design: Design, layout: Layout) -> list[Symmetry]:
     # corners on a straight edge have no effect
     outline = layout.outline[np.abs(turning_angles(layout.outline)) > STRAIGHT_TURN_RAD]
     stars, corners, samples = cKDTree(layout.centres), cKDTree(outline), support_samples(layout)
-    found = []
+    kept = []
     for turn in _lattice_symmetries(layout.lattice_vectors):
         shift = centre - turn @ centre
         star = _image(layout.centres @ turn.T + shift, stars, tolerance)
@@ -75,8 +75,8 @@ def symmetries(design: Design, layout: Layout) -> list[Symmetry]:
         motion = Symmetry(turn, shift, star)
         shift_in_space = _support_shift(samples, motion, tolerance)
         if _keeps_arms(layout, arm_points, motion, tolerance) and shift_in_space is not None:
-            found.append(replace(motion, shift_in_space=shift_in_space))
-    return found
+            kept.append(replace(motion, shift_in_space=shift_in_space))
+    return kept
 
 
 def _lattice_symmetries(vectors: Floats) -> list[Floats]:

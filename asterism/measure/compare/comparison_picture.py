@@ -35,36 +35,43 @@ COMPARISON_HEIGHT_IN = 8.6
 _SECTION_HALF_WIDTH_MM = 1.0
 
 
-def draw_scan(found: ScanComparison, title: str, path_or_file: str | Path | IO[bytes]) -> None:
+def draw_scan(comparison: ScanComparison, title: str, path_or_file: str | Path | IO[bytes]) -> None:
     """Draw the comparison with a scan as PNG."""
-    figure = _figure(title, _words(found))
-    far = max(float(np.quantile(np.abs(found.distance[found.used]), 0.98)), 0.1)
+    figure = _figure(title, _words(comparison))
+    far = max(float(np.quantile(np.abs(comparison.distance[comparison.used]), 0.98)), 0.1)
     scale = Normalize(-far, far)
-    _coloured(figure, found, scale)
+    _coloured(figure, comparison, scale)
     bar = figure.add_axes((0.06, 0.075, 0.4, 0.022))
     figure.colorbar(ScalarMappable(scale, SIGNED_DISTANCE_COLOURS), cax=bar, orientation="horizontal")
     bar.set_title("distance of the scan, mm; red: on the plastic side; grey: not scanned", fontsize=9, color=PALE)
-    positions = found.shape.positions
+    positions = comparison.shape.positions
     centre = (positions.min(axis=0) + positions.max(axis=0)) / 2
     sections = figure.add_axes((0.56, 0.66, 0.42, 0.2)), figure.add_axes((0.56, 0.37, 0.42, 0.2))
     for axes, along in zip(sections, (0, 1), strict=True):
-        _section(axes, found, along, float(centre[1 - along]))
-    _histogram(figure.add_axes((0.56, 0.09, 0.42, 0.19)), found)
+        _section(axes, comparison, along, float(centre[1 - along]))
+    _histogram(figure.add_axes((0.56, 0.09, 0.42, 0.19)), comparison)
     figure.savefig(path_or_file, format="png", dpi=COMPARISON_DPI)
 
 
-def draw_outline(found: OutlineFit, title: str, words: str, path_or_file: str | Path | IO[bytes]) -> None:
+def draw_outline(outline_fit: OutlineFit, title: str, words: str, path_or_file: str | Path | IO[bytes]) -> None:
     """Draw the comparison with an outline as PNG."""
     figure = _figure(title, words)
     axes = figure.add_axes((0.05, 0.09, 0.6, 0.77))
-    axes.fill(*found.silhouette.T, color="#eceef2")
-    axes.plot(*np.vstack([found.silhouette, found.silhouette[:1]]).T, color=SHAPE_COLOUR, linewidth=1.2, label="shape")
-    far = max(float(np.quantile(np.abs(found.distance), 0.98)), 0.1)
+    axes.fill(*outline_fit.silhouette.T, color="#eceef2")
+    axes.plot(
+        *np.vstack([outline_fit.silhouette, outline_fit.silhouette[:1]]).T,
+        color=SHAPE_COLOUR,
+        linewidth=1.2,
+        label="shape",
+    )
+    far = max(float(np.quantile(np.abs(outline_fit.distance), 0.98)), 0.1)
     scale = Normalize(-far, far)
     # a grey line below, because distance 0 is white
-    axes.plot(*np.vstack([found.places, found.places[:1]]).T, color="#b8b8c0", linewidth=4.5)
-    ends = np.stack([found.places, np.roll(found.places, -1, axis=0)], axis=1)
-    axes.add_collection(LineCollection(list(ends), colors=SIGNED_DISTANCE_COLOURS(scale(found.distance)), linewidths=3))
+    axes.plot(*np.vstack([outline_fit.places, outline_fit.places[:1]]).T, color="#b8b8c0", linewidth=4.5)
+    ends = np.stack([outline_fit.places, np.roll(outline_fit.places, -1, axis=0)], axis=1)
+    axes.add_collection(
+        LineCollection(list(ends), colors=SIGNED_DISTANCE_COLOURS(scale(outline_fit.distance)), linewidths=3)
+    )
     axes.set_aspect("equal")
     axes.margins(0.05)
     style_axes(axes, "the outline in the colour of its distance, on the shape's silhouette", "mm")
@@ -75,7 +82,7 @@ def draw_outline(found: OutlineFit, title: str, words: str, path_or_file: str | 
     )
     bar.ax.set_title("distance, mm; red: outside", fontsize=9, color=PALE)
     below = figure.add_axes((0.72, 0.15, 0.25, 0.34))
-    below.hist(found.distance, bins=60, color="#2a6f97")
+    below.hist(outline_fit.distance, bins=60, color="#2a6f97")
     style_axes(below, "length of outline at each distance", "mm")
     below.set_yticks([])
     for axis in (bar.ax, below):  # the axes have room for four numbers
@@ -92,8 +99,8 @@ def _figure(title: str, words: str) -> Figure:
     return figure
 
 
-def _words(found: ScanComparison) -> str:
-    numbers = found.distances()
+def _words(comparison: ScanComparison) -> str:
+    numbers = comparison.distances()
     return (
         f"rms {numbers.rms_mm:.2f} mm ({numbers.rms_percent:.2f} % of the diameter)   ·   "
         f"largest {numbers.max_mm:.2f} mm   ·   {numbers.points_left_out_percent:.0f} % of the points left out   ·   "
@@ -101,15 +108,15 @@ def _words(found: ScanComparison) -> str:
     )
 
 
-def _coloured(figure: Figure, found: ScanComparison, scale: Normalize) -> None:
+def _coloured(figure: Figure, comparison: ScanComparison, scale: Normalize) -> None:
     """Draw the shape in perspective in the colours of the distance."""
-    distance = found.vertex_distance
+    distance = comparison.vertex_distance
     known = np.isfinite(distance)
     colours = np.where(
         known[:, None], SIGNED_DISTANCE_COLOURS(scale(np.where(known, distance, 0.0)))[:, :3], NOT_SCANNED
     )
-    thing = bare(found.shape, colours)
-    low, high = found.shape.positions.min(axis=0), found.shape.positions.max(axis=0)
+    thing = bare(comparison.shape, colours)
+    low, high = comparison.shape.positions.min(axis=0), comparison.shape.positions.max(axis=0)
     view = camera(*OBLIQUE, (low + high) / 2, 2.6 * float(np.linalg.norm(high - low)))
     room = np.array([0.46 * COMPARISON_WIDTH_IN, 0.68 * COMPARISON_HEIGHT_IN]) * COMPARISON_DPI
     seen = np.maximum(np.ptp(view.project(thing.points)[:, :2], axis=0), 1e-3)
@@ -123,15 +130,15 @@ def _coloured(figure: Figure, found: ScanComparison, scale: Normalize) -> None:
     figure.figimage(canvas, left, bottom, origin="lower")
 
 
-def _section(axes: Axes, found: ScanComparison, along: int, level: float) -> None:
+def _section(axes: Axes, comparison: ScanComparison, along: int, level: float) -> None:
     """Draw the section of the shape along x (0) or y (1), where the other coordinate is `level` (mm), with the scan."""
     across = 1 - along
-    segments = _cut(found.shape.positions, found.shape.triangles, across, level)[:, :, [along, 2]]
-    near = np.abs(found.points[:, across] - level) < _SECTION_HALF_WIDTH_MM
-    for some, colour in ((near & ~found.used, "#b0b0b8"), (near & found.used, "#c8553d")):
-        axes.plot(*found.points[some][:, [along, 2]].T, ".", color=colour, markersize=2.5)
+    segments = _cut(comparison.shape.positions, comparison.shape.triangles, across, level)[:, :, [along, 2]]
+    near = np.abs(comparison.points[:, across] - level) < _SECTION_HALF_WIDTH_MM
+    for some, colour in ((near & ~comparison.used, "#b0b0b8"), (near & comparison.used, "#c8553d")):
+        axes.plot(*comparison.points[some][:, [along, 2]].T, ".", color=colour, markersize=2.5)
     axes.add_collection(LineCollection(list(segments), colors=SHAPE_COLOUR, linewidths=1.2))
-    positions = found.shape.positions[:, [along, 2]]
+    positions = comparison.shape.positions[:, [along, 2]]
     low, high = positions.min(axis=0), positions.max(axis=0)
     room = 0.06 * float((high - low).max()) + 1.0
     axes.set_xlim(low[0] - room, high[0] + room)
@@ -157,7 +164,7 @@ def _cut(positions: Floats, triangles: np.ndarray, axis: int, level: float) -> F
     return np.array(segments).reshape(-1, 2, 3)
 
 
-def _histogram(axes: Axes, found: ScanComparison) -> None:
-    axes.hist(found.distance[found.used], bins=80, color="#2a6f97")
+def _histogram(axes: Axes, comparison: ScanComparison) -> None:
+    axes.hist(comparison.distance[comparison.used], bins=80, color="#2a6f97")
     axes.set_yticks([])
     style_axes(axes, "points of the scan at each distance", "mm, positive on the plastic side")

@@ -49,8 +49,8 @@ class NearestOnSurface:
 
     def __call__(self, points: Floats) -> Nearest:
         """The nearest points to points (n, 3) mm."""
-        found = [self._some(points[i : i + _POINTS_AT_ONCE]) for i in range(0, len(points), _POINTS_AT_ONCE)]
-        places, triangle = (np.concatenate(parts) for parts in zip(*found, strict=True))
+        chunks = [self._some(points[i : i + _POINTS_AT_ONCE]) for i in range(0, len(points), _POINTS_AT_ONCE)]
+        places, triangle = (np.concatenate(parts) for parts in zip(*chunks, strict=True))
         away = points - places
         side = np.where(np.einsum("ni,ni->n", away, self.normals[triangle]) < 0, -1.0, 1.0)
         return Nearest(places, triangle, side * np.linalg.norm(away, axis=1))

@@ -103,12 +103,12 @@ def register(
 
 def distinct_poses(poses: list[Pose], degrees: float = 15.0) -> list[Pose]:
     """Poses whose rotation differs from that of all better poses by so many degrees."""
-    found: list[Pose] = []
+    distinct: list[Pose] = []
     for pose in poses:
-        cosines = [(np.trace(pose.rotation.T @ other.rotation) - 1) / 2 for other in found]
+        cosines = [(np.trace(pose.rotation.T @ other.rotation) - 1) / 2 for other in distinct]
         if all(cosine < np.cos(np.deg2rad(degrees)) for cosine in cosines):
-            found.append(pose)
-    return found
+            distinct.append(pose)
+    return distinct
 
 
 def _target(

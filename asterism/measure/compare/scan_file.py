@@ -104,8 +104,8 @@ def _check_stl_text(path: Path, content: bytes) -> None:
 
 def _check_ply(path: Path, content: bytes) -> None:
     """A header names types that exist; a text has as many lines as its header announces, and each is complete."""
-    head, found, body = content.partition(b"end_header")
-    if content[:3] != b"ply" or not found:
+    head, separator, body = content.partition(b"end_header")
+    if content[:3] != b"ply" or not separator:
         raise ScanError(path, "cannot be read as PLY: it must begin with ply, and its header must end with end_header")
     for kind in re.findall(rb"^property\s+(?:list\s+(?:\S+)\s+)?(\S+)", head, re.MULTILINE):
         if kind.decode(errors="replace") not in _PLY_TYPES:

@@ -66,8 +66,8 @@ def fit_outline(outline: Floats, target: Floats, trim: float = 0.1) -> OutlineFi
     few = ours[:: max(len(ours) // 400, 1)]
     best: tuple[float, float, Floats] = (np.inf, 0.0, np.zeros(2))
     for start in np.arange(_ROTATION_STARTS) * 2 * np.pi / _ROTATION_STARTS:
-        found = _closest_points(few, start, goal - _turned(centre, start), theirs, tree, trim, 15)
-        best = min(best, found, key=lambda entry: entry[0])
+        candidate = _closest_points(few, start, goal - _turned(centre, start), theirs, tree, trim, 15)
+        best = min(best, candidate, key=lambda entry: entry[0])
     angle, shift = _settled(ours[:: max(len(ours) // 1000, 1)], best[1], best[2], target)
     placed = _turned(outline, angle) + shift
     places = along(placed)
@@ -99,8 +99,8 @@ def _settled(points: Floats, angle: float, shift: Floats, target: Floats) -> tup
         turn, moved = place(motion)
         return _outwards(_turned(points, turn) + moved, target)
 
-    found = least_squares(distances, np.zeros(3), loss="soft_l1", f_scale=1.0, diff_step=1e-6, x_scale=1.0)
-    return place(found.x)
+    solution = least_squares(distances, np.zeros(3), loss="soft_l1", f_scale=1.0, diff_step=1e-6, x_scale=1.0)
+    return place(solution.x)
 
 
 def _outwards(points: Floats, target: Floats) -> Floats:

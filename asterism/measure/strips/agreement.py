@@ -19,12 +19,12 @@ from pattern.geometry.arrays import Floats, Ints
 FALSE_ALARM = 0.01
 
 
-def lack_of_fit(model: CurvatureModel, found: ParameterEstimate, data: StripData) -> float | None:
+def lack_of_fit(model: CurvatureModel, estimate: ParameterEstimate, data: StripData) -> float | None:
     """Probability of the scatter between kinds if the model holds, by an F test; None without repeats."""
     bent = data.take(~data.flat)
-    mean = model.mean(found.parameters, bent)
+    mean = model.mean(estimate.parameters, bent)
     sensitivity = arc.reading_sensitivity(mean, bent.length)
-    variance = found.noise.variance(sensitivity, mean)
+    variance = estimate.noise.variance(sensitivity, mean)
     group = bent.kind
     groups = int(group.max(initial=-1)) + 1
     between, within = groups - model.size, len(mean) - groups
@@ -55,7 +55,7 @@ def _apart(centre: Floats, weight: Floats, alike: Floats, group: Ints, scale: fl
     return float(np.sum(centre**2 / (scale / np.bincount(group, weight) + as_one)))
 
 
-def contradicted(kind: KappaBarKind, found: ParameterEstimate, data: StripData) -> bool:
+def contradicted(kind: KappaBarKind, estimate: ParameterEstimate, data: StripData) -> bool:
     """Whether the peeled strips contradict the model of kappa_bar by more than their scatter explains."""
     peeled = data.take(data.peeled & ~data.flat)
     groups, group = np.unique(peeled.thickness, return_inverse=True)
@@ -63,7 +63,7 @@ def contradicted(kind: KappaBarKind, found: ParameterEstimate, data: StripData) 
     if kind == "per-thickness" or between < 1 or within < 1:
         return False
     sensitivity = arc.reading_sensitivity(peeled.curvature, peeled.length)
-    weight = 1 / found.noise.variance(sensitivity, peeled.curvature)
+    weight = 1 / estimate.noise.variance(sensitivity, peeled.curvature)
     centre = np.bincount(group, weight * peeled.curvature) / np.bincount(group, weight)
     inside = np.sum(weight * (peeled.curvature - centre[group]) ** 2)
     if kind == "constant":

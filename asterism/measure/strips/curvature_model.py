@@ -138,8 +138,8 @@ class CurvatureModel:
     def _bilayer(self, inverse_ratio: float, data: StripData) -> Floats:
         # an infinite ratio, E2/E1 = 0, leaves the strip straight
         ratio = 1 / inverse_ratio if inverse_ratio else np.inf
-        found = bilayer_curvature(data.thickness, data.fabric, ratio, data.mismatch, self.formula)
-        return np.where(data.peeled, 0.0, found)
+        curvature = bilayer_curvature(data.thickness, data.fabric, ratio, data.mismatch, self.formula)
+        return np.where(data.peeled, 0.0, curvature)
 
     def _membership(self, data: StripData) -> Floats:
         """(n, size - 1), 1 where an entry of kappa_bar belongs to a reading."""

@@ -33,9 +33,9 @@ def draw_fit(fit: StripFit, title: str, path_or_file: str | Path | IO[bytes]) ->
     figure.subplots_adjust(left=0.07, right=0.985, bottom=0.12, top=0.79, wspace=0.2)
     _over_thickness(left, fit)
     _line(right, fit)
-    found = fit.ratio[fit.formula]
-    high = f"{found.high:.0f}" if np.isfinite(found.high) else "no bound"
-    text = f"E1/E2 = {found.value:.0f}, {found.low:.0f} to {high} ({100 * fit.confidence:g} %)"
+    ratio = fit.ratio[fit.formula]
+    high = f"{ratio.high:.0f}" if np.isfinite(ratio.high) else "no bound"
+    text = f"E1/E2 = {ratio.value:.0f}, {ratio.low:.0f} to {high} ({100 * fit.confidence:g} %)"
     text += f', rest_curvature = "{fit.formula}"; shaded: the interval of E1/E2; crosses: left out'
     figure.text(0.012, 0.93, title, fontsize=14, weight="bold", color=INK, parse_math=False)
     figure.text(0.012, 0.88, text, fontsize=10, color=PALE, parse_math=False)
@@ -100,8 +100,10 @@ def _line(axes: Axes, fit: StripFit) -> None:
 
 def _plastics(fit: StripFit) -> list[Plastic]:
     """E1/E2 as fitted, and at both ends of its interval."""
-    found = fit.ratio[fit.formula]
-    return [fit.plastic(min(max(ratio, 1.0), 1e7)) for ratio in (found.value, found.low, found.high)]
+    modulus_ratio = fit.ratio[fit.formula]
+    return [
+        fit.plastic(min(max(ratio, 1.0), 1e7)) for ratio in (modulus_ratio.value, modulus_ratio.low, modulus_ratio.high)
+    ]
 
 
 def _factor(readings: list[Reading], fit: StripFit) -> Floats:

@@ -62,16 +62,16 @@ def fit_kind_effects(
     middle = np.bincount(kind, residual / variance) / information
     known = 1.0 / information + np.bincount(kind, alike**2) / count
     of_kind, size = jacobian[first], sizes[:, first]
-    found = [start.with_fabric, start.peeled]
+    variances = [start.with_fabric, start.peeled]
     for which in (0, 1):
         mine = size[which] != 0
         rest = np.linalg.matrix_rank(_equal_columns(of_kind[~mine])) if (~mine).any() else 0
         if mine.sum() - (jacobian.shape[1] - rest) < 1:
-            found[which] = 0.0
+            variances[which] = 0.0
             continue
-        others = known + (found[1 - which] * size[1 - which]) ** 2
-        found[which] = _most_likely(middle, of_kind, others, size[which])
-    return KindEffects(*found)
+        others = known + (variances[1 - which] * size[1 - which]) ** 2
+        variances[which] = _most_likely(middle, of_kind, others, size[which])
+    return KindEffects(*variances)
 
 
 def _most_likely(middle: Floats, jacobian: Floats, variance: Floats, size: Floats) -> float:

@@ -17,7 +17,7 @@ _MAX_PROBABILITY_OF_MISTAKE = 1e-6
 _MAX_KIND_DEVIATION = 0.5
 
 
-def check_mistakes(model: CurvatureModel, found: ParameterEstimate, data: StripData, chance: float | None) -> None:
+def check_mistakes(model: CurvatureModel, estimate: ParameterEstimate, data: StripData, chance: float | None) -> None:
     """Refuse a table that agrees with the formula only after the correction of a mistake, or not at all.
 
     Parameters
@@ -42,10 +42,10 @@ def check_mistakes(model: CurvatureModel, found: ParameterEstimate, data: StripD
         raise UndeterminedMaterialError(
             "all would agree if thickness_mm and fabric_thickness_mm were swapped: check the two columns"
         )
-    if found.common.with_fabric > _MAX_KIND_DEVIATION:
+    if estimate.common.with_fabric > _MAX_KIND_DEVIATION:
         raise UndeterminedMaterialError(
-            f"strips of different thickness contradict the formula, by {100 * found.common.with_fabric:.0f} % of their "
-            "curvature: check thickness_mm and fabric_thickness_mm, and to which side peeled strips bend"
+            f"strips of different thickness contradict the formula, by {100 * estimate.common.with_fabric:.0f} % of "
+            "their curvature: check thickness_mm and fabric_thickness_mm, and to which side peeled strips bend"
         )
 
 
@@ -53,8 +53,8 @@ def _agrees(model: CurvatureModel, other: StripData) -> bool:
     """Whether the corrected readings agree with the model."""
     try:
         changed = CurvatureModel.of(other, model.formula, model.kappa_bar)
-        found = estimate_parameters(changed, other)
+        estimate = estimate_parameters(changed, other)
     except (UndeterminedMaterialError, np.linalg.LinAlgError):
         return False
-    chance = lack_of_fit(changed, found, other)
-    return found.parameters[0] > 0 and chance is not None and chance >= FALSE_ALARM
+    chance = lack_of_fit(changed, estimate, other)
+    return estimate.parameters[0] > 0 and chance is not None and chance >= FALSE_ALARM

@@ -97,8 +97,8 @@ def fit_noise(
         squares = max(_squares(residual, share, kind, times), 1e-30)
         return float(np.sum(np.log(share)) + free * np.log(squares) + np.linalg.slogdet(information)[1])
 
-    found = minimize_scalar(minus_log, bounds=(0.0, _MAX_SCATTER_SHARE), method="bounded", options={"xatol": 1e-3})
-    mix = min((0.0, float(found.x), _MAX_SCATTER_SHARE), key=minus_log)
+    minimum = minimize_scalar(minus_log, bounds=(0.0, _MAX_SCATTER_SHARE), method="bounded", options={"xatol": 1e-3})
+    mix = min((0.0, float(minimum.x), _MAX_SCATTER_SHARE), key=minus_log)
     share = (1 - mix) * reading + mix * relative
     scale = _squares(residual, share, kind, times) / free
     return ReadingNoise(

@@ -60,11 +60,11 @@ def outliers(model: CurvatureModel, data: StripData) -> tuple[np.ndarray, Floats
 
 def _apart(kind: Ints, odd: np.ndarray, beyond: Floats) -> np.ndarray:
     """(n,) bool, readings of kinds of which most readings, and at least two, are outliers on the same side."""
-    found = np.zeros(len(kind), dtype=bool)
+    repeated = np.zeros(len(kind), dtype=bool)
     for side in (-1.0, 1.0):
         count = np.bincount(kind, odd & (np.sign(beyond) == side))
-        found |= ((count >= 2) & (count > np.bincount(kind) / 2))[kind]
-    return found
+        repeated |= ((count >= 2) & (count > np.bincount(kind) / 2))[kind]
+    return repeated
 
 
 def _to_middle(kind: Ints, curvature: Floats, mean: Floats) -> Floats:
@@ -84,17 +84,17 @@ def _outliers(model: CurvatureModel, data: StripData) -> tuple[np.ndarray, Float
     if len(good) < _MIN_READINGS_FOR_SCALE:
         good[:] = True
     for _ in range(10):
-        found = estimate_parameters(model, data.take(good), alike=True)
-        mean, jacobian = model.mean(found.parameters, data), model.jacobian(found.parameters, data)
+        estimate = estimate_parameters(model, data.take(good), alike=True)
+        mean, jacobian = model.mean(estimate.parameters, data), model.jacobian(estimate.parameters, data)
         sensitivity = arc.reading_sensitivity(mean, data.length)
-        variance = found.noise.variance(sensitivity, mean)
-        of_fit = np.einsum("np,pq,nq->n", jacobian, found.covariance, jacobian)
+        variance = estimate.noise.variance(sensitivity, mean)
+        of_fit = np.einsum("np,pq,nq->n", jacobian, estimate.covariance, jacobian)
         # a reading that took part in the fit attracts it
         spread = np.sqrt(np.maximum(variance + np.where(good, -1, 1) * of_fit, 1e-3 * variance))
         spread = np.maximum(spread, finest_deviation(sensitivity, mean))
         distance = np.abs(_beyond(data, mean)) / spread
         # scale without the reading itself, for readings that took part
-        free = max(found.free, 2)
+        free = max(estimate.free, 2)
         alone = distance * np.sqrt(np.maximum((free - 1) / np.maximum(free - distance**2, 1e-9), 0.0))
         distance = np.where(good & ~data.flat, np.where(distance**2 < free, alone, np.inf), distance)
         limit = student.ppf(1 - OUTLIER_FALSE_ALARM / (2 * len(distance)), free - 1)

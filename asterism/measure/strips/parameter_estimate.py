@@ -86,31 +86,31 @@ def estimate_parameters(model: CurvatureModel, data: StripData, *, alike: bool =
     kind = bent.kind
     alone = alike or len(kind) - int(kind.max() + 1) < MIN_REPEATS
     least = float(rounding_deviation(bent.step).max())
-    found, shared = ReadingNoise(1.0, 0.0), KindEffects()
+    noise, shared = ReadingNoise(1.0, 0.0), KindEffects()
     larger = np.full(len(kind), 1.0 if alone else _FIRST_MEAN_VARIANCE_FACTOR)
     for _ in range(_MAX_TURNS):
-        before, variance = (parameters, found, shared), _variance(model, data, parameters, found, shared)
+        before, variance = (parameters, noise, shared), _variance(model, data, parameters, noise, shared)
         parameters, covariance = solve(model, data, variance, parameters)
         mean, jacobian = model.mean(parameters, bent), model.jacobian(parameters, bent)
         sensitivity = arc.reading_sensitivity(mean, bent.length)
         residual = bent.curvature - mean
-        found = fit_noise(residual, jacobian, sensitivity, mean, least, kind=kind, times=larger)
+        noise = fit_noise(residual, jacobian, sensitivity, mean, least, kind=kind, times=larger)
         if not alone:
-            plain = found.variance(sensitivity, mean)
+            plain = noise.variance(sensitivity, mean)
             off = shared_rounding(bent.curvature, kind, sensitivity, bent.step)
             sizes = effect_sizes(model.by_fabric(parameters, bent), bent.peeled)
             shared = fit_kind_effects(kind, residual, jacobian, plain, off, sizes, shared)
             larger = variance_factor(kind, plain, shared.variance(sizes))
         if np.all(np.abs(parameters - before[0]) <= 1e-4 * np.sqrt(np.diag(covariance))) and (
-            alone or _stays(before[1:], (found, shared))
+            alone or _stays(before[1:], (noise, shared))
         ):
             break
-    variance = _variance(model, data, parameters, found, shared)
+    variance = _variance(model, data, parameters, noise, shared)
     parameters, covariance = solve(model, data, variance, parameters)
-    of_bent = _variance(model, bent, parameters, found, shared)
+    of_bent = _variance(model, bent, parameters, noise, shared)
     rounding = _of_rounding(model, bent, parameters, covariance, of_bent)
     by_common = _of_common(model, bent, parameters, covariance, of_bent, shared)
-    return ParameterEstimate(parameters, covariance, rounding, found, free, shared, *by_common)
+    return ParameterEstimate(parameters, covariance, rounding, noise, free, shared, *by_common)
 
 
 def _stays(before: tuple[ReadingNoise, KindEffects], now: tuple[ReadingNoise, KindEffects]) -> bool:
@@ -120,11 +120,11 @@ def _stays(before: tuple[ReadingNoise, KindEffects], now: tuple[ReadingNoise, Ki
 
 
 def _variance(
-    model: CurvatureModel, data: StripData, parameters: Floats, found: ReadingNoise, shared: KindEffects
+    model: CurvatureModel, data: StripData, parameters: Floats, noise: ReadingNoise, shared: KindEffects
 ) -> Floats:
     """(n,) 1/mm^2, variances of the readings in the fit."""
     mean = model.mean(parameters, data)
-    variance = found.variance(arc.reading_sensitivity(mean, data.length), mean)
+    variance = noise.variance(arc.reading_sensitivity(mean, data.length), mean)
     sizes = effect_sizes(model.by_fabric(parameters, data), data.peeled)
     return variance * variance_factor(data.kind, variance, shared.variance(sizes))
 

@@ -107,12 +107,12 @@ def _ratio(interval: Interval) -> RatioIntervalRecord:
 
 
 def _why_no_bound(fit: StripFit) -> str:
-    found = fit.estimate
-    value, variance = found.parameters[0], found.covariance[0, 0] + found.rounding[0, 0]
+    estimate = fit.estimate
+    value, variance = estimate.parameters[0], estimate.covariance[0, 0] + estimate.rounding[0, 0]
     # whether many strips of the same scatter would give a bound
     if value <= norm.ppf((1 + fit.confidence) / 2) * np.sqrt(variance):
         return "the strips bend too little"
-    if found.of_common[:, 0, 0].sum() > found.of_noise(0):
+    if estimate.of_common[:, 0, 0].sum() > estimate.of_noise(0):
         return "strips of too few thicknesses"
     return f"{len(fit.used)} readings are too few"
 

@@ -141,16 +141,16 @@ def fit_readings(
         raise ValueError(f"confidence: must be between 0 and 1, and flat_height_mm above 0, not {numbers}")
     try:
         with np.errstate(all="ignore"):  # the results are checked below
-            found = _fit(readings, formula, kappa_bar, confidence, flat_height_mm, keep_outliers)
+            fit = _fit(readings, formula, kappa_bar, confidence, flat_height_mm, keep_outliers)
     except np.linalg.LinAlgError:
         raise UndeterminedMaterialError(IMPLAUSIBLE) from None
-    if not all(np.isfinite(interval.value) for interval in found.ratio.values()):
+    if not all(np.isfinite(interval.value) for interval in fit.ratio.values()):
         raise UndeterminedMaterialError(IMPLAUSIBLE)
     try:
-        found.plastic()
+        fit.plastic()
     except ValidationError as error:
         raise UndeterminedMaterialError(f"{IMPLAUSIBLE}; {from_validation(error)}") from None
-    return found
+    return fit
 
 
 def _fit(
@@ -187,48 +187,48 @@ def _fit(
         results[name] = model, estimate_parameters(model, data)
         lack[name] = lack_of_fit(*results[name], data)
     ratio = {}
-    for name, (_, found) in results.items():
-        inverse = _interval(found, 0, confidence)
+    for name, (_, estimate) in results.items():
+        inverse = _interval(estimate, 0, confidence)
         if inverse.value <= 0:
             raise UndeterminedMaterialError(NO_EFFECT_OF_FABRIC if data.peeled.any() else IMPLAUSIBLE)
         ratio[name] = Interval(1 / inverse.value, 1 / inverse.high, 1 / inverse.low if inverse.low > 0 else np.inf)
-    model, found = results[formula]
-    check_mistakes(model, found, data, lack[formula])
+    model, estimate = results[formula]
+    check_mistakes(model, estimate, data, lack[formula])
     keys: list[float | None] = [float(h) for h in model.thicknesses] if kappa_bar == "per-thickness" else [None]
-    kept = {key: _interval(found, 1 + i, confidence) for i, key in enumerate(keys[: model.size - 1])}
+    kept = {key: _interval(estimate, 1 + i, confidence) for i, key in enumerate(keys[: model.size - 1])}
     return StripFit(
         formula,
         kappa_bar,
         confidence,
         ratio,
         kept,
-        found,
+        estimate,
         model,
-        found.noise,
+        estimate.noise,
         tuple(usable),
         tuple(left_out),
         lack[formula],
-        _widened(found, confidence),
-        contradicted(kappa_bar, found, data),
+        _widened(estimate, confidence),
+        contradicted(kappa_bar, estimate, data),
         thicknesses_apart,
         flat_height_mm,
     )
 
 
-def _interval(found: ParameterEstimate, index: int, confidence: float) -> Interval:
-    variance = found.covariance[index, index] + found.rounding[index, index]
-    half = student.ppf((1 + confidence) / 2, found.freedom(index)) * np.sqrt(variance)
-    value = float(found.parameters[index])
+def _interval(estimate: ParameterEstimate, index: int, confidence: float) -> Interval:
+    variance = estimate.covariance[index, index] + estimate.rounding[index, index]
+    half = student.ppf((1 + confidence) / 2, estimate.freedom(index)) * np.sqrt(variance)
+    value = float(estimate.parameters[index])
     return Interval(value, value - float(half), value + float(half))
 
 
-def _widened(found: ParameterEstimate, confidence: float) -> float:
+def _widened(estimate: ParameterEstimate, confidence: float) -> float:
     """Width of the interval of E2/E1 over its width from the scatter of single strips alone."""
-    if not found.of_common[0].any():
+    if not estimate.of_common[0].any():
         return 1.0
-    chance, free = (1 + confidence) / 2, found.free - found.free_common.sum()
-    wider = student.ppf(chance, found.freedom(0)) / student.ppf(chance, max(free, 1.0))
-    all_of_it = found.covariance[0, 0] + found.rounding[0, 0]
+    chance, free = (1 + confidence) / 2, estimate.free - estimate.free_common.sum()
+    wider = student.ppf(chance, estimate.freedom(0)) / student.ppf(chance, max(free, 1.0))
+    all_of_it = estimate.covariance[0, 0] + estimate.rounding[0, 0]
     # equal readings have no scatter
-    scatter = max(found.of_noise(0) + found.rounding[0, 0], 1e-12 * all_of_it)
+    scatter = max(estimate.of_noise(0) + estimate.rounding[0, 0], 1e-12 * all_of_it)
     return float(wider * np.sqrt(all_of_it / scatter))

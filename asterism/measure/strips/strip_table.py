@@ -145,13 +145,13 @@ def _boxed(row: Row, prefix: str, reading: Reading, around: float) -> Measured:
             raise row.wrong(
                 across, f"a strip of {reading.length_mm:g} mm has no arc of this size; is it in {unit}? write mm"
             )
-    found = replace(reading, curvature_per_mm=float(arc.curvature(width, height)) or None)
+    measured = replace(reading, curvature_per_mm=float(arc.curvature(width, height)) or None)
     rolled_over_itself = ratio < 1 and height > 0.95 * width
     if abs(ratio - 1) > ARC_TOLERANCE and not rolled_over_itself:
         arc_mm = ratio * reading.length_mm
         reason = f"its box holds an arc of {arc_mm:.1f} mm, the strip has {reading.length_mm:g}"
-        return replace(found, left_out=reason), box
-    return found, box
+        return replace(measured, left_out=reason), box
+    return measured, box
 
 
 def _needed(

@@ -37,7 +37,7 @@ def synthetic_readings(
     rng = np.random.default_rng(seed)
     # a random generator of its own keeps tables without these errors unchanged
     errors = off_mm * np.random.default_rng([seed, 1]).standard_normal(len(THICKNESSES_MM))
-    found = []
+    readings = []
     for i, h1 in enumerate(np.repeat(THICKNESSES_MM, count)):
         real = h1 + errors[i // count]
         with_fabric = float(rest_curvature(real, Fabric(stretch=stretch), plastic))
@@ -50,5 +50,5 @@ def synthetic_readings(
             if step_mm:
                 width, height = (step_mm * round(side / step_mm) for side in (width, height))
             bent = None if height <= flat_mm else float(arc.curvature(width, height))
-            found.append(Reading(str(i + 1), i + 2, float(h1), length, stretch, 0.8, peeled, bent, step_mm=step_mm))
-    return found
+            readings.append(Reading(str(i + 1), i + 2, float(h1), length, stretch, 0.8, peeled, bent, step_mm=step_mm))
+    return readings

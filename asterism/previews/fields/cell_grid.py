@@ -99,20 +99,20 @@ def _fill_count(origin, step, border, count):  # type: ignore[no-untyped-def]
         for j in range(count.shape[1]):
             count[i, j] = 1.0
         for side in (-OUTLINE_TOLERANCE, OUTLINE_TOLERANCE):
-            x, found = origin[0] + (i + side) * step, 0
+            x, filled = origin[0] + (i + side) * step, 0
             for k in range(corners):
                 x1, y1 = border[k]
                 x2, y2 = border[(k + 1) % corners]
                 if (x1 <= x) != (x2 <= x):
                     y = y1 + (x - x1) / (x2 - x1) * (y2 - y1)
-                    place = found
+                    place = filled
                     while place > 0 and crossings[place - 1] > y:
                         crossings[place] = crossings[place - 1]
                         place -= 1
                     crossings[place] = y
-                    found += 1
+                    filled += 1
             j = 0
-            for k in range(0, found, 2):
+            for k in range(0, filled, 2):
                 below, above = (
                     (crossings[k] - origin[1]) / step + OUTLINE_TOLERANCE,
                     (crossings[k + 1] - origin[1]) / step - OUTLINE_TOLERANCE,

@@ -66,31 +66,31 @@ def star_values(design: Design, layout: Layout, law: Law, model: PreviewModel = 
     """
     sizes = law_coordinates(layout, design.lattice.arms)
     asked = np.vstack([sizes, [0.0, *np.mean(sizes[:, 1:], axis=0)]])
-    found = law.evaluate(design, *asked.T)
+    values = law.evaluate(design, *asked.T)
     where = [
         f"star {number} at [{x:.1f}, {y:.1f}]"
         for number, (x, y) in zip(layout.star_number, layout.centres, strict=True)
     ]
-    _check(layout, where, {name: found.value[name][:-1] for name in QUANTITY_NAMES})
-    outside = tuple(_placed(line, where) for line in found.outside)
+    _check(layout, where, {name: values.value[name][:-1] for name in QUANTITY_NAMES})
+    outside = tuple(_placed(line, where) for line in values.outside)
     differs = law.anisotropy(design, *asked.T)
     anisotropy = model.anisotropy_share * differs
-    tube_curvature = tube_of_largest_gain(found.value["kappa"], anisotropy)
+    tube_curvature = tube_of_largest_gain(values.value["kappa"], anisotropy)
     # as for cells, the whole difference between directions counts here, without `anisotropy_share`
-    curls = found.not_scale_separated | (
-        np.abs(tube_of_largest_gain(found.value["kappa"], differs)) * design.lattice.spacing_mm > MAX_SEPARATED_CURL
+    curls = values.not_scale_separated | (
+        np.abs(tube_of_largest_gain(values.value["kappa"], differs)) * design.lattice.spacing_mm > MAX_SEPARATED_CURL
     )
     not_scale_separated = tuple(layout.star_number[curls[:-1]].tolist())
     corrugation = law.corrugation(design, *asked.T)
-    tip_heights, bump_curvature = _bumps(design, law, asked[:, 0], corrugation, found.value["kappa"], model)
-    c3, too_much = _bounded_sixfold(found.value, model.max_sixfold_share)
+    tip_heights, bump_curvature = _bumps(design, law, asked[:, 0], corrugation, values.value["kappa"], model)
+    c3, too_much = _bounded_sixfold(values.value, model.max_sixfold_share)
     strongly_anisotropic = tuple(layout.star_number[too_much[:-1]].tolist())
     return StarValues(
-        found.value | {"c3": c3},
+        values.value | {"c3": c3},
         corrugation,
         sizes,
         outside,
-        tuple(layout.star_number[~found.inside[:-1]].tolist()),
+        tuple(layout.star_number[~values.inside[:-1]].tolist()),
         not_scale_separated,
         strongly_anisotropic,
         tip_heights,

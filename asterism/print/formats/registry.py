@@ -55,17 +55,17 @@ def export_formats(kind: FormatKind) -> list[ExportFormat]:
     Examples
     --------
     >>> from asterism.print.formats.registry import export_formats
-    >>> [found.suffix for found in export_formats("shape")]
+    >>> [each.suffix for each in export_formats("shape")]
     ['.glb', '.obj', '.stl']
     """
     import asterism.print.formats as package
 
     for module in pkgutil.iter_modules(package.__path__):
         import_module(f"{package.__name__}.{module.name}")
-    return sorted((found for found in _FORMATS if found.kind == kind), key=lambda found: found.suffix)
+    return sorted((each for each in _FORMATS if each.kind == kind), key=lambda each: each.suffix)
 
 
 def write_all(kind: FormatKind, folder: Path, stem: str, *content: Any) -> None:
     """Write one file in each format of a kind."""
-    for found in export_formats(kind):
-        found.write(folder / f"{stem}{found.suffix}", *content)
+    for each in export_formats(kind):
+        each.write(folder / f"{stem}{each.suffix}", *content)

@@ -180,7 +180,7 @@ def test_a_mistake_in_a_design_is_all_that_a_program_prints(tmp_path: Path) -> N
     assert [file.name for file in tmp_path.iterdir()] == ["d.toml"]
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
 def test_interrupt_leaves_nothing(number: int, tmp_path: Path) -> None:
     (tmp_path / "d.toml").write_text(SMALL.replace("rings = 0", "rings = 3").replace("4.0", "1.5"))
     words = [sys.executable, "-m", "asterism", "simulate", "d.toml", "-o", "out"]

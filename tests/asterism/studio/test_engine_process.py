@@ -97,7 +97,7 @@ class Sketcher:
         )
 
 
-@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_random_edits_have_a_shape_or_a_reason(seed: int) -> None:
     engine, sketcher = EnginePipe(), Sketcher(seed)
     engine.send(Edit(1, sketcher.table))

@@ -34,8 +34,10 @@ SLOW = pytest.mark.slow
     ("form", "ratio"),
     [
         ("bent", 0.95),
-        ("dome", 1.12),
-        *(pytest.param(*case, marks=SLOW) for case in [("bent", 1.0), ("bent", 1.12), ("dome", 0.95), ("dome", 1.0)]),
+        *(
+            pytest.param(*case, marks=SLOW)
+            for case in [("bent", 1.0), ("bent", 1.12), ("dome", 0.95), ("dome", 1.0), ("dome", 1.12)]
+        ),
     ],
 )
 def test_the_size_of_a_whole_scan_is_found(form: str, ratio: float) -> None:
@@ -51,7 +53,8 @@ def test_a_part_fits_in_many_sizes() -> None:
     assert numbers["best_size"] is None and numbers["rms_percent_at_best_size"] is None
 
 
-@pytest.mark.parametrize("off_mm", [pytest.param(-0.5, marks=SLOW), 0.5])
+@SLOW
+@pytest.mark.parametrize("off_mm", [-0.5, 0.5])
 def test_one_side_of_a_roll_is_no_other_size(off_mm: float) -> None:
     """Of a tube every parallel surface is one of another radius; its length tells."""
     shape = preview(gallery.load("tube"))

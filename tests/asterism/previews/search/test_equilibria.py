@@ -24,7 +24,7 @@ FOLDS = of_stretch(density(100.0), 0.8, lambda p: -0.06 * radius(p) ** 2)
 ROLLS = of_stretch(density(100.0), 0.8, lambda p: -0.012 - 0.001 * radius(p) ** 2)
 
 
-@pytest.mark.parametrize("fields", [FOLDS, ROLLS])
+@pytest.mark.parametrize("fields", [pytest.param(FOLDS, marks=pytest.mark.slow), ROLLS])
 def test_caps_never_cost_energy(fields: Fields) -> None:
     shell = Shell(Argyris(hexagon(1)), fields)
     factor = shell.factor()
