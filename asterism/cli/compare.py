@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from asterism.cli.common.options import output_option
-from asterism.cli.common.run import Run, command
+from asterism.cli.common.run import DONE, NO_ANSWER, Run, command
 
 
 class _Unit(StrEnum):
@@ -39,10 +39,11 @@ def compare(
     trim: Annotated[
         float, typer.Option(min=0.0, max=0.8, help="Largest part of the scan that does not belong to the sheet.")
     ] = 0.2,
-) -> None:
+) -> int:
     """Measure and draw the distance of a printed sheet from its computed shape.
 
     The scan is rotated and shifted onto the shape, but not mirrored or scaled. It may cover a part of the sheet.
+    The exit status is 1 if the scan fits nowhere.
     """
     from asterism.measure.compare.compare import check_comparison_directory, write_comparison
     from asterism.measure.compare.compare import compare as measure
@@ -55,3 +56,7 @@ def compare(
     files = write_comparison(comparison, directory)
     run.table(comparison.rows, 22)
     run.files(directory, files)
+    if not comparison.is_fit:
+        percent = comparison.summary.rms_percent
+        run.warn(f"{scan} fits nowhere, it is {percent:.0f} % of the diameter off (rms): is it of this design?")
+    return DONE if comparison.is_fit else NO_ANSWER

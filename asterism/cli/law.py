@@ -22,9 +22,11 @@ def show(
     output: Annotated[Path | None, output_option("Directory (default: the name of the law).")] = None,
 ) -> None:
     """Print a law as a table, and draw it with its errors in law.png."""
-    from asterism.laws.show_law import show_law as show_law
+    from asterism.laws.show_law import law_doubts, show_law
 
-    run.lines(show_law(path, output))
+    lines = show_law(path, output)
+    run.table({}, doubts=law_doubts(path))
+    run.lines(lines)
 
 
 app.command()(show)

@@ -33,6 +33,7 @@ def preview(
     from asterism.laws.replace_material import read_design
     from asterism.previews.run import preview as compute
     from asterism.reports.write_results import write_results
+    from asterism.results.doubts import doubts
 
     chosen = read_design(design, material, run.warn)
     directory = results_folder(design, output, design.with_suffix(""))
@@ -40,7 +41,7 @@ def preview(
     with run.computing():
         shape = compute(chosen, chosen_law, side, run.say)
     files = write_results(shape, directory)
-    run.table(shape.summary.table())
+    run.table(shape.summary.table(), doubts=doubts(shape.summary))
     run.files(directory, files)
     warnings = shape.summary["warnings"]
     run.warn(*warnings)

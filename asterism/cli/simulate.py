@@ -48,6 +48,7 @@ def simulate(
     from asterism.exact.simulation import simulate as compute
     from asterism.laws.replace_material import read_design
     from asterism.reports.write_results import write_results
+    from asterism.results.doubts import doubts
 
     changed = with_overrides(
         read_design(design, material, run.warn),
@@ -63,7 +64,7 @@ def simulate(
     with run.computing():
         shape = compute(changed, backend, run.report, run.say, starts)
     files = write_results(shape, directory)
-    run.table(shape.summary.table())
+    run.table(shape.summary.table(), doubts=doubts(shape.summary))
     run.files(directory, files)
     run.warn(*shape.summary["warnings"])
     return DONE if shape.summary["is_minimum"] else NO_ANSWER

@@ -76,10 +76,16 @@ def new(
     thick = ", ".join(f"{h:g}" for h in written.specimen.thicknesses_mm)
     kind = "released" if fabric is None else "stretched"
     table = quote(str(output / "strips.csv"))
+    other_layers = []
+    if written.star_layers_mm != written.layers_mm:
+        stars = "first {:g} mm, then {:g} mm".format(*written.star_layers_mm)
+        option = f"--first-layer {first:g} --layer {others:g}"
+        other_layers = [f"  stars are sliced in other layers ({stars}): export them with  {option}  for equal plastic"]
     run.lines(
         [
             f"  {len(written.specimen.strips)} strips of {length:g} x {width:g} mm, {thick} mm thick",
             f"  slice with a first layer of {first:g} mm and others of {others:g} mm",
+            *other_layers,
             f"  z offset {written.z_offset_mm:.2f} mm (plate and {kind} fabric), in start.gcode",
             f"{output}: {', '.join(written.files)}; measure, fill in the table, then  asterism strips fit {table}",
         ]

@@ -36,6 +36,7 @@ def verify(
     from asterism.laws.design_law import law_for_design
     from asterism.laws.replace_material import read_design
     from asterism.reports.verification_files import write_verification
+    from asterism.results.doubts import doubts
     from asterism.verification.run import verify as compute
     from equilibrium.linear.backends import check_backend
 
@@ -52,7 +53,7 @@ def verify(
         verification = compute(chosen, chosen_law, backend, run.report, run.say, command=line)
         run.say("writing the report")
     files = write_verification(verification, directory)
-    run.table(verification.summary.table())
+    run.table(verification.summary.table(), doubts=doubts(verification.summary))
     run.files(directory, files)
     run.warn(*verification.summary["warnings"])
     return DONE if verification.summary["exact"]["is_minimum"] else NO_ANSWER

@@ -11,7 +11,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TextIO
 
-from asterism.laws.law_text import law_lines
+from asterism.laws.law_text import law_lines, without_numbers
 from asterism.process import interruption
 from asterism.process.version import __version__
 from asterism.results.files import OutputError, check_writable, write_file
@@ -23,6 +23,7 @@ from homogenize.law.axes import sizes_text
 from homogenize.law.law import WITHOUT_BENDING, Law
 from homogenize.law.law_file import law_bytes
 from homogenize.law.material import Material
+from homogenize.law.plan import CellTask
 from pattern.design.errors import DesignError
 
 
@@ -101,7 +102,8 @@ def default_jobs() -> int:
 class ProgressLine:
     """Progress of a campaign on a stream.
 
-    A terminal shows one line that changes; other streams get a line every half minute. Each failed cell has a line.
+    A terminal shows one line that changes; other streams get a line every half minute. The first failed cell of each
+    reason has a line.
     """
 
     every_s = 30.0
@@ -111,14 +113,14 @@ class ProgressLine:
         self._live = self._stream.isatty()
         self._open = False
         self._next = 0.0
+        self._reasons: set[str] = set()
 
     def report(self, progress: CampaignProgress) -> None:
         """Show the progress, at the beginning and after each cell."""
         interruption.check()
         record = progress.last
         if record is not None and record.failed is not None:
-            task = record.task
-            self._line(f"  no answer: stretch {task.stretch:g}, {sizes_text(task.sizes)}: {record.failed}")
+            self._failed(record.task, record.failed)
         if self._live:
             self._stream.write("\r\x1b[K" + _state(progress))
             self._stream.flush()
@@ -126,6 +128,12 @@ class ProgressLine:
         elif time.monotonic() >= self._next or progress.done == progress.total:
             self._next = time.monotonic() + self.every_s
             self._line(_state(progress))
+
+    def _failed(self, task: CellTask, problem: str) -> None:
+        """Name the first cell that fails for a reason: the others differ from it by their numbers."""
+        if (reason := without_numbers(problem)) not in self._reasons:
+            self._reasons.add(reason)
+            self._line(f"  no answer: stretch {task.stretch:g}, {sizes_text(task.sizes)}: {problem}")
 
     def close(self) -> None:
         """Move the terminal to a new line."""

@@ -105,11 +105,16 @@ def _warnings(law: Law) -> list[str]:
 
 def _problems(law: Law) -> list[str]:
     """The reasons why cells have no equilibrium, without their numbers, and how often each occurs."""
-    reasons = Counter(_without_numbers(s["problem"]) for s in law.samples if s["problem"] is not None)
+    reasons = Counter(without_numbers(s["problem"]) for s in law.samples if s["problem"] is not None)
     lines = [f"    {count:4d}  {reason}" for reason, count in reasons.most_common()]
     return ["", "  cells without an answer", *lines] if lines else []
 
 
-def _without_numbers(problem: str) -> str:
+def without_numbers(problem: str) -> str:
+    """The reason why a cell has no equilibrium, without the numbers that differ from cell to cell.
+
+    >>> without_numbers("gradient 3.2e-05 N: no minimum")
+    'gradient N: no minimum'
+    """
     words = [w for w in problem.split() if not any(c.isdigit() for c in w)]
     return " ".join(words).rstrip(":,")

@@ -9,6 +9,7 @@ from asterism.laws.cells_csv import cells_csv
 from asterism.laws.law_picture import draw_law
 from asterism.laws.law_record import law_record
 from asterism.laws.law_text import law_lines
+from asterism.previews.law_warnings import held_out_warning
 from asterism.results.files import check_writable, staged_result
 from homogenize.law.law_file import PAPER_LAW, load_law
 
@@ -35,6 +36,11 @@ def show_law(path: Path | None, output: Path | None) -> list[str]:
         text = json.dumps(law_record(law).to_json(), indent=1, allow_nan=False) + "\n"
         (folder / "summary.json").write_text(text, encoding="utf-8")
     return [*law_lines(law), f"{directory}: law.png, cells.csv, summary.json"]
+
+
+def law_doubts(path: str | Path | None = None) -> list[str]:
+    """The reasons for which a law is not reliable: it misses its held-out cells."""
+    return [line for line in (held_out_warning(load_law(path or PAPER_LAW)),) if line]
 
 
 def _beside(path: Path) -> Path:

@@ -10,6 +10,7 @@ from typing import Any
 from asterism.print.adjusted_printer import adjusted_printer
 from asterism.print.job import Job, prepare
 from asterism.print.plastic_profile import PlasticProfile
+from asterism.print.plastic_warning import plastic_warning
 from asterism.print.printed_shape import printed_shape
 from asterism.print.printer import Printer
 from asterism.print.profiles import load_plastic, load_printer
@@ -121,7 +122,8 @@ def export(
 
     # this finds most mistakes before anything is computed
     job = job_with(given)
-    warnings = ["the given shape is not certified as a minimum"] if job.is_certain is False else []
+    warnings = list(plastic_warning(design, profile))
+    warnings += ["the given shape is not certified as a minimum"] if job.is_certain is False else []
     warnings += [f"the given shape: {line}" for line in job.shape_warnings]
     computed, change = printed_shape(job, preview, simulate, law, report, say)
     if change is not None:

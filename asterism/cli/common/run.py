@@ -6,7 +6,7 @@ import functools
 import inspect
 import io
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TextIO
@@ -22,6 +22,10 @@ WRONG_INPUT = 2
 
 # options of all commands; their values are the attributes of `Run` with the same names
 COMMON_OPTIONS: dict[str, tuple[Any, Any]] = {
+    "strict": (
+        Annotated[bool, typer.Option("--strict", help="End with exit status 1 if a result is not reliable.")],
+        False,
+    ),
     "quiet": (Annotated[bool, typer.Option("--quiet", "-q", help="Print no progress.")], False),
 }
 
@@ -32,11 +36,14 @@ class Run:
     Attributes
     ----------
     quiet : print results, warnings and errors, but not progress.
+    strict : a result that is not reliable ends with exit status 1.
+    is_doubtful : a printed result is not reliable.
     stream : output stream of progress.
     """
 
-    def __init__(self, quiet: bool = False) -> None:
-        self.quiet = quiet
+    def __init__(self, quiet: bool = False, strict: bool = False) -> None:
+        self.quiet, self.strict = quiet, strict
+        self.is_doubtful = False
         # a quiet command discards its progress
         self.stream: TextIO = io.StringIO() if quiet else sys.stderr
         self._say: Callable[[str], None] = lambda text: None
@@ -64,8 +71,11 @@ class Run:
         """Show an iteration of a stage."""
         self._report(stage, iteration)
 
-    def table(self, rows: Mapping[str, str], width: int = 20) -> None:
-        """Print named values, one a line."""
+    def table(self, rows: Mapping[str, str], width: int = 20, doubts: Sequence[str] = ()) -> None:
+        """Print named values, one a line; first the reasons for which the result is not reliable."""
+        if doubts:
+            self.is_doubtful = True
+            rows = {"not reliable": "; ".join(doubts), **rows}
         self.lines(f"  {name:<{width}} {value}" for name, value in rows.items())
 
     def lines(self, lines: Iterable[str]) -> None:
@@ -98,7 +108,8 @@ def command(function: Callable[..., int | None]) -> Callable[..., int]:
     @functools.wraps(function)
     def run_command(**arguments: Any) -> int:
         run = Run(**{name: arguments.pop(name) for name in COMMON_OPTIONS})
-        return function(run, **arguments) or DONE
+        status = function(run, **arguments) or DONE
+        return NO_ANSWER if status == DONE and run.strict and run.is_doubtful else status
 
     parameters = [*own, *common]
     run_command.__signature__ = signature.replace(parameters=parameters, return_annotation=int)  # type: ignore[attr-defined]

@@ -21,6 +21,7 @@ from asterism.measure.compare.units import check_size
 from asterism.process.version import __version__
 from asterism.results.files import SUMMARY_FILE, OutputError, check_writable, holds_result, staged_result
 from asterism.results.records.comparison import (
+    NO_FIT_PERCENT,
     ComparisonRecord,
     OutlineComparisonRecord,
     OutlineDistancesRecord,
@@ -46,6 +47,11 @@ class MeasuredComparison:
     laid: ScanComparison | OutlineFit
     summary: ScanComparisonRecord | OutlineComparisonRecord
     title: str
+
+    @property
+    def is_fit(self) -> bool:
+        """Whether there is a pose in which a scan lies on the shape; an outline may be of another view."""
+        return not isinstance(self.laid, ScanComparison) or self.summary.rms_percent <= NO_FIT_PERCENT
 
     @property
     def rows(self) -> dict[str, str]:

@@ -32,12 +32,14 @@ class StripsPrint:
     ----------
     specimen : the strips on the bed.
     layers_mm : heights of the first layer and of the other layers.
+    star_layers_mm : heights of the first layer and of the other layers that an export chooses first for stars.
     z_offset_mm : height of the fabric's surface above the bed.
     files : names of the files.
     """
 
     specimen: Specimen
     layers_mm: tuple[float, float]
+    star_layers_mm: tuple[float, float]
     z_offset_mm: float
     files: tuple[str, ...] = TEST_PRINT_FILES
 
@@ -104,7 +106,7 @@ def new_strips(
         write_pdf(folder / "strips.pdf", strip_form(specimen, start, heights, stretch, fabric_thickness_mm))
         code = machine.start_snippet(start.z_offset_mm, under_nozzle if stretched_thickness_mm is None else None)
         (folder / "start.gcode").write_text(code, encoding="utf-8", newline="\n")
-    return StripsPrint(specimen, heights, start.z_offset_mm)
+    return StripsPrint(specimen, heights, (machine.first_layers_mm[0], machine.layer_mm), start.z_offset_mm)
 
 
 def _joined(solids: list[Solid]) -> tuple[Floats, Ints]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 from scipy.stats import norm
@@ -19,6 +20,9 @@ from asterism.results.records.strips import (
     StripOptionsRecord,
 )
 from pattern.design.materials import bilayer_curvature
+
+# so many equal readings are copies: strips from one printer scatter by more than a mark of a ruler
+MIN_COPIES = 8
 
 
 def convention_sentences(fit: StripFit) -> list[str]:
@@ -57,6 +61,7 @@ def fit_warnings(fit: StripFit) -> list[str]:
             "strips of a thickness all read the same: their scatter is not known, and intervals come from the "
             "differences between thicknesses alone"
         )
+    lines += _copies(fit)
     if math.isinf(fit.ratio[fit.formula].high):
         lines.append(f"E1/E2 has no upper bound: {_why_no_bound(fit)}")
     called = {"stretch": "stretches", "thickness_mm": "thicknesses of the fabric"}
@@ -65,6 +70,19 @@ def fit_warnings(fit: StripFit) -> list[str]:
         for key, values in fit.fabrics.items()
         if len(values) > 1
     ]
+
+
+def _copies(fit: StripFit) -> Iterator[str]:
+    """A line if all readings of a kind of strips are the same number, although they are many."""
+    kinds: dict[tuple[float, bool], list[float | None]] = {}
+    for reading in fit.used:
+        kinds.setdefault((reading.thickness_mm, reading.peeled), []).append(reading.curvature_per_mm)
+    for (thickness, peeled), values in sorted(kinds.items()):
+        if len(values) >= MIN_COPIES and len(set(values)) == 1 and values[0] is not None:
+            yield (
+                f"all {len(values)} readings of strips of {thickness:g} mm {'peeled' if peeled else 'with fabric'} are "
+                "the same: copies of one strip are no repeats, and the intervals are then too narrow"
+            )
 
 
 def fit_record(fit: StripFit, table: str, options: StripOptionsRecord) -> StripFitRecord:

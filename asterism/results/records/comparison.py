@@ -8,6 +8,8 @@ from asterism.results.record import Record, key
 
 # an rms distance beyond this part of the diameter may mean a wrong pose
 POOR_FIT_PERCENT = 1.5
+# a fit beyond this part of the diameter is none: prints differ from computed shapes by a few percent
+NO_FIT_PERCENT = 6.0
 # if more of the points are left out, they may belong to the sheet
 MANY_LEFT_OUT_PERCENT = 3.0
 # a scan has another size than the shape if its best size differs by more than this part, ...

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import functools
+import io
 import json
 import signal
 import subprocess
@@ -18,9 +19,10 @@ from PIL import Image
 
 from asterism.laws import calibrate as calibrate_command
 from asterism.laws.calibrate import ProgressLine
-from homogenize.campaign.campaign import run_campaign
+from homogenize.campaign.campaign import CampaignProgress, SampleRecord, run_campaign
 from homogenize.law.law_file import load_law
 from homogenize.law.material import Material
+from homogenize.law.plan import CellTask
 from tests.asterism.commands import command
 from tests.homogenize import fake, same_process
 
@@ -203,3 +205,14 @@ def test_interrupted_and_resumed(
     monkeypatch.chdir(tmp_path)
     result = command(["calibrate", "m.toml"], capsys, monkeypatch)
     assert result.status == 0 and f"{kept} of 6 cells" in result.err.splitlines()[0]
+
+
+def test_cells_that_fail_for_one_reason_have_one_line() -> None:
+    stream = io.StringIO()
+    watch = ProgressLine(stream)
+    for number in range(40):
+        task = CellTask(1.35, False, (5.0 + 0.1 * number, 0.3, 1.2))
+        failed = SampleRecord(task, None, f"gradient {number}e-3 N: no minimum", False, 1.0)
+        watch.report(CampaignProgress(number + 1, 80, number + 1, None, failed))
+    lines = [line for line in stream.getvalue().splitlines() if "no answer" in line]
+    assert lines == ["  no answer: stretch 1.35, l 5 mm, h 0.3 mm, w 1.2 mm: gradient 0e-3 N: no minimum"]

@@ -346,3 +346,17 @@ def test_files_that_are_no_exports_stay(file: Path, tmp_path: Path, run: Run) ->
     assert all(path.read_text() == "mine" for path in own.values())
     save_design(design(pins=[]), file)
     assert run("export", "d.toml").status == 0 and not (tmp_path / "d-print" / "needles.csv").exists()
+
+
+def test_another_plastic_than_the_designs_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The design has the stiffness of the paper's plastic."""
+    (tmp_path / "d.toml").write_text("[stars]\nlength_mm = 10.0\n[border]\nrings = 0\n")
+    words = ["export", str(tmp_path / "d.toml"), "--plastic"]
+    said = "asterism: PLA is printed, but plastic.modulus_ratio = 3200 of the design is that of TPU 95A: measure strips"
+    assert said in command([*words, "pla"], capsys, monkeypatch).err
+    assert "is printed" not in command([*words, "tpu95a"], capsys, monkeypatch).err
+    (tmp_path / "m.toml").write_text("[plastic]\nmodulus_ratio = 20000.0\n")
+    measured = command([*words, "pla", "--material", str(tmp_path / "m.toml")], capsys, monkeypatch)
+    assert measured.status == 0 and "is printed" not in measured.err

@@ -53,6 +53,15 @@ def test_a_scan_in_inches(folder: Path, capsys, monkeypatch) -> None:
         assert (np.ptp(colours, axis=1) > 8).mean() > 0.02
 
 
+def test_a_scan_that_fits_nowhere_ends_with_1(folder: Path, capsys, monkeypatch) -> None:
+    rng = np.random.default_rng(0)
+    points = rng.uniform(-35, 35, (3000, 3))
+    (folder / "cloud.obj").write_text("\n".join(f"v {x:.3f} {y:.3f} {z:.3f}" for x, y, z in points))
+    done = command(["compare", str(folder / "shape.vtu"), str(folder / "cloud.obj")], capsys, monkeypatch)
+    assert done.status == 1 and "cloud.obj fits nowhere" in done.err
+    assert (folder / "cloud-compared" / "summary.json").is_file()
+
+
 @pytest.mark.parametrize("scale", [1.0, 1.08])
 def test_a_scan_of_another_size(folder: Path, capsys, monkeypatch, scale: float) -> None:
     trimesh.Trimesh(SHAPE.positions * scale, SHAPE.triangles, process=False).export(folder / "scan.ply")

@@ -139,6 +139,8 @@ def test_the_nozzle_starts_on_the_fabric(folder: Path, tmp_path: Path, capsys, m
     words = ["strips", "new", "-o", str(tmp_path / "a"), "--plate", "3", "--fabric", "0.5", "--printer", "prusa-mk4"]
     done = command(words, capsys, monkeypatch)
     assert done.status == 0 and "z offset 3.50 mm (plate and stretched fabric)" in done.out
+    assert "stars are sliced in other layers (first 0.2 mm, then 0.2 mm): export them with" in done.out
+    assert "--first-layer 0.3 --layer 0.05" in done.out
     assert (tmp_path / "a" / "start.gcode").read_text() == load_printer("prusa-mk4").start_snippet(3.5)
     page = pypdfium2.PdfDocument(tmp_path / "a" / "strips.pdf")[0].get_textpage().get_text_range()
     assert "BEFORE the frame" in page

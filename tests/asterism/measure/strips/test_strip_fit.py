@@ -13,6 +13,7 @@ from scipy.stats import norm
 from asterism.measure.strips.curvature_model import FORMULAS, StripFormula
 from asterism.measure.strips.errors import UndeterminedMaterialError
 from asterism.measure.strips.likelihood import flat_terms
+from asterism.measure.strips.reading import Reading
 from asterism.measure.strips.specimen import THICKNESSES_MM
 from asterism.measure.strips.statement import fit_warnings
 from asterism.measure.strips.strip_fit import StripFit, fit_readings
@@ -416,3 +417,16 @@ def test_flat_terms_are_derivatives(mean: float, limit: float, spread: float) ->
     first, second = (float(t[0]) for t in flat_terms(np.array([mean]), np.array([limit]), np.array([spread])))
     assert first == pytest.approx((high - low) / (2 * step), rel=1e-4, abs=1e-6)
     assert second == pytest.approx((high - 2 * here + low) / step**2, rel=1e-2, abs=1e-4)
+
+
+@pytest.mark.parametrize(("copies", "told"), [(4, False), (40, True)])
+def test_copies_of_one_strip_are_no_repeats(copies: int, told: bool) -> None:
+    kinds = [(0.3, False, 0.0302), (0.3, True, 0.003), (0.4, False, 0.0172), (0.4, True, 0.003)]
+    readings = [
+        Reading(f"{k}-{h}", 2, h, 60.0, 1.35, 0.8, peeled, curvature)
+        for h, peeled, curvature in kinds
+        for k in range(copies)
+    ]
+    lines = [line for line in fit_warnings(fit_readings(readings)) if "copies of one strip" in line]
+    assert len(lines) == (4 if told else 0)
+    assert not told or lines[0].startswith("all 40 readings of strips of 0.3 mm with fabric are the same")
