@@ -37,7 +37,10 @@ def document_data(document: Document, printer: str, limits: Limits | None) -> di
         "history": {"position": history.position, "labels": history.labels[-50:]},
         "kept_work": document.kept_work is not None,
         "design": table,
-        "plan": {**plan_data(layout, painted_sites), "printer": {"name": chosen["name"], "area_mm": chosen["area_mm"]}},
+        "plan": {
+            **plan_data(layout, painted_sites),
+            "printer": {key: chosen[key] for key in ("name", "area_mm", "frame_mm")},
+        },
         "printers": list(printers),
         "plastics": plastic_names(),
         "limits": limits_data(layout, limits, chosen["rounding"]),

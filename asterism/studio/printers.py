@@ -13,7 +13,7 @@ DEFAULT_PRINTER = "ultimaker2"
 
 @cache
 def printer_entries() -> tuple[dict[str, Any], ...]:
-    """Name, title, printable area (mm) and layer heights of each printer."""
+    """Name, title, printable area and frame (mm), and layer heights of each printer."""
     entries = []
     for name in profile_names("printers"):
         printer = load_printer(name)
@@ -23,6 +23,7 @@ def printer_entries() -> tuple[dict[str, Any], ...]:
                 "name": name,
                 "title": printer.name,
                 "area_mm": [float(side) for side in room_mm(printer)],
+                "frame_mm": [float(side) for side in printer.frame.size_mm],
                 "rounding": {
                     "first_layer_mm": rounding.first_layer_mm,
                     "layer_mm": rounding.layer_mm,

@@ -105,8 +105,7 @@ export class Edits {
     const isCurrent = (document.gesture ?? 0) >= this.#sent || this.#arrived >= this.#sent;
     if (isCurrent) this.#arrived = this.#sent;
     if (!this.#isOpen && isCurrent) this.#local = emptyLocal();
-    this.store.set({ document });
-    this.#draw();
+    this.store.set({ document, sheet: new Sheet(document, this.#local) }); // together: panels read both
   }
 
   /** Forgets what was not accepted. */

@@ -28,7 +28,7 @@ const HELP = {
     ["Ctrl+A", "Select all stars"],
     ["[ ]", "Radius of the brush"],
     ["Page up, Page down", "Lift or lower a needle"],
-    ["S, P", "Snapping, printable area"],
+    ["S, P", "Snapping, frame and printable area"],
     ["Space+drag, right drag", "Move the plan"],
     ["Wheel, F", "Zoom, fit"],
   ],

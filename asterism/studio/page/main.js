@@ -154,6 +154,8 @@ const shown = {
   camera: () => (view ? { turn: view.camera.turn, pitch: view.camera.pitch, distance: view.camera.distance } : null),
   sizes: () => store.get("sheet")?.stars.map((star) => [...star.sizes]) ?? [],
   screenOf: () => (point) => studio.plan.toScreen(point),
+  viewOf: () => (point) => view?.toScreen(point),
+  measured: () => store.get("measured") ?? null,
 };
 window.studio = Object.freeze(
   Object.create(

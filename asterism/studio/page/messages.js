@@ -116,10 +116,10 @@ export function listen(studio) {
       if (connected === "lost") {
         edits.drop();
         if (before === "open")
-          toast("The studio does not answer. Is its terminal still open? Your work is kept in the autosave.", {
-            isBad: true,
-            stay: 0,
-          });
+          toast(
+            "The studio does not answer; your work is kept in the autosave. If its terminal has ended, start it again and use the new address.",
+            { isBad: true, stay: 0 },
+          );
       } else if (connected === "open") {
         edits.drop(); // gestures are counted anew for this connection
         document

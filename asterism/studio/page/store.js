@@ -99,6 +99,7 @@ export function createStore() {
     planShare: 50,
   };
   const store = new Store({ ...defaults, ...pick(remembered(), REMEMBERED, defaults) });
+  if (store.get("viewColour") === "distance") store.set({ viewColour: "none" }); // its verification is gone
   store.on(REMEMBERED, (values) => {
     try {
       localStorage.setItem(MEMORY, JSON.stringify(pick(values, REMEMBERED, defaults)));

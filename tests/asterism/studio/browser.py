@@ -7,7 +7,7 @@ import re
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -40,6 +40,13 @@ def browser_path() -> str:
 @contextmanager
 def running_studio(folder: Path) -> Iterator[str]:
     """Address of a studio that serves a folder; it is ended by Ctrl-C."""
+    with studio_process(folder) as (_, url):
+        yield url
+
+
+@contextmanager
+def studio_process(folder: Path) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """A studio that serves a folder, and its address; it is ended by Ctrl-C."""
     command = [sys.executable, "-m", "asterism", "studio", "--no-browser"]
     root = str(Path(__file__).parents[3])
     path = os.pathsep.join(filter(None, (root, os.environ.get("PYTHONPATH"))))
@@ -49,7 +56,7 @@ def running_studio(folder: Path) -> Iterator[str]:
     assert process.stdout is not None
     try:
         lines = iter(process.stdout.readline, "")
-        yield next(match[0] for line in lines if (match := re.search(r"http://\S+", line)))
+        yield process, next(match[0] for line in lines if (match := re.search(r"http://\S+", line)))
     finally:
         process.send_signal(signal.SIGINT)
         process.wait(30)
@@ -116,6 +123,24 @@ class StudioPage:
             self.item("open").click()
         self.item(name).click()
         self.wait(f"studio.opened > {opened}")
+        self.rest()
+
+    def fill(self, name: str, value: float | str) -> None:
+        """Type a value into a field, and press Enter."""
+        self.item(name).fill(str(value))
+        self.item(name).press("Enter")
+
+    def upload(self, name: str, path: Path) -> None:
+        """Choose a file by a button."""
+        with self.page.expect_file_chooser() as chooser:
+            self.item(name).click()
+        chooser.value.set_files(str(path))
+
+    def changed(self, act: Callable[[], Any]) -> None:
+        """Do something that changes the document, and wait for the shape."""
+        revision = self.get("studio.revision")
+        act()
+        self.wait(f"studio.revision !== {revision} && !studio.isWaiting")
         self.rest()
 
     def point(self, at: Sequence[float]) -> tuple[float, float]:

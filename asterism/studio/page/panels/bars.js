@@ -45,7 +45,7 @@ export function buildPlanBar(element, { store, plan }) {
       store,
       key: "printArea",
       picture: "printer",
-      label: "Printable area",
+      label: "Frame and printable area",
       keys: "P",
       testid: "plan-print-area",
     }),

@@ -47,7 +47,7 @@ export function materialPanel({ store, edits, connection }, { on }) {
     onchange: (name) => connection.send("printer", { name }),
   });
   const area = check({
-    text: "Show its printable area in the plan",
+    text: "Show its frame and printable area",
     value: store.get("printArea"),
     testid: "print-area",
     onchange: (value) => store.set({ printArea: value }),

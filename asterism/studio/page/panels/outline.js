@@ -7,7 +7,7 @@ import { numberField } from "./fields.js";
 
 export function outlinePanel({ store, edits, tools, actions }, { on }) {
   const tool = tools.outline.tool;
-  const shape = { kind: "rectangle", width: 160, height: 120, sides: 48, rings: 3 };
+  const shape = { kind: "rectangle", width: 160, height: 120, sides: 8, rings: 3 };
   const box = store.get("sheet")?.box.size;
   if (box) Object.assign(shape, { width: Math.round(box[0]), height: Math.round(box[1]) });
   const field = (label, key, rest) =>
@@ -56,10 +56,10 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
   });
   const upload = button({
     icon: "upload",
-    text: "SVG or CSV…",
+    text: "SVG, DXF or CSV…",
     kind: "wide",
     testid: "upload-outline",
-    onclick: () => actions.upload("outline", ".svg,.csv"),
+    onclick: () => actions.upload("outline", ".svg,.dxf,.csv"),
   });
   const title = section("Corners", h("span", { class: "count" }));
   const list = h("div", { class: "corners" });

@@ -7,9 +7,11 @@ import { icon } from "../icons.js";
 // the order in which the examples are offered; the others follow below
 const FIRST = ["dome", "bell", "roof", "tunnel", "u-shape", "doubly-curved", "tube", "cone", "star"];
 
+const SIZE_LETTERS = { l: "length", h: "thickness", w: "width" }; // as in the paper
+
 const titled = (name) =>
   (name.charAt(0).toUpperCase() + name.slice(1))
-    .replace(/^Fig(\d+)-(.)-/, "Figure $1, $2, ")
+    .replace(/^Fig(\d+)-(.)-/, (_, number, size) => `Figure ${number}, ${SIZE_LETTERS[size]} `)
     .replace(/^Fig(\d+)-/, "Figure $1, ")
     .replaceAll("-", " ")
     .replace("U shape", "U-shape");

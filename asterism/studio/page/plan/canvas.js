@@ -50,6 +50,7 @@ export class PlanCanvas {
       "state",
     ];
     store.on(drawn, () => this.invalidate());
+    store.on(["printArea"], () => this.fit());
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.invalidate());
   }
 
@@ -70,7 +71,9 @@ export class PlanCanvas {
     const sheet = this.store.get("sheet");
     const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
     if (!sheet || !width) return;
-    const { size, centre } = sheet.box;
+    const { size: sheetSize, centre } = sheet.box;
+    const area = this.store.get("printArea") ? (sheet.printer?.frame_mm ?? [0, 0]) : [0, 0];
+    const size = sheetSize.map((value, axis) => Math.max(value, area[axis]));
     const room = [width - 2 * MARGIN_PX, height - TOP_PX - BOTTOM_PX];
     this.scale = clamp(Math.min(room[0] / size[0], room[1] / size[1]), MIN_SCALE, MAX_SCALE);
     this.offset = [width / 2 - this.scale * centre[0], TOP_PX + room[1] / 2 + 8 + this.scale * centre[1]];

@@ -4,6 +4,7 @@ import { ramp, rampDomain } from "../view/colours.js";
 import { QUANTITIES, fixed } from "../format.js";
 import { nice } from "../geometry.js";
 import { pointsOf, targetsOf } from "../supports.js";
+import { drawPrintArea } from "./print_area.js";
 import { polyline } from "./tools/common.js";
 
 export function drawPlan(context, plan) {
@@ -21,6 +22,7 @@ export function drawPlan(context, plan) {
   drawMarks(paint);
   drawScaleBar(paint);
   drawSizeLegend(paint);
+  drawHatchLegend(paint);
 }
 
 function drawPaper(paint) {
@@ -64,35 +66,6 @@ function drawGrid({ context, plan, sheet, colour }) {
       context.stroke();
     }
   }
-}
-
-/** The area that the printer reaches, centred on the sheet's box, as the export places it. */
-function drawPrintArea(paint) {
-  const { context, plan, sheet, store, colour } = paint;
-  const { area_mm: size, name } = sheet.printer;
-  const title = store.get("document").printers?.find((one) => one.name === name)?.title;
-  const [cx, cy] = sheet.box.centre;
-  const corners = [
-    [-1, -1],
-    [1, -1],
-    [1, 1],
-    [-1, 1],
-  ].map(([a, b]) => [cx + (a * size[0]) / 2, cy + (b * size[1]) / 2]);
-  const isTooLarge = sheet.box.size[0] > size[0] || sheet.box.size[1] > size[1];
-  polyline(context, paint.plan, corners, true);
-  context.setLineDash([6, 4]);
-  context.lineWidth = 1.5;
-  context.strokeStyle = colour(isTooLarge ? "bad" : "line-strong");
-  context.stroke();
-  context.setLineDash([]);
-  const [x, y] = plan.toScreen(corners[0]);
-  label(
-    paint,
-    `${title ?? name}: ${fixed(size[0], 0)} × ${fixed(size[1], 0)} mm${isTooLarge ? ", the sheet is larger" : ""}`,
-    [x, y + 14],
-    "left",
-    isTooLarge ? "bad" : "muted",
-  );
 }
 
 /** Viridis without the end that vanishes on this paper. */
@@ -147,15 +120,26 @@ function drawVacant({ context, plan, colour }, star, x, y) {
 }
 
 /** Hatching: this star's size is outside the range for which the law was calibrated. */
-function drawOutsideLaw({ context, plan, sheet, colour }, star) {
-  const [x, y] = plan.toScreen(star.at);
-  const radius = 0.46 * sheet.spacing * plan.scale;
+function drawOutsideLaw(paint, star) {
+  hatch(paint, paint.plan.toScreen(star.at), 0.46 * paint.sheet.spacing * paint.plan.scale);
+}
+
+/** What the hatching means, where there is any. */
+function drawHatchLegend(paint) {
+  const { plan, sheet, store } = paint;
+  if (!sheet.stars.some((star) => !star.isOffSheet && sheet.isOutsideLaw(star))) return;
+  const [x, y] = [23, plan.canvas.clientHeight - (QUANTITIES[store.get("planColour")] ? 108 : 48)];
+  hatch(paint, [x, y], 7);
+  label(paint, "outside the calibrated range", [x + 14, y + 4], "left", "warn");
+}
+
+function hatch({ context, colour }, [x, y], radius) {
   context.save();
   context.beginPath();
   context.arc(x, y, radius, 0, 2 * Math.PI);
   context.clip();
   context.strokeStyle = colour("warn");
-  context.globalAlpha = 0.55;
+  context.globalAlpha = 0.8;
   context.lineWidth = 1;
   context.beginPath();
   for (let k = -radius; k <= radius; k += 5) {

@@ -268,6 +268,12 @@ export class View {
     return [(2 * (event.clientX - frame.left)) / frame.width - 1, 1 - (2 * (event.clientY - frame.top)) / frame.height];
   }
 
+  /** Place on the canvas, in px, of a point in space. */
+  toScreen(point) {
+    const [x, y] = this.camera.project(point, this.aspect);
+    return [((x + 1) / 2) * this.canvas.clientWidth, ((1 - y) / 2) * this.canvas.clientHeight];
+  }
+
   /** The printed place under a pointer event, or null. */
   printedAt(event) {
     if (!this.shape || this.positions.length !== this.shape.mesh.printed.length * 1.5) return null;

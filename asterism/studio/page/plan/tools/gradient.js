@@ -124,6 +124,7 @@ export class GradientTool {
       context.fillStyle = colour("paper");
       context.fill();
       context.lineWidth = 2;
+      context.strokeStyle = colour("accent");
       context.stroke();
       label({ context, colour }, `${fixed(value, digits)} mm`, [x + 10, y - 10], "left", "accent");
     }

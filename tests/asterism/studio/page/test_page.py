@@ -2,68 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 import asterism
-from tests.asterism.studio.browser import ARGUMENTS, VIEWPORT, StudioPage, browser_path, running_studio
-
-NEEDLES = """
-name = "canopy"
-[stars]
-length_mm = 7.0
-[border]
-rings = 2
-[[pins]]
-points_mm = [[43.0, 24.8], [-43.0, 24.8], [-43.0, -24.8], [43.0, -24.8]]
-target_mm = [[31.0, 18.0, 0.0], [-31.0, 18.0, 0.0], [-31.0, -18.0, 0.0], [31.0, -18.0, 0.0]]
-"""
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    path = browser_path()
-    playwright = pytest.importorskip("playwright.sync_api")
-    with playwright.sync_playwright() as driver:
-        launched = driver.chromium.launch(executable_path=path, args=list(ARGUMENTS))
-        yield launched
-        launched.close()
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    made = tmp_path_factory.mktemp("studio")
-    (made / "canopy.toml").write_text(NEEDLES, encoding="utf-8")
-    return made
-
-
-@pytest.fixture(scope="module")
-def address(browser: Any, folder: Path) -> Iterator[str]:
-    with running_studio(folder) as url:
-        yield url
-
-
-@pytest.fixture
-def new_page(browser: Any, address: str) -> Iterator[Callable[[], StudioPage]]:
-    """Makes pages; afterwards none may have complained."""
-    context = browser.new_context(viewport=VIEWPORT, reduced_motion="reduce")
-    pages: list[StudioPage] = []
-
-    def make() -> StudioPage:
-        pages.append(StudioPage(context.new_page(), address))
-        return pages[-1]
-
-    yield make
-    context.close()
-    assert [complaint for page in pages for complaint in page.complaints] == []
-
-
-@pytest.fixture
-def page(new_page: Callable[[], StudioPage]) -> StudioPage:
-    return new_page()
+from tests.asterism.studio.browser import StudioPage
 
 
 def saved_height(page: StudioPage) -> float:

@@ -1,0 +1,98 @@
+"""The outline on the page: regular shapes, corners, drawings, snapping; ruler and printable area."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import ezdxf
+import pytest
+
+from tests.asterism.studio.browser import StudioPage
+
+CORNERS_MM = [(0.0, 0.0), (120.0, 0.0), (120.0, 90.0), (60.0, 70.0), (0.0, 90.0)]
+
+
+@pytest.fixture
+def page(shared: StudioPage) -> StudioPage:
+    shared.open("gallery-dome")
+    shared.item("tool-outline").click()
+    return shared
+
+
+def outline(page: StudioPage) -> list[list[float]]:
+    corners: list[list[float]] = page.get("studio.document.plan.outline_mm")
+    return corners
+
+
+def drawing(path: Path) -> Path:
+    if path.suffix == ".svg":
+        line = " L".join(f"{x} {90 - y}" for x, y in CORNERS_MM)
+        size = 'width="120mm" height="90mm" viewBox="0 0 120 90"'
+        path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" {size}><path d="M{line} Z"/></svg>', "utf-8")
+    elif path.suffix == ".dxf":
+        document = ezdxf.new(units=4)
+        document.modelspace().add_lwpolyline(CORNERS_MM, close=True)
+        document.saveas(path)
+    else:
+        path.write_text("x_mm,y_mm\n" + "".join(f"{x},{y}\n" for x, y in CORNERS_MM), "utf-8")
+    return path
+
+
+@pytest.mark.parametrize("suffix", [".svg", ".dxf", ".csv"])
+def test_an_outline_comes_from_a_drawing(page: StudioPage, tmp_path: Path, suffix: str) -> None:
+    page.changed(lambda: page.upload("upload-outline", drawing(tmp_path / f"roof{suffix}")))
+    assert len(outline(page)) == 5
+    for x, y in CORNERS_MM:
+        assert min(abs(x - 60 - a) + abs(y - 45 - b) for a, b in outline(page)) < 0.01
+
+
+def test_regular_outlines(page: StudioPage) -> None:
+    page.item("shape-rectangle").click()
+    page.fill("shape-width", 100)
+    page.fill("shape-height", 80)
+    page.changed(lambda: page.item("use-shape").click())
+    assert page.get("studio.document.design.border.rectangle_mm") == [100, 80]
+    page.item("shape-polygon").click()
+    page.fill("shape-sides", 5)
+    page.changed(lambda: page.item("use-shape").click())
+    assert len(outline(page)) == 5
+    page.item("shape-hexagon").click()
+    page.fill("shape-rings", 2)
+    page.changed(lambda: page.item("use-shape").click())
+    assert page.get("studio.document.design.border.rings") == 2
+
+
+def test_a_corner_is_added_on_an_edge_and_deleted(page: StudioPage) -> None:
+    (ax, ay), (bx, by) = outline(page)[:2]
+    middle = ((ax + bx) / 2, (ay + by) / 2)
+    page.changed(lambda: page.drag(middle, (middle[0] - 6, middle[1] - 8)))
+    assert len(outline(page)) == 7
+    page.changed(lambda: page.page.keyboard.press("Delete"))
+    assert len(outline(page)) == 6
+
+
+def test_corners_snap_to_whole_millimetres_and_to_other_corners_unless_snapping_is_off(page: StudioPage) -> None:
+    corner, other = outline(page)[0], outline(page)[3]
+    page.changed(lambda: page.drag(corner, (corner[0] - 5.3, other[1] + 45.4)))
+    x, y = outline(page)[0]
+    assert x == round(x) and y == round(y)
+    page.changed(lambda: page.drag((x, y), (x - 4.6, outline(page)[2][1] + 0.4)))
+    assert outline(page)[0][1] == outline(page)[2][1]
+    page.item("snap").click()
+    start = tuple(outline(page)[0])
+    page.changed(lambda: page.drag(start, (start[0] - 3.37, start[1] - 6.23)))
+    page.item("snap").click()
+    assert [value == round(value) for value in outline(page)[0]] == [False, False]
+
+
+def test_the_ruler_measures_and_the_frame_is_in_the_picture(page: StudioPage) -> None:
+    page.item("tool-ruler").click()
+    page.drag((0.0, 0.0), (30.0, 0.2))
+    assert page.get("studio.measured.printed") == pytest.approx(30.0, abs=0.01)
+    assert "22.2 mm" in page.item("measured").inner_text()
+    frame = page.get("studio.document.plan.printer.frame_mm")
+    page.item("plan-print-area").click()
+    width = page.get("document.getElementById('plan-canvas').clientWidth")
+    left, right = (page.get(f"studio.screenOf([{sign} * {frame[0] / 2}, 0])[0]") for sign in (-1, 1))
+    assert 0 < left < right < width
+    page.item("plan-print-area").click()

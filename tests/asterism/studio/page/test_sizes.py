@@ -1,0 +1,123 @@
+"""Star sizes on the page: gradients, formula, picture, brush with symmetry and lines, selections, hatching."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from tests.asterism.studio.browser import StudioPage
+
+
+@pytest.fixture
+def page(shared: StudioPage) -> StudioPage:
+    shared.open("gallery-dome")
+    return shared
+
+
+def repainted(page: StudioPage, act: Callable[[], None]) -> list[tuple[float, float]]:
+    """Places of the stars whose sizes something changes."""
+    before = page.get("studio.sizes")
+    page.changed(act)
+    sites = page.get("studio.document.plan.sites")
+    return [tuple(site["at_mm"]) for site, a, b in zip(sites, before, page.get("studio.sizes"), strict=True) if a != b]
+
+
+def has_image(places: list[tuple[float, float]], x: float, y: float) -> bool:
+    return any(abs(x - a) + abs(y - b) < 0.1 for a, b in places)
+
+
+@pytest.mark.parametrize(("kind", "line"), [("linear", ("start_mm", "end_mm")), ("radial", ("centre_mm",))])
+def test_a_gradient_is_dragged_from_the_first_value_to_the_second(
+    page: StudioPage, kind: str, line: tuple[str, ...]
+) -> None:
+    page.item("tool-gradient").click()
+    page.item(f"gradient-kind-{kind}").click()
+    page.rest()
+    page.changed(lambda: page.drag((-40.0, 30.0), (35.0, 30.0)))
+    profile = page.get("studio.document.design.stars.length_mm")
+    assert profile["profile"] == kind
+    assert [profile[key][0] for key in line] == pytest.approx([-40.0, 35.0][: len(line)], abs=0.5)
+    assert page.item(f"gradient-kind-{kind}").get_attribute("aria-checked") == "true"
+
+
+def test_a_formula_gives_the_sizes(page: StudioPage) -> None:
+    page.item("tool-gradient").click()
+    page.item("gradient-kind-formula").click()
+    page.item("formula").fill("6 + x/50")
+    page.changed(lambda: page.item("use-formula").click())
+    sites = page.get("studio.document.plan.sites")
+    lengths = [size[0] for size in page.get("studio.sizes")]
+    assert lengths == pytest.approx([6 + site["at_mm"][0] / 50 for site in sites], abs=1e-6)
+
+
+def test_a_picture_gives_the_sizes_from_black_to_white(page: StudioPage, tmp_path: Path) -> None:
+    Image.linear_gradient("L").rotate(90).save(tmp_path / "grey.png")
+    page.item("tool-gradient").click()
+    page.item("gradient-kind-image").click()
+    page.fill("image-low", 5)
+    page.fill("image-high", 9)
+    page.changed(lambda: page.upload("upload-image", tmp_path / "grey.png"))
+    profile = page.get("studio.document.design.stars.length_mm")
+    assert (profile["low"], profile["high"], profile["pixels"]) == (5, 9, [256, 256])
+    assert page.item("gradient-kind-image").get_attribute("aria-checked") == "true"
+    stars = list(zip(page.get("studio.document.plan.sites"), page.get("studio.sizes"), strict=True))
+    left, right = (end(stars, key=lambda star: star[0]["at_mm"][0])[1][0] for end in (min, max))
+    assert left < 6 < 8 < right
+
+
+def test_mirror_and_sixfold_symmetry_repeat_a_stroke(page: StudioPage) -> None:
+    page.item("tool-brush").click()
+    page.fill("target", 4)
+    page.fill("radius", 8)
+    page.item("mirrorX").check()
+    places = repainted(page, lambda: page.drag((45.0, 8.7), (45.0, 9.5)))
+    assert len(places) == 2 and all(has_image(places, -x, y) for x, y in places)
+    page.item("mirrorX").uncheck()
+    page.item("sixfold").check()
+    places = repainted(page, lambda: page.drag((15.0, 43.3), (15.0, 43.8)))
+    assert len(places) == 6 and all(has_image(places, -x, -y) for x, y in places)
+    page.item("sixfold").uncheck()
+
+
+def test_a_shifted_click_paints_a_straight_line(page: StudioPage) -> None:
+    page.item("tool-brush").click()
+    page.fill("target", 4)
+    page.fill("radius", 7)
+
+    def line() -> None:
+        page.page.mouse.click(*page.point((-45.0, 8.7)))
+        page.page.keyboard.down("Shift")
+        page.page.mouse.click(*page.point((45.0, 8.7)))
+        page.page.keyboard.up("Shift")
+
+    places = repainted(page, line)
+    assert len(places) == 4 and all(abs(y - 8.7) < 7 for _, y in places)
+
+
+def test_stars_are_selected_by_lasso_ring_same_size_and_inverted(page: StudioPage) -> None:
+    page.item("tool-select").click()
+    page.drag((-24, -24), (24, -24), (24, 24), (-24, 24), (-24, -23))
+    assert len(page.get("studio.selection")) == 7
+    page.page.mouse.click(*page.point((15.0, 8.7)))
+    assert len(page.get("studio.selection")) == 1
+    page.item("select-ring").click()
+    assert len(page.get("studio.selection")) == 6
+    page.item("select-invert").click()
+    assert len(page.get("studio.selection")) == 31
+    page.page.mouse.click(*page.point((0.0, 0.0)))
+    page.item("select-same").click()
+    assert len(page.get("studio.selection")) == 1
+    page.page.keyboard.press("Escape")
+    assert page.get("studio.selection") == []
+
+
+def test_exact_values_change_the_selected_stars_and_sizes_outside_the_law_are_named(page: StudioPage) -> None:
+    page.item("tool-select").click()
+    page.page.mouse.click(*page.point((0.0, 0.0)))
+    page.changed(lambda: page.fill("selected-thickness", 1.1))
+    assert max(size[1] for size in page.get("studio.sizes")) == 1.1
+    page.summarised()
+    assert "outside" in " ".join(warning["text"] for warning in page.get("studio.state.warnings"))
