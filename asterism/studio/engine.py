@@ -24,10 +24,11 @@ from asterism.previews.solve import EDIT_START, FORM_START
 from asterism.process.compiling import clock_without_compiling, signs_while_compiling
 from asterism.studio.engine_problem import UNEXPECTED, engine_problem
 from asterism.studio.inbox import Inbox, merged
-from asterism.studio.messages import Busy, Edit, Flip, Limits, Ready, ShowForm, StudioProblem
+from asterism.studio.messages import Busy, Edit, FitTarget, Flip, Frame, Limits, Parts, Ready, ShowForm, StudioProblem
 from asterism.studio.rest_summary import blank_summary, rest_summary
 from asterism.studio.search_bounds import MAX_DRAGGED_SEARCH_S, SIGN_EVERY_S, Cancelled, SearchBounds, Superseded
 from asterism.studio.sheet_view import SheetView, blank_messages
+from asterism.studio.target_distance import TargetComparison
 from equilibrium.errors import Error
 from homogenize.errors import ForeignLaw
 from pattern import gallery
@@ -63,6 +64,10 @@ class Engine:
         self._limits: Any = None
         self._coarse: SheetView | None = None
         self._fine: SheetView | None = None
+        self._last_view: SheetView | None = None
+        self._shown_seq, self._shown_stage = 0, ""
+        self._parts = Parts(0)
+        self._target: TargetComparison | None = None
         self._meshes = 0
         self._is_resting = True
         self._owes_search = False  # the shape went on from one with another outline, and may not be the lowest
@@ -78,8 +83,11 @@ class Engine:
                 self.rest()
 
     def answer(self, message: Any) -> None:
-        """Show an edit, another side or another form."""
+        """Show an edit, another side or another form; with other parts; or lay the target on the shape."""
         self._bounds.begin(message.seq)
+        if isinstance(message, Parts):
+            self._try(lambda: self._show_parts(message))
+            return
         self._is_resting = False
         if isinstance(message, Edit):
             self._try(lambda: self._edit(message))
@@ -87,6 +95,8 @@ class Engine:
             self._try(self._flip)
         elif isinstance(message, ShowForm):
             self._try(lambda: self._show_form(message.index))
+        elif isinstance(message, FitTarget):
+            self._try(self._fit_target)
 
     def rest(self) -> None:
         """After a while without edits: a fine frame, and all that is known about the shape."""
@@ -204,6 +214,36 @@ class Engine:
         self._owes_search = False
         self._show("equilibrium", None)
 
+    # what frames hold, and the target
+
+    def _show_parts(self, parts: Parts) -> None:
+        """Send the last equilibrium again, with these parts."""
+        if parts.version != self._parts.version:
+            self._target = None if parts.target is None else TargetComparison(parts.target, parts.version)
+        self._parts = parts
+        preview, view = self._preview, self._last_view
+        if preview is not None and view is not None and view.shows(preview) and self._shown_stage == "equilibrium":
+            frame = self._frame(view, preview, "equilibrium", None, self._shown_seq)
+            self._send(replace(frame, seconds=preview.seconds, is_again=True))
+
+    def _fit_target(self) -> None:
+        preview, view = self._preview, self._last_view
+        if preview is None or view is None or self._target is None:
+            self._send(StudioProblem(self._bounds.seq, "no target", "there is no target or no shape to lay it on"))
+            return
+        positions = view.frame(preview, self._bounds.seq, "equilibrium").positions
+        self._send(self._target.pose(self._bounds.seq, positions, view.triangles))
+
+    def _frame(self, view: SheetView, preview: Preview, stage: str, x: Floats | None, seq: int | None = None) -> Frame:
+        """A stage with the parts that are asked for. The distance to the target waits until the pointer is up."""
+        assert self._known is not None
+        self._last_view, self._shown_stage = view, stage
+        self._shown_seq = self._bounds.seq if seq is None else seq
+        frame = view.frame(preview, self._shown_seq, stage, x, self._parts.smooth)
+        if self._target is None or self._known.is_dragging or stage == "linear":
+            return frame
+        return replace(frame, target=self._target.distance(frame.positions, view.weights))
+
     # what is shown
 
     def _show(self, stage: str, x: Floats | None) -> None:
@@ -213,7 +253,7 @@ class Engine:
         view = self._coarse = self._view(preview, self._coarse, is_fine=False)
         if preview.equilibrium.guess != EDIT_START and stage == "equilibrium":
             view.stand_up(preview, x)
-        frame = view.frame(preview, self._bounds.seq, stage, x)
+        frame = self._frame(view, preview, stage, x)
         snapshot = None
         if stage == "equilibrium":
             self._equilibrium_at = time.monotonic()
@@ -257,7 +297,7 @@ class Engine:
         if self._coarse is not None:
             view.rotation = self._coarse.rotation
         seq = self._bounds.seq
-        frame = view.frame(preview, seq, "equilibrium")
+        frame = self._frame(view, preview, "equilibrium", None)
         self._send(replace(frame, snapshot=pickle.dumps(preview.snapshot()), seconds=preview.seconds))
         self._send(rest_summary(seq, preview, shape))
 

@@ -14,11 +14,13 @@ from asterism.studio.messages import (
     Cancel,
     Edit,
     Frame,
+    Parts,
     Ready,
     ShapeSummary,
     ShownMesh,
     Stop,
     StudioProblem,
+    TargetPose,
 )
 
 # An engine that owes an answer and gives no sign of life for so long is replaced.
@@ -61,6 +63,7 @@ class EngineLink:
         self._first = first
         self._receive, self._changed, self._target, self._keeps_spare = receive, changed, target, keeps_spare
         self._known: Edit | None = None  # all that an engine has been given so far, for the next engine
+        self._parts: Parts | None = None
         self._deaths = 0
         self._loaded: set[Child] = set()
         self._last_mesh = 0
@@ -83,8 +86,13 @@ class EngineLink:
         self._ask(edit)
 
     def ask(self, message: Any) -> None:
-        """Send `Flip` or `ShowForm`."""
+        """Send `Flip`, `ShowForm` or `FitTarget`."""
         self._ask(message)
+
+    def want(self, parts: Parts) -> None:
+        """Have these parts in all frames, also in those of later engines."""
+        self._parts = parts
+        self._child.send(parts)
 
     def cancel(self) -> None:
         """Break off what the engine is doing."""
@@ -112,7 +120,7 @@ class EngineLink:
         if isinstance(message, Frame | ShownMesh):
             message = replace(message, mesh=message.mesh + self._mesh_offset)
             self._last_mesh = max(self._last_mesh, message.mesh)
-        answers = isinstance(message, StudioProblem | ShapeSummary) or (
+        answers = isinstance(message, StudioProblem | ShapeSummary | TargetPose) or (
             isinstance(message, Frame) and message.stage != "linear"
         )
         if answers and self._owes is not None and message.seq >= self._owes:
@@ -149,6 +157,8 @@ class EngineLink:
             self._set("failed")
             return
         self._receive(Busy(owed or 0, why))
+        if self._parts is not None:
+            self._child.send(self._parts)
         if self._known is not None:
             self._ask(self._known)
         self._start_spare()

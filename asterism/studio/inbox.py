@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from asterism.studio.messages import Cancel, Edit, Stop
+from asterism.studio.messages import Cancel, Edit, Parts, Stop
 
 MERGED_FIELDS = ("design", "sites", "sizes_mm", "removed")
 
@@ -22,6 +22,8 @@ def merged(known: Edit, new: Edit) -> Edit:
 class Inbox:
     """Messages that wait, in their order; of edits that follow each other only the newest waits.
 
+    `Parts` comes when no edit waits, and never ends a search.
+
     Parameters
     ----------
     receive : returns the next message, and raises `EOFError` or `OSError` at the end. It is called in a thread.
@@ -29,6 +31,7 @@ class Inbox:
 
     def __init__(self, receive: Callable[[], Any]) -> None:
         self._waiting: deque[Any] = deque()
+        self._parts: Parts | None = None
         self._cancelled = -1
         self._is_closed = False
         self._changed = threading.Condition()
@@ -51,6 +54,8 @@ class Inbox:
         with self._changed:
             if isinstance(message, Cancel):
                 self._cancelled = max(self._cancelled, message.seq)
+            elif isinstance(message, Parts):
+                self._parts = message
             elif isinstance(message, Edit) and self._waiting and isinstance(self._waiting[-1], Edit):
                 self._waiting[-1] = merged(self._waiting[-1], message)
             else:
@@ -60,8 +65,14 @@ class Inbox:
     def take(self, seconds: float | None = None) -> Any:
         """The next message; None after so many seconds without one, or at the end."""
         with self._changed:
-            self._changed.wait_for(lambda: self._waiting or self._is_closed, seconds)
-            return self._waiting.popleft() if self._waiting and not self._is_closed else None
+            self._changed.wait_for(lambda: self._waiting or self._parts or self._is_closed, seconds)
+            if self._is_closed:
+                return None
+            parts = self._parts
+            if parts is not None and not (self._waiting and isinstance(self._waiting[0], Edit)):
+                self._parts = None
+                return parts
+            return self._waiting.popleft() if self._waiting else None
 
     @property
     def is_closed(self) -> bool:

@@ -57,6 +57,38 @@ class ShowForm:
 
 
 @dataclass(frozen=True)
+class Surface:
+    """Triangles (T, 3) in space with their vertices (V, 3) mm."""
+
+    vertices: Array
+    triangles: Array
+
+
+@dataclass(frozen=True)
+class Parts:
+    """What frames of a sheet at rest hold besides the shape. It holds until the next message of its kind.
+
+    Attributes
+    ----------
+    smooth : the sheet without its bumps; also while the pointer is down.
+    target : the surface that the sheet is compared with.
+    version : of the target and its pose.
+    """
+
+    seq: int
+    smooth: bool = False
+    target: Surface | None = None
+    version: int = 0
+
+
+@dataclass(frozen=True)
+class FitTarget:
+    """Lay the target on the shape; `TargetPose` is the answer."""
+
+    seq: int
+
+
+@dataclass(frozen=True)
 class Cancel:
     """Break off the work on edits up to `seq`; the last good shape stays."""
 
@@ -105,6 +137,53 @@ class ShownMesh:
 
 
 @dataclass(frozen=True)
+class SmoothPart:
+    """The sheet without its bumps, on the mesh of its frame.
+
+    Attributes
+    ----------
+    positions, arms, arm_normals, needles : as those of a `Frame`.
+    """
+
+    positions: Array
+    arms: Array
+    arm_normals: Array
+    needles: Array
+
+
+@dataclass(frozen=True)
+class TargetDistance:
+    """Distances of the sheet from the target.
+
+    Attributes
+    ----------
+    distance : (V,) mm, of the vertices.
+    rms_mm, max_mm : over the sheet, each place by its printed area.
+    version : of the target, as in `Parts`.
+    """
+
+    distance: Array
+    rms_mm: float
+    max_mm: float
+    version: int
+
+
+@dataclass(frozen=True)
+class TargetPose:
+    """The motion that lays the target on the shape: `vertices @ rotation.T + shift`.
+
+    Attributes
+    ----------
+    rotation : (3, 3), proper.
+    shift : (3,) mm.
+    """
+
+    seq: int
+    rotation: Array
+    shift: Array
+
+
+@dataclass(frozen=True)
 class Frame:
     """A shape on a mesh.
 
@@ -116,6 +195,8 @@ class Frame:
     strain : (V,) area of the smooth surface over that of the released sheet, minus 1.
     arms, arm_normals : (A, K, 2, 3) left and right edges of the ribbons, (A, K, 3).
     needles : (N, 2, 3) foot and tip.
+    smooth, target : what `Parts` asks for.
+    is_again : a shape that was shown before, with other parts.
     snapshot : the form, to come back to; None for linear stages. It is pickled, since only an engine can read it.
     """
 
@@ -133,6 +214,9 @@ class Frame:
     height_mm: float = 0.0
     seconds: dict[str, float] = field(default_factory=dict)
     snapshot: bytes | None = None
+    smooth: SmoothPart | None = None
+    target: TargetDistance | None = None
+    is_again: bool = False
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ def mesh_bytes(mesh: ShownMesh) -> bytes:
 
 def frame_parts(frame: Frame) -> tuple[dict[str, Any], dict[str, Any]]:
     """Header and arrays of the binary frame of a shape."""
-    header = {
+    header: dict[str, Any] = {
         "stage": frame.stage,
         "height_mm": float(frame.height_mm),
         "is_minimum": bool(frame.is_minimum),
@@ -38,6 +38,16 @@ def frame_parts(frame: Frame) -> tuple[dict[str, Any], dict[str, Any]]:
         "arm_normals": _whole(frame.arm_normals),
         "needles": frame.needles,
     }
+    if (smooth := frame.smooth) is not None:
+        arrays |= {
+            "smooth": smooth.positions,
+            "smooth_arms": smooth.arms,
+            "smooth_arm_normals": _whole(smooth.arm_normals),
+            "smooth_needles": smooth.needles,
+        }
+    if (target := frame.target) is not None:
+        arrays["target"] = target.distance
+        header["target"] = {"rms_mm": target.rms_mm, "max_mm": target.max_mm, "version": target.version}
     return header, arrays
 
 

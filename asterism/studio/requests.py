@@ -139,6 +139,21 @@ class SlotRequest(Request):
     slot: Slot
 
 
+class BumpsRequest(Request):
+    """Show the sheet with its bumps, or without them."""
+
+    type: Literal["bumps"]
+    shown: bool
+
+
+class TargetRequest(Request):
+    """Place the target surface: on the sheet, or as its file has it; read its numbers in another unit; forget it."""
+
+    type: Literal["target"]
+    do: Literal["fit", "file", "remove"] | None = None
+    unit: Literal["mm", "cm", "m", "in"] | None = None
+
+
 class Verify(Request):
     type: Literal["verify"]
 
@@ -185,6 +200,8 @@ AnyRequest = Annotated[
     | FlipRequest
     | FormRequest
     | SlotRequest
+    | BumpsRequest
+    | TargetRequest
     | Verify
     | CancelRequest
     | ExportRequest

@@ -24,6 +24,7 @@ from asterism.studio.local_files import MAX_NAME_CHARACTERS, FileNameError, file
 from asterism.studio.page_data import problem_data
 from asterism.studio.studio import Studio
 from asterism.studio.tab import MAX_TABS, Tab
+from asterism.studio.target import read_target
 from asterism.studio.uploads import MAX_UPLOAD_BYTES, UploadKind, read_upload
 from equilibrium.errors import Error
 
@@ -149,10 +150,19 @@ def application(studio: Studio, token: str, hosts: frozenset[str]) -> Guard:
                         return JSONResponse({"problem": {"text": text}}, 413)
                     stream.write(part)
             try:
+                if kind is UploadKind.TARGET:
+                    studio.parts.load(await asyncio.to_thread(read_target, path, name))
+                    return JSONResponse({"target": studio.parts.data()})
                 return JSONResponse(await asyncio.to_thread(read_upload, kind, path, name))
             except Error as error:
                 problem = problem_data(error, None)
                 return JSONResponse({"problem": {**problem, "text": problem["text"].replace(f"{path}: ", "")}}, 422)
+
+    async def target(request: Request) -> Response:
+        if studio.parts.target is None:
+            return PlainTextResponse("not found", 404)
+        packed = await asyncio.to_thread(studio.parts.target.packed)
+        return Response(packed, media_type="application/octet-stream")
 
     async def live(socket: WebSocket) -> None:
         await socket.accept()
@@ -167,6 +177,7 @@ def application(studio: Studio, token: str, hosts: frozenset[str]) -> Guard:
                 await studio.receive(tab, message.get("text") or "")
         finally:
             studio.tabs.leave(tab)
+            studio.parts.update()
             sending.cancel()
 
     async def send(socket: WebSocket, tab: Tab) -> None:
@@ -194,6 +205,7 @@ def application(studio: Studio, token: str, hosts: frozenset[str]) -> Guard:
                 Mount("/gallery", StaticFiles(directory=PICTURES, check_dir=False)),
                 Route("/file/{name:path}", file),
                 Route("/upload", upload, methods=["POST"]),
+                Route("/target", target),
                 WebSocketRoute("/live", live),
             ],
         )

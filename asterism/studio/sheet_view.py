@@ -9,7 +9,7 @@ import numpy as np
 from asterism.previews.session import Preview
 from asterism.shape.blank_sheet import blank_sheet
 from asterism.shape.pose import upright_rotation
-from asterism.studio.messages import Frame, ShownMesh
+from asterism.studio.messages import Frame, ShownMesh, SmoothPart
 from asterism.studio.sheet_marks import STATIONS, SheetMarks
 from pattern.design.design import Design
 from pattern.geometry.arrays import Floats, Ints
@@ -80,17 +80,24 @@ class SheetView:
             return
         positions = self._lens(x).bumpy
         self.rotation = upright_rotation(
-            self.printed, positions, self._weights, triangle_normals(positions, self.triangles).sum(axis=0)
+            self.printed, positions, self.weights, triangle_normals(positions, self.triangles).sum(axis=0)
         )
 
-    def frame(self, preview: Preview, seq: int, stage: str, x: Floats | None = None) -> Frame:
-        """The arrays of a stage with positions x (N, 3) of the shell's dofs; by default what the preview shows."""
+    def frame(self, preview: Preview, seq: int, stage: str, x: Floats | None = None, has_smooth: bool = False) -> Frame:
+        """The arrays of a stage with positions x (N, 3) of the shell's dofs; by default what the preview shows.
+
+        With `has_smooth`, the frame also holds the sheet without its bumps.
+        """
         layout, fabric = preview.sheet.layout, preview.design.fabric
         places = self._lens(x)
-        positions = places.bumpy
+        positions, smooth = places.bumpy, places.smooth if has_smooth else None
         if not layout.pins:
-            positions = (positions - self._weights @ positions) @ self.rotation.T
-            positions[:, 2] -= positions[:, 2].min()
+            middle = self.weights @ positions
+            positions = (positions - middle) @ self.rotation.T
+            lowest = positions[:, 2].min()
+            positions[:, 2] -= lowest
+            if smooth is not None:
+                smooth = (smooth - middle) @ self.rotation.T - (0.0, 0.0, lowest)
         normals = vertex_normals(positions, self.triangles)
         arms, arm_normals = self._marks.ribbons(layout, positions, normals)
         stretch_x, stretch_y = fabric.stretch_xy
@@ -108,10 +115,17 @@ class SheetView:
             needles=self._marks.needles(layout, positions).astype(small),
             is_minimum=preview.equilibrium.is_minimum,
             height_mm=float(np.ptp(positions[:, 2])),
+            smooth=None if smooth is None else self._smooth_part(layout, smooth),
         )
 
+    def _smooth_part(self, layout: Layout, positions: Floats) -> SmoothPart:
+        """The sheet without bumps, with arms and needles that end there."""
+        arms, arm_normals = self._marks.ribbons(layout, positions, vertex_normals(positions, self.triangles))
+        parts = (positions, arms, arm_normals, self._marks.needles(layout, positions))
+        return SmoothPart(*(part.astype(np.float32) for part in parts))
+
     @cached_property
-    def _weights(self) -> Floats:
+    def weights(self) -> Floats:
         """(V,) share of the printed sheet that each vertex stands for."""
         areas = sum_at_vertices(
             self.triangles, np.repeat(triangle_areas(self.printed, self.triangles), 3), len(self.printed)

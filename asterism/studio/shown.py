@@ -54,7 +54,9 @@ class Shown:
 
     def add_frame(self, frame: Frame, revision: int, tabs: Iterable[Tab]) -> None:
         """Show a shape in all tabs."""
-        self.stage, self.revision, self.busy, self.problem = frame.stage, revision, None, None
+        if not frame.is_again:
+            self.busy, self.problem = None, None
+        self.stage, self.revision = frame.stage, revision
         self.numbers = {**self.numbers, "height_mm": float(frame.height_mm), "is_minimum": bool(frame.is_minimum)}
         if frame.snapshot is not None:
             self.snapshots[revision] = frame.snapshot

@@ -9,13 +9,25 @@ from pathlib import Path
 from typing import Any
 
 from asterism.studio import requests as ask
-from asterism.studio.document import Document, autosave_path
+from asterism.studio.document import Document
 from asterism.studio.engine_link import EngineLink
-from asterism.studio.examples import NEW_SHEET, design_files, free_name, gallery_entries
+from asterism.studio.examples import design_files, gallery_entries
+from asterism.studio.frame_parts import FrameParts
 from asterism.studio.job_requests import JobRequests
-from asterism.studio.local_files import file_below
-from asterism.studio.messages import Busy, Edit, Flip, Frame, Limits, ShapeSummary, ShowForm, ShownMesh, StudioProblem
-from asterism.studio.page_data import document_data, problem_data
+from asterism.studio.messages import (
+    Busy,
+    Edit,
+    Flip,
+    Frame,
+    Limits,
+    ShapeSummary,
+    ShowForm,
+    ShownMesh,
+    StudioProblem,
+    TargetPose,
+)
+from asterism.studio.opening import design_path, opened
+from asterism.studio.page_data import document_data, engine_problem_data, problem_data
 from asterism.studio.painted import split
 from asterism.studio.printers import DEFAULT_PRINTER, printer_entries
 from asterism.studio.shown import Shown
@@ -23,12 +35,13 @@ from asterism.studio.slots import Slots
 from asterism.studio.tab import Tab, Tabs
 from asterism.studio.upkeep import Upkeep
 from equilibrium.errors import Error
-from pattern import gallery
 
 MAX_QUEUED = 1000
 SERVER_MISTAKE = "the studio has made a mistake, see its terminal; the design is as it was"
 # Edits whose answers may still come.
 MAX_OPEN_EDITS = 200
+# Problems that leave the shape as good as it was.
+ANSWERS = frozenset({"no other side", "no such form", "no target"})
 
 _log = logging.getLogger("asterism.studio")
 
@@ -61,10 +74,11 @@ class Studio:
         self._left: dict[Path, Document] = {}
         self.printer = DEFAULT_PRINTER
         self.slots = Slots()
+        self.parts = FrameParts(self)
 
     async def start(self) -> None:
         """Start the engine and the work on requests; to be called in the event loop."""
-        self._engine = self._make_engine(self._from_engine, self.tell_state)
+        self.engine = self._make_engine(self._from_engine, self.tell_state)
         self.jobs = JobRequests(self)
         if self.document is not None:
             self._show_document(self.document)
@@ -77,7 +91,7 @@ class Studio:
         await asyncio.gather(self._working, return_exceptions=True)
         await self._upkeep.stop()
         self.jobs.close()
-        self._engine.close()
+        self.engine.close()
 
     def unsaved_work(self) -> list[Path]:
         """Autosaves of the documents of this session that hold more than their files."""
@@ -109,9 +123,10 @@ class Studio:
     def _state(self) -> dict[str, Any]:
         return {
             "type": "state",
-            "engine": self._engine.status,
+            "engine": self.engine.status,
             **self.shown.state(),
             "slots": self.slots.data(),
+            "target": self.parts.data(),
             "jobs": self.jobs.data(),
         }
 
@@ -152,7 +167,11 @@ class Studio:
                 await self._open(request)
             case ask.CancelRequest():
                 self.jobs.cancel()
-                self._engine.cancel()
+                self.engine.cancel()
+            case ask.BumpsRequest():
+                self.parts.show_bumps(tab, request.shown)
+            case ask.TargetRequest():
+                self.parts.place(request)
             case _ if self.document is None:
                 raise ask.RequestError("open a design first")
             case ask.GestureRequest():
@@ -180,15 +199,14 @@ class Studio:
                     document.discard()
                     self.tell_document()
             case ask.Save():
-                await asyncio.to_thread(document.save, self._path(request.name) if request.name else None)
+                await asyncio.to_thread(document.save, design_path(self.folder, request.name) if request.name else None)
                 self._upkeep.begin(document)
                 self.tell({"type": "saved", "path": str(document.path)})
                 self.tell_document()
             case ask.FlipRequest() | ask.FormRequest():
-                self._seq += 1
-                self._revisions[self._seq] = document.revision
+                seq = self.last_seq(is_new=True)
                 index = request.index if isinstance(request, ask.FormRequest) else None
-                self._engine.ask(Flip(self._seq) if index is None else ShowForm(self._seq, index))
+                self.engine.ask(Flip(seq) if index is None else ShowForm(seq, index))
             case ask.SlotRequest():
                 await self._slot(request, document)
             case ask.PrinterRequest():
@@ -212,7 +230,7 @@ class Studio:
         await self._upkeep.keep_work()
         if self.document is not None:
             self._left[self.document.path] = self.document
-        self.document = document = await asyncio.to_thread(self._opened, request)
+        self.document = document = await asyncio.to_thread(opened, self.folder, request)
         self.shown.clear()
         self._revisions.clear()
         self._sent_base = None
@@ -221,19 +239,6 @@ class Studio:
         self._show_document(document)
         self.tell_document()
         self.tell_state()
-
-    def _opened(self, request: ask.Open | ask.New) -> Document:
-        if isinstance(request, ask.New):
-            return Document(NEW_SHEET, free_name(self.folder, "sheet"))
-        if request.gallery is not None:
-            if request.gallery not in gallery.names():
-                raise ask.RequestError(f"{request.gallery!r} is not in the gallery")
-            return Document.copy_of(gallery.path(request.gallery), free_name(self.folder, request.gallery))
-        path = self._path(request.name or "")
-        return Document.unsaved(path) if not path.exists() and autosave_path(path).exists() else Document.open(path)
-
-    def _path(self, name: str) -> Path:
-        return file_below(self.folder, name if name.endswith((".toml", ".json")) else f"{name}.toml")
 
     async def _gesture(self, tab: Tab, request: ask.GestureRequest) -> None:
         """A change of the document; at the end of the gesture the sheet is laid out."""
@@ -287,9 +292,16 @@ class Studio:
 
     # engine
 
+    def last_seq(self, is_new: bool = False) -> int:
+        """Number of the last message to the engine, or of a new one about the document as it is."""
+        if is_new:
+            self._seq += 1
+            self._revisions[self._seq] = -1 if self.document is None else self.document.revision
+        return self._seq
+
     def watch_engine(self) -> None:
         """Replace an engine that hangs."""
-        self._engine.watch()
+        self.engine.watch()
 
     def _show_document(self, document: Document) -> None:
         self._upkeep.begin(document)
@@ -307,7 +319,7 @@ class Studio:
         design = None if base == self._sent_base else base
         self._sent_base = base
         folder = str(self.document.path.parent)
-        self._engine.edit(Edit(self._seq, design, sites, sizes, removed, is_dragging, snapshot, folder))
+        self.engine.edit(Edit(self._seq, design, sites, sizes, removed, is_dragging, snapshot, folder))
 
     def _from_engine(self, message: Any) -> None:
         revision = self._revisions.get(getattr(message, "seq", -1), -1)
@@ -320,9 +332,13 @@ class Studio:
             case ShapeSummary() if revision >= 0:
                 self.shown.add_summary(message, revision)
                 self.tell_state()
+            case TargetPose():
+                self.parts.move(message)
             case Limits():
                 self._limits = message
                 self.tell_document()
+            case StudioProblem() if message.kind in ANSWERS:
+                self.tell({**engine_problem_data(message), "revision": revision})
             case StudioProblem() if message.seq >= self._seq or message.kind == "engine":
                 self.shown.add_problem(message)
                 self.tell({**self.shown.problem, "revision": revision})  # type: ignore[dict-item]

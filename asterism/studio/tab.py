@@ -44,6 +44,7 @@ class Tab:
     def __init__(self, number: int, meshes: Mapping[int, bytes]) -> None:
         self.number = number
         self.gesture: int | None = None
+        self.is_smooth = False  # it shows the sheet without bumps
         self._meshes = meshes
         self._known: set[int] = set()
         self._texts: list[str] = []

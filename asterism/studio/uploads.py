@@ -1,4 +1,4 @@
-"""Files that a page sends: grey pictures for star sizes, drawings of an outline."""
+"""Files that a page sends: grey pictures for star sizes, drawings of an outline. Targets have a file of their own."""
 
 from __future__ import annotations
 
@@ -27,6 +27,7 @@ class UploadKind(StrEnum):
 
     IMAGE = "image"
     OUTLINE = "outline"
+    TARGET = "target"
 
 
 class UploadError(Error, ValueError):

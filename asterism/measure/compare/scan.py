@@ -66,11 +66,7 @@ def read_scan(path: str | Path, unit: str = "mm", seed: int = 0) -> Scan:
     path = Path(path)
     if path.suffix.lower() not in SCAN_FORMATS:
         raise ScanError(path, f"must end in {', '.join(SCAN_FORMATS)}, or in .svg or .csv for an outline")
-    vertices, triangles = _read(path)
-    if len(vertices) == 0:
-        raise ScanError(path, "holds no points")
-    if not np.isfinite(vertices).all() or np.abs(vertices).max() > MAX_SCAN_COORDINATE:
-        raise ScanError(path, "holds points that are not finite numbers, or too far away")
+    vertices, triangles = _read_checked(path)
     vertices = vertices * MM[unit]
     rng = np.random.default_rng(seed)
     if len(triangles) == 0:
@@ -78,12 +74,45 @@ def read_scan(path: str | Path, unit: str = "mm", seed: int = 0) -> Scan:
         points = vertices[np.sort(some)]
     else:
         points = surface_samples(vertices, triangles, MAX_SCAN_POINTS, rng)[0]
+    _check_spread(path, points)
+    return Scan(points, len(triangles), len(vertices))
+
+
+def read_surface(path: str | Path) -> tuple[Floats, Ints]:
+    """Vertices (V, 3) and triangles (T, 3) of an OBJ, STL or PLY file, in the unit of the file.
+
+    Raises
+    ------
+    ScanError
+        The file holds no surface of triangles.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in SCAN_FORMATS:
+        raise ScanError(path, f"must end in {', '.join(SCAN_FORMATS)}")
+    vertices, triangles = _read_checked(path)
+    if len(triangles) == 0:
+        raise ScanError(path, "holds points without triangles: a surface is needed")
+    _check_spread(path, surface_samples(vertices, triangles, MAX_SCAN_POINTS, np.random.default_rng(0))[0])
+    return vertices, triangles
+
+
+def _read_checked(path: Path) -> tuple[Floats, Ints]:
+    """Vertices and triangles of a file, with finite coordinates."""
+    vertices, triangles = _read(path)
+    if len(vertices) == 0:
+        raise ScanError(path, "holds no points")
+    if not np.isfinite(vertices).all() or np.abs(vertices).max() > MAX_SCAN_COORDINATE:
+        raise ScanError(path, "holds points that are not finite numbers, or too far away")
+    return vertices, triangles
+
+
+def _check_spread(path: Path, points: Floats) -> None:
+    """Raise ScanError unless points (n, 3) spread over a surface."""
     if len(np.unique(points, axis=0)) < 10:
         raise ScanError(path, "holds too few points or triangles to be a surface")
     long, wide, _ = _extents(points)
     if wide <= MIN_SCAN_ASPECT * long:
         raise ScanError(path, "has all its points on one line: a surface is needed")
-    return Scan(points, len(triangles), len(vertices))
 
 
 def surface_samples(vertices: Floats, triangles: Ints, count: int, rng: np.random.Generator) -> tuple[Floats, Ints]:

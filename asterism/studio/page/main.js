@@ -27,6 +27,7 @@ import { RulerTool } from "./plan/tools/ruler.js";
 import { SelectTool } from "./plan/tools/select.js";
 import { createStore } from "./store.js";
 import { listenToView } from "./view/pointer.js";
+import { Target } from "./view/target.js";
 import { View } from "./view/view.js";
 
 const $ = (id) => document.getElementById(id);
@@ -52,6 +53,7 @@ studio.tools = {
 try {
   const onFrame = (header) => studio.connection.acknowledge(header.frame);
   studio.view = new View($("view-canvas"), store, { onFrame, legend: $("legend") });
+  studio.view.target = new Target(studio.view.renderer, store, () => studio.view.invalidate());
   listenToView(studio.view, studio);
 } catch (error) {
   toast(error.message, { isBad: true, stay: 0 });
@@ -84,6 +86,7 @@ buildInspector($("inspector"), {
   },
 });
 listenToKeys(studio);
+store.on(["showBumps"], ({ showBumps }) => studio.connection.send("bumps", { shown: showBumps }));
 
 function showTool() {
   const { tool } = studio.tools[store.get("tool")];
@@ -151,6 +154,10 @@ const shown = {
   tool: () => store.get("tool"),
   selection: () => [...store.get("selection")],
   comparison: () => Boolean(store.get("comparison")),
+  isSmooth: () => view?.isSmooth ?? false,
+  target: () => structuredClone(store.get("state").target ?? null),
+  targetDistance: () => structuredClone(store.get("frame")?.target ?? null),
+  ghost: () => (store.get("showTarget") ? (view?.target.surface.count ?? 0) / 3 : 0),
   camera: () => (view ? { turn: view.camera.turn, pitch: view.camera.pitch, distance: view.camera.distance } : null),
   sizes: () => store.get("sheet")?.stars.map((star) => [...star.sizes]) ?? [],
   screenOf: () => (point) => studio.plan.toScreen(point),

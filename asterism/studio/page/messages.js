@@ -126,6 +126,7 @@ export function listen(studio) {
           .querySelectorAll(".toast.bad")
           .forEach((one) => one.dataset.text.startsWith("The studio does not answer") && one.remove());
         store.set({ jobs: {} });
+        if (!store.get("showBumps")) connection.send("bumps", { shown: false });
       }
     },
   };

@@ -49,6 +49,7 @@ const REMEMBERED = [
   "planShare",
   "showArms",
   "showBumps",
+  "showTarget",
   "orthographic",
   "inLaw",
 ];
@@ -93,6 +94,7 @@ export function createStore() {
     viewColour: "none",
     showArms: true,
     showBumps: true,
+    showTarget: true,
     orthographic: false,
     shown: "preview", // preview | exact | both
     theme: "auto",

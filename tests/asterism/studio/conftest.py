@@ -50,6 +50,9 @@ class QuickEngine:
         if seq == 1:
             self._receive(Limits(seq, {"length_mm": (3.0, 11.0)}, (1.35, 1.75)))
 
+    def want(self, parts: Any) -> None:
+        self.edits.append(parts)
+
     def cancel(self) -> None: ...
     def watch(self) -> None: ...
     def close(self) -> None: ...

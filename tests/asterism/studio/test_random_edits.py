@@ -90,7 +90,7 @@ def test_random_edits_are_answered_and_undone(tmp_path: Path):
             if random.random() < 0.2:
                 at_rest(page)
         at_rest(page)
-        assert studio._engine.status == "ready"
+        assert studio.engine.status == "ready"
         for _ in range(len(studio.document.history.steps)):  # type: ignore[union-attr]
             page.send(type="undo")
             page.until("document")

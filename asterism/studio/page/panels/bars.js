@@ -65,13 +65,18 @@ export function buildViewBar(element, { store, view }) {
     onchange: (value) => store.set({ viewColour: value }),
   });
   const distance = colour.element.querySelector('[value="distance"]');
+  const target = colour.element.querySelector('[value="target"]');
   const bumps = toggle({ store, key: "showBumps", picture: "bumps", label: "Bumps", testid: "show-bumps" });
   const update = () => {
+    const hasTarget = Boolean(store.get("state").target);
     distance.disabled = !store.get("comparison");
     distance.textContent = store.get("comparison") ? "Distance" : "Distance (verify first)";
-    bumps.hidden = !view?.shape?.smooth;
+    target.disabled = !hasTarget;
+    target.textContent = hasTarget ? "To the target" : "To the target (load one first)";
+    if (!hasTarget && store.get("connection") === "open" && store.get("viewColour") === "target")
+      store.set({ viewColour: "none" });
   };
-  store.on(["comparison", "frame"], update);
+  store.on(["comparison", "state"], update);
   store.on(["viewColour"], ({ viewColour }) => colour.set(viewColour));
   update();
   const views = h(

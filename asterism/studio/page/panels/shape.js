@@ -3,8 +3,11 @@
 import { button, h, hint, refresh, replace, section } from "../dom.js";
 import { fixed, mm, percent, seconds, size, trust } from "../format.js";
 import { icon } from "../icons.js";
+import { targetPart } from "./target.js";
 
-export function shapePanel({ store, connection, actions }, { on }) {
+export function shapePanel(studio, page) {
+  const { store, connection, actions } = studio;
+  const { on } = page;
   const trusted = h("div", { class: "trust", testid: "trust" });
   const figures = h("dl", { class: "figures" });
   const warnings = h("div", {});
@@ -319,7 +322,7 @@ export function shapePanel({ store, connection, actions }, { on }) {
   update();
   verification();
   kept();
-  return [section("How sure is this?"), trusted, figures, warnings, forms, verified, slots];
+  return [section("How sure is this?"), trusted, figures, warnings, forms, verified, slots, targetPart(studio, page)];
 }
 
 /** What the distance means for the person who waits for it. */

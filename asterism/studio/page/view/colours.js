@@ -52,6 +52,7 @@ export const FIELDS = {
   curvature: { name: "Curvature", title: "Mean curvature", unit: "1/m", digits: 1, scale: "diverging", factor: 1000 },
   strain: { name: "Strain", title: "Area strain", unit: "%", digits: 1, scale: "diverging", factor: 100 },
   distance: { name: "Distance", unit: "mm", digits: 2, scale: "viridis" },
+  target: { name: "To the target", title: "Distance to the target", unit: "mm", digits: 2, scale: "viridis" },
 };
 
 /** Range of a field: robust (2 to 98 %) for curvature and strain, symmetric about 0 for signed scales. */

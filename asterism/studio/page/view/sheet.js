@@ -39,7 +39,7 @@ export function fieldValues(name, shape, comparison) {
     return heights;
   }
   if (name === "distance") return comparison?.distance ?? null;
-  const factor = { curvature: 1000, strain: 100 }[name];
+  const factor = { curvature: 1000, strain: 100, target: 1 }[name];
   const values = shape[name];
   return factor && values ? values.map((value) => factor * value) : null;
 }

@@ -22,6 +22,7 @@ export class View {
   shape = null; // arrays of the shown shape
   frames = 0;
   drawMs = 0;
+  target = null; // the ghost beside the sheet: {surface, look}
   #isDirty = false;
   #hasFit = false;
   #caster = null;
@@ -74,7 +75,9 @@ export class View {
   #takeShape(header, arrays) {
     const mesh = this.meshes.get(header.mesh);
     if (!mesh) return this.onFrame(header);
-    this.shape = { ...arrays, arm_normals: unit(arrays.arm_normals), arm_site: mesh.arm_site, mesh, header };
+    const { arm_normals: normals, smooth_arm_normals: smoothNormals } = arrays;
+    this.shape = { ...arrays, arm_normals: unit(normals), arm_site: mesh.arm_site, mesh, header };
+    if (arrays.smooth) this.shape.smooth_arm_normals = unit(smoothNormals);
     this.store.set({ frame: header });
     this.#place();
     if (!this.#hasFit && this.canvas.clientWidth) this.fit();
@@ -101,14 +104,16 @@ export class View {
   }
 
   get positions() {
-    const { comparison, shown, showBumps } = {
-      comparison: this.store.get("comparison"),
-      shown: this.store.get("shown"),
-      showBumps: this.store.get("showBumps"),
-    };
+    const comparison = this.store.get("comparison");
+    const shown = this.store.get("shown");
     if (comparison && shown === "exact") return comparison.exact;
     if (comparison && shown === "both") return comparison.preview;
-    return showBumps || !this.shape.smooth ? this.shape.positions : this.shape.smooth;
+    return this.isSmooth ? this.shape.smooth : this.shape.positions;
+  }
+
+  /** Whether the sheet is shown without its bumps; until the server has sent that, it is shown with them. */
+  get isSmooth() {
+    return !this.store.get("showBumps") && Boolean(this.shape?.smooth);
   }
 
   get triangles() {
@@ -121,7 +126,8 @@ export class View {
   /** Fills the buffers of positions, ribbons and needles. */
   #place() {
     if (!this.shape) return;
-    const { arms, arm_normals: armNormals, needles } = this.shape;
+    const part = this.isSmooth ? "smooth_" : "";
+    const [arms, armNormals, needles] = ["arms", "arm_normals", "needles"].map((name) => this.shape[part + name]);
     const { positions, triangles, renderer } = this;
     renderer.fill(this.sheetSurface, { positions, normals: vertexNormals(positions, triangles), triangles });
     const comparison = this.store.get("comparison");
@@ -228,6 +234,7 @@ export class View {
     }
     surfaces.push({ surface: this.needleSurface, front: NEEDLE, back: NEEDLE, shine: 0.3 });
     if (shown === "both") surfaces.push({ surface: this.exactSurface, front: EXACT, back: EXACT, alpha: 0.45 });
+    if (this.target && this.store.get("showTarget")) surfaces.push({ surface: this.target.surface, ...this.target.look });
     this.renderer.draw({ surfaces, ground: this.#ground(), camera: this.camera.frame(width / height), width, height });
     this.drawMs = performance.now() - start;
     this.frames += 1;

@@ -9,7 +9,7 @@ import pytest
 import trimesh
 
 from asterism.measure.compare.errors import ScanError
-from asterism.measure.compare.scan import extent, read_scan, surface_samples
+from asterism.measure.compare.scan import extent, read_scan, read_surface, surface_samples
 from asterism.measure.compare.units import check_size
 from tests.asterism.measure.compare.scans import bent_sheet
 
@@ -39,6 +39,21 @@ def test_meshes(name: str, tmp_path: Path) -> None:
     assert scan.triangles == len(SHAPE.triangles)
     assert scan.size_mm == pytest.approx(extent(SHAPE.positions), rel=0.05)
     assert len(scan.points) == 20_000
+
+
+@pytest.mark.parametrize("name", ["a.obj", "a.stl", "a.ply"])
+def test_surfaces(name: str, tmp_path: Path) -> None:
+    MESH.export(tmp_path / name)
+    vertices, triangles = read_surface(tmp_path / name)
+    assert vertices[triangles] == pytest.approx(SHAPE.positions[SHAPE.triangles], abs=1e-5)
+
+
+def test_clouds_are_no_surfaces(tmp_path: Path) -> None:
+    trimesh.PointCloud(SHAPE.positions).export(tmp_path / "a.ply")
+    with pytest.raises(ScanError, match="points without triangles"):
+        read_surface(tmp_path / "a.ply")
+    with pytest.raises(ScanError, match="must end in"):
+        read_surface(tmp_path / "a.svg")
 
 
 @pytest.mark.parametrize("name", ["a.obj", "a.ply"])

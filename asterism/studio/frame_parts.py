@@ -1,0 +1,95 @@
+"""What pages want to see beside the shape: the sheet without bumps, and the target surface."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from asterism.studio import requests as ask
+from asterism.studio.engine_link import EngineLink
+from asterism.studio.messages import FitTarget, Parts, TargetPose
+from asterism.studio.shown import Shown
+from asterism.studio.tab import Tab, Tabs
+from asterism.studio.target import Target
+
+
+class PartsOwner(Protocol):
+    """What these parts need of the studio."""
+
+    shown: Shown
+    tabs: Tabs
+    engine: EngineLink
+
+    def tell_state(self) -> None: ...
+    def last_seq(self, is_new: bool = False) -> int: ...
+
+
+class FrameParts:
+    """Keeps the target and what the pages show, and has the engine send it.
+
+    Attributes
+    ----------
+    target : None without one.
+    version : increases with every other target or pose.
+    """
+
+    def __init__(self, studio: PartsOwner) -> None:
+        self._studio = studio
+        self.target: Target | None = None
+        self.version = 0
+        self._wanted = Parts(0)
+        self._fits: tuple[int, int] | None = None  # seq of the question, version of the target
+
+    def show_bumps(self, tab: Tab, shown: bool) -> None:
+        """A page shows the sheet with or without its bumps."""
+        tab.is_smooth = not shown
+        self.update()
+
+    def update(self) -> None:
+        """Have the engine send what the open pages show."""
+        smooth = any(tab.is_smooth for tab in self._studio.tabs)
+        if smooth != self._wanted.smooth:
+            self._want(smooth)
+
+    def _want(self, smooth: bool) -> None:
+        surface = None if self.target is None else self.target.surface
+        self._wanted = Parts(self._studio.last_seq(), smooth, surface, self.version)
+        self._studio.engine.want(self._wanted)
+
+    def load(self, target: Target) -> None:
+        """Show a target that was sent, laid on the shape if there is one."""
+        self.set_target(target)
+        if self._studio.shown.revision is not None:
+            self.fit()
+
+    def set_target(self, target: Target | None) -> None:
+        """Show another target, or none."""
+        self.target, self.version = target, self.version + 1
+        self._want(self._wanted.smooth)
+        self._studio.tell_state()
+
+    def place(self, request: ask.TargetRequest) -> None:
+        """Do with the target what a page asks for."""
+        if self.target is None:
+            raise ask.RequestError("target: send a file first")
+        if request.do == "remove":
+            self.set_target(None)
+            return
+        if request.unit is not None or request.do == "file":
+            self.set_target(self.target.as_in_file(request.unit))
+        if request.do == "fit":
+            self.fit()
+
+    def fit(self) -> None:
+        """Have the engine lay the target on the shape."""
+        seq = self._studio.last_seq(is_new=True)
+        self._fits = seq, self.version
+        self._studio.engine.ask(FitTarget(seq))
+
+    def move(self, pose: TargetPose) -> None:
+        """The engine has laid the target on the shape."""
+        if self.target is not None and self._fits == (pose.seq, self.version):
+            self.set_target(self.target.moved(pose))
+
+    def data(self) -> dict[str, object] | None:
+        """The target for the message `state`."""
+        return None if self.target is None else {**self.target.data(), "version": self.version}

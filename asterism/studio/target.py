@@ -1,0 +1,82 @@
+"""The target surface that a page has sent, and its pose beside the sheet."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from asterism.measure.compare.scan import read_surface
+from asterism.measure.compare.units import MM
+from asterism.studio import frames
+from asterism.studio.messages import Surface, TargetPose
+from pattern.geometry.arrays import Floats, Ints
+
+TARGET = 4  # kind of its binary frame
+
+
+@dataclass(frozen=True)
+class Target:
+    """A surface to compare the sheet with.
+
+    Attributes
+    ----------
+    name : of its file.
+    vertices, triangles : (V, 3) and (T, 3) as in the file.
+    unit : of the file's numbers.
+    rotation, shift : (3, 3) and (3,) mm, from the file to the shown pose.
+    is_fitted : it was laid on the sheet.
+    """
+
+    name: str
+    vertices: Floats
+    triangles: Ints
+    unit: str = "mm"
+    rotation: Floats = field(default_factory=lambda: np.eye(3))
+    shift: Floats = field(default_factory=lambda: np.zeros(3))
+    is_fitted: bool = False
+
+    @property
+    def surface(self) -> Surface:
+        """In the shown pose."""
+        placed = MM[self.unit] * self.vertices @ self.rotation.T + self.shift
+        return Surface(placed.astype(np.float32), self.triangles.astype(np.uint32))
+
+    def moved(self, pose: TargetPose) -> Target:
+        """After another motion."""
+        turn = np.asarray(pose.rotation)
+        return replace(self, rotation=turn @ self.rotation, shift=turn @ self.shift + pose.shift, is_fitted=True)
+
+    def as_in_file(self, unit: str | None = None) -> Target:
+        """In the pose of its file, whose numbers are in another unit if one is given."""
+        return Target(self.name, self.vertices, self.triangles, unit or self.unit)
+
+    def packed(self) -> bytes:
+        """The binary frame for the page."""
+        surface = self.surface
+        return frames.pack(TARGET, {}, {"positions": surface.vertices, "triangles": surface.triangles})
+
+    def data(self) -> dict[str, Any]:
+        """Name, size and placement for the page."""
+        size = MM[self.unit] * np.ptp(self.vertices[np.unique(self.triangles)], axis=0)
+        return {
+            "name": self.name,
+            "unit": self.unit,
+            "triangles": len(self.triangles),
+            "size_mm": [float(extent) for extent in size],
+            "is_fitted": self.is_fitted,
+        }
+
+
+def read_target(path: Path, name: str) -> Target:
+    """The target in a file.
+
+    Raises
+    ------
+    ScanError
+        The file holds no surface.
+    """
+    vertices, triangles = read_surface(path)
+    return Target(name or path.name, vertices, triangles)

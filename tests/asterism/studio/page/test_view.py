@@ -1,0 +1,63 @@
+"""The view in space: the sheet without bumps, and the target surface."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from tests.asterism.studio.browser import StudioPage
+
+IS_MEASURED = "studio.targetDistance?.version === studio.target?.version"
+
+
+def cap(path: Path) -> Path:
+    """A square part of a sphere, away from the origin."""
+    grid = np.linspace(-40.0, 40.0, 16)
+    x, y = (values.ravel() for values in np.meshgrid(grid, grid))
+    number = np.arange(256).reshape(16, 16)
+    a, b, c, d = number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]
+    triangles = np.concatenate([np.stack(part, axis=-1).reshape(-1, 3) for part in ((a, b, c), (a, c, d))])
+    points = np.column_stack([x, y, np.sqrt(90.0**2 - x**2 - y**2)]) + 300.0
+    trimesh.Trimesh(points, triangles, process=False).export(path)
+    return path
+
+
+def test_bumps_are_left_out_and_come_back_and_a_reload_keeps_the_choice(page: StudioPage) -> None:
+    page.open("gallery-dome")
+    assert not page.get("studio.isSmooth")
+    page.item("show-bumps").click()
+    page.wait("studio.isSmooth")
+    page.page.reload()
+    page.wait("window.studio && studio.connected && studio.isSmooth")
+    page.item("show-bumps").click()
+    page.wait("!studio.isSmooth")
+
+
+def test_a_target_is_laid_on_the_sheet_and_kept_over_a_reload(page: StudioPage, tmp_path: Path) -> None:
+    page.open("gallery-dome")
+    page.item("tab-shape").click()
+    with page.page.expect_file_chooser() as chooser:
+        page.item("load-target").click()
+    chooser.value.set_files(cap(tmp_path / "cap.stl"))
+    page.wait(f"studio.ghost === 450 && studio.target.is_fitted && {IS_MEASURED}")
+    fitted = page.get("studio.targetDistance.rms_mm")
+    assert 0.1 < fitted < 5.0
+    page.item("view-colour").select_option("target")
+    page.wait("!document.querySelector('[data-testid=legend]').hidden")
+    assert "target" in page.item("legend").inner_text()
+
+    page.page.reload()
+    page.wait(f"window.studio && studio.connected && studio.ghost === 450 && {IS_MEASURED}")
+    assert page.get("studio.targetDistance.rms_mm") == pytest.approx(fitted)
+    page.item("tab-shape").click()
+    page.item("file-target").click()
+    page.wait(f"!studio.target.is_fitted && {IS_MEASURED}")
+    assert page.get("studio.targetDistance.rms_mm") > 100.0
+    page.item("show-target").uncheck()
+    page.wait("studio.ghost === 0")
+    page.item("remove-target").click()
+    page.wait("!studio.target")
+    assert page.item("view-colour").input_value() == "none"
