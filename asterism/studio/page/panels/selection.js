@@ -71,6 +71,8 @@ export function selectionPanel({ store, edits, actions }, { on }) {
     title.firstChild.textContent = all.length ? `${plural(all.length, "star")} selected` : "No star selected";
     empty.hidden = all.length > 0;
     chosen.hidden = all.length === 0;
+    for (const id of ["select-ring", "select-same"])
+      grow.querySelector(`[data-testid="${id}"]`).disabled = all.length === 0;
     Object.entries(QUANTITIES).forEach(([quantity, { column }], k) => {
       const values = all.map((star) => star.sizes[column]);
       const isSame = values.every((value) => Math.abs(value - values[0]) < 1e-6);

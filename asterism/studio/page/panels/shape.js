@@ -67,6 +67,7 @@ export function shapePanel(studio, page) {
       others.length > 1
         ? [
             section("Forms", h("span", { class: "count" }, String(others.length))),
+            hint("The same print can take each of them. The lower the energy, the more stable the form."),
             h(
               "ul",
               { class: "list" },
@@ -83,7 +84,7 @@ export function shapePanel(studio, page) {
                       testid: `form-${form.index}`,
                       onclick: () => connection.send("form", { index: form.index }),
                     },
-                    h("span", { class: "grow" }, form.name),
+                    h("span", { class: "grow", title: form.name }, form.is_shown ? "This form" : "Another form"),
                     h(
                       "span",
                       { class: "count" },

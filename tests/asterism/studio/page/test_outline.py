@@ -46,6 +46,7 @@ def test_an_outline_comes_from_a_drawing(page: StudioPage, tmp_path: Path, suffi
         assert min(abs(x - 60 - a) + abs(y - 45 - b) for a, b in outline(page)) < 0.01
 
 
+@pytest.mark.slow
 def test_regular_outlines(page: StudioPage) -> None:
     page.item("shape-rectangle").click()
     page.fill("shape-width", 100)
@@ -71,6 +72,7 @@ def test_a_corner_is_added_on_an_edge_and_deleted(page: StudioPage) -> None:
     assert len(outline(page)) == 6
 
 
+@pytest.mark.slow
 def test_corners_snap_to_whole_millimetres_and_to_other_corners_unless_snapping_is_off(page: StudioPage) -> None:
     corner, other = outline(page)[0], outline(page)[3]
     page.changed(lambda: page.drag(corner, (corner[0] - 5.3, other[1] + 45.4)))

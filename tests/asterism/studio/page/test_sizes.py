@@ -43,6 +43,7 @@ def test_a_gradient_is_dragged_from_the_first_value_to_the_second(
     assert page.item(f"gradient-kind-{kind}").get_attribute("aria-checked") == "true"
 
 
+@pytest.mark.slow
 def test_a_formula_gives_the_sizes(page: StudioPage) -> None:
     page.item("tool-gradient").click()
     page.item("gradient-kind-formula").click()
@@ -82,6 +83,7 @@ def test_mirror_and_sixfold_symmetry_repeat_a_stroke(page: StudioPage) -> None:
     page.item("sixfold").uncheck()
 
 
+@pytest.mark.slow
 def test_a_shifted_click_paints_a_straight_line(page: StudioPage) -> None:
     page.item("tool-brush").click()
     page.fill("target", 4)
@@ -114,6 +116,7 @@ def test_stars_are_selected_by_lasso_ring_same_size_and_inverted(page: StudioPag
     assert page.get("studio.selection") == []
 
 
+@pytest.mark.slow
 def test_exact_values_change_the_selected_stars_and_sizes_outside_the_law_are_named(page: StudioPage) -> None:
     page.item("tool-select").click()
     page.page.mouse.click(*page.point((0.0, 0.0)))

@@ -1,0 +1,84 @@
+"""Needles on the page: placed, lifted in the view, drawn together, sliding, removed."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from tests.asterism.studio.browser import StudioPage
+
+
+@pytest.fixture
+def page(shared: StudioPage) -> StudioPage:
+    shared.open("file-canopy.toml")
+    shared.item("tool-needles").click()
+    return shared
+
+
+def table(page: StudioPage) -> dict[str, list[list[float]]]:
+    found: dict[str, list[list[float]]] = page.get("studio.document.design.pins[0]")
+    return found
+
+
+@pytest.mark.slow
+def test_four_clicks_on_a_free_sheet_carry_it(shared: StudioPage) -> None:
+    shared.open("new")
+    shared.item("tool-needles").click()
+    corners = shared.get("studio.document.plan.outline_mm")
+    for k in (0, 2, 3, 5):
+        shared.changed(lambda k=k: shared.page.mouse.click(*shared.point(corners[k])))  # type: ignore[misc]
+    pins = table(shared)
+    assert len(pins["points_mm"]) == len(pins["target_mm"]) == 4
+    assert pins["points_mm"][1] == pytest.approx(corners[2], abs=0.01)
+    assert pins["target_mm"][1] == pytest.approx([value / 1.35 for value in corners[2]] + [0], abs=0.01)
+
+
+def test_a_needle_is_lifted_in_the_view(page: StudioPage) -> None:
+    place = "studio.document.design.pins[0].target_mm[0]"
+    page.page.evaluate("document.getElementById('view-canvas').focus()")
+    box = page.item("view").bounding_box()
+    x, y = page.get(f"studio.viewOf([{place}[0], {place}[1], {place}[2] + 5.5])")
+    mouse = page.page.mouse
+    mouse.move(box["x"] + x, box["y"] + y)
+    assert page.get("document.getElementById('view-canvas').style.cursor") == "ns-resize"
+
+    def lift() -> None:
+        mouse.down()
+        mouse.move(box["x"] + x, box["y"] + y - 60, steps=5)
+        mouse.up()
+
+    page.changed(lift)
+    assert table(page)["target_mm"][0][2] > 5
+    assert table(page)["target_mm"][0][:2] == [31, 18]
+    assert page.item("needle-target-z").input_value() == str(table(page)["target_mm"][0][2])
+
+
+def test_needles_are_drawn_together_by_one_number(page: StudioPage) -> None:
+    page.item("support-0").click()
+    before = table(page)
+    page.changed(lambda: page.fill("support-spread", 0.6))
+    factor = 0.6 / math.sqrt((31**2 + 18**2) / (43**2 + 24.8**2))
+    expected = [[factor * x, factor * y, z] for x, y, z in before["target_mm"]]
+    assert np.allclose(table(page)["target_mm"], expected, atol=0.01)
+    assert page.item("support-spread").input_value() == "0.6"
+
+
+@pytest.mark.slow
+def test_needles_slide_along_themselves(page: StudioPage) -> None:
+    page.item("support-0").click()
+    page.changed(lambda: page.item("support-slide").select_option("z"))
+    assert page.get("studio.document.design.pins[0].slide") == "z"
+    assert "rises freely" in page.item("support-0").inner_text()
+    page.changed(lambda: page.item("support-slide").select_option(""))
+    assert page.get("typeof studio.document.design.pins[0].slide") == "undefined"
+
+
+@pytest.mark.slow
+def test_a_needle_is_removed_and_the_sheet_freed(page: StudioPage) -> None:
+    page.page.mouse.click(*page.point((43.0, 24.8)))
+    page.changed(lambda: page.item("remove-needle").click())
+    assert len(table(page)["points_mm"]) == 3
+    page.changed(lambda: page.item("free-sheet").click())
+    assert not page.get("studio.document.design.pins")

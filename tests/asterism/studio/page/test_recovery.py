@@ -1,0 +1,90 @@
+"""What goes wrong and comes back: an engine that ends, a connection that breaks, a file that changes on disk."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.asterism.studio.browser import VIEWPORT, StudioPage, studio_process
+
+
+def children(parent: int) -> list[int]:
+    """Numbers of the processes that a process started."""
+    listed = subprocess.run(["ps", "-A", "-o", "pid=,ppid="], capture_output=True, text=True, check=True).stdout
+    return [int(pid) for pid, owner in (line.split() for line in listed.splitlines()) if int(owner) == parent]
+
+
+@pytest.mark.slow
+def test_an_engine_that_ends_is_replaced_and_the_work_goes_on(browser: Any, tmp_path: Path) -> None:
+    with studio_process(tmp_path) as (process, url):
+        page = StudioPage(browser.new_page(viewport=VIEWPORT), url)
+        page.open("gallery-dome")
+        page.summarised()
+        height = page.get("studio.height")
+        for child in children(process.pid):
+            os.kill(child, signal.SIGKILL)
+        page.wait("studio.engine !== 'ready'")
+        page.drag((0, 0), (5, 5))
+        page.summarised()
+        assert page.get("studio.height") != height
+        page.item("undo").click()
+        page.wait(f"studio.isSummarised && Math.abs(studio.height - {height}) < 1e-6")
+        page.page.close()
+
+
+def test_a_broken_connection_is_told_and_taken_up_again(new_page: Any) -> None:
+    page = new_page()
+    page.open("gallery-dome")
+    sockets: list[Any] = []
+
+    def pass_on(socket: Any) -> None:
+        sockets.append(socket)
+        socket.connect_to_server()
+
+    page.page.route_web_socket("**/live", pass_on)
+    page.page.reload()
+    page.wait("window.studio && studio.connected")
+    page.rest()
+    sizes = page.get("studio.sizes")
+    sockets[-1].close()
+    page.wait("!studio.connected")
+    page.wait("studio.connected && studio.document")
+    page.rest()
+    assert page.get("studio.sizes") == sizes
+    page.changed(lambda: page.drag((0, 0), (5, 5)))
+    assert page.get("studio.sizes") != sizes
+
+
+@pytest.mark.slow
+def test_a_studio_that_ends_is_told(browser: Any, tmp_path: Path) -> None:
+    with studio_process(tmp_path) as (_, url):
+        page = StudioPage(browser.new_page(viewport=VIEWPORT), url)
+        page.open("gallery-star")
+    page.wait("!studio.connected")
+    assert "start it again" in page.item("problem").inner_text()
+    page.page.close()
+
+
+def test_a_file_that_changes_on_disk_is_followed_and_earlier_states_are_pictures(new_page: Any, folder: Path) -> None:
+    file = folder / "followed.toml"
+    file.write_text('name = "followed"\n[stars]\nlength_mm = 7.0\n[border]\nrings = 1\n', "utf-8")
+    page = new_page()
+    page.wait("studio.document || document.querySelector('[data-testid=new]')")
+    page.open("file-followed.toml")
+    file.write_text(file.read_text("utf-8").replace("7.0", "5.0"), "utf-8")
+    page.wait("studio.document.design.stars.length_mm === 5")
+    page.rest()
+    assert page.get("studio.document.saved")
+    page.item("history").click()
+    page.wait("document.querySelectorAll('.thumbnail canvas').length === 2")
+    page.page.locator(".thumbnail").last.click()
+    page.wait("studio.document.design.stars.length_mm === 7")
+    page.page.keyboard.press("Escape")
+    file.write_text("[stars", "utf-8")
+    page.wait("document.querySelector('[data-testid=problem]')")
+    assert "followed.toml" in page.item("problem").inner_text()

@@ -1,0 +1,81 @@
+"""Shapes on the page: other sides and forms, designs A, B and C, pictures, the report."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from tests.asterism.studio.browser import StudioPage
+
+
+def test_a_dome_is_flipped_and_flipped_back(shared: StudioPage) -> None:
+    shared.open("gallery-dome")
+    shared.summarised()
+    shared.item("tab-shape").click()
+    height = shared.get("studio.height")
+    shared.item("flip").click()
+    shared.wait("studio.isSummarised && studio.state.numbers.side === 'up'")
+    assert shared.get("studio.height") < height
+    shared.item("flip").click()
+    shared.wait(f"studio.isSummarised && Math.abs(studio.height - {height}) < 1e-6")
+
+
+@pytest.mark.slow
+def test_another_form_is_listed_and_shown(shared: StudioPage) -> None:
+    shared.open("gallery-fig8-l-increasing")
+    shared.summarised()
+    shared.item("tab-shape").click()
+    forms = shared.get("studio.state.forms")
+    assert [form["is_shown"] for form in forms] == [True, False]
+    height = shared.get("studio.height")
+    shared.item(f"form-{forms[1]['index']}").click()
+    # the form that was shown is the other one
+    shared.wait(f"Math.abs(studio.height - {height}) > 1 && studio.state.forms[1]?.energy_percent < 0")
+    assert forms[1]["energy_percent"] > 0
+    shared.item(f"form-{shared.get('studio.state.forms')[1]['index']}").click()
+    shared.wait(f"studio.isSummarised && Math.abs(studio.height - {height}) < 0.1")
+
+
+@pytest.mark.slow
+def test_designs_are_kept_as_a_and_b_and_compared(shared: StudioPage) -> None:
+    shared.open("gallery-dome")
+    shared.summarised()
+    shared.item("tab-shape").click()
+    height = shared.get("studio.height")
+    shared.item("keep-A").click()
+    shared.wait("document.querySelector('[data-testid=show-A]')")
+    shared.item("tool-gradient").click()
+    shared.item("gradient-kind-number").click()
+    shared.changed(lambda: shared.fill("gradient-number", 5))
+    shared.summarised()
+    shared.item("tab-shape").click()
+    shared.item("keep-B").click()
+    shared.wait("document.querySelector('[data-testid=show-B]')")
+    assert f"{height:.1f}" in shared.item("slots").inner_text()
+    shared.item("show-A").click()
+    shared.wait(f"studio.isSummarised && Math.abs(studio.height - {height}) < 1e-6")
+    assert shared.get("studio.document.design.stars.length_mm.profile") == "radial"
+
+
+@pytest.mark.slow
+def test_a_picture_is_saved_at_a_chosen_size(shared: StudioPage) -> None:
+    shared.open("gallery-dome")
+    shared.item("picture").click()
+    shared.item("picture-size").select_option("1920 × 1080")
+    with shared.page.expect_download() as download:
+        shared.item("picture-go").click()
+    picture = Image.open(Path(download.value.path())).convert("RGB")
+    assert picture.size == (1920, 1080)
+    darkest, lightest = picture.convert("L").getextrema()
+    assert darkest < 60 and lightest == 255  # plastic, and the white ground
+
+
+@pytest.mark.slow
+def test_the_report_is_written_and_offered(shared: StudioPage, folder: Path) -> None:
+    shared.open("gallery-star")
+    shared.item("report").click()
+    shared.wait("document.querySelector('[data-testid=job]').textContent.includes('report')")
+    shared.wait("document.querySelector('[data-testid=toast]')?.textContent.includes('report is written')")
+    assert (folder / f"{shared.get('studio.document.name')}.pdf").read_bytes().startswith(b"%PDF")
