@@ -18,7 +18,8 @@ export function listen(studio) {
         if (before) studio.view?.reset();
       }
       const comparison = store.get("comparison");
-      if (comparison && !comparison.isOld) store.set({ comparison: { ...comparison, isOld: true } });
+      const isOld = comparison?.revision !== message.revision;
+      if (comparison && comparison.isOld !== isOld) store.set({ comparison: { ...comparison, isOld } });
       prune();
       if (message.kept_work && (!before?.kept_work || before.path !== message.path)) offerKeptWork();
       if (!message.kept_work) document.querySelector("[data-text^='An earlier session']")?.remove();

@@ -63,8 +63,10 @@ export class View {
     } else if (kind === 2) this.#takeShape(header, arrays);
     else if (kind === 3) {
       if (this.shape) bringTo(this.shape.positions, arrays);
+      const { mesh, revision } = header;
+      const isOld = revision !== this.store.get("document")?.revision;
       this.store.set({
-        comparison: { ...arrays, mesh: header.mesh, revision: header.revision ?? null },
+        comparison: { ...arrays, mesh, revision, isOld },
         viewColour: "distance",
         shown: "exact",
       });

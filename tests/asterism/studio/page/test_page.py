@@ -80,6 +80,14 @@ def test_a_verification_shows_the_distance_to_the_exact_shape(page: StudioPage) 
     assert page.item("legend").is_visible()
     page.item("shown-both").click()
     assert page.item("shown-both").get_attribute("aria-checked") == "true"
+    is_old = "document.querySelector('[data-testid=verification]').textContent.includes('has changed since')"
+    page.item("save").click()
+    page.wait("studio.document.saved")
+    assert not page.get(is_old)
+    page.drag((0, 0), (4, 4))
+    page.wait(is_old)
+    page.item("undo").click()
+    page.wait(f"!{is_old}")
 
 
 def test_the_export_writes_files_that_can_be_downloaded(page: StudioPage, folder: Path) -> None:
