@@ -12,6 +12,7 @@ from asterism.results.files import write_file
 from asterism.studio import painted
 from asterism.studio.changes import check_pictures, with_changes
 from asterism.studio.design_text import edited_text
+from asterism.studio.disk_file import check_unchanged
 from asterism.studio.history import History, Step
 from asterism.studio.thumbnails import Thumbnails
 from asterism.studio.watcher import file_text
@@ -46,6 +47,7 @@ class Document:
         self._saved_revision = 0 if text is not None else -1
         self._texts = {0: text} if text is not None else {}
         self._base_text = text  # the last text that was read or written; edits keep its comments
+        self._disk_text = text  # the same of the file at `path`
         self._has_autosave = False
         self._is_checked = False
         self.thumbnails = Thumbnails()
@@ -230,16 +232,24 @@ class Document:
         self._gesture, self._is_checked = None, False
         return self._history.go(position)
 
-    def save(self, path: Path | None = None) -> None:
+    def save(self, path: Path | None = None, over: bool = False) -> None:
         """Write the design file, complete or not at all, and drop the autosave.
+
+        Parameters
+        ----------
+        over : also over a text that the document has not read.
 
         Raises
         ------
+        FileChangedError, OtherFileError
+            The file holds such a text.
         OutputError
             The file cannot be written; the document stays unsaved.
         """
         path = path or self.path
-        if self.is_saved and path == self.path and path.exists():
+        if not over:
+            check_unchanged(path, self._disk_text if path == self.path else None)
+        if not over and self.is_saved and path == self.path and path.exists():
             self._drop_autosave()
             return
         text = self.text if path.suffix.lower() == self.path.suffix.lower() else table_text(self.table, path)
@@ -248,7 +258,7 @@ class Document:
         if path.suffix.lower() != self.path.suffix.lower():
             self._texts.clear()  # in the other format
         self.path = path
-        self._base_text = text
+        self._base_text = self._disk_text = text
         self._texts[self.revision] = text
         for old in sorted(self._texts)[1:-MAX_TEXTS]:
             del self._texts[old]
@@ -305,18 +315,18 @@ class Document:
             return None
         return table
 
-    def read_again(self, text: str) -> None:
-        """Show a new text of the design file: somebody has edited it with another program.
+    def read_again(self) -> None:
+        """Show the text of the design file: somebody has edited it with another program.
 
         Raises
         ------
         DesignError
             The text is not a design that can be printed; the document stays as it is.
         """
-        table = read_table(self.path)
+        text, table = file_text(self.path), read_table(self.path)
         self.apply(table, None, "file")
         self.end_gesture()
-        self._base_text = text
+        self._base_text = self._disk_text = text
         self._texts[self.revision] = text
         self._saved_revision = self.revision
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from asterism.studio.disk_file import FileChangedError, OtherFileError
 from asterism.studio.document import Document
 from asterism.studio.messages import Limits, StudioProblem, mistake_parts
 from asterism.studio.painted import entries_by_site
@@ -15,6 +16,12 @@ from asterism.studio.printers import plastic_names, printer_entries
 from pattern.design.errors import DesignError
 from pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
 from pattern.layout.layout import Layout
+
+REFUSAL_KINDS: dict[type[Exception], str] = {
+    DesignError: "design",
+    FileChangedError: "file changed",
+    OtherFileError: "file exists",
+}
 
 
 def document_data(document: Document, printer: str, limits: Limits | None) -> dict[str, Any]:
@@ -72,7 +79,7 @@ def problem_data(error: Exception, layout: Layout | None, seq: int | None = None
     rows = np.empty((0, 2)) if layout is None else layout.sheet_sites
     return {
         "type": "problem",
-        "kind": "design" if isinstance(error, DesignError) else "request",
+        "kind": next((kind for of, kind in REFUSAL_KINDS.items() if isinstance(error, of)), "request"),
         "seq": seq,
         "text": " ".join(str(error).split()),
         **mistake_parts(error, rows),

@@ -7,6 +7,7 @@ from typing import Any
 
 from asterism.print.bed_placement import room_mm
 from asterism.print.profiles import load_printer, profile_names
+from asterism.studio.requests import RequestError
 
 DEFAULT_PRINTER = "ultimaker2"
 
@@ -37,3 +38,16 @@ def printer_entries() -> tuple[dict[str, Any], ...]:
 def plastic_names() -> list[str]:
     """Names of the plastics that can be chosen for an export."""
     return profile_names("plastics")
+
+
+def known_printer(name: str) -> str:
+    """The name, if there is a profile of that name.
+
+    Raises
+    ------
+    RequestError
+        There is none.
+    """
+    if name not in [entry["name"] for entry in printer_entries()]:
+        raise RequestError(f"printer: there is no {name!r}")
+    return name

@@ -56,8 +56,17 @@ class New(Request):
 
 
 class Save(Request):
+    """Write the design file; with `over` also over a text that somebody else has written there."""
+
     type: Literal["save"]
     name: Name | None = None
+    over: bool = False
+
+
+class Reread(Request):
+    """Show the design file as it is on the disk."""
+
+    type: Literal["reread"]
 
 
 class Undo(Request):
@@ -189,6 +198,7 @@ AnyRequest = Annotated[
     | Open
     | New
     | Save
+    | Reread
     | Undo
     | Redo
     | HistoryRequest

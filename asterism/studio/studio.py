@@ -29,7 +29,7 @@ from asterism.studio.messages import (
 from asterism.studio.opening import design_path, opened
 from asterism.studio.page_data import document_data, engine_problem_data, problem_data
 from asterism.studio.painted import split
-from asterism.studio.printers import DEFAULT_PRINTER, printer_entries
+from asterism.studio.printers import DEFAULT_PRINTER, known_printer
 from asterism.studio.shown import Shown
 from asterism.studio.slots import Slots
 from asterism.studio.tab import Tab, Tabs
@@ -199,10 +199,14 @@ class Studio:
                     document.discard()
                     self.tell_document()
             case ask.Save():
-                await asyncio.to_thread(document.save, design_path(self.folder, request.name) if request.name else None)
+                path = design_path(self.folder, request.name) if request.name else None
+                await asyncio.to_thread(document.save, path, request.over)
                 self._upkeep.begin(document)
                 self.tell({"type": "saved", "path": str(document.path)})
                 self.tell_document()
+            case ask.Reread():
+                await asyncio.to_thread(document.read_again)
+                await self.accept()
             case ask.FlipRequest() | ask.FormRequest():
                 seq = self.last_seq(is_new=True)
                 index = request.index if isinstance(request, ask.FormRequest) else None
@@ -210,9 +214,7 @@ class Studio:
             case ask.SlotRequest():
                 await self._slot(request, document)
             case ask.PrinterRequest():
-                if request.name not in [entry["name"] for entry in printer_entries()]:
-                    raise ask.RequestError(f"printer: there is no {request.name!r}")
-                self.printer = request.name
+                self.printer = known_printer(request.name)
                 self.tell_document()
             case _:
                 self.jobs.start(request, document)

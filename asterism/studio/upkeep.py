@@ -97,7 +97,7 @@ class Upkeep:
             if document is not self._studio.document or watch is not self._watch or text == document.text:
                 return
             try:
-                await asyncio.to_thread(document.read_again, text)
+                await asyncio.to_thread(document.read_again)
             except Error as error:
                 self._studio.tell(problem_data(error, document.layout))
                 return

@@ -1,13 +1,27 @@
-"""Fixtures of the commands' tests."""
+"""Fixtures of the commands' and the pages' tests."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from PIL import Image
 
 from asterism.shape.shape import Shape
+from tests.asterism.studio.browser import ARGUMENTS, browser_path
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    """A browser for all tests of pages: two of them in one process disturb each other."""
+    path = browser_path()
+    playwright = pytest.importorskip("playwright.sync_api")
+    with playwright.sync_playwright() as driver:
+        launched = driver.chromium.launch(executable_path=path, args=list(ARGUMENTS))
+        yield launched
+        launched.close()
 
 
 @pytest.fixture(autouse=True)

@@ -11,11 +11,17 @@ const UNDRAWN_MS = 600; // by then the answer of the server has changed the outl
 export function createActions(studio) {
   const { store, connection, edits } = studio;
 
+  const asked = new Map(); // files that were to be saved, by the number of the message
+  const send = (type, fields) => asked.set(connection.send(type, fields), fields);
+
   const actions = {
     undo: () => connection.send("undo"),
     redo: () => connection.send("redo"),
-    save: () => store.get("document") && connection.send("save"),
-    saveAs: (name) => connection.send("save", { name }),
+    save: () => store.get("document") && send("save", {}),
+    saveAs: (name) => send("save", { name }),
+    /** After the server has refused to write over a file: write all the same, or show what the file holds. */
+    keepMine: ({ seq }) => send("save", { ...asked.get(seq), over: true }),
+    takeFile: () => connection.send("reread"),
     report() {
       store.set({ jobs: { ...store.get("jobs"), report: { stage: "starts", done: 0, of: 0, seconds: 0 } } });
       connection.send("report");

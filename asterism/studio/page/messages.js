@@ -48,6 +48,7 @@ export function listen(studio) {
       }
     },
     problem(message) {
+      if (message.kind?.startsWith("file ")) return offerFile(message);
       const shown = showProblem(message);
       store.set({ problem: { ...message, isBlocking: false } });
       if (message.job) {
@@ -75,6 +76,17 @@ export function listen(studio) {
     element.classList.add("bad");
     announce(text);
     return true;
+  }
+
+  /** The file on the disk is not the one that would be replaced. */
+  function offerFile(message) {
+    const isOther = message.kind === "file exists";
+    toast(`${message.text}. Nothing is written yet.`, {
+      isBad: true,
+      action: { text: isOther ? "Replace it" : "Keep mine", run: () => studio.actions.keepMine(message) },
+      other: isOther ? null : { text: "Take the file's", run: studio.actions.takeFile },
+      stay: 0,
+    });
   }
 
   /** Unsaved work of an earlier session. */

@@ -11,7 +11,6 @@ import pytest
 import asterism
 from asterism.notebook.live_sheet import LiveSheet, Traits, shape_traits
 from asterism.notebook.module_text import widget_module
-from tests.asterism.studio.browser import ARGUMENTS, browser_path
 
 ADDRESS = "http://127.0.0.1:9/"
 VIEWPORT = {"width": 900, "height": 700}
@@ -75,16 +74,6 @@ COVERED = """(k) => {
 @pytest.fixture(scope="module")
 def preview() -> asterism.Preview:
     return asterism.Preview(asterism.new("dome"))
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    path = browser_path()
-    playwright = pytest.importorskip("playwright.sync_api")
-    with playwright.sync_playwright() as driver:
-        launched = driver.chromium.launch(executable_path=path, args=list(ARGUMENTS))
-        yield launched
-        launched.close()
 
 
 @pytest.fixture

@@ -151,3 +151,35 @@ def test_stars_given_by_number_and_place_can_be_painted(folder: Path):
     site = tuple(document.layout.sheet_sites[1].tolist())
     document.paint([site], {"thickness_mm": [0.4]}, None)
     assert document.table["stars"]["override"] == [{"site": list(site), "length_mm": 5.0, "thickness_mm": 0.4}]
+
+
+def test_a_file_that_was_changed_on_the_disk_is_written_over_only_on_request(page: Page, folder: Path):
+    file = folder / "dome.toml"
+    page.until("document")
+    page.send(type="remove", sites=[[0, 0]], gesture=1)
+    page.until("document", can_undo=True)
+    file.write_text("[stars]\nlength_mm = -1\n", encoding="utf-8")
+    page.send(type="save", seq=7)
+    refused = page.until("problem", seq=7)
+    assert refused["kind"] == "file changed" and "has a mistake: border: is missing" in refused["text"]
+    assert file.read_text(encoding="utf-8") == "[stars]\nlength_mm = -1\n"
+    page.send(type="reread", seq=8)
+    assert page.until("problem", seq=8)["field"] == "border"
+    page.send(type="save", over=True)
+    page.until("saved")
+    assert len(load_design(file).stars.override) == 1
+
+
+def test_another_design_is_written_over_only_on_request(page: Page, folder: Path):
+    other = folder / "star.toml"
+    text = gallery.path("star").read_text(encoding="utf-8")
+    other.write_text(text, encoding="utf-8")
+    page.until("document")
+    page.send(type="save", name="star", seq=7)
+    assert page.until("problem", seq=7)["kind"] == "file exists"
+    assert other.read_text(encoding="utf-8") == text
+    page.send(type="save", name="star", over=True)
+    page.until("saved")
+    page.send(type="save")
+    page.until("saved")
+    assert other.read_bytes() == gallery.path("dome").read_bytes()

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from tests.asterism.studio.browser import ARGUMENTS, VIEWPORT, StudioPage, browser_path, running_studio
+from tests.asterism.studio.browser import VIEWPORT, StudioPage, running_studio
 
 NEEDLES = """
 name = "canopy"
@@ -21,16 +21,6 @@ rings = 2
 points_mm = [[43.0, 24.8], [-43.0, 24.8], [-43.0, -24.8], [43.0, -24.8]]
 target_mm = [[31.0, 18.0, 0.0], [-31.0, 18.0, 0.0], [-31.0, -18.0, 0.0], [31.0, -18.0, 0.0]]
 """
-
-
-@pytest.fixture(scope="session")
-def browser() -> Iterator[Any]:
-    path = browser_path()
-    playwright = pytest.importorskip("playwright.sync_api")
-    with playwright.sync_playwright() as driver:
-        launched = driver.chromium.launch(executable_path=path, args=list(ARGUMENTS))
-        yield launched
-        launched.close()
 
 
 @pytest.fixture(scope="package")
