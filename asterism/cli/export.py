@@ -46,6 +46,7 @@ def export(
     effect of rounding on the shape, by the preview, or by the exact model with --simulate.
     """
     from asterism.cli.common.results_folder import results_folder
+    from asterism.exact.cost import exact_cost
     from asterism.laws.design_law import law_for_design
     from asterism.laws.replace_material import with_material
     from asterism.print.export import check_shape_request
@@ -60,6 +61,8 @@ def export(
     )
     check_shape_request(directory, shape, preview, simulate)
     sheet = law_for_design(plan, law, design, material) if preview or law else None
+    if simulate:
+        run.cost(exact_cost(plan, shapes=2))
     with run.computing():
         exported = write(
             plan,

@@ -40,7 +40,7 @@ def preview(
     chosen_law = law_for_design(chosen, law, design, material)
     with run.computing():
         shape = compute(chosen, chosen_law, side, run.say)
-    files = write_results(shape, directory)
+        files = write_results(shape, directory)
     run.table(shape.summary.table(), doubts=doubts(shape.summary))
     run.files(directory, files)
     warnings = shape.summary["warnings"]

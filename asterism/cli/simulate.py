@@ -45,6 +45,7 @@ def simulate(
     """
     from asterism.cli.common.overrides import with_overrides
     from asterism.cli.common.results_folder import results_folder
+    from asterism.exact.cost import exact_cost
     from asterism.exact.simulation import simulate as compute
     from asterism.laws.replace_material import read_design
     from asterism.reports.write_results import write_results
@@ -61,9 +62,10 @@ def simulate(
         },
     )
     directory = results_folder(design, output, design.with_suffix(""))
+    run.cost(exact_cost(changed, starts))
     with run.computing():
         shape = compute(changed, backend, run.report, run.say, starts)
-    files = write_results(shape, directory)
+        files = write_results(shape, directory)
     run.table(shape.summary.table(), doubts=doubts(shape.summary))
     run.files(directory, files)
     run.warn(*shape.summary["warnings"])

@@ -33,6 +33,7 @@ def verify(
     """
     from asterism.cli.common.overrides import with_overrides
     from asterism.cli.common.results_folder import results_folder
+    from asterism.exact.cost import exact_cost
     from asterism.laws.design_law import law_for_design
     from asterism.laws.replace_material import read_design
     from asterism.reports.verification_files import write_verification
@@ -48,11 +49,12 @@ def verify(
     # a folder of its own: simulate and preview write to a folder with the design's name
     directory = results_folder(design, output, design.with_name(f"{design.stem}-verified"))
     chosen_law = law_for_design(chosen, law, design, material)  # check the law before the computation
+    run.cost(exact_cost(chosen, shapes=2))
     with run.computing():
         line = shlex.join(["asterism", *sys.argv[1:]])
         verification = compute(chosen, chosen_law, backend, run.report, run.say, command=line)
         run.say("writing the report")
-    files = write_verification(verification, directory)
+        files = write_verification(verification, directory)
     run.table(verification.summary.table(), doubts=doubts(verification.summary))
     run.files(directory, files)
     run.warn(*verification.summary["warnings"])

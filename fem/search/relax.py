@@ -33,6 +33,8 @@ MAX_ITERATIONS_OF_FURTHER_GUESSES = 12  # the same after a minimum has been foun
 MAX_DESCENT_ITERATIONS = 200  # iterations of energy minimisation after Newton's method has failed
 # 1: energy of a guess above the best one, over that of the flat sheet above it, up to which the guess is followed
 CLOSE_GUESS = 0.1
+# iterations of one search; then it ends with the best state so far. The study's designs take fewer than 200
+MAX_SEARCH_ITERATIONS = 1500
 MAX_GUESSES = 2  # guesses of different kinds that are followed
 MAX_TURNED_GUESSES = 2  # guesses of the best kind in other directions that are followed
 MODE_COUNT = 3  # softest modes that are computed
@@ -89,8 +91,9 @@ def relax(
         if not results[-1].is_minimum and results[-1].energy < lowest < np.inf:
             results.append(follow(shell, results[-1].x, factor, guess.shape.name))
     for steps in LOAD_STEPS:
-        if not any(each.is_minimum for each in results):
-            results += filter(None, [follow_load_steps(shell, factor, steps)])
+        left = MAX_SEARCH_ITERATIONS - sum(each.iterations for each in results)
+        if left > 0 and not any(each.is_minimum for each in results):
+            results += filter(None, [follow_load_steps(shell, factor, steps, left)])
     best = min(results, key=_rank)
     if best.is_minimum:
         enough = best.energy + energy_tie * abs(best.energy)
@@ -154,14 +157,20 @@ def factorise(shell: Shell, x: Floats, factor: Factor) -> bool:
     return is_definite_on_support(shell, x, shell.hessian(x), factor)
 
 
-def follow_load_steps(shell: Shell, factor: Factor, steps: int) -> ShellEquilibrium | None:
-    """The equilibrium from the printed sheet with fields, loads and supports in steps; None if a step fails."""
+def follow_load_steps(
+    shell: Shell, factor: Factor, steps: int, max_iterations: int = MAX_SEARCH_ITERATIONS
+) -> ShellEquilibrium | None:
+    """The equilibrium from the printed sheet with fields, loads and supports in steps.
+
+    None if a step fails, or if the steps take more than `max_iterations`.
+    """
     x = shell.flat
-    equilibrium = None
+    equilibrium, spent = None, 0
     for step in range(1, steps + 1):
         part = shell.at_progress(step / steps)
         equilibrium = follow(part, part.constrain(x), factor, f"{steps} load steps")
-        if not equilibrium.converged:
+        spent += equilibrium.iterations
+        if not equilibrium.converged or spent > max_iterations:
             return None
         x = equilibrium.x
     return None if equilibrium is None else replace(equilibrium, load_steps=steps)

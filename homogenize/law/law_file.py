@@ -145,6 +145,8 @@ def load_law(path: str | Path | None = None) -> Law:
             raise LawError(f"{path}: lacks the number of stable cells; {_REMEDY}")
         return law
     except OSError as error:
+        if error.filename is None:  # no error of the disk: the archive points to places outside of its file
+            raise LawError(f"{path}: is not a law, or damaged") from None
         raise LawError(f"{path}: cannot be read: {error.strerror or error}") from None
     except DesignError as error:
         raise LawError(f"{path}: its material cannot be read: {error}; {_REMEDY}") from None

@@ -4,15 +4,23 @@ from __future__ import annotations
 
 import shutil
 import sys
+import threading
 import time
-from typing import TextIO
+from types import TracebackType
+from typing import Self, TextIO
 
 from asterism.process import interruption
 from equilibrium.newton.minimise import Iteration
 
+# longest silence: then a line says that the computation goes on
+MAX_SILENCE_S = 4.0
+
 
 class Progress:
-    """One changing line on a terminal; elsewhere one line for each stage."""
+    """One changing line on a terminal; elsewhere one line for each stage.
+
+    As a context it also says every `MAX_SILENCE_S` seconds that the computation goes on, if nothing else is said.
+    """
 
     def __init__(self, stream: TextIO | None = None) -> None:
         self._stream = stream or sys.stderr
@@ -20,20 +28,48 @@ class Progress:
         self._start = time.perf_counter()
         self._last = ""
         self._stage = ""
+        self._lock = threading.Lock()
+        self._written = self._start
+        self._is_over = threading.Event()
+
+    def __enter__(self) -> Self:
+        threading.Thread(target=self._watch, daemon=True).start()
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self._is_over.set()
+        with self._lock:
+            self._finish()
+
+    def _watch(self) -> None:
+        """Break long silences, in a thread of its own: a factorisation or a picture may take longer."""
+        while not self._is_over.wait(MAX_SILENCE_S / 8):
+            with self._lock:
+                if time.perf_counter() - self._written >= MAX_SILENCE_S and not self._is_over.is_set():
+                    self._finish()
+                    self._write(f"  still computing, {time.perf_counter() - self._start:.0f} s\n")
+
+    def _write(self, text: str) -> None:
+        self._stream.write(text)
+        self._stream.flush()
+        self._written = time.perf_counter()
 
     def say(self, text: str) -> None:
         """Print a line."""
         interruption.check()
-        self._finish()
-        self._stream.write(text + "\n")
-        self._stream.flush()
+        with self._lock:
+            self._finish()
+            self._write(text + "\n")
 
     def report(self, stage: str, iteration: Iteration) -> None:
         """Show an iteration; `stage` describes the stage, such as the released part of the stretch."""
         interruption.check()
+        with self._lock:
+            self._show(stage, iteration)
+
+    def _show(self, stage: str, iteration: Iteration) -> None:
         if stage != self._stage and not self._live and self._last:
-            self._stream.write(self._last + "\n")
-            self._stream.flush()
+            self._write(self._last + "\n")
         self._stage = stage
         name = f"{stage} released" if stage.endswith("%") else stage
         begin = f"  {name:<32} iteration {iteration.number:<4} energy {iteration.energy:.4f} N mm"
@@ -43,14 +79,14 @@ class Progress:
             # a line that wraps cannot be replaced
             room = shutil.get_terminal_size().columns - 1
             shown = self._last if len(self._last) <= room else begin[: max(room - len(clock), 0)] + clock
-            self._stream.write("\r\x1b[K" + shown[:room])
-            self._stream.flush()
+            self._write("\r\x1b[K" + shown[:room])
 
     def close(self) -> None:
         """Move the terminal to a new line."""
-        self._finish()
+        with self._lock:
+            self._finish()
 
     def _finish(self) -> None:
         if self._last:
-            self._stream.write("\n" if self._live else self._last + "\n")
+            self._write("\n" if self._live else self._last + "\n")
             self._last = ""

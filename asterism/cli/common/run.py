@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TextIO
 import typer
 
 if TYPE_CHECKING:
+    from asterism.exact.cost import Cost
     from equilibrium.newton.minimise import Iteration
 
 DONE = 0
@@ -26,6 +27,7 @@ COMMON_OPTIONS: dict[str, tuple[Any, Any]] = {
         Annotated[bool, typer.Option("--strict", help="End with exit status 1 if a result is not reliable.")],
         False,
     ),
+    "yes": (Annotated[bool, typer.Option("--yes", help="Compute also what takes long or needs much memory.")], False),
     "quiet": (Annotated[bool, typer.Option("--quiet", "-q", help="Print no progress.")], False),
 }
 
@@ -37,12 +39,13 @@ class Run:
     ----------
     quiet : print results, warnings and errors, but not progress.
     strict : a result that is not reliable ends with exit status 1.
+    yes : compute also what takes long or needs much memory.
     is_doubtful : a printed result is not reliable.
     stream : output stream of progress.
     """
 
-    def __init__(self, quiet: bool = False, strict: bool = False) -> None:
-        self.quiet, self.strict = quiet, strict
+    def __init__(self, quiet: bool = False, strict: bool = False, yes: bool = False) -> None:
+        self.quiet, self.strict, self.yes = quiet, strict, yes
         self.is_doubtful = False
         # a quiet command discards its progress
         self.stream: TextIO = io.StringIO() if quiet else sys.stderr
@@ -55,13 +58,23 @@ class Run:
         from asterism.cli.common.progress import Progress
         from asterism.process.compiling import announce_compiling
 
-        progress = Progress(self.stream)
-        self._say, self._report = progress.say, progress.report
-        try:
-            with announce_compiling(progress.say):
-                yield
-        finally:
-            progress.close()
+        with Progress(self.stream) as progress, announce_compiling(progress.say):
+            self._say, self._report = progress.say, progress.report
+            yield
+
+    def cost(self, cost: Cost) -> None:
+        """Print what a computation costs; ask for consent if that is much.
+
+        Raises
+        ------
+        Mistake
+            It costs much, and neither --yes nor a terminal gives consent.
+        """
+        from asterism.cli.common.consent import ask, is_large
+
+        if is_large(cost) and not self.yes:
+            ask(cost)
+        self.stream.write(f"about {cost.in_words()}\n")
 
     def say(self, text: str) -> None:
         """Print a line of progress."""

@@ -1,0 +1,69 @@
+"""What an exact shape costs, estimated from its design before anything is computed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pattern.design.design import Design
+from pattern.geometry.planar import polygon_area
+from pattern.layout.build import sheet_outline
+
+# Fitted to python -m benchmarks.exact (1141 to 58381 vertices, two cores) and to the largest whole solve of
+# python -m benchmarks.large (294847 vertices); the fit is within a factor of two.
+BASE_MB = 200.0
+MB_A_VERTEX = 0.0195
+BASE_S = 1.5
+SECONDS_AT_10000_VERTICES = 5.0
+REFINEMENT_EXPONENT = 0.9
+# from this size on the factorisation dominates
+LARGE_VERTICES = 58_000
+SECONDS_AT_LARGE = 25.0
+LARGE_EXPONENT = 2.0
+# graded meshes take more iterations on the finest mesh
+GRADED_FACTOR = 4.0
+# of sheets that meet themselves (python -m benchmarks.contact); other sheets take twice as long with contact
+CONTACT_FACTOR = 8.0
+# a further start explores the coarse mesh, and the lowest minima are carried to the fine mesh
+FURTHER_START_FACTOR = 0.5
+
+
+@dataclass(frozen=True)
+class Cost:
+    """An estimate: number of vertices, peak memory in MB, and wall time in seconds."""
+
+    vertices: int
+    memory_mb: float
+    seconds: float
+
+    def in_words(self) -> str:
+        """One phrase.
+
+        >>> Cost(58381, 1338.4, 25.3).in_words(), Cost(400000, 8000.0, 1189.0).in_words()
+        ('58381 vertices, 1.3 GB, 25 s', '400000 vertices, 8.0 GB, 20 min')
+        """
+        time = f"{self.seconds:.0f} s" if self.seconds < 100 else f"{self.seconds / 60:.0f} min"
+        return f"{self.vertices} vertices, {self.memory_mb / 1000:.1f} GB, {time}"
+
+
+def exact_cost(design: Design, starts: int = 1, shapes: int = 1) -> Cost:
+    """The cost of exact shapes of a design on the mesh that it asks for.
+
+    Parameters
+    ----------
+    starts : number of initial guesses.
+    shapes : number of exact shapes, one after the other; a verification computes two.
+
+    Examples
+    --------
+    >>> from pattern import gallery
+    >>> exact_cost(gallery.load("tube")).vertices
+    3741
+    """
+    # equilateral triangles have half a vertex each
+    area = abs(polygon_area(sheet_outline(design)))
+    vertices = area / (0.75**0.5 * design.mesh.edge_mm**2)
+    seconds = BASE_S + SECONDS_AT_10000_VERTICES * (vertices / 10_000) ** REFINEMENT_EXPONENT
+    seconds = max(seconds, SECONDS_AT_LARGE * (vertices / LARGE_VERTICES) ** LARGE_EXPONENT)
+    seconds *= (GRADED_FACTOR if design.mesh.graded else 1.0) * (CONTACT_FACTOR if design.solver.contact else 1.0)
+    seconds *= (1.0 + FURTHER_START_FACTOR * (starts - 1)) * shapes
+    return Cost(round(vertices), BASE_MB + MB_A_VERTEX * vertices, seconds)

@@ -1,0 +1,187 @@
+"""One case: files in a folder and a command line, all from the number of the case."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.fuzz.kit import DESIGNS, MATERIAL
+from benchmarks.fuzz.mutations import Rng, json_text, mutated_bytes, mutated_cells, mutated_table, pick
+from pattern.design.files import table_text
+
+# the seed of all cases; a case is this seed with its number
+SEED = 20251125
+# largest mesh of a case with the exact model: others are left to the preview
+MAX_VERTICES = 1500
+KEYS = ("length_mm", "thickness_mm", "width_mm", "rings", "scale", "where", "polygon_mm", "on", "seed", "kind")
+ODD_OPTIONS = ("0", "-1", "1e9", "nan", "inf", "", "x", "0.5", "2", "1000000", "\u661f", "none.toml", "design.json")
+OPTIONS: dict[str, tuple[str, ...]] = {
+    "preview": ("--side", "--law", "--material", "-o", "--strict", "--quiet"),
+    "simulate": ("--edge", "--start", "--seed", "--fabric-bending", "--backend", "-o", "--material", "--strict"),
+    "verify": ("--edge", "--law", "--backend", "-o"),
+    "export": (
+        "--printer", "--plastic", "--first-layer", "--layer", "--plate", "--fabric", "--turn", "--needle-spacing",
+        "--no-border", "--shape", "-o",
+    ),
+    "report": ("--results", "--printer", "--plastic", "-o"),
+    "strips fit": ("--kappa-bar", "--stretch", "--flat-height", "--confidence", "--rest-curvature", "--outside", "-o"),
+    "strips new": ("--thickness", "--count", "--length", "--width", "--stretch", "--plate", "--fabric", "--printer"),
+    "compare": ("--units", "--view", "--trim", "-o"),
+    "law show": ("-o",),
+    "new": ("-o",),
+    "printers": (),
+}  # fmt: skip
+FLAGS = ("--strict", "--quiet", "--no-border", "--outside")
+
+
+@dataclass(frozen=True)
+class Case:
+    """A case: its number, the kind of input that is mutated, and the words of the command line."""
+
+    number: int
+    kind: str
+    words: tuple[str, ...]
+
+
+def make_case(number: int, kit: Path, folder: Path) -> Case:
+    """Write the files of a case into an empty folder, and return it."""
+    rng = np.random.default_rng([SEED, number])
+    kind = pick(rng, KINDS)
+    return Case(number, kind, tuple(MAKERS[kind](rng, kit, folder)))
+
+
+def _design(rng: Rng, folder: Path, intact: bool = False) -> str:
+    """Write a design, as JSON or TOML; returns the name of its file."""
+    table = DESIGNS[pick(rng, DESIGNS)]
+    if not intact and rng.random() < 0.8:
+        table = mutated_table(table, rng, KEYS)
+    text, name = json_text(table), "design.json"
+    if rng.random() < 0.6:
+        text, name = _toml(table) or text, "design.toml"
+    content = text.encode("utf-8", "surrogatepass")
+    if not intact and rng.random() < 0.25:
+        content = mutated_bytes(content, rng)
+    (folder / name).write_bytes(content)
+    return name
+
+
+def _toml(table: dict[str, Any]) -> str:
+    """The TOML of a table; empty for lists in which tables and numbers are mixed, which TOML writes in another way."""
+    try:
+        return table_text(table, Path("a.toml"))
+    except (AttributeError, TypeError, ValueError):
+        return ""
+
+
+def _exact_is_small(name: str, folder: Path) -> bool:
+    """Whether the exact model takes a second or two, or refuses the design."""
+    from asterism.exact.cost import exact_cost
+    from equilibrium.errors import Error
+    from pattern.layout.load_design import load_design
+
+    try:
+        return exact_cost(load_design(folder / name)).vertices <= MAX_VERTICES
+    except Error:
+        return True
+
+
+def _designs(rng: Rng, kit: Path, folder: Path) -> list[str]:
+    name = _design(rng, folder)
+    command = pick(rng, ["preview"] * 5 + ["export"] * 3 + ["simulate"] * 2 + ["verify", "report"])
+    if command in ("simulate", "verify") and not _exact_is_small(name, folder):
+        command = "preview"
+    return [command, name]
+
+
+def _materials(rng: Rng, kit: Path, folder: Path) -> list[str]:
+    content = _toml(mutated_table(MATERIAL, rng, ("modulus_mpa", "plan", "lattice"))).encode()
+    (folder / "material.toml").write_bytes(mutated_bytes(content, rng) if rng.random() < 0.3 else content)
+    return [
+        pick(rng, ["preview", "export", "simulate"]),
+        _design(rng, folder, intact=True),
+        "--material",
+        "material.toml",
+    ]
+
+
+def _strips(rng: Rng, kit: Path, folder: Path) -> list[str]:
+    text = mutated_cells((kit / "strips.csv").read_text(), rng)
+    (folder / "strips.csv").write_bytes(mutated_bytes(text.encode(), rng) if rng.random() < 0.3 else text.encode())
+    kinds = ("zero", "constant", "per-thickness")
+    options = ["--kappa-bar", pick(rng, kinds)] if rng.random() < 0.5 else []
+    return ["strips", "fit", "strips.csv", *options]
+
+
+def _laws(rng: Rng, kit: Path, folder: Path) -> list[str]:
+    (folder / "law.npz").write_bytes(mutated_bytes((kit / "law.npz").read_bytes(), rng))
+    if rng.random() < 0.5:
+        return ["law", "show", "law.npz"]
+    return ["preview", _design(rng, folder, intact=True), "--law", "law.npz"]
+
+
+def _scans(rng: Rng, kit: Path, folder: Path) -> list[str]:
+    name = pick(rng, ["scan.obj", "scan.stl", "scan.ply", "text.ply", "text.stl"])
+    (folder / name).write_bytes(mutated_bytes((kit / name).read_bytes(), rng))
+    return ["compare", str(kit / "shape"), name]
+
+
+def _drawings(rng: Rng, kit: Path, folder: Path) -> list[str]:
+    name = pick(rng, ["outline.svg", "outline.csv"])
+    (folder / name).write_bytes(mutated_bytes((kit / name).read_bytes(), rng))
+    return ["compare", str(kit / "shape"), name, "--view", pick(rng, ["above", "front", "side"])]
+
+
+def _shapes(rng: Rng, kit: Path, folder: Path) -> list[str]:
+    """Results of an earlier command that are damaged."""
+    shutil.copytree(kit / "shape", folder / "shape")
+    name = pick(rng, ["summary.json", "shape.vtu", "rods.vtu"])
+    (folder / "shape" / name).write_bytes(mutated_bytes((kit / "shape" / name).read_bytes(), rng))
+    if rng.random() < 0.5:
+        return ["compare", "shape", str(kit / "scan.obj")]
+    (folder / "star.json").write_text(json_text(DESIGNS["star"]))
+    return ["export", "star.json", "--shape", "shape"]
+
+
+def _profiles(rng: Rng, kit: Path, folder: Path) -> list[str]:
+    name = pick(rng, ["printer", "plastic"])
+    (folder / f"{name}.toml").write_bytes(mutated_bytes((kit / f"{name}.toml").read_bytes(), rng))
+    return ["export", _design(rng, folder, intact=True), f"--{name}", f"{name}.toml"]
+
+
+def _options(rng: Rng, kit: Path, folder: Path) -> list[str]:
+    command = pick(rng, OPTIONS)
+    words = command.split()
+    inputs: dict[str, Callable[[], list[str]]] = {
+        "strips fit": lambda: [str(shutil.copy(kit / "strips.csv", folder))],
+        "compare": lambda: [str(kit / "shape"), str(shutil.copy(kit / "scan.obj", folder))],
+        "law show": lambda: [str(shutil.copy(kit / "law.npz", folder))],
+        "new": lambda: [pick(rng, ["tube", "dome", "nothing", ""])],
+        "strips new": list,
+        "printers": list,
+    }
+    words += inputs[command]() if command in inputs else [_design(rng, folder, intact=True)]
+    for _ in range(int(rng.integers(1, 3))):
+        known = [option for option in OPTIONS[command] if option not in words]
+        option = pick(rng, [*known, "--colour"]) if known else "--colour"
+        words += [option] if option in FLAGS else [option, pick(rng, ODD_OPTIONS)]
+    return words
+
+
+MAKERS: dict[str, Callable[[Rng, Path, Path], list[str]]] = {
+    "design": _designs,
+    "material": _materials,
+    "strips": _strips,
+    "law": _laws,
+    "scan": _scans,
+    "drawing": _drawings,
+    "shape": _shapes,
+    "profile": _profiles,
+    "option": _options,
+}
+# how often each kind comes
+KINDS = ["design"] * 8 + ["option"] * 4 + ["strips", "scan", "drawing"] * 2 + ["material", "law", "shape", "profile"]

@@ -1,0 +1,60 @@
+"""Every command says what it costs, asks before large computations, and ends within a budget."""
+
+from __future__ import annotations
+
+import io
+import json
+import time
+from pathlib import Path
+
+import pytest
+
+from asterism.cli.common import progress
+from asterism.cli.common.progress import Progress
+from tests.asterism.commands import command
+
+SMALL = "[stars]\nlength_mm = 10.0\nthickness_mm = 0.4\n[border]\nrings = 0\n[mesh]\nedge_mm = 4.0\n"
+LARGE = SMALL.replace("rings = 0", "rings = 8").replace("4.0", "0.5")
+
+
+@pytest.mark.parametrize("words", [["simulate", "d.toml"], ["verify", "d.toml"], ["export", "d.toml", "--simulate"]])
+def test_a_large_computation_needs_consent(
+    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "d.toml").write_text(LARGE)
+    refused = command(words, capsys, monkeypatch)
+    assert refused.status == 2
+    assert "takes about 2829" in refused.line and "use --yes to compute it, or a larger mesh.edge_mm" in refused.line
+    assert [file.name for file in tmp_path.iterdir()] == ["d.toml"]
+
+
+@pytest.mark.usefixtures("blank_pictures")
+def test_a_search_beyond_its_budget_ends_with_its_state_and_status_1(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("discrete.release.continuation.MAX_SEARCH_ITERATIONS", 12)
+    (tmp_path / "d.toml").write_text(SMALL)
+    done = command(["simulate", "d.toml"], capsys, monkeypatch)
+    assert done.status == 1 and "not an equilibrium: gradient" in done.err
+    assert "about 42 vertices, 0.2 GB, 2 s" in done.err
+    summary = json.loads((tmp_path / "d" / "summary.json").read_text())
+    assert summary["iterations"] == 12 and not summary["is_minimum"] and summary["gradient_norm"] > 0
+
+
+def test_silence_is_broken(monkeypatch: pytest.MonkeyPatch) -> None:
+    """While a step takes long, a line says that the computation goes on."""
+    monkeypatch.setattr(progress, "MAX_SILENCE_S", 0.02)
+    stream = io.StringIO()
+    with Progress(stream) as shown:
+        shown.say("minimising")
+        begun = time.perf_counter()
+        while "still computing" not in stream.getvalue():
+            assert time.perf_counter() - begun < 60.0
+            time.sleep(0.005)
+    lines = stream.getvalue().splitlines()
+    assert lines[0] == "minimising" and lines[1].startswith("  still computing, ") and lines[1].endswith(" s")
+    count = len(lines)
+    time.sleep(0.1)
+    assert len(stream.getvalue().splitlines()) == count
