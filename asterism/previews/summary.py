@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from asterism.previews.state import PreviewState
+from asterism.previews.uncertainty.distance_error import probability_lower
 from asterism.previews.uncertainty.estimate import ErrorEstimate
 from asterism.previews.warnings import preview_warnings
 from asterism.process.version import __version__
@@ -54,7 +55,9 @@ def summary(
             {name: getattr(trial, name) for name in ("name", "energy", "is_minimum", "iterations")}
             for trial in equilibrium.trials
         ],
-        "other_forms": [vars(form) for form in estimate.other_forms],
+        "other_forms": [
+            vars(form) | {"probability": probability_lower(form.gap, state.model)} for form in estimate.other_forms
+        ],
         "law": {
             "material": law.material.name,
             "stretch": law.check(state.design).stretch,

@@ -73,6 +73,8 @@ def kept(design: Design, folder: Path, law: Law, starts: bool, as_is: bool) -> d
     if row is not None and row["made_by"] == made_by:
         return row
     if row is not None and as_is and (now := stated_now(row, design, law)):
+        now |= {"made_by": made_by}
+        write_row(path, now)
         return now
     released = exact(design, folder)
     row = (whole_row if starts else quick_row)(design, folder, law)

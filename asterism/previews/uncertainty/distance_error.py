@@ -74,7 +74,7 @@ def distance_error_percent(
     form = max(
         [
             model.other_form_percent * ratio / (1.0 + ratio),
-            *(math.sqrt(_probability_lower(o.gap, model)) * o.distance_percent for o in others),
+            *(math.sqrt(probability_lower(o.gap, model)) * o.distance_percent for o in others),
         ]
     )
     return float(np.hypot(near, form))
@@ -106,6 +106,12 @@ def buckling_weight(size_ratio: float, model: PreviewModel = PREVIEW_MODEL) -> f
     return min(max((start - size_ratio) / (start - full), 0.0), 1.0)
 
 
-def _probability_lower(gap: float, model: PreviewModel) -> float:
-    """That a form whose energy is higher by the share `gap` is the lower one."""
+def probability_lower(gap: float, model: PreviewModel = PREVIEW_MODEL) -> float:
+    """Probability that a form whose energy is higher by the share `gap` of the energy at stake is the lower one.
+
+    Examples
+    --------
+    >>> probability_lower(0.0), round(probability_lower(0.05), 2), round(probability_lower(0.3), 3)
+    (0.5, 0.31, 0.001)
+    """
     return 0.5 * math.erfc(gap / (math.sqrt(2.0) * model.energy_uncertainty))

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from asterism.results.record import Record, key
+from asterism.results.record import ABSENT, Record, key
 from asterism.results.records.shape import ShapeRecord
+
+# other forms that are the lower one with a smaller probability have no row in the table
+MIN_SHOWN_PROBABILITY = 0.05
 
 
 class TrialRecord(Record):
@@ -29,6 +32,15 @@ class OtherFormRecord(Record):
         "percent of the diameter.",
         unit="%",
     )
+    probability: float = key(
+        "Probability that its energy is below that of the form shown, as the energies of the law are uncertain.",
+        default=ABSENT,
+    )
+
+    def in_words(self) -> str:
+        """The row of this form in the table on the terminal."""
+        energy = f"{100.0 * abs(self.gap):.1f} % {'more' if self.gap >= 0.0 else 'less'} energy"
+        return f"{self.distance_percent:.0f} % away, {energy}, the lower one with probability {self.probability:.2f}"
 
 
 class LawOriginRecord(Record):
@@ -47,6 +59,12 @@ class HeightDoubtsRecord(Record):
     lowest: float = key("Distance of the lowest point from the smooth surface.", unit="mm")
     softness: float = key("How far the energy of the sheet would part its highest from its lowest point.", unit="mm")
     turning: float = key("Size of the bumps of stars that may turn over, rms over all stars.", unit="mm")
+
+
+def _likely_forms(record: PreviewRecord) -> dict[str, str] | None:
+    """A row for each other form that may well be the lower one."""
+    likely = [form for form in record.other_forms if form.get("probability", 0.0) >= MIN_SHOWN_PROBABILITY]
+    return {f"other form {number}": form.in_words() for number, form in enumerate(likely, 1)} or None
 
 
 def _law(record: PreviewRecord) -> str:
@@ -68,6 +86,7 @@ class PreviewRecord(ShapeRecord):
         "soft_modes_n_mm3",
         "is_minimum",
         "expected_rms_percent",
+        "other_forms",
         "law",
         "shell_triangles",
         "iterations",
@@ -105,7 +124,9 @@ class PreviewRecord(ShapeRecord):
     side: str = key("Side to which the edges were asked to go: `auto`, `up` or `down`.")
     start: str = key("Name of the initial guess that led to the shape.")
     starts: list[TrialRecord] = key("All initial guesses that were followed.")
-    other_forms: list[OtherFormRecord] = key("Other minima that the search met, the lowest first.")
+    other_forms: list[OtherFormRecord] = key(
+        "Other minima that the search met, the lowest first.", label="other form", show=_likely_forms
+    )
     law: LawOriginRecord = key("The law that was used.", label="law", show=_law)
     expected_rms_percent: float | None = key(
         "Estimated error: rms distance from the exact shape in percent of the diameter, measured as a verification "

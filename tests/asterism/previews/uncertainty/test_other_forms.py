@@ -6,11 +6,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.stats import norm
 
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.session import Preview
 from asterism.previews.uncertainty.distance_error import distance_error_percent
 from asterism.previews.uncertainty.other_forms import OtherForm, close_form, other_forms
+from asterism.results.records.preview import MIN_SHOWN_PROBABILITY
 from fem.search.evidence import Trial
 from pattern.design.design import Design
 from pattern.layout.symmetric_distance import symmetric_distances
@@ -37,8 +39,14 @@ def test_a_sheet_that_changes_along_a_line_has_several_forms() -> None:
         more = other["gap"] * preview.equilibrium.absolute_energy
         assert other["energy_n_mm"] == pytest.approx(summary["energy_n_mm"] + more)
         assert any(trial["energy"] == other["energy_n_mm"] for trial in summary["starts"])
+        assert other["probability"] == pytest.approx(norm.cdf(-other["gap"] / UNSURE))
     assert others[0]["gap"] < UNSURE
     assert any("another form" in line for line in summary["warnings"])
+    # of the forms that the terminal lists, each may well be the lower one
+    shown = {label: text for label, text in summary.table().items() if label.startswith("other form")}
+    likely = [other for other in others if other["probability"] >= MIN_SHOWN_PROBABILITY]
+    assert len(shown) == len(likely) > 0
+    assert shown["other form 1"].endswith(f"probability {likely[0]['probability']:.2f}")
     assert summary["expected_rms_percent"] > 0.5 * others[0]["distance_percent"]
 
 
